@@ -1,0 +1,180 @@
+"""The numbers of the benchmark problems, in one place for blocks and hand-written peers alike (SI, radians)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class P1:
+    """Four discs, two shafts, a spline mesh with backlash; the mesh stiffness and the torque are driven by time."""
+
+    J: tuple[float, float, float, float] = (5e-3, 2e-4, 2e-4, 1e-2)
+    k_shaft: float = 1e5
+    zeta: float = 0.05
+    radius: float = 0.025
+    k_mesh: float = 245e6
+    ripple: float = 0.3
+    half_gap: float = 20e-6
+    torque: float = 2600.0
+    swing: float = 0.1
+    w: float = 4.2e4
+
+    @property
+    def c_shafts(self) -> tuple[float, float]:
+        """Damping of the left and the right shaft from the damping ratio on the inertias beside, N m s/rad."""
+        j1, j2, j3, j4 = self.J
+        left = 2 * self.zeta * math.sqrt(self.k_shaft / (1 / j1 + 1 / j2))
+        right = 2 * self.zeta * math.sqrt(self.k_shaft / (1 / j3 + 1 / j4))
+        return left, right
+
+    @property
+    def c_mesh(self) -> float:
+        """Mesh damping along the line of action, N s/m."""
+        _, j2, j3, _ = self.J
+        return 2 * self.zeta * math.sqrt(self.k_mesh * (j2 * j3 / (j2 + j3)) / self.radius**2)
+
+    @property
+    def start(self) -> Array:
+        """Static equilibrium at the mean stiffness: twists phi_i - phi_(i+1), four speeds, one zero."""
+        shaft = self.torque / self.k_shaft
+        mesh = (self.half_gap + self.torque / (self.radius * self.k_mesh)) / self.radius
+        return np.array([shaft, mesh, shaft, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+    @property
+    def angles(self) -> tuple[float, float, float, float]:
+        """Start angles of the discs with the last one at zero."""
+        left, mesh, right = self.start[:3]
+        return float(left + mesh + right), float(mesh + right), float(right), 0.0
+
+    @property
+    def scale(self) -> Array:
+        """Smallest magnitudes that count in an error weight: static twists; gap times frequency for the speeds."""
+        speed = 0.1 * self.half_gap / self.radius * self.w
+        return np.array([*self.start[:3], speed, speed, speed, speed, 1.0])
+
+    def packed(self) -> Array:
+        """The members of `problem` in c/p1.c."""
+        r = self.radius
+        inverse = [1 / j for j in self.J]
+        return np.array(
+            [
+                self.half_gap / r,
+                *inverse,
+                self.k_shaft,
+                *self.c_shafts,
+                self.k_mesh * r * r,
+                self.ripple,
+                self.c_mesh * r * r,
+                self.torque,
+                self.swing,
+                self.w,
+            ]
+        )
+
+
+@dataclass(frozen=True)
+class P2:
+    """One gear pair without dimensions: x'' + 2 zeta x' + (1 + eps cos w t) g(x) = Fm + Fah w^2 cos w t."""
+
+    zeta: float = 0.05
+    eps: float = 0.2
+    load: float = 0.1
+    swing: float = 0.05
+    w: float = 0.9
+    half_gap: float = 1.0
+    x0: float = 1.1
+    periods: int = 100
+
+    @property
+    def period(self) -> float:
+        """Period of the excitation."""
+        return 2 * math.pi / self.w
+
+    @property
+    def start(self) -> Array:
+        """Deflection and its rate."""
+        return np.array([self.x0, 0.0])
+
+    @property
+    def scale(self) -> Array:
+        """Smallest magnitudes that count in an error weight."""
+        return np.array([1.0, 0.1])
+
+    def packed(self) -> Array:
+        """The members of `problem` in c/p2.c."""
+        return np.array([self.half_gap, 2 * self.zeta, self.eps, self.load, self.swing * self.w**2, self.w])
+
+
+@dataclass(frozen=True)
+class P4:
+    """A stiff chain of n inertias (n even), shafts and meshes in turn, the last one a shaft to ground."""
+
+    n: int = 1000
+    j_heavy: float = 1e-2
+    j_light: float = 1e-5
+    k_shaft: float = 1e4
+    c_shaft: float = 1.0
+    k_mesh: float = 1.5e6
+    half_gap: float = 8e-4
+    torque: float = 200.0
+    swing: float = 0.5
+    frequency: float = 20.0
+    t_end: float = 0.1
+
+    @property
+    def c_mesh(self) -> float:
+        """Mesh damping, N m s/rad."""
+        return 0.1 * math.sqrt(self.k_mesh * self.j_light)
+
+    @property
+    def w(self) -> float:
+        """Frequency of the torque, rad/s."""
+        return 2 * math.pi * self.frequency
+
+    @property
+    def twists(self) -> Array:
+        """Static twists phi_i - phi_(i+1) under the mean torque."""
+        twist = np.full(self.n, self.torque / self.k_shaft)
+        twist[1:-1:2] = self.half_gap + self.torque / self.k_mesh
+        return twist
+
+    @property
+    def angles(self) -> Array:
+        """Static angles of the inertias; ground is at zero."""
+        angles: Array = np.cumsum(self.twists[::-1])[::-1].copy()
+        return angles
+
+    @property
+    def start(self) -> Array:
+        """Twists, then speeds."""
+        return np.concatenate([self.twists, np.zeros(self.n)])
+
+    @property
+    def scale(self) -> Array:
+        """Smallest magnitudes that count in an error weight."""
+        return np.concatenate([self.twists, np.full(self.n, self.twists[0] * self.w)])
+
+    def packed(self) -> Array:
+        """The members of `problem` in c/p4.c."""
+        return np.array(
+            [
+                self.half_gap,
+                self.j_heavy,
+                self.j_light,
+                self.k_shaft,
+                self.c_shaft,
+                self.k_mesh,
+                self.c_mesh,
+                self.torque,
+                self.swing,
+                self.w,
+                float(self.n),
+            ]
+        )

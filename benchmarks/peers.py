@@ -1,0 +1,84 @@
+"""Others' solvers on P1 and P2, each at several tolerances: rows of (what, CPU seconds, error, remark)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from benchmarks.cases import P1, P2, P4, Array
+from benchmarks.equations import casadi_rates, lambdified, numba_rates
+from benchmarks.measure import cpu_seconds, relative_error
+from benchmarks.native import solve
+
+Row = tuple[str, float, float, str]
+
+
+def coordinates(problem: P1 | P2 | P4) -> slice:
+    """The relative coordinates within the state vector."""
+    return slice(0, {P1: 3, P2: 1}.get(type(problem), problem.start.size // 2))
+
+
+def states(problem: P1 | P2) -> int:
+    """Number of states without the padding of the C code."""
+    return 7 if isinstance(problem, P1) else 2
+
+
+def hand_written(problem: P1 | P2 | P4, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
+    """The C of this folder: order 8, located corners."""
+    for rtol in rtols:
+        seconds, run = cpu_seconds(lambda rtol=rtol: solve(problem, t, rtol))  # type: ignore[misc]
+        remark = f"{run.steps} steps, {run.rejected} rejected, {run.corners} corners, no ledger"
+        c = coordinates(problem)
+        yield f"hand-written C {rtol:.0e}", seconds, relative_error(run.y[:, c], reference[:, c]), remark
+
+
+def scipy_dop853(problem: P1 | P2, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
+    """scipy's DOP853 with a right-hand side from sympy.lambdify."""
+    from scipy.integrate import solve_ivp
+
+    n, c = states(problem), coordinates(problem)
+    f = lambdified(problem)
+    for rtol in rtols:
+        options: dict[str, Any] = {"method": "DOP853", "rtol": rtol, "atol": rtol * problem.scale[:n], "t_eval": t}
+        seconds, run = cpu_seconds(
+            lambda options=options: solve_ivp(f, (0.0, t[-1]), problem.start[:n], **options)  # type: ignore[misc]
+        )
+        yield (
+            f"scipy DOP853 + lambdify {rtol:.0e}",
+            seconds,
+            relative_error(run.y.T[:, c], reference[:, c]),
+            (f"{run.nfev} calls"),
+        )
+
+
+def numbalsoda(problem: P1 | P2, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
+    """numbalsoda's LSODA and DOP853 with a right-hand side compiled by numba."""
+    from numbalsoda import dop853, lsoda
+
+    n, c = states(problem), coordinates(problem)
+    address = numba_rates(problem).address
+    times = np.concatenate([[0.0], t])
+    for name, solver in (("LSODA", lsoda), ("DOP853", dop853)):
+        for rtol in rtols:
+            options = {"rtol": rtol, "atol": 1e-3 * rtol, "mxstep": 1_000_000_000}
+            solver(address, problem.start[:n], times[:2], **options)  # compiles
+            seconds, (y, fine) = cpu_seconds(
+                lambda options=options, solver=solver: solver(address, problem.start[:n], times, **options)  # type: ignore[misc]
+            )
+            error = relative_error(y[1:, c], reference[:, c])
+            yield f"numbalsoda {name} {rtol:.0e}", seconds, error, "" if fine else "reports failure"
+
+
+def casadi(problem: P1 | P2, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
+    """CVODES through casadi, backward differentiation formulas with its own Jacobian."""
+    import casadi as ca
+
+    n, c = states(problem), coordinates(problem)
+    model = casadi_rates(problem)
+    for rtol in rtols:
+        options = {"reltol": rtol, "abstol": 1e-3 * rtol, "max_num_steps": 100_000_000}
+        integrator = ca.integrator("run", "cvodes", model, 0.0, t.tolist(), options)
+        seconds, y = cpu_seconds(lambda: np.array(integrator(x0=problem.start[:n])["xf"]).T)  # noqa: B023
+        yield f"casadi CVODES {rtol:.0e}", seconds, relative_error(y[:, c], reference[:, c]), ""

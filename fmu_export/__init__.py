@@ -1,0 +1,12 @@
+"""Drivetrains as FMUs: self-contained, with their C sources inside, and checked.
+
+>>> import fmu_export
+>>> fmu_export.export(rig, "rig.fmu")        # doctest: +SKIP
+>>> print(fmu_export.check("rig.fmu"))       # doctest: +SKIP
+"""
+
+from fmu_export.check import check
+from fmu_export.exporter import export
+from fmu_export.report import Item, Report
+
+__all__ = ["Item", "Report", "check", "export"]

@@ -1,0 +1,117 @@
+"""C sources of an FMU and the shared library of one platform."""
+
+from __future__ import annotations
+
+import platform
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from fmu_export.templates import C_FOLDER
+from gearblocks.cache import digest, user_cache
+from gearblocks.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler
+from gearblocks.errors import CompileError, ParameterError
+from gearblocks.library import core_files
+
+SHARED_GLUE = ("gb_fmu.c", "gb_fmu.h", "gb_fmu_internal.h", "gb_fmu_values.c")
+"""Life cycle and variables: the same for every FMI version."""
+
+VERSION_GLUE = {"2.0": ("fmi2.h", "fmi2_glue.c", "fmi2_instance.h", "fmi2_states.c")}
+"""Names, types and states of one FMI version."""
+
+GENERATED = ("fmu_table.c", "model.c")
+"""What differs from model to model."""
+
+_BASELINE = "glibc_baseline.h"
+_MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
+_PLATFORMS = {("linux", "x86_64"): "linux64", ("win32", "x86_64"): "win64", ("darwin", "x86_64"): "darwin64"}
+KNOWN_PLATFORMS = ("native", "linux64", "win64", "darwin64", "aarch64-linux", "aarch64-darwin")
+
+
+def source_files(fmi: str, model: str, table: str) -> dict[str, bytes]:
+    """All C files by name; those that end in .c, compiled and linked with libm, are the whole library."""
+    glue = {name: (C_FOLDER / name).read_bytes() for name in (*SHARED_GLUE, *VERSION_GLUE[fmi])}
+    return {**core_files(), **glue, "model.c": model.encode(), "fmu_table.c": table.encode()}
+
+
+def native_platform() -> str:
+    """FMI's name of this machine. Raises ParameterError where FMI 2.0 has none."""
+    machine = platform.machine().lower()
+    key = (sys.platform, _MACHINES.get(machine, machine))
+    if key not in _PLATFORMS:
+        raise ParameterError(f"FMI 2.0 has no name for this platform ({sys.platform}, {machine})")
+    return _PLATFORMS[key]
+
+
+def checked_platforms(platforms: Sequence[str]) -> tuple[str, ...]:
+    """FMI's names of the platforms asked for: in this version the machine at hand, or none at all."""
+    names = (platforms,) if isinstance(platforms, str) else tuple(platforms)
+    chosen = []
+    for name in names:
+        if name not in KNOWN_PLATFORMS:
+            raise ParameterError(f"platform '{name}' is unknown; platforms are {', '.join(KNOWN_PLATFORMS)}")
+        own = native_platform()
+        if name not in ("native", own):
+            raise ParameterError(
+                f"platform '{name}' is not available in this version; possible on this machine: native ({own})"
+            )
+        chosen.append(own)
+    return tuple(dict.fromkeys(chosen))
+
+
+def build_binary(sources: Mapping[str, bytes], identifier: str) -> dict[str, bytes]:
+    """The shared library of this machine under its name in the archive.
+
+    Compiled for every CPU of the platform (no instructions beyond its baseline), contraction off: the same bits as the
+    run in-process. Objects that are the same for all models are kept in the user's cache.
+    """
+    compiler = find_compiler()
+    names = sorted(name for name in sources if name.endswith(".c"))
+    headers = {name: data for name, data in sources.items() if name.endswith(".h")}
+    with ThreadPoolExecutor(max_workers=2) as workers:
+        objects = list(workers.map(lambda name: _object(compiler, headers, name, sources[name]), names))
+    product = identifier + SHARED_SUFFIX
+    files = {f"{name[:-2]}.o": data for name, data in zip(names, objects, strict=True)}
+    data = _produced(compiler, files, ("-shared", "-s", *files, "-o", product, "-lm"), product)
+    return {f"binaries/{native_platform()}/{product}": data}
+
+
+def _object(compiler: Compiler, headers: Mapping[str, bytes], name: str, source: bytes) -> bytes:
+    files = {**headers, name: source}
+    arguments: tuple[str, ...] = (
+        *FLAGS,
+        "-DGB_API=",
+        "-c",
+        name,
+        "-o",
+        "out.o",
+    )  # GB_API: nothing of the solver is exported
+    if sys.platform == "linux" and not compiler.is_zig:
+        files[_BASELINE] = (C_FOLDER / _BASELINE).read_bytes()
+        arguments = ("-include", _BASELINE, *arguments)
+    if name in GENERATED:
+        return _produced(compiler, files, arguments, "out.o")
+    cache = user_cache()
+    parts = [part for header in sorted(files) for part in (header, files[header])]
+    key = digest(compiler.identity, *arguments, *parts)
+    path = cache.find("fmu", key, ".o")
+    if path is None:
+        path = cache.write("fmu", key, _produced(compiler, files, arguments, "out.o"), ".o")
+    return path.read_bytes()
+
+
+def _produced(compiler: Compiler, files: Mapping[str, bytes], arguments: Sequence[str], product: str) -> bytes:
+    """Runs the compiler in a fresh folder, under plain names whatever the user's paths look like."""
+    try:
+        with tempfile.TemporaryDirectory(prefix="gearblocks-fmu-", ignore_cleanup_errors=True) as place:
+            directory = Path(place)
+            for name, data in files.items():
+                (directory / name).write_bytes(data)
+            compiler.run(arguments, directory)
+            return (directory / product).read_bytes()
+    except OSError as error:
+        raise CompileError(
+            f"the FMU cannot be compiled in {tempfile.gettempdir()}: {error.strerror or error}"
+        ) from error

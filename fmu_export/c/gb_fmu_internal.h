@@ -1,0 +1,37 @@
+/* What gb_fmu.c and gb_fmu_values.c share. */
+#ifndef GB_FMU_INTERNAL_H
+#define GB_FMU_INTERNAL_H
+
+#include "gb_fmu.h"
+
+const gb_model *gb_get_model(void);
+
+enum { GB_FMU_TOKEN = 64, GB_FMU_KIND_SHIFT = 24 };
+
+/* What changes during a run beside the solver's own block. Saved and restored as it is. */
+typedef struct gb_fmu_state {
+    char token[GB_FMU_TOKEN];
+    gb_options options;
+    double t_start, t;
+    int phase;
+    int started; /* the solver holds the present start values */
+} gb_fmu_state;
+
+struct gb_fmu {
+    const gb_fmu_table *table;
+    gb_sim *sim;
+    gb_fmu_state s;
+    int fresh;       /* outputs[] belongs to the present point and inputs */
+    double *outputs; /* all outputs of the model */
+    double *start;   /* start vector, where the states' start values are variables */
+    char message[512];
+};
+
+int gb_fmu_refuse(gb_fmu *fmu, const char *format, ...); /* keeps the reason; always -1 */
+int gb_fmu_solver_failed(gb_fmu *fmu, int code);         /* names what, when and why; always -1 */
+const char *gb_fmu_phase_words(int phase);
+
+/* The solver starts from the values set so far; again when one of them changes before the end of the initialization. */
+int gb_fmu_start(gb_fmu *fmu);
+
+#endif

@@ -1,0 +1,136 @@
+"""export(): a train becomes one file that a simulation tool loads without anything beside it."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmu_export import manifest
+from fmu_export.archive import write_archive
+from fmu_export.binary import build_binary, checked_platforms, source_files
+from fmu_export.description2 import Header, describe
+from fmu_export.options import Experiment, SolverOptions, solver_options
+from fmu_export.start import start_vector
+from fmu_export.tables import render_table, token_of
+from fmu_export.templates import render
+from fmu_export.variables import Variable, variables_of
+from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
+from gearblocks.library import Model
+from gearblocks.program import Program
+
+if TYPE_CHECKING:
+    from gearblocks.drivetrain import Drivetrain
+
+FMI_VERSIONS = ("2.0",)
+_PLANNED = ("3.0",)
+
+
+def export(
+    train: Drivetrain | Model,
+    path: str | os.PathLike[str],
+    *,
+    fmi: str = "2.0",
+    platforms: Sequence[str] = ("native",),
+    outputs: str | Sequence[str] = "*",
+    method: str = "auto",
+    rtol: float = 1e-6,
+    step: float | None = None,
+    max_step: float | None = None,
+    locate: bool = True,
+    parameters: Mapping[str, float] | None = None,
+    initial: Any = None,
+    t_end: float = 1.0,
+    communication_step: float | None = None,
+) -> Path:
+    """Write `train` (a train, or a Model) as an FMU for co-simulation and return its path.
+
+    outputs: pattern or patterns of the outputs to show. method, rtol, step, max_step, locate: as in simulate().
+    parameters: start values by path, instead of the train's. initial: state to start from: a vector (n or n_total
+    entries), states by name, or an earlier run; start values of the states then take the place of start parameters.
+    t_end, communication_step: default experiment [s].
+    Raises ParameterError or UnknownNameError for what cannot be exported; an existing file is replaced whole or kept.
+    """
+    from gearblocks.drivetrain import build
+
+    fmi = _version(fmi)
+    chosen = checked_platforms(platforms)
+    model = build(train)
+    program = model.program
+    values = _values(model, parameters or {})
+    start = start_vector(model, values, initial)
+    solver = solver_options(method, rtol, step, max_step, locate)
+    variables = variables_of(program, values, outputs, solver, start)
+    token = token_of(program, variables, solver)
+    identifier = model_identifier(program.name)
+    sources = source_files(fmi, program.source, render_table(program, variables, solver, token))
+    experiment = Experiment(t_end, solver.rtol, communication_step)
+    header = Header(program.name, identifier, token, f"Drivetrain '{program.name}'", _tool(), list(sources), experiment)
+    files = {f"sources/{name}": data for name, data in sources.items()}
+    files["modelDescription.xml"] = describe(header, variables)
+    files["documentation/index.html"] = _documentation(program, variables, solver)
+    shown = tuple((v.name, v.index) for v in variables if v.kind == "output")
+    files[manifest.NAME] = manifest.to_json(manifest.Manifest(program, values, solver, start, shown), token)
+    if chosen:
+        files.update(build_binary(sources, identifier))
+    target = Path(path)
+    write_archive(target, files)
+    return target
+
+
+def model_identifier(name: str) -> str:
+    """`name` as a C identifier, which FMI asks of file and model identifiers."""
+    text = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "drivetrain"
+    return text if not text[0].isdigit() else f"m{text}"
+
+
+def _version(fmi: Any) -> str:
+    """A version that can be written; 2.0 as a number is understood. Raises ParameterError."""
+    if str(fmi) in FMI_VERSIONS:
+        return str(fmi)
+    possible = " or ".join(f"'{version}'" for version in FMI_VERSIONS)
+    if str(fmi) in _PLANNED:
+        raise ParameterError(f"FMI {fmi} is not available in this version; possible: fmi={possible}")
+    raise ParameterError(f"fmi = {fmi!r} is unknown; possible: fmi={possible}")
+
+
+def _values(model: Model, overrides: Mapping[str, float]) -> NDArray[np.float64]:
+    """The parameters' start values, with those given by full path, or by a unique end of it, in place."""
+    values = np.array(model.values, dtype=np.float64)
+    paths = [p.path for p in model.program.parameters]
+    for name, value in overrides.items():
+        found = [i for i, path in enumerate(paths) if path == name]
+        found = found or [i for i, path in enumerate(paths) if path.endswith(f".{name}")]
+        if len(found) != 1:
+            several = f": it could be {', '.join(paths[i] for i in found)}" if found else did_you_mean(name, paths)
+            raise UnknownNameError(f"no single parameter of '{model.program.name}' is called '{name}'{several}")
+        values[found[0]] = float(value)
+    return values
+
+
+def _tool() -> str:
+    try:
+        return f"gearblocks {importlib.metadata.version('gearblocks')}"
+    except importlib.metadata.PackageNotFoundError:
+        return "gearblocks"
+
+
+def _documentation(program: Program, variables: Sequence[Variable], solver: SolverOptions) -> bytes:
+    """A short page: the settings and every variable with its unit and start value."""
+    control = f"fixed steps of {solver.step!r} s" if solver.step is not None else f"relative tolerance {solver.rtol!r}"
+    text = render(
+        "documentation.html.jinja",
+        name=program.name,
+        n_states=program.n,
+        n_switches=len(program.switches),
+        steps=f"{solver.method}, {control}",
+        structural=program.structural,
+        variables=variables,
+    )
+    return text.encode()

@@ -1,0 +1,51 @@
+"""The run of an FMU made in-process: its own model.c, compiled and stepped by gearblocks without any FMI in between."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmu_export.manifest import Manifest
+from fmu_export.options import METHODS
+from gearblocks.core import Code, Options
+from gearblocks.errors import SimulationError
+from gearblocks.library import compile_program
+
+
+def replay(manifest: Manifest, times: NDArray[np.float64], stop: float | None) -> NDArray[np.float64]:
+    """Outputs at `times` (increasing; the first is the start), shape (times, outputs of the program).
+
+    stop: end time that the solver knows of, or None. Inputs keep their start values. Raises SimulationError.
+    """
+    program, solver = manifest.program, manifest.solver
+    options = Options(
+        METHODS[solver.method],
+        int(solver.locate),
+        solver.rtol,
+        solver.step or 0.0,
+        solver.max_step or math.inf,
+        math.inf if stop is None else stop,
+    )
+    rows: list[NDArray[np.float64]] = []
+    times = np.ascontiguousarray(times, dtype=np.float64)
+    with compile_program(program).open() as simulation:
+        simulation.parameters[:] = manifest.values
+        simulation.inputs[:] = [u.start for u in program.inputs]
+        simulation.changed()
+        code = simulation.start(options, float(times[0]), manifest.start)
+        record = simulation.record(rows=len(times) + 1)
+        while code >= 0:
+            code = simulation.run(times, float(times[-1]), record)
+            rows.append(record.take()[0])
+            if code == Code.DONE:
+                break
+        if code < 0:
+            report = simulation.report
+            raise SimulationError(report.t, program.name, f"the run in-process ended with {Code(code).name}", "")
+        pick = np.arange(len(program.outputs), dtype=np.intc)
+        code, outputs, _ = simulation.evaluate(np.concatenate(rows), pick)
+    if code < 0:
+        raise SimulationError(float(times[-1]), program.name, "the outputs in-process are not finite", "")
+    return outputs

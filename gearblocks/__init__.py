@@ -1,0 +1,28 @@
+"""Drivetrain dynamics: blocks are composed, assembled into equations of motion, and run in generated C."""
+
+from gearblocks.blocks import Damper, Fixed, GearMesh, IdealGear, Inertia, Lash, Shaft, SpeedLoad, SplineCoupling, Torque
+from gearblocks.declare import (
+    Acts, Block, Body, Effect, Energy, Flange, Force, Parts, Potential, Rate, Shows, State, Switch, Tie, effect, exact,
+    option, param, signal,
+)  # fmt: skip
+from gearblocks.drivetrain import Drivetrain, build, simulate
+from gearblocks.effects import Backlash, Fourier, Harmonic, Square
+from gearblocks.errors import (
+    CompileError, GearblocksError, ModelError, ParameterError, SimulationError, UnknownNameError,
+)  # fmt: skip
+from gearblocks.expression import cos, piecewise, sin
+from gearblocks.library import Model
+from gearblocks.signals import Input, Parameter, Table, sense, time, twist
+from gearblocks.trajectory import Trajectory
+from gearblocks.units import rpm
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Acts", "Backlash", "Block", "Body", "CompileError", "Damper", "Drivetrain", "Effect", "Energy", "Fixed", "Flange",
+    "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Model",
+    "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Rate", "Shaft", "Shows", "SimulationError",
+    "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory",
+    "UnknownNameError", "build", "cos", "effect", "exact", "option", "param", "piecewise", "rpm", "sense", "signal",
+    "simulate", "sin", "time", "twist",
+]  # fmt: skip

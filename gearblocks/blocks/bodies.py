@@ -1,0 +1,41 @@
+"""Bodies and the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from gearblocks.declare import Block, Body, Contribution, Flange, Shows, Tie, param
+
+
+class Inertia(Block):
+    """A rigid rotating body; both flanges turn by the same angle.
+
+    phi0, w0: start values. Left out, they follow from tied neighbours, else they are 0.
+    """
+
+    a, b = Flange("left end", spare=True), Flange("right end", spare=True)
+    J: float = param("moment of inertia", "kg m2", ge=0)
+    phi0: float | None = param("start angle", "rad", default=None)
+    w0: float | None = param("start speed", "rad/s", default=None)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """J phi'' = sum of the torques on both flanges."""
+        yield Body(s.a, s.J)
+        yield Tie(s.a.phi - s.b.phi)
+        yield Shows("phi", s.a.phi, "rad", "angle")
+        yield Shows("w", s.a.w, "rad/s", "speed")
+        yield Shows("alpha", s.a.alpha, "rad/s2", "acceleration")
+        yield Shows("kinetic_energy", s.J * s.a.w**2 / 2, "J", "kinetic energy")
+
+
+class Fixed(Block):
+    """The ground: holds its flange at the angle phi0. Output torque: what the ground exerts on the flange."""
+
+    flange = Flange("held flange")
+    phi0: float = param("angle at which the flange is held", "rad", default=0.0)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """phi = phi0."""
+        yield Tie(s.flange.phi - s.phi0)
+        yield Shows("torque", s.flange.tau, "N m", "reaction on the flange")

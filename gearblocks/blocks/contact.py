@@ -1,0 +1,118 @@
+"""The law that every compliant contact shares: spring, dead zone, damping, excitation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from gearblocks.declare import Contribution, Energy, Force, Rate, Shows, Switch
+from gearblocks.effects import Backlash
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """Symbols of one contact. x: deflection; rate: its rate; k: stiffness with variation; c: damping or None.
+
+    gap: the backlash or None, with its symbols; choice: what damping does in the gap.
+    """
+
+    x: Any
+    rate: Any
+    k: Any
+    c: Any
+    gap: Backlash | None
+    gap_symbols: Any
+    choice: str
+
+
+def damping(s: Any, k: Any, compliance_of_bodies: Any) -> Any:
+    """c, given or from the damping ratio: c = 2 zeta sqrt(k / sum(r^2/J)); None when absent."""
+    import sympy as sp
+
+    if s.damping_ratio is not None:
+        return 2 * s.damping_ratio * sp.sqrt(k / compliance_of_bodies)
+    return s.c
+
+
+def damping_problems(block: Any) -> Iterator[str]:
+    """c and damping_ratio together, and choices of contact damping that do not exist."""
+    if block.c is not None and block.damping_ratio is not None:
+        yield "c and damping_ratio are both given; give one of them"
+    choice = getattr(block, "contact_damping", "clipped")
+    if choice not in ("clipped", "clipped_force", "always"):
+        yield f"contact_damping = {choice!r} must be 'clipped', 'clipped_force' or 'always'"
+
+
+def theta_of(block_effect: Any, s: Any, mesh_angle: Any, time: Any) -> tuple[Any, list[Contribution]]:
+    """The phase of an excitation and the contributions it needs.
+
+    mesh_angle: angle of the teeth in rad of the mesh cycle. A constant frequency gives w t, a varying one is integrated.
+    """
+    if block_effect.driven_by == "angle":
+        return mesh_angle + s.phase, []
+    if s.is_constant("driven_by"):
+        return s.driven_by * time + s.phase, []
+    return s.angle + s.phase, [Rate(s.angle, s.driven_by)]
+
+
+def contact(law: Contact) -> Iterator[Contribution]:
+    """Force, switches, energy and the common outputs of a contact.
+
+    Damping in a dead zone: "clipped" d = c x' within +-k abs(g), "clipped_force" max(k g + c x', 0) on the drive side
+    (min on the coast side), "always" c x' in the gap too. What a clipped spring gives away is counted as loss.
+    """
+    import sympy as sp
+
+    x, gap, symbols = law.x, law.gap, law.gap_symbols
+    if gap is None:
+        g, potential, side = x, x**2 / 2, sp.Integer(1)
+    else:
+        g, potential, side = gap.deflection(symbols, x), gap.potential(symbols, x), gap.side(symbols, x)
+        yield from gap.switches(symbols, x)
+    elastic = law.k * g
+    drag: Any = 0
+    if law.c is not None:
+        viscous = law.c * law.rate
+        choice = "always" if gap is None else law.choice
+        drag = _DRAG[choice](elastic, viscous, side)
+        yield from _clip_switches(choice, elastic, viscous, side)
+        yield Shows("loss_power", drag * law.rate, "W", "power lost in the contact")
+    yield Force(x, elastic + drag)
+    yield Energy(stored=law.k * potential, loss=drag * law.rate if law.c is not None else None)
+    yield Shows("contact", side, "1", "-1 coast side, 0 none, +1 drive side")
+
+
+def _always(elastic: Any, viscous: Any, side: Any) -> Any:
+    return viscous
+
+
+def _clipped(elastic: Any, viscous: Any, side: Any) -> Any:
+    import sympy as sp
+
+    bound = elastic * side
+    above, below = sp.Heaviside(viscous + bound, 1), sp.Heaviside(bound - viscous, 1)
+    return side**2 * (above * below * viscous - (1 - above) * bound + (1 - below) * bound)
+
+
+def _clipped_force(elastic: Any, viscous: Any, side: Any) -> Any:
+    import sympy as sp
+
+    pushing = sp.Heaviside((elastic + viscous) * side, 1)
+    return side**2 * (pushing * viscous - (1 - pushing) * elastic)
+
+
+_DRAG: dict[str, Callable[[Any, Any, Any], Any]] = {
+    "always": _always,
+    "clipped": _clipped,
+    "clipped_force": _clipped_force,
+}
+
+
+def _clip_switches(choice: str, elastic: Any, viscous: Any, side: Any) -> Iterator[Switch]:
+    if choice == "clipped":
+        bound = elastic * side
+        yield Switch("damping above -k g", viscous + bound, when=side**2)
+        yield Switch("damping below k g", bound - viscous, when=side**2)
+    elif choice == "clipped_force":
+        yield Switch("pushing", (elastic + viscous) * side, when=side**2)

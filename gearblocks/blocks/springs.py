@@ -1,0 +1,128 @@
+"""Compliant elements on two flanges of one axis."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from gearblocks.blocks.bodies import Inertia
+from gearblocks.blocks.contact import Contact, contact, damping, damping_problems
+from gearblocks.declare import Block, Contribution, Energy, Flange, Force, Parts, Shows, Tie, option, param, signal
+from gearblocks.effects import Backlash
+
+
+class Shaft(Block):
+    r"""Massless torsional spring and damper.
+
+        a o---/\/\/---o b        twist = phi_b - phi_a
+              --[]--             positive torque pulls a forward and b back ... on b: -(k twist + c twist')
+
+    Either k (a number or signal), or torque: an expression of gb.twist or a Table over the twist, the torque that
+    pulls the ends together. Damping by c or damping_ratio. With segments > 1 and the shaft's own inertia J it becomes a
+    chain of that many springs with J lumped at their ends.
+    """
+
+    a, b = Flange("left end"), Flange("right end")
+    k: Any = signal("torsional stiffness", "N m/rad", default=None, belongs_to="compliance")
+    torque: Any = signal("restoring torque over gb.twist", "N m", default=None, belongs_to="compliance")
+    c: float | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
+    damping_ratio: float | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
+    allow_negative: bool = option("admit k < 0", default=False)
+    segments: int = option("number of springs in a row", default=1)
+    J: float | None = param("own moment of inertia, with segments", "kg m2", default=None, ge=0)
+
+    def problems(self) -> Iterator[str]:
+        """Contradicting fields."""
+        yield from damping_problems(self)
+        if self.k is not None and self.torque is not None:
+            yield "k and torque are both given; give one of them"
+        if isinstance(self.k, (int, float)) and self.k <= 0 and not self.allow_negative:
+            yield f"k = {self.k!r} N m/rad must be > 0 (or give allow_negative=True)"
+        if self.torque is not None and self.damping_ratio is not None:
+            yield "damping_ratio needs k; give c"
+        if not isinstance(self.segments, int) or self.segments < 1:
+            yield f"segments = {self.segments!r} must be a whole number >= 1"
+        elif self.segments > 1 and (self.k is None or self.J is None or self.damping_ratio is not None):
+            yield "segments need k, J and (for damping) c"
+        elif self.segments == 1 and self.J is not None:
+            yield "J needs segments > 1; a shaft of one segment has no inertia (put an Inertia beside it)"
+
+    def parts(self) -> Parts | None:
+        """The chain of springs and lumps, when there are segments."""
+        n = self.segments
+        if n == 1 or self.k is None or self.J is None:
+            return None
+        blocks: dict[str, Block] = {}
+        for i in range(n + 1):
+            blocks[f"lump[{i}]"] = Inertia(J=self.J / n / (2 if i in (0, n) else 1))
+        for i in range(1, n + 1):
+            spring = self.changed(segments=1, J=None, k=self.k * n, c=None if self.c is None else self.c * n)
+            blocks[f"spring[{i}]"] = spring
+        links = [((f"lump[{i - 1}]", "b"), (f"spring[{i}]", "a")) for i in range(1, n + 1)]
+        links += [((f"spring[{i}]", "b"), (f"lump[{i}]", "a")) for i in range(1, n + 1)]
+        return Parts(blocks, tuple(links), {"a": ("lump[0]", "a"), "b": (f"lump[{n}]", "b")})
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """torque = k twist + c twist'."""
+        twist, rate = s.b.phi - s.a.phi, s.b.w - s.a.w
+        yield Shows("twist", twist, "rad", "phi_b - phi_a")
+        yield Shows("twist_rate", rate, "rad/s", "w_b - w_a")
+        if self.k is None and self.torque is None:
+            yield Tie(twist)
+            yield Shows("torque", s.b.tau, "N m", "torque on flange b")
+            return
+        elastic = s.k * twist if self.k is not None else s.local("torque", twist=twist)
+        c = damping(s, s.k, s.a.mobility + s.b.mobility)
+        drag = c * rate if c is not None else 0
+        yield Force(twist, elastic + drag)
+        stored = s.k * twist**2 / 2 if self.k is not None else s.antiderivative(elastic, twist)
+        yield Energy(stored=stored, loss=drag * rate if c is not None else None)
+        yield Shows("torque", -elastic - drag, "N m", "torque on flange b")
+        if c is not None:
+            yield Shows("loss_power", drag * rate, "W", "power lost in the damper")
+
+
+class Damper(Block):
+    """Massless damper between two flanges: torque on b = -c w_rel."""
+
+    a, b = Flange("left end"), Flange("right end")
+    c: float = param("torsional damping", "N m s/rad", ge=0)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """torque = c w_rel."""
+        rate = s.b.w - s.a.w
+        yield Force(s.b.phi - s.a.phi, s.c * rate)
+        yield Energy(loss=s.c * rate**2)
+        yield Shows("w_rel", rate, "rad/s", "w_b - w_a")
+        yield Shows("torque", -s.c * rate, "N m", "torque on flange b")
+        yield Shows("loss_power", s.c * rate**2, "W", "power lost")
+
+
+class Lash(Block):
+    """Torsional spring with a gap: twist = phi_b - phi_a, no torque while abs(twist) <= half_gap."""
+
+    a, b = Flange("left end"), Flange("right end")
+    k: float | None = param("torsional stiffness in contact", "N m/rad", gt=0, belongs_to="compliance")
+    half_gap: float | None = param("half of the free play", "rad", ge=0, belongs_to="backlash")
+    c: float | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
+    damping_ratio: float | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
+    contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
+
+    def problems(self) -> Iterator[str]:
+        """Contradicting fields."""
+        yield from damping_problems(self)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """torque = k g(twist) + damping."""
+        twist, rate = s.b.phi - s.a.phi, s.b.w - s.a.w
+        yield Shows("twist", twist, "rad", "phi_b - phi_a")
+        if self.k is None:
+            yield Tie(twist)
+            yield Shows("torque", s.b.tau, "N m", "torque on flange b")
+            return
+        c = damping(s, s.k, s.a.mobility + s.b.mobility)
+        gap = None if self.half_gap is None else Backlash(half_gap=self.half_gap)
+        for item in contact(Contact(twist, rate, s.k, c, gap, s, self.contact_damping)):
+            yield item
+            if isinstance(item, Force):
+                yield Shows("torque", -item.force, "N m", "torque on flange b")

@@ -1,0 +1,150 @@
+"""Conditions become frozen modes: Piecewise, Abs, sign, Min, Max, Heaviside and tables turn into located switches.
+
+Within a step a law runs on the branch that its modes name, continued smoothly past the surface; only the event
+handler of the solver changes a mode.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.declare import Switch
+from gearblocks.errors import GearblocksError
+from gearblocks.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, TableAt, dead_zone_branch
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """Identity of one switch of a kind: its number and what moves its surface."""
+
+    number: int
+    level: int
+
+
+@dataclass(slots=True)
+class SurfaceOfKind:
+    """One switch of a kind: surface >= 0 (or the quantity of a table) with its names and the values in the events."""
+
+    name: str
+    surface: Any
+    symbol: Any
+    level: int
+    when: Any = 1
+    low: float = 0.0
+    high: float = 1.0
+    table: Any = None
+
+
+@dataclass
+class Freezer:
+    """Replaces conditions by mode symbols and collects the switches. One per kind."""
+
+    pool: Pool
+    switches: list[SurfaceOfKind] = field(default_factory=list)
+    locating: bool = True
+    _memo: dict[Any, Any] = field(default_factory=dict)
+
+    def declare(self, declared: Iterable[Switch]) -> None:
+        """Takes the named switches first, so that conditions on the same surfaces find them."""
+        for item in declared:
+            indicator = self._indicator(sp.sympify(item.surface), item.name)
+            for switch in self.switches:
+                if switch.symbol in indicator.free_symbols:
+                    switch.low, switch.high = float(item.low), float(item.high)
+                    if item.when != 1:
+                        switch.when = self.freeze(sp.sympify(item.when))
+
+    def freeze(self, expr: Any) -> Any:
+        """expr with every condition replaced."""
+        if expr not in self._memo:
+            self._memo[expr] = self._freeze(expr)
+        return self._memo[expr]
+
+    def _freeze(self, e: Any) -> Any:
+        if e.is_Atom:
+            return e
+        if isinstance(e, sp.Piecewise):
+            return self._piecewise(e)
+        if isinstance(e, TableAt):
+            return self._table(e)
+        if isinstance(e, (DeadZone, ContactSide)):
+            return self._dead_zone(e)
+        a = [self.freeze(x) for x in e.args]
+        if isinstance(e, sp.Abs):
+            return (2 * self._indicator(a[0]) - 1) * a[0]
+        if isinstance(e, sp.sign):
+            return 2 * self._indicator(a[0]) - 1
+        if isinstance(e, sp.Heaviside):
+            return self._indicator(a[0])
+        if isinstance(e, (sp.Max, sp.Min)):
+            result = a[0]
+            for x in a[1:]:
+                above = self._indicator(x - result) if isinstance(e, sp.Max) else 1 - self._indicator(x - result)
+                result = result + above * (x - result)
+            return result
+        if isinstance(e, (sp.Ne, sp.Eq)):
+            raise GearblocksError(f"the condition '{e}' asks for equality, which a run never meets exactly; use < or >")
+        if e.is_Relational:
+            return self._indicator(a[0] - a[1] if isinstance(e, (sp.Gt, sp.Ge)) else a[1] - a[0])
+        if isinstance(e, sp.And):
+            return sp.Mul(*a)
+        if isinstance(e, sp.Or):
+            return 1 - sp.Mul(*(1 - x for x in a))
+        if isinstance(e, sp.Not):
+            return 1 - a[0]
+        return e.func(*a)
+
+    def _piecewise(self, e: Any) -> Any:
+        """Nested selection by indicators; the last condition must be True, else the value outside is NaN."""
+        result: Any = None
+        for value, condition in reversed(e.args):
+            if condition is sp.true:
+                result = self.freeze(value)
+                continue
+            if result is None:
+                raise GearblocksError(f"'{e}' has no value where no condition holds: end it with (value, True)")
+            chosen = self.freeze(condition)
+            result = chosen * self.freeze(value) + (1 - chosen) * result
+        return result
+
+    def _indicator(self, surface: Any, name: str = "") -> Any:
+        """1 where surface >= 0, else 0, as the mode symbol of a switch (or a plain condition on constants)."""
+        surface = self.freeze(surface)
+        if surface.is_number:
+            return sp.Integer(1 if surface >= 0 else 0)
+        if not self.locating or self.pool.level(surface) == CONSTANT:
+            return sp.Heaviside(surface, 1)
+        for switch in self.switches:
+            if switch.table is None and switch.surface == surface:
+                return switch.symbol
+            if switch.table is None and switch.surface == -surface:
+                return 1 - switch.symbol
+        return self._add(name or f"switch {len(self.switches) + 1}", surface).symbol
+
+    def _dead_zone(self, e: Any) -> Any:
+        x, b = (self.freeze(a) for a in e.args[:2])
+        drive, coast = self._indicator(x - b), 1 - self._indicator(x + b)
+        if isinstance(e, ContactSide):
+            return drive - coast
+        return drive * dead_zone_branch(x - b, e.args[2]) + coast * dead_zone_branch(x + b, e.args[2])
+
+    def _table(self, e: Any) -> Any:
+        table, x, order = e.args[:3]
+        x = self.freeze(x)
+        for switch in self.switches:
+            if switch.table == table and switch.surface == x:
+                return TableAt(table, x, order, switch.symbol)
+        if not self.locating:
+            return TableAt(table, x, order)
+        return TableAt(table, x, order, self._add("table", x, table).symbol)
+
+    def _add(self, name: str, surface: Any, table: Any = None) -> SurfaceOfKind:
+        level = self.pool.level(surface)
+        mode = Mode(len(self.switches), level if level != MOVING else MOVING)
+        switch = SurfaceOfKind(name, surface, self.pool.symbol("mode", mode, f"mode{mode.number}"), level, table=table)
+        self.switches.append(switch)
+        return switch

@@ -1,0 +1,140 @@
+"""From a train to a model that runs: equations, program and library, from the cache where they were made before."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import inspect
+import pickle
+from pathlib import Path
+from types import CodeType
+from typing import Any
+
+import numpy as np
+
+from gearblocks.cache import digest, user_cache
+from gearblocks.declare import Block, _Declared
+from gearblocks.errors import ModelError
+from gearblocks.expression import Expr, evaluate
+from gearblocks.graph import Train, leaves_of, numbers_of, structural_text
+from gearblocks.library import Model, compile_program, start_core_build
+from gearblocks.program import Program
+from gearblocks.signals import Parameter
+
+
+def build_train(train: Train) -> Model:
+    """The model of a train. Raises ModelError, or CompileError where there is no working compiler."""
+    values = _values(train)
+    cache = user_cache()
+    key = digest("program", _package_digest(), _classes_digest(train), structural_text(train))
+    program = _stored(cache.read("programs", key), values)
+    if program is None:
+        start_core_build()
+        program = make_program(train)
+        cache.write("programs", key, pickle.dumps(program, protocol=5))
+    start = np.array([values.get(p.path, 0.0) for p in program.parameters])
+    start.setflags(write=False)
+    return Model(program, compile_program(program), start)
+
+
+def make_program(train: Train) -> Program:
+    """The program of a train, made anew."""
+    from gearblocks.assemble import assemble
+    from gearblocks.codegen import generate
+
+    return generate(assemble(train))
+
+
+def _stored(data: bytes | None, values: dict[str, float]) -> Program | None:
+    """A program from the cache, unless its ratios rest on other values."""
+    if data is None:
+        return None
+    program = pickle.loads(data)  # the cache verifies that it reads what was written
+    assert isinstance(program, Program)
+    fits = all(values.get(path) == value for path, value in program.structural)
+    return program if fits else None
+
+
+def _values(train: Train) -> dict[str, float]:
+    """The number of every parameter path, Parameter and start value."""
+    values: dict[str, float] = {}
+    shared: dict[str, Parameter] = {}
+    for c in train.components:
+        for path, value, _ in numbers_of(c.block, c.path + "."):
+            if isinstance(value, (int, float)):
+                values[path] = float(value)
+            elif isinstance(value, Expr) and path.endswith((".phi0", ".w0")):
+                values[path] = evaluate(value, _parameter_value)
+        _starts(c.path, c.block, values)
+        for leaf in leaves_of(c.block):
+            if isinstance(leaf, Parameter):
+                other = shared.setdefault(leaf.name, leaf)
+                if other != leaf:
+                    raise ModelError(f"two Parameters are named '{leaf.name}': {other.value!r} and {leaf.value!r}; use one object")
+    for coordinate in train.coordinates:
+        for found in coordinate.expr.leaves():
+            if found.op == "parameter":
+                shared.setdefault(found.args[0].name, found.args[0])
+    values.update({name: parameter.value for name, parameter in shared.items()})
+    return values
+
+
+def _parameter_value(leaf: Expr) -> float:
+    if leaf.op != "parameter":
+        raise ModelError(f"a start value cannot depend on '{leaf}'; use numbers and Parameters")
+    return float(leaf.args[0].value)
+
+
+def _starts(path: str, owner: _Declared, values: dict[str, float], prefix: str = "") -> None:
+    for name, state in type(owner).states.items():
+        values[f"{path}.{prefix}{name}"] = state.start
+    for name in type(owner).fields:
+        part = owner.__dict__[name]
+        if isinstance(part, _Declared):
+            _starts(path, part, values, f"{prefix}{name}.")
+
+
+@functools.cache
+def _package_digest() -> str:
+    """A sum over the sources of this package: another version makes its own programs."""
+    here = Path(__file__).parent
+    paths = sorted([*here.glob("*.py"), *here.glob("blocks/*.py"), *here.glob("c/*.jinja")])
+    return digest(*(part for path in paths for part in (path.name, path.read_bytes())))
+
+
+def _classes_digest(train: Train) -> str:
+    """A sum over the code of every class that is not ours."""
+    classes = {type(c.block) for c in train.components}
+    for c in train.components:
+        classes |= {type(v) for v in c.block.__dict__.values() if isinstance(v, _Declared)}
+    foreign = sorted((cls for cls in classes if not cls.__module__.startswith("gearblocks.")), key=lambda c: c.__qualname__)
+    return digest(*(_class_text(cls) for cls in foreign))
+
+
+def _class_text(cls: type) -> str:
+    """Source file of a class where there is one, and the code of its methods with what they call."""
+    parts = [cls.__qualname__]
+    try:
+        parts.append(Path(inspect.getfile(cls)).read_text(encoding="utf-8"))
+    except (OSError, TypeError):
+        pass
+    for base in cls.__mro__:
+        if issubclass(base, (Block, _Declared)) and not base.__module__.startswith("gearblocks."):
+            for name, member in sorted(vars(base).items()):
+                code = getattr(member, "__code__", None)
+                parts.append(f"{name} {_code_text(code, getattr(member, '__globals__', {}), set()) if code else repr(member)}")
+    return "\n".join(parts)
+
+
+def _code_text(code: CodeType, scope: dict[str, Any], seen: set[CodeType]) -> str:
+    """The bytecode with its constants and the functions it names, followed into the same scope."""
+    if code in seen:
+        return ""
+    seen.add(code)
+    constants = [_code_text(x, scope, seen) if isinstance(x, CodeType) else repr(x) for x in code.co_consts]
+    called = []
+    for name in code.co_names:
+        other = scope.get(name)
+        inner = getattr(other, "__code__", None)
+        called.append(_code_text(inner, scope, seen) if inner else repr(other) if isinstance(other, (int, float, str)) else name)
+    return hashlib.sha256("|".join([code.co_code.hex(), *constants, *called]).encode()).hexdigest()

@@ -1,0 +1,140 @@
+/* Error weights and step sizes. There is no absolute tolerance: every state is measured against its own history. */
+#include "gb_combine.h"
+
+/* exp2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
+static double rough_exp2(double x)
+{
+    const double within = gb_min(gb_max(x, -1000.0), 1000.0), whole = floor(within), f = within - whole;
+    const uint64_t bits = (uint64_t)(int64_t)(whole + 1023.0) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return power * (1.0 + f * (0.6951 + f * (0.2276 + f * 0.0773)));
+}
+
+/* How far rounding moves each rate: the response to a change of the states in their last bits, of alternating sign. */
+static void measure_noise(gb_sim *sim, const double *tau)
+{
+    const gb_model *model = sim->model;
+    double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
+    for (int i = 0; i < model->n_padded; i++) {
+        const double bit = 2.0 * DBL_EPSILON * sim->peak[i];
+        sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
+    }
+    model->rhs(sim->par, sim->mode, tau, sim->z2, rate);
+    sim->head->rhs_calls++;
+    for (int i = 0; i < model->n; i++) {
+        const double noise = fabs(rate[i] - sim->k[i]);
+        sim->noise[i] = noise > sim->noise[i] ? noise : sim->noise[i];
+    }
+}
+
+/* 1 / (rtol size + h noise). The size of a state is its largest value so far, its natural scale where the train knows
+ * one, and before the first step what its rate gives. `trial` counts too where a state has no size at all. */
+void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial)
+{
+    gb_head *head = sim->head;
+    const int n = sim->model->n;
+    const double floor_factor = 1e-10;
+    double largest = 0.0;
+    if (head->steps >= head->noise_at) {
+        measure_noise(sim, tau);
+        head->noise_at = 2 * head->steps + 1;
+    }
+    for (int i = 0; i < n; i++) {
+        largest = gb_max(largest, gb_max(sim->peak[i], trial ? fabs(trial[i]) : 0.0));
+    }
+    head->poor = 0;
+    for (int i = 0; i < n; i++) {
+        double size = gb_max(gb_max(sim->peak[i], sim->scale[i]), floor_factor * largest);
+        if (head->steps == 0) {
+            size = gb_max(size, fabs(h * sim->k[i]));
+        }
+        if (sim->peak[i] <= floor_factor * largest) {
+            head->poor = 1;
+            size = trial ? gb_max(size, fabs(trial[i])) : size;
+        }
+        const double weight = head->options.rtol * size + h * sim->noise[i];
+        sim->weight[i] = weight > 0.0 ? 1.0 / weight : 0.0;
+    }
+    head->h_weights = h;
+}
+
+/* Takes the front into the sizes of the states. */
+void gb_weights_grow(gb_sim *sim, const double *y)
+{
+    double grown = 0.0;
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        for (int l = b; l < b + GB_PAD; l++) {
+            const double size = fabs(y[l]), peak = sim->peak[l];
+            grown = size > peak ? 1.0 : grown;
+            sim->peak[l] = size > peak ? size : peak;
+        }
+    }
+    if (grown != 0.0) {
+        sim->head->h_weights = 0.0;
+    }
+}
+
+/* The state whose error decided. */
+int gb_worst_state(const gb_sim *sim)
+{
+    int worst = 0;
+    double largest = -1.0;
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        double error[GB_PAD];
+        gb_combine(&sim->method->e[0], sim->k + b, sim->model->n_total, 0, GB_PAD, sim->zero, 1.0, error);
+        for (int l = 0; l < GB_PAD && b + l < sim->model->n; l++) {
+            const double ratio = fabs(error[l]) * sim->weight[b + l];
+            if (ratio > largest) {
+                largest = ratio;
+                worst = b + l;
+            }
+        }
+    }
+    return worst;
+}
+
+/* Factor of the next step size after a step with this error (PI control: Hairer, Wanner 1996, IV.2). */
+double gb_step_factor(gb_sim *sim, double log_error, int accepted)
+{
+    gb_head *head = sim->head;
+    const double order = (double)sim->method->error_order, beta = sim->method->beta;
+    if (!accepted) {
+        return gb_min(gb_max(0.85 * rough_exp2(-log_error / order), 0.2), 0.95);
+    }
+    const double factor = 0.85 * rough_exp2((0.75 * beta - 1.0 / order) * log_error + beta * head->log_error);
+    head->log_error = gb_max(log_error, -13.0);
+    return gb_min(gb_max(factor, 0.3), head->steps == 0 ? 100.0 : 6.0);
+}
+
+/* Largest size-relative rate of x: max |x_i| / (size_i), over the states that have a size. */
+static double relative(const gb_sim *sim, const double *x, const double *minus)
+{
+    double most = 0.0;
+    for (int i = 0; i < sim->model->n; i++) {
+        const double size = gb_max(sim->peak[i], sim->scale[i]);
+        if (size > 0.0) {
+            most = gb_max(most, fabs(x[i] - (minus ? minus[i] : 0.0)) / size);
+        }
+    }
+    return most;
+}
+
+/* A first step from the rates at the start and after a small Euler step (after Hairer, Norsett, Wanner 1993, II.4). */
+double gb_first_step(gb_sim *sim)
+{
+    const gb_model *model = sim->model;
+    const gb_head *head = sim->head;
+    const double first = relative(sim, sim->k, NULL);
+    const double h = first > 0.0 ? gb_min(1e-3 / first, 1e-3) : 1e-6;
+    double *rate = sim->k + (size_t)model->n_total;
+    for (int i = 0; i < model->n_padded; i++) {
+        sim->z2[i] = sim->y0[i] + h * sim->k[i];
+    }
+    model->rhs(sim->par, sim->mode, sim->tau_one, sim->z2, rate);
+    sim->head->rhs_calls++;
+    const double second = sqrt(relative(sim, rate, sim->k) / h);
+    const double pace = gb_max(first, second);
+    const double small = pow(0.01 * head->options.rtol, 1.0 / sim->method->error_order);
+    return pace > 0.0 && pace < HUGE_VAL ? gb_min(small / pace, 1e3 * h) : h;
+}

@@ -1,0 +1,117 @@
+/* The solver: open, start, advance, close. The same code runs in-process and inside every FMU.
+ *
+ * No globals, no allocation after gb_open. Everything that changes during a run lies in one
+ * block of memory without pointers, so that saving the state is one copy.
+ */
+#ifndef GB_CORE_H
+#define GB_CORE_H
+
+#include "gb_model.h"
+
+#include <stddef.h>
+
+typedef struct gb_sim gb_sim;
+
+/* What a call answers. Negative: the run cannot go on; gb_report says where and why. */
+enum {
+    GB_DONE = 0,             /* reached the time asked for */
+    GB_FULL = 1,             /* the record is full: empty it and call again */
+    GB_PAUSE = 2,            /* the time slice is over: call again */
+    GB_ERR_STEP = -1,        /* step size below rounding; index: the state with the largest error */
+    GB_ERR_NAN_RATE = -2,    /* a derivative is NaN or infinite; index: state */
+    GB_ERR_NAN_INPUT = -3,   /* an input is NaN or infinite; index: input */
+    GB_ERR_NAN_START = -4,   /* a start value or parameter is NaN or infinite; index: state or n + parameter */
+    GB_ERR_CHATTER = -5,     /* a switch flips without progress; index: switch */
+    GB_ERR_BRANCH = -6,      /* no consistent set of modes after an event; index: switch */
+    GB_ERR_STATE = -7,       /* a saved state of another model or size */
+    GB_ERR_MEMORY = -8,
+    GB_ERR_CALLBACK = -9     /* the input callback asked to stop; index: input */
+};
+
+enum { GB_RK4 = 0, GB_DP5 = 1, GB_DP8 = 2 };
+
+typedef struct gb_options {
+    int method;      /* GB_RK4, GB_DP5 or GB_DP8 */
+    int locate;      /* 1: switches are located; 0: modes are refreshed at step ends only */
+    double rtol;     /* relative tolerance of the step control */
+    double step;     /* > 0: fixed steps on the grid t_start + i step (events in between), else adaptive */
+    double max_step; /* largest adaptive step, HUGE_VAL: none */
+    double t_stop;   /* no step reaches beyond, HUGE_VAL: none */
+} gb_options;
+
+/* Sources of inputs. The default is a constant. */
+enum { GB_CONSTANT = 0, GB_LINEAR = 1, GB_STEP = 2, GB_CUBIC = 3, GB_CALLBACK = 4 };
+
+/* Value of input `index` at t; returns 0, or non-zero to stop the run with GB_ERR_CALLBACK. */
+typedef int (*gb_input_fn)(void *user, int index, double t, double *value);
+
+/* Counters of a run. */
+typedef struct gb_stats {
+    double t;                 /* front of the solver */
+    double step;              /* size of the next step */
+    double turnover;          /* sum over steps and ledger entries of abs(exchange) */
+    long long steps, rejected, rhs_calls, events;
+} gb_stats;
+
+typedef struct gb_report {
+    int code, index;
+    double t, value;
+} gb_report;
+
+/* One event: switch `index` (>= n_switches: breakpoint of input index - n_switches). */
+typedef struct gb_event {
+    double t, before, after;
+    int index, kind; /* kind 0: state, 1: time */
+} gb_event;
+
+/* A record that the caller owns. A row is [t | y (n_total) | modes (n_switches) | inputs (n_inputs)]. */
+typedef struct gb_record {
+    double *rows;
+    long n_rows, row_capacity;
+    gb_event *events;
+    long n_events, event_capacity;
+} gb_record;
+
+gb_sim *gb_open(const gb_model *model);
+void gb_close(gb_sim *sim);
+const gb_model *gb_model_of(const gb_sim *sim);
+
+/* Values. A change of a parameter or input during a run takes effect at the present communication point:
+ * the next gb_advance restarts from the interpolated state there. */
+double *gb_parameters(gb_sim *sim); /* length n_parameters; call gb_changed after writing */
+double *gb_inputs(gb_sim *sim);     /* constant values, length n_inputs; call gb_changed after writing */
+void gb_changed(gb_sim *sim);
+/* The table is kept by the caller until gb_close; y2: second derivatives for GB_CUBIC; period 0: held outside. */
+int gb_input_table(gb_sim *sim, int input, int kind, int points, const double *x, const double *y, const double *y2,
+                   double period);
+void gb_input_callback(gb_sim *sim, int input, gb_input_fn fn, void *user);
+
+/* Start: model->prepare and model->start, overridden by y0 where it is not NULL (length n_total), then modes at t0. */
+int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0);
+
+/* FMU style: advance to t (>= the last one) and hold there. The solver's own step goes on across calls. */
+int gb_advance(gb_sim *sim, double t);
+double gb_time(const gb_sim *sim);             /* the present communication point */
+int gb_state(gb_sim *sim, double *y);          /* interpolated there */
+int gb_outputs(gb_sim *sim, double *out);      /* all outputs there, length n_outputs */
+int gb_energies(gb_sim *sim, double *energy);  /* length n_energies */
+
+/* In-process style: run through the samples t_out[0 .. n_out), or record every accepted step up to t_end with both
+ * sides of each event when t_out is NULL. Returns about every `slice` CPU seconds. */
+int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record *record, double slice);
+
+/* Outputs of recorded rows: out[row * n_pick + j] = output pick[j]; energies likewise when energy is not NULL. */
+int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, int n_pick, double *out, double *energy);
+
+/* One evaluation of the right-hand side at (t, y, modes of the sim), for tests: dy has length n_total. */
+int gb_rhs(gb_sim *sim, double t, const double *y, double *dy);
+
+/* The whole changing state as one block. */
+size_t gb_snapshot_size(const gb_sim *sim);
+void gb_save(const gb_sim *sim, void *block);
+int gb_restore(gb_sim *sim, const void *block);
+
+void gb_get_stats(const gb_sim *sim, gb_stats *stats);
+void gb_get_report(const gb_sim *sim, gb_report *report);
+
+#endif

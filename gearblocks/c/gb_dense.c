@@ -1,0 +1,131 @@
+/* The polynomial inside a step: y0 + th (R1 + (1 - th) (R2 + th (R3 + (1 - th) (R4 + ...)))).
+ *
+ * Built only when somebody asks: first the cubic rows, then those that cost further stages, last those of the tail.
+ */
+#include "gb_combine.h"
+
+/* The three rows of the cubic Hermite polynomial in the entries [from, to). */
+static void hermite_rows(const gb_sim *sim, int from, int to)
+{
+    const int total = sim->model->n_total;
+    const double h = sim->head->h;
+    const double *k1 = sim->k, *k2 = sim->k + (size_t)sim->method->stages * (size_t)total;
+    double *r1 = sim->rows, *r2 = r1 + total, *r3 = r2 + total;
+    gb_combine(&sim->method->a[sim->method->stages], sim->k, total, from, to, sim->zero, h, r1);
+    for (int b = from; b < to; b += GB_PAD) {
+        for (int l = b; l < b + GB_PAD; l++) {
+            r2[l] = h * k1[l] - r1[l];
+            r3[l] = (r1[l] - h * k2[l]) - r2[l];
+        }
+    }
+}
+
+void gb_dense_hermite(gb_sim *sim)
+{
+    if (sim->head->have_dense == 0) {
+        hermite_rows(sim, 0, sim->model->n_padded);
+        sim->head->have_dense = 1;
+    }
+}
+
+/* Computes the stages that only dense output needs, and all rows of the n states. */
+int gb_dense_complete(gb_sim *sim)
+{
+    const gb_model *model = sim->model;
+    const gb_method *method = sim->method;
+    if (sim->head->have_dense == 2) {
+        return GB_DONE;
+    }
+    gb_dense_hermite(sim);
+    gb_run_extra_stages(sim, sim->head->h);
+    for (int j = method->stages + 1; j < method->all_stages; j++) {
+        const double *k = sim->k + (size_t)j * (size_t)model->n_total;
+        if (!(gb_taint(k, model->n_total) == 0.0)) {
+            return gb_check_finite(sim, GB_ERR_NAN_RATE, k, model->n_total, 0, sim->t[j]);
+        }
+    }
+    gb_further_rows(sim, sim->head->h, 0);
+    sim->head->have_dense = 2;
+    return GB_DONE;
+}
+
+/* The rows of the tail as well: from here on the segment stands without the stages. */
+int gb_dense_tail(gb_sim *sim)
+{
+    if (sim->head->have_tail || sim->head->h == 0.0) {
+        return GB_DONE;
+    }
+    if (gb_dense_complete(sim) != GB_DONE) {
+        return sim->head->report.code;
+    }
+    hermite_rows(sim, sim->model->n_padded, sim->model->n_total);
+    gb_further_rows(sim, sim->head->h, 1);
+    sim->head->have_tail = 1;
+    return GB_DONE;
+}
+
+static void horner(const gb_sim *sim, double theta, int to, double *out)
+{
+    const int total = sim->model->n_total, last = sim->method->rows - 1;
+    const double up = theta, down = 1.0 - theta;
+    for (int b = 0; b < to; b += GB_PAD) {
+        double sum[GB_PAD];
+        for (int l = 0; l < GB_PAD; l++) {
+            sum[l] = sim->rows[(size_t)last * (size_t)total + (size_t)(b + l)];
+        }
+        for (int m = last - 1; m >= 0; m--) {
+            const double *row = sim->rows + (size_t)m * (size_t)total + b;
+            const double factor = m % 2 == 0 ? down : up;
+            for (int l = 0; l < GB_PAD; l++) {
+                sum[l] = row[l] + factor * sum[l];
+            }
+        }
+        for (int l = 0; l < GB_PAD; l++) {
+            out[b + l] = sim->y0[b + l] + up * sum[l];
+        }
+    }
+}
+
+/* The n states at theta in [0, 1]; the rows must be complete. */
+void gb_dense_states(const gb_sim *sim, double theta, double *out)
+{
+    horner(sim, theta, sim->model->n_padded, out);
+}
+
+/* The whole vector at t in [t0, t1]; the rows must be complete, those of the tail too, unless t is the front. */
+void gb_dense_all(const gb_sim *sim, double t, double *out)
+{
+    const gb_head *head = sim->head;
+    if (t >= head->t1 || !head->have_tail) {
+        memcpy(out, sim->y, sizeof(double) * (size_t)sim->model->n_total);
+        return;
+    }
+    horner(sim, (t - head->t0) / head->h, sim->model->n_total, out);
+}
+
+/* Moves the front back to theta: the states from their rows, the tail through the weights of its stages. */
+void gb_dense_cut(gb_sim *sim, double theta)
+{
+    const gb_method *method = sim->method;
+    const gb_model *model = sim->model;
+    gb_weights weights = { 0, { 0 }, { 0.0 } };
+    double w[GB_STAGES];
+    gb_dense_states(sim, theta, sim->y);
+    for (int j = 0; j < GB_STAGES; j++) {
+        w[j] = method->dense[method->rows - 1][j];
+    }
+    for (int m = method->rows - 2; m >= 0; m--) {
+        const double factor = m % 2 == 0 ? 1.0 - theta : theta;
+        for (int j = 0; j < GB_STAGES; j++) {
+            w[j] = method->dense[m][j] + factor * w[j];
+        }
+    }
+    for (int j = 0; j < method->all_stages; j++) {
+        if (method->full[j]) {
+            weights.index[weights.count] = j;
+            weights.value[weights.count++] = w[j];
+        }
+    }
+    gb_combine(&weights, sim->k, model->n_total, model->n_padded, model->n_total, sim->y0, theta * sim->head->h, sim->y);
+    sim->head->t1 = theta > 0.0 ? sim->head->t0 + theta * sim->head->h : sim->head->t0;
+}

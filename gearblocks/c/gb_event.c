@@ -1,0 +1,269 @@
+/* What happens at an event: modes change, and only here. */
+#include "gb_internal.h"
+
+static uint64_t mix(uint64_t x)
+{
+    x ^= x >> 31;
+    x *= 0x9e3779b97f4a7c15u;
+    x ^= x >> 29;
+    x *= 0xbf58476d1ce4e5b9u;
+    return x ^ (x >> 32);
+}
+
+static uint64_t mode_hash(int i, double mode)
+{
+    uint64_t bits;
+    memcpy(&bits, &mode, sizeof bits);
+    return mix(bits + 0x9e3779b97f4a7c15u * (uint64_t)(i + 1));
+}
+
+void gb_log(gb_sim *sim, int index, int kind, double before, double after)
+{
+    sim->head->events++;
+    if (sim->n_log < sim->log_capacity) {
+        const gb_event event = { sim->head->t1, before, after, index, kind };
+        sim->log[sim->n_log++] = event;
+    }
+}
+
+static void set_mode(gb_sim *sim, int i, double mode, int log)
+{
+    if (log) {
+        gb_log(sim, i, i >= sim->model->n_surfaces, sim->mode[i], mode);
+    }
+    sim->head->modes ^= mode_hash(i, sim->mode[i]) ^ mode_hash(i, mode);
+    sim->mode[i] = mode;
+}
+
+/* A switch may flip again at once a few times, not for ever. */
+static int count_flip(gb_sim *sim, int i)
+{
+    const gb_head *head = sim->head;
+    const int stands = head->t1 - sim->flip_time[i] <= 10.0 * gb_rounding(head->t1, head->h);
+    sim->flips[i] = stands ? sim->flips[i] + 1.0 : 1.0;
+    sim->flip_time[i] = head->t1;
+    return sim->flips[i] > GB_FLIPS ? gb_fail(sim, GB_ERR_CHATTER, i, head->t1, sim->flips[i]) : GB_DONE;
+}
+
+/* The surfaces at the front, into s. */
+static int surfaces_now(gb_sim *sim)
+{
+    if (sim->model->n_surfaces > sim->model->n_affine) {
+        const int code = gb_columns_at(sim, sim->head->t1);
+        if (code != GB_DONE) {
+            return code;
+        }
+    }
+    sim->model->surfaces(sim->par, sim->mode, sim->tau_one, sim->y, sim->s);
+    return GB_DONE;
+}
+
+/* -1 or 1: surface i is beyond its lower or upper limit by more than rounding. */
+static int beyond(const gb_sim *sim, int i)
+{
+    const double s = sim->s[i], lo = sim->lo[i], hi = sim->hi[i];
+    const double unit = 64.0 * DBL_EPSILON;
+    if (sim->on[i] != -1.0 && lo > -HUGE_VAL && s < lo - unit * (fabs(s) + fabs(lo))) {
+        return -1;
+    }
+    return sim->on[i] != 1.0 && hi < HUGE_VAL && s > hi + unit * (fabs(s) + fabs(hi));
+}
+
+/* Makes the limits follow the modes and flips what is inconsistent, until nothing is. */
+int gb_settle(gb_sim *sim, int log)
+{
+    const gb_model *model = sim->model;
+    int last = -1, code = GB_DONE;
+    if (model->n_switches > 0) {
+        model->bounds(sim->par, sim->mode, sim->lo, sim->hi);
+    }
+    for (int round = 0; round < GB_FLIPS && model->n_surfaces > 0; round++) {
+        int changed = 0;
+        code = surfaces_now(sim);
+        for (int i = 0; i < model->n_surfaces && code == GB_DONE; i++) {
+            if (beyond(sim, i)) {
+                const double mode = model->mode_at(sim->par, i, sim->s[i]);
+                if (mode == sim->mode[i]) {
+                    return gb_fail(sim, GB_ERR_BRANCH, i, sim->head->t1, sim->s[i]);
+                }
+                set_mode(sim, i, mode, log);
+                sim->on[i] = 0.0;
+                last = i;
+                changed = 1;
+                code = count_flip(sim, i);
+            }
+        }
+        if (!changed || code != GB_DONE) {
+            return code;
+        }
+        model->bounds(sim->par, sim->mode, sim->lo, sim->hi);
+    }
+    return last < 0 ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->t1, sim->s[last]);
+}
+
+/* The next instant that time switches and tables announce. With `all`, or else only where the last one has come. */
+void gb_refresh_breaks(gb_sim *sim, int all)
+{
+    const gb_model *model = sim->model;
+    double first = HUGE_VAL;
+    for (int i = model->n_surfaces; i < model->n_switches; i++) {
+        if (all || sim->next_time[i] <= sim->head->t1) {
+            sim->next_time[i] = model->next_time(sim->par, i, sim->mode[i], sim->head->t1, &sim->next_mode[i]);
+        }
+        first = gb_min(first, sim->next_time[i]);
+    }
+    for (int j = 0; j < sim->n_moving; j++) {
+        first = gb_min(first, sim->cell_end[sim->moving[j]]);
+    }
+    sim->head->t_break = first;
+}
+
+/* The front has reached an announced instant. */
+void gb_mark_time_events(gb_sim *sim)
+{
+    for (int i = sim->model->n_surfaces; i < sim->model->n_switches; i++) {
+        sim->due[i] = sim->next_time[i] <= sim->head->t1 ? 2.0 : 0.0;
+    }
+    sim->head->pending = 1;
+}
+
+/* Without location: modes follow their surfaces at the end of the step. */
+void gb_mark_modes(gb_sim *sim)
+{
+    const gb_model *model = sim->model;
+    if (model->n_surfaces == 0) {
+        return;
+    }
+    model->surfaces(sim->par, sim->mode, sim->tau + sim->method->stages, sim->y, sim->s);
+    for (int i = 0; i < model->n_surfaces; i++) {
+        const double mode = model->mode_at(sim->par, i, sim->s[i]);
+        if (mode != sim->mode[i]) {
+            sim->due[i] = 3.0;
+            sim->next_mode[i] = mode;
+            sim->head->pending = 1;
+        }
+    }
+}
+
+/* Mode of switch i on the far side of the limit that it leaves through. */
+static double far_side(const gb_sim *sim, int i, double side)
+{
+    return sim->model->mode_at(sim->par, i, side < 0.0 ? nextafter(sim->lo[i], -HUGE_VAL) : sim->hi[i]);
+}
+
+static int flip_due(gb_sim *sim)
+{
+    int code = GB_DONE;
+    for (int i = 0; i < sim->model->n_switches && code == GB_DONE; i++) {
+        const double due = sim->due[i];
+        if (due == 0.0) {
+            continue;
+        }
+        sim->due[i] = 0.0;
+        if (fabs(due) == 1.0) {
+            set_mode(sim, i, far_side(sim, i, due), 1);
+            sim->on[i] = -due;
+            sim->head->sitting = 1;
+            code = count_flip(sim, i);
+        } else {
+            set_mode(sim, i, sim->next_mode[i], 1);
+        }
+    }
+    return code;
+}
+
+/* The step size that worked last in these modes, where there is one. */
+static void recall_step(gb_sim *sim)
+{
+    gb_head *head = sim->head;
+    const size_t slot = (size_t)(head->modes % GB_MEMORY);
+    if (head->remembered_step[slot] > 0.0 && head->remembered_modes[slot] == head->modes) {
+        head->h_next = head->remembered_step[slot];
+    }
+}
+
+/* Carries out what is due at the front. */
+int gb_apply_event(gb_sim *sim)
+{
+    gb_head *head = sim->head;
+    const uint64_t modes = head->modes;
+    const size_t slot = (size_t)(modes % GB_MEMORY);
+    head->remembered_modes[slot] = modes;
+    head->remembered_step[slot] = head->h_worked;
+    head->pending = 0;
+    head->have_k1 = 0;
+    head->row_due = 1;
+    head->log_error = 0.0;
+    const int timed = head->t1 >= head->t_break;
+    if (timed) {
+        gb_input_find(sim, head->t1, 1);
+    }
+    int code = flip_due(sim);
+    if (code == GB_DONE && head->options.locate) {
+        code = gb_settle(sim, 1);
+    } else if (code == GB_DONE && sim->model->n_switches > 0) {
+        sim->model->bounds(sim->par, sim->mode, sim->lo, sim->hi);
+    }
+    if (timed) {
+        gb_refresh_breaks(sim, 0);
+    }
+    if (head->modes != modes) {
+        recall_step(sim);
+    }
+    return code;
+}
+
+/* On a limit exactly: the mode follows the direction of motion (right limit). Affine surfaces; the others are told by
+ * the first step. */
+static int start_on_limits(gb_sim *sim)
+{
+    const gb_model *model = sim->model;
+    int code = gb_columns_at(sim, sim->head->t1);
+    if (code == GB_DONE) {
+        code = gb_first_derivative(sim, sim->tau_one);
+    }
+    sim->head->have_k1 = 0;
+    if (code != GB_DONE) {
+        return code;
+    }
+    model->directions(sim->par, sim->k1, sim->slopes);
+    for (int i = 0; i < model->n_affine; i++) {
+        const double rounding = 64.0 * DBL_EPSILON * fabs(sim->s[i]) + DBL_MIN;
+        const double side = fabs(sim->s[i] - sim->lo[i]) <= rounding ? -1.0 : fabs(sim->s[i] - sim->hi[i]) <= rounding;
+        if (side != 0.0 && side * sim->slopes[i] > 0.0) {
+            set_mode(sim, i, far_side(sim, i, side), 0);
+            sim->on[i] = -side;
+            sim->head->sitting = 1;
+        }
+    }
+    return gb_settle(sim, 0);
+}
+
+/* Modes at the start: those of time just after it, then those of the state until they agree with each other. */
+int gb_modes_start(gb_sim *sim)
+{
+    const gb_model *model = sim->model;
+    const double t = sim->head->t1, after = t + 4.0 * DBL_EPSILON * fabs(t) + 1e-290;
+    int code = GB_DONE, changed = 1, last = 0;
+    for (int i = model->n_surfaces; i < model->n_switches; i++) {
+        set_mode(sim, i, model->mode_at(sim->par, i, model->clock(sim->par, i, after)), 0);
+    }
+    gb_refresh_breaks(sim, 1);
+    for (int round = 0; round < GB_FLIPS && changed && model->n_surfaces > 0; round++) {
+        changed = 0;
+        code = surfaces_now(sim);
+        for (int i = 0; i < model->n_surfaces && code == GB_DONE; i++) {
+            const double mode = model->mode_at(sim->par, i, sim->s[i]);
+            if (mode != sim->mode[i]) {
+                set_mode(sim, i, mode, 0);
+                changed = 1;
+                last = i;
+            }
+        }
+    }
+    if (code != GB_DONE || (changed && model->n_surfaces > 0)) {
+        return code != GB_DONE ? code : gb_fail(sim, GB_ERR_BRANCH, last, t, sim->s[last]);
+    }
+    code = gb_settle(sim, 0);
+    return code == GB_DONE && model->n_affine > 0 ? start_on_limits(sim) : code;
+}

@@ -1,0 +1,75 @@
+/* Sine and cosine for the time columns of generated code: branch-free, so that a loop over lanes becomes vector
+ * code, and with the same bits in vector and scalar code (contraction must be off).
+ *
+ * Error below 1 ulp for |x| <= 1e9. Beyond, the result is that of an argument within one ulp of x, up to 1e13.
+ * Infinite and NaN arguments give NaN.
+ */
+#ifndef GB_MATH_H
+#define GB_MATH_H
+
+/* x = n pi/2 + hi + lo with |hi| <= pi/4 in round-to-nearest; quadrant in {-2, -1, 0, 1, 2}, n modulo 4. */
+typedef struct gb_reduced {
+    double hi, lo, quadrant;
+} gb_reduced;
+
+/* The first three parts of pi/2 have 22 bits, so that their products with n < 2^31 are exact. */
+static inline gb_reduced gb_reduce(double x)
+{
+    const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer */
+    const double n = (x * 0x1.45f306dc9c883p-1 + shift) - shift;
+    const double cycles = (n * 0.25 + shift) - shift;
+    const double a = (x - n * 0x1.921fbp+0) - n * 0x1.5110bp-22;
+    const double c = n * 0x1.1846980000000p-44;
+    gb_reduced r;
+    r.quadrant = n - 4.0 * cycles;
+    r.hi = a - c;
+    r.lo = ((a - r.hi) - c) - n * 0x1.3198a2e037073p-69;
+    return r;
+}
+
+/* sin(hi + lo) and cos(hi + lo) for |hi| <= pi/4: Chebyshev interpolants, error below 2e-17. */
+static inline double gb_sin_core(double hi, double lo)
+{
+    const double z = hi * hi;
+    const double z2 = z * z;
+    const double low = -0x1.5555555555555p-3 + z * 0x1.1111111110bb1p-7;
+    const double mid = -0x1.a01a019e8357dp-13 + z * 0x1.71de37961e4c6p-19;
+    const double top = -0x1.ae600a926c89ap-26 + z * 0x1.5e0af186af739p-33;
+    const double p = low + z2 * (mid + z2 * top);
+    return hi + (z * hi * p + lo * (1.0 - 0.5 * z));
+}
+
+static inline double gb_cos_core(double hi, double lo)
+{
+    const double z = hi * hi;
+    const double z2 = z * z;
+    const double low = 0x1.5555555555555p-5 + z * -0x1.6c16c16c16966p-10;
+    const double mid = 0x1.a01a019f4e867p-16 + z * -0x1.27e4fa17a41b4p-22;
+    const double top = 0x1.1eeb68b109173p-29 + z * -0x1.907d7aebd5e3dp-37;
+    const double p = low + z2 * (mid + z2 * top);
+    const double half = 0.5 * z;
+    const double lead = 1.0 - half;
+    return lead + (((1.0 - lead) - half) + (z2 * p - hi * lo));
+}
+
+static inline double gb_sin(double x)
+{
+    const gb_reduced r = gb_reduce(x);
+    const double s = gb_sin_core(r.hi, r.lo);
+    const double c = gb_cos_core(r.hi, r.lo);
+    const double odd = r.quadrant < 0.0 ? -c : c;
+    const double even = r.quadrant == 0.0 ? s : -s;
+    return r.quadrant * r.quadrant == 1.0 ? odd : even;
+}
+
+static inline double gb_cos(double x)
+{
+    const gb_reduced r = gb_reduce(x);
+    const double s = gb_sin_core(r.hi, r.lo);
+    const double c = gb_cos_core(r.hi, r.lo);
+    const double odd = r.quadrant < 0.0 ? s : -s;
+    const double even = r.quadrant == 0.0 ? c : -c;
+    return r.quadrant * r.quadrant == 1.0 ? odd : even;
+}
+
+#endif

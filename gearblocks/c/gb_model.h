@@ -1,0 +1,88 @@
+/* What the generator writes and the solver reads: one train as a table of functions.
+ *
+ * The state vector y holds, in this order,
+ *     [ coordinates q | states of blocks z | speeds v | padding | riders and ledger | padding ]
+ * The first n entries move the train and are under error control. The tail follows
+ * along: absolute angles that no law needs, then the energy integrals. Both parts are
+ * padded with zeros to multiples of GB_PAD, so that whole vectors can be worked on.
+ *
+ * Branches are frozen: a law reads the mode of its switches, never their surfaces.
+ * Only the event handler of the solver changes a mode.
+ */
+#ifndef GB_MODEL_H
+#define GB_MODEL_H
+
+enum {
+    GB_LANES = 16, /* instants at which time columns are computed in one call */
+    GB_PAD = 8     /* doubles in one block of a padded vector */
+};
+
+typedef struct gb_model {
+    const char *name;
+    const char *key; /* hash of the canonical content */
+
+    int n;            /* states under error control */
+    int n_padded;     /* n rounded up; the tail starts here */
+    int n_tail;       /* riders and ledger integrals */
+    int n_angles;     /* the first entries of the tail that are angles; the others are energies */
+    int n_total;      /* n_padded + n_tail, rounded up: length of y */
+    int n_parameters; /* tunable values: par[0 .. n_parameters) */
+    int n_par;        /* with the values derived from them: length of par */
+    int n_inputs;
+    int n_time; /* time columns */
+
+    /* Switches: those with a surface affine in y come first, then other surfaces of the state,
+     * then those that depend on time alone. */
+    int n_affine;
+    int n_surfaces; /* affine and general ones */
+    int n_switches; /* with the time switches */
+
+    int n_outputs;
+    int n_energies;
+
+    /* Fills par[n_parameters .. n_par) from par[0 .. n_parameters). */
+    void (*prepare)(double *par);
+
+    /* Start values from the parameters, length n_total (the ledger starts at zero). */
+    void (*start)(const double *par, double *y);
+
+    /* Natural size of each of the n states where the train knows one (gaps), else 0. */
+    void (*scales)(const double *par, double *scale);
+
+    /* Time columns at `lanes` instants t[]; u[input * GB_LANES + lane], tau[column * GB_LANES + lane].
+     * t and u always hold GB_LANES valid entries (the last instant repeats): computing all is allowed. */
+    void (*times)(const double *par, const double *mode, int lanes, const double *t, const double *u, double *tau);
+
+    /* dy/dt of the n states. tau points at the lane of this instant: column j is tau[j * GB_LANES]. */
+    void (*rhs)(const double *par, const double *mode, const double *tau, const double *y, double *dy);
+
+    /* The same, and the tail. */
+    void (*rhs_full)(const double *par, const double *mode, const double *tau, const double *y, double *dy);
+
+    /* Quantities of the switches [0, n_surfaces) at one instant. */
+    void (*surfaces)(const double *par, const double *mode, const double *tau, const double *y, double *s);
+
+    /* The linear part of the affine quantities [0, n_affine), applied to the direction dir (length n). */
+    void (*directions)(const double *par, const double *dir, double *s);
+
+    /* Limits of every switch in its mode: the mode is valid while lo <= quantity <= hi. */
+    void (*bounds)(const double *par, const double *mode, double *lo, double *hi);
+
+    /* The mode of switch i where its quantity is s (>= a limit belongs to the upper mode). */
+    double (*mode_at)(const double *par, int i, double s);
+
+    /* Quantity of time switch i (in [n_surfaces, n_switches)) at t, its modes as everywhere above. */
+    double (*clock)(const double *par, int i, double t);
+
+    /* The next instant > t at which time switch i leaves its mode (or HUGE_VAL), and the mode after it. */
+    double (*next_time)(const double *par, int i, double mode, double t, double *after);
+
+    /* All outputs; dy from rhs_full at the same point. */
+    void (*outputs)(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
+                    double *out);
+
+    /* Kinetic and stored energies, one per ledger entry. */
+    void (*energies)(const double *par, const double *mode, const double *tau, const double *y, double *energy);
+} gb_model;
+
+#endif

@@ -1,0 +1,240 @@
+/* Running: to communication points, through samples, or recording every step. */
+#include "gb_internal.h"
+
+#include <time.h>
+
+enum { STEPS_BETWEEN_LOOKS = 64 }; /* at the clock */
+
+static size_t row_length(const gb_model *m) { return (size_t)(1 + m->n_total + m->n_switches + m->n_inputs); }
+
+/* Changes that wait, and whether the run can go on at all. */
+static int begin(gb_sim *sim)
+{
+    if (!sim->head->started) {
+        return sim->head->report.code != GB_DONE ? sim->head->report.code : gb_fail(sim, GB_ERR_STATE, 0, 0.0, 0.0);
+    }
+    return gb_apply_changes(sim);
+}
+
+/* The front moves on: what is due there, or else a step. After an error the last good front stands. */
+static int move(gb_sim *sim, double target)
+{
+    const int code = sim->head->pending ? gb_apply_event(sim) : gb_step(sim, gb_max(sim->head->options.t_stop, target));
+    if (code != GB_DONE) {
+        sim->head->t0 = sim->head->t1;
+        sim->head->h = 0.0;
+        sim->head->have_dense = sim->head->have_tail = 0;
+        sim->head->t_comm = sim->head->t1;
+    }
+    return code;
+}
+
+int gb_advance(gb_sim *sim, double t)
+{
+    gb_head *head = sim->head;
+    int code = begin(sim);
+    while (code == GB_DONE && (head->t1 < t || (head->t1 == t && head->pending))) {
+        code = move(sim, t);
+        sim->n_log = sim->n_flushed = 0;
+    }
+    if (code == GB_DONE && t < head->t1) {
+        code = gb_dense_tail(sim);
+    }
+    if (code == GB_DONE) {
+        head->t_comm = t;
+    }
+    return code;
+}
+
+double gb_time(const gb_sim *sim) { return sim->head->t_comm; }
+
+int gb_state(gb_sim *sim, double *y)
+{
+    const int code = begin(sim);
+    gb_dense_all(sim, sim->head->t_comm, y);
+    return code;
+}
+
+/* State, columns and derivative at the communication point, into z, tau_one and z2. */
+static int here(gb_sim *sim)
+{
+    int code = gb_state(sim, sim->z);
+    if (code == GB_DONE) {
+        code = gb_columns_at(sim, sim->head->t_comm);
+    }
+    if (code == GB_DONE) {
+        sim->model->rhs_full(sim->par, sim->mode, sim->tau_one, sim->z, sim->z2);
+    }
+    return code;
+}
+
+int gb_outputs(gb_sim *sim, double *out)
+{
+    const int code = here(sim);
+    if (code == GB_DONE) {
+        sim->model->outputs(sim->par, sim->mode, sim->tau_one, sim->z, sim->z2, out);
+    }
+    return code;
+}
+
+int gb_energies(gb_sim *sim, double *energy)
+{
+    const int code = here(sim);
+    if (code == GB_DONE) {
+        sim->model->energies(sim->par, sim->mode, sim->tau_one, sim->z, energy);
+    }
+    return code;
+}
+
+int gb_rhs(gb_sim *sim, double t, const double *y, double *dy)
+{
+    const int code = gb_columns_at(sim, t);
+    if (code == GB_DONE) {
+        sim->model->rhs_full(sim->par, sim->mode, sim->tau_one, y, dy);
+    }
+    return code;
+}
+
+/* Moves waiting events into the record; 0 when it is full. */
+static int flush(gb_sim *sim, gb_record *record)
+{
+    while (sim->n_flushed < sim->n_log) {
+        if (record->n_events >= record->event_capacity) {
+            return 0;
+        }
+        record->events[record->n_events++] = sim->log[sim->n_flushed++];
+    }
+    sim->n_log = sim->n_flushed = 0;
+    return 1;
+}
+
+static int write_row(gb_sim *sim, gb_record *record, double t)
+{
+    const gb_model *m = sim->model;
+    if (record->n_rows >= record->row_capacity) {
+        return GB_FULL;
+    }
+    if (t < sim->head->t1) {
+        const int code = gb_dense_tail(sim);
+        if (code != GB_DONE) {
+            return code;
+        }
+    }
+    double *row = record->rows + (size_t)record->n_rows * row_length(m);
+    *row++ = t;
+    gb_dense_all(sim, t, row);
+    row += m->n_total;
+    memcpy(row, sim->mode, sizeof(double) * (size_t)m->n_switches);
+    const int code = gb_input_values(sim, t, row + m->n_switches);
+    if (code == GB_DONE) {
+        record->n_rows++;
+        sim->head->t_comm = t;
+    }
+    return code;
+}
+
+/* Every row that the present segment can give; GB_PAUSE: the front must move; GB_DONE: all samples are done. */
+static int write_samples(gb_sim *sim, const double *t, long n, gb_record *record)
+{
+    gb_head *head = sim->head;
+    for (; head->sample < n; head->sample++) {
+        const double at = t[head->sample];
+        if (!(at < head->t1 || (at == head->t1 && !head->pending))) {
+            return GB_PAUSE;
+        }
+        const int code = write_row(sim, record, gb_max(at, head->t0));
+        if (code != GB_DONE) {
+            return code;
+        }
+    }
+    head->sample = 0;
+    return GB_DONE;
+}
+
+/* The row of the front, or of t_end where the front is beyond; answers as write_samples. */
+static int write_front(gb_sim *sim, double t_end, gb_record *record)
+{
+    gb_head *head = sim->head;
+    if (head->t1 > t_end) {
+        return head->t_comm < t_end ? write_row(sim, record, t_end) : GB_DONE;
+    }
+    if (head->row_due) {
+        const int code = write_row(sim, record, head->t1);
+        if (code != GB_DONE) {
+            return code;
+        }
+        head->row_due = 0;
+    }
+    return head->pending || head->t1 < t_end ? GB_PAUSE : GB_DONE;
+}
+
+int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record *record, double slice)
+{
+    const double target = t_out ? (n_out > 0 ? t_out[n_out - 1] : sim->head->t1) : t_end;
+    const clock_t until = clock() + (clock_t)(gb_min(slice, 1e6) * CLOCKS_PER_SEC);
+    int code = begin(sim), count = 0;
+    while (code == GB_DONE) {
+        if (!flush(sim, record)) {
+            return GB_FULL;
+        }
+        code = t_out ? write_samples(sim, t_out, n_out, record) : write_front(sim, t_end, record);
+        if (code != GB_PAUSE) {
+            return code;
+        }
+        if (++count % STEPS_BETWEEN_LOOKS == 0 && slice > 0.0 && clock() >= until) {
+            return GB_PAUSE;
+        }
+        code = move(sim, target);
+    }
+    flush(sim, record);
+    return code;
+}
+
+/* How many rows from this one on share its modes, at most GB_LANES. */
+static int same_modes(const gb_model *m, const double *row, long left)
+{
+    const size_t length = row_length(m);
+    const size_t bytes = sizeof(double) * (size_t)m->n_switches;
+    int count = 1;
+    while (count < GB_LANES && count < left &&
+           (bytes == 0 || memcmp(row + 1 + m->n_total, row + (size_t)count * length + 1 + m->n_total, bytes) == 0)) {
+        count++;
+    }
+    return count;
+}
+
+int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, int n_pick, double *out, double *energy)
+{
+    const gb_model *m = sim->model;
+    const size_t length = row_length(m);
+    long r = 0;
+    while (r < n_rows) {
+        const double *row = rows + (size_t)r * length, *mode = row + 1 + m->n_total;
+        const int count = same_modes(m, row, n_rows - r);
+        for (int l = 0; l < GB_LANES; l++) {
+            const double *at = row + (size_t)(l < count ? l : count - 1) * length;
+            sim->t_one[l] = at[0];
+            for (int i = 0; i < m->n_inputs; i++) {
+                sim->u_one[i * GB_LANES + l] = at[1 + m->n_total + m->n_switches + i];
+            }
+        }
+        if (m->n_time > 0) {
+            m->times(sim->par, mode, count, sim->t_one, sim->u_one, sim->tau_one);
+        }
+        for (int l = 0; l < count; l++, r++) {
+            const double *y = rows + (size_t)r * length + 1, *tau = sim->tau_one + l;
+            if (n_pick > 0) {
+                m->rhs_full(sim->par, mode, tau, y, sim->z2);
+                m->outputs(sim->par, mode, tau, y, sim->z2, sim->z_out);
+                for (int j = 0; j < n_pick; j++) {
+                    out[(size_t)r * (size_t)n_pick + (size_t)j] = sim->z_out[pick[j]];
+                }
+            }
+            if (energy) {
+                m->energies(sim->par, mode, tau, y, energy + (size_t)r * (size_t)m->n_energies);
+            }
+        }
+    }
+    gb_input_broadcast(sim);
+    return GB_DONE;
+}

@@ -1,0 +1,260 @@
+/* One accepted step. Knows methods only as tables, and switches only through gb_watch. */
+#include "gb_combine.h"
+
+/* Inputs and time columns at `lanes` instants; the last instant fills the lanes that are left. */
+int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau)
+{
+    for (int l = lanes; l < GB_LANES; l++) {
+        t[l] = t[lanes - 1];
+    }
+    if (sim->n_moving > 0) {
+        const int code = gb_input_lanes(sim, lanes, t, u);
+        if (code != GB_DONE) {
+            return code;
+        }
+    }
+    if (sim->model->n_time > 0) {
+        sim->model->times(sim->par, sim->mode, lanes, t, u, tau);
+    }
+    return GB_DONE;
+}
+
+/* The same at one instant, into tau_one. */
+int gb_columns_at(gb_sim *sim, double t)
+{
+    sim->t_one[0] = t;
+    return gb_columns(sim, 1, sim->t_one, sim->u_one, sim->tau_one);
+}
+
+/* The derivative at the front, into k1. */
+int gb_first_derivative(gb_sim *sim, const double *tau)
+{
+    const gb_model *model = sim->model;
+    model->rhs_full(sim->par, sim->mode, tau, sim->y, sim->k1);
+    sim->head->rhs_calls++;
+    if (!(gb_taint(sim->k1, model->n_total) == 0.0)) {
+        return gb_check_finite(sim, GB_ERR_NAN_RATE, sim->k1, model->n_total, 0, sim->head->t1);
+    }
+    sim->head->have_k1 = 1;
+    return GB_DONE;
+}
+
+static void last_derivative(gb_sim *sim)
+{
+    const int last = sim->method->stages;
+    sim->model->rhs_full(sim->par, sim->mode, sim->tau + last, sim->z,
+                         sim->k + (size_t)last * (size_t)sim->model->n_total);
+    sim->head->rhs_calls++;
+}
+
+/* Where a step of size h from the front ends: on the grid, at an announced instant, or where it likes. */
+static double end_of_step(const gb_sim *sim, double h, double limit)
+{
+    const gb_head *head = sim->head;
+    const double t = head->t1, step = head->options.step;
+    if (step > 0.0) {
+        const double count = floor((t - head->t_start) / step + 1e-9) + 1.0;
+        const double grid = head->t_start + count * step;
+        return limit - grid < 1e-9 * step ? limit : grid;
+    }
+    if (t + 1.01 * h >= limit) {
+        return limit;
+    }
+    return t + 2.0 * h > limit ? t + 0.5 * (limit - t) : t + h;
+}
+
+static double energy_exchange(const gb_sim *sim)
+{
+    const gb_model *model = sim->model;
+    double sum = 0.0;
+    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_tail; i++) {
+        sum += fabs(sim->y[i] - sim->y0[i]);
+    }
+    return sum;
+}
+
+/* Takes the step over: the front moves to its end or to the first event inside it. */
+static int accept(gb_sim *sim, double end)
+{
+    const gb_model *model = sim->model;
+    gb_head *head = sim->head;
+    const double from = head->t1;
+    double theta = 2.0;
+    head->t0 = from;
+    head->h = end - from;
+    if (model->n_surfaces > 0 && head->options.locate) {
+        const int code = gb_watch(sim, &theta);
+        if (code != GB_DONE) {
+            return code;
+        }
+    }
+    if (theta <= 1.0) {
+        gb_dense_cut(sim, theta);
+        head->pending = 1;
+        head->have_k1 = 0;
+    } else {
+        gb_copy(sim->y, sim->z, model->n_total);
+        gb_copy(sim->k1, sim->k + (size_t)sim->method->stages * (size_t)model->n_total, model->n_total);
+        head->t1 = end;
+        if (!head->options.locate) {
+            gb_mark_modes(sim);
+        }
+        if (end >= head->t_break) {
+            gb_mark_time_events(sim);
+        }
+    }
+    if (head->sitting && head->t1 - from > 10.0 * gb_rounding(from, head->h)) {
+        memset(sim->on, 0, sizeof(double) * (size_t)model->n_surfaces);
+        head->sitting = 0;
+    }
+    gb_weights_grow(sim, sim->y);
+    head->turnover_segment = energy_exchange(sim);
+    head->turnover += head->turnover_segment;
+    head->h_largest = gb_max(head->h_largest, head->t1 - from);
+    head->steps++;
+    head->row_due |= head->t1 > from;
+    return GB_DONE;
+}
+
+/* A step too short to be told from rounding: the front jumps to the announced instant. */
+static int jump(gb_sim *sim, double limit)
+{
+    sim->head->t0 = sim->head->t1;
+    sim->head->h = 0.0;
+    sim->head->t1 = limit;
+    sim->head->turnover_segment = 0.0;
+    if (limit >= sim->head->t_break) {
+        gb_mark_time_events(sim);
+    }
+    return GB_DONE;
+}
+
+/* The error of the step just computed, as log2 in units of the tolerance; NaN when a rate or the new state is not finite. */
+static double judge(gb_sim *sim, double h)
+{
+    const gb_model *model = sim->model;
+    const gb_method *method = sim->method;
+    const gb_head *head = sim->head;
+    const gb_weights *e = &method->e[0];
+    const int early = e->index[e->count - 1] == method->stages;
+    const double *k_new = sim->k + (size_t)method->stages * (size_t)model->n_total;
+    double error = -100.0;
+    if (early) {
+        last_derivative(sim);
+    }
+    if (!(head->options.step > 0.0)) {
+        if (head->h_weights == 0.0 || h > 2.0 * head->h_weights || head->poor) {
+            gb_weights_refresh(sim, h, sim->tau, head->poor || head->steps == 0 ? sim->z : NULL);
+        }
+        error = gb_log_error(sim, h);
+    }
+    error += gb_taint(sim->z, model->n_total);
+    if (error <= 0.0) {
+        if (!early) {
+            last_derivative(sim);
+        }
+        error += gb_taint(k_new, model->n_total);
+    }
+    return error;
+}
+
+/* The place of what is not finite in the step just tried. */
+static int name_taint(gb_sim *sim)
+{
+    const int total = sim->model->n_total;
+    for (int j = 0; j <= sim->method->stages; j++) {
+        const int full = sim->method->full[j] ? total : sim->model->n_padded;
+        if (gb_check_finite(sim, GB_ERR_NAN_RATE, sim->k + (size_t)j * (size_t)total, full, 0, sim->t[j]) != GB_DONE) {
+            return sim->head->report.code;
+        }
+    }
+    return gb_check_finite(sim, GB_ERR_NAN_RATE, sim->z, total, 0, sim->t[sim->method->stages]);
+}
+
+/* Time columns, the derivative at the front and all stages of a step that ends at `end`. */
+static int try_step(gb_sim *sim, double end)
+{
+    const gb_method *method = sim->method;
+    const double from = sim->head->t1, h = end - from;
+    for (int j = 0; j < method->all_stages; j++) {
+        sim->t[j] = method->c[j] == 1.0 ? end : from + method->c[j] * h;
+    }
+    const int code = gb_columns(sim, method->all_stages, sim->t, sim->u, sim->tau);
+    if (code != GB_DONE) {
+        return code;
+    }
+    if (!sim->head->have_k1 && gb_first_derivative(sim, sim->tau) != GB_DONE) {
+        return sim->head->report.code;
+    }
+    gb_copy(sim->k, sim->k1, sim->model->n_total);
+    gb_run_stages(sim, h);
+    return GB_DONE;
+}
+
+/* Before the first step: its size, once the derivative is known. */
+static int prepare_first(gb_sim *sim)
+{
+    int code = gb_columns_at(sim, sim->head->t1);
+    if (code == GB_DONE && !sim->head->have_k1) {
+        code = gb_first_derivative(sim, sim->tau_one);
+    }
+    if (code == GB_DONE) {
+        memcpy(sim->k, sim->k1, sizeof(double) * (size_t)sim->model->n_total);
+        sim->head->h_next = gb_first_step(sim);
+    }
+    return code;
+}
+
+/* The next step size after a step of `size` that the step control wanted to be `wanted`. */
+static void propose(gb_sim *sim, double error, double size, double wanted, int rejected)
+{
+    gb_head *head = sim->head;
+    const double factor = head->options.step > 0.0 ? 1.0 : gb_step_factor(sim, error, 1);
+    head->h_next = size * (rejected ? gb_min(factor, 1.0) : factor);
+    head->h_worked = gb_min(head->h_next, size);
+    if (size < 0.9 * wanted && !rejected) {
+        head->h_worked = head->h_next = gb_max(head->h_next, wanted);
+    }
+}
+
+int gb_step(gb_sim *sim, double stop)
+{
+    gb_head *head = sim->head;
+    const int fixed = head->options.step > 0.0;
+    const double limit = gb_min(head->t_break, stop);
+    int rejected = 0, tainted = 0, code = GB_DONE;
+    gb_copy(sim->y0, sim->y, sim->model->n_total);
+    head->have_dense = head->have_tail = 0;
+    head->h = 0.0;
+    if (limit - head->t1 <= 4.0 * DBL_EPSILON * fabs(head->t1)) {
+        return jump(sim, limit);
+    }
+    if (!fixed && head->h_next == 0.0) {
+        code = prepare_first(sim);
+    }
+    double h = gb_min(head->h_next, head->options.max_step);
+    while (code == GB_DONE) {
+        const double end = end_of_step(sim, h, limit);
+        const double size = end - head->t1;
+        code = try_step(sim, end);
+        if (code != GB_DONE) {
+            break;
+        }
+        const double error = judge(sim, size);
+        if (error <= 0.0) {
+            propose(sim, error, size, h, rejected);
+            return accept(sim, end);
+        }
+        head->rejected++;
+        rejected = 1;
+        if (!(error > 0.0) && (fixed || ++tainted > 12)) {
+            code = name_taint(sim);
+            break;
+        }
+        h = size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1);
+        if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->t1), head->h_largest) || h < 1e-200) {
+            code = gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), head->t1, h);
+        }
+    }
+    return code;
+}

@@ -1,0 +1,147 @@
+/* Surfaces that are not affine in the state (or need a rate): sampled at their true values along the step. */
+#include "gb_internal.h"
+
+enum { POINTS = GB_EIGHTHS + 2 }; /* the start, one close to it, and the eighths */
+
+static const double places[POINTS] = { 0.0, 0.03125, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0 };
+
+/* All surfaces at theta, into s. */
+static int surfaces_at(gb_sim *sim, double theta, double *s)
+{
+    const gb_head *head = sim->head;
+    const int code = gb_columns_at(sim, head->t0 + theta * head->h);
+    if (code == GB_DONE) {
+        gb_dense_states(sim, theta, sim->z2);
+        sim->model->surfaces(sim->par, sim->mode, sim->tau_one, sim->z2, s);
+    }
+    return code;
+}
+
+/* Distance of surface i to its limit `side`; from its start value where it sits on the limit. */
+static double distance(const gb_sim *sim, int i, double side, double s)
+{
+    const double limit = side < 0.0 ? sim->lo[i] : sim->hi[i];
+    const double rounding = 64.0 * DBL_EPSILON * (fabs(sim->s0[i]) + fabs(limit));
+    const double start = side * (limit - sim->s0[i]);
+    const double from = sim->on[i] == side || start <= rounding ? sim->s0[i] : limit;
+    return side * (from - s);
+}
+
+/* The root in [a, b] with distance(a) >= 0 > distance(b): false position with the Illinois rule, then halving. */
+static int true_root(gb_sim *sim, int i, double side, double a, double b, double fa, double fb, double tolerance,
+                     double *root)
+{
+    int code = GB_DONE;
+    for (int count = 0; count < 100 && b - a > tolerance && code == GB_DONE; count++) {
+        double x = a + (b - a) * (fa / (fa - fb));
+        if (count % 4 == 3 || !(x > a && x < b)) {
+            x = 0.5 * (a + b);
+        }
+        code = surfaces_at(sim, x, sim->s);
+        const double f = distance(sim, i, side, sim->s[i]);
+        if (f < 0.0) {
+            b = x;
+            fb = f;
+            fa *= 0.5;
+        } else {
+            a = x;
+            fa = f;
+            fb *= 0.5;
+        }
+    }
+    *root = 0.5 * (a + b);
+    return code;
+}
+
+/* Looks for a negative distance between a and b around the low sample m; *x is where it was found, *f its value. */
+static int true_dip(gb_sim *sim, int i, double side, double a, double m, double b, double fm, double *x, double *f)
+{
+    const double golden = 0.3819660112501051;
+    int code = GB_DONE;
+    *x = m;
+    *f = fm;
+    for (int count = 0; count < 30 && *f >= 0.0 && b - a > 1e-5 && code == GB_DONE; count++) {
+        const double trial = b - m > m - a ? m + golden * (b - m) : m - golden * (m - a);
+        code = surfaces_at(sim, trial, sim->s);
+        const double value = distance(sim, i, side, sim->s[i]);
+        if (value < *f) {
+            if (trial > m) {
+                a = m;
+            } else {
+                b = m;
+            }
+            m = *x = trial;
+            *f = value;
+        } else if (trial > m) {
+            b = trial;
+        } else {
+            a = trial;
+        }
+    }
+    return code;
+}
+
+/* A low sample between two higher ones: could the true minimum be below zero? */
+static int may_dip(double before, double here, double after)
+{
+    const double drop = gb_max(before, after) - here;
+    return here <= before && here <= after && here < 0.5 * drop;
+}
+
+/* When surface i leaves through its limit `side`. */
+static int first_through(gb_sim *sim, int i, double side, double tolerance, double *first)
+{
+    const int n = sim->model->n_surfaces;
+    double f[POINTS];
+    *first = 2.0;
+    if (fabs(side < 0.0 ? sim->lo[i] : sim->hi[i]) >= HUGE_VAL) {
+        return GB_DONE;
+    }
+    for (int l = 0; l < POINTS; l++) {
+        f[l] = distance(sim, i, side, sim->samples[(size_t)l * (size_t)n + (size_t)i]);
+    }
+    const int sitting = f[0] == 0.0;
+    const double rounding = 64.0 * DBL_EPSILON * fabs(sim->s0[i]);
+    for (int l = 1; l < POINTS; l++) {
+        if (f[l] < (sitting ? -rounding : 0.0)) {
+            if (sitting && l == 1) {
+                *first = 0.0;
+                return GB_DONE;
+            }
+            return true_root(sim, i, side, places[l - 1], places[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
+        }
+        if (l + 1 < POINTS && f[l + 1] >= 0.0 && !(sitting && l == 1) && may_dip(f[l - 1], f[l], f[l + 1])) {
+            double x, value;
+            const int code = true_dip(sim, i, side, places[l - 1], places[l], places[l + 1], f[l], &x, &value);
+            if (code != GB_DONE || value < 0.0) {
+                const double a = x > places[l] ? places[l] : places[l - 1];
+                const double fa = x > places[l] ? f[l] : f[l - 1];
+                return code != GB_DONE ? code : true_root(sim, i, side, a, x, fa, value, tolerance, first);
+            }
+        }
+    }
+    return GB_DONE;
+}
+
+/* The surfaces [n_affine, n_surfaces); fills root and side. */
+int gb_watch_general(gb_sim *sim)
+{
+    const gb_model *model = sim->model;
+    const int n = model->n_surfaces;
+    const double tolerance = gb_rounding(sim->head->t0, sim->head->h) / sim->head->h;
+    int code = gb_dense_complete(sim);
+    memcpy(sim->samples, sim->s0, sizeof(double) * (size_t)n);
+    for (int l = 1; l < POINTS && code == GB_DONE; l++) {
+        code = surfaces_at(sim, places[l], sim->samples + (size_t)l * (size_t)n);
+    }
+    for (int i = model->n_affine; i < n && code == GB_DONE; i++) {
+        double low = 2.0, high = 2.0;
+        code = first_through(sim, i, -1.0, tolerance, &low);
+        if (code == GB_DONE) {
+            code = first_through(sim, i, 1.0, tolerance, &high);
+        }
+        sim->root[i] = gb_min(low, high);
+        sim->side[i] = low < high ? -1.0 : 1.0;
+    }
+    return code;
+}

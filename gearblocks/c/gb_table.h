@@ -1,0 +1,125 @@
+/* Tables inside laws: points joined by lines, a spline, or held from the left.
+ *
+ * The mode of a table is the number of the segment in use: -1 and n - 1 are the held ends, 0 .. n - 2 the segments
+ * between; a periodic table counts on (whole periods times n - 1). A segment is continued smoothly past its joints.
+ */
+#ifndef GB_TABLE_H
+#define GB_TABLE_H
+
+#include <math.h>
+
+enum { GB_TABLE_LINEAR = 1, GB_TABLE_STEP = 2, GB_TABLE_CUBIC = 3 };
+
+typedef struct gb_table {
+    int kind, n, periodic;
+    const double *x, *y, *second;
+} gb_table;
+
+/* The segment that holds s (a joint belongs to the upper one). */
+static inline double gb_table_segment(const gb_table *table, double s)
+{
+    const int n = table->n;
+    const double *x = table->x;
+    double turns = 0.0;
+    if (table->periodic) {
+        turns = floor((s - x[0]) / (x[n - 1] - x[0]));
+        s -= turns * (x[n - 1] - x[0]);
+    }
+    int lo = 0, hi = n;
+    while (lo < hi) {
+        const int mid = (lo + hi) / 2;
+        if (x[mid] <= s)
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    int segment = lo - 1;
+    if (table->periodic)
+        segment = segment < 0 ? 0 : (segment > n - 2 ? n - 2 : segment);
+    return turns * (double)(n - 1) + (double)segment;
+}
+
+/* Number of the segment inside one period, and the shift of its period. */
+static inline int gb_table_local(const gb_table *table, double mode, double *shift)
+{
+    *shift = 0.0;
+    if (!table->periodic)
+        return (int)mode;
+    const double turns = floor(mode / (double)(table->n - 1));
+    *shift = turns * (table->x[table->n - 1] - table->x[0]);
+    return (int)(mode - turns * (double)(table->n - 1));
+}
+
+static inline double gb_table_lo(const gb_table *table, double mode)
+{
+    double shift;
+    const int i = gb_table_local(table, mode, &shift);
+    return i < 0 ? -HUGE_VAL : table->x[i] + shift;
+}
+
+static inline double gb_table_hi(const gb_table *table, double mode)
+{
+    double shift;
+    const int i = gb_table_local(table, mode, &shift);
+    return i >= table->n - 1 ? HUGE_VAL : table->x[i + 1] + shift;
+}
+
+/* Value (order 0) or derivative of the given order on the segment `mode`. */
+static inline double gb_table_value(const gb_table *table, double mode, double s, int order)
+{
+    double shift;
+    int i = gb_table_local(table, mode, &shift);
+    const int n = table->n;
+    if (i < 0 || i >= n - 1)
+        return order > 0 ? 0.0 : table->y[i < 0 ? 0 : n - 1];
+    const double *x = table->x + i, *y = table->y + i, *m = table->second + i;
+    if (table->kind == GB_TABLE_STEP)
+        return order > 0 ? 0.0 : y[0];
+    const double h = x[1] - x[0], a = s - shift - x[0], slope = (y[1] - y[0]) / h;
+    const double b = slope - h * (2.0 * m[0] + m[1]) / 6.0, d = (m[1] - m[0]) / h; /* zero curvature when linear */
+    if (order == 0)
+        return y[0] + a * (b + a * (0.5 * m[0] + a * d / 6.0));
+    if (order == 1)
+        return b + a * (m[0] + 0.5 * a * d);
+    return order == 2 ? m[0] + a * d : (order == 3 ? d : 0.0);
+}
+
+/* Next instant > t at which rate * t + offset leaves segment `mode`; *after: the segment beyond. */
+static inline double gb_table_next(const gb_table *table, double rate, double offset, double mode, double t,
+                                   double *after)
+{
+    const double edge = rate > 0.0 ? gb_table_hi(table, mode) : gb_table_lo(table, mode);
+    const double next = (edge - offset) / rate;
+    *after = rate > 0.0 ? mode + 1.0 : mode - 1.0;
+    return rate != 0.0 && next > t ? next : HUGE_VAL;
+}
+
+/* Next instant > t at which rate * t + offset changes to the other sign than `mode` names. */
+static inline double gb_line_next(double rate, double offset, double mode, double t, double *after)
+{
+    const double next = -offset / rate;
+    *after = 1.0 - mode;
+    return (mode > 0.5 ? rate < 0.0 : rate > 0.0) && next > t ? next : HUGE_VAL;
+}
+
+/* Next instant > t at which size cos(rate t + phase) + offset changes to the other sign than `mode` names. */
+static inline double gb_wave_next(double size, double rate, double phase, double offset, double mode, double t,
+                                  double *after)
+{
+    const double turn = 6.283185307179586476925;
+    *after = 1.0 - mode;
+    if (rate == 0.0 || fabs(offset) >= fabs(size))
+        return HUGE_VAL;
+    /* size cos falls through -offset at +acos (size > 0, rising phase), rises at -acos */
+    double root = acos(-offset / size);
+    if ((mode > 0.5) != ((size > 0.0) == (rate > 0.0)))
+        root = -root;
+    const double period = turn / fabs(rate);
+    double next = (root - phase) / rate;
+    next += period * ceil((t - next) / period);
+    while (next <= t)
+        next += period;
+    return next;
+}
+
+#endif

@@ -1,0 +1,464 @@
+"""From an assembly to a program: offsets are given out, every law is printed once per batch, the template is filled."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from importlib.resources import files
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.assemble import HELD, Assembly
+from gearblocks.batchcode import BatchCode, Function, Places, Statement, identifier
+from gearblocks.errors import ModelError, did_you_mean
+from gearblocks.layout import Column, Layout, column, lay_out, padded
+from gearblocks.printer import c_text
+from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, Quantity, StartInfo, SwitchInfo
+from gearblocks.symbols import CONSTANT
+from gearblocks.views import view
+
+
+@dataclass(slots=True)
+class Sense:
+    """An output that a signal reads: its place in sense[], and the code that fills it."""
+
+    path: str
+    index: int
+    function: Function | None = None
+    call: str = ""
+
+
+@dataclass(slots=True)
+class Prediction:
+    """How a time switch is foretold: the C function of gb_table.h, its constant arguments, its place."""
+
+    name: str
+    predictor: str
+    args: list[str]
+    prologue: list[tuple[str, str]]
+    first: int
+    count: int
+    table: str
+
+
+@dataclass
+class Generator:
+    """Collects the parts of one program while offsets are handed out."""
+
+    assembly: Assembly
+    lay: Layout
+    codes: list[BatchCode] = field(default_factory=list)
+    senses: dict[str, Sense] = field(default_factory=dict)
+    tables: dict[str, Any] = field(default_factory=dict)
+    n_par: int = 0
+    n_time: int = 0
+    shared: dict[tuple[int, str], str] = field(default_factory=dict)
+    prepare_shared: list[Statement] = field(default_factory=list)
+    times_shared: list[Statement] = field(default_factory=list)
+    functions: dict[str, list[Function]] = field(default_factory=dict)
+    outputs: list[Quantity] = field(default_factory=list)
+    energies: list[EnergyInfo] = field(default_factory=list)
+    integrals: list[IntegralInfo] = field(default_factory=list)
+    switches: list[SwitchInfo] = field(default_factory=list)
+    exact: list[tuple[int, Column]] = field(default_factory=list)
+    predictions: list[Prediction] = field(default_factory=list)
+    table_switches: list[tuple[int, int, str]] = field(default_factory=list)
+    n_affine: int = 0
+    n_surfaces: int = 0
+    inverse_mass: int = 0
+    tail: int = 0
+
+    def path(self, code: BatchCode, e: int) -> str:
+        """Path of instance e of a batch."""
+        return self.assembly.train.components[code.batch.components[e]].path
+
+    def keep(self, what: str, function: Function) -> None:
+        """Adds a function unless it does nothing."""
+        if function.body:
+            self.functions.setdefault(what, []).append(function)
+
+
+def generate(assembly: Assembly) -> Program:
+    """The program of an assembly. The same assembly gives the same bytes."""
+    wanted = sorted({
+        slot.of for b in assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"
+    } | {leaf.args[0] for c in assembly.train.coordinates for leaf in c.expr.leaves() if leaf.op == "sense"})  # fmt: skip
+    in_law = [slot.of for b in assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"]
+    angles = assembly.in_law or any(_reads_angles(assembly, path) for path in in_law)
+    g = Generator(assembly, lay_out(assembly, angles_in_law=angles))
+    g.senses = {path: Sense(path, i) for i, path in enumerate(wanted)}
+    g.tail = g.lay.tail
+    _columns(g)
+    _laws(g)
+    _senses(g, set(in_law))
+    g.lay.n_total = g.lay.n_padded + padded(g.tail - g.lay.n_padded)
+    _describe_outputs(g)
+    return _program(g, _render(g, angles))
+
+
+# -- offsets ----------------------------------------------------------------------------------------------------------
+
+
+def _columns(g: Generator) -> None:
+    """Hoists every law and places exact values, inverse masses, hoisted columns and switches."""
+    at = len(g.lay.parameters)
+    g.inverse_mass = at
+    at += g.assembly.n_groups
+    for number, batch in enumerate(g.assembly.batches):
+        own = {path: i for (b, path), i in g.lay.own.items() if b == number}
+        places = Places(own, inverse_mass=g.inverse_mass, senses={p: s.index for p, s in g.senses.items()})
+        places.tables = {
+            x: _table_name(g, slot.of) for x, slot in batch.law.pool.slots.items() if slot.role == "table"
+        }  # fmt: skip
+        code = BatchCode(g.lay, number, batch, places)
+        for symbol, values in batch.exact.items():
+            if batch.law.pool.slots[symbol].role == "exact":
+                places.exact[symbol] = at
+                g.exact.append((at, column(f"{batch.name}_{identifier(str(symbol))}", [float(v) for v in values])))
+                at += len(batch.components)
+        code.hoist_all()
+        g.codes.append(code)
+    g.n_par = at
+    _switches(g)
+    for code in g.codes:
+        _hoisted(g, code)
+
+
+def _table_name(g: Generator, table: Any) -> str:
+    return g.tables.setdefault(table.digest(), (f"table_{len(g.tables)}", table))[0]  # type: ignore[no-any-return]
+
+
+def _switches(g: Generator) -> None:
+    """Affine surfaces first, then general ones, then those of time alone."""
+    at = 0
+    for wanted in (("affine",), ("general",), ("line", "wave")):
+        for code in g.codes:
+            if not code.places.switches:
+                code.places.switches = [-1] * len(code.law.switches)
+            for i, switch in enumerate(code.law.switches):
+                if code.sorts[i] in wanted:
+                    code.places.switches[i] = at
+                    kind = "time" if switch.level < 2 else "state"
+                    for e in range(code.n):
+                        g.switches.append(SwitchInfo(g.path(code, e), switch.name, kind, switch.low, switch.high))
+                    at += code.n
+        if wanted == ("affine",):
+            g.n_affine = at
+        elif wanted == ("general",):
+            g.n_surfaces = at
+
+
+def _hoisted(g: Generator, code: BatchCode) -> None:
+    """Places of the hoisted columns of a batch and the statements that fill them.
+
+    Everything that asks for a column must have been hoisted: predictions, gap scales and directions too.
+    """
+    for i, sort in enumerate(code.sorts):
+        if sort in ("line", "wave"):
+            code.prediction(i)
+        elif sort == "affine":
+            code.direction_of(i)
+            code.gap_scale(i)
+    prepare: list[tuple[str, str, Any, bool]] = []
+    times: list[tuple[str, str, Any, bool]] = []
+    for item in code.hoister.columns:
+        constant = item.level == CONSTANT
+        if item.shared:
+            names, _, _ = code.names([item.expr])
+            text = c_text(item.expr, names)
+            key = (item.level, text)
+            if key not in g.shared:
+                g.shared[key] = _shared_column(g, constant, text)
+            code.places.hoisted[item.symbol] = g.shared[key]
+            continue
+        if constant:
+            code.places.hoisted[item.symbol] = f"par[{g.n_par} + e]"
+            prepare.append((f"par[{g.n_par} + e]", "=", item.expr, False))
+            g.n_par += code.n
+        else:
+            code.places.hoisted[item.symbol] = f"tau[({g.n_time} + e) * GB_LANES]"
+            times.append((f"tau[({g.n_time} + e) * GB_LANES + i]", "=", item.expr, False))
+            g.n_time += code.n
+    g.keep("prepare", code.function("prepare", prepare))
+    g.keep("times", code.function("times", times))
+
+
+def _shared_column(g: Generator, constant: bool, text: str) -> str:
+    if constant:
+        g.prepare_shared.append(Statement(f"par[{g.n_par}]", "=", text))
+        g.n_par += 1
+        return f"par[{g.n_par - 1}]"
+    g.times_shared.append(Statement(f"tau[{g.n_time} * GB_LANES + i]", "=", text))
+    g.n_time += 1
+    return f"tau[{g.n_time - 1} * GB_LANES]"
+
+
+# -- laws -------------------------------------------------------------------------------------------------------------
+
+
+def _laws(g: Generator) -> None:
+    flange_tau = 0
+    for code in g.codes:
+        _rates(g, code)
+        _surfaces(g, code)
+        for flange in code.batch.flanges:
+            code.places.tau[flange] = flange_tau
+            flange_tau += code.n
+    for code in g.codes:
+        targets = [(f"flange_tau[{code.places.tau[f]} + e]", "+=", e, False) for f, e in code.torques.items()]
+        g.keep("torques", code.function("torques", targets))
+        _bodies(g, code)
+        shows = []
+        for show, expr in code.shows:
+            shows.append((f"out[{len(g.outputs)} + e]", "=", expr, False))
+            g.outputs += [Quantity(f"{g.path(code, e)}.{show.name}", show.unit, show.words) for e in range(code.n)]
+        g.keep("shows", code.function("shows", shows))
+
+
+def _rates(g: Generator, code: BatchCode) -> None:
+    """Derivatives, and the ledger in the full variant."""
+    batch = code.batch
+    targets: list[tuple[str, str, Any, bool]] = []
+    for j, speed in enumerate(code.speeds):
+        if batch.used[j] and not batch.dependent[j]:
+            targets.append((f"dy[q{j}]", "=", speed, False))
+    held = [f for f in code.torques if batch.groups[f][0] == HELD]
+    for flange, expr in code.torques.items():
+        if flange not in held:
+            targets.append((f"dy[v_{flange}]", "+=", expr, False))
+    for state, expr in code.rates.items():
+        targets.append((f"dy[{g.lay.state0[code.number, state]} + e]", "=", expr, False))
+    for part, entry in (("loss", code.loss), ("supplied", code.supplied)):
+        if entry is not None:
+            targets.append((f"dy[{g.tail} + e]", "=", entry, True))
+            g.integrals += [IntegralInfo(g.path(code, e), part, g.tail + e) for e in range(code.n)]
+            g.tail += code.n
+    function = code.function("rates", targets, extra=[f for f in code.torques if f not in held])
+    for statement in function.body:
+        if statement.lhs.startswith("dy[v_"):
+            statement.rhs = code.scaled(statement.lhs[5:-1], statement.rhs)
+    known = {name for _, name, _ in function.args}
+    for j in range(len(code.speeds)):
+        if batch.used[j] and not batch.dependent[j] and f"q{j}" not in known:
+            function.args.append(("int", f"q{j}", column(f"{batch.name}_q{j}", batch.sources[j])))
+    g.keep("rates", function)
+
+
+def _surfaces(g: Generator, code: BatchCode) -> None:
+    values, directions, scales = [], [], []
+    for i, sort in enumerate(code.sorts):
+        at = f"{code.places.switches[i]} + e"
+        if sort in ("affine", "general"):
+            values.append((f"s[{at}]", "=", code.surfaces[i], False))
+        if sort == "affine":
+            directions.append((f"s[{at}]", "=", code.direction_of(i), False))
+            scale = code.gap_scale(i)
+            if scale is not None:
+                scales.append((f"scale[q{scale[0]}]", "|=", scale[1], False))
+    g.keep("surfaces", code.function("surfaces", values))
+    g.keep("directions", code.function("directions", directions, direction=True))
+    function = code.function("scales", scales)
+    for j in {int(lhs[7:-1]) for lhs, _, _, _ in scales}:
+        function.args.append(("int", f"q{j}", column(f"{code.batch.name}_q{j}", code.batch.sources[j])))
+    g.keep("scales", function)
+    _bounds(g, code)
+
+
+def _bounds(g: Generator, code: BatchCode) -> None:
+    """Limits per switch; switches of tables and those with a condition are told apart here."""
+    targets = []
+    for i, switch in enumerate(code.law.switches):
+        at = f"{code.places.switches[i]} + e"
+        if switch.table is not None:
+            targets.append((f"table_bounds(&{code.places.tables[switch.table]}, {at}", "call", code.whens[i], False))
+        else:
+            targets.append((f"sign_bounds({at}", "call", code.whens[i], False))
+    g.keep("bounds", code.function("bounds", targets))
+    for i, sort in enumerate(code.sorts):
+        first = code.places.switches[i]
+        table = code.law.switches[i].table
+        name = code.places.tables[table] if table is not None else ""
+        if table is not None:
+            g.table_switches.append((first, code.n, name))
+        if sort in ("line", "wave"):
+            predictor, args = code.prediction(i)
+            names, _, prologue = code.names(args)
+            texts = [c_text(a, names) for a in args]
+            g.predictions.append(Prediction(f"{code.batch.name}_{i}", predictor, texts, prologue, first, code.n, name))
+
+
+def _bodies(g: Generator, code: BatchCode) -> None:
+    """Kinetic and stored energies, and the torque that bodies exert on their shafts by their inertia."""
+    inertial, energy = [], []
+    for flange, J in code.law.bodies:
+        if code.batch.groups[flange][0] != HELD:
+            g.keep("masses", code.mass(flange, J))
+    for flange, J in code.law.bodies:
+        if code.batch.groups[flange][0] == HELD:
+            continue
+        w = code.law.pool.symbol("w", flange, f"w_{flange}")
+        alpha = code.law.pool.symbol("alpha", flange, f"alpha_{flange}")
+        inertial.append((f"flange_tau[{code.places.tau[flange]} + e]", "-=", J * alpha, False))
+        energy.append((len(g.energies), J * w**2 / 2, "kinetic"))
+        g.energies += [EnergyInfo(g.path(code, e), "kinetic", len(g.energies) + e) for e in range(code.n)]
+    if code.stored is not None:
+        energy.append((len(g.energies), code.stored, "stored"))
+        g.energies += [EnergyInfo(g.path(code, e), "stored", len(g.energies) + e) for e in range(code.n)]
+    g.keep("inertial", code.function("inertial", inertial))
+    g.keep("energies", code.function("energies", [(f"energy[{i} + e]", "=", x, False) for i, x, _ in energy]))
+
+
+# -- senses -----------------------------------------------------------------------------------------------------------
+
+
+def _shown(g_codes: Iterable[BatchCode], assembly: Assembly, path: str) -> tuple[BatchCode, int, Any]:
+    """(batch, instance, expression) of an output that a signal may read."""
+    known = []
+    for code in g_codes:
+        for e, index in enumerate(code.batch.components):
+            prefix = assembly.train.components[index].path + "."
+            for show, expr in code.shows:
+                known.append(prefix + show.name)
+                if path == known[-1]:
+                    return code, e, expr
+    raise ModelError(f"sense('{path}'): no block shows that output{did_you_mean(path, known)}")
+
+
+def _reads_angles(assembly: Assembly, path: str) -> bool:
+    """Whether a sensed output needs absolute angles."""
+    for batch in assembly.batches:
+        for index in batch.components:
+            prefix = assembly.train.components[index].path + "."
+            for show in batch.law.shows:
+                if prefix + show.name == path:
+                    roles = [batch.law.pool.slots[x] for x in show.expr.free_symbols]
+                    return any(s.role == "phi" or (s.role == "coordinate" and not batch.used[s.of]) for s in roles)
+    return False
+
+
+def _senses(g: Generator, in_law: set[str]) -> None:
+    """Functions of sensed outputs in an order in which each reads only earlier ones."""
+    done: dict[str, None] = {}
+
+    def visit(path: str, chain: tuple[str, ...]) -> None:
+        if path in chain:
+            loop = " -> ".join((*chain[chain.index(path) :], path))
+            raise ModelError(f"the signals form an algebraic loop: {loop}; put a state between them")
+        if path in done:
+            return
+        code, e, expr = _shown(g.codes, g.assembly, path)
+        slots = [code.law.pool.slots[x] for x in expr.free_symbols]
+        if path in in_law and any(s.role in ("alpha", "tau") for s in slots):
+            raise ModelError(f"sense('{path}'): an acceleration or reaction cannot be fed back; sense a speed or a torque law")
+        for slot in slots:
+            if slot.role == "sense":
+                visit(slot.of, (*chain, path))
+        sense = g.senses[path]
+        function = code.function(f"sense_{sense.index}", [(f"sense[{sense.index}]", "=", expr, False)])
+        sense.function = function
+        sense.call = ", ".join([str(e), *(c.at(e) for _, _, c in function.args)])
+        done[path] = None
+
+    for path in g.senses:
+        visit(path, ())
+    order = list(done)
+    g.senses = {path: g.senses[path] for path in order}
+
+
+# -- outputs ----------------------------------------------------------------------------------------------------------
+
+
+def _describe_outputs(g: Generator) -> None:
+    """Outputs of the flanges and the coordinates for reading follow the outputs of the blocks."""
+    for name, unit, words in (
+        ("phi", "rad", "angle"), ("w", "rad/s", "speed"), ("tau", "N m", "torque of the block on the flange"),
+        ("power", "W", "power from the block into the flange"),
+    ):  # fmt: skip
+        for code in g.codes:
+            for flange in code.batch.flanges:
+                g.outputs += [Quantity(f"{g.path(code, e)}.{flange}.{name}", unit, words) for e in range(code.n)]
+    g.outputs += [Quantity(c.name, c.unit, "relative coordinate") for c in g.assembly.train.coordinates]
+
+
+def _coordinate_outputs(g: Generator) -> list[str]:
+    """C of the coordinates for reading, over sense[] and parameters."""
+    from gearblocks.expression import to_sympy
+
+    texts = []
+    for c in g.assembly.train.coordinates:
+        names: dict[Any, str] = {}
+
+        def leaf(x: Any, names: dict[Any, str] = names) -> Any:
+            text = f"sense[{g.senses[x.args[0]].index}]" if x.op == "sense" else f"par[{g.lay.shared[x.args[0].name]}]"
+            symbol = sp.Symbol(text, real=True)
+            names[symbol] = text
+            return symbol
+
+        texts.append(c_text(to_sympy(c.expr, leaf), names))
+    return texts
+
+
+def _program(g: Generator, source: str) -> Program:
+    lay = g.lay
+    states: list[Quantity] = [Quantity("", "rad", "coordinate")] * lay.n
+    for code in g.codes:
+        for e in range(code.n):
+            for j in range(len(code.law.forms)):
+                if code.batch.used[j] and not code.batch.dependent[j]:
+                    i = code.batch.sources[j][e]
+                    states[i] = Quantity(f"{g.path(code, e)}.coordinate", "rad", "relative angle")
+            for state in code.law.rates:
+                states[lay.state0[code.number, state] + e] = Quantity(f"{g.path(code, e)}.{state}", "1", "state")
+    for i, start in enumerate(g.assembly.starts):
+        states[lay.v0 + i] = Quantity(f"{start.w0}.w", "rad/s", "speed")
+    in_law = lay.angle0 < lay.n
+    for i, group in enumerate(g.assembly.angles):
+        owner = g.assembly.starts[group].phi0
+        if in_law:
+            states[lay.angle0 + i] = Quantity(f"{owner}.phi", "rad", "angle")
+        else:
+            g.integrals.append(IntegralInfo(owner, "angle", lay.angle0 + i))
+    return Program(
+        g.assembly.train.name, source, key_of(source), tuple(lay.parameters),
+        tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(states), tuple(g.switches),
+        tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total, tuple(_start_infos(g)), g.assembly.structural,
+    )  # fmt: skip
+
+
+def _start_infos(g: Generator) -> Iterator[StartInfo]:
+    """Names under which start values can be given: angle and speed of every body, states of blocks."""
+    for code in g.codes:
+        for flange, _ in code.law.bodies:
+            for e, group in enumerate(code.batch.groups[flange]):
+                if group != HELD:
+                    start, gain = g.assembly.starts[group], code.batch.gains[flange][e]
+                    path = g.path(code, e)
+                    yield StartInfo(f"{path}.phi", g.lay.phi0[group], float(start.phi0_gain / gain))
+                    yield StartInfo(f"{path}.w", g.lay.w0[group], float(start.w0_gain / gain))
+        for state in code.law.rates:
+            first = g.lay.state_start[code.number, state]
+            for e in range(code.n):
+                yield StartInfo(f"{g.path(code, e)}.{state}", first + e, 1.0)
+
+
+def _render(g: Generator, angles: bool) -> str:
+    """Fills the template."""
+    body = _fill("gb_generated.c.jinja", view(g, angles, _coordinate_outputs(g)))
+    return body + _fill("gb_key.c.jinja", {"key": hashlib.sha256(body.encode()).hexdigest()})
+
+
+def _fill(name: str, values: dict[str, Any]) -> str:
+    import jinja2
+
+    template = files("gearblocks").joinpath(f"c/{name}").read_text(encoding="utf-8")
+    environment = jinja2.Environment(
+        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, undefined=jinja2.StrictUndefined
+    )
+    return environment.from_string(template).render(values)
+
+
+def key_of(source: str) -> str:
+    """The key that the source ends with."""
+    return source.rsplit('"', 2)[1]

@@ -1,0 +1,105 @@
+"""Relative coordinates: which deflections are states, which follow from them, and where absolute angles come from.
+
+Each compliant element asks for one linear form of the group angles. Independent forms become states; a form that
+closes a loop is an exact combination of them. Absolute angles remain only for groups that nothing else determines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import TypeVar
+
+_K = TypeVar("_K", int, str)
+
+
+@dataclass(slots=True)
+class Combination:
+    """Exact combination of group angles, coordinates and offsets of the ground (paths of parameters)."""
+
+    groups: dict[int, Fraction] = field(default_factory=dict)
+    coordinates: dict[int, Fraction] = field(default_factory=dict)
+    offsets: dict[str, Fraction] = field(default_factory=dict)
+
+    def add(self, other: Combination, factor: Fraction) -> None:
+        """Adds factor times another combination."""
+        _accumulate(self.groups, other.groups, factor)
+        _accumulate(self.coordinates, other.coordinates, factor)
+        _accumulate(self.offsets, other.offsets, factor)
+
+
+def _accumulate(target: dict[_K, Fraction], source: Mapping[_K, Fraction], factor: Fraction) -> None:
+    for key, value in source.items():
+        total = target.get(key, Fraction(0)) + factor * value
+        if total:
+            target[key] = total
+        else:
+            target.pop(key, None)
+
+
+class Elimination:
+    """Takes forms one by one; `definitions` say how each eliminated group angle follows from what is left."""
+
+    def __init__(self) -> None:
+        self.definitions: dict[int, Combination] = {}
+        self._gains: dict[int, dict[int, Fraction]] = {}
+        self.n = 0
+        self.rows: list[dict[int, Fraction]] = []
+
+    def take(self, form: Combination) -> int | Combination:
+        """The number of a new coordinate, or what the form is a combination of."""
+        left: dict[int, Fraction] = {}
+        for group, c in form.groups.items():
+            _accumulate(left, self._roots(group), c)
+        if not left:
+            return self.expand(form)
+        raw = [g for g in form.groups if g in left and g not in self.definitions]
+        pivot = raw[-1] if raw else next(iter(left))
+        base = form if raw else self.expand(form)
+        c = base.groups[pivot]
+        definition = Combination({}, {self.n: 1 / c}, {})
+        definition.add(Combination(dict(base.groups), dict(base.coordinates), dict(base.offsets)), -1 / c)
+        definition.groups.pop(pivot, None)
+        self.definitions[pivot] = definition
+        self._gains[pivot] = dict(definition.groups)
+        self.rows.append(dict(form.groups))
+        self.n += 1
+        return self.n - 1
+
+    def _roots(self, group: int) -> dict[int, Fraction]:
+        """Gain of a group on the groups that are not eliminated (its coordinates left aside)."""
+        if group not in self.definitions:
+            return {group: Fraction(1)}
+        gains = self._gains[group]
+        while any(g in self.definitions for g in gains):
+            new: dict[int, Fraction] = {}
+            for g, c in gains.items():
+                _accumulate(new, self._gains[g] if g in self.definitions else {g: Fraction(1)}, c)
+            gains = self._gains[group] = new
+        return gains
+
+    def order(self, wanted: list[int]) -> list[int]:
+        """Eliminated groups needed for `wanted`, each after those it is defined by."""
+        done: dict[int, None] = {}
+        for start in wanted:
+            stack = [(start, False)]
+            while stack:
+                group, ready = stack.pop()
+                if group in done or group not in self.definitions:
+                    continue
+                if ready:
+                    done[group] = None
+                    continue
+                stack.append((group, True))
+                stack.extend((g, False) for g in self.definitions[group].groups)
+        return list(done)
+
+    def expand(self, form: Combination) -> Combination:
+        """The form in coordinates, offsets and groups that are not eliminated."""
+        result = Combination(dict(form.groups), dict(form.coordinates), dict(form.offsets))
+        for group in reversed(self.order(list(form.groups))):
+            c = result.groups.pop(group, Fraction(0))
+            if c:
+                result.add(self.definitions[group], c)
+        return result

@@ -1,0 +1,301 @@
+"""How a block says what it is, what it has and what it does.
+
+A block is a class with flanges, parameters, signals, states and effects as class attributes, and a method `physics`
+that yields contributions. Instances are frozen and keyword-only. `self` holds numbers, `s` holds symbols.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, ClassVar, TypeAlias, dataclass_transform
+
+from gearblocks.errors import GearblocksError, did_you_mean
+
+_REQUIRED: Any = object()
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """The declaration of one field: words, unit, default and bounds.
+
+    role: "param" (a number, runs as a tunable value), "exact" (integers that enter ratios exactly), "option" (part of
+    the structure), "signal", "effect". belongs_to: the effect that goes when this field is None ("compliance").
+    """
+
+    words: str
+    unit: str
+    role: str
+    default: Any = _REQUIRED
+    gt: float | None = None
+    ge: float | None = None
+    lt: float | None = None
+    le: float | None = None
+    many: bool = False
+    belongs_to: str | None = None
+
+    @property
+    def required(self) -> bool:
+        """Whether a block cannot be made without it."""
+        return self.default is _REQUIRED
+
+
+def param(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
+    lt: float | None = None, le: float | None = None, many: bool = False, belongs_to: str | None = None,
+) -> Any:  # fmt: skip
+    """A number in SI units; a `Parameter` may stand for it. Bounds: gt (>), ge (>=), lt (<), le (<=).
+
+    default=None makes it optional: None means absent. many=True: a tuple of numbers.
+    """
+    return Field(words, unit, "param", default, gt, ge, lt, le, many, belongs_to)
+
+
+def exact(words: str, *, default: Any = _REQUIRED, many: bool = False) -> Any:
+    """A number that enters ratios exactly (tooth counts; a float stands for its exact binary fraction). Structural."""
+    return Field(words, "1", "exact", default, many=many)
+
+
+def option(words: str, *, default: Any = _REQUIRED) -> Any:
+    """A choice (text, truth or whole number) that decides the form of the law. Structural."""
+    return Field(words, "1", "option", default)
+
+
+def signal(words: str, unit: str = "1", *, default: Any = _REQUIRED, belongs_to: str | None = None) -> Any:
+    """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense)."""
+    return Field(words, unit, "signal", default, belongs_to=belongs_to)
+
+
+def effect(words: str, *, default: Any = None) -> Any:
+    """An effect object, or None: absent."""
+    return Field(words, "1", "effect", default)
+
+
+@dataclass(frozen=True, slots=True)
+class Flange:
+    """A rotating connection point. ground: means the ground when nothing is connected; spare: may stay open."""
+
+    words: str
+    ground: bool = False
+    spare: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """A state of a block's own, integrated along. The block yields Rate(s.name, expression)."""
+
+    words: str
+    unit: str = "1"
+    start: float = 0.0
+
+
+# -- contributions ----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A rotating inertia J [kg m2] at a flange."""
+
+    flange: Any
+    J: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Force:
+    """A force along a deflection: every flange gets the torque -force * d deflection / d phi."""
+
+    deflection: Any
+    force: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Potential:
+    """An energy [J] of the flange angles: every flange gets the torque -d energy / d phi."""
+
+    energy: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Acts:
+    """The torque tau [N m] that the block exerts ON the flange."""
+
+    flange: Any
+    tau: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Tie:
+    """A rigid relation: `zero`, linear in the flange angles with exact ratios, stays zero."""
+
+    zero: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """The time derivative of a state of the block."""
+
+    state: Any
+    expr: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """A named located switch: mode `high` where surface >= 0, else `low`; watched only while `when` is not zero.
+
+    Conditions written with Piecewise, Abs, sign, Min, Max or Heaviside are located without one; a Switch gives them a
+    name and the values shown in the events.
+    """
+
+    name: str
+    surface: Any
+    when: Any = 1
+    low: float = 0.0
+    high: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Shows:
+    """An output of the block."""
+
+    name: str
+    expr: Any
+    unit: str = "1"
+    words: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """Entry of the ledger: stored energy [J] and lost power [W]. What neither explains counts as supplied."""
+
+    stored: Any = None
+    loss: Any = None
+
+
+Contribution: TypeAlias = Body | Force | Potential | Acts | Tie | Rate | Switch | Shows | Energy
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a composite block stands for: blocks by name, links between (name, flange) pairs, and its own flanges."""
+
+    blocks: Mapping[str, Any]
+    links: tuple[tuple[tuple[str, str], tuple[str, str]], ...]
+    flanges: Mapping[str, tuple[str, str]]
+
+
+# -- fields of blocks and effects -------------------------------------------------------------------------------------
+
+
+class _Declared:
+    """Frozen keyword-only object whose class attributes declare its fields."""
+
+    fields: ClassVar[Mapping[str, Field]] = MappingProxyType({})
+    flanges: ClassVar[Mapping[str, Flange]] = MappingProxyType({})
+    states: ClassVar[Mapping[str, State]] = MappingProxyType({})
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        members = {name: value for name, value in vars(cls).items() if not name.startswith("__")}
+        for name, kind in (("fields", Field), ("flanges", Flange), ("states", State)):
+            own = {n: v for n, v in members.items() if isinstance(v, kind)}
+            setattr(cls, name, MappingProxyType({**getattr(cls, name), **own}))
+
+    def __init__(self, **values: Any) -> None:
+        fields = type(self).fields
+        store = self.__dict__
+        for name, spec in fields.items():
+            if name in values:
+                value = values.pop(name)
+                store[name] = tuple(value) if spec.many and isinstance(value, list) else value
+            elif spec.default is _REQUIRED:
+                raise GearblocksError(f"{type(self).__name__} needs {name} ({spec.words}, {spec.unit}); it was not given")
+            else:
+                store[name] = spec.default
+        if values:
+            name = next(iter(values))
+            raise GearblocksError(
+                f"{type(self).__name__} has no field '{name}'; it has {', '.join(fields)}{did_you_mean(name, fields)}"
+            )
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(
+            f"{type(self).__name__} is frozen: make a changed train with rig.set({{'path.{name}': value}})"
+        )
+
+    def __repr__(self) -> str:
+        given = (f"{n}={self.__dict__[n]!r}" for n in type(self).fields if self.__dict__[n] is not None)
+        return f"{type(self).__name__}({', '.join(given)})"
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and self.__dict__ == other.__dict__
+
+    def __hash__(self) -> int:
+        return hash((type(self), tuple(self.__dict__.items())))
+
+    def changed(self, **values: Any) -> Any:
+        """A copy with other values."""
+        return type(self)(**{**self.__dict__, **values})
+
+    def problems(self) -> Iterator[str]:
+        """What is wrong with the combination of values, each as one sentence without the block's name."""
+        return iter(())
+
+
+@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(param, exact, option, signal, effect))
+class Effect(_Declared, ABC):
+    """A modelled phenomenon that a block has or has not. Subclasses declare fields like blocks do."""
+
+
+@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(param, exact, option, signal, effect))
+class Block(_Declared, ABC):
+    """A part of a drivetrain. Subclasses declare flanges, fields and states, and yield their physics.
+
+        class DCMotor(gb.Block):
+            shaft = gb.Flange("output shaft")
+            R: float = gb.param("resistance", "ohm", gt=0)
+            L: float = gb.param("inductance", "H", gt=0)
+            k: float = gb.param("torque constant", "N m/A")
+            u = gb.signal("terminal voltage", "V")
+            i = gb.State("current", "A")
+
+            def physics(self, s):
+                yield gb.Acts(s.shaft, s.k * s.i)
+                yield gb.Rate(s.i, (s.u - s.R * s.i - s.k * s.shaft.w) / s.L)
+                yield gb.Shows("torque", s.k * s.i, "N m")
+                yield gb.Energy(stored=s.L * s.i**2 / 2, loss=s.R * s.i**2)
+
+    In `physics`, s.<flange>.phi and .w are angle [rad] and speed [rad/s], s.<field> the symbol of a number or signal
+    (None when absent), s.<effect> the symbols of an effect, s.<state> a state, s.time the time. In Shows also
+    s.<flange>.alpha [rad/s2] and s.<flange>.tau [N m], the torque that the block exerts on the flange.
+    s.<flange>.mobility is 1/J of all inertia tied rigidly to the flange (0 at the ground).
+    """
+
+    @abstractmethod
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """Yields Body, Force, Potential, Acts, Tie, Rate, Switch, Shows and Energy."""
+
+    def parts(self) -> Parts | None:
+        """The blocks that this one stands for, or None: it has physics of its own."""
+        return None
+
+    def effects(self) -> dict[str, Any]:
+        """The effects that are present, by name."""
+        present: dict[str, Any] = {}
+        for name, spec in type(self).fields.items():
+            key = name if spec.role == "effect" else spec.belongs_to
+            if key and self.__dict__[name] is not None:
+                present.setdefault(key, self.__dict__[name])
+        return present
+
+    def without_effect(self, name: str) -> Block:
+        """The same block with one effect taken away; without compliance nothing that lives on it stays."""
+        fields = type(self).fields
+        gone = set(self.effects()) if name == "compliance" else {name}
+        dropped = {
+            n: None for n, spec in fields.items() if (n if spec.role == "effect" else spec.belongs_to) in gone
+        }
+        changed = self.changed(**dropped)
+        assert isinstance(changed, Block)
+        return changed

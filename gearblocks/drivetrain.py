@@ -1,0 +1,372 @@
+"""The public face: a drivetrain that is composed, changed, read and built."""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from gearblocks.building import build_train
+from gearblocks.declare import Block, _Declared
+from gearblocks.errors import GearblocksError, ModelError, did_you_mean
+from gearblocks.expression import as_expr
+from gearblocks.graph import Coordinate, Train, Tree, flatten, value_problems
+from gearblocks.library import Model
+
+if TYPE_CHECKING:
+    from gearblocks.equations import Equations
+    from gearblocks.trajectory import Trajectory
+
+_NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+class FlangeHandle:
+    """A flange of a part of one drivetrain, for `connect`."""
+
+    __slots__ = ("flange", "owner", "part")
+
+    def __init__(self, owner: Drivetrain, part: str, flange: str) -> None:
+        self.owner, self.part, self.flange = owner, part, flange
+
+    def __repr__(self) -> str:
+        return f"<flange {self.part}.{self.flange}>"
+
+
+class Handle:
+    """A part of one drivetrain: its flanges as attributes."""
+
+    def __init__(self, owner: Drivetrain, name: str, part: Block | Drivetrain) -> None:
+        self._owner, self._name, self._part = owner, name, part
+
+    @property
+    def flanges(self) -> tuple[str, ...]:
+        """Names of the flanges."""
+        return tuple(self._part._exposed) if isinstance(self._part, Drivetrain) else tuple(type(self._part).flanges)
+
+    def __getattr__(self, name: str) -> FlangeHandle:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        if name in self.flanges:
+            return FlangeHandle(self._owner, self._name, name)
+        kind = type(self._part).__name__
+        raise ModelError(
+            f"block '{self._name}' ({kind}) has no flange '{name}'; it has {', '.join(self.flanges) or 'none'}"
+            f"{did_you_mean(name, self.flanges)}"
+        )
+
+    def __repr__(self) -> str:
+        return f"<{self._name}: {self._part!r}>"
+
+
+Connectable: TypeAlias = "FlangeHandle | Handle"
+
+
+class Drivetrain:
+    """A drivetrain: named blocks and trains, joined at their flanges.
+
+    `add`, `connect`, `chain`, `expose` and `coordinate` change it; `set`, `without` and `only` return new ones.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self._parts: dict[str, Block | Drivetrain] = {}
+        self._links: list[tuple[tuple[str, str], ...]] = []
+        self._exposed: dict[str, tuple[str, str]] = {}
+        self._coordinates: list[Coordinate] = []
+        self.dropped: tuple[str, ...] = ()
+
+    # -- composing ----------------------------------------------------------------------------------------------------
+
+    def add(self, name: str, part: Block | Drivetrain) -> Handle:
+        """Adds a block, or a copy of a train, under a name; returns a handle with its flanges.
+
+        Raises ModelError for a name that is taken or odd, and for values out of bounds.
+        """
+        if not isinstance(name, str) or not _NAME.fullmatch(name):
+            raise ModelError(f"part name {name!r} must be a word of letters, digits and '_' that starts with a letter")
+        if name in self._parts:
+            raise ModelError(f"'{self.name}' already has a part named '{name}'")
+        if isinstance(part, type) or not isinstance(part, (Block, Drivetrain)):
+            raise ModelError(f"'{name}': {part!r} is neither a block nor a Drivetrain")
+        if isinstance(part, Drivetrain):
+            part = part._copy()
+        else:
+            problems = list(value_problems(name, part))
+            if problems:
+                raise ModelError(problems)
+        self._parts[name] = part
+        return Handle(self, name, part)
+
+    def connect(self, *flanges: FlangeHandle) -> None:
+        """Joins two or more flanges to one shaft. May be repeated; joined flanges turn together."""
+        ends = [self._end(f) for f in flanges]
+        if len(ends) < 2:
+            raise ModelError("connect needs at least two flanges")
+        if len(set(ends)) < len(ends):
+            twice = next(e for e in ends if ends.count(e) > 1)
+            raise ModelError(f"flange {twice[0]}.{twice[1]} is connected to itself")
+        self._links.append(tuple(ends))
+
+    def chain(self, *parts: Handle) -> None:
+        """Connects parts in a row by their two main flanges; one with a single flange attaches to the running shaft."""
+        running: tuple[str, str] | None = None
+        waiting: list[tuple[str, str]] = []
+        for part in parts:
+            ends = self._main_flanges(part)
+            attach = [*waiting, *([running] if running else []), (part._name, ends[0])]
+            if len(ends) == 1 and running is None:
+                waiting.append((part._name, ends[0]))
+                continue
+            if len(attach) > 1:
+                self._links.append(tuple(attach))
+            waiting = []
+            if len(ends) == 2:
+                running = (part._name, ends[1])
+        if waiting and running is None and len(waiting) > 1:
+            self._links.append(tuple(waiting))
+
+    def expose(self, name: str, flange: FlangeHandle) -> None:
+        """Makes a flange of a part a flange of this train, for use inside another one."""
+        if name in self._exposed:
+            raise ModelError(f"'{self.name}' already exposes a flange '{name}'")
+        self._exposed[name] = self._end(flange)
+
+    def coordinate(self, name: str, expr: Any, unit: str) -> None:
+        """Names a relative coordinate, an expression of gb.sense(...) and Parameters.
+
+        It becomes an output, and the unknown of the relative form of the equations when there are as many as degrees
+        of freedom.
+        """
+        if not _NAME.fullmatch(name) or name in self._parts or any(c.name == name for c in self._coordinates):
+            raise ModelError(f"coordinate name {name!r} is taken or no word")
+        expression = as_expr(expr)
+        if any(leaf.op not in ("sense", "parameter") for leaf in expression.leaves()):
+            raise ModelError(f"coordinate '{name}': only gb.sense(...), Parameters and numbers may stand in it")
+        self._coordinates.append(Coordinate(name, expression, unit))
+
+    def _end(self, flange: FlangeHandle) -> tuple[str, str]:
+        if isinstance(flange, Handle):
+            raise ModelError(f"connect joins flanges: name one of {flange._name}.{{{', '.join(flange.flanges)}}}")
+        if not isinstance(flange, FlangeHandle) or flange.owner is not self:
+            raise ModelError(f"{flange!r} is no flange of '{self.name}': use the handle that add returned")
+        return (flange.part, flange.flange)
+
+    def _main_flanges(self, part: Handle) -> list[str]:
+        if not isinstance(part, Handle) or part._owner is not self:
+            raise ModelError(f"{part!r} is no part of '{self.name}': use the handle that add returned")
+        if isinstance(part._part, Drivetrain):
+            main = list(part.flanges)
+        else:
+            main = [n for n, f in type(part._part).flanges.items() if not f.ground]
+        if not 1 <= len(main) <= 2:
+            raise ModelError(
+                f"'{part._name}' has {len(main)} flanges ({', '.join(main)}), so a chain cannot pass through it: use connect"
+            )
+        return main
+
+    # -- changing -----------------------------------------------------------------------------------------------------
+
+    def _copy(self) -> Drivetrain:
+        other = Drivetrain(self.name)
+        other._parts = {n: p._copy() if isinstance(p, Drivetrain) else p for n, p in self._parts.items()}
+        other._links, other._exposed = list(self._links), dict(self._exposed)
+        other._coordinates = list(self._coordinates)
+        return other
+
+    def __getitem__(self, path: str) -> Block | Drivetrain:
+        """The block or train at a path."""
+        name, _, rest = path.partition(".")
+        if name not in self._parts:
+            raise ModelError(f"'{self.name}' has no part '{name}'{did_you_mean(name, self._parts)}")
+        part = self._parts[name]
+        if not rest:
+            return part
+        if isinstance(part, Drivetrain):
+            return part[rest]
+        raise ModelError(f"'{path}': {name} is a block and has no parts")
+
+    def _walk(self, prefix: str = "") -> Iterator[tuple[str, Drivetrain, str, Block]]:
+        """(path, owner, name, block) of every block."""
+        for name, part in self._parts.items():
+            if isinstance(part, Drivetrain):
+                yield from part._walk(f"{prefix}{name}.")
+            else:
+                yield f"{prefix}{name}", self, name, part
+
+    def set(self, values: Mapping[str, Any]) -> Drivetrain:
+        """A new train with other values, by path: {"mesh.backlash.half_gap": 2e-5, "mesh": gb.GearMesh(...)}."""
+        other = self._copy()
+        paths = {f"{path}.{field}" for path, _, _, block in self._walk() for field in _field_paths(block)}
+        for path, value in values.items():
+            found = _unique(path, paths | {p for p, _, _, _ in self._walk()})
+            owner, name, rest = other._locate(found)
+            block = value if not rest else _replaced(owner._parts[name], rest.split("."), value)
+            problems = list(value_problems(found if not rest else found[: -len(rest) - 1], block))
+            if problems:
+                raise ModelError(problems)
+            owner._parts[name] = block
+        return other
+
+    def _locate(self, path: str) -> tuple[Drivetrain, str, str]:
+        name, _, rest = path.partition(".")
+        part = self._parts[name]
+        return part._locate(rest) if isinstance(part, Drivetrain) and rest else (self, name, rest)
+
+    def effects(self) -> dict[str, Any]:
+        """Every effect that is present, by dotted name: "mesh.backlash", "shaft.compliance", ..."""
+        return {f"{path}.{n}": e for path, _, _, block in self._walk() for n, e in block.effects().items()}
+
+    def without(self, *patterns: str) -> Drivetrain:
+        """A new train without the effects that match; `dropped` of it says what went. `*` crosses dots."""
+        present = self.effects()
+        for pattern in patterns:
+            if not any(fnmatch.fnmatchcase(name, pattern) for name in present):
+                raise ModelError(
+                    f"no effect matches '{pattern}'; present are {', '.join(present) or 'none'}{did_you_mean(pattern, present)}"
+                )
+        return self._leaving(lambda name: any(fnmatch.fnmatchcase(name, p) for p in patterns))
+
+    def only(self, *patterns: str) -> Drivetrain:
+        """A new train with only the effects that match, and what they need."""
+        present = self.effects()
+        kept = {name for name in present if any(fnmatch.fnmatchcase(name, p) for p in patterns)}
+        for pattern in patterns:
+            if not any(fnmatch.fnmatchcase(name, pattern) for name in present):
+                raise ModelError(f"no effect matches '{pattern}'{did_you_mean(pattern, present)}")
+        kept |= {f"{name.rsplit('.', 1)[0]}.compliance" for name in kept}
+        return self._leaving(lambda name: name not in kept)
+
+    def _leaving(self, goes: Any) -> Drivetrain:
+        other = self._copy()
+        before = self.effects()
+        for path, owner, name, block in list(other._walk()):
+            for effect in sorted(block.effects(), key=lambda e: e == "compliance"):
+                if goes(f"{path}.{effect}") and effect in block.effects():
+                    block = block.without_effect(effect)
+            owner._parts[name] = block
+        after = other.effects()
+        other.dropped = tuple(name for name in before if name not in after)
+        return other
+
+    # -- reading ------------------------------------------------------------------------------------------------------
+
+    def tree(self) -> Tree:
+        """A frozen snapshot of the composition."""
+        parts = tuple((n, p.tree() if isinstance(p, Drivetrain) else p) for n, p in self._parts.items())
+        return Tree(self.name, parts, tuple(self._links), tuple(self._exposed.items()), tuple(self._coordinates))
+
+    def train(self) -> Train:
+        """A frozen snapshot, flat, with nodes. Raises ModelError with all open ends."""
+        return flatten(self.tree())
+
+    def equations(self) -> Equations:
+        """The equations of motion for reading, in sympy."""
+        from gearblocks.equations import write_equations
+
+        return write_equations(self.train())
+
+    def describe(self) -> str:
+        """A table of all blocks with their values and effects."""
+        rows = [(path, type(block).__name__, _summary(block)) for path, _, _, block in self._walk()]
+        widths = [max((len(r[i]) for r in rows), default=0) for i in range(2)]
+        head = f"{self.name}: {len(rows)} blocks, {len(self.effects())} effects"
+        return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows)])
+
+    def __repr__(self) -> str:
+        return f"<Drivetrain '{self.name}': {', '.join(self._parts)}>"
+
+    def to_json(self, path: str | Path) -> None:
+        """Writes the train to a file from which `from_json` makes an equal one."""
+        from gearblocks.json_form import write
+
+        write(self.tree(), Path(path))
+
+    @staticmethod
+    def from_json(path: str | Path) -> Drivetrain:
+        """The train in a file that `to_json` wrote. Expressions in it are parsed, never run."""
+        from gearblocks.json_form import read
+
+        return Drivetrain.from_tree(read(Path(path)))
+
+    @staticmethod
+    def from_tree(tree: Tree) -> Drivetrain:
+        """A train from a snapshot."""
+        train = Drivetrain(tree.name)
+        for name, part in tree.parts:
+            train.add(name, Drivetrain.from_tree(part) if isinstance(part, Tree) else part)
+        train._links, train._exposed = list(tree.links), dict(tree.exposed)
+        train._coordinates = list(tree.coordinates)
+        return train
+
+
+def build(train: Drivetrain | Model) -> Model:
+    """Equations, program and compiled library of a train, for repeated use: simulate(model, ...), export(model, ...)."""
+    if isinstance(train, Model):
+        return train
+    if not isinstance(train, Drivetrain):
+        raise GearblocksError(f"{train!r} is no Drivetrain")
+    return build_train(train.train())
+
+
+def simulate(train: Drivetrain | Model, **arguments: Any) -> Trajectory:
+    """Runs a train or model.
+
+    t_end: end of the run [s]; the samples are the accepted steps with both sides of each event. Or t: sample times [s].
+    t_start: start [s], default 0. method: "auto", "rk4" (needs step), "dp5", "dp8". rtol: tolerance relative to the
+    largest value of each state so far. step: fixed step [s] for any method. max_step: longest step [s].
+    locate: False leaves the corners unlocated (to see what that costs in accuracy).
+    inputs: by name a number, a `Table` over time, or a function of time (called per stage: slow; a Table is fast).
+    parameters: other values by path ("mesh.k"), without recompiling. initial: start values by name ("motor.w",
+    "motor.phi", states of blocks), or an earlier run to continue. outputs: a pattern or several ("mesh.*").
+    progress: called with the share done (0..1), five times a second at most.
+
+    Raises UnknownNameError and ParameterError for bad arguments, SimulationError (with the trajectory so far) when the
+    run cannot go on. Ctrl-C returns what is done; run.complete is then False.
+    """
+    from gearblocks.runs import run_model
+
+    return run_model(build(train), **arguments)
+
+
+def _summary(block: Block) -> str:
+    parts = []
+    for name, field in type(block).fields.items():
+        value = block.__dict__[name]
+        if value is not None and value != field.default:
+            unit = "" if field.unit == "1" else f" {field.unit}"
+            parts.append(f"{name} = {value!r}{unit}" if not isinstance(value, _Declared) else f"{name}: {value!r}")
+    return ", ".join(parts)
+
+
+def _field_paths(owner: _Declared) -> Iterator[str]:
+    for name in type(owner).fields:
+        yield name
+        value = owner.__dict__[name]
+        if isinstance(value, _Declared):
+            yield from (f"{name}.{rest}" for rest in _field_paths(value))
+        elif isinstance(value, tuple):
+            yield from (f"{name}[{i}]" for i in range(len(value)))
+
+
+def _unique(path: str, known: set[str]) -> str:
+    """The full path that a path, or a unique end of one, means."""
+    if path in known:
+        return path
+    ends = sorted(p for p in known if p.endswith("." + path))
+    if len(ends) == 1:
+        return ends[0]
+    if ends:
+        raise ModelError(f"'{path}' is not unique: it could be {', '.join(ends)}")
+    raise ModelError(f"'{path}' does not exist{did_you_mean(path, known)}")
+
+
+def _replaced(owner: Any, path: list[str], value: Any) -> Any:
+    name, *rest = path
+    match = re.fullmatch(r"(\w+)\[(\d+)\]", name)
+    if match:
+        values = list(owner.__dict__[match[1]])
+        values[int(match[2])] = value
+        return owner.changed(**{match[1]: tuple(values)})
+    return owner.changed(**{name: _replaced(owner.__dict__[name], rest, value) if rest else value})

@@ -1,0 +1,106 @@
+"""Effects that meshes and other compliant elements may have: excitation, backlash."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from gearblocks.declare import Effect, State, Switch, effect, option, param, signal
+from gearblocks.signals import Table
+
+__all__ = ["Backlash", "Fourier", "Harmonic", "Square", "Table", "effect"]
+
+
+class Backlash(Effect):
+    """Dead zone of half width `half_gap` about zero deflection, in the unit of the deflection (m, or rad for Lash).
+
+        g(x) = x - b (x > b),  0 (abs(x) <= b),  x + b (x < -b)            b = half_gap: HALF the backlash
+
+    The corners are exact and located.
+    """
+
+    half_gap: float = param("half of the backlash", "m", ge=0)
+    law: str = option("form of the dead zone: 'exact'", default="exact")
+
+    def problems(self) -> Iterator[str]:
+        """Unknown laws."""
+        if self.law != "exact":
+            yield f"backlash.law = {self.law!r} is not available; give 'exact'"
+
+    def deflection(self, s: Any, x: Any) -> Any:
+        """g(x), the part of the deflection that loads the teeth."""
+        from gearblocks.symbols import DeadZone
+
+        return DeadZone(x, s.half_gap, 0)
+
+    def potential(self, s: Any, x: Any) -> Any:
+        """G(x), the integral of g."""
+        from gearblocks.symbols import DeadZone
+
+        return DeadZone(x, s.half_gap, -1)
+
+    def side(self, s: Any, x: Any) -> Any:
+        """-1 coast side, 0 no contact, +1 drive side."""
+        from gearblocks.symbols import ContactSide
+
+        return ContactSide(x, s.half_gap)
+
+    def switches(self, s: Any, x: Any) -> Iterator[Switch]:
+        """The two corners, with the contact before and after as their values."""
+        yield Switch("drive side", x - s.half_gap, low=0.0, high=1.0)
+        yield Switch("coast side", x + s.half_gap, low=-1.0, high=0.0)
+
+
+class Fourier(Effect):
+    """Relative variation 1 + sum_j cos[j] cos(j theta) + sin[j] sin(j theta), j = 1, 2, ...
+
+    theta is the mesh phase: of the teeth when driven_by="angle" (the law then derives from a potential and keeps the
+    energy), or the integral of a frequency in rad/s (the papers' form, which feeds energy in and out); plus `phase`.
+    """
+
+    cos: tuple[float, ...] = param("cosine coefficients of orders 1, 2, ...", default=(), many=True)
+    sin: tuple[float, ...] = param("sine coefficients of orders 1, 2, ...", default=(), many=True)
+    driven_by: Any = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
+    phase: Any = param("phase added to theta", "rad", default=0.0)
+    angle = State("integrated phase", "rad")
+
+    def value(self, s: Any, theta: Any) -> Any:
+        """The sum alone, without the 1."""
+        import sympy as sp
+
+        orders = [(a, sp.cos, j) for j, a in enumerate(s.cos, 1)] + [(b, sp.sin, j) for j, b in enumerate(s.sin, 1)]
+        return sp.Add(*(a * f(j * theta) for a, f, j in orders))
+
+
+class Harmonic(Fourier):
+    """Transmission error e = sum_j cos[j] cos(j theta) + sin[j] sin(j theta) in m; theta as for `Fourier`."""
+
+    cos: tuple[float, ...] = param("cosine coefficients of orders 1, 2, ...", "m", default=(), many=True)
+    sin: tuple[float, ...] = param("sine coefficients of orders 1, 2, ...", "m", default=(), many=True)
+
+
+class Square(Effect):
+    """Stiffness that alternates between one and two tooth pairs, mean 1.
+
+    The upper value holds for the share contact_ratio - 1 of a cycle from theta = 0; upper - lower = 2 ripple.
+    The jumps are located. Driven like `Fourier`; by angle it has no potential (jumps), so only a frequency is taken.
+    """
+
+    ripple: float = param("half of the jump, relative to the mean", ge=0)
+    contact_ratio: float = param("transverse contact ratio, between 1 and 2", gt=1, lt=2)
+    driven_by: Any = signal("the frequency of the excitation", "rad/s")
+    phase: Any = param("phase added to theta", "rad", default=0.0)
+    angle = State("integrated phase", "rad")
+
+    def problems(self) -> Iterator[str]:
+        """The angle as a drive."""
+        if self.driven_by == "angle":
+            yield "a Square variation jumps, so it has no potential over the angle; give driven_by a frequency in rad/s"
+
+    def value(self, s: Any, theta: Any) -> Any:
+        """The deviation from 1."""
+        import sympy as sp
+
+        share = s.contact_ratio - 1
+        upper = sp.cos(theta - sp.pi * share) > sp.cos(sp.pi * share)
+        return sp.Piecewise((2 * s.ripple * (1 - share), upper), (-2 * s.ripple * share, True))

@@ -1,0 +1,91 @@
+"""What gearblocks raises: errors that name the thing, the value, the rule and the way out.
+
+Every error can be pickled, so that it survives the way back from a worker process.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+
+class GearblocksError(Exception):
+    """Base of all errors raised on purpose; catching it catches nothing else."""
+
+
+class GearblocksWarning(UserWarning):
+    """Something went another way than asked, and the result is still right."""
+
+
+class ModelError(GearblocksError):
+    """A train that cannot be built. `problems` holds every complaint found, not only the first."""
+
+    def __init__(self, problems: str | Sequence[str]) -> None:
+        self.problems: tuple[str, ...] = (problems,) if isinstance(problems, str) else tuple(problems)
+        super().__init__(self.problems)
+
+    def __str__(self) -> str:
+        if len(self.problems) == 1:
+            return self.problems[0]
+        return "\n".join((f"{len(self.problems)} problems:", *(f"  - {problem}" for problem in self.problems)))
+
+
+class ParameterError(GearblocksError, ValueError):
+    """A value that its parameter, input or option does not admit."""
+
+
+class UnknownNameError(GearblocksError, KeyError):
+    """A name that nothing carries; the message lists the near ones."""
+
+    def __str__(self) -> str:
+        return str(self.args[0]) if self.args else ""
+
+
+class StorageError(GearblocksError):
+    """A file that cannot be read or written; whatever it held before is untouched."""
+
+
+class CompileError(GearblocksError):
+    """No compiler, or one that refuses. `command` and `output` hold what was run and what it said."""
+
+    def __init__(self, message: str, command: Sequence[str] = (), output: str = "") -> None:
+        self.message, self.command, self.output = message, tuple(command), output
+        super().__init__(message, self.command, output)
+
+    def __str__(self) -> str:
+        lines = [self.message]
+        if self.command:
+            lines.append("    command: " + " ".join(self.command))
+        tail = self.output.rstrip().splitlines()[-20:]
+        return "\n".join(lines + ["    " + line for line in tail])
+
+
+class SimulationError(GearblocksError):
+    """A run that cannot go on: when, in which component, why, and what helps.
+
+    `trajectory` is everything computed until then, or None when nothing was.
+    """
+
+    def __init__(self, time: float, component: str, cause: str, remedy: str, trajectory: Any = None) -> None:
+        self.time, self.component, self.cause, self.remedy = time, component, cause, remedy
+        self.trajectory = trajectory
+        super().__init__(time, component, cause, remedy, trajectory)
+
+    def __str__(self) -> str:
+        place = f"'{self.component}': " if self.component else ""
+        remedy = f"; {self.remedy}" if self.remedy else ""
+        return f"{place}{self.cause} at t = {self.time:.9g} s{remedy}"
+
+
+def did_you_mean(name: str, candidates: Iterable[str]) -> str:
+    """The question " - did you mean 'pinion'?" when some candidate is near to `name`, else the empty string."""
+    import difflib
+
+    known = list(candidates)
+    near = difflib.get_close_matches(name, known, n=3, cutoff=0.6)
+    if not near:
+        folded = name.casefold()
+        near = [other for other in known if other.casefold().endswith("." + folded) or other.casefold() == folded][:3]
+    if not near:
+        return ""
+    return " - did you mean " + " or ".join(f"'{other}'" for other in near) + "?"

@@ -1,0 +1,387 @@
+"""Light expressions for signals: built from `time`, parameters, inputs, tables and senses without importing sympy.
+
+They print to text, parse back from text (nothing is evaluated as code) and turn into sympy when asked. A sympy
+expression of these leaves is taken as well.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from gearblocks.errors import GearblocksError
+
+if TYPE_CHECKING:
+    from gearblocks.signals import Input, Parameter, Table
+
+FUNCTIONS = (
+    "sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt Abs sign Min Max Heaviside Piecewise And Or Not".split()
+)
+_INFIX = {"+": 1, "*": 2, "**": 4}
+_RELATIONS = ("<", "<=", ">", ">=")
+
+
+class Expr:
+    """One node: an operation and its arguments, or a leaf. Immutable; arithmetic builds new nodes.
+
+    op: "number", "time", "parameter", "input", "table", "sense", "local" (a block's own quantity), one of + * **, a relation, or a function name.
+    """
+
+    __slots__ = ("args", "op")
+    __array_ufunc__ = None  # numpy scalars leave the arithmetic to us
+
+    def __init__(self, op: str, *args: Any) -> None:
+        object.__setattr__(self, "op", op)
+        object.__setattr__(self, "args", args)
+
+    op: str
+    args: tuple[Any, ...]
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError("an expression cannot be changed")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Expr, (self.op, *self.args))
+
+    def __add__(self, other: Any) -> Any:
+        return _binary("+", self, other)
+
+    def __radd__(self, other: Any) -> Any:
+        return _binary("+", other, self)
+
+    def __sub__(self, other: Any) -> Any:
+        return _binary("+", self, other, lambda o: -o)
+
+    def __rsub__(self, other: Any) -> Any:
+        return _binary("+", other, -self)
+
+    def __mul__(self, other: Any) -> Any:
+        return _binary("*", self, other)
+
+    def __rmul__(self, other: Any) -> Any:
+        return _binary("*", other, self)
+
+    def __truediv__(self, other: Any) -> Any:
+        return _binary("*", self, other, lambda o: o**-1)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return _binary("*", other, self**-1)
+
+    def __pow__(self, other: Any) -> Any:
+        return _binary("**", self, other)
+
+    def __rpow__(self, other: Any) -> Any:
+        return _binary("**", other, self)
+
+    def __neg__(self) -> Expr:
+        return Expr("*", number(-1.0), self)
+
+    def __pos__(self) -> Expr:
+        return self
+
+    def __abs__(self) -> Expr:
+        return Expr("Abs", self)
+
+    def __lt__(self, other: Any) -> Any:
+        return _binary("<", self, other)
+
+    def __le__(self, other: Any) -> Any:
+        return _binary("<=", self, other)
+
+    def __gt__(self, other: Any) -> Any:
+        return _binary(">", self, other)
+
+    def __ge__(self, other: Any) -> Any:
+        return _binary(">=", self, other)
+
+    def __bool__(self) -> bool:
+        if self.op in _RELATIONS:
+            raise GearblocksError(f"'{self}' is a condition, not a truth: put it into gb.piecewise((value, condition), ...)")
+        return True
+
+    def __str__(self) -> str:
+        return _text(self, 0)
+
+    def __repr__(self) -> str:
+        return f"<expression {self}>"
+
+    def leaves(self) -> Iterator[Expr]:
+        """Every leaf that is not a number, depth first, repeated where it is repeated."""
+        if self.op in ("parameter", "input", "table", "sense", "time", "local"):
+            yield self
+        for a in self.args:
+            if isinstance(a, Expr):
+                yield from a.leaves()
+
+    def _sympy_(self) -> Any:
+        return to_sympy(self)
+
+
+def number(x: float) -> Expr:
+    """A constant; must be finite."""
+    return Expr("number", float(x))
+
+
+def as_expr(x: Any) -> Expr:
+    """A number, leaf, expression or sympy expression as an `Expr`; TypeError for anything else."""
+    if isinstance(x, Expr):
+        return x
+    to_expr = getattr(x, "_expr_", None)
+    if to_expr is not None:
+        result = to_expr()
+        assert isinstance(result, Expr)
+        return result
+    if isinstance(x, bool):
+        raise TypeError("a truth value is no signal")
+    if isinstance(x, (int, float)) or (hasattr(x, "__float__") and type(x).__module__ == "numpy"):
+        return number(float(x))
+    if type(x).__module__.startswith("sympy"):
+        return from_sympy(x)
+    raise TypeError(f"{x!r} is neither a number nor an expression")
+
+
+def _binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | None = None) -> Any:
+    for side in (left, right):
+        if type(side).__module__.startswith("sympy"):
+            return _sympy_binary(op, left, right, wrap)
+    try:
+        a, b = as_expr(left), as_expr(right)
+    except TypeError:
+        return NotImplemented
+    return Expr(op, a, wrap(b) if wrap else b)
+
+
+def _sympy_binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | None) -> Any:
+    import sympy as sp
+
+    a, b = sp.sympify(left), sp.sympify(right)
+    b = wrap(b) if wrap else b
+    operations: dict[str, Callable[[], Any]] = {
+        "+": lambda: a + b, "*": lambda: a * b, "**": lambda: a**b,
+        "<": lambda: a < b, "<=": lambda: a <= b, ">": lambda: a > b, ">=": lambda: a >= b,
+    }  # fmt: skip
+    return operations[op]()
+
+
+def function(name: str, *args: Any) -> Expr:
+    """A named function of expressions, for example function("sin", 3 * time)."""
+    return Expr(name, *(as_expr(a) for a in args))
+
+
+def sin(x: Any) -> Expr:
+    """Sine of an expression in rad."""
+    return function("sin", x)
+
+
+def cos(x: Any) -> Expr:
+    """Cosine of an expression in rad."""
+    return function("cos", x)
+
+
+def piecewise(*pairs: tuple[Any, Any]) -> Expr:
+    """(value, condition) pairs, the first true condition wins; the last condition may be True."""
+    flat: list[Expr] = []
+    for value, condition in pairs:
+        flat += [as_expr(value), number(1.0) if condition is True else as_expr(condition)]
+    return Expr("Piecewise", *flat)
+
+
+# -- text ------------------------------------------------------------------------------------------------------------
+
+
+def _text(e: Expr, outer: int) -> str:
+    if e.op == "number":
+        value = repr(e.args[0])
+        value = value[:-2] if value.endswith(".0") else value
+        return f"({value})" if e.args[0] < 0 and outer > 1 else value
+    if e.op == "time":
+        return "time"
+    if e.op in ("parameter", "input"):
+        return f"{e.op}({e.args[0].name!r})"
+    if e.op in ("sense", "local"):
+        return f"{e.op}({e.args[0]!r})"
+    if e.op == "table":
+        return f"table({e.args[0].digest()!r}, {_text(e.args[1], 0)})"
+    if e.op in _INFIX:
+        level = _INFIX[e.op]
+        joined = (" + " if e.op == "+" else e.op).join(
+            _text(a, level + (1 if e.op == "**" else 0)) for a in e.args
+        )
+        return f"({joined})" if level < outer else joined
+    if e.op in _RELATIONS:
+        return f"({_text(e.args[0], 1)} {e.op} {_text(e.args[1], 1)})"
+    return f"{e.op}({', '.join(_text(a, 0) for a in e.args)})"
+
+
+Leaves: TypeAlias = "Mapping[str, Parameter | Input | Table]"
+
+
+def parse(text: str, leaves: Leaves) -> Expr:
+    """The expression that `str` printed. `leaves` holds Parameters, Inputs (by name) and Tables (by digest).
+
+    Raises GearblocksError for anything that is not an expression of the known functions: the text is read, never run.
+    """
+    try:
+        tree = ast.parse(text, mode="eval").body
+    except SyntaxError as error:
+        raise GearblocksError(f"'{text}' is not an expression: {error.msg}") from None
+    return _parse(tree, leaves)
+
+
+def _parse(node: ast.expr, leaves: Leaves) -> Expr:
+    if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)) and not isinstance(node.value, bool):
+        return number(node.value)
+    if isinstance(node, ast.Name) and node.id == "time":
+        return Expr("time")
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        inner = _parse(node.operand, leaves)
+        return number(-inner.args[0]) if inner.op == "number" else -inner
+    if isinstance(node, ast.BinOp):
+        a, b = _parse(node.left, leaves), _parse(node.right, leaves)
+        for kind, build in _BINARY_NODES.items():
+            if isinstance(node.op, kind):
+                return build(a, b)
+    if isinstance(node, ast.Compare) and len(node.ops) == 1:
+        for relation, name in ((ast.Lt, "<"), (ast.LtE, "<="), (ast.Gt, ">"), (ast.GtE, ">=")):
+            if isinstance(node.ops[0], relation):
+                return Expr(name, _parse(node.left, leaves), _parse(node.comparators[0], leaves))
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
+        return _parse_call(node.func.id, node.args, leaves)
+    raise GearblocksError(f"'{ast.unparse(node)}' cannot stand in an expression")
+
+
+_BINARY_NODES: dict[type[ast.operator], Callable[[Expr, Expr], Expr]] = {
+    ast.Add: lambda a, b: Expr("+", a, b),
+    ast.Sub: lambda a, b: Expr("+", a, -b),
+    ast.Mult: lambda a, b: Expr("*", a, b),
+    ast.Div: lambda a, b: Expr("*", a, Expr("**", b, number(-1.0))),
+    ast.Pow: lambda a, b: Expr("**", a, b),
+}
+
+
+def _parse_call(name: str, args: list[ast.expr], leaves: Leaves) -> Expr:
+    if name in ("parameter", "input", "sense", "local", "table") and args and isinstance(args[0], ast.Constant):
+        key = str(args[0].value)
+        if name in ("sense", "local"):
+            return Expr(name, key)
+        if key not in leaves:
+            raise GearblocksError(f"the expression names the {name} '{key}', which is not there")
+        return Expr(name, leaves[key], *(_parse(a, leaves) for a in args[1:]))
+    if name in FUNCTIONS:
+        return Expr(name, *(_parse(a, leaves) for a in args))
+    raise GearblocksError(f"'{name}' is not a function of expressions; there are {', '.join(FUNCTIONS)}")
+
+
+# -- numbers ----------------------------------------------------------------------------------------------------------
+
+
+def evaluate(e: Expr, values: Callable[[Expr], float]) -> float:
+    """The number that e stands for when `values` gives a number for each leaf."""
+    if e.op == "number":
+        return float(e.args[0])
+    if e.op in ("time", "parameter", "input", "sense", "table", "local"):
+        return values(e)
+    a = [evaluate(x, values) for x in e.args]
+    if e.op == "+":
+        return math.fsum(a)
+    if e.op == "*":
+        return math.prod(a)
+    if e.op == "**":
+        return float(a[0] ** a[1])
+    if e.op in _RELATIONS:
+        return float({"<": a[0] < a[1], "<=": a[0] <= a[1], ">": a[0] > a[1], ">=": a[0] >= a[1]}[e.op])
+    return _call(e.op, a)
+
+
+def _call(name: str, a: list[float]) -> float:
+    simple: dict[str, Callable[[], float]] = {
+        "Abs": lambda: abs(a[0]), "sign": lambda: math.copysign(1.0, a[0]) if a[0] else 0.0,
+        "Min": lambda: min(a), "Max": lambda: max(a), "Heaviside": lambda: float(a[0] >= 0),
+        "And": lambda: float(all(a)), "Or": lambda: float(any(a)), "Not": lambda: float(not a[0]),
+        "Piecewise": lambda: next((v for v, c in zip(a[::2], a[1::2], strict=True) if c), math.nan),
+    }  # fmt: skip
+    return float(simple[name]() if name in simple else getattr(math, name)(*a))
+
+
+# -- sympy ------------------------------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=1)
+def leaf_symbol_class() -> type:
+    """The sympy symbol that remembers which leaf it stands for (made on first use: sympy is slow to import)."""
+    import sympy as sp
+
+    class LeafSymbol(sp.Symbol):  # type: ignore[misc]  # sympy carries no types
+        __slots__ = ("leaf",)
+
+        def __new__(cls, leaf: Expr) -> LeafSymbol:
+            name = {"time": lambda: "t", "sense": lambda: leaf.args[0], "local": lambda: leaf.args[0], "table": lambda: str(leaf)}.get(
+                leaf.op, lambda: leaf.args[0].name
+            )()
+            symbol = sp.Symbol.__xnew__(cls, name, real=True)
+            symbol.leaf = leaf
+            return symbol  # type: ignore[no-any-return]
+
+        def _hashable_content(self) -> tuple[Any, ...]:
+            return (*super()._hashable_content(), self.leaf.op, *(repr(a) for a in self.leaf.args))
+
+        def __reduce_ex__(self, protocol: object) -> tuple[Any, ...]:
+            return (to_sympy, (self.leaf,))
+
+    return LeafSymbol
+
+
+def to_sympy(e: Expr, leaf: Callable[[Expr], Any] | None = None) -> Any:
+    """e in sympy; `leaf` gives the symbol of each leaf (default: one that turns back into the leaf)."""
+    import sympy as sp
+
+    if e.op == "number":
+        x = e.args[0]
+        return sp.Integer(int(x)) if x == int(x) and abs(x) < 1e15 else sp.Float(x, 17)
+    if e.op in ("time", "parameter", "input", "sense", "table", "local"):
+        return leaf(e) if leaf else leaf_symbol_class()(e)
+    a = [to_sympy(x, leaf) for x in e.args]
+    if e.op == "+":
+        return sp.Add(*a)
+    if e.op == "*":
+        return sp.Mul(*a)
+    if e.op == "**":
+        return sp.Pow(*a)
+    if e.op in _RELATIONS:
+        return {"<": sp.Lt, "<=": sp.Le, ">": sp.Gt, ">=": sp.Ge}[e.op](*a)
+    if e.op == "Piecewise":
+        return sp.Piecewise(*((v, True if c == 1 else c) for v, c in zip(a[::2], a[1::2], strict=True)))
+    return getattr(sp, e.op)(*a)
+
+
+def from_sympy(x: Any) -> Expr:
+    """A sympy expression of gb.time, Parameters, Inputs and senses. GearblocksError names a foreign symbol."""
+    import sympy as sp
+
+    if hasattr(x, "leaf"):
+        leaf = x.leaf
+        assert isinstance(leaf, Expr)
+        return leaf
+    if x is sp.true:
+        return number(1.0)
+    if x.is_Number or x.is_NumberSymbol:
+        return number(float(x))
+    if x.is_Symbol:
+        raise GearblocksError(
+            f"the expression contains the symbol '{x}', which is no gb.time, gb.Parameter, gb.Input or gb.sense(...): "
+            f"make it gb.Parameter('{x}', value, unit)"
+        )
+    name = type(x).__name__
+    if name == "Piecewise":
+        flat: Iterable[Any] = (part for pair in x.args for part in pair)
+        return Expr("Piecewise", *(from_sympy(a) for a in flat))
+    names = {
+        "Add": "+", "Mul": "*", "Pow": "**", "StrictLessThan": "<", "LessThan": "<=", "StrictGreaterThan": ">",
+        "GreaterThan": ">=",
+    }  # fmt: skip
+    if name == "exp" or name in names or name in FUNCTIONS:
+        return Expr(names.get(name, name), *(from_sympy(a) for a in x.args))
+    raise GearblocksError(f"'{x}' ({name}) cannot stand in a signal; there are {', '.join(FUNCTIONS)}")

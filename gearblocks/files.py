@@ -1,0 +1,83 @@
+"""Writing files so that nothing is ever half written.
+
+The text or bytes go to a new file beside the target, which takes the target's place in one step at the end.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import BinaryIO, cast
+
+from gearblocks.errors import GearblocksError, StorageError
+
+
+def reason(error: OSError) -> str:
+    """Words of the operating system for `error`, without number and file name."""
+    return (error.strerror or str(error) or type(error).__name__).lower()
+
+
+@contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """Open file whose content replaces `path` when the block ends well; else `path` stays as it was.
+
+    Raises StorageError for every OSError inside the block (no space, no permission, no such folder).
+    """
+    target = Path(path)
+    temporary: str | None = None
+    try:
+        handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".tmp", dir=target.parent)
+        with open(handle, "wb") as file:
+            yield cast(BinaryIO, file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(temporary, _mode(target))
+        os.replace(temporary, target)
+    except BaseException as error:
+        if temporary is not None:
+            with suppress(OSError):
+                os.unlink(temporary)
+        if isinstance(error, OSError) and not isinstance(error, GearblocksError):
+            raise StorageError(_complaint(target, error)) from error
+        raise
+
+
+def write_bytes(path: str | os.PathLike[str], content: bytes | memoryview) -> None:
+    """Write `content` to `path` in one step; raises StorageError and leaves an existing file alone."""
+    with replacing(path) as file:
+        file.write(content)
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write `text` as UTF-8 with plain line ends to `path` in one step; raises StorageError."""
+    write_bytes(path, text.encode())
+
+
+def make_folder(path: str | os.PathLike[str]) -> Path:
+    """The folder `path`, made with its parents where missing; raises StorageError."""
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StorageError(f"cannot make the folder '{folder}': {reason(error)}; choose another place") from error
+    return folder
+
+
+def _mode(target: Path) -> int:
+    """Permissions of the file at `target`, else those of an ordinary new file."""
+    try:
+        return target.stat().st_mode & 0o777
+    except OSError:
+        mask = os.umask(0o077)
+        os.umask(mask)
+        return 0o666 & ~mask
+
+
+def _complaint(target: Path, error: OSError) -> str:
+    if not target.parent.is_dir():
+        return f"cannot write '{target}': there is no folder '{target.parent}'; make it or choose another place"
+    kept = "; the file that was there is unchanged" if target.exists() else ""
+    return f"cannot write '{target}': {reason(error)}{kept}; free some space or choose another place"

@@ -1,0 +1,267 @@
+"""What a train is: components with paths, and nodes that join their flanges. Frozen; found without sympy."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from gearblocks.declare import Block, Field, _Declared
+from gearblocks.errors import ModelError
+from gearblocks.expression import Expr
+from gearblocks.signals import Input, Parameter, Table
+
+GROUND = -1
+"""The node number of a flange that means the ground because nothing is connected to it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinate:
+    """A relative coordinate for reading: an output, and the unknown of the relative form of the equations."""
+
+    name: str
+    expr: Expr
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class Tree:
+    """A train as composed: parts may be trains themselves. A link joins (part, flange) pairs."""
+
+    name: str
+    parts: tuple[tuple[str, Any], ...]
+    links: tuple[tuple[tuple[str, str], ...], ...]
+    exposed: tuple[tuple[str, tuple[str, str]], ...] = ()
+    coordinates: tuple[Coordinate, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """One block with its full path and the node of each flange (GROUND where it means the ground)."""
+
+    path: str
+    block: Block
+    nodes: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Train:
+    """All components of a train, flat, and how many nodes join them."""
+
+    name: str
+    components: tuple[Component, ...]
+    n_nodes: int
+    coordinates: tuple[Coordinate, ...] = ()
+
+
+def flatten(tree: Tree) -> Train:
+    """The train with full paths. All problems are gathered into one ModelError."""
+    blocks: list[tuple[str, Block]] = []
+    flanges: dict[tuple[str, str], int] = {}
+    parents: list[int] = []
+
+    def find(i: int) -> int:
+        while parents[i] != i:
+            parents[i] = parents[parents[i]]
+            i = parents[i]
+        return i
+
+    def enter(node: Tree, prefix: str) -> dict[str, int]:
+        local: dict[tuple[str, str], int] = {}
+        for name, part in node.parts:
+            path = prefix + name
+            inner = _inside(name, part)
+            if inner is not None:
+                for flange, i in enter(inner, path + ".").items():
+                    local[name, flange] = i
+                continue
+            blocks.append((path, part))
+            for flange in type(part).flanges:
+                local[name, flange] = flanges[path, flange] = len(parents)
+                parents.append(len(parents))
+        for link in node.links:
+            first = find(local[link[0]])
+            for end in link[1:]:
+                parents[find(local[end])] = first
+                joined.update((first, find(local[end])))
+            joined.update(local[end] for end in link)
+        return {name: local[end] for name, end in node.exposed}
+
+    joined: set[int] = set()
+    for name, i in enter(tree, "").items():
+        flanges["", name] = i
+    return _number(tree, blocks, flanges, joined, find)
+
+
+def _inside(name: str, part: Any) -> Tree | None:
+    """The tree inside a nested train or a composite block, None for a plain block."""
+    if isinstance(part, Tree):
+        return part
+    parts = part.parts()
+    if parts is None:
+        return None
+    return Tree(name, tuple(parts.blocks.items()), tuple(parts.links), tuple(parts.flanges.items()))
+
+
+def _number(tree: Tree, blocks: list[tuple[str, Block]], flanges: dict[Any, int], joined: set[int], find: Any) -> Train:
+    """Numbers the nodes in the order of the components and refuses open ends."""
+    numbers: dict[int, int] = {}
+    components = []
+    problems = []
+    for path, block in blocks:
+        nodes = []
+        for flange, spec in type(block).flanges.items():
+            i = flanges[path, flange]
+            if i not in joined and spec.ground:
+                nodes.append(GROUND)
+                continue
+            if i not in joined and not spec.spare:
+                problems.append(
+                    f"flange '{flange}' of {type(block).__name__} '{path}' is open: connect it (to an Inertia, a Fixed, ...)"
+                )
+            nodes.append(numbers.setdefault(find(i), len(numbers)))
+        if len({n for n in nodes if n != GROUND}) < sum(n != GROUND for n in nodes) and len(nodes) > 1:
+            problems.append(f"{type(block).__name__} '{path}' is connected to itself: two of its flanges share one node")
+        components.append(Component(path, block, tuple(nodes)))
+    if problems:
+        raise ModelError(problems)
+    if not components:
+        raise ModelError(f"the drivetrain '{tree.name}' is empty: add blocks")
+    return Train(tree.name, tuple(components), len(numbers), tree.coordinates)
+
+
+# -- structure --------------------------------------------------------------------------------------------------------
+
+
+def structure_of(value: Any, *, exact: bool = False) -> Any:
+    """What decides the law of a block: its class, which fields are present, choices, signals; no numbers.
+
+    exact=True adds the values that enter ratios. Plain tuples and text, equal for equal structure.
+    """
+    parts: list[Any] = [f"{type(value).__module__}.{type(value).__qualname__}"]
+    store = value.__dict__
+    for name, field in type(value).fields.items():
+        parts.append(_structure(store[name], field, exact))
+    return tuple(parts)
+
+
+def _structure(value: Any, field: Field, exact: bool) -> Any:
+    if value is None:
+        return None
+    if isinstance(value, tuple):
+        return tuple(_structure(v, field, exact) for v in value)
+    if field.role == "exact":
+        return repr(value) if exact else "exact"
+    if isinstance(value, (float, int)) and field.role in ("param", "signal"):
+        return "number"
+    if isinstance(value, _Declared):
+        return structure_of(value, exact=exact)
+    if isinstance(value, Parameter):
+        return ("parameter", value.name, value.unit)
+    if isinstance(value, Input):
+        return ("input", value.name, value.start, value.unit)
+    if isinstance(value, Table):
+        return ("table", value.digest())
+    if isinstance(value, Expr):
+        leaves = sorted({repr(leaf.args[0]) for leaf in value.leaves() if leaf.op == "input"})
+        return ("expression", str(value), *leaves)
+    return repr(value)
+
+
+def structural_text(train: Train) -> str:
+    """Canonical text of the whole structure: equal text, equal program."""
+    lines = [train.name, str(train.n_nodes)]
+    memo: dict[Any, str] = {}
+    for c in train.components:
+        structure = structure_of(c.block, exact=True)
+        if structure not in memo:
+            memo[structure] = hashlib.sha256(repr(structure).encode()).hexdigest()[:16]
+        lines.append(f"{c.path} {memo[structure]} {c.nodes}")
+    lines += [f"{c.name} {c.expr} {c.unit}" for c in train.coordinates]
+    return "\n".join(lines)
+
+
+# -- values -----------------------------------------------------------------------------------------------------------
+
+
+def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
+    """(path, number or Parameter or expression, field) of every numeric field that is present, effects included."""
+    store = owner.__dict__
+    for name, field in type(owner).fields.items():
+        value = store[name]
+        if value is None or field.role == "option":
+            continue
+        if isinstance(value, _Declared):
+            yield from numbers_of(value, f"{prefix}{name}.")
+        elif isinstance(value, tuple):
+            for i, v in enumerate(value):
+                yield f"{prefix}{name}[{i}]", v, field
+        elif field.role != "effect" and not isinstance(value, str):
+            yield prefix + name, value, field
+
+
+def leaves_of(block: Any) -> Iterator[Parameter | Input]:
+    """Every Parameter and Input that a block or its effects refer to."""
+    for _, value, _ in numbers_of(block, ""):
+        if isinstance(value, (Parameter, Input)):
+            yield value
+        elif isinstance(value, Expr):
+            for leaf in value.leaves():
+                if leaf.op in ("parameter", "input"):
+                    yield leaf.args[0]
+
+
+def value_problems(path: str, block: Block) -> Iterator[str]:
+    """Numbers that are not finite or out of bounds, and what the block itself finds wrong."""
+    kind = f"{type(block).__name__} '{path}'"
+    found = False
+    for name, value, field in numbers_of(block, ""):
+        problem = _problem(name, value, field)
+        if problem:
+            found = True
+            yield f"{kind}: {problem}"
+    if not found:
+        yield from (f"{kind}: {p}" for p in block.problems())
+        for name, spec in type(block).fields.items():
+            part = block.__dict__[name]
+            if isinstance(part, _Declared):
+                yield from (f"{kind}: {p}" for p in part.problems())
+            elif spec.role == "effect" and part is not None:
+                yield f"{kind}: {name} = {part!r} must be an effect object such as gb.Backlash(...), or None"
+
+
+def _problem(name: str, value: Any, field: Field) -> str:
+    if isinstance(value, Parameter):
+        value = value.value
+    if isinstance(value, (Expr, Input, Table)):
+        return _signal_problem(name, value, field)
+    unit = "" if field.unit == "1" else f" {field.unit}"
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        return f"{name} = {value!r} is no number{', Parameter, Input, Table or expression' * (field.role == 'signal')}"
+    if not math.isfinite(number):
+        return f"{name} = {value!r}{unit} must be a finite number"
+    return bound_problem(name, number, unit, (field.gt, field.ge, field.lt, field.le))
+
+
+def _signal_problem(name: str, value: Any, field: Field) -> str:
+    if field.role == "signal":
+        return ""
+    changing = not isinstance(value, Expr) or any(leaf.op != "parameter" for leaf in value.leaves())
+    return f"{name} is a parameter: it takes a number, a gb.Parameter or an expression of Parameters" if changing else ""
+
+
+def bound_problem(name: str, x: float, unit: str, bounds: tuple[float | None, ...]) -> str:
+    """What is wrong with x against (gt, ge, lt, le), or the empty text."""
+    gt, ge, lt, le = bounds
+    broken = [
+        f"{sign} {limit:g}"
+        for sign, limit, holds in (
+            (">", gt, gt is None or x > gt), (">=", ge, ge is None or x >= ge),
+            ("<", lt, lt is None or x < lt), ("<=", le, le is None or x <= le),
+        ) if not holds
+    ]  # fmt: skip
+    return f"{name} = {x!r}{unit} must be {' and '.join(broken)}" if broken else ""

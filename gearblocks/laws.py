@@ -1,0 +1,279 @@
+"""One symbolic pass per kind of block: contributions become torques, rates, switches, energies and outputs.
+
+A kind is a class with a structure (which fields are present) and a set of grounded flanges. All its instances share
+the law; their numbers come from tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import fsum
+from random import Random
+from typing import Any
+
+import sympy as sp
+
+from gearblocks import declare as d
+from gearblocks.branches import Freezer, SurfaceOfKind
+from gearblocks.errors import ModelError
+from gearblocks.symbols import CONSTANT, Pool, Symbols, TableAt, clock
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """A linear form of flange angles with exact coefficients: sum of coefficient * phi; the first one is 1 or -1."""
+
+    coefficients: Mapping[str, Any]
+
+
+@dataclass(slots=True)
+class Law:
+    """What all instances of a kind share, in symbols (see Pool.slots for their meaning).
+
+    forms: coordinates of the law; coordinates: their symbols. torques: by flange. ties: linear forms and constants.
+    """
+
+    pool: Pool
+    forms: list[Form] = field(default_factory=list)
+    coordinates: list[Any] = field(default_factory=list)
+    bodies: list[tuple[str, Any]] = field(default_factory=list)
+    ties: list[tuple[Mapping[str, Any], Any]] = field(default_factory=list)
+    torques: dict[str, Any] = field(default_factory=dict)
+    rates: dict[str, Any] = field(default_factory=dict)
+    stored: Any = None
+    loss: Any = None
+    supplied: Any = None
+    switches: list[SurfaceOfKind] = field(default_factory=list)
+    shows: list[d.Shows] = field(default_factory=list)
+    replaced: dict[Any, Any] = field(default_factory=dict)
+
+
+class _Contributions:
+    """The contributions of one call of physics, sorted, with every value turned into sympy."""
+
+    def __init__(self, block: d.Block, s: Symbols) -> None:
+        self.bodies: list[d.Body] = []
+        self.forces: list[d.Force] = []
+        self.potentials: list[d.Potential] = []
+        self.acts: list[d.Acts] = []
+        self.ties: list[d.Tie] = []
+        self.rates: list[d.Rate] = []
+        self.switches: list[d.Switch] = []
+        self.shows: list[d.Shows] = []
+        self.energies: list[d.Energy] = []
+        lists: dict[type, list[Any]] = {
+            d.Body: self.bodies, d.Force: self.forces, d.Potential: self.potentials, d.Acts: self.acts, d.Tie: self.ties,
+            d.Rate: self.rates, d.Switch: self.switches, d.Shows: self.shows, d.Energy: self.energies,
+        }  # fmt: skip
+        for item in block.physics(s):
+            if type(item) not in lists:
+                raise ModelError(f"{type(block).__name__}.physics yields {item!r}, which is no contribution")
+            lists[type(item)].append(item)
+
+
+def derive(block: d.Block, grounded: frozenset[str], pool: Pool | None = None, *, locating: bool = True) -> Law:
+    """The law of the kind that `block` is an instance of. locating=False keeps conditions as they are, for reading."""
+    law = Law(pool or Pool(lambda role, text: text))
+    s = Symbols(block, law.pool, grounded)
+    found = _Contributions(block, s)
+    flanges = {name: getattr(s, name) for name in type(block).flanges if name not in grounded}
+    law.bodies = [(_flange_name(flanges, b.flange), sp.sympify(b.J)) for b in found.bodies if b.flange.phi.is_Symbol]
+    law.ties = [tie for t in found.ties if (tie := _tie(block, flanges, sp.sympify(t.zero)))[0]]
+    law.torques = _torques(block, flanges, found)
+    law.rates = {law.pool.slots[r.state].of: sp.sympify(r.expr) for r in found.rates}
+    stored = [sp.sympify(e.stored) for e in found.energies if e.stored is not None]
+    losses = [sp.sympify(e.loss) for e in found.energies if e.loss is not None]
+    law.stored = sp.Add(*stored) if stored and not _is_driven(law.pool, stored) else None
+    law.loss = sp.Add(*losses) if losses else None
+    law.shows = [d.Shows(x.name, sp.sympify(x.expr), x.unit, x.words) for x in found.shows]
+    _introduce_coordinates(law, flanges, found.forces)
+    if locating:
+        _freeze(law, found.switches)
+        _balance(law, flanges)
+    return law
+
+
+def _flange_name(flanges: Mapping[str, Any], wanted: Any) -> str:
+    return next(name for name, f in flanges.items() if f is wanted)
+
+
+def _is_driven(pool: Pool, exprs: Iterable[Any]) -> bool:
+    """Whether an input or sense stands in a stored energy: its jumps would be lost, so the work counts as exchange."""
+    return any(pool.slots[x].role in ("input", "sense") for e in exprs for x in e.free_symbols)
+
+
+def _tie(block: d.Block, flanges: Mapping[str, Any], zero: Any) -> tuple[dict[str, Any], Any]:
+    """Coefficients of the flange angles and the constant of a tie."""
+    zero = sp.expand(zero)
+    coefficients = {}
+    rest = zero
+    for name, flange in flanges.items():
+        slope = sp.diff(zero, flange.phi)
+        if slope != 0:
+            coefficients[name] = slope
+            rest -= slope * flange.phi
+    rest = sp.expand(rest)
+    angles = {f.phi for f in flanges.values()}
+    if any(c.free_symbols & angles for c in coefficients.values()) or rest.free_symbols & angles:
+        raise ModelError(f"{type(block).__name__}: the tie '{zero}' is not linear in the flange angles")
+    return coefficients, rest
+
+
+def _torques(block: d.Block, flanges: Mapping[str, Any], found: _Contributions) -> dict[str, Any]:
+    """Torque that the block exerts on each flange: virtual work of its forces and potentials, and what acts."""
+    total: dict[str, Any] = {}
+
+    def add(name: str, tau: Any) -> None:
+        if tau != 0:
+            total[name] = total.get(name, 0) + tau
+
+    for force in found.forces:
+        for name, flange in flanges.items():
+            add(name, -sp.sympify(force.force) * sp.diff(force.deflection, flange.phi))
+    for potential in found.potentials:
+        for name, flange in flanges.items():
+            add(name, -sp.diff(potential.energy, flange.phi))
+    for act in found.acts:
+        if act.flange.phi.is_Symbol:
+            add(_flange_name(flanges, act.flange), sp.sympify(act.tau))
+    return total
+
+
+# -- coordinates ------------------------------------------------------------------------------------------------------
+
+
+def _introduce_coordinates(law: Law, flanges: Mapping[str, Any], forces: Iterable[d.Force]) -> None:
+    """Writes the law in relative coordinates: one per independent deflection, and absolute angles only where left."""
+    replace: dict[Any, Any] = {}
+    for force in forces:
+        form = _linear_form(law.pool, flanges, sp.sympify(force.deflection))
+        if form is None:
+            continue
+        u = law.pool.symbol("coordinate", len(law.forms), f"u{len(law.forms)}")
+        solved = _solve(form, u, flanges, replace)
+        if solved is not None:
+            replace = solved
+            law.forms.append(form)
+            law.coordinates.append(u)
+    if replace:
+        _substitute(law, replace)
+    law.replaced = replace
+
+
+def _solve(form: Form, u: Any, flanges: Mapping[str, Any], replace: dict[Any, Any]) -> dict[Any, Any] | None:
+    """The replacements with one more angle expressed by the coordinate u, or None when the form adds nothing new."""
+    expr = sum(c * flanges[n].phi for n, c in form.coefficients.items()).xreplace(replace)
+    pivots = [f.phi for n in reversed(form.coefficients) if expr.has((f := flanges[n]).phi) and f.phi not in replace]
+    if not pivots:
+        return None
+    pivot = pivots[0]
+    slope = sp.diff(expr, pivot)
+    solved = (u - expr.xreplace({pivot: sp.Integer(0)})) / slope
+    return {**{k: v.xreplace({pivot: solved}) for k, v in replace.items()}, pivot: solved}
+
+
+def _linear_form(pool: Pool, flanges: Mapping[str, Any], deflection: Any) -> Form | None:
+    """The part of a deflection linear in the angles, scaled so that its first coefficient is 1 or -1."""
+    slopes = {n: sp.diff(deflection, f.phi) for n, f in flanges.items()}
+    angles = {f.phi: 0 for f in flanges.values()}
+    linear = {n: sp.expand(c) for n, c in slopes.items() if c != 0}
+    linear = {n: c if not c.free_symbols & set(angles) else _constant_part(c, set(angles)) for n, c in linear.items()}
+    linear = {n: c for n, c in linear.items() if c != 0}
+    if not linear or any(pool.level(c) != CONSTANT for c in linear.values()):
+        return None
+    first = next(iter(linear.values()))
+    scale = -first if first.could_extract_minus_sign() else first
+    return Form({n: sp.cancel(c / scale) for n, c in linear.items()})
+
+
+def _constant_part(slope: Any, angles: set[Any]) -> Any:
+    """Terms of a slope free of the angles (the rest belongs to a term over the angle, such as an error)."""
+    return sp.Add(*(term for term in sp.Add.make_args(slope) if not term.free_symbols & angles))
+
+
+def _substitute(law: Law, replace: Mapping[Any, Any]) -> None:
+    def new(expr: Any) -> Any:
+        return None if expr is None else sp.sympify(expr).xreplace(replace)
+
+    law.torques = {n: new(e) for n, e in law.torques.items()}
+    law.rates = {n: new(e) for n, e in law.rates.items()}
+    law.stored, law.loss = new(law.stored), new(law.loss)
+    law.shows = [d.Shows(x.name, new(x.expr), x.unit, x.words) for x in law.shows]
+
+
+# -- branches and balance ----------------------------------------------------------------------------------------------
+
+
+def _freeze(law: Law, declared: Iterable[d.Switch]) -> None:
+    """Conditions of the dynamics become modes; outputs reuse these modes and locate nothing of their own."""
+    freezer = Freezer(law.pool)
+    replace = law.replaced
+    freezer.declare(
+        d.Switch(x.name, sp.sympify(x.surface).xreplace(replace), sp.sympify(x.when).xreplace(replace), x.low, x.high)
+        for x in declared
+    )
+    law.torques = {n: freezer.freeze(e) for n, e in law.torques.items()}
+    law.rates = {n: freezer.freeze(e) for n, e in law.rates.items()}
+    law.stored = None if law.stored is None else freezer.freeze(law.stored)
+    law.loss = None if law.loss is None else freezer.freeze(law.loss)
+    freezer.locating = False
+    law.shows = [d.Shows(x.name, freezer.freeze(x.expr), x.unit, x.words) for x in law.shows]
+    law.switches = freezer.switches
+
+
+def _balance(law: Law, flanges: Mapping[str, Any]) -> None:
+    """supplied = d stored/dt + loss + power given to the flanges: what neither stored nor lost energy explains."""
+    parametric: Any = sp.Integer(0)
+    rest = sum((tau * flanges[n].w for n, tau in law.torques.items()), sp.Integer(0))
+    rest += law.loss if law.loss is not None else 0
+    if law.stored is not None:
+        parametric = sp.diff(law.stored, clock())
+        for form, u in zip(law.forms, law.coordinates, strict=True):
+            rate = sum(c * flanges[n].w for n, c in form.coefficients.items())
+            rest += sp.diff(law.stored, u) * rate
+        rest += sum(sp.diff(law.stored, f.phi) * f.w for f in flanges.values())
+        for name, rate in law.rates.items():
+            rest += sp.diff(law.stored, law.pool.symbol("state", name, name)) * rate
+    supplied = parametric + (0 if _vanishes(rest, law.pool) else rest)
+    law.supplied = None if supplied == 0 else supplied
+
+
+def _vanishes(expr: Any, pool: Pool) -> bool:
+    """Whether an expression is zero at a handful of fixed points (modes 0 or 1); expanding it would take far longer."""
+    if expr == 0 or not expr.free_symbols:
+        return bool(expr == 0)
+    symbols = sorted(expr.free_symbols, key=lambda x: x.name)
+    if expr.has(TableAt):
+        return bool(sp.expand(expr) == 0)
+    terms = sp.lambdify(symbols, list(sp.Add.make_args(expr)), modules="math", cse=True)
+    random = Random(20)
+    for _ in range(6):
+        point = [random.randint(0, 1) if pool.slots[x].role == "mode" else random.uniform(0.2, 1.2) for x in symbols]
+        values = terms(*point)
+        if abs(fsum(values)) > 1e-12 * max(abs(v) for v in values):
+            return False
+    return True
+
+
+def exact_value(expr: Any, values: Mapping[Any, Fraction]) -> Fraction:
+    """The rational number that a coefficient is when every symbol in it has an exact value."""
+    expr = sp.sympify(expr)
+    if expr.is_Rational:
+        return Fraction(int(expr.p), int(expr.q))
+    if expr.is_Float:
+        return Fraction(float(expr))
+    if expr.is_Symbol:
+        return values[expr]
+    parts = [exact_value(a, values) for a in expr.args]
+    if expr.is_Add:
+        return sum(parts, Fraction(0))
+    if expr.is_Mul:
+        product = Fraction(1)
+        for p in parts:
+            product *= p
+        return product
+    if expr.is_Pow and parts[1].denominator == 1:
+        return parts[0] ** int(parts[1])
+    raise ModelError(f"the ratio '{expr}' is no rational number of its parameters")

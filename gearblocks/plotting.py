@@ -1,0 +1,245 @@
+"""Pictures: traces over time, phase planes, stroboscopic points, cost against error.
+
+Colours are those of Okabe and Ito, which colour-blind readers tell apart; units get a prefix that fits the numbers.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.errors import StorageError
+from gearblocks.files import write_bytes
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+Series = tuple[str, str, Array]
+"""Name, unit and values of one quantity."""
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#A08C00")
+NO_UNIT = ("", "1")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+
+_STYLE: dict[str, Any] = {
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.linewidth": 0.7,
+    "grid.color": "#e2e2e2",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.1,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "figure.dpi": 110,
+    "svg.hashsalt": "gearblocks",
+}
+_PREFIX = {-12: "p", -9: "n", -6: "\N{MICRO SIGN}", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+_PREFIXED = ("m", "N", "s", "rad", "W", "J", "V", "A", "Pa", "Hz")
+_MOST_SAMPLES = 200_000
+
+
+@dataclass(frozen=True, slots=True)
+class Plane:
+    """Two quantities against each other: a curve, marked points on it, and vertical lines (edges of a gap)."""
+
+    title: str
+    x: Series
+    y: Series
+    points: tuple[Array, Array] | None = None
+    edges: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """Error reached and CPU seconds spent by one method at several tolerances."""
+
+    label: str
+    error: Sequence[float]
+    seconds: Sequence[float]
+    dashed: bool = False
+
+
+def over_time(
+    t: Array, series: Sequence[Series], *, title: str = "", path: str | os.PathLike[str] | None = None
+) -> Figure:
+    """Traces over time, those of one unit in one panel, names written beside them; saved to `path` where given."""
+    panels: dict[str, list[Series]] = {}
+    for item in series:
+        panels.setdefault(item[0].rpartition(".")[2] if item[1] in NO_UNIT else item[1], []).append(item)
+    with _style():
+        figure, axes = _figure(path, rows=max(1, len(panels)), size=(7.2, 0.9 + 1.7 * max(1, len(panels))))
+        clock, clock_unit = prefixed([t], "s")
+        for axis, group in zip(axes, panels.values(), strict=False):
+            factor, unit = prefixed([values for _, _, values in group], group[0][1])
+            for number, (name, _, values) in enumerate(group):
+                time, shown = _thinned(t * clock, values * factor)
+                axis.plot(time, shown, color=COLOURS[number % 8], label=name, linestyle=("-", "--")[number // 8 % 2])
+            axis.set_ylabel(_axis_words(group, unit))
+            if len(group) > 1:
+                axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        axes[-1].set_xlabel(f"time in {clock_unit}")
+        if title:
+            figure.suptitle(title, x=0.01, ha="left", fontsize=10)
+        return _done(figure, path)
+
+
+def planes(items: Sequence[Plane], *, path: str | os.PathLike[str] | None = None, columns: int = 2) -> Figure:
+    """Phase planes side by side, each with its own limits, all in the same units; saved to `path` where given."""
+    rows = math.ceil(len(items) / columns)
+    x_scale = prefixed([values for item in items for values in _extent(item, 0)], items[0].x[1])
+    y_scale = prefixed([values for item in items for values in _extent(item, 1)], items[0].y[1])
+    with _style():
+        figure, axes = _figure(path, rows=rows, columns=columns, size=(3.6 * columns, 3.1 * rows))
+        for axis, item in zip(axes, items, strict=False):
+            _plane(axis, item, x_scale, y_scale)
+        for axis in axes[len(items) :]:
+            axis.set_axis_off()
+        return _done(figure, path)
+
+
+def cost(curves: Sequence[Curve], *, title: str, error: str, path: str | os.PathLike[str] | None = None) -> Figure:
+    """CPU time against the error reached, both logarithmic: down and to the left is better."""
+    with _style():
+        figure, (axis,) = _figure(path, size=(7.2, 4.4))
+        shown: dict[str, str] = {}
+        for curve in curves:
+            family = curve.label.split(",")[0]
+            colour = shown.setdefault(family, COLOURS[len(shown) % 8])
+            marker = MARKERS[list(shown).index(family) % 8]
+            fill = "white" if curve.dashed else colour
+            axis.loglog(
+                curve.error,
+                np.array(curve.seconds) * 1e3,
+                label=curve.label,
+                color=colour,
+                linestyle="--" if curve.dashed else "-",
+                marker=marker,
+                markersize=4.5,
+                markerfacecolor=fill,
+            )
+        axis.set_xlabel(error)
+        axis.set_ylabel("CPU time in ms")
+        axis.set_title(title)
+        axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        return _done(figure, path)
+
+
+def prefixed(arrays: Sequence[Array], unit: str) -> tuple[float, str]:
+    """Factor and unit with the SI prefix that brings the largest number to 1 .. 10,000."""
+    head = unit.replace("/", " ").split(" ")[0] if unit else ""
+    sizes = [float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0)) for values in arrays]
+    size = max(sizes, default=0.0)
+    if head not in _PREFIXED or size == 0.0 or 1.0 <= size < 1e4:
+        return 1.0, unit
+    power = min(max(3 * math.floor(math.log10(size) / 3), -12), 9)
+    return 10.0**-power, _PREFIX[power] + unit
+
+
+def _extent(item: Plane, axis: int) -> tuple[Array, ...]:
+    curve = (item.x, item.y)[axis][2]
+    return (curve,) if item.points is None else (curve, item.points[axis])
+
+
+def _plane(axis: Axes, item: Plane, x_scale: tuple[float, str], y_scale: tuple[float, str]) -> None:
+    (x_name, _, x), (y_name, _, y) = item.x, item.y
+    (x_factor, x_unit), (y_factor, y_unit) = x_scale, y_scale
+    axis.plot(x * x_factor, y * y_factor, color=COLOURS[0], linewidth=0.7, alpha=0.9 if item.points is None else 0.45)
+    if item.points is not None:
+        few = len(np.unique(np.round(item.points[0] * x_factor, 6))) <= 60
+        axis.plot(
+            item.points[0] * x_factor, item.points[1] * y_factor, linestyle="none", marker="o" if few else ".",
+            markersize=5 if few else 2.5, color=COLOURS[1], markeredgecolor="white" if few else "none",
+            markeredgewidth=0.6, zorder=3,
+        )  # fmt: skip
+    if not len(x) and item.points is not None:
+        axis.set_xlim(_limits(item.points[0] * x_factor))
+        axis.set_ylim(_limits(item.points[1] * y_factor))
+    for edge in item.edges:
+        axis.axvline(edge * x_factor, color="#555555", linewidth=0.8, linestyle=":")
+    axis.locator_params(axis="x", nbins=6)
+    axis.set_xlabel(_label(x_name, x_unit))
+    axis.set_ylabel(_label(y_name, y_unit))
+    axis.set_title(item.title)
+
+
+def _limits(values: Array) -> tuple[float, float]:
+    """Limits about the values, never closer than 5 % of their size: a single point shall look like one."""
+    low, high = float(values.min()), float(values.max())
+    half = max(0.65 * (high - low), 0.05 * max(abs(low), abs(high)), 1e-12)
+    return 0.5 * (low + high) - half, 0.5 * (low + high) + half
+
+
+def _axis_words(group: Sequence[Series], unit: str) -> str:
+    kinds = {name.rpartition(".")[2].replace("_", " ") for name, _, _ in group}
+    words = group[0][0] if len(group) == 1 else kinds.pop() if len(kinds) == 1 else ""
+    return _label(words, unit)
+
+
+def _label(words: str, unit: str) -> str:
+    if unit in NO_UNIT:
+        return words
+    return f"{words}\nin {unit}" if len(words) > 18 else f"{words} in {unit}" if words else f"in {unit}"
+
+
+def _thinned(t: Array, values: Array) -> tuple[Array, Array]:
+    """At most about _MOST_SAMPLES points that keep the extremes of every slice."""
+    if len(t) <= _MOST_SAMPLES:
+        return t, values
+    width = -(-len(t) // (_MOST_SAMPLES // 2))
+    starts = np.arange(0, len(t), width)
+    low = np.array([start + int(np.argmin(values[start : start + width])) for start in starts])
+    high = np.array([start + int(np.argmax(values[start : start + width])) for start in starts])
+    kept = np.unique(np.concatenate([low, high]))
+    return t[kept], values[kept]
+
+
+def _style() -> Any:
+    import matplotlib as mpl
+
+    style: Any = _STYLE
+    return mpl.rc_context(style)
+
+
+def _figure(
+    path: str | os.PathLike[str] | None, *, size: tuple[float, float], rows: int = 1, columns: int = 1
+) -> tuple[Figure, list[Axes]]:
+    """A figure known to pyplot (shown by notebooks and `plt.show()`) only where it is not written to a file."""
+    if path is None:
+        from matplotlib import pyplot
+
+        figure: Figure = pyplot.figure(figsize=size, layout="constrained")
+    else:
+        from matplotlib.figure import Figure as PlainFigure
+
+        figure = PlainFigure(figsize=size, layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=columns == 1 and rows > 1)
+    return figure, list(axes.flat)
+
+
+def _done(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
+    if path is not None:
+        known = figure.canvas.get_supported_filetypes()
+        form = Path(path).suffix.lstrip(".").lower()
+        if form not in known:
+            raise StorageError(
+                f"'{path}': a picture's ending must be one of {', '.join('.' + name for name in sorted(known))}"
+            )
+        picture = io.BytesIO()
+        figure.savefig(picture, format=form)
+        write_bytes(path, picture.getbuffer())
+    return figure

@@ -1,0 +1,82 @@
+"""sympy becomes text here and nowhere else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+from sympy.printing.c import C99CodePrinter
+
+
+_OWN_FUNCTIONS = {"sin": "gb_sin", "cos": "gb_cos"}  # the same bits on every platform, and vectorisable
+
+
+class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
+    """Expressions of a law in C; `names` gives the text of every symbol."""
+
+    def __init__(self, names: Mapping[Any, str]) -> None:
+        super().__init__({"user_functions": _OWN_FUNCTIONS})
+        self._names = names
+
+    def _print_Symbol(self, expr: Any) -> str:
+        return self._names[expr]
+
+    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
+        base, exponent = expr.as_base_exp()
+        if exponent.is_Integer and 1 < abs(exponent) <= 4:
+            text = "*".join([self.parenthesize(base, sp.printing.precedence.PRECEDENCE["Mul"] + 1)] * abs(int(exponent)))
+            return f"({text})" if exponent > 0 else f"(1.0/({text}))"
+        return str(super()._print_Pow(expr))
+
+    def _print_Heaviside(self, expr: Any) -> str:
+        return f"(({self._print(expr.args[0])}) >= 0.0 ? 1.0 : 0.0)"
+
+    def _print_TableAt(self, expr: Any) -> str:
+        table, x, order, *mode = expr.args
+        where = self._print(mode[0]) if mode else f"gb_table_segment(&{self._print(table)}, {self._print(x)})"
+        return f"gb_table_value(&{self._print(table)}, {where}, {self._print(x)}, {int(order)})"
+
+    def _print_Integer(self, expr: Any) -> str:
+        return f"{int(expr)}.0"
+
+    def _print_Float(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    def _print_Rational(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    def _print_NumberSymbol(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    _print_Half = _print_Rational
+    _print_One = _print_Integer
+    _print_NegativeOne = _print_Integer
+    _print_Zero = _print_Integer
+    _print_Pi = _print_NumberSymbol
+    _print_Exp1 = _print_NumberSymbol
+
+
+def c_text(expr: Any, names: Mapping[Any, str]) -> str:
+    """C for an expression over doubles."""
+    return str(_CPrinter(names).doprint(sp.sympify(expr)))
+
+
+def latex_text(expr: Any, names: Mapping[Any, str] | None = None) -> str:
+    """LaTeX for an expression or equation."""
+    return str(sp.latex(expr, symbol_names=dict(names or {}), mul_symbol=r"\,"))
+
+
+def plain_text(expr: Any) -> str:
+    """One line of plain text for an expression or equation."""
+    if isinstance(expr, sp.Equality):
+        return f"{sp.sstr(expr.lhs)} = {sp.sstr(expr.rhs)}"
+    return str(sp.sstr(expr))
+
+
+def mathml_text(expr: Any) -> str:
+    """Presentation MathML for an expression or equation."""
+    return str(sp.printing.mathml(expr, printer="presentation"))
+
+
+__all__ = ["c_text", "latex_text", "mathml_text", "plain_text"]

@@ -1,0 +1,153 @@
+"""What is recorded of a run besides its outputs: events, counters, energy, and where it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, NamedTuple, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def frozen(values: ArrayLike) -> Array:
+    """`values` as doubles that cannot be written to; not copied where they are doubles already."""
+    array = np.asarray(values, dtype=np.float64).view()
+    array.flags.writeable = False
+    return array
+
+
+class Event(NamedTuple):
+    """One change of mode at time `t` [s]; kind: "state", "time" or "impact"; before, after: the modes."""
+
+    t: float
+    component: str
+    kind: str
+    before: float
+    after: float
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stats:
+    """Counters of a run. cpu_seconds: processor time inside the solver; why: the reason for the method."""
+
+    steps: int = 0
+    rejected: int = 0
+    rhs_calls: int = 0
+    jacobians: int = 0
+    events: int = 0
+    cpu_seconds: float = 0.0
+    method: str = ""
+    why: str = ""
+
+    def __str__(self) -> str:
+        words = f"{self.method}: {self.steps} steps, {self.rejected} rejected, {self.rhs_calls} right-hand sides"
+        words += f", {self.jacobians} Jacobians" if self.jacobians else ""
+        return f"{words}, {self.events} events, {1e3 * self.cpu_seconds:.3g} ms of CPU time"
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EnergyLedger:
+    """Where the energy of a run went [J].
+
+    stored: per element at the end of the run; start: their sum at its beginning;
+    dissipated, supplied: per element over the run (parametric work counts as supplied);
+    exchanged: sum of all amounts that went in or out, each step without its sign;
+    largest_stored: greatest total during the run.
+    """
+
+    stored: Mapping[str, float] = field(default_factory=dict)
+    start: float = 0.0
+    dissipated: Mapping[str, float] = field(default_factory=dict)
+    supplied: Mapping[str, float] = field(default_factory=dict)
+    exchanged: float = 0.0
+    largest_stored: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("stored", "dissipated", "supplied"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _ledger, (self.to_dict(),)
+
+    @property
+    def end(self) -> float:
+        """Energy stored in all elements at the end of the run [J]."""
+        return float(sum(self.stored.values()))
+
+    @property
+    def imbalance(self) -> float:
+        """What was stored more than came in and did not go out [J]: an error of integration, 0 at best."""
+        return self.end - self.start - sum(self.supplied.values()) + sum(self.dissipated.values())
+
+    @property
+    def turnover(self) -> float:
+        """Largest stored energy + everything exchanged [J]: the yardstick of the residual."""
+        return self.largest_stored + self.exchanged
+
+    @property
+    def residual(self) -> float:
+        """Size of the imbalance relative to the turnover."""
+        return abs(self.imbalance) / self.turnover if self.turnover > 0 else abs(self.imbalance)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain fields, as the constructor takes them."""
+        return {
+            "stored": dict(self.stored),
+            "start": self.start,
+            "dissipated": dict(self.dissipated),
+            "supplied": dict(self.supplied),
+            "exchanged": self.exchanged,
+            "largest_stored": self.largest_stored,
+        }
+
+    def __str__(self) -> str:
+        rows = [("stored at the start", self.start), ("stored at the end", self.end)]
+        rows += [(f"supplied by {name}", value) for name, value in self.supplied.items()]
+        rows += [(f"dissipated in {name}", value) for name, value in self.dissipated.items()]
+        rows.append(("left over", self.imbalance))
+        width = max(len(words) for words, _ in rows)
+        lines = [f"{words:<{width}}  {value: .6e} J" for words, value in rows]
+        lines.append(f"{'residual':<{width}}  {self.residual: .1e} of a turnover of {self.turnover:.6e} J")
+        return "\n".join(lines)
+
+
+def _ledger(fields: dict[str, Any]) -> EnergyLedger:
+    return EnergyLedger(**fields)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class FinalState:
+    """Where a run ended, for one that continues it: time, whole state vector, modes, key of the program."""
+
+    t: float
+    y: Array
+    modes: Array
+    key: str
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "y", frozen(self.y))
+        object.__setattr__(self, "modes", frozen(self.modes))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Content:
+    """Everything that a run consists of, by plain fields: what is stored, sent and put together again.
+
+    columns: outputs by name, each as long as t [s]; units: by name of the output; meta: JSON-like values.
+    """
+
+    t: Array
+    columns: Mapping[str, Array]
+    units: Mapping[str, str]
+    events: tuple[Event, ...]
+    stats: Stats
+    energy: EnergyLedger
+    meta: Mapping[str, Any]
+    final_state: FinalState | None

@@ -1,0 +1,147 @@
+"""Rigid ties between nodes: groups of nodes that turn together, with exact ratios."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from gearblocks.errors import ModelError
+
+
+@dataclass(frozen=True, slots=True)
+class TieRow:
+    """One tie of a component: sum of coefficient * angle over nodes = offset (a path of a parameter, or None: 0)."""
+
+    component: str
+    coefficients: Mapping[int, Fraction]
+    offset: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TreeTie:
+    """A tie in its role in the spanning tree: `child` is held by `parent` (or by the ground, parent = -1)."""
+
+    component: str
+    child: int
+    parent: int
+    c_child: Fraction
+    c_parent: Fraction
+
+
+@dataclass(slots=True)
+class Groups:
+    """Nodes merged by ties: phi(node) = gain * phi(root)."""
+
+    parents: list[int]
+    gains: list[Fraction]
+    grounded: dict[int, str | None] = field(default_factory=dict)
+    tree: list[TreeTie] = field(default_factory=list)
+    redundant: list[str] = field(default_factory=list)
+
+    def find(self, node: int) -> tuple[int, Fraction]:
+        """(root, gain) of a node."""
+        path = []
+        i = node
+        while self.parents[i] != i:
+            path.append(i)
+            i = self.parents[i]
+        gain = Fraction(1)
+        for j in reversed(path):
+            gain = gain * self.gains[j] if self.parents[j] != i else self.gains[j]
+            self.gains[j], self.parents[j] = gain, i
+        return (i, self.gains[node]) if node != i else (i, Fraction(1))
+
+
+def merge(n_nodes: int, rows: list[TieRow]) -> Groups:
+    """Merges nodes by all ties. ModelError names the loop where ties contradict each other."""
+    groups = Groups(list(range(n_nodes)), [Fraction(1)] * n_nodes)
+    waiting: list[TieRow] = []
+    used: list[TieRow] = []
+    for row in rows:
+        if len(row.coefficients) > 2:
+            waiting.append(row)
+        else:
+            _join(groups, row, used)
+    for row in waiting:
+        _join(groups, _reduced(groups, row), used)
+    return groups
+
+
+def _reduced(groups: Groups, row: TieRow) -> TieRow:
+    """A tie of three nodes where one is held at angle zero by the ground, as a tie of two."""
+    left = {n: c for n, c in row.coefficients.items() if groups.grounded.get(groups.find(n)[0], "free") is not None}
+    if len(left) > 2:
+        raise ModelError(
+            f"the rigid tie of '{row.component}' joins three turning shafts; ties of three shafts are not available: "
+            "hold its housing or carrier with a Fixed, or give it compliance"
+        )
+    return TieRow(row.component, left, row.offset)
+
+
+def _join(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
+    if len(row.coefficients) == 0:
+        groups.redundant.append(row.component)
+    elif len(row.coefficients) == 1:
+        _ground(groups, row, used)
+    else:
+        (a, ca), (b, cb) = row.coefficients.items()
+        (ra, ga), (rb, gb) = groups.find(a), groups.find(b)
+        if ra == rb:
+            if ca * ga + cb * gb != 0:
+                raise ModelError(_contradiction(row, a, b, -cb / ca, gb_over(ga, gb), used))
+            groups.redundant.append(row.component)
+            return
+        if rb in groups.grounded:
+            if ra in groups.grounded:
+                groups.redundant.append(row.component)
+                return
+            a, b, ca, cb, ra, rb, ga, gb = b, a, cb, ca, rb, ra, gb, ga
+        # b's root hangs below a's root: phi_b = -(ca/cb) phi_a
+        groups.parents[rb], groups.gains[rb] = ra, -(ca * ga) / (cb * gb)
+        groups.tree.append(TreeTie(row.component, b, a, cb, ca))
+        used.append(row)
+
+
+def gb_over(ga: Fraction, gb: Fraction) -> Fraction:
+    """Turns of a for one turn of b by the ties that were there before."""
+    return ga / gb
+
+
+def _ground(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
+    ((node, c),) = row.coefficients.items()
+    root, _ = groups.find(node)
+    if root in groups.grounded:
+        groups.redundant.append(row.component)
+        return
+    groups.grounded[root] = row.offset
+    groups.tree.append(TreeTie(row.component, node, -1, c, Fraction(0)))
+    used.append(row)
+
+
+def _contradiction(row: TieRow, a: int, b: int, asked: Fraction, given: Fraction, used: list[TieRow]) -> str:
+    """The message for a loop of ties: its components and what they ask for."""
+    neighbours: dict[int, list[tuple[int, str]]] = {}
+    for tie in used:
+        nodes = list(tie.coefficients)
+        if len(nodes) == 2:
+            neighbours.setdefault(nodes[0], []).append((nodes[1], tie.component))
+            neighbours.setdefault(nodes[1], []).append((nodes[0], tie.component))
+    queue, came = deque([a]), {a: (a, "")}
+    while queue and b not in came:
+        node = queue.popleft()
+        for other, component in neighbours.get(node, []):
+            if other not in came:
+                came[other] = (node, component)
+                queue.append(other)
+    names = [row.component]
+    node = b
+    while node != a and node in came:
+        node, component = came[node]
+        names.append(component)
+    loop = ", ".join(f"'{name}'" for name in dict.fromkeys(names))
+    return (
+        f"the ties of {loop} contradict each other (one turn of one end of '{row.component}' asks the other for "
+        f"{float(asked):.9g} and {float(given):.9g} turns): nothing could move; check their ratios and tooth counts"
+    )

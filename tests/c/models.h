@@ -1,0 +1,12 @@
+/* Trains written by hand against gb_model.h, for the checks of the solver core. */
+#ifndef MODELS_H
+#define MODELS_H
+
+#include "gb_core.h"
+
+#include <math.h>
+
+extern const gb_model p1_model, p2_model;
+extern const double p1_values[3], p2_values[6];
+
+#endif

@@ -1,0 +1,218 @@
+"""What a user types in a shell, and what comes back: text, files and exit status."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from gearblocks.cli import main
+from gearblocks.trajectory import Trajectory
+
+SCRIPT = '''"""A motor that swings against the ground through a shaft."""
+
+import gearblocks as gb
+
+
+def build() -> gb.Drivetrain:
+    """One inertia, one shaft."""
+    rig = gb.Drivetrain("swing")
+    load = rig.add("load", gb.Torque(tau=3.0))
+    motor = rig.add("motor", gb.Inertia(J=0.5))
+    shaft = rig.add("shaft", gb.Shaft(k=200.0, c=0.1))
+    wall = rig.add("wall", gb.Fixed())
+    rig.chain(load, motor, shaft, wall)
+    return rig
+
+
+def stiff() -> gb.Drivetrain:
+    """The same with a stiffer shaft."""
+    return build().set({"shaft.k": 2000.0})
+
+
+def needs(k: float) -> gb.Drivetrain:
+    """Wants a number."""
+    return build().set({"shaft.k": k})
+
+
+def helper(x: float) -> float:
+    return x
+
+
+def broken() -> gb.Drivetrain:
+    return undefined_name
+'''
+
+COMMANDS = ("demo", "list", "run", "equations", "export", "check")
+
+
+@pytest.fixture
+def script(tmp_path: Path) -> Path:
+    folder = tmp_path / "Prüfstand mit Lücke"
+    folder.mkdir()
+    path = folder / "swing.py"
+    path.write_text(SCRIPT, encoding="utf-8")
+    return path
+
+
+def said(capsys: pytest.CaptureFixture[str]) -> tuple[str, str]:
+    streams = capsys.readouterr()
+    assert "Traceback" not in streams.err
+    return streams.out, streams.err
+
+
+def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--help"]) == 0
+    out, _ = said(capsys)
+    assert all(f"\n  {command} " in out for command in COMMANDS)
+
+
+def test_help_loads_nothing_heavy() -> None:
+    code = (
+        "import sys; from gearblocks.cli import main; main(['--help'])\n"
+        "print([m for m in ('sympy', 'matplotlib', 'scipy', 'xarray', 'fmpy', 'jinja2', 'pandas') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout.endswith("[]\n")
+
+
+def test_shipped_models_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    out, _ = said(capsys)
+    assert "spline_coupling  " in out
+
+
+def test_the_trains_of_a_script_are_listed(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", str(script)]) == 0
+    out, _ = said(capsys)
+    lines = out.splitlines()
+    assert lines[0].endswith("One inertia, one shaft.") and ":build " in lines[0]
+    assert ":stiff " in out and "helper" not in out
+
+
+def test_a_run_is_told_and_stored(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    stored = script.with_name("lauf 1.csv")
+    assert main(["run", str(script), "--t-end", "0.2", "--out", str(stored)]) == 0
+    out, _ = said(capsys)
+    assert "energy residual" in out and "shaft.twist" in out and str(stored) in out
+    with stored.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    assert rows[0][0] == "t" and "shaft.twist" in rows[0]
+    assert float(rows[-1][0]) == 0.2
+
+
+@pytest.mark.parametrize("ending", [".nc", ".json"])
+def test_a_stored_run_can_be_loaded(script: Path, ending: str) -> None:
+    stored = script.with_suffix(ending)
+    assert main(["run", f"{script}:stiff", "--t-end", "0.1", "--out", str(stored), "--outputs", "shaft.*"]) == 0
+    run = Trajectory.load(stored)
+    assert run.t[-1] == 0.1 and "shaft.twist" in run and "motor.w" not in run
+
+
+def test_a_parameter_is_set_and_an_effect_left_out(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    stored = script.with_suffix(".json")
+    changes = ["--set", "shaft.k=50", "--without", "shaft.damping"]
+    assert main(["run", str(script), "--t-end", "0.3141592653589793", *changes, "--out", str(stored)]) == 0
+    twist = Trajectory.load(stored)["shaft.twist"]
+    # undamped from rest, half a period of sqrt(50 / 0.5) = 10 rad/s: twice the static twist; 1e-5 is ten times rtol
+    assert twist[-1] == pytest.approx(-2 * 3.0 / 50.0, rel=1e-5)
+
+
+def test_a_picture_is_made(script: Path) -> None:
+    picture = script.with_name("bild.png")
+    assert main(["run", str(script), "--t-end", "0.1", "--plot", str(picture)]) == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("form", "part"), [("text", "shaft"), ("latex", "\\"), ("html", "<math"), ("c", "gb_get_model")]
+)
+def test_equations_are_printed(script: Path, form: str, part: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["equations", str(script), "--format", form]) == 0
+    out, _ = said(capsys)
+    assert part in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "no_such_model"], "no shipped model 'no_such_model'"),
+        (["run", "spline_couplin"], "did you mean 'spline_coupling'"),
+        (["run", "nowhere/rig.py"], "there is no file 'nowhere/rig.py'"),
+        (["run", "{script}:biuld"], "has no function 'biuld'"),
+        (["run", "{script}:needs"], "needs k"),
+        (["run", "{script}:helper"], "needs x"),
+        (["run", "{script}:broken"], "swing.py, line 34: NameError"),
+        (["run", "{script}", "--set", "shaft.k"], "--set shaft.k: what is asked for is path=number"),
+        (["run", "{script}", "--set", "shaft.k=stiff"], "path=number"),
+        (["run", "{script}", "--set", "shaft.kk=3"], "shaft.kk"),
+        (["run", "{script}", "--without", "mesh.*"], "mesh.*"),
+        (["run", "{script}", "--t-end", "-1"], "t_end"),
+        (["run", "{script}", "--method", "euler"], "euler"),
+        (["run", "{script}", "--initial", "rest"], "rest"),
+        (["run", "{script}", "--rtol", "nan"], "rtol"),
+        (["run", "{script}", "--outputs", "mesh.*"], "mesh.*"),
+        (["run", "{script}", "--out", "x.xls"], ".csv, .nc, .json"),
+        (["run", "{script}", "--out", "nowhere/x.csv"], "there is no folder 'nowhere'"),
+        (["run", "{script}", "--plot", "x.gif"], ".png, .svg, .pdf"),
+        (["equations", "{script}", "--format", "word"], "word"),
+        (["export", "{script}", "-o", "x.fmu", "--fmi", "4.0"], "4.0"),
+        (["export", "{script}", "-o", "x.fmu", "--platform", "amiga"], "amiga"),
+        (["check", "no.fmu"], "there is no file 'no.fmu'"),
+        (["run"], "FILE"),
+        (["simulate"], "simulate"),
+    ],
+)
+def test_bad_input_is_one_clear_message(
+    script: Path, arguments: list[str], words: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(script.parent)
+    assert main([item.replace("{script}", script.name) for item in arguments]) == 2
+    out, err = said(capsys)
+    assert words in err and not out
+    assert [path.name for path in script.parent.iterdir() if path.name != "__pycache__"] == [script.name]
+
+
+def test_an_error_in_a_script_names_its_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "rig.py"
+    path.write_text("def build(:\n", encoding="utf-8")
+    assert main(["run", str(path)]) == 2
+    _, err = said(capsys)
+    assert "rig.py, line 1:" in err
+    path.write_text("import gearblocks\n\n1 / 0\n", encoding="utf-8")
+    assert main(["run", str(path)]) == 2
+    _, err = said(capsys)
+    assert "rig.py, line 3: ZeroDivisionError" in err
+
+
+def test_a_bad_train_is_told_with_all_its_problems(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "rig.py"
+    path.write_text(
+        "import gearblocks as gb\n"
+        "def build():\n"
+        "    rig = gb.Drivetrain('x')\n"
+        "    rig.add('m', gb.Inertia(J=-1.0))\n"
+        "    return rig\n",
+        encoding="utf-8",
+    )
+    assert main(["run", str(path)]) == 2
+    _, err = said(capsys)
+    assert "Inertia 'm'" in err and "-1.0" in err
+
+
+def test_an_fmu_is_written_and_checked(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fmu = script.with_suffix(".fmu")
+    assert main(["export", str(script), "-o", str(fmu)]) == 0
+    assert main(["check", str(fmu)]) == 0
+    out, _ = said(capsys)
+    assert str(fmu) in out
+
+
+def test_a_file_that_is_no_fmu_fails_its_check(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "x.fmu"
+    path.write_bytes(b"this is no zip")
+    assert main(["check", str(path)]) in (1, 2)
+    said(capsys)
