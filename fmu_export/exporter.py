@@ -9,9 +9,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fmu_export import manifest
 from fmu_export.archive import write_archive
 from fmu_export.binary import build_binary, checked_platforms, source_files
@@ -21,9 +18,10 @@ from fmu_export.start import start_vector
 from fmu_export.tables import render_table, token_of
 from fmu_export.templates import render
 from fmu_export.variables import Variable, variables_of
-from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
+from gearblocks.errors import ParameterError
 from gearblocks.library import Model
 from gearblocks.program import Program
+from gearblocks.runs import _parameters
 
 if TYPE_CHECKING:
     from gearblocks.drivetrain import Drivetrain
@@ -52,8 +50,8 @@ def export(
     """Write `train` (a train, or a Model) as an FMU for co-simulation and return its path.
 
     outputs: pattern or patterns of the outputs to show. method, rtol, step, max_step, locate: as in simulate().
-    parameters: start values by path, instead of the train's. initial: state to start from: a vector (n or n_total
-    entries), states by name, or an earlier run; start values of the states then take the place of start parameters.
+    parameters: start values by path, instead of the train's. initial: start values by name, as in simulate(), or an
+    earlier run or a state vector; with these the start values of the states take the place of start parameters.
     t_end, communication_step: default experiment [s].
     Raises ParameterError or UnknownNameError for what cannot be exported; an existing file is replaced whole or kept.
     """
@@ -63,8 +61,8 @@ def export(
     chosen = checked_platforms(platforms)
     model = build(train)
     program = model.program
-    values = _values(model, parameters or {})
-    start = start_vector(model, values, initial)
+    values = _parameters(program, model.values, parameters or {}, initial)
+    start = start_vector(program, initial)
     solver = solver_options(method, rtol, step, max_step, locate)
     variables = variables_of(program, values, outputs, solver, start)
     token = token_of(program, variables, solver)
@@ -98,20 +96,6 @@ def _version(fmi: Any) -> str:
     if str(fmi) in _PLANNED:
         raise ParameterError(f"FMI {fmi} is not available in this version; possible: fmi={possible}")
     raise ParameterError(f"fmi = {fmi!r} is unknown; possible: fmi={possible}")
-
-
-def _values(model: Model, overrides: Mapping[str, float]) -> NDArray[np.float64]:
-    """The parameters' start values, with those given by full path, or by a unique end of it, in place."""
-    values = np.array(model.values, dtype=np.float64)
-    paths = [p.path for p in model.program.parameters]
-    for name, value in overrides.items():
-        found = [i for i, path in enumerate(paths) if path == name]
-        found = found or [i for i, path in enumerate(paths) if path.endswith(f".{name}")]
-        if len(found) != 1:
-            several = f": it could be {', '.join(paths[i] for i in found)}" if found else did_you_mean(name, paths)
-            raise UnknownNameError(f"no single parameter of '{model.program.name}' is called '{name}'{several}")
-        values[found[0]] = float(value)
-    return values
 
 
 def _tool() -> str:

@@ -10,20 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmu_export.options import SolverOptions
-from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, ParameterInfo, Program, Quantity, SwitchInfo
+from gearblocks import program as rows
+from gearblocks.program import Program
 
 NAME = "resources/gearblocks.json"
 FORMAT = 1
-
-_ROWS = {
-    "parameters": ParameterInfo,
-    "inputs": InputInfo,
-    "states": Quantity,
-    "switches": SwitchInfo,
-    "outputs": Quantity,
-    "energies": EnergyInfo,
-    "integrals": IntegralInfo,
-}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,16 +53,20 @@ def from_json(data: bytes, source: str) -> Manifest:
     content = json.loads(data)
     if content["format"] != FORMAT:
         raise ValueError(f"format {content['format']!r} of {NAME} is unknown; this version reads {FORMAT}")
-    raw: dict[str, Any] = {**content["program"], "source": source}
-    for name, row in _ROWS.items():
-        raw[name] = tuple(row(**entry) for entry in raw[name])
-    raw["structural"] = tuple((path, value) for path, value in raw["structural"])
-    known = {field.name for field in fields(Program)}
+    program = {**content["program"], "source": source}
     start = content["start"]
     return Manifest(
-        Program(**{name: value for name, value in raw.items() if name in known}),
+        Program(**{field.name: _read(field.type, program[field.name]) for field in fields(Program)}),
         np.array(content["values"], dtype=np.float64),
         SolverOptions(**content["solver"]),
         None if start is None else np.array(start, dtype=np.float64),
         tuple((str(name), int(index)) for name, index in content["outputs"]),
     )
+
+
+def _read(kind: Any, value: Any) -> Any:
+    """A field of Program from its JSON form: rows become the dataclass that the field's type names."""
+    if not isinstance(value, list):
+        return value
+    row = getattr(rows, str(kind).removeprefix("tuple[").split(",")[0], None)
+    return tuple(row(**entry) if row is not None else tuple(entry) for entry in value)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from gearblocks.core import Method, Options
 from gearblocks.errors import ParameterError
-
-METHODS = {"rk4": 0, "dp5": 1, "dp8": 2}
-"""Numbers of the methods in c/gb_core.h."""
+from gearblocks.runs import _options
 
 RTOL_RANGE = (1e-14, 0.1)
 """Tolerances that an FMU accepts; c/gb_fmu.c holds the same limits."""
@@ -24,20 +23,17 @@ class SolverOptions:
     max_step: float | None
     locate: bool
 
+    def to_core(self, stop: float | None) -> Options:
+        """The structure of c/gb_core.h; stop: a time [s] that no step passes, or None."""
+        method = int(Method[self.method.upper()])
+        limits = (self.step or 0.0, self.max_step or math.inf, math.inf if stop is None else stop)
+        return Options(method, int(self.locate), self.rtol, *limits)
+
 
 def solver_options(method: str, rtol: float, step: float | None, max_step: float | None, locate: bool) -> SolverOptions:
-    """Checked settings; "auto" becomes the order-8 pair, with fixed steps RK4. Raises ParameterError."""
-    if method != "auto" and method not in METHODS:
-        raise ParameterError(f"method '{method}' is not available in an FMU; it can be auto, {', '.join(METHODS)}")
-    if not RTOL_RANGE[0] <= rtol <= RTOL_RANGE[1]:
-        raise ParameterError(f"rtol = {rtol!r} must lie in [{RTOL_RANGE[0]}, {RTOL_RANGE[1]}]")
-    for name, value in (("step", step), ("max_step", max_step)):
-        if value is not None and not (value > 0 and math.isfinite(value)):
-            raise ParameterError(f"{name} = {value!r} s must be positive and finite")
-    chosen = method if method != "auto" else ("dp8" if step is None else "rk4")
-    if chosen == "rk4" and step is None:
-        raise ParameterError("method 'rk4' has fixed steps: give step= in s, or take dp5 or dp8")
-    return SolverOptions(chosen, float(rtol), step, max_step, locate)
+    """Settings as simulate() would choose them for these arguments. Raises ParameterError."""
+    chosen, _ = _options(method, rtol, step, max_step, locate, math.inf)
+    return SolverOptions(Method(chosen.method).name.lower(), rtol, step, max_step, locate)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from fmu_export.manifest import Manifest
-from fmu_export.options import METHODS
-from gearblocks.core import Code, Options
+from gearblocks.core import Code
 from gearblocks.errors import SimulationError
 from gearblocks.library import compile_program
 
@@ -20,14 +17,7 @@ def replay(manifest: Manifest, times: NDArray[np.float64], stop: float | None) -
     stop: end time that the solver knows of, or None. Inputs keep their start values. Raises SimulationError.
     """
     program, solver = manifest.program, manifest.solver
-    options = Options(
-        METHODS[solver.method],
-        int(solver.locate),
-        solver.rtol,
-        solver.step or 0.0,
-        solver.max_step or math.inf,
-        math.inf if stop is None else stop,
-    )
+    options = solver.to_core(stop)
     rows: list[NDArray[np.float64]] = []
     times = np.ascontiguousarray(times, dtype=np.float64)
     with compile_program(program).open() as simulation:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from fmu_export.options import METHODS, SolverOptions
+from fmu_export.options import SolverOptions
 from fmu_export.templates import render
 from fmu_export.variables import KINDS, Variable
 from gearblocks.program import Program
@@ -39,7 +39,7 @@ def render_table(program: Program, variables: Sequence[Variable], solver: Solver
         states=[c_string(q.name) for q in program.states],
         switches=[c_string(f"{s.component}.{s.name}" if s.name else s.component) for s in program.switches],
         token=token,
-        method=METHODS[solver.method],
+        method=solver.to_core(None).method,
         locate=int(solver.locate),
         max_step=_number(solver.max_step, "HUGE_VAL"),
     )

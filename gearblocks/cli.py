@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,9 +21,11 @@ from gearblocks.errors import CompileError, GearblocksError, ParameterError, Sim
 
 if TYPE_CHECKING:
     from gearblocks.drivetrain import Drivetrain
+    from gearblocks.library import Model
     from gearblocks.trajectory import Trajectory
 
 NO, BAD_INPUT = 1, 2
+SMOOTH = 4001
 
 app = typer.Typer(
     help="Drivetrains from blocks: equations of motion, fast runs, FMUs.",
@@ -91,27 +93,33 @@ def run(
 ) -> None:
     """Simulate a train."""
     _check_endings(out, plot)
-    rig = _train(train, without or [], change or [])
+    changes = dict(_assignment(item) for item in change or [])
+    rig = _train(train, without or [])
     from gearblocks.drivetrain import simulate
 
+    model, tuned = _changed(rig, changes)
+    options: dict[str, Any] = {"rtol": rtol, "method": method, "step": step, "initial": initial, "parameters": tuned}
     chosen = tuple(outputs) if outputs else "*"
+    failure: SimulationError | None = None
     try:
         with _progress() as progress:
-            result = simulate(
-                rig,
-                t_end=t_end,
-                rtol=rtol,
-                method=method,
-                step=step,
-                initial=initial,
-                outputs=chosen,
-                progress=progress,
-            )
+            result = simulate(model, t_end=t_end, outputs=chosen, progress=progress, **options)
     except SimulationError as error:
-        if error.trajectory is not None:
-            _deliver(error.trajectory, out, plot, picked=bool(outputs))
-        raise
-    _deliver(result, out, plot, picked=bool(outputs))
+        if error.trajectory is None or not len(error.trajectory.t):
+            raise
+        result, failure = error.trajectory, error
+    shown = result.names if outputs else _telling(result)
+    _report(result, shown)
+    if out is not None:
+        result.save(out)
+        typer.echo(f"wrote {out}")
+    if plot is not None:
+        sparse = result.complete and len(result.t) < SMOOTH
+        drawn = simulate(model, t=_grid(t_end), outputs=shown, **options) if sparse else result
+        drawn.plot(*shown, path=plot)
+        typer.echo(f"wrote {plot}")
+    if failure is not None:
+        raise failure
     if not result.complete:
         _say(f"stopped at t = {result.t[-1]:.6g} s; what was done until then is kept")
         raise typer.Exit(NO)
@@ -195,13 +203,27 @@ def _say(words: str) -> None:
     print(f"gearblocks: {words}", file=sys.stderr)
 
 
-def _train(text: str, without: Sequence[str] = (), changes: Sequence[str] = ()) -> Drivetrain:
+def _train(text: str, without: Sequence[str] = ()) -> Drivetrain:
     from gearblocks import scripts
 
     rig = scripts.make(text)
-    if without:
-        rig = rig.without(*without)
-    return rig.set(dict(_assignment(item) for item in changes)) if changes else rig
+    return rig.without(*without) if without else rig
+
+
+def _changed(rig: Drivetrain, changes: dict[str, float]) -> tuple[Model, dict[str, float]]:
+    """The model with what is structural changed, and the rest of the changes, which need no other model."""
+    from gearblocks.drivetrain import build
+
+    model = build(rig)
+    structural = {path for path, _ in model.program.structural}
+    tunable = [one.path for one in model.program.parameters if one.path not in structural]
+    tuned = {
+        path: value
+        for path, value in changes.items()
+        if path in tunable or sum(name.endswith("." + path) for name in tunable) == 1
+    }
+    rest = {path: value for path, value in changes.items() if path not in tuned}
+    return (build(rig.set(rest)) if rest else model), tuned
 
 
 def _assignment(text: str) -> tuple[str, float]:
@@ -250,27 +272,25 @@ def _progress() -> Iterator[Callable[[float], None]]:
         bar.stop()
 
 
-def _deliver(result: Trajectory, out: Path | None, plot: Path | None, *, picked: bool) -> None:
-    """Print what the run was, and write the files asked for."""
-    shown = result.names if picked else _telling(result)
-    typer.echo(
-        f"{result.name}: {len(result.t)} samples up to t = {result.t[-1]:.6g} s" if len(result.t) else "empty run"
-    )
-    typer.echo(
-        f"{result.stats}\nenergy residual {result.energy.residual:.1e} of a turnover of {result.energy.turnover:.4g} J"
-    )
+def _grid(t_end: float) -> Any:
+    """Times for a smooth picture: accepted steps of a high order lie too far apart for straight lines between them."""
+    import numpy as np
+
+    return np.linspace(0.0, t_end, SMOOTH)
+
+
+def _report(result: Trajectory, shown: Sequence[str]) -> None:
+    """Print what the run was, and the range of the outputs named."""
+    if not len(result.t):
+        typer.echo(f"{result.name}: no samples")
+        return
+    typer.echo(f"{result.name}: {len(result.t)} samples up to t = {result.t[-1]:.6g} s")
+    typer.echo(f"{result.stats}")
+    typer.echo(f"energy residual {result.energy.residual:.1e} of a turnover of {result.energy.turnover:.4g} J")
     width = max((len(name) for name in shown), default=0)
     for name in shown:
-        values = result[name]
-        typer.echo(
-            f"  {name:<{width}}  {values.min(): .6g} .. {values.max(): .6g} {result.units[name].strip('1')}".rstrip()
-        )
-    if out is not None:
-        result.save(out)
-        typer.echo(f"wrote {out}")
-    if plot is not None:
-        result.plot(*shown, path=plot)
-        typer.echo(f"wrote {plot}")
+        unit = "" if result.units[name] == "1" else result.units[name]
+        typer.echo(f"  {name:<{width}}  {result[name].min(): .6g} .. {result[name].max(): .6g} {unit}".rstrip())
 
 
 def _telling(result: Trajectory) -> tuple[str, ...]:

@@ -194,10 +194,10 @@ def _sentence(measured: list[tuple[precision.Line, list[precision.Point]]]) -> s
         return f"Fewer than two of these ways reach an error of {level:.0e}."
     (fast, quick), (slow, dear) = min(reached, key=lambda one: one[0]), max(reached, key=lambda one: one[0])
     missing = len(measured) - len(reached)
-    rest = f"; {missing} of the {len(measured)} never get there" if missing else ""
+    rest = f"; {missing} of the {len(measured)} do not get there at all" if missing else ""
     return (
-        f"For an error of {level:.0e} the cheapest way is {quick.label} with {1e3 * fast:.2g} ms, the dearest "
-        f"{dear.label} with {1e3 * slow:.2g} ms, {slow / fast:.0f} times as much{rest}."
+        f"An error of {level:.0e} is cheapest with {quick.label}: {1e3 * fast:.2g} ms; it is dearest with "
+        f"{dear.label}: {1e3 * slow:.2g} ms, {slow / fast:.0f} times as much{rest}."
     )
 
 

@@ -340,7 +340,7 @@ def to_sympy(e: Expr, leaf: Callable[[Expr], Any] | None = None) -> Any:
 
     if e.op == "number":
         x = e.args[0]
-        return sp.Integer(int(x)) if x == int(x) and abs(x) < 1e15 else sp.Float(x, 17)
+        return sp.Integer(int(x)) if x == int(x) and abs(x) < 1e15 else sp.Float(x)
     if e.op in ("time", "parameter", "input", "sense", "table", "local"):
         return leaf(e) if leaf else leaf_symbol_class()(e)
     a = [to_sympy(x, leaf) for x in e.args]

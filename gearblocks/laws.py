@@ -73,9 +73,12 @@ class _Contributions:
             lists[type(item)].append(item)
 
 
-def derive(block: d.Block, grounded: frozenset[str], pool: Pool | None = None, *, locating: bool = True) -> Law:
-    """The law of the kind that `block` is an instance of. locating=False keeps conditions as they are, for reading."""
-    law = Law(pool or Pool(lambda role, text: text))
+def derive(block: d.Block, grounded: frozenset[str], *, reading: bool = False) -> Law:
+    """The law of the kind that `block` is an instance of.
+
+    reading=True keeps angles, conditions and named parts (a mesh force, say) as they are, for equations that people read.
+    """
+    law = Law(Pool(lambda role, text: text, reading=reading))
     s = Symbols(block, law.pool, grounded)
     found = _Contributions(block, s)
     flanges = {name: getattr(s, name) for name in type(block).flanges if name not in grounded}
@@ -88,8 +91,8 @@ def derive(block: d.Block, grounded: frozenset[str], pool: Pool | None = None, *
     law.stored = sp.Add(*stored) if stored and not _is_driven(law.pool, stored) else None
     law.loss = sp.Add(*losses) if losses else None
     law.shows = [d.Shows(x.name, sp.sympify(x.expr), x.unit, x.words) for x in found.shows]
-    _introduce_coordinates(law, flanges, found.forces)
-    if locating:
+    if not reading:
+        _introduce_coordinates(law, flanges, found.forces)
         _freeze(law, found.switches)
         _balance(law, flanges)
     return law

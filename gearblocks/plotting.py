@@ -50,6 +50,9 @@ _STYLE: dict[str, Any] = {
 }
 _PREFIX = {-12: "p", -9: "n", -6: "\N{MICRO SIGN}", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _PREFIXED = ("m", "N", "s", "rad", "W", "J", "V", "A", "Pa", "Hz")
+_KINDS = {
+    "m": "distance", "m/s": "speed", "rad": "angle", "rad/s": "speed", "N": "force", "N m": "torque", "W": "power", "J": "energy"
+}  # fmt: skip
 _MOST_SAMPLES = 200_000
 
 
@@ -186,7 +189,7 @@ def _limits(values: Array) -> tuple[float, float]:
 
 def _axis_words(group: Sequence[Series], unit: str) -> str:
     kinds = {name.rpartition(".")[2].replace("_", " ") for name, _, _ in group}
-    words = group[0][0] if len(group) == 1 else kinds.pop() if len(kinds) == 1 else ""
+    words = group[0][0] if len(group) == 1 else kinds.pop() if len(kinds) == 1 else _KINDS.get(group[0][1], "")
     return _label(words, unit)
 
 

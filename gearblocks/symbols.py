@@ -84,8 +84,10 @@ class Pool:
     name: how a symbol is called; a kind uses bare names, a whole train adds the component.
     """
 
-    def __init__(self, name: Callable[[str, str], str]) -> None:
+    def __init__(self, name: Callable[[str, str], str], *, reading: bool = False) -> None:
         self._name = name
+        self.reading = reading
+        self.definitions: dict[Any, Any] = {}
         self.slots: dict[Any, Slot] = {clock(): Slot("time", None)}
         self._made: dict[Slot, Any] = {}
 
@@ -188,6 +190,14 @@ class Symbols:
     def is_constant(self, name: str) -> bool:
         """Whether a signal can only change when a parameter is set."""
         return self._pool.level(getattr(self, name)) == CONSTANT
+
+    def named(self, name: str, expr: Any) -> Any:
+        """The expression; in equations for reading a symbol of that name, with the expression as its definition."""
+        if not self._pool.reading or sp.sympify(expr).is_Symbol:
+            return expr
+        symbol = self._pool.symbol("named", self._prefix + name, name)
+        self._pool.definitions[symbol] = sp.sympify(expr)
+        return symbol
 
     def local(self, field: str, **values: Any) -> Any:
         """A field that is an expression of the block's own quantities, or a Table over the single one given."""

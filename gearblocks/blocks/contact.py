@@ -31,7 +31,7 @@ def damping(s: Any, k: Any, compliance_of_bodies: Any) -> Any:
     import sympy as sp
 
     if s.damping_ratio is not None:
-        return 2 * s.damping_ratio * sp.sqrt(k / compliance_of_bodies)
+        return s.named("c", 2 * s.damping_ratio * sp.sqrt(k / compliance_of_bodies))
     return s.c
 
 
@@ -56,7 +56,7 @@ def theta_of(block_effect: Any, s: Any, mesh_angle: Any, time: Any) -> tuple[Any
     return s.angle + s.phase, [Rate(s.angle, s.driven_by)]
 
 
-def contact(law: Contact) -> Iterator[Contribution]:
+def contact(s: Any, law: Contact) -> Iterator[Contribution]:
     """Force, switches, energy and the common outputs of a contact.
 
     Damping in a dead zone: "clipped" d = c x' within +-k abs(g), "clipped_force" max(k g + c x', 0) on the drive side
@@ -78,7 +78,7 @@ def contact(law: Contact) -> Iterator[Contribution]:
         drag = _DRAG[choice](elastic, viscous, side)
         yield from _clip_switches(choice, elastic, viscous, side)
         yield Shows("loss_power", drag * law.rate, "W", "power lost in the contact")
-    yield Force(x, elastic + drag)
+    yield Force(x, s.named("N", elastic + drag))
     yield Energy(stored=law.k * potential, loss=drag * law.rate if law.c is not None else None)
     yield Shows("contact", side, "1", "-1 coast side, 0 none, +1 drive side")
 

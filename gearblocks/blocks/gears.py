@@ -150,8 +150,9 @@ def mesh(block: Any, s: Any, lever: Any, speed: Any, c: Any, angle: Any) -> Iter
         error = excitation.value(s.transmission_error, theta)
         error_rate = s.rate_of(error, rates)
     x, rate = lever - error, speed - error_rate
-    law = Contact(x, rate, s.k * factor, c, block.backlash, s.backlash, block.contact_damping)
-    for item in contact(law):
+    stiffness = s.named("k_t", s.k * factor)
+    law = Contact(x, rate, stiffness, c, block.backlash, s.backlash, block.contact_damping)
+    for item in contact(s, law):
         yield item
         if isinstance(item, Force):
             yield Shows("force", item.force, "N", "mesh force N, positive on the drive side")
@@ -160,7 +161,7 @@ def mesh(block: Any, s: Any, lever: Any, speed: Any, c: Any, angle: Any) -> Iter
     yield Shows("deflection", x, "m", "deflection along the line of action")
     yield Shows("dynamic_transmission_error", x + error, "m", "deflection without the no-load error")
     yield Shows("deflection_rate", rate, "m/s", "rate of the deflection")
-    yield Shows("stiffness", s.k * factor, "N/m", "stiffness with its variation")
+    yield Shows("stiffness", stiffness, "N/m", "stiffness with its variation")
     yield Shows("mesh_phase", angle / (2 * sp.pi), "1", "mesh cycles turned")
 
 

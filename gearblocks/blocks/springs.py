@@ -122,7 +122,7 @@ class Lash(Block):
             return
         c = damping(s, s.k, s.a.mobility + s.b.mobility)
         gap = None if self.half_gap is None else Backlash(half_gap=self.half_gap)
-        for item in contact(Contact(twist, rate, s.k, c, gap, s, self.contact_damping)):
+        for item in contact(s, Contact(twist, rate, s.k, c, gap, s, self.contact_damping)):
             yield item
             if isinstance(item, Force):
                 yield Shows("torque", -item.force, "N m", "torque on flange b")

@@ -2,8 +2,7 @@
 #include "gb_combine.h"
 
 /* exp2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
-static double rough_exp2(double x)
-{
+static double rough_exp2(double x) {
     const double within = gb_min(gb_max(x, -1000.0), 1000.0), whole = floor(within), f = within - whole;
     const uint64_t bits = (uint64_t)(int64_t)(whole + 1023.0) << 52;
     double power;
@@ -12,8 +11,7 @@ static double rough_exp2(double x)
 }
 
 /* How far rounding moves each rate: the response to a change of the states in their last bits, of alternating sign. */
-static void measure_noise(gb_sim *sim, const double *tau)
-{
+static void measure_noise(gb_sim *sim, const double *tau) {
     const gb_model *model = sim->model;
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
     for (int i = 0; i < model->n_padded; i++) {
@@ -30,8 +28,7 @@ static void measure_noise(gb_sim *sim, const double *tau)
 
 /* 1 / (rtol size + h noise). The size of a state is its largest value so far, its natural scale where the train knows
  * one, and before the first step what its rate gives. `trial` counts too where a state has no size at all. */
-void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial)
-{
+void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial) {
     gb_head *head = sim->head;
     const int n = sim->model->n;
     const double floor_factor = 1e-10;
@@ -60,8 +57,7 @@ void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *
 }
 
 /* Takes the front into the sizes of the states. */
-void gb_weights_grow(gb_sim *sim, const double *y)
-{
+void gb_weights_grow(gb_sim *sim, const double *y) {
     double grown = 0.0;
     for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
         for (int l = b; l < b + GB_PAD; l++) {
@@ -76,8 +72,7 @@ void gb_weights_grow(gb_sim *sim, const double *y)
 }
 
 /* The state whose error decided. */
-int gb_worst_state(const gb_sim *sim)
-{
+int gb_worst_state(const gb_sim *sim) {
     int worst = 0;
     double largest = -1.0;
     for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
@@ -95,8 +90,7 @@ int gb_worst_state(const gb_sim *sim)
 }
 
 /* Factor of the next step size after a step with this error (PI control: Hairer, Wanner 1996, IV.2). */
-double gb_step_factor(gb_sim *sim, double log_error, int accepted)
-{
+double gb_step_factor(gb_sim *sim, double log_error, int accepted) {
     gb_head *head = sim->head;
     const double order = (double)sim->method->error_order, beta = sim->method->beta;
     if (!accepted) {
@@ -108,8 +102,7 @@ double gb_step_factor(gb_sim *sim, double log_error, int accepted)
 }
 
 /* Largest size-relative rate of x: max |x_i| / (size_i), over the states that have a size. */
-static double relative(const gb_sim *sim, const double *x, const double *minus)
-{
+static double relative(const gb_sim *sim, const double *x, const double *minus) {
     double most = 0.0;
     for (int i = 0; i < sim->model->n; i++) {
         const double size = gb_max(sim->peak[i], sim->scale[i]);
@@ -121,8 +114,7 @@ static double relative(const gb_sim *sim, const double *x, const double *minus)
 }
 
 /* A first step from the rates at the start and after a small Euler step (after Hairer, Norsett, Wanner 1993, II.4). */
-double gb_first_step(gb_sim *sim)
-{
+double gb_first_step(gb_sim *sim) {
     const gb_model *model = sim->model;
     const gb_head *head = sim->head;
     const double first = relative(sim, sim->k, NULL);

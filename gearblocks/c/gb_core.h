@@ -10,22 +10,31 @@
 
 #include <stddef.h>
 
+/* What a shared library with hidden names shows. Define it empty to show nothing. */
+#ifndef GB_API
+#if defined(_WIN32)
+#define GB_API __declspec(dllexport)
+#else
+#define GB_API __attribute__((visibility("default")))
+#endif
+#endif
+
 typedef struct gb_sim gb_sim;
 
 /* What a call answers. Negative: the run cannot go on; gb_report says where and why. */
 enum {
-    GB_DONE = 0,             /* reached the time asked for */
-    GB_FULL = 1,             /* the record is full: empty it and call again */
-    GB_PAUSE = 2,            /* the time slice is over: call again */
-    GB_ERR_STEP = -1,        /* step size below rounding; index: the state with the largest error */
-    GB_ERR_NAN_RATE = -2,    /* a derivative is NaN or infinite; index: state */
-    GB_ERR_NAN_INPUT = -3,   /* an input is NaN or infinite; index: input */
-    GB_ERR_NAN_START = -4,   /* a start value or parameter is NaN or infinite; index: state or n + parameter */
-    GB_ERR_CHATTER = -5,     /* a switch flips without progress; index: switch */
-    GB_ERR_BRANCH = -6,      /* no consistent set of modes after an event; index: switch */
-    GB_ERR_STATE = -7,       /* a saved state of another model or size */
+    GB_DONE = 0,           /* reached the time asked for */
+    GB_FULL = 1,           /* the record is full: empty it and call again */
+    GB_PAUSE = 2,          /* the time slice is over: call again */
+    GB_ERR_STEP = -1,      /* step size below rounding; index: the state with the largest error */
+    GB_ERR_NAN_RATE = -2,  /* a derivative is NaN or infinite; index: state */
+    GB_ERR_NAN_INPUT = -3, /* an input is NaN or infinite; index: input */
+    GB_ERR_NAN_START = -4, /* a start value or parameter is NaN or infinite; index: state or n + parameter */
+    GB_ERR_CHATTER = -5,   /* a switch flips without progress; index: switch */
+    GB_ERR_BRANCH = -6,    /* no consistent set of modes after an event; index: switch */
+    GB_ERR_STATE = -7,     /* a saved state of another model or size */
     GB_ERR_MEMORY = -8,
-    GB_ERR_CALLBACK = -9     /* the input callback asked to stop; index: input */
+    GB_ERR_CALLBACK = -9 /* the input callback asked to stop; index: input */
 };
 
 enum { GB_RK4 = 0, GB_DP5 = 1, GB_DP8 = 2 };
@@ -47,9 +56,9 @@ typedef int (*gb_input_fn)(void *user, int index, double t, double *value);
 
 /* Counters of a run. */
 typedef struct gb_stats {
-    double t;                 /* front of the solver */
-    double step;              /* size of the next step */
-    double turnover;          /* sum over steps and ledger entries of abs(exchange) */
+    double t;        /* front of the solver */
+    double step;     /* size of the next step */
+    double turnover; /* sum over steps and ledger entries of abs(exchange) */
     long long steps, rejected, rhs_calls, events;
 } gb_stats;
 
@@ -58,7 +67,7 @@ typedef struct gb_report {
     double t, value;
 } gb_report;
 
-/* One event: switch `index` (>= n_switches: breakpoint of input index - n_switches). */
+/* One event: switch `index` (>= n_switches: a jump of the stepped table of input index - n_switches). */
 typedef struct gb_event {
     double t, before, after;
     int index, kind; /* kind 0: state, 1: time */
@@ -72,46 +81,47 @@ typedef struct gb_record {
     long n_events, event_capacity;
 } gb_record;
 
-gb_sim *gb_open(const gb_model *model);
-void gb_close(gb_sim *sim);
-const gb_model *gb_model_of(const gb_sim *sim);
+GB_API gb_sim *gb_open(const gb_model *model);
+GB_API void gb_close(gb_sim *sim);
+GB_API const gb_model *gb_model_of(const gb_sim *sim);
 
 /* Values. A change of a parameter or input during a run takes effect at the present communication point:
  * the next gb_advance restarts from the interpolated state there. */
-double *gb_parameters(gb_sim *sim); /* length n_parameters; call gb_changed after writing */
-double *gb_inputs(gb_sim *sim);     /* constant values, length n_inputs; call gb_changed after writing */
-void gb_changed(gb_sim *sim);
+GB_API double *gb_parameters(gb_sim *sim); /* length n_parameters; call gb_changed after writing */
+GB_API double *gb_inputs(gb_sim *sim);     /* constant values, length n_inputs; call gb_changed after writing */
+GB_API void gb_changed(gb_sim *sim);
 /* The table is kept by the caller until gb_close; y2: second derivatives for GB_CUBIC; period 0: held outside. */
-int gb_input_table(gb_sim *sim, int input, int kind, int points, const double *x, const double *y, const double *y2,
-                   double period);
-void gb_input_callback(gb_sim *sim, int input, gb_input_fn fn, void *user);
+GB_API int gb_input_table(gb_sim *sim, int input, int kind, int points, const double *x, const double *y,
+                          const double *y2, double period);
+GB_API void gb_input_callback(gb_sim *sim, int input, gb_input_fn fn, void *user);
 
 /* Start: model->prepare and model->start, overridden by y0 where it is not NULL (length n_total), then modes at t0. */
-int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0);
+GB_API int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0);
 
 /* FMU style: advance to t (>= the last one) and hold there. The solver's own step goes on across calls. */
-int gb_advance(gb_sim *sim, double t);
-double gb_time(const gb_sim *sim);             /* the present communication point */
-int gb_state(gb_sim *sim, double *y);          /* interpolated there */
-int gb_outputs(gb_sim *sim, double *out);      /* all outputs there, length n_outputs */
-int gb_energies(gb_sim *sim, double *energy);  /* length n_energies */
+GB_API int gb_advance(gb_sim *sim, double t);
+GB_API double gb_time(const gb_sim *sim);            /* the present communication point */
+GB_API int gb_state(gb_sim *sim, double *y);         /* interpolated there */
+GB_API int gb_outputs(gb_sim *sim, double *out);     /* all outputs there, length n_outputs */
+GB_API int gb_energies(gb_sim *sim, double *energy); /* length n_energies */
 
 /* In-process style: run through the samples t_out[0 .. n_out), or record every accepted step up to t_end with both
  * sides of each event when t_out is NULL. Returns about every `slice` CPU seconds. */
-int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record *record, double slice);
+GB_API int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record *record, double slice);
 
 /* Outputs of recorded rows: out[row * n_pick + j] = output pick[j]; energies likewise when energy is not NULL. */
-int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, int n_pick, double *out, double *energy);
+GB_API int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, int n_pick, double *out,
+                       double *energy);
 
 /* One evaluation of the right-hand side at (t, y, modes of the sim), for tests: dy has length n_total. */
-int gb_rhs(gb_sim *sim, double t, const double *y, double *dy);
+GB_API int gb_rhs(gb_sim *sim, double t, const double *y, double *dy);
 
 /* The whole changing state as one block. */
-size_t gb_snapshot_size(const gb_sim *sim);
-void gb_save(const gb_sim *sim, void *block);
-int gb_restore(gb_sim *sim, const void *block);
+GB_API size_t gb_snapshot_size(const gb_sim *sim);
+GB_API void gb_save(const gb_sim *sim, void *block);
+GB_API int gb_restore(gb_sim *sim, const void *block);
 
-void gb_get_stats(const gb_sim *sim, gb_stats *stats);
-void gb_get_report(const gb_sim *sim, gb_report *report);
+GB_API void gb_get_stats(const gb_sim *sim, gb_stats *stats);
+GB_API void gb_get_report(const gb_sim *sim, gb_report *report);
 
 #endif

@@ -5,8 +5,7 @@
 #include "gb_combine.h"
 
 /* The three rows of the cubic Hermite polynomial in the entries [from, to). */
-static void hermite_rows(const gb_sim *sim, int from, int to)
-{
+static void hermite_rows(const gb_sim *sim, int from, int to) {
     const int total = sim->model->n_total;
     const double h = sim->head->h;
     const double *k1 = sim->k, *k2 = sim->k + (size_t)sim->method->stages * (size_t)total;
@@ -20,8 +19,7 @@ static void hermite_rows(const gb_sim *sim, int from, int to)
     }
 }
 
-void gb_dense_hermite(gb_sim *sim)
-{
+void gb_dense_hermite(gb_sim *sim) {
     if (sim->head->have_dense == 0) {
         hermite_rows(sim, 0, sim->model->n_padded);
         sim->head->have_dense = 1;
@@ -29,8 +27,7 @@ void gb_dense_hermite(gb_sim *sim)
 }
 
 /* Computes the stages that only dense output needs, and all rows of the n states. */
-int gb_dense_complete(gb_sim *sim)
-{
+int gb_dense_complete(gb_sim *sim) {
     const gb_model *model = sim->model;
     const gb_method *method = sim->method;
     if (sim->head->have_dense == 2) {
@@ -50,8 +47,7 @@ int gb_dense_complete(gb_sim *sim)
 }
 
 /* The rows of the tail as well: from here on the segment stands without the stages. */
-int gb_dense_tail(gb_sim *sim)
-{
+int gb_dense_tail(gb_sim *sim) {
     if (sim->head->have_tail || sim->head->h == 0.0) {
         return GB_DONE;
     }
@@ -64,8 +60,7 @@ int gb_dense_tail(gb_sim *sim)
     return GB_DONE;
 }
 
-static void horner(const gb_sim *sim, double theta, int to, double *out)
-{
+static void horner(const gb_sim *sim, double theta, int to, double *out) {
     const int total = sim->model->n_total, last = sim->method->rows - 1;
     const double up = theta, down = 1.0 - theta;
     for (int b = 0; b < to; b += GB_PAD) {
@@ -87,14 +82,12 @@ static void horner(const gb_sim *sim, double theta, int to, double *out)
 }
 
 /* The n states at theta in [0, 1]; the rows must be complete. */
-void gb_dense_states(const gb_sim *sim, double theta, double *out)
-{
+void gb_dense_states(const gb_sim *sim, double theta, double *out) {
     horner(sim, theta, sim->model->n_padded, out);
 }
 
 /* The whole vector at t in [t0, t1]; the rows must be complete, those of the tail too, unless t is the front. */
-void gb_dense_all(const gb_sim *sim, double t, double *out)
-{
+void gb_dense_all(const gb_sim *sim, double t, double *out) {
     const gb_head *head = sim->head;
     if (t >= head->t1 || !head->have_tail) {
         memcpy(out, sim->y, sizeof(double) * (size_t)sim->model->n_total);
@@ -104,11 +97,10 @@ void gb_dense_all(const gb_sim *sim, double t, double *out)
 }
 
 /* Moves the front back to theta: the states from their rows, the tail through the weights of its stages. */
-void gb_dense_cut(gb_sim *sim, double theta)
-{
+void gb_dense_cut(gb_sim *sim, double theta) {
     const gb_method *method = sim->method;
     const gb_model *model = sim->model;
-    gb_weights weights = { 0, { 0 }, { 0.0 } };
+    gb_weights weights = {0, {0}, {0.0}};
     double w[GB_STAGES];
     gb_dense_states(sim, theta, sim->y);
     for (int j = 0; j < GB_STAGES; j++) {
@@ -126,6 +118,7 @@ void gb_dense_cut(gb_sim *sim, double theta)
             weights.value[weights.count++] = w[j];
         }
     }
-    gb_combine(&weights, sim->k, model->n_total, model->n_padded, model->n_total, sim->y0, theta * sim->head->h, sim->y);
+    gb_combine(&weights, sim->k, model->n_total, model->n_padded, model->n_total, sim->y0, theta * sim->head->h,
+               sim->y);
     sim->head->t1 = theta > 0.0 ? sim->head->t0 + theta * sim->head->h : sim->head->t0;
 }

@@ -1,8 +1,7 @@
 /* What happens at an event: modes change, and only here. */
 #include "gb_internal.h"
 
-static uint64_t mix(uint64_t x)
-{
+static uint64_t mix(uint64_t x) {
     x ^= x >> 31;
     x *= 0x9e3779b97f4a7c15u;
     x ^= x >> 29;
@@ -10,24 +9,21 @@ static uint64_t mix(uint64_t x)
     return x ^ (x >> 32);
 }
 
-static uint64_t mode_hash(int i, double mode)
-{
+static uint64_t mode_hash(int i, double mode) {
     uint64_t bits;
     memcpy(&bits, &mode, sizeof bits);
     return mix(bits + 0x9e3779b97f4a7c15u * (uint64_t)(i + 1));
 }
 
-void gb_log(gb_sim *sim, int index, int kind, double before, double after)
-{
+void gb_log(gb_sim *sim, int index, int kind, double before, double after) {
     sim->head->events++;
     if (sim->n_log < sim->log_capacity) {
-        const gb_event event = { sim->head->t1, before, after, index, kind };
+        const gb_event event = {sim->head->t1, before, after, index, kind};
         sim->log[sim->n_log++] = event;
     }
 }
 
-static void set_mode(gb_sim *sim, int i, double mode, int log)
-{
+static void set_mode(gb_sim *sim, int i, double mode, int log) {
     if (log) {
         gb_log(sim, i, i >= sim->model->n_surfaces, sim->mode[i], mode);
     }
@@ -36,8 +32,7 @@ static void set_mode(gb_sim *sim, int i, double mode, int log)
 }
 
 /* A switch may flip again at once a few times, not for ever. */
-static int count_flip(gb_sim *sim, int i)
-{
+static int count_flip(gb_sim *sim, int i) {
     const gb_head *head = sim->head;
     const int stands = head->t1 - sim->flip_time[i] <= 10.0 * gb_rounding(head->t1, head->h);
     sim->flips[i] = stands ? sim->flips[i] + 1.0 : 1.0;
@@ -46,8 +41,7 @@ static int count_flip(gb_sim *sim, int i)
 }
 
 /* The surfaces at the front, into s. */
-static int surfaces_now(gb_sim *sim)
-{
+static int surfaces_now(gb_sim *sim) {
     if (sim->model->n_surfaces > sim->model->n_affine) {
         const int code = gb_columns_at(sim, sim->head->t1);
         if (code != GB_DONE) {
@@ -59,8 +53,7 @@ static int surfaces_now(gb_sim *sim)
 }
 
 /* -1 or 1: surface i is beyond its lower or upper limit by more than rounding. */
-static int beyond(const gb_sim *sim, int i)
-{
+static int beyond(const gb_sim *sim, int i) {
     const double s = sim->s[i], lo = sim->lo[i], hi = sim->hi[i];
     const double unit = 64.0 * DBL_EPSILON;
     if (sim->on[i] != -1.0 && lo > -HUGE_VAL && s < lo - unit * (fabs(s) + fabs(lo))) {
@@ -70,8 +63,7 @@ static int beyond(const gb_sim *sim, int i)
 }
 
 /* Makes the limits follow the modes and flips what is inconsistent, until nothing is. */
-int gb_settle(gb_sim *sim, int log)
-{
+int gb_settle(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
     int last = -1, code = GB_DONE;
     if (model->n_switches > 0) {
@@ -102,8 +94,7 @@ int gb_settle(gb_sim *sim, int log)
 }
 
 /* The next instant that time switches and tables announce. With `all`, or else only where the last one has come. */
-void gb_refresh_breaks(gb_sim *sim, int all)
-{
+void gb_refresh_breaks(gb_sim *sim, int all) {
     const gb_model *model = sim->model;
     double first = HUGE_VAL;
     for (int i = model->n_surfaces; i < model->n_switches; i++) {
@@ -119,8 +110,7 @@ void gb_refresh_breaks(gb_sim *sim, int all)
 }
 
 /* The front has reached an announced instant. */
-void gb_mark_time_events(gb_sim *sim)
-{
+void gb_mark_time_events(gb_sim *sim) {
     for (int i = sim->model->n_surfaces; i < sim->model->n_switches; i++) {
         sim->due[i] = sim->next_time[i] <= sim->head->t1 ? 2.0 : 0.0;
     }
@@ -128,8 +118,7 @@ void gb_mark_time_events(gb_sim *sim)
 }
 
 /* Without location: modes follow their surfaces at the end of the step. */
-void gb_mark_modes(gb_sim *sim)
-{
+void gb_mark_modes(gb_sim *sim) {
     const gb_model *model = sim->model;
     if (model->n_surfaces == 0) {
         return;
@@ -146,13 +135,11 @@ void gb_mark_modes(gb_sim *sim)
 }
 
 /* Mode of switch i on the far side of the limit that it leaves through. */
-static double far_side(const gb_sim *sim, int i, double side)
-{
+static double far_side(const gb_sim *sim, int i, double side) {
     return sim->model->mode_at(sim->par, i, side < 0.0 ? nextafter(sim->lo[i], -HUGE_VAL) : sim->hi[i]);
 }
 
-static int flip_due(gb_sim *sim)
-{
+static int flip_due(gb_sim *sim) {
     int code = GB_DONE;
     for (int i = 0; i < sim->model->n_switches && code == GB_DONE; i++) {
         const double due = sim->due[i];
@@ -173,8 +160,7 @@ static int flip_due(gb_sim *sim)
 }
 
 /* The step size that worked last in these modes, where there is one. */
-static void recall_step(gb_sim *sim)
-{
+static void recall_step(gb_sim *sim) {
     gb_head *head = sim->head;
     const size_t slot = (size_t)(head->modes % GB_MEMORY);
     if (head->remembered_step[slot] > 0.0 && head->remembered_modes[slot] == head->modes) {
@@ -183,8 +169,7 @@ static void recall_step(gb_sim *sim)
 }
 
 /* Carries out what is due at the front. */
-int gb_apply_event(gb_sim *sim)
-{
+int gb_apply_event(gb_sim *sim) {
     gb_head *head = sim->head;
     const uint64_t modes = head->modes;
     const size_t slot = (size_t)(modes % GB_MEMORY);
@@ -215,8 +200,7 @@ int gb_apply_event(gb_sim *sim)
 
 /* On a limit exactly: the mode follows the direction of motion (right limit). Affine surfaces; the others are told by
  * the first step. */
-static int start_on_limits(gb_sim *sim)
-{
+static int start_on_limits(gb_sim *sim) {
     const gb_model *model = sim->model;
     int code = gb_columns_at(sim, sim->head->t1);
     if (code == GB_DONE) {
@@ -240,8 +224,7 @@ static int start_on_limits(gb_sim *sim)
 }
 
 /* Modes at the start: those of time just after it, then those of the state until they agree with each other. */
-int gb_modes_start(gb_sim *sim)
-{
+int gb_modes_start(gb_sim *sim) {
     const gb_model *model = sim->model;
     const double t = sim->head->t1, after = t + 4.0 * DBL_EPSILON * fabs(t) + 1e-290;
     int code = GB_DONE, changed = 1, last = 0;

@@ -3,14 +3,12 @@
 #include "gb_internal.h"
 
 /* Number of whole periods before t, and the time within its period. */
-static double periods(const gb_source *s, double t)
-{
+static double periods(const gb_source *s, double t) {
     return s->period > 0.0 ? floor((t - s->x[0]) / s->period) : 0.0;
 }
 
 /* The last point at or before t, or -1. */
-static int find_point(const gb_source *s, double t)
-{
+static int find_point(const gb_source *s, double t) {
     int low = -1, high = s->points;
     while (high - low > 1) {
         const int middle = low + (high - low) / 2;
@@ -24,8 +22,7 @@ static int find_point(const gb_source *s, double t)
 }
 
 /* Where segment `cell` ends. Segments are counted through all periods. */
-static double end_of_cell(const gb_source *s, double cell)
-{
+static double end_of_cell(const gb_source *s, double cell) {
     if (s->period > 0.0) {
         const double count = floor(cell / s->points);
         const int i = (int)(cell - count * s->points);
@@ -34,8 +31,7 @@ static double end_of_cell(const gb_source *s, double cell)
     return cell + 1.0 < s->points ? s->x[(int)cell + 1] : HUGE_VAL;
 }
 
-static double cell_of(const gb_source *s, double t)
-{
+static double cell_of(const gb_source *s, double t) {
     const double count = periods(s, t);
     double cell = count * s->points + find_point(s, t - count * s->period);
     while (end_of_cell(s, cell) <= t) {
@@ -45,8 +41,7 @@ static double cell_of(const gb_source *s, double t)
 }
 
 /* The value at t of the piece of curve that belongs to segment `cell`. */
-static double table_value(const gb_source *s, double cell, double t)
-{
+static double table_value(const gb_source *s, double cell, double t) {
     const double count = s->period > 0.0 ? floor(cell / s->points) : 0.0;
     const int i = (int)(cell - count * s->points);
     const int j = i + 1 < s->points ? i + 1 : 0;
@@ -64,8 +59,7 @@ static double table_value(const gb_source *s, double cell, double t)
 }
 
 /* Moves every table to the segment that begins at or holds t. With `log`, jumps of stepped tables become events. */
-void gb_input_find(gb_sim *sim, double t, int log)
-{
+void gb_input_find(gb_sim *sim, double t, int log) {
     for (int m = 0; m < sim->n_moving; m++) {
         const int i = sim->moving[m];
         const gb_source *s = &sim->sources[i];
@@ -83,8 +77,7 @@ void gb_input_find(gb_sim *sim, double t, int log)
     }
 }
 
-static int moving_value(gb_sim *sim, int i, double t, double *value)
-{
+static int moving_value(gb_sim *sim, int i, double t, double *value) {
     const gb_source *s = &sim->sources[i];
     *value = 0.0;
     if (s->kind != GB_CALLBACK) {
@@ -96,8 +89,7 @@ static int moving_value(gb_sim *sim, int i, double t, double *value)
 }
 
 /* Fills the lanes of all inputs that are no constants. */
-int gb_input_lanes(gb_sim *sim, int lanes, const double *t, double *u)
-{
+int gb_input_lanes(gb_sim *sim, int lanes, const double *t, double *u) {
     for (int m = 0; m < sim->n_moving; m++) {
         double *lane = u + (size_t)sim->moving[m] * GB_LANES;
         for (int l = 0; l < lanes; l++) {
@@ -114,8 +106,7 @@ int gb_input_lanes(gb_sim *sim, int lanes, const double *t, double *u)
 }
 
 /* Values of all inputs at one instant. */
-int gb_input_values(gb_sim *sim, double t, double *value)
-{
+int gb_input_values(gb_sim *sim, double t, double *value) {
     memcpy(value, sim->input, sizeof(double) * (size_t)sim->model->n_inputs);
     for (int m = 0; m < sim->n_moving; m++) {
         const int code = moving_value(sim, sim->moving[m], t, &value[sim->moving[m]]);
@@ -127,8 +118,7 @@ int gb_input_values(gb_sim *sim, double t, double *value)
 }
 
 /* Writes the constants into all lanes, once. */
-void gb_input_broadcast(gb_sim *sim)
-{
+void gb_input_broadcast(gb_sim *sim) {
     for (int i = 0; i < sim->model->n_inputs; i++) {
         for (int l = 0; l < GB_LANES; l++) {
             sim->u[i * GB_LANES + l] = sim->input[i];
@@ -137,8 +127,7 @@ void gb_input_broadcast(gb_sim *sim)
     }
 }
 
-static void list_moving(gb_sim *sim)
-{
+static void list_moving(gb_sim *sim) {
     sim->n_moving = 0;
     for (int i = 0; i < sim->model->n_inputs; i++) {
         if (sim->sources[i].kind != GB_CONSTANT) {
@@ -149,9 +138,8 @@ static void list_moving(gb_sim *sim)
 }
 
 int gb_input_table(gb_sim *sim, int input, int kind, int points, const double *x, const double *y, const double *y2,
-                   double period)
-{
-    const gb_source source = { kind, points, x, y, y2, period, NULL, NULL };
+                   double period) {
+    const gb_source source = {kind, points, x, y, y2, period, NULL, NULL};
     for (int i = 0; i < points; i++) {
         const double sum = x[i] + y[i] + (kind == GB_CUBIC && y2 ? y2[i] : 0.0);
         if (!(sum - sum == 0.0) || (i > 0 && x[i] < x[i - 1])) {
@@ -166,9 +154,8 @@ int gb_input_table(gb_sim *sim, int input, int kind, int points, const double *x
     return GB_DONE;
 }
 
-void gb_input_callback(gb_sim *sim, int input, gb_input_fn fn, void *user)
-{
-    const gb_source source = { GB_CALLBACK, 0, NULL, NULL, NULL, 0.0, fn, user };
+void gb_input_callback(gb_sim *sim, int input, gb_input_fn fn, void *user) {
+    const gb_source source = {GB_CALLBACK, 0, NULL, NULL, NULL, 0.0, fn, user};
     sim->sources[input] = source;
     list_moving(sim);
 }

@@ -49,28 +49,28 @@ typedef struct gb_head {
     gb_options options;
     gb_report report;
     double t_start;
-    double t0, h;      /* the dense polynomial is y0 at t0 and spans h; the segment ends at t1, where y is */
-    double t1;         /* the front */
-    double t_comm;     /* the communication point, in [t0, t1] */
-    double h_next;     /* proposed by the step control */
-    double h_largest;  /* of all accepted steps */
-    double h_weights;  /* step size for which the error weights were made */
-    double h_worked;   /* the last accepted size, or the proposed one if that is smaller */
-    double log_error;  /* of the last accepted step, base 2 */
-    double t_break;    /* the next announced instant: time switches and tables */
+    double t0, h;     /* the dense polynomial is y0 at t0 and spans h; the segment ends at t1, where y is */
+    double t1;        /* the front */
+    double t_comm;    /* the communication point, in [t0, t1] */
+    double h_next;    /* proposed by the step control */
+    double h_largest; /* of all accepted steps */
+    double h_weights; /* step size for which the error weights were made */
+    double h_worked;  /* the last accepted size, or the proposed one if that is smaller */
+    double log_error; /* of the last accepted step, base 2 */
+    double t_break;   /* the next announced instant: time switches and tables */
     double turnover, turnover_segment;
     long long steps, rejected, rhs_calls, events, noise_at;
-    long sample;       /* samples of the present gb_run that are done */
+    long sample; /* samples of the present gb_run that are done */
     int started;
-    int changed;       /* parameters or inputs were written */
-    int have_k1;       /* k holds the derivative at the front */
-    int have_dense;    /* rows are complete in the first n states */
-    int have_tail;     /* and in the tail */
-    int pending;       /* an event waits at the front */
-    int row_due;       /* the front is not recorded yet */
-    int sitting;       /* some switch has just flipped: its `on` is set */
-    int poor;          /* a state has no size yet: weights follow the trial step */
-    uint64_t modes;    /* hash of all modes */
+    int changed;    /* parameters or inputs were written */
+    int have_k1;    /* k holds the derivative at the front */
+    int have_dense; /* rows are complete in the first n states */
+    int have_tail;  /* and in the tail */
+    int pending;    /* an event waits at the front */
+    int row_due;    /* the front is not recorded yet */
+    int sitting;    /* some switch has just flipped: its `on` is set */
+    int poor;       /* a state has no size yet: weights follow the trial step */
+    uint64_t modes; /* hash of all modes */
     uint64_t remembered_modes[GB_MEMORY];
     double remembered_step[GB_MEMORY];
 } gb_head;
@@ -87,10 +87,10 @@ struct gb_sim {
     double *cell, *cell_end; /* the segment of its table and where it ends */
     /* by switch: */
     double *mode, *lo, *hi;
-    double *on;                   /* -1 or 1: it has just flipped and sits on its lower or upper limit */
-    double *due, *next_mode;      /* due != 0: it flips at the front, into next_mode */
-    double *next_time;            /* time switches: when they leave their mode (into next_mode) */
-    double *flip_time, *flips;    /* the last flip, and how many without progress */
+    double *on;                /* -1 or 1: it has just flipped and sits on its lower or upper limit */
+    double *due, *next_mode;   /* due != 0: it flips at the front, into next_mode */
+    double *next_time;         /* time switches: when they leave their mode (into next_mode) */
+    double *flip_time, *flips; /* the last flip, and how many without progress */
     /* by state: */
     double *peak, *scale, *noise, *weight, *y0, *y;
     double *k1;   /* the derivative at the front */
@@ -110,11 +110,17 @@ struct gb_sim {
     long n_log, n_flushed, log_capacity;
 };
 
-static inline double gb_max(double a, double b) { return a > b ? a : b; }
-static inline double gb_min(double a, double b) { return a < b ? a : b; }
+static inline double gb_max(double a, double b) {
+    return a > b ? a : b;
+}
+static inline double gb_min(double a, double b) {
+    return a < b ? a : b;
+}
 
 /* How finely an instant can be told near t in a step of size h. */
-static inline double gb_rounding(double t, double h) { return 100.0 * DBL_EPSILON * (fabs(t) + fabs(h)); }
+static inline double gb_rounding(double t, double h) {
+    return 100.0 * DBL_EPSILON * (fabs(t) + fabs(h));
+}
 
 /* gb_open.c */
 int gb_fail(gb_sim *sim, int code, int index, double t, double value);

@@ -12,8 +12,7 @@ typedef struct shape {
     int padded, total;
 } shape;
 
-GB_INLINE void stages(gb_sim *sim, shape s, double h)
-{
+GB_INLINE void stages(gb_sim *sim, shape s, double h) {
     const gb_model *model = sim->model;
     double *const k = sim->k;
     GB_UNROLL
@@ -25,8 +24,7 @@ GB_INLINE void stages(gb_sim *sim, shape s, double h)
     gb_combine(&s.method->a[s.method->stages], k, s.total, 0, s.total, sim->y0, h, sim->z);
 }
 
-GB_INLINE void extra_stages(gb_sim *sim, shape s, double h)
-{
+GB_INLINE void extra_stages(gb_sim *sim, shape s, double h) {
     const gb_model *model = sim->model;
     double *const k = sim->k;
     GB_UNROLL
@@ -36,8 +34,7 @@ GB_INLINE void extra_stages(gb_sim *sim, shape s, double h)
     }
 }
 
-GB_INLINE void further_rows(gb_sim *sim, shape s, double h, int from, int to)
-{
+GB_INLINE void further_rows(gb_sim *sim, shape s, double h, int from, int to) {
     GB_UNROLL
     for (int m = 3; m < s.method->rows; m++) {
         gb_combine(&s.method->d[m], sim->k, s.total, from, to, sim->zero, h, sim->rows + (size_t)m * (size_t)s.total);
@@ -45,9 +42,8 @@ GB_INLINE void further_rows(gb_sim *sim, shape s, double h, int from, int to)
 }
 
 /* max |sum_j e_j k_j| weight, without the factor h. */
-GB_INLINE double error_norm(const gb_sim *sim, const gb_weights *e, shape s)
-{
-    double worst[GB_PAD] = { 0.0 };
+GB_INLINE double error_norm(const gb_sim *sim, const gb_weights *e, shape s) {
+    double worst[GB_PAD] = {0.0};
     for (int b = 0; b < s.padded; b += GB_PAD) {
         double error[GB_PAD];
         gb_combine(e, sim->k + b, s.total, 0, GB_PAD, sim->zero, 1.0, error);
@@ -64,22 +60,19 @@ GB_INLINE double error_norm(const gb_sim *sim, const gb_weights *e, shape s)
     return worst[0];
 }
 
-static int is_usual(const gb_sim *sim)
-{
+static int is_usual(const gb_sim *sim) {
     return sim->method == &sim->table[GB_DP8] && sim->model->n_padded == GB_PAD && sim->model->n_total == 2 * GB_PAD;
 }
 
-static const shape usual = { &gb_method_table[GB_DP8], GB_PAD, 2 * GB_PAD };
+static const shape usual = {&gb_method_table[GB_DP8], GB_PAD, 2 * GB_PAD};
 
-static shape shape_of(const gb_sim *sim)
-{
-    const shape s = { sim->method, sim->model->n_padded, sim->model->n_total };
+static shape shape_of(const gb_sim *sim) {
+    const shape s = {sim->method, sim->model->n_padded, sim->model->n_total};
     return s;
 }
 
 /* All stages of the step from y0, and the new state z. */
-void gb_run_stages(gb_sim *sim, double h)
-{
+void gb_run_stages(gb_sim *sim, double h) {
     if (is_usual(sim)) {
         stages(sim, usual, h);
     } else {
@@ -89,8 +82,7 @@ void gb_run_stages(gb_sim *sim, double h)
 }
 
 /* The stages that only dense output needs. */
-void gb_run_extra_stages(gb_sim *sim, double h)
-{
+void gb_run_extra_stages(gb_sim *sim, double h) {
     if (is_usual(sim)) {
         extra_stages(sim, usual, h);
     } else {
@@ -100,8 +92,7 @@ void gb_run_extra_stages(gb_sim *sim, double h)
 }
 
 /* The dense rows beyond the cubic, in the states or in the tail. */
-void gb_further_rows(gb_sim *sim, double h, int tail)
-{
+void gb_further_rows(gb_sim *sim, double h, int tail) {
     const gb_model *model = sim->model;
     if (is_usual(sim) && !tail) {
         further_rows(sim, usual, h, 0, GB_PAD);
@@ -111,8 +102,7 @@ void gb_further_rows(gb_sim *sim, double h, int tail)
 }
 
 /* log2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
-static double rough_log2(double x)
-{
+static double rough_log2(double x) {
     uint64_t bits;
     double m;
     memcpy(&bits, &x, sizeof bits);
@@ -124,8 +114,7 @@ static double rough_log2(double x)
 }
 
 /* log2 of the largest error of a state in units of its weight. */
-double gb_log_error(const gb_sim *sim, double h)
-{
+double gb_log_error(const gb_sim *sim, double h) {
     const gb_method *method = sim->method;
     const shape s = shape_of(sim);
     double first, second = 0.0;

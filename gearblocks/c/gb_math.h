@@ -1,8 +1,8 @@
 /* Sine and cosine for the time columns of generated code: branch-free, so that a loop over lanes becomes vector
  * code, and with the same bits in vector and scalar code (contraction must be off).
  *
- * Error below 1 ulp for |x| <= 1e9. Beyond, the result is that of an argument within one ulp of x, up to 1e13.
- * Infinite and NaN arguments give NaN.
+ * Error below 1 ulp for |x| <= 1e6 and below 2 ulp for |x| <= 1e9. Beyond, the result is that of an argument within one
+ * ulp of x, up to 1e13. Infinite and NaN arguments give NaN.
  */
 #ifndef GB_MATH_H
 #define GB_MATH_H
@@ -13,8 +13,7 @@ typedef struct gb_reduced {
 } gb_reduced;
 
 /* The first three parts of pi/2 have 22 bits, so that their products with n < 2^31 are exact. */
-static inline gb_reduced gb_reduce(double x)
-{
+static inline gb_reduced gb_reduce(double x) {
     const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer */
     const double n = (x * 0x1.45f306dc9c883p-1 + shift) - shift;
     const double cycles = (n * 0.25 + shift) - shift;
@@ -22,14 +21,14 @@ static inline gb_reduced gb_reduce(double x)
     const double c = n * 0x1.1846980000000p-44;
     gb_reduced r;
     r.quadrant = n - 4.0 * cycles;
-    r.hi = a - c;
-    r.lo = ((a - r.hi) - c) - n * 0x1.3198a2e037073p-69;
+    const double near = a - c, rest = ((a - near) - c) - n * 0x1.3198a2e037073p-69;
+    r.hi = near + rest;
+    r.lo = (near - r.hi) + rest;
     return r;
 }
 
 /* sin(hi + lo) and cos(hi + lo) for |hi| <= pi/4: Chebyshev interpolants, error below 2e-17. */
-static inline double gb_sin_core(double hi, double lo)
-{
+static inline double gb_sin_core(double hi, double lo) {
     const double z = hi * hi;
     const double z2 = z * z;
     const double low = -0x1.5555555555555p-3 + z * 0x1.1111111110bb1p-7;
@@ -39,8 +38,7 @@ static inline double gb_sin_core(double hi, double lo)
     return hi + (z * hi * p + lo * (1.0 - 0.5 * z));
 }
 
-static inline double gb_cos_core(double hi, double lo)
-{
+static inline double gb_cos_core(double hi, double lo) {
     const double z = hi * hi;
     const double z2 = z * z;
     const double low = 0x1.5555555555555p-5 + z * -0x1.6c16c16c16966p-10;
@@ -52,8 +50,7 @@ static inline double gb_cos_core(double hi, double lo)
     return lead + (((1.0 - lead) - half) + (z2 * p - hi * lo));
 }
 
-static inline double gb_sin(double x)
-{
+static inline double gb_sin(double x) {
     const gb_reduced r = gb_reduce(x);
     const double s = gb_sin_core(r.hi, r.lo);
     const double c = gb_cos_core(r.hi, r.lo);
@@ -62,8 +59,7 @@ static inline double gb_sin(double x)
     return r.quadrant * r.quadrant == 1.0 ? odd : even;
 }
 
-static inline double gb_cos(double x)
-{
+static inline double gb_cos(double x) {
     const gb_reduced r = gb_reduce(x);
     const double s = gb_sin_core(r.hi, r.lo);
     const double c = gb_cos_core(r.hi, r.lo);

@@ -6,16 +6,14 @@
 
 enum { LINE = 64, METHODS = sizeof gb_method_table / sizeof gb_method_table[0] };
 
-int gb_fail(gb_sim *sim, int code, int index, double t, double value)
-{
-    const gb_report report = { code, index, t, value };
+int gb_fail(gb_sim *sim, int code, int index, double t, double value) {
+    const gb_report report = {code, index, t, value};
     sim->head->report = report;
     return code;
 }
 
 /* Fails with `code` and shift + the index of the first entry that is NaN or infinite. */
-int gb_check_finite(gb_sim *sim, int code, const double *x, int count, int shift, double t)
-{
+int gb_check_finite(gb_sim *sim, int code, const double *x, int count, int shift, double t) {
     for (int i = 0; i < count; i++) {
         if (!(x[i] - x[i] == 0.0)) {
             return gb_fail(sim, code, shift + i, t, x[i]);
@@ -25,28 +23,25 @@ int gb_check_finite(gb_sim *sim, int code, const double *x, int count, int shift
 }
 
 /* The next `bytes` at cache line boundaries; a null base only counts. */
-static void *take(char *base, size_t *at, size_t bytes)
-{
+static void *take(char *base, size_t *at, size_t bytes) {
     const size_t here = *at;
     *at += (bytes + LINE - 1) / LINE * LINE;
     return base ? base + here : NULL;
 }
 
-static double *doubles(char *base, size_t *at, long count)
-{
+static double *doubles(char *base, size_t *at, long count) {
     return take(base, at, sizeof(double) * (size_t)(count > 0 ? count : 1));
 }
 
 /* What changes during a run. Returns its size. */
-static size_t lay_block(gb_sim *sim, char *base)
-{
+static size_t lay_block(gb_sim *sim, char *base) {
     const gb_model *m = sim->model;
     size_t at = 0;
     sim->head = take(base, &at, sizeof(gb_head));
-    double **const by_switch[] = { &sim->mode,      &sim->lo,        &sim->hi,        &sim->on,   &sim->due,
-                                   &sim->next_mode, &sim->next_time, &sim->flip_time, &sim->flips };
-    double **const by_state[] = { &sim->peak, &sim->scale, &sim->noise, &sim->weight };
-    double **const whole[] = { &sim->y0, &sim->y, &sim->k1 };
+    double **const by_switch[] = {&sim->mode,      &sim->lo,        &sim->hi,        &sim->on,   &sim->due,
+                                  &sim->next_mode, &sim->next_time, &sim->flip_time, &sim->flips};
+    double **const by_state[] = {&sim->peak, &sim->scale, &sim->noise, &sim->weight};
+    double **const whole[] = {&sim->y0, &sim->y, &sim->k1};
     sim->par = doubles(base, &at, m->n_par > m->n_parameters ? m->n_par : m->n_parameters);
     sim->input = doubles(base, &at, m->n_inputs);
     sim->cell = doubles(base, &at, m->n_inputs);
@@ -65,12 +60,11 @@ static size_t lay_block(gb_sim *sim, char *base)
 }
 
 /* Scratch that may be forgotten between calls. Returns its size. */
-static size_t lay_scratch(gb_sim *sim, char *base)
-{
+static size_t lay_scratch(gb_sim *sim, char *base) {
     const gb_model *m = sim->model;
     size_t at = 0;
-    double **const whole[] = { &sim->z, &sim->z2, &sim->zero };
-    double **const by_surface[] = { &sim->s0, &sim->s, &sim->root, &sim->side };
+    double **const whole[] = {&sim->z, &sim->z2, &sim->zero};
+    double **const by_surface[] = {&sim->s0, &sim->s, &sim->root, &sim->side};
     sim->k = doubles(base, &at, (long)GB_STAGES * m->n_total);
     for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
         *whole[i] = doubles(base, &at, m->n_total);
@@ -94,8 +88,7 @@ static size_t lay_scratch(gb_sim *sim, char *base)
     return at;
 }
 
-static uint64_t hash_text(const char *text)
-{
+static uint64_t hash_text(const char *text) {
     uint64_t hash = 1469598103934665603u;
     for (const char *c = text; *c; c++) {
         hash = (hash ^ (unsigned char)*c) * 1099511628211u;
@@ -103,8 +96,7 @@ static uint64_t hash_text(const char *text)
     return hash;
 }
 
-gb_sim *gb_open(const gb_model *model)
-{
+gb_sim *gb_open(const gb_model *model) {
     gb_sim *sim = calloc(1, sizeof *sim);
     if (!sim) {
         return NULL;
@@ -127,22 +119,28 @@ gb_sim *gb_open(const gb_model *model)
     return sim;
 }
 
-void gb_close(gb_sim *sim)
-{
+void gb_close(gb_sim *sim) {
     if (sim) {
         free(sim->memory);
         free(sim);
     }
 }
 
-const gb_model *gb_model_of(const gb_sim *sim) { return sim->model; }
-double *gb_parameters(gb_sim *sim) { return sim->par; }
-double *gb_inputs(gb_sim *sim) { return sim->input; }
-void gb_changed(gb_sim *sim) { sim->head->changed = 1; }
+const gb_model *gb_model_of(const gb_sim *sim) {
+    return sim->model;
+}
+double *gb_parameters(gb_sim *sim) {
+    return sim->par;
+}
+double *gb_inputs(gb_sim *sim) {
+    return sim->input;
+}
+void gb_changed(gb_sim *sim) {
+    sim->head->changed = 1;
+}
 
 /* Derived parameters, natural scales and lanes of constants. */
-static int take_values(gb_sim *sim, double t)
-{
+static int take_values(gb_sim *sim, double t) {
     const gb_model *model = sim->model;
     int code = gb_check_finite(sim, GB_ERR_NAN_START, sim->par, model->n_parameters, model->n, t);
     if (code == GB_DONE) {
@@ -157,11 +155,10 @@ static int take_values(gb_sim *sim, double t)
     return code;
 }
 
-static void clear_run(gb_sim *sim, const gb_options *options, double t0)
-{
+static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     const gb_model *m = sim->model;
     gb_head *head = sim->head;
-    const gb_head fresh = { .key = head->key, .bytes = head->bytes, .options = *options };
+    const gb_head fresh = {.key = head->key, .bytes = head->bytes, .options = *options};
     const size_t switches = sizeof(double) * (size_t)m->n_switches, states = sizeof(double) * (size_t)m->n_padded;
     *head = fresh;
     head->t_start = head->t0 = head->t1 = head->t_comm = t0;
@@ -180,8 +177,7 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0)
     sim->n_log = sim->n_flushed = 0;
 }
 
-int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0)
-{
+int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0) {
     const gb_model *model = sim->model;
     if (options->method < 0 || options->method >= METHODS) {
         return gb_fail(sim, GB_ERR_STATE, options->method, t0, 0.0);
@@ -205,8 +201,7 @@ int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0
 }
 
 /* Written parameters or inputs take effect: the run restarts from the communication point. */
-int gb_apply_changes(gb_sim *sim)
-{
+int gb_apply_changes(gb_sim *sim) {
     gb_head *head = sim->head;
     if (!head->changed || !head->started) {
         return head->report.code;
@@ -233,11 +228,14 @@ int gb_apply_changes(gb_sim *sim)
     return code;
 }
 
-size_t gb_snapshot_size(const gb_sim *sim) { return sim->block_bytes; }
-void gb_save(const gb_sim *sim, void *block) { memcpy(block, sim->head, sim->block_bytes); }
+size_t gb_snapshot_size(const gb_sim *sim) {
+    return sim->block_bytes;
+}
+void gb_save(const gb_sim *sim, void *block) {
+    memcpy(block, sim->head, sim->block_bytes);
+}
 
-int gb_restore(gb_sim *sim, const void *block)
-{
+int gb_restore(gb_sim *sim, const void *block) {
     gb_head other;
     memcpy(&other, block, sizeof other);
     if (other.key != sim->head->key || other.bytes != sim->head->bytes) {
@@ -250,14 +248,15 @@ int gb_restore(gb_sim *sim, const void *block)
     return GB_DONE;
 }
 
-void gb_get_stats(const gb_sim *sim, gb_stats *stats)
-{
+void gb_get_stats(const gb_sim *sim, gb_stats *stats) {
     const gb_head *head = sim->head;
-    const gb_stats now = { head->t1,       head->options.step > 0.0 ? head->options.step : head->h_next,
-                           head->turnover, head->steps,
-                           head->rejected, head->rhs_calls,
-                           head->events };
+    const gb_stats now = {head->t1,       head->options.step > 0.0 ? head->options.step : head->h_next,
+                          head->turnover, head->steps,
+                          head->rejected, head->rhs_calls,
+                          head->events};
     *stats = now;
 }
 
-void gb_get_report(const gb_sim *sim, gb_report *report) { *report = sim->head->report; }
+void gb_get_report(const gb_sim *sim, gb_report *report) {
+    *report = sim->head->report;
+}

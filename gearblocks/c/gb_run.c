@@ -5,11 +5,12 @@
 
 enum { STEPS_BETWEEN_LOOKS = 64 }; /* at the clock */
 
-static size_t row_length(const gb_model *m) { return (size_t)(1 + m->n_total + m->n_switches + m->n_inputs); }
+static size_t row_length(const gb_model *m) {
+    return (size_t)(1 + m->n_total + m->n_switches + m->n_inputs);
+}
 
 /* Changes that wait, and whether the run can go on at all. */
-static int begin(gb_sim *sim)
-{
+static int begin(gb_sim *sim) {
     if (!sim->head->started) {
         return sim->head->report.code != GB_DONE ? sim->head->report.code : gb_fail(sim, GB_ERR_STATE, 0, 0.0, 0.0);
     }
@@ -17,8 +18,7 @@ static int begin(gb_sim *sim)
 }
 
 /* The front moves on: what is due there, or else a step. After an error the last good front stands. */
-static int move(gb_sim *sim, double target)
-{
+static int move(gb_sim *sim, double target) {
     const int code = sim->head->pending ? gb_apply_event(sim) : gb_step(sim, gb_max(sim->head->options.t_stop, target));
     if (code != GB_DONE) {
         sim->head->t0 = sim->head->t1;
@@ -29,8 +29,7 @@ static int move(gb_sim *sim, double target)
     return code;
 }
 
-int gb_advance(gb_sim *sim, double t)
-{
+int gb_advance(gb_sim *sim, double t) {
     gb_head *head = sim->head;
     int code = begin(sim);
     while (code == GB_DONE && (head->t1 < t || (head->t1 == t && head->pending))) {
@@ -46,18 +45,18 @@ int gb_advance(gb_sim *sim, double t)
     return code;
 }
 
-double gb_time(const gb_sim *sim) { return sim->head->t_comm; }
+double gb_time(const gb_sim *sim) {
+    return sim->head->t_comm;
+}
 
-int gb_state(gb_sim *sim, double *y)
-{
+int gb_state(gb_sim *sim, double *y) {
     const int code = begin(sim);
     gb_dense_all(sim, sim->head->t_comm, y);
     return code;
 }
 
 /* State, columns and derivative at the communication point, into z, tau_one and z2. */
-static int here(gb_sim *sim)
-{
+static int here(gb_sim *sim) {
     int code = gb_state(sim, sim->z);
     if (code == GB_DONE) {
         code = gb_columns_at(sim, sim->head->t_comm);
@@ -68,8 +67,7 @@ static int here(gb_sim *sim)
     return code;
 }
 
-int gb_outputs(gb_sim *sim, double *out)
-{
+int gb_outputs(gb_sim *sim, double *out) {
     const int code = here(sim);
     if (code == GB_DONE) {
         sim->model->outputs(sim->par, sim->mode, sim->tau_one, sim->z, sim->z2, out);
@@ -77,8 +75,7 @@ int gb_outputs(gb_sim *sim, double *out)
     return code;
 }
 
-int gb_energies(gb_sim *sim, double *energy)
-{
+int gb_energies(gb_sim *sim, double *energy) {
     const int code = here(sim);
     if (code == GB_DONE) {
         sim->model->energies(sim->par, sim->mode, sim->tau_one, sim->z, energy);
@@ -86,8 +83,7 @@ int gb_energies(gb_sim *sim, double *energy)
     return code;
 }
 
-int gb_rhs(gb_sim *sim, double t, const double *y, double *dy)
-{
+int gb_rhs(gb_sim *sim, double t, const double *y, double *dy) {
     const int code = gb_columns_at(sim, t);
     if (code == GB_DONE) {
         sim->model->rhs_full(sim->par, sim->mode, sim->tau_one, y, dy);
@@ -96,8 +92,7 @@ int gb_rhs(gb_sim *sim, double t, const double *y, double *dy)
 }
 
 /* Moves waiting events into the record; 0 when it is full. */
-static int flush(gb_sim *sim, gb_record *record)
-{
+static int flush(gb_sim *sim, gb_record *record) {
     while (sim->n_flushed < sim->n_log) {
         if (record->n_events >= record->event_capacity) {
             return 0;
@@ -108,8 +103,7 @@ static int flush(gb_sim *sim, gb_record *record)
     return 1;
 }
 
-static int write_row(gb_sim *sim, gb_record *record, double t)
-{
+static int write_row(gb_sim *sim, gb_record *record, double t) {
     const gb_model *m = sim->model;
     if (record->n_rows >= record->row_capacity) {
         return GB_FULL;
@@ -134,8 +128,7 @@ static int write_row(gb_sim *sim, gb_record *record, double t)
 }
 
 /* Every row that the present segment can give; GB_PAUSE: the front must move; GB_DONE: all samples are done. */
-static int write_samples(gb_sim *sim, const double *t, long n, gb_record *record)
-{
+static int write_samples(gb_sim *sim, const double *t, long n, gb_record *record) {
     gb_head *head = sim->head;
     for (; head->sample < n; head->sample++) {
         const double at = t[head->sample];
@@ -152,8 +145,7 @@ static int write_samples(gb_sim *sim, const double *t, long n, gb_record *record
 }
 
 /* The row of the front, or of t_end where the front is beyond; answers as write_samples. */
-static int write_front(gb_sim *sim, double t_end, gb_record *record)
-{
+static int write_front(gb_sim *sim, double t_end, gb_record *record) {
     gb_head *head = sim->head;
     if (head->t1 > t_end) {
         return head->t_comm < t_end ? write_row(sim, record, t_end) : GB_DONE;
@@ -168,8 +160,7 @@ static int write_front(gb_sim *sim, double t_end, gb_record *record)
     return head->pending || head->t1 < t_end ? GB_PAUSE : GB_DONE;
 }
 
-int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record *record, double slice)
-{
+int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record *record, double slice) {
     const double target = t_out ? (n_out > 0 ? t_out[n_out - 1] : sim->head->t1) : t_end;
     const clock_t until = clock() + (clock_t)(gb_min(slice, 1e6) * CLOCKS_PER_SEC);
     int code = begin(sim), count = 0;
@@ -191,8 +182,7 @@ int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record
 }
 
 /* How many rows from this one on share its modes, at most GB_LANES. */
-static int same_modes(const gb_model *m, const double *row, long left)
-{
+static int same_modes(const gb_model *m, const double *row, long left) {
     const size_t length = row_length(m);
     const size_t bytes = sizeof(double) * (size_t)m->n_switches;
     int count = 1;
@@ -203,8 +193,8 @@ static int same_modes(const gb_model *m, const double *row, long left)
     return count;
 }
 
-int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, int n_pick, double *out, double *energy)
-{
+int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, int n_pick, double *out,
+                double *energy) {
     const gb_model *m = sim->model;
     const size_t length = row_length(m);
     long r = 0;

@@ -2,8 +2,7 @@
 #include "gb_combine.h"
 
 /* Inputs and time columns at `lanes` instants; the last instant fills the lanes that are left. */
-int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau)
-{
+int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau) {
     for (int l = lanes; l < GB_LANES; l++) {
         t[l] = t[lanes - 1];
     }
@@ -20,15 +19,13 @@ int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau)
 }
 
 /* The same at one instant, into tau_one. */
-int gb_columns_at(gb_sim *sim, double t)
-{
+int gb_columns_at(gb_sim *sim, double t) {
     sim->t_one[0] = t;
     return gb_columns(sim, 1, sim->t_one, sim->u_one, sim->tau_one);
 }
 
 /* The derivative at the front, into k1. */
-int gb_first_derivative(gb_sim *sim, const double *tau)
-{
+int gb_first_derivative(gb_sim *sim, const double *tau) {
     const gb_model *model = sim->model;
     model->rhs_full(sim->par, sim->mode, tau, sim->y, sim->k1);
     sim->head->rhs_calls++;
@@ -39,8 +36,7 @@ int gb_first_derivative(gb_sim *sim, const double *tau)
     return GB_DONE;
 }
 
-static void last_derivative(gb_sim *sim)
-{
+static void last_derivative(gb_sim *sim) {
     const int last = sim->method->stages;
     sim->model->rhs_full(sim->par, sim->mode, sim->tau + last, sim->z,
                          sim->k + (size_t)last * (size_t)sim->model->n_total);
@@ -48,8 +44,7 @@ static void last_derivative(gb_sim *sim)
 }
 
 /* Where a step of size h from the front ends: on the grid, at an announced instant, or where it likes. */
-static double end_of_step(const gb_sim *sim, double h, double limit)
-{
+static double end_of_step(const gb_sim *sim, double h, double limit) {
     const gb_head *head = sim->head;
     const double t = head->t1, step = head->options.step;
     if (step > 0.0) {
@@ -63,8 +58,7 @@ static double end_of_step(const gb_sim *sim, double h, double limit)
     return t + 2.0 * h > limit ? t + 0.5 * (limit - t) : t + h;
 }
 
-static double energy_exchange(const gb_sim *sim)
-{
+static double energy_exchange(const gb_sim *sim) {
     const gb_model *model = sim->model;
     double sum = 0.0;
     for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_tail; i++) {
@@ -74,8 +68,7 @@ static double energy_exchange(const gb_sim *sim)
 }
 
 /* Takes the step over: the front moves to its end or to the first event inside it. */
-static int accept(gb_sim *sim, double end)
-{
+static int accept(gb_sim *sim, double end) {
     const gb_model *model = sim->model;
     gb_head *head = sim->head;
     const double from = head->t1;
@@ -117,8 +110,7 @@ static int accept(gb_sim *sim, double end)
 }
 
 /* A step too short to be told from rounding: the front jumps to the announced instant. */
-static int jump(gb_sim *sim, double limit)
-{
+static int jump(gb_sim *sim, double limit) {
     sim->head->t0 = sim->head->t1;
     sim->head->h = 0.0;
     sim->head->t1 = limit;
@@ -129,9 +121,9 @@ static int jump(gb_sim *sim, double limit)
     return GB_DONE;
 }
 
-/* The error of the step just computed, as log2 in units of the tolerance; NaN when a rate or the new state is not finite. */
-static double judge(gb_sim *sim, double h)
-{
+/* The error of the step just computed, as log2 in units of the tolerance; NaN when a rate or the new state is not
+ * finite. */
+static double judge(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
     const gb_method *method = sim->method;
     const gb_head *head = sim->head;
@@ -159,8 +151,7 @@ static double judge(gb_sim *sim, double h)
 }
 
 /* The place of what is not finite in the step just tried. */
-static int name_taint(gb_sim *sim)
-{
+static int name_taint(gb_sim *sim) {
     const int total = sim->model->n_total;
     for (int j = 0; j <= sim->method->stages; j++) {
         const int full = sim->method->full[j] ? total : sim->model->n_padded;
@@ -172,8 +163,7 @@ static int name_taint(gb_sim *sim)
 }
 
 /* Time columns, the derivative at the front and all stages of a step that ends at `end`. */
-static int try_step(gb_sim *sim, double end)
-{
+static int try_step(gb_sim *sim, double end) {
     const gb_method *method = sim->method;
     const double from = sim->head->t1, h = end - from;
     for (int j = 0; j < method->all_stages; j++) {
@@ -192,8 +182,7 @@ static int try_step(gb_sim *sim, double end)
 }
 
 /* Before the first step: its size, once the derivative is known. */
-static int prepare_first(gb_sim *sim)
-{
+static int prepare_first(gb_sim *sim) {
     int code = gb_columns_at(sim, sim->head->t1);
     if (code == GB_DONE && !sim->head->have_k1) {
         code = gb_first_derivative(sim, sim->tau_one);
@@ -206,8 +195,7 @@ static int prepare_first(gb_sim *sim)
 }
 
 /* The next step size after a step of `size` that the step control wanted to be `wanted`. */
-static void propose(gb_sim *sim, double error, double size, double wanted, int rejected)
-{
+static void propose(gb_sim *sim, double error, double size, double wanted, int rejected) {
     gb_head *head = sim->head;
     const double factor = head->options.step > 0.0 ? 1.0 : gb_step_factor(sim, error, 1);
     head->h_next = size * (rejected ? gb_min(factor, 1.0) : factor);
@@ -217,8 +205,7 @@ static void propose(gb_sim *sim, double error, double size, double wanted, int r
     }
 }
 
-int gb_step(gb_sim *sim, double stop)
-{
+int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
     const double limit = gb_min(head->t_break, stop);

@@ -3,11 +3,10 @@
 
 enum { POINTS = GB_EIGHTHS + 2 }; /* the start, one close to it, and the eighths */
 
-static const double places[POINTS] = { 0.0, 0.03125, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0 };
+static const double places[POINTS] = {0.0, 0.03125, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
 
 /* All surfaces at theta, into s. */
-static int surfaces_at(gb_sim *sim, double theta, double *s)
-{
+static int surfaces_at(gb_sim *sim, double theta, double *s) {
     const gb_head *head = sim->head;
     const int code = gb_columns_at(sim, head->t0 + theta * head->h);
     if (code == GB_DONE) {
@@ -18,8 +17,7 @@ static int surfaces_at(gb_sim *sim, double theta, double *s)
 }
 
 /* Distance of surface i to its limit `side`; from its start value where it sits on the limit. */
-static double distance(const gb_sim *sim, int i, double side, double s)
-{
+static double distance(const gb_sim *sim, int i, double side, double s) {
     const double limit = side < 0.0 ? sim->lo[i] : sim->hi[i];
     const double rounding = 64.0 * DBL_EPSILON * (fabs(sim->s0[i]) + fabs(limit));
     const double start = side * (limit - sim->s0[i]);
@@ -29,8 +27,7 @@ static double distance(const gb_sim *sim, int i, double side, double s)
 
 /* The root in [a, b] with distance(a) >= 0 > distance(b): false position with the Illinois rule, then halving. */
 static int true_root(gb_sim *sim, int i, double side, double a, double b, double fa, double fb, double tolerance,
-                     double *root)
-{
+                     double *root) {
     int code = GB_DONE;
     for (int count = 0; count < 100 && b - a > tolerance && code == GB_DONE; count++) {
         double x = a + (b - a) * (fa / (fa - fb));
@@ -54,8 +51,7 @@ static int true_root(gb_sim *sim, int i, double side, double a, double b, double
 }
 
 /* Looks for a negative distance between a and b around the low sample m; *x is where it was found, *f its value. */
-static int true_dip(gb_sim *sim, int i, double side, double a, double m, double b, double fm, double *x, double *f)
-{
+static int true_dip(gb_sim *sim, int i, double side, double a, double m, double b, double fm, double *x, double *f) {
     const double golden = 0.3819660112501051;
     int code = GB_DONE;
     *x = m;
@@ -82,15 +78,13 @@ static int true_dip(gb_sim *sim, int i, double side, double a, double m, double 
 }
 
 /* A low sample between two higher ones: could the true minimum be below zero? */
-static int may_dip(double before, double here, double after)
-{
+static int may_dip(double before, double here, double after) {
     const double drop = gb_max(before, after) - here;
     return here <= before && here <= after && here < 0.5 * drop;
 }
 
 /* When surface i leaves through its limit `side`. */
-static int first_through(gb_sim *sim, int i, double side, double tolerance, double *first)
-{
+static int first_through(gb_sim *sim, int i, double side, double tolerance, double *first) {
     const int n = sim->model->n_surfaces;
     double f[POINTS];
     *first = 2.0;
@@ -124,8 +118,7 @@ static int first_through(gb_sim *sim, int i, double side, double tolerance, doub
 }
 
 /* The surfaces [n_affine, n_surfaces); fills root and side. */
-int gb_watch_general(gb_sim *sim)
-{
+int gb_watch_general(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = model->n_surfaces;
     const double tolerance = gb_rounding(sim->head->t0, sim->head->h) / sim->head->h;

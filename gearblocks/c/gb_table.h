@@ -16,8 +16,7 @@ typedef struct gb_table {
 } gb_table;
 
 /* The segment that holds s (a joint belongs to the upper one). */
-static inline double gb_table_segment(const gb_table *table, double s)
-{
+static inline double gb_table_segment(const gb_table *table, double s) {
     const int n = table->n;
     const double *x = table->x;
     double turns = 0.0;
@@ -40,8 +39,7 @@ static inline double gb_table_segment(const gb_table *table, double s)
 }
 
 /* Number of the segment inside one period, and the shift of its period. */
-static inline int gb_table_local(const gb_table *table, double mode, double *shift)
-{
+static inline int gb_table_local(const gb_table *table, double mode, double *shift) {
     *shift = 0.0;
     if (!table->periodic)
         return (int)mode;
@@ -50,23 +48,20 @@ static inline int gb_table_local(const gb_table *table, double mode, double *shi
     return (int)(mode - turns * (double)(table->n - 1));
 }
 
-static inline double gb_table_lo(const gb_table *table, double mode)
-{
+static inline double gb_table_lo(const gb_table *table, double mode) {
     double shift;
     const int i = gb_table_local(table, mode, &shift);
     return i < 0 ? -HUGE_VAL : table->x[i] + shift;
 }
 
-static inline double gb_table_hi(const gb_table *table, double mode)
-{
+static inline double gb_table_hi(const gb_table *table, double mode) {
     double shift;
     const int i = gb_table_local(table, mode, &shift);
     return i >= table->n - 1 ? HUGE_VAL : table->x[i + 1] + shift;
 }
 
 /* Value (order 0) or derivative of the given order on the segment `mode`. */
-static inline double gb_table_value(const gb_table *table, double mode, double s, int order)
-{
+static inline double gb_table_value(const gb_table *table, double mode, double s, int order) {
     double shift;
     int i = gb_table_local(table, mode, &shift);
     const int n = table->n;
@@ -86,8 +81,7 @@ static inline double gb_table_value(const gb_table *table, double mode, double s
 
 /* Next instant > t at which rate * t + offset leaves segment `mode`; *after: the segment beyond. */
 static inline double gb_table_next(const gb_table *table, double rate, double offset, double mode, double t,
-                                   double *after)
-{
+                                   double *after) {
     const double edge = rate > 0.0 ? gb_table_hi(table, mode) : gb_table_lo(table, mode);
     const double next = (edge - offset) / rate;
     *after = rate > 0.0 ? mode + 1.0 : mode - 1.0;
@@ -95,8 +89,7 @@ static inline double gb_table_next(const gb_table *table, double rate, double of
 }
 
 /* Next instant > t at which rate * t + offset changes to the other sign than `mode` names. */
-static inline double gb_line_next(double rate, double offset, double mode, double t, double *after)
-{
+static inline double gb_line_next(double rate, double offset, double mode, double t, double *after) {
     const double next = -offset / rate;
     *after = 1.0 - mode;
     return (mode > 0.5 ? rate < 0.0 : rate > 0.0) && next > t ? next : HUGE_VAL;
@@ -104,8 +97,7 @@ static inline double gb_line_next(double rate, double offset, double mode, doubl
 
 /* Next instant > t at which size cos(rate t + phase) + offset changes to the other sign than `mode` names. */
 static inline double gb_wave_next(double size, double rate, double phase, double offset, double mode, double t,
-                                  double *after)
-{
+                                  double *after) {
     const double turn = 6.283185307179586476925;
     *after = 1.0 - mode;
     if (rate == 0.0 || fabs(offset) >= fabs(size))

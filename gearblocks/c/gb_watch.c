@@ -19,11 +19,10 @@ typedef struct gauge_samples {
     double value[GB_EIGHTHS + 1], slope[GB_EIGHTHS + 1];
 } gauge_samples;
 
-static const double eighths[GB_EIGHTHS] = { 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0 };
+static const double eighths[GB_EIGHTHS] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
 
 /* P and dP/dth at the eighths. */
-static void sample_polynomial(const gauge *g, double *restrict p, double *restrict d)
-{
+static void sample_polynomial(const gauge *g, double *restrict p, double *restrict d) {
     for (int l = 0; l < GB_EIGHTHS; l++) {
         p[l] = g->row[(size_t)(g->rows - 1) * (size_t)g->stride];
         d[l] = 0.0;
@@ -39,8 +38,7 @@ static void sample_polynomial(const gauge *g, double *restrict p, double *restri
     }
 }
 
-static double gauge_at(const gauge *g, double theta, double *slope)
-{
+static double gauge_at(const gauge *g, double theta, double *slope) {
     double p = g->row[(size_t)(g->rows - 1) * (size_t)g->stride], d = 0.0;
     for (int m = g->rows - 2; m >= 0; m--) {
         const double direction = m % 2 == 0 ? -1.0 : 1.0;
@@ -52,8 +50,7 @@ static double gauge_at(const gauge *g, double theta, double *slope)
     return g->sitting ? g->sign * p : g->start + g->sign * theta * p;
 }
 
-static void gauge_fill(const gauge *g, const double *restrict p, const double *restrict d, gauge_samples *out)
-{
+static void gauge_fill(const gauge *g, const double *restrict p, const double *restrict d, gauge_samples *out) {
     const double r0 = g->row[0], r1 = g->row[g->stride], r2 = g->row[2 * (size_t)g->stride];
     const double r3 = g->rows > 3 ? g->row[3 * (size_t)g->stride] : 0.0;
     out->value[0] = g->sitting ? g->sign * (r0 + r1) : g->start;
@@ -65,8 +62,7 @@ static void gauge_fill(const gauge *g, const double *restrict p, const double *r
 }
 
 /* The root in [a, b] with gauge(a) >= 0 > gauge(b): Newton, kept inside by bisection. */
-static double gauge_root(const gauge *g, double a, double b, double fa, double fb, double tolerance)
-{
+static double gauge_root(const gauge *g, double a, double b, double fa, double fb, double tolerance) {
     double x = a + (b - a) * (fa / (fa - fb));
     for (int i = 0; i < 80; i++) {
         double slope;
@@ -89,8 +85,7 @@ static double gauge_root(const gauge *g, double a, double b, double fa, double f
 }
 
 /* The lowest point in [a, b], where the slope turns from negative to positive; stops early below zero. */
-static double gauge_dip(const gauge *g, double a, double b, double da, double db, double tolerance, double *value)
-{
+static double gauge_dip(const gauge *g, double a, double b, double da, double db, double tolerance, double *value) {
     double x = a + (b - a) * (da / (da - db));
     for (int i = 0; i < 60; i++) {
         double slope;
@@ -111,8 +106,7 @@ static double gauge_dip(const gauge *g, double a, double b, double da, double db
 }
 
 /* Could the gauge be negative between two samples that are not? The tangents' meeting point, with a margin. */
-static int may_dip(double width, double fa, double fb, double da, double db)
-{
+static int may_dip(double width, double fa, double fb, double da, double db) {
     if (!(da < 0.0 && db > 0.0)) {
         return 0;
     }
@@ -121,8 +115,7 @@ static int may_dip(double width, double fa, double fb, double da, double db)
 }
 
 /* The first theta at which the gauge turns negative, or 2. */
-static double gauge_first(const gauge *g, const gauge_samples *at, double tolerance)
-{
+static double gauge_first(const gauge *g, const gauge_samples *at, double tolerance) {
     const double width = 1.0 / GB_EIGHTHS;
     if (at->value[0] < 0.0) {
         return 0.0;
@@ -144,8 +137,7 @@ static double gauge_first(const gauge *g, const gauge_samples *at, double tolera
 }
 
 /* A gauge that starts negative on its limit counts only when it moves away by more than rounding. */
-static int moves_away(const gauge_samples *at, double rounding)
-{
+static int moves_away(const gauge_samples *at, double rounding) {
     for (int l = 0; l < GB_EIGHTHS; l++) {
         if (eighths[l] * at->value[l + 1] < -rounding) {
             return 1;
@@ -155,10 +147,9 @@ static int moves_away(const gauge_samples *at, double rounding)
 }
 
 /* When switch i leaves through its limit `side` (-1 lower, 1 upper). */
-static double first_through(gb_sim *sim, int i, double side, const double *p, const double *d, double tolerance)
-{
+static double first_through(gb_sim *sim, int i, double side, const double *p, const double *d, double tolerance) {
     const double limit = side < 0.0 ? sim->lo[i] : sim->hi[i], s = sim->s0[i];
-    gauge g = { sim->slopes + i, sim->model->n_affine, sim->method->rows, 0, 0.0, -side };
+    gauge g = {sim->slopes + i, sim->model->n_affine, sim->method->rows, 0, 0.0, -side};
     gauge_samples at;
     if (fabs(limit) >= HUGE_VAL) {
         return 2.0;
@@ -173,9 +164,8 @@ static double first_through(gb_sim *sim, int i, double side, const double *p, co
     return gauge_first(&g, &at, tolerance);
 }
 
-static void watch_affine(gb_sim *sim, int i, double tolerance)
-{
-    const gauge g = { sim->slopes + i, sim->model->n_affine, sim->method->rows, 0, 0.0, 1.0 };
+static void watch_affine(gb_sim *sim, int i, double tolerance) {
+    const gauge g = {sim->slopes + i, sim->model->n_affine, sim->method->rows, 0, 0.0, 1.0};
     double p[GB_EIGHTHS], d[GB_EIGHTHS];
     sample_polynomial(&g, p, d);
     const double low = first_through(sim, i, -1.0, p, d, tolerance);
@@ -185,8 +175,7 @@ static void watch_affine(gb_sim *sim, int i, double tolerance)
 }
 
 /* No limit is near, judged by the cubic rows: the others may add a quarter of what bends the cubic. */
-static int is_far(const gb_sim *sim, int i)
-{
+static int is_far(const gb_sim *sim, int i) {
     const int n = sim->model->n_affine;
     const double s0 = sim->s0[i], r0 = sim->slopes[i], r1 = sim->slopes[n + i], r2 = sim->slopes[2 * n + i];
     const double margin = 0.25 * (fabs(r1) + fabs(r2)), lo = sim->lo[i] + margin, hi = sim->hi[i] - margin;
@@ -198,8 +187,7 @@ static int is_far(const gb_sim *sim, int i)
     return outside == 0.0;
 }
 
-static void slopes_along(gb_sim *sim, int from, int to)
-{
+static void slopes_along(gb_sim *sim, int from, int to) {
     for (int m = from; m < to; m++) {
         sim->model->directions(sim->par, sim->rows + (size_t)m * (size_t)sim->model->n_total,
                                sim->slopes + (size_t)m * (size_t)sim->model->n_affine);
@@ -207,8 +195,7 @@ static void slopes_along(gb_sim *sim, int from, int to)
 }
 
 /* The affine surfaces; fills root and side. */
-static int watch_all_affine(gb_sim *sim, double tolerance)
-{
+static int watch_all_affine(gb_sim *sim, double tolerance) {
     const int n = sim->model->n_affine;
     int complete = 0;
     gb_dense_hermite(sim);
@@ -231,8 +218,7 @@ static int watch_all_affine(gb_sim *sim, double tolerance)
 }
 
 /* The first event inside the step just computed, as theta (2: none); all switches that flip there are marked. */
-int gb_watch(gb_sim *sim, double *theta)
-{
+int gb_watch(gb_sim *sim, double *theta) {
     const gb_model *model = sim->model;
     const double tolerance = gb_rounding(sim->head->t0, sim->head->h) / sim->head->h;
     double first = 2.0;

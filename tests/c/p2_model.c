@@ -9,10 +9,11 @@
 
 enum { Z = 0, EPS, FM, FAH, W, GAP, N_PAR };
 
-static void prepare(double *par) { (void)par; }
+static void prepare(double *par) {
+    (void)par;
+}
 
-static void start(const double *par, double *y)
-{
+static void start(const double *par, double *y) {
     (void)par;
     for (int i = 0; i < 16; i++) {
         y[i] = 0.0;
@@ -20,11 +21,12 @@ static void start(const double *par, double *y)
     y[0] = 1.1;
 }
 
-static void scales(const double *par, double *scale) { scale[0] = par[GAP]; }
+static void scales(const double *par, double *scale) {
+    scale[0] = par[GAP];
+}
 
 static void times(const double *restrict par, const double *restrict mode, int lanes, const double *restrict t,
-                  const double *restrict u, double *restrict tau)
-{
+                  const double *restrict u, double *restrict tau) {
     (void)mode, (void)lanes, (void)u;
     for (int l = 0; l < GB_LANES; l++) {
         const double c = gb_cos(par[W] * t[l]);
@@ -34,10 +36,11 @@ static void times(const double *restrict par, const double *restrict mode, int l
     }
 }
 
-static inline double closing(double x, double gap, double mode) { return mode * mode * x - mode * gap; }
+static inline double closing(double x, double gap, double mode) {
+    return mode * mode * x - mode * gap;
+}
 
-static void rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy)
-{
+static void rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
     dy[0] = y[1];
     dy[1] = tau[GB_LANES] - 2.0 * par[Z] * y[1] - tau[0] * closing(y[0], par[GAP], mode[0]);
     for (int i = 2; i < 8; i++) {
@@ -45,8 +48,7 @@ static void rhs(const double *par, const double *mode, const double *tau, const 
     }
 }
 
-static void rhs_full(const double *par, const double *mode, const double *tau, const double *y, double *dy)
-{
+static void rhs_full(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
     const double g = closing(y[0], par[GAP], mode[0]);
     rhs(par, mode, tau, y, dy);
     dy[8] = 2.0 * par[Z] * y[1] * y[1];
@@ -57,51 +59,65 @@ static void rhs_full(const double *par, const double *mode, const double *tau, c
     }
 }
 
-static void surfaces(const double *par, const double *mode, const double *tau, const double *y, double *s)
-{
+static void surfaces(const double *par, const double *mode, const double *tau, const double *y, double *s) {
     (void)par, (void)mode, (void)tau;
     s[0] = y[0];
 }
 
-static void directions(const double *par, const double *dir, double *s)
-{
+static void directions(const double *par, const double *dir, double *s) {
     (void)par;
     s[0] = dir[0];
 }
 
-static void bounds(const double *par, const double *mode, double *lo, double *hi)
-{
+static void bounds(const double *par, const double *mode, double *lo, double *hi) {
     lo[0] = mode[0] > 0.0 ? par[GAP] : mode[0] < 0.0 ? -HUGE_VAL : -par[GAP];
     hi[0] = mode[0] > 0.0 ? HUGE_VAL : mode[0] < 0.0 ? -par[GAP] : par[GAP];
 }
 
-static double mode_at(const double *par, int i, double s)
-{
+static double mode_at(const double *par, int i, double s) {
     (void)i;
     return s >= par[GAP] ? 1.0 : s >= -par[GAP] ? 0.0 : -1.0;
 }
 
 static void outputs(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
-                    double *out)
-{
+                    double *out) {
     (void)par, (void)mode, (void)tau;
     out[0] = y[0];
     out[1] = dy[1];
 }
 
-static void energies(const double *par, const double *mode, const double *tau, const double *y, double *energy)
-{
+static void energies(const double *par, const double *mode, const double *tau, const double *y, double *energy) {
     const double g = closing(y[0], par[GAP], mode[0]);
     energy[0] = 0.5 * y[1] * y[1];
     energy[1] = 0.5 * tau[0] * g * g;
 }
 
 const gb_model p2_model = {
-    .name = "p2", .key = "p2 gear pair",
-    .n = 2, .n_padded = 8, .n_tail = 3, .n_total = 16, .n_parameters = N_PAR, .n_par = N_PAR, .n_time = 3,
-    .n_affine = 1, .n_surfaces = 1, .n_switches = 1, .n_outputs = 2, .n_energies = 2,
-    .prepare = prepare, .start = start, .scales = scales, .times = times, .rhs = rhs, .rhs_full = rhs_full,
-    .surfaces = surfaces, .directions = directions, .bounds = bounds, .mode_at = mode_at, .outputs = outputs,
+    .name = "p2",
+    .key = "p2 gear pair",
+    .n = 2,
+    .n_padded = 8,
+    .n_tail = 3,
+    .n_total = 16,
+    .n_parameters = N_PAR,
+    .n_par = N_PAR,
+    .n_time = 3,
+    .n_affine = 1,
+    .n_surfaces = 1,
+    .n_switches = 1,
+    .n_outputs = 2,
+    .n_energies = 2,
+    .prepare = prepare,
+    .start = start,
+    .scales = scales,
+    .times = times,
+    .rhs = rhs,
+    .rhs_full = rhs_full,
+    .surfaces = surfaces,
+    .directions = directions,
+    .bounds = bounds,
+    .mode_at = mode_at,
+    .outputs = outputs,
     .energies = energies,
 };
-const double p2_values[N_PAR] = { 0.05, 0.2, 0.1, 0.05, 0.9, 1.0 };
+const double p2_values[N_PAR] = {0.05, 0.2, 0.1, 0.05, 0.9, 1.0};

@@ -145,7 +145,7 @@ def test_equations_are_printed(script: Path, form: str, part: str, capsys: pytes
         (["run", "{script}:biuld"], "has no function 'biuld'"),
         (["run", "{script}:needs"], "needs k"),
         (["run", "{script}:helper"], "needs x"),
-        (["run", "{script}:broken"], "swing.py, line 34: NameError"),
+        (["run", "{script}:broken"], "swing.py, line 32: NameError"),
         (["run", "{script}", "--set", "shaft.k"], "--set shaft.k: what is asked for is path=number"),
         (["run", "{script}", "--set", "shaft.k=stiff"], "path=number"),
         (["run", "{script}", "--set", "shaft.kk=3"], "shaft.kk"),

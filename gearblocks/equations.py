@@ -1,0 +1,335 @@
+"""The equations of a whole train for people: every equation written out in sympy, as text, LaTeX or MathML.
+
+Angle form: J w' = sum of torques for every shaft. Relative form: the same in deflections, where only they matter.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.assemble import HELD, Assembly, assemble
+from gearblocks.errors import ModelError
+from gearblocks.expression import to_sympy
+from gearblocks.graph import GROUND, Component, Train, structure_of
+from gearblocks.laws import Law, derive
+from gearblocks.printer import latex_text, mathml_text, plain_text
+from gearblocks.symbols import ContactSide, DeadZone, clock
+
+_LETTERS = {
+    "half_gap": "b", "damping_ratio": r"\zeta", "radius": "r", "driven_by": r"\omega", "phase": r"\vartheta",
+    "teeth": "z", "module": "m", "pressure_angle": r"\alpha", "helix_angle": r"\beta", "r_base": "r", "tau": r"\tau",
+    "coeffs": "c", "ripple": r"\epsilon", "contact_ratio": r"\epsilon_\alpha", "ratio": "i", "cos": "a", "sin": "b",
+    "k_t": "k",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations of motion of a train: mass_matrix * v' = forcing, q' = v, and rates of the states of blocks.
+
+    q, v: angles [rad] and speeds [rad/s], one per shaft that turns by itself; states: states of blocks with their
+    rates; definitions: symbols that stand for longer expressions (a mesh force N); parameters: all other symbols with
+    their paths. forcing names the defined symbols; `expanded` has them put in.
+    """
+
+    name: str
+    q: tuple[Any, ...]
+    v: tuple[Any, ...]
+    mass_matrix: Any
+    forcing: Any
+    states: Mapping[Any, Any]
+    definitions: Mapping[Any, Any]
+    parameters: Mapping[Any, str]
+    coordinates: Mapping[Any, Any]
+    symbol_names: Mapping[Any, str]
+
+    @property
+    def expanded(self) -> Any:
+        """The forcing without defined symbols."""
+        return self.forcing.applyfunc(self._insert)
+
+    def _insert(self, expr: Any) -> Any:
+        definitions = dict(self.definitions)
+        while expr.free_symbols & set(definitions):
+            expr = expr.xreplace(definitions)
+        return expr
+
+    def jacobian(self) -> Any:
+        """d forcing / d (q, v), dead zones differentiated side by side."""
+        return self.expanded.jacobian([*self.q, *self.v])
+
+    def angle_form(self) -> list[Any]:
+        """One equation per shaft: inertia times acceleration = torques."""
+        accelerations = [sp.Symbol(f"{v.name}'", real=True) for v in self.v]
+        left = self.mass_matrix * sp.Matrix(accelerations)
+        return [sp.Eq(a, b, evaluate=False) for a, b in zip(left, self.forcing, strict=True)]
+
+    def relative_form(self) -> list[Any]:
+        """One equation per relative coordinate: x'' = ..., in relative coordinates alone.
+
+        The coordinates are those named with Drivetrain.coordinate, else the deflections. Empty where there are none.
+        """
+        if not self.coordinates:
+            return []
+        replace = self._to_relative()
+        inverse = self.mass_matrix.inv() if self.mass_matrix.is_diagonal() else None
+        if inverse is None:
+            return []
+        acceleration = list(inverse * self.forcing)
+        result = []
+        for x, expr in self.coordinates.items():
+            total = sum((sp.diff(expr, q) * a for q, a in zip(self.q, acceleration, strict=True)), sp.Integer(0))
+            total = sp.expand(sp.sympify(total).xreplace(replace))
+            terms = [*(s for x in self.coordinates for s in (x, _dot(x))), *self.definitions]
+            result.append(sp.Eq(_dot(_dot(x)), sp.collect(total, terms), evaluate=False))
+        return result
+
+    def relative_definitions(self) -> list[Any]:
+        """Definitions of the named symbols in relative coordinates."""
+        replace = self._to_relative() if self.coordinates else {}
+        return [sp.Eq(s, _collapse(e.xreplace(replace)), evaluate=False) for s, e in self.definitions.items()]
+
+    def _to_relative(self) -> dict[Any, Any]:
+        """Angles and speeds in relative coordinates, up to what nothing depends on."""
+        angles: dict[Any, Any] = {}
+        for x, expr in self.coordinates.items():
+            left = sp.expand(sp.sympify(expr).xreplace(angles))
+            pivot = next(q for q in reversed(self.q) if left.has(q) and q not in angles)
+            slope = sp.diff(left, pivot)
+            solved = sp.expand((x - (left - slope * pivot)) / slope)
+            angles = {**{k: sp.expand(e.xreplace({pivot: solved})) for k, e in angles.items()}, pivot: solved}
+        speed = dict(zip(self.q, self.v, strict=True)) | {x: _dot(x) for x in self.coordinates}
+        return {**angles, **{speed[q]: e.xreplace(speed) for q, e in angles.items()}}
+
+    def notes(self) -> list[Any]:
+        """The piecewise functions that occur, spelled out."""
+        exprs = [*self.forcing, *self.definitions.values()]
+        x, b = sp.symbols("x b", real=True)
+        found = []
+        if any(e.has(DeadZone) for e in exprs):
+            found.append(sp.Eq(DeadZone(x, b, 0), DeadZone(x, b, 0).spelled_out(), evaluate=False))
+        if any(isinstance(f, DeadZone) and f.args[2] == -1 for e in exprs for f in e.atoms(DeadZone)):
+            found.append(sp.Eq(DeadZone(x, b, -1), DeadZone(x, b, -1).spelled_out(), evaluate=False))
+        if any(e.has(ContactSide) for e in exprs):
+            found.append(sp.Eq(ContactSide(x, b), sp.Piecewise((1, x > b), (-1, x < -b), (0, True)), evaluate=False))
+        return found
+
+    def sections(self) -> list[tuple[str, list[Any]]]:
+        """(heading, equations) in the order for reading."""
+        rates = [sp.Eq(sp.Symbol(f"{s.name}'", real=True), e, evaluate=False) for s, e in self.states.items()]
+        relative = self.relative_form()
+        meaning = [sp.Eq(x, e, evaluate=False) for x, e in self.coordinates.items()] if relative else []
+        parts = [
+            ("Angle form", self.angle_form()),
+            ("States of blocks", rates),
+            ("where", [sp.Eq(s, e, evaluate=False) for s, e in self.definitions.items()]),
+            ("Relative coordinates", meaning),
+            ("Relative form", relative),
+            ("where, in relative coordinates", self.relative_definitions() if relative else []),
+            ("Functions", self.notes()),
+        ]
+        return [(heading, equations) for heading, equations in parts if equations]
+
+    def latex(self) -> str:
+        """All sections as LaTeX display equations."""
+        blocks = []
+        for heading, equations in self.sections():
+            lines = " \\\\\n".join(
+                f"{self.latex_of(e.lhs)} &= {self.latex_of(e.rhs)}" for e in equations
+            )  # fmt: skip
+            blocks.append(f"% {heading}\n\\begin{{align*}}\n{lines}\n\\end{{align*}}")
+        return "\n\n".join(blocks)
+
+    def latex_of(self, expr: Any) -> str:
+        """LaTeX of one expression with the names of this train."""
+        return latex_text(expr, self._names(expr))
+
+    def mathml_of(self, expr: Any) -> str:
+        """Presentation MathML of one expression or equation."""
+        return mathml_text(expr)
+
+    def _names(self, expr: Any) -> dict[Any, str]:
+        names = dict(self.symbol_names)
+        for x in sp.sympify(expr).free_symbols - set(names):
+            names[x] = _latex_name(x.name)
+        return names
+
+    def _repr_latex_(self) -> str:
+        lines = [rf"{self.latex_of(e.lhs)} &= {self.latex_of(e.rhs)}" for _, part in self.sections() for e in part]
+        return "$$\\begin{aligned}" + r" \\ ".join(lines) + "\\end{aligned}$$"
+
+    def __str__(self) -> str:
+        blocks = [f"Equations of motion of '{self.name}'"]
+        for heading, equations in self.sections():
+            blocks.append("\n".join([heading, *("    " + plain_text(e) for e in equations)]))
+        return "\n\n".join(blocks)
+
+
+def _dot(symbol: Any) -> Any:
+    return sp.Symbol(symbol.name + "'", real=True)
+
+
+def _collapse(expr: Any) -> Any:
+    """Expands inside products where that lets angles cancel."""
+    return expr.replace(lambda e: e.is_Add, sp.expand)
+
+
+def _latex_name(name: str) -> str:
+    """phi_disc' as a dotted letter with an index."""
+    base = name.rstrip("'")
+    dots = len(name) - len(base)
+    letter, _, index = base.partition("_")
+    for field in sorted(_LETTERS, key=len, reverse=True):
+        match = re.fullmatch(rf"{field}(\d*)(?:_(.*))?", base)
+        if match:
+            letter, index = _LETTERS[field], " ".join(x for x in match.groups() if x)
+            break
+    if base.startswith("k_t_"):
+        return rf"k_{{\mathrm{{{index}}}}}\!\left(t\right)".replace("_", r"\_").replace(r"k\_", "k_")
+    letter = {"phi": r"\varphi", "w": r"\varphi"}.get(letter, letter)
+    dots += 1 if base.startswith("w_") else 0
+    if not index and len(letter) > 1 and letter[0] != "\\":
+        letter, index = letter[0], letter[1:]
+    if dots:
+        letter = {1: rf"\dot{{{letter}}}", 2: rf"\ddot{{{letter}}}", 3: rf"\dddot{{{letter}}}"}[dots]
+    escaped = index.replace("_", r"\_")
+    return rf"{letter}_{{\mathrm{{{escaped}}}}}" if index else letter
+
+
+# -- writing ----------------------------------------------------------------------------------------------------------
+
+
+def write_equations(train: Train) -> Equations:
+    """The equations of a train; laws are derived once per kind and written out for every component."""
+    assembly = assemble(train)
+    writer = _Writer(assembly)
+    for c in train.components:
+        writer.write(c)
+    return writer.finish()
+
+
+class _Writer:
+    """Adds up the torques of all components in the symbols of the whole train."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self.assembly = assembly
+        self.laws: dict[Any, Law] = {}
+        owners = [start.phi0 for start in assembly.starts]
+        self.q = [sp.Symbol(f"phi_{_flat(name)}", real=True) for name in owners]
+        self.v = [sp.Symbol(f"w_{_flat(name)}", real=True) for name in owners]
+        n = assembly.n_groups
+        self.mass: list[Any] = [sp.Integer(0)] * n
+        self.torque: list[Any] = [sp.Integer(0)] * n
+        self.states: dict[Any, Any] = {}
+        self.definitions: dict[Any, Any] = {}
+        self.parameters: dict[Any, str] = {}
+        self.shows: dict[str, Any] = {}
+        self.deflections: dict[Any, Any] = {}
+
+    def write(self, c: Component) -> None:
+        """Adds one component."""
+        grounded = frozenset(n for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node == GROUND)
+        key = (structure_of(c.block), grounded)
+        if key not in self.laws:
+            self.laws[key] = derive(c.block, grounded, reading=True)
+        law = self.laws[key]
+        names = list(type(c.block).flanges)
+        places = {n: self.assembly.group_of_node[c.nodes[names.index(n)]] for n in names if n not in grounded}
+        replace = {x: self._symbol(c, slot, str(x.name), places) for x, slot in law.pool.slots.items()}
+        replace = {x: y for x, y in replace.items() if y is not None}
+        for flange, tau in law.torques.items():
+            group, gain = places[flange]
+            if group != HELD:
+                self.torque[group] += sp.Rational(gain.numerator, gain.denominator) * tau.xreplace(replace)
+        for flange, inertia in law.bodies:
+            group, gain = places[flange]
+            if group != HELD:
+                self.mass[group] += sp.Rational(gain.numerator, gain.denominator) ** 2 * inertia.xreplace(replace)
+        for state, rate in law.rates.items():
+            self.states[sp.Symbol(f"{_flat(state)}_{_flat(c.path)}", real=True)] = rate.xreplace(replace)
+        for symbol, expr in law.pool.definitions.items():
+            self.definitions[replace[symbol]] = expr.xreplace(replace)
+        for show in law.shows:
+            expr = show.expr.xreplace(replace)
+            self.shows[f"{c.path}.{show.name}"] = expr
+            if show.name in ("twist", "deflection") and law.torques:
+                self.deflections[sp.Symbol(f"x_{_flat(c.path)}", real=True)] = expr
+
+    def _symbol(self, c: Component, slot: Any, text: str, places: Mapping[str, Any]) -> Any:
+        """The symbol of the whole train for one of a kind."""
+        role, of = slot.role, slot.of
+        if role in ("phi", "w"):
+            group, gain = places[of]
+            if group == HELD:
+                return sp.Integer(0)
+            return sp.Rational(gain.numerator, gain.denominator) * (self.q if role == "phi" else self.v)[group]
+        if role == "mobility":
+            return self._mobility(places.get(of))
+        if role in ("own", "exact", "named", "state"):
+            symbol = sp.Symbol(f"{_flat(of.split('.')[-1])}_{_flat(c.path)}", real=True)
+            if role in ("own", "exact"):
+                self.parameters[symbol] = f"{c.path}.{of}"
+            return symbol
+        if role in ("shared", "input"):
+            self.parameters[sp.Symbol(text, real=True)] = of.name
+            return sp.Symbol(text, real=True)
+        return None
+
+    def _mobility(self, place: Any) -> Any:
+        """1/J of a shaft as a symbol, defined when everything is added up."""
+        if place is None or place[0] == HELD:
+            return sp.Integer(0)
+        return sp.Rational(place[1].numerator, place[1].denominator) ** 2 / sp.Symbol(f"__J{place[0]}")
+
+    def finish(self) -> Equations:
+        """The frozen equations."""
+        masses = {sp.Symbol(f"__J{i}"): m for i, m in enumerate(self.mass)}
+        torque = [e.xreplace(masses) for e in self.torque]
+        definitions = {s: e.xreplace(masses) for s, e in self.definitions.items()}
+        used: set[Any] = set()
+        for e in [*torque, *self.states.values()]:
+            used |= e.free_symbols
+        kept: dict[Any, Any] = {}
+        while new := [s for s in definitions if s in used and s not in kept]:
+            for s in new:
+                kept[s] = definitions[s]
+                used |= definitions[s].free_symbols
+        ordered = {s: kept[s] for s in definitions if s in kept}
+        parameters = {s: p for s, p in self.parameters.items() if s in used or any(s in m.free_symbols for m in self.mass)}
+        everything = [*self.q, *self.v, *self.states, *ordered, *parameters]
+        return Equations(
+            self.assembly.train.name, tuple(self.q), tuple(self.v), sp.diag(*self.mass), sp.Matrix(torque), self.states,
+            ordered, parameters, self._coordinates(), {s: _latex_name(s.name) for s in everything},
+        )  # fmt: skip
+
+    def _coordinates(self) -> dict[Any, Any]:
+        """Relative coordinates: the named ones where they are as many as needed and independent, else deflections."""
+        wanted = self.assembly.n_groups - len(self.assembly.angles)
+        named = {sp.Symbol(c.name, real=True): self._read(c.expr) for c in self.assembly.train.coordinates}
+        named = {x: e for x, e in named.items() if not sp.sympify(e).free_symbols & set(self.v)}
+        for candidate in (named, self.deflections):
+            rows = [[sp.diff(e, q) for q in self.q] for e in candidate.values()]
+            linear = all(not x.free_symbols & {*self.q, clock()} for row in rows for x in row)
+            if len(candidate) == wanted > 0 and linear and sp.Matrix(rows).rank() == wanted:
+                return candidate
+        return {}
+
+    def _read(self, expr: Any) -> Any:
+        def leaf(x: Any) -> Any:
+            if x.op == "parameter":
+                self.parameters[sp.Symbol(x.args[0].name, real=True)] = x.args[0].name
+                return sp.Symbol(x.args[0].name, real=True)
+            if x.args[0] not in self.shows:
+                raise ModelError(f"a coordinate reads '{x.args[0]}', which no block shows")
+            return self.shows[x.args[0]]
+
+        return to_sympy(expr, leaf)
+
+
+def _flat(path: str) -> str:
+    return path.replace(".", "_").replace("[", "").replace("]", "")

@@ -1,0 +1,167 @@
+"""Trains as JSON text and back. Values are data: classes come from the catalogue, expressions are parsed, never run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import gearblocks.blocks as catalogue
+import gearblocks.effects as effects
+from gearblocks.declare import Block, _Declared
+from gearblocks.errors import GearblocksError, ModelError, StorageError, did_you_mean
+from gearblocks.expression import Expr, parse
+from gearblocks.files import write_text
+from gearblocks.graph import Coordinate, Tree
+from gearblocks.signals import Input, Parameter, Table
+
+FORMAT = "gearblocks train 1"
+
+
+def write(tree: Tree, path: Path) -> None:
+    """Writes a train. Raises ModelError for blocks that are not of the catalogue, StorageError where it cannot write."""
+    leaves: dict[str, Any] = {}
+    data = {"format": FORMAT, **_tree(tree, leaves), "leaves": leaves}
+    write_text(path, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+
+
+def read(path: Path) -> Tree:
+    """The train in a file. Raises StorageError or ModelError with the reason."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise StorageError(f"{path} cannot be read: {error.strerror or error}") from error
+    except ValueError as error:
+        raise StorageError(f"{path} is no JSON text: {error}") from error
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise StorageError(f"{path} is no train of format '{FORMAT}'")
+    try:
+        leaves = {name: _leaf(item) for name, item in data["leaves"].items()}
+        return _read_tree(data, leaves)
+    except (KeyError, TypeError, AttributeError, IndexError) as error:
+        raise StorageError(f"{path} is damaged: {error!r}") from error
+
+
+# -- writing ----------------------------------------------------------------------------------------------------------
+
+
+def _tree(tree: Tree, leaves: dict[str, Any]) -> dict[str, Any]:
+    parts = {}
+    for name, part in tree.parts:
+        parts[name] = {"train": _tree(part, leaves)} if isinstance(part, Tree) else _owner(name, part, leaves)
+    return {
+        "name": tree.name,
+        "parts": parts,
+        "links": [[f"{p}.{f}" for p, f in link] for link in tree.links],
+        "exposed": {name: f"{p}.{f}" for name, (p, f) in tree.exposed},
+        "coordinates": {c.name: [_expr(c.expr, leaves), c.unit] for c in tree.coordinates},
+    }
+
+
+def _owner(path: str, owner: _Declared, leaves: dict[str, Any]) -> dict[str, Any]:
+    kind = type(owner)
+    if _class(kind.__name__) is not kind:
+        raise ModelError(f"'{path}': {kind.__name__} is no block of the catalogue; only those can be stored")
+    fields = {
+        name: _value(f"{path}.{name}", owner.__dict__[name], leaves)
+        for name, field in kind.fields.items()
+        if owner.__dict__[name] is not None and owner.__dict__[name] != field.default
+    }
+    return {"type": kind.__name__, **fields}
+
+
+def _value(path: str, value: Any, leaves: dict[str, Any]) -> Any:
+    if isinstance(value, tuple):
+        return [_value(path, v, leaves) for v in value]
+    if isinstance(value, _Declared):
+        return _owner(path, value, leaves)
+    if isinstance(value, (Parameter, Input, Table)):
+        return {"expression": _expr(value._expr_(), leaves)}
+    if isinstance(value, Expr):
+        return {"expression": _expr(value, leaves)}
+    return value
+
+
+def _expr(expr: Expr, leaves: dict[str, Any]) -> str:
+    for leaf in expr.leaves():
+        if leaf.op == "parameter":
+            p = leaf.args[0]
+            leaves[p.name] = {"parameter": p.name, "value": p.value, "unit": p.unit}
+        elif leaf.op == "input":
+            i = leaf.args[0]
+            leaves[i.name] = {"input": i.name, "start": i.start, "unit": i.unit}
+        elif leaf.op == "table":
+            t = leaf.args[0]
+            leaves[t.digest()] = {"x": list(t.x), "y": list(t.y), "kind": t.kind, "periodic": t.periodic}
+    return str(expr)
+
+
+# -- reading ----------------------------------------------------------------------------------------------------------
+
+
+def _leaf(item: Mapping[str, Any]) -> Parameter | Input | Table:
+    if "parameter" in item:
+        return Parameter(item["parameter"], item["value"], item["unit"])
+    if "input" in item:
+        return Input(item["input"], item["start"], item["unit"])
+    return Table(item["x"], item["y"], item["kind"], item["periodic"])
+
+
+def _class(name: str) -> Any:
+    """A block or effect of the catalogue by name, or None."""
+    found = getattr(catalogue, name, None) or getattr(effects, name, None)
+    return found if isinstance(found, type) and issubclass(found, _Declared) else None
+
+
+def _read_tree(data: Mapping[str, Any], leaves: Mapping[str, Any]) -> Tree:
+    parts = []
+    for name, item in data["parts"].items():
+        part = _read_tree(item["train"], leaves) if "train" in item else _read_owner(name, item, leaves)
+        if not isinstance(part, (Tree, Block)):
+            raise ModelError(f"'{name}': {item['type']} is no block")
+        parts.append((name, part))
+    ends = {name: _flanges_of(part) for name, part in parts}
+
+    def end(text: str) -> tuple[str, str]:
+        name, _, flange = text.rpartition(".")
+        if flange not in ends.get(name, ()):
+            raise ModelError(f"there is no flange '{text}'{did_you_mean(flange, ends.get(name, ()))}")
+        return name, flange
+
+    links = tuple(tuple(end(text) for text in link) for link in data["links"])
+    exposed = tuple((name, end(text)) for name, text in data["exposed"].items())
+    coordinates = tuple(Coordinate(n, parse(text, leaves), unit) for n, (text, unit) in data["coordinates"].items())
+    return Tree(data["name"], tuple(parts), links, exposed, coordinates)
+
+
+def _flanges_of(part: Tree | Block) -> tuple[str, ...]:
+    return tuple(n for n, _ in part.exposed) if isinstance(part, Tree) else tuple(type(part).flanges)
+
+
+def _read_owner(path: str, item: Mapping[str, Any], leaves: Mapping[str, Any]) -> _Declared:
+    kind = _class(item["type"])
+    if kind is None:
+        raise ModelError(f"'{path}': there is no block or effect '{item['type']}' in the catalogue")
+    fields = {name: _read_value(f"{path}.{name}", v, leaves) for name, v in item.items() if name != "type"}
+    try:
+        made = kind(**fields)
+    except GearblocksError as error:
+        raise ModelError(f"'{path}': {error}") from error
+    assert isinstance(made, _Declared)
+    return made
+
+
+def _read_value(path: str, value: Any, leaves: Mapping[str, Any]) -> Any:
+    if isinstance(value, list):
+        return tuple(_read_value(path, v, leaves) for v in value)
+    if isinstance(value, dict):
+        if "expression" not in value:
+            return _read_owner(path, value, leaves)
+        expr = parse(value["expression"], leaves)
+        if expr.op in ("parameter", "input"):
+            return expr.args[0]
+        if expr.op == "table" and expr.args[1].op == "time":
+            return expr.args[0]
+        return expr
+    return value

@@ -1,0 +1,98 @@
+"""Involute spline coupling with backlash between four discs: period 1, 2, 5 and chaos from one set of numbers.
+
+Xue, Wang, Yuan (2015), J. Harbin Inst. Tech. 47(1) 107-111, doi 10.11918/j.issn.0367-6234.2015.01.016:
+an input disc, the external and the internal spline, an output disc; shafts on both sides; the spline as one contact
+with varying stiffness, a dead zone of half width b and damping that also acts in the gap.
+
+Of the numbers the paper gives the geometry, the torque and the mean stiffness; the inertias, shafts, backlash, damping
+and start values it does not give. Two sets fill the gap:
+
+`build` uses set S. It was fitted so that all four regimes of the paper come out (300 rpm period 1, 348 rpm period 2,
+360 rpm period 5, 1080 rpm chaos). It is not the authors' set, and its inertias (2 to 8 kg m2) and its clearance
+(0.8 mm) are far from an aerospace spline.
+
+`steel` has the numbers of steel discs (2e-4 to 1e-2 kg m2) and a backlash of 40 um in all. It answers with period 1 at
+all four speeds: 5 to 18 Hz is quasi-static against a mesh mode of several kHz, so the teeth stay in contact and follow
+the torque.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import gearblocks as gb
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """SI values of one coupling. b: half of the backlash along the arc; start: static equilibrium at the means."""
+
+    name: str
+    inertias: tuple[float, float, float, float]
+    k_input: float
+    k_output: float
+    k_mesh: float
+    k_amplitude: float
+    damping_shaft: float
+    damping_mesh: float
+    torque: float
+    torque_variation: float
+    b: float
+    radius: float = 0.025
+
+
+SET_S = Numbers(
+    "spline coupling, set S", (8.459, 3.06, 2.033, 2.543), 109700.0, 22550.0, 245e6, 59.83e6, 0.00591, 0.03189, 2600.0,
+    0.8711, 0.396e-3,
+)  # fmt: skip
+STEEL = Numbers(
+    "spline coupling, steel", (1.0e-2, 2.0e-4, 4.0e-4, 8.0e-3), 1.0e5, 8.0e4, 245e6, 59.83e6, 0.03, 0.06, 2600.0, 0.3,
+    20e-6,
+)  # fmt: skip
+
+
+def build(rpm: float = 300.0) -> gb.Drivetrain:
+    """Set S at a speed in rpm. `speed` [rad/s], `torque` [N m] and `torque_variation` are Parameters."""
+    return coupling(SET_S, rpm)
+
+
+def steel(rpm: float = 300.0) -> gb.Drivetrain:
+    """The steel set at a speed in rpm."""
+    return coupling(STEEL, rpm)
+
+
+def coupling(numbers: Numbers, rpm: float) -> gb.Drivetrain:
+    """Four discs, two shafts, a spline; torque in and out, both T (1 + eps cos wt), in phase with the stiffness."""
+    n = numbers
+    rig = gb.Drivetrain(n.name)
+    speed = gb.Parameter("speed", gb.rpm(rpm), "rad/s")
+    torque = gb.Parameter("torque", n.torque, "N m")
+    eps = gb.Parameter("torque_variation", n.torque_variation)
+    r = gb.Parameter("radius", n.radius, "m")
+    applied = torque * (1 + eps * gb.cos(speed * gb.time))
+
+    twist_in, twist_out = n.torque / n.k_input, n.torque / n.k_output
+    arc = (n.torque / n.radius / n.k_mesh + n.b) / n.radius
+    angles = (0.0, -twist_in, -twist_in - arc, -twist_in - arc - twist_out)
+    names = ("input", "external", "internal", "output")
+    discs = [
+        rig.add(name, gb.Inertia(J=J, phi0=phi, w0=0.0)) for name, J, phi in zip(names, n.inertias, angles, strict=True)
+    ]
+    shaft_in = rig.add("shaft_in", gb.Shaft(k=n.k_input, damping_ratio=n.damping_shaft))
+    shaft_out = rig.add("shaft_out", gb.Shaft(k=n.k_output, damping_ratio=n.damping_shaft))
+    spline = rig.add(
+        "spline",
+        gb.SplineCoupling(
+            teeth=20, radius=r, k=n.k_mesh, damping_ratio=n.damping_mesh,
+            stiffness_variation=gb.Fourier(cos=(n.k_amplitude / n.k_mesh,), driven_by=speed),
+            backlash=gb.Backlash(half_gap=n.b), contact_damping="always",
+        ),
+    )  # fmt: skip
+    drive = rig.add("drive", gb.Torque(tau=applied))
+    load = rig.add("load", gb.Torque(tau=-applied))
+    rig.chain(drive, discs[0], shaft_in, discs[1], spline, discs[2], shaft_out, discs[3], load)
+
+    for i, (a, b) in enumerate(zip(names, names[1:], strict=False), 1):
+        rig.coordinate(f"x{i}", r * (gb.sense(f"{a}.phi") - gb.sense(f"{b}.phi")), "m")
+        rig.coordinate(f"v{i}", r * (gb.sense(f"{a}.w") - gb.sense(f"{b}.w")), "m/s")
+    return rig

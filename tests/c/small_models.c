@@ -1,0 +1,194 @@
+/* Trains of one or two states, each for one property of the solver. */
+#include "models.h"
+
+static void no_values(double *par) {
+    (void)par;
+}
+static void no_scales(const double *par, double *scale) {
+    (void)par, (void)scale;
+}
+
+static void no_outputs(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
+                       double *out) {
+    (void)par, (void)mode, (void)tau, (void)y, (void)dy, (void)out;
+}
+
+static void no_energies(const double *par, const double *mode, const double *tau, const double *y, double *energy) {
+    (void)par, (void)mode, (void)tau, (void)y, (void)energy;
+}
+
+static void start_at(const double *par, double *y) {
+    for (int i = 0; i < 16; i++) {
+        y[i] = 0.0;
+    }
+    y[0] = par[0];
+}
+
+static void clear(double *dy) {
+    for (int i = 0; i < 16; i++) {
+        dy[i] = 0.0;
+    }
+}
+
+/* A relay that drives its state back to the switching point: nothing but chatter from there on. y' = -mode. */
+static void relay_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
+    (void)par, (void)tau, (void)y;
+    clear(dy);
+    dy[0] = -mode[0];
+}
+
+static void state_surface(const double *par, const double *mode, const double *tau, const double *y, double *s) {
+    (void)par, (void)mode, (void)tau;
+    s[0] = y[0];
+}
+
+static void state_direction(const double *par, const double *dir, double *s) {
+    (void)par;
+    s[0] = dir[0];
+}
+
+static void sign_bounds(const double *par, const double *mode, double *lo, double *hi) {
+    (void)par;
+    lo[0] = mode[0] > 0.0 ? 0.0 : -HUGE_VAL;
+    hi[0] = mode[0] > 0.0 ? HUGE_VAL : 0.0;
+}
+
+static double sign_mode(const double *par, int i, double s) {
+    (void)par, (void)i;
+    return s >= 0.0 ? 1.0 : -1.0;
+}
+
+const gb_model relay_model = {
+    .name = "relay",
+    .key = "relay",
+    .n = 1,
+    .n_padded = 8,
+    .n_total = 16,
+    .n_parameters = 1,
+    .n_par = 1,
+    .n_affine = 1,
+    .n_surfaces = 1,
+    .n_switches = 1,
+    .prepare = no_values,
+    .start = start_at,
+    .scales = no_scales,
+    .rhs = relay_rhs,
+    .rhs_full = relay_rhs,
+    .surfaces = state_surface,
+    .directions = state_direction,
+    .bounds = sign_bounds,
+    .mode_at = sign_mode,
+    .outputs = no_outputs,
+    .energies = no_energies,
+};
+
+/* y' = u + 0 y: the integral of an input. */
+static void input_times(const double *par, const double *mode, int lanes, const double *t, const double *u,
+                        double *tau) {
+    (void)par, (void)mode, (void)lanes, (void)t;
+    for (int l = 0; l < GB_LANES; l++) {
+        tau[l] = u[l];
+    }
+}
+
+static void input_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
+    (void)par, (void)mode, (void)y;
+    clear(dy);
+    dy[0] = tau[0];
+}
+
+const gb_model input_model = {
+    .name = "input",
+    .key = "input",
+    .n = 1,
+    .n_padded = 8,
+    .n_total = 16,
+    .n_parameters = 1,
+    .n_par = 1,
+    .n_inputs = 1,
+    .n_time = 1,
+    .prepare = no_values,
+    .start = start_at,
+    .scales = no_scales,
+    .times = input_times,
+    .rhs = input_rhs,
+    .rhs_full = input_rhs,
+    .outputs = no_outputs,
+    .energies = no_energies,
+};
+
+/* A square wave of time: y' = mode, which is 1 in [0, 0.3), -1 in [0.3, 0.6) and so on. */
+static double wave_clock(const double *par, int i, double t) {
+    const double phase = t / 0.3 - 2.0 * floor(t / 0.6);
+    (void)par, (void)i;
+    return 1.0 - phase;
+}
+
+static double wave_next(const double *par, int i, double mode, double t, double *after) {
+    double count = floor(t / 0.3);
+    (void)par, (void)i;
+    while (count * 0.3 <= t) {
+        count += 1.0;
+    }
+    *after = -mode;
+    return count * 0.3;
+}
+
+const gb_model wave_model = {
+    .name = "wave",
+    .key = "wave",
+    .n = 1,
+    .n_padded = 8,
+    .n_total = 16,
+    .n_parameters = 1,
+    .n_par = 1,
+    .n_switches = 1,
+    .prepare = no_values,
+    .start = start_at,
+    .scales = no_scales,
+    .rhs = relay_rhs,
+    .rhs_full = relay_rhs,
+    .bounds = sign_bounds,
+    .mode_at = sign_mode,
+    .clock = wave_clock,
+    .next_time = wave_next,
+    .outputs = no_outputs,
+    .energies = no_energies,
+};
+
+/* x'' = -x with a surface that is no affine one: x^2 - par[1]; the tail integrates its mode. */
+static void ring_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
+    (void)par, (void)tau;
+    clear(dy);
+    dy[0] = y[1];
+    dy[1] = -y[0];
+    dy[8] = mode[0];
+}
+
+static void ring_surface(const double *par, const double *mode, const double *tau, const double *y, double *s) {
+    (void)mode, (void)tau;
+    s[0] = y[0] * y[0] - par[1];
+}
+
+const gb_model ring_model = {
+    .name = "ring",
+    .key = "ring",
+    .n = 2,
+    .n_padded = 8,
+    .n_tail = 1,
+    .n_total = 16,
+    .n_parameters = 2,
+    .n_par = 2,
+    .n_surfaces = 1,
+    .n_switches = 1,
+    .prepare = no_values,
+    .start = start_at,
+    .scales = no_scales,
+    .rhs = ring_rhs,
+    .rhs_full = ring_rhs,
+    .surfaces = ring_surface,
+    .bounds = sign_bounds,
+    .mode_at = sign_mode,
+    .outputs = no_outputs,
+    .energies = no_energies,
+};
