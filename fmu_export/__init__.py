@@ -5,7 +5,7 @@
 >>> print(fmu_export.check("rig.fmu"))       # doctest: +SKIP
 """
 
-from fmu_export.check import check
+from fmu_export.checking import check
 from fmu_export.exporter import export
 from fmu_export.report import Item, Report
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, fields
-from typing import Any
+from dataclasses import asdict, dataclass, is_dataclass
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fmu_export.options import SolverOptions
-from gearblocks import program as rows
 from gearblocks.program import Program
 
 NAME = "resources/gearblocks.json"
@@ -56,7 +55,7 @@ def from_json(data: bytes, source: str) -> Manifest:
     program = {**content["program"], "source": source}
     start = content["start"]
     return Manifest(
-        Program(**{field.name: _read(field.type, program[field.name]) for field in fields(Program)}),
+        Program(**{name: _read(kind, program[name]) for name, kind in get_type_hints(Program).items()}),
         np.array(content["values"], dtype=np.float64),
         SolverOptions(**content["solver"]),
         None if start is None else np.array(start, dtype=np.float64),
@@ -65,8 +64,9 @@ def from_json(data: bytes, source: str) -> Manifest:
 
 
 def _read(kind: Any, value: Any) -> Any:
-    """A field of Program from its JSON form: rows become the dataclass that the field's type names."""
+    """A field of Program from its JSON form: lists become tuples, of the rows that the field's type names."""
     if not isinstance(value, list):
         return value
-    row = getattr(rows, str(kind).removeprefix("tuple[").split(",")[0], None)
-    return tuple(row(**entry) if row is not None else tuple(entry) for entry in value)
+    row = get_args(kind)[0]
+    named = is_dataclass(row)
+    return tuple(row(**entry) if named else tuple(entry) for entry in value)

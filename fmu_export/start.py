@@ -23,18 +23,14 @@ def start_places(program: Program) -> list[tuple[str, str, int]]:
 def start_vector(program: Program, initial: Any) -> NDArray[np.float64] | None:
     """The state vector (length n_total) to start from, or None for the one that the parameters give.
 
-    initial: an earlier run, whose end it is, or a state vector; None and start values by name leave it to the parameters.
-    Raises ParameterError.
+    initial: an earlier run, whose end it is, or a state vector; None and start values by name leave it to the
+    parameters. Raises ParameterError.
     """
     if initial is None or isinstance(initial, Mapping):
         return None
-    if isinstance(initial, Trajectory):
-        given = _start_state(program, initial)
-    else:
-        given = np.asarray(initial, dtype=np.float64)
-    if given is None or given.shape != (program.n_total,):
-        shape = None if given is None else given.shape
-        raise ParameterError(f"initial has shape {shape}; a state vector has {program.n_total} entries")
+    given = np.asarray(_start_state(program, initial) if isinstance(initial, Trajectory) else initial, dtype=np.float64)
+    if given.shape != (program.n_total,):
+        raise ParameterError(f"initial has shape {given.shape}; a state vector has {program.n_total} entries")
     y = np.zeros(program.n_total)
     for name, _, i in start_places(program):
         if not np.isfinite(given[i]):

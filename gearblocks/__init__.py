@@ -5,7 +5,7 @@ from gearblocks.declare import (
     Acts, Block, Body, Effect, Energy, Flange, Force, Parts, Potential, Rate, Shows, State, Switch, Tie, effect, exact,
     option, param, signal,
 )  # fmt: skip
-from gearblocks.drivetrain import Drivetrain, build, simulate
+from gearblocks.drivetrain import Drivetrain, build, classify, poincare, simulate, stroboscopic
 from gearblocks.effects import Backlash, Fourier, Harmonic, Square
 from gearblocks.errors import (
     CompileError, GearblocksError, ModelError, ParameterError, SimulationError, UnknownNameError,
@@ -23,6 +23,6 @@ __all__ = [
     "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Model",
     "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Rate", "Shaft", "Shows", "SimulationError",
     "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory",
-    "UnknownNameError", "build", "cos", "effect", "exact", "option", "param", "piecewise", "rpm", "sense", "signal",
-    "simulate", "sin", "time", "twist",
+    "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal",
+    "simulate", "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip

@@ -138,7 +138,7 @@ def equations(
     elif form is Form.html:
         from gearblocks.report.pages import equations_page
 
-        typer.echo(equations_page(rig))
+        typer.echo(equations_page(rig.equations()))
     else:
         eq = rig.equations()
         typer.echo(eq.latex() if form is Form.latex else str(eq))

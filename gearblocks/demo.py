@@ -106,8 +106,9 @@ def demo(out: Path, say: Say) -> bool:
 
 
 def _equations(rig: Drivetrain, folder: Path) -> Model:
-    write_text(folder / "equations.tex", rig.equations().latex())
-    write_text(folder / "equations.html", equations_page(rig))
+    equations = rig.equations()
+    write_text(folder / "equations.tex", equations.latex() + "\n")
+    write_text(folder / "equations.html", equations_page(equations))
     model = build(rig)
     write_text(folder / "model.c", model.program.source)
     return model

@@ -16,6 +16,7 @@ from gearblocks.graph import Coordinate, Train, Tree, flatten, value_problems
 from gearblocks.library import Model
 
 if TYPE_CHECKING:
+    from gearblocks.analysis import Label, Points, Section
     from gearblocks.equations import Equations
     from gearblocks.trajectory import Trajectory
 
@@ -328,6 +329,27 @@ def simulate(train: Drivetrain | Model, **arguments: Any) -> Trajectory:
     from gearblocks.runs import run_model
 
     return run_model(build(train), **arguments)
+
+
+def poincare(train: Drivetrain | Model, section: Section, **arguments: Any) -> Points:
+    """Points of a section; see `gearblocks.analysis.section_points` for of, transient, keep, rtol, parameters, initial."""
+    from gearblocks.analysis import section_points
+
+    return section_points(build(train), section, **arguments)
+
+
+def classify(train: Drivetrain | Model, section: Section, **arguments: Any) -> Label:
+    """After how many periods the motion repeats; see `gearblocks.analysis.period_label` for the arguments."""
+    from gearblocks.analysis import period_label
+
+    return period_label(build(train), section, **arguments)
+
+
+def stroboscopic(frequency: str) -> Section:
+    """The section once per period of a frequency parameter [rad/s]."""
+    from gearblocks.analysis import Section
+
+    return Section(frequency)
 
 
 def _summary(block: Block) -> str:

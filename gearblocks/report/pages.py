@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from gearblocks.equations import Equations
 
 
 def page(template: str, **values: Any) -> str:
@@ -17,3 +20,20 @@ def page(template: str, **values: Any) -> str:
         undefined=jinja2.StrictUndefined,
     )
     return environment.get_template(template).render(**values)
+
+
+def equations_page(equations: Equations) -> str:
+    """The equations of a train as a page that a browser shows without a network."""
+    from markupsafe import Markup
+
+    from gearblocks.report.mathml import mathml
+
+    def shown(expr: Any) -> Markup:
+        return Markup(mathml(expr, equations.latex_of))
+
+    return page(
+        "equations.html.jinja",
+        title=f"Equations of motion: {equations.name}",
+        sections=[(heading, [shown(one) for one in part]) for heading, part in equations.sections()],
+        symbols=[(shown(symbol), path) for symbol, path in equations.parameters.items()],
+    )

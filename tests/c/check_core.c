@@ -76,6 +76,7 @@ int main(void) {
     check_events();
     check_inputs();
     check_state();
+    check_hard();
     printf("%s: %d failed\n", failures ? "FAILED" : "ok", failures);
     return failures != 0;
 }

@@ -42,6 +42,7 @@ void check_accuracy(void);
 void check_events(void);
 void check_inputs(void);
 void check_state(void);
+void check_hard(void);
 void check_math(void);
 
 #endif

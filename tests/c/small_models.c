@@ -1,6 +1,8 @@
 /* Trains of one or two states, each for one property of the solver. */
 #include "models.h"
 
+#include <string.h>
+
 static void no_values(double *par) {
     (void)par;
 }
@@ -189,6 +191,68 @@ const gb_model ring_model = {
     .surfaces = ring_surface,
     .bounds = sign_bounds,
     .mode_at = sign_mode,
+    .outputs = no_outputs,
+    .energies = no_energies,
+};
+
+/* Eight oscillators x'' = 0.1 - 0.1 x' - g(x) with equal gaps +-1, x in y[0 .. 8), x' in y[8 .. 16). */
+static void start_eight(const double *par, double *y) {
+    for (int i = 0; i < 16; i++) {
+        y[i] = i < 8 ? par[0] : 0.5;
+    }
+}
+
+static void eight_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
+    (void)par, (void)tau;
+    for (int i = 0; i < 8; i++) {
+        dy[i] = y[8 + i];
+        dy[8 + i] = 0.1 - 0.02 * y[8 + i] - (mode[i] * mode[i] * y[i] - mode[i]);
+    }
+}
+
+static void eight_surfaces(const double *par, const double *mode, const double *tau, const double *y, double *s) {
+    (void)par, (void)mode, (void)tau;
+    memcpy(s, y, 8 * sizeof(double));
+}
+
+static void eight_directions(const double *par, const double *dir, double *s) {
+    (void)par;
+    memcpy(s, dir, 8 * sizeof(double));
+}
+
+static void gap_bounds(const double *par, const double *mode, double *lo, double *hi) {
+    (void)par;
+    for (int i = 0; i < 8; i++) {
+        lo[i] = mode[i] > 0.0 ? 1.0 : mode[i] < 0.0 ? -HUGE_VAL : -1.0;
+        hi[i] = mode[i] > 0.0 ? HUGE_VAL : mode[i] < 0.0 ? -1.0 : 1.0;
+    }
+}
+
+static double gap_mode(const double *par, int i, double s) {
+    (void)par, (void)i;
+    return s >= 1.0 ? 1.0 : s >= -1.0 ? 0.0 : -1.0;
+}
+
+const gb_model eight_model = {
+    .name = "eight",
+    .key = "eight",
+    .n = 16,
+    .n_padded = 16,
+    .n_total = 16,
+    .n_parameters = 1,
+    .n_par = 1,
+    .n_affine = 8,
+    .n_surfaces = 8,
+    .n_switches = 8,
+    .prepare = no_values,
+    .start = start_eight,
+    .scales = no_scales,
+    .rhs = eight_rhs,
+    .rhs_full = eight_rhs,
+    .surfaces = eight_surfaces,
+    .directions = eight_directions,
+    .bounds = gap_bounds,
+    .mode_at = gap_mode,
     .outputs = no_outputs,
     .energies = no_energies,
 };

@@ -1,0 +1,146 @@
+/* Cases that break solvers: rest, noise, tiny scales, simultaneous and touching events. */
+#include "checks.h"
+
+static long long steps_of(const gb_sim *sim) {
+    gb_stats stats;
+    gb_get_stats(sim, &stats);
+    return stats.steps;
+}
+
+/* Equilibrium up to rounding, and rest in the middle of the gap: few steps, no growth. */
+static void check_rest(double force, double x, double allowed) {
+    const double values[6] = {0.05, 0.0, force, 0.0, 0.9, 1.0};
+    const gb_options options = options_of(GB_DP8, 1e-9, 0.0);
+    double y0[16] = {x}, y[16];
+    gb_sim *sim = gb_open(&p2_model);
+    memcpy(gb_parameters(sim), values, sizeof values);
+    CHECK(gb_start(sim, &options, 0.0, y0) == GB_DONE, "start");
+    CHECK(gb_advance(sim, 1000.0) == GB_DONE, "advance");
+    gb_state(sim, y);
+    CHECK(fabs(y[0] - x) < 1e-12 && fabs(y[1]) < 1e-12, "moved to %g, %g", y[0] - x, y[1]);
+    CHECK((double)steps_of(sim) < allowed, "%lld steps", steps_of(sim));
+    printf("  rest at %g: %lld steps\n", x, steps_of(sim));
+    gb_close(sim);
+}
+
+/* Lengths and forces times a factor: the same steps, the same motion. */
+static void check_scale(double factor) {
+    const double values[6] = {0.05, 0.2, 0.1 * factor, 0.05 * factor, 0.9, factor};
+    const gb_options options = options_of(GB_DP8, 1e-8, 0.0);
+    double y0[16] = {1.1 * factor}, y[16], expected[16];
+    int code;
+    gb_sim *sim = gb_open(&p2_model), *plain = open_model(&p2_model, p2_values, &options, &code);
+    memcpy(gb_parameters(sim), values, sizeof values);
+    gb_start(sim, &options, 0.0, y0);
+    gb_advance(plain, 50.0);
+    CHECK(gb_advance(sim, 50.0) == GB_DONE, "advance at scale %g", factor);
+    gb_state(sim, y);
+    gb_state(plain, expected);
+    CHECK(fabs(y[0] / factor - expected[0]) < 1e-6, "%g, not %g", y[0] / factor, expected[0]);
+    CHECK(llabs(steps_of(sim) - steps_of(plain)) < steps_of(plain) / 4, "%lld and %lld steps", steps_of(sim),
+          steps_of(plain));
+    gb_close(sim);
+    gb_close(plain);
+}
+
+/* From nothing at all, the size of the states is found on the way. */
+static void check_zero_start(void) {
+    const gb_options options = options_of(GB_DP8, 1e-8, 0.0), fine = options_of(GB_DP8, 1e-12, 0.0);
+    double y0[16] = {0.0}, y[16], expected[16];
+    gb_sim *sim = gb_open(&p2_model), *reference = gb_open(&p2_model);
+    memcpy(gb_parameters(sim), p2_values, sizeof p2_values);
+    memcpy(gb_parameters(reference), p2_values, sizeof p2_values);
+    gb_start(sim, &options, 0.0, y0);
+    gb_start(reference, &fine, 0.0, y0);
+    CHECK(gb_advance(sim, 30.0) == GB_DONE && gb_advance(reference, 30.0) == GB_DONE, "advance");
+    gb_state(sim, y);
+    gb_state(reference, expected);
+    CHECK(fabs(y[0] - expected[0]) < 1e-6, "%g, not %g", y[0], expected[0]);
+    CHECK(steps_of(sim) < 400, "%lld steps", steps_of(sim));
+    gb_close(sim);
+    gb_close(reference);
+}
+
+/* A train that spins fast as a whole: its twists are as before, and the steps are no smaller for the rounding. */
+static void check_spin(void) {
+    const gb_options options = options_of(GB_DP8, 1e-9, 0.0);
+    double y0[16], y[16], expected[16];
+    int code;
+    gb_sim *sim = gb_open(&p1_model), *still = open_model(&p1_model, p1_values, &options, &code);
+    memcpy(gb_parameters(sim), p1_values, sizeof p1_values);
+    gb_state(still, y0);
+    for (int i = 3; i < 7; i++) {
+        y0[i] = 300.0;
+    }
+    gb_start(sim, &options, 0.0, y0);
+    gb_advance(still, 0.005);
+    CHECK(gb_advance(sim, 0.005) == GB_DONE, "advance");
+    gb_state(sim, y);
+    gb_state(still, expected);
+    for (int i = 0; i < 3; i++) {
+        CHECK(fabs(y[i] - expected[i]) < 1e-6 * fabs(expected[i]) + 1e-9, "twist %d: %g, not %g", i, y[i], expected[i]);
+    }
+    CHECK(steps_of(sim) < 2 * steps_of(still), "%lld and %lld steps", steps_of(sim), steps_of(still));
+    gb_close(sim);
+    gb_close(still);
+}
+
+/* Eight equal oscillators flip at one instant, each once, and stay equal. */
+static void check_simultaneous(void) {
+    const double start[1] = {1.1};
+    gb_options options = options_of(GB_DP8, 1e-9, 0.0);
+    double t[2] = {0.0, 40.0};
+    run r = run_samples(&eight_model, start, options, t, 2);
+    const double *y = r.record.rows + row_length(&eight_model) + 1;
+    CHECK(r.code == GB_DONE && r.record.n_events > 0 && r.record.n_events % 8 == 0, "code %d, %ld events", r.code,
+          r.record.n_events);
+    for (long i = 0; i + 7 < r.record.n_events; i += 8) {
+        CHECK(r.record.events[i].t == r.record.events[i + 7].t, "events %ld", i);
+    }
+    for (int i = 1; i < 8; i++) {
+        CHECK(y[i] == y[0] && y[8 + i] == y[8], "oscillator %d", i);
+    }
+    free_run(&r);
+}
+
+/* x^2 - 1 is touched from below by x = cos t and never crossed: at most a pair of flips at one instant. */
+static void check_grazing(double level) {
+    const double values[2] = {0.0, level};
+    const gb_options options = options_of(GB_DP8, 1e-10, 0.0);
+    double y0[16] = {0.0, 1.0}, y[16];
+    gb_sim *sim = gb_open(&ring_model);
+    memcpy(gb_parameters(sim), values, sizeof values);
+    CHECK(gb_start(sim, &options, 0.0, y0) == GB_DONE, "start");
+    CHECK(gb_advance(sim, 20.0) == GB_DONE, "advance");
+    gb_state(sim, y);
+    CHECK(fabs(y[8] + 20.0) < 1e-3, "integral of the mode %g", y[8]);
+    gb_close(sim);
+}
+
+/* The largest step and the stop time are kept. */
+static void check_limits(void) {
+    gb_options options = options_of(GB_DP5, 1e-3, 0.0);
+    gb_stats stats;
+    int code;
+    options.max_step = 0.01;
+    options.t_stop = 1.0;
+    gb_sim *sim = open_model(&p2_model, p2_values, &options, &code);
+    gb_advance(sim, 0.999);
+    gb_get_stats(sim, &stats);
+    CHECK(stats.steps >= 100 && stats.t <= 1.0, "%lld steps to %g", stats.steps, stats.t);
+    gb_close(sim);
+}
+
+void check_hard(void) {
+    check_rest(0.1, 1.1, 1000.0);
+    check_rest(0.0, 0.0, 1000.0);
+    check_rest(0.0, 0.5, 1000.0);
+    check_scale(1e-9);
+    check_scale(1e12);
+    check_zero_start();
+    check_spin();
+    check_simultaneous();
+    check_grazing(1.0);
+    check_grazing(1.0 + 1e-9);
+    check_limits();
+}
