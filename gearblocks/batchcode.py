@@ -122,7 +122,7 @@ class BatchCode:
         elif role == "mode":
             prologue[name := f"mode{of.number}"] = f"mode[{self.places.switches[of.number]} + e]"
         elif role == "table":
-            name = self.places.tables[of]
+            name = self.places.tables[symbol]
         elif role == "mobility":
             name = self._mobility(of, args)
         elif role == "time":

@@ -111,7 +111,7 @@ class Freezer:
             result = chosen * self.freeze(value) + (1 - chosen) * result
         return result
 
-    def _indicator(self, surface: Any, name: str = "") -> Any:
+    def _indicator(self, surface: Any, name: str | None = None) -> Any:
         """1 where surface >= 0, else 0, as the mode symbol of a switch (or a plain condition on constants)."""
         surface = self.freeze(surface)
         if surface.is_number:
@@ -123,7 +123,9 @@ class Freezer:
                 return switch.symbol
             if switch.table is None and switch.surface == -surface:
                 return 1 - switch.symbol
-        return self._add(name or f"switch {len(self.switches) + 1}", surface).symbol
+        if name is None:
+            name = f"switch {len(self.switches) + 1}"
+        return self._add(name, surface).symbol
 
     def _dead_zone(self, e: Any) -> Any:
         x, b = (self.freeze(a) for a in e.args[:2])

@@ -142,7 +142,8 @@ def _switches(g: Generator) -> None:
                     code.places.switches[i] = at
                     kind = "time" if switch.level < 2 else "state"
                     for e in range(code.n):
-                        g.switches.append(SwitchInfo(g.path(code, e), switch.name, kind, switch.low, switch.high))
+                        owner = f"{g.path(code, e)}.{switch.name}".rstrip(".")
+                        g.switches.append(SwitchInfo(owner, switch.name, kind, switch.low, switch.high))
                     at += code.n
         if wanted == ("affine",):
             g.n_affine = at

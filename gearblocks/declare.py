@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar, TypeAlias, dataclass_transform
 
 from gearblocks.errors import GearblocksError, did_you_mean
+from gearblocks.expression import from_sympy, is_sympy
 
 _REQUIRED: Any = object()
 
@@ -145,7 +146,8 @@ class Switch:
     """A named located switch: mode `high` where surface >= 0, else `low`; watched only while `when` is not zero.
 
     Conditions written with Piecewise, Abs, sign, Min, Max or Heaviside are located without one; a Switch gives them a
-    name and the values shown in the events.
+    name and the values shown in the events. The events name the block and the switch, or the block alone when the name
+    is empty (a mode of the block as a whole, such as its contact).
     """
 
     name: str
@@ -207,8 +209,7 @@ class _Declared:
         store = self.__dict__
         for name, spec in fields.items():
             if name in values:
-                value = values.pop(name)
-                store[name] = tuple(value) if spec.many and isinstance(value, list) else value
+                store[name] = _plain(values.pop(name), spec.many)
             elif spec.default is _REQUIRED:
                 raise GearblocksError(f"{type(self).__name__} needs {name} ({spec.words}, {spec.unit}); it was not given")
             else:
@@ -241,6 +242,18 @@ class _Declared:
     def problems(self) -> Iterator[str]:
         """What is wrong with the combination of values, each as one sentence without the block's name."""
         return iter(())
+
+
+def _plain(value: Any, many: bool) -> Any:
+    """A given value as it is kept: tuples for lists and arrays, Python numbers, light expressions for sympy ones."""
+    if many and not isinstance(value, (str, bytes)) and hasattr(value, "__iter__") and not is_sympy(value):
+        return tuple(_plain(v, False) for v in value)
+    if is_sympy(value):
+        expression = from_sympy(value)
+        return expression.args[0] if expression.op in ("number", "parameter", "input") else expression
+    if type(value).__module__ == "numpy" and getattr(value, "shape", None) == ():
+        return value.item()
+    return value
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(param, exact, option, signal, effect))

@@ -47,8 +47,8 @@ class Backlash(Effect):
 
     def switches(self, s: Any, x: Any) -> Iterator[Switch]:
         """The two corners, with the contact before and after as their values."""
-        yield Switch("drive side", x - s.half_gap, low=0.0, high=1.0)
-        yield Switch("coast side", x + s.half_gap, low=-1.0, high=0.0)
+        yield Switch("", x - s.half_gap, low=0.0, high=1.0)
+        yield Switch("", x + s.half_gap, low=-1.0, high=0.0)
 
 
 class Fourier(Effect):

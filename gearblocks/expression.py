@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import math
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -138,15 +139,21 @@ def as_expr(x: Any) -> Expr:
         raise TypeError("a truth value is no signal")
     if isinstance(x, (int, float)) or (hasattr(x, "__float__") and type(x).__module__ == "numpy"):
         return number(float(x))
-    if type(x).__module__.startswith("sympy"):
+    if is_sympy(x):
         return from_sympy(x)
     raise TypeError(f"{x!r} is neither a number nor an expression")
 
 
+def is_sympy(x: Any) -> bool:
+    """Whether x is a sympy object; sympy is not imported for the question."""
+    sympy = sys.modules.get("sympy")
+    return sympy is not None and isinstance(x, sympy.Basic)
+
+
 def _binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | None = None) -> Any:
-    for side in (left, right):
-        if type(side).__module__.startswith("sympy"):
-            return _sympy_binary(op, left, right, wrap)
+    # sympy's Piecewise asks for its own conditions, so those are made where sympy is in use
+    if is_sympy(left) or is_sympy(right) or (op in _RELATIONS and "sympy" in sys.modules):
+        return _sympy_binary(op, left, right, wrap)
     try:
         a, b = as_expr(left), as_expr(right)
     except TypeError:

@@ -145,9 +145,7 @@ int gb_fmu_reset(gb_fmu *fmu) {
 const char *gb_fmu_message(const gb_fmu *fmu) {
     return fmu->message;
 }
-int gb_fmu_phase(const gb_fmu *fmu) {
-    return fmu->s.phase;
-}
+
 double gb_fmu_time(const gb_fmu *fmu) {
     return fmu->s.t;
 }

@@ -50,7 +50,6 @@ typedef struct gb_fmu gb_fmu;
 gb_fmu *gb_fmu_open(void); /* NULL: no memory */
 void gb_fmu_close(gb_fmu *fmu);
 const char *gb_fmu_message(const gb_fmu *fmu);
-int gb_fmu_phase(const gb_fmu *fmu);
 double gb_fmu_time(const gb_fmu *fmu);
 long long gb_fmu_events(const gb_fmu *fmu); /* located so far */
 
