@@ -9,6 +9,7 @@ import contextlib
 import ctypes
 import functools
 import os
+import sys
 import tempfile
 import threading
 from collections.abc import Sequence
@@ -25,7 +26,7 @@ from gearblocks.program import Program
 
 SOURCES = Path(__file__).parent / "c"
 
-_MODEL_FLAGS = ("-fvisibility=default",)
+_MODEL_FLAGS = ("-fvisibility=default", *(("-Wl,--export-all-symbols",) if sys.platform == "win32" else ()))
 _builds: dict[tuple[int, str], Future[tuple[Path, ...]]] = {}
 _lock = threading.Lock()
 
@@ -62,7 +63,7 @@ def compile_program(program: Program) -> Library:
     """The library of a program, from the cache where it was compiled before. Raises CompileError."""
     compiler = find_compiler()
     cache, core = user_cache(), _core_key(compiler)
-    key = digest(core, "model", program.source)
+    key = digest(core, "model", *_MODEL_FLAGS, program.source)
     path = cache.find("models", key, SHARED_SUFFIX)
     if path is None:
         objects = _core_objects(compiler, core).result()
@@ -94,7 +95,7 @@ def core_files() -> dict[str, bytes]:
 @functools.cache
 def _core_snapshot() -> dict[str, bytes]:
     """What the core is made of, read once, so that what is compiled is what its key was taken from."""
-    paths = [*SOURCES.glob("gb_*"), SOURCES.parent / "methods.py"]
+    paths = [*SOURCES.glob("gb_*.[ch]"), SOURCES / "gb_methods.h.jinja", SOURCES.parent / "methods.py"]
     return {path.name: path.read_bytes() for path in sorted(paths)}
 
 
@@ -110,7 +111,7 @@ def _core_digest() -> str:
 
 
 def _core_key(compiler: Compiler) -> str:
-    return digest(compiler.identity, *FLAGS, *compiler.native, *_MODEL_FLAGS, cpu_identity(), _core_digest())
+    return digest(compiler.identity, *FLAGS, *compiler.native, cpu_identity(), _core_digest())
 
 
 def _core_objects(compiler: Compiler, key: str) -> Future[tuple[Path, ...]]:
@@ -146,7 +147,7 @@ def _build_core(compiler: Compiler, key: str) -> tuple[Path, ...]:
 
 def _compiled(compiler: Compiler, files: dict[str, bytes], name: str) -> bytes:
     """The object of one C file of the core."""
-    arguments = (*FLAGS, *compiler.native, *_MODEL_FLAGS, "-c", name, "-o", "core.o")
+    arguments = (*FLAGS, *compiler.native, "-c", name, "-o", "core.o")
     return _produced(compiler, files, arguments, "core.o")
 
 

@@ -222,13 +222,14 @@ class Symbols:
             total += self.slope(expr, flange) * flange.w
         return total + sum(sp.diff(expr, r.state) * r.expr for r in rates)
 
-    @staticmethod
-    def antiderivative(force: Any, x: Any) -> Any:
-        """Stored energy of a polynomial force over x, else None (the ledger then counts the work as exchange)."""
-        if not x.is_Add:
+    def energy_of(self, field: str, name: str, x: Any) -> Any:
+        """Stored energy of a polynomial field over its quantity, else None (the work then counts as exchange)."""
+        dummy = sp.Dummy(name, real=True)
+        force = self.local(field, **{name: dummy})
+        if not force.is_polynomial(dummy) or any(self._pool.level(a) != CONSTANT for a in _others(force, dummy)):
             return None
-        dummy = sp.Dummy("x", real=True)
-        replaced = force.subs(x, dummy)
-        if not replaced.is_polynomial(dummy) or replaced.free_symbols & x.free_symbols:
-            return None
-        return sp.integrate(replaced, dummy).subs(dummy, x)
+        return sp.integrate(force, dummy).xreplace({dummy: x})
+
+
+def _others(expr: Any, symbol: Any) -> set[Any]:
+    return set(expr.free_symbols) - {symbol}

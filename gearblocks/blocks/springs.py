@@ -75,7 +75,7 @@ class Shaft(Block):
         c = damping(s, s.k, s.a.mobility + s.b.mobility)
         drag = c * rate if c is not None else 0
         yield Force(twist, elastic + drag)
-        stored = s.k * twist**2 / 2 if self.k is not None else s.antiderivative(elastic, twist)
+        stored = s.k * twist**2 / 2 if self.k is not None else s.energy_of("torque", "twist", twist)
         yield Energy(stored=stored, loss=drag * rate if c is not None else None)
         yield Shows("torque", -elastic - drag, "N m", "torque on flange b")
         if c is not None:

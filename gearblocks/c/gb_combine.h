@@ -13,12 +13,6 @@ static inline const gb_block *gb_block_at(const double *x) {
 
 #define GB_INLINE static inline __attribute__((always_inline))
 
-#if defined(__clang__)
-#define GB_UNROLL /* it unrolls constant loops by itself */
-#else
-#define GB_UNROLL _Pragma("GCC unroll 16")
-#endif
-
 /* out = y + h sum_j w_j k_j in the entries [from, to), both multiples of GB_PAD. The last entry of w is the latest
  * stage, which everything waits for: it enters last and through one product. */
 GB_INLINE void gb_combine(const gb_weights *w, const double *k, int stride, int from, int to, const double *y, double h,
@@ -27,7 +21,6 @@ GB_INLINE void gb_combine(const gb_weights *w, const double *k, int stride, int 
     const double final = h * w->value[last];
     for (int b = from; b < to; b += GB_PAD) {
         gb_block sum = {0.0};
-        GB_UNROLL
         for (int j = 0; j < last; j++) {
             sum += w->value[j] * *gb_block_at(k + (size_t)w->index[j] * (size_t)stride + b);
         }

@@ -19,6 +19,15 @@ static void hermite_rows(const gb_sim *sim, int from, int to) {
     }
 }
 
+/* The rows beyond them. */
+static void further_rows(const gb_sim *sim, int from, int to) {
+    const int total = sim->model->n_total;
+    for (int m = 3; m < sim->method->rows; m++) {
+        gb_combine(&sim->method->d[m], sim->k, total, from, to, sim->zero, sim->head->h,
+                   sim->rows + (size_t)m * (size_t)total);
+    }
+}
+
 void gb_dense_hermite(gb_sim *sim) {
     if (sim->head->have_dense == 0) {
         hermite_rows(sim, 0, sim->model->n_padded);
@@ -41,7 +50,7 @@ int gb_dense_complete(gb_sim *sim) {
             return gb_check_finite(sim, GB_ERR_NAN_RATE, k, model->n_total, 0, sim->t[j]);
         }
     }
-    gb_further_rows(sim, sim->head->h, 0);
+    further_rows(sim, 0, model->n_padded);
     sim->head->have_dense = 2;
     return GB_DONE;
 }
@@ -55,7 +64,7 @@ int gb_dense_tail(gb_sim *sim) {
         return sim->head->report.code;
     }
     hermite_rows(sim, sim->model->n_padded, sim->model->n_total);
-    gb_further_rows(sim, sim->head->h, 1);
+    further_rows(sim, sim->model->n_padded, sim->model->n_total);
     sim->head->have_tail = 1;
     return GB_DONE;
 }

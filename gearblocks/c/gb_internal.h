@@ -77,7 +77,7 @@ typedef struct gb_head {
 
 struct gb_sim {
     const gb_model *model;
-    const gb_method *method, *table;
+    const gb_method *method;
     void *memory;
     gb_head *head; /* the block begins here and has block_bytes */
     size_t block_bytes;
@@ -142,7 +142,6 @@ int gb_first_derivative(gb_sim *sim, const double *tau);
 /* gb_kernel.c: the sums and calls of a step. */
 void gb_run_stages(gb_sim *sim, double h);
 void gb_run_extra_stages(gb_sim *sim, double h);
-void gb_further_rows(gb_sim *sim, double h, int tail);
 double gb_log_error(const gb_sim *sim, double h);
 
 /* gb_control.c: weights and step sizes. */

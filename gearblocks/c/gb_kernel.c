@@ -1,52 +1,37 @@
-/* The weighted sums of a step, where most of the solver's own time goes.
- *
- * Each is written once over (method, sizes). For the usual case - the pair of order 8 on a train whose states and
- * tail fill one block each - the same lines are compiled a second time with all of these constant, so that the loops
- * over the tableau unroll. Both give the same bits.
- */
+/* The stages of a step and their weighted sums, where most of the time goes. */
 #include "gb_combine.h"
-#include "gb_methods.h"
 
-typedef struct shape {
-    const gb_method *method;
-    int padded, total;
-} shape;
-
-GB_INLINE void stages(gb_sim *sim, shape s, double h) {
+/* All stages of the step from y0, and the new state z with its tail. */
+void gb_run_stages(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
-    double *const k = sim->k;
-    GB_UNROLL
-    for (int j = 1; j < s.method->stages; j++) {
-        gb_combine(&s.method->a[j], k, s.total, 0, s.padded, sim->y0, h, sim->z);
-        (s.method->full[j] ? model->rhs_full : model->rhs)(sim->par, sim->mode, sim->tau + j, sim->z,
-                                                           k + (size_t)j * (size_t)s.total);
+    const gb_method *method = sim->method;
+    const int total = model->n_total, padded = model->n_padded;
+    for (int j = 1; j < method->stages; j++) {
+        gb_combine(&method->a[j], sim->k, total, 0, padded, sim->y0, h, sim->z);
+        (method->full[j] ? model->rhs_full : model->rhs)(sim->par, sim->mode, sim->tau + j, sim->z,
+                                                         sim->k + (size_t)j * (size_t)total);
     }
-    gb_combine(&s.method->a[s.method->stages], k, s.total, 0, s.total, sim->y0, h, sim->z);
+    gb_combine(&method->a[method->stages], sim->k, total, 0, total, sim->y0, h, sim->z);
+    sim->head->rhs_calls += method->stages - 1;
 }
 
-GB_INLINE void extra_stages(gb_sim *sim, shape s, double h) {
+/* The stages that only dense output needs. */
+void gb_run_extra_stages(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
-    double *const k = sim->k;
-    GB_UNROLL
-    for (int j = s.method->stages + 1; j < s.method->all_stages; j++) {
-        gb_combine(&s.method->a[j], k, s.total, 0, s.padded, sim->y0, h, sim->z2);
-        model->rhs_full(sim->par, sim->mode, sim->tau + j, sim->z2, k + (size_t)j * (size_t)s.total);
+    const gb_method *method = sim->method;
+    for (int j = method->stages + 1; j < method->all_stages; j++) {
+        gb_combine(&method->a[j], sim->k, model->n_total, 0, model->n_padded, sim->y0, h, sim->z2);
+        model->rhs_full(sim->par, sim->mode, sim->tau + j, sim->z2, sim->k + (size_t)j * (size_t)model->n_total);
+        sim->head->rhs_calls++;
     }
 }
 
-GB_INLINE void further_rows(gb_sim *sim, shape s, double h, int from, int to) {
-    GB_UNROLL
-    for (int m = 3; m < s.method->rows; m++) {
-        gb_combine(&s.method->d[m], sim->k, s.total, from, to, sim->zero, h, sim->rows + (size_t)m * (size_t)s.total);
-    }
-}
-
-/* max |sum_j e_j k_j| weight, without the factor h. */
-GB_INLINE double error_norm(const gb_sim *sim, const gb_weights *e, shape s) {
+/* max |sum_j e_j k_j| weight over the states, without the factor h. */
+static double error_norm(const gb_sim *sim, const gb_weights *e) {
     double worst[GB_PAD] = {0.0};
-    for (int b = 0; b < s.padded; b += GB_PAD) {
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
         double error[GB_PAD];
-        gb_combine(e, sim->k + b, s.total, 0, GB_PAD, sim->zero, 1.0, error);
+        gb_combine(e, sim->k + b, sim->model->n_total, 0, GB_PAD, sim->zero, 1.0, error);
         for (int l = 0; l < GB_PAD; l++) {
             const double ratio = fabs(error[l]) * sim->weight[b + l];
             worst[l] = ratio > worst[l] ? ratio : worst[l];
@@ -58,47 +43,6 @@ GB_INLINE double error_norm(const gb_sim *sim, const gb_weights *e, shape s) {
         }
     }
     return worst[0];
-}
-
-static int is_usual(const gb_sim *sim) {
-    return sim->method == &sim->table[GB_DP8] && sim->model->n_padded == GB_PAD && sim->model->n_total == 2 * GB_PAD;
-}
-
-static const shape usual = {&gb_method_table[GB_DP8], GB_PAD, 2 * GB_PAD};
-
-static shape shape_of(const gb_sim *sim) {
-    const shape s = {sim->method, sim->model->n_padded, sim->model->n_total};
-    return s;
-}
-
-/* All stages of the step from y0, and the new state z. */
-void gb_run_stages(gb_sim *sim, double h) {
-    if (is_usual(sim)) {
-        stages(sim, usual, h);
-    } else {
-        stages(sim, shape_of(sim), h);
-    }
-    sim->head->rhs_calls += sim->method->stages - 1;
-}
-
-/* The stages that only dense output needs. */
-void gb_run_extra_stages(gb_sim *sim, double h) {
-    if (is_usual(sim)) {
-        extra_stages(sim, usual, h);
-    } else {
-        extra_stages(sim, shape_of(sim), h);
-    }
-    sim->head->rhs_calls += sim->method->all_stages - sim->method->stages - 1;
-}
-
-/* The dense rows beyond the cubic, in the states or in the tail. */
-void gb_further_rows(gb_sim *sim, double h, int tail) {
-    const gb_model *model = sim->model;
-    if (is_usual(sim) && !tail) {
-        further_rows(sim, usual, h, 0, GB_PAD);
-    } else {
-        further_rows(sim, shape_of(sim), h, tail ? model->n_padded : 0, tail ? model->n_total : model->n_padded);
-    }
 }
 
 /* log2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
@@ -116,20 +60,13 @@ static double rough_log2(double x) {
 /* log2 of the largest error of a state in units of its weight. */
 double gb_log_error(const gb_sim *sim, double h) {
     const gb_method *method = sim->method;
-    const shape s = shape_of(sim);
-    double first, second = 0.0;
-    if (is_usual(sim)) {
-        first = error_norm(sim, &usual.method->e[0], usual);
-        second = error_norm(sim, &usual.method->e[1], usual);
-    } else {
-        first = error_norm(sim, &method->e[0], s);
-        second = method->n_errors > 1 ? error_norm(sim, &method->e[1], s) : 0.0;
-    }
-    first *= h;
-    second *= h;
+    const double first = h * error_norm(sim, &method->e[0]);
     if (!(first > 1e-30)) {
         return -100.0;
     }
-    return method->n_errors == 1 ? rough_log2(first)
-                                 : 2.0 * rough_log2(first) - 0.5 * rough_log2(first * first + 0.01 * second * second);
+    if (method->n_errors == 1) {
+        return rough_log2(first);
+    }
+    const double second = h * error_norm(sim, &method->e[1]);
+    return 2.0 * rough_log2(first) - 0.5 * rough_log2(first * first + 0.01 * second * second);
 }

@@ -102,8 +102,7 @@ gb_sim *gb_open(const gb_model *model) {
         return NULL;
     }
     sim->model = model;
-    sim->table = gb_method_table;
-    sim->method = &sim->table[GB_DP8];
+    sim->method = &gb_method_table[GB_DP8];
     const size_t block = lay_block(sim, NULL), scratch = lay_scratch(sim, NULL);
     sim->memory = calloc(1, block + scratch + LINE);
     if (!sim->memory) {
@@ -173,7 +172,7 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     memset(sim->scale, 0, states);
     memset(sim->noise, 0, states);
     memset(sim->weight, 0, states);
-    sim->method = &sim->table[options->method];
+    sim->method = &gb_method_table[options->method];
     sim->n_log = sim->n_flushed = 0;
 }
 
@@ -242,7 +241,7 @@ int gb_restore(gb_sim *sim, const void *block) {
         return gb_fail(sim, GB_ERR_STATE, 0, sim->head->t1, (double)other.bytes);
     }
     memcpy(sim->head, block, sim->block_bytes);
-    sim->method = &sim->table[sim->head->options.method];
+    sim->method = &gb_method_table[sim->head->options.method];
     sim->n_log = sim->n_flushed = 0;
     gb_input_broadcast(sim);
     return GB_DONE;
