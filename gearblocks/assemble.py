@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import Any
 
 from gearblocks.coordinates import Combination, Elimination
 from gearblocks.errors import ModelError, did_you_mean
+from gearblocks.exact import Exact, exact
 from gearblocks.graph import GROUND, Component, Train, numbers_of, structure_of
 from gearblocks.laws import Law, derive, exact_value
 from gearblocks.ties import Groups, TieRow, merge
@@ -33,11 +33,11 @@ class Batch:
     components: list[int] = field(default_factory=list)
     flanges: tuple[str, ...] = ()
     groups: dict[str, list[int]] = field(default_factory=dict)
-    gains: dict[str, list[Fraction]] = field(default_factory=dict)
+    gains: dict[str, list[Exact]] = field(default_factory=dict)
     nodes: dict[str, list[int]] = field(default_factory=dict)
     sources: list[list[int]] = field(default_factory=list)
     dependent: tuple[bool, ...] = ()
-    exact: dict[Any, list[Fraction]] = field(default_factory=dict)
+    exact: dict[Any, list[Exact]] = field(default_factory=dict)
     used: tuple[bool, ...] = ()
 
 
@@ -46,10 +46,10 @@ class StartValues:
     """Where the start angle and speed of a group come from: the component and the gain of its node."""
 
     phi0: str
-    phi0_gain: Fraction
+    phi0_gain: Exact
     phi0_given: bool
     w0: str
-    w0_gain: Fraction
+    w0_gain: Exact
     w0_given: bool
 
 
@@ -64,11 +64,11 @@ class Assembly:
     train: Train
     batches: list[Batch]
     groups: Groups
-    group_of_node: list[tuple[int, Fraction]]
+    group_of_node: list[tuple[int, Exact]]
     held_offset: dict[int, str | None]
     n_groups: int
-    rows: list[dict[int, Fraction]]
-    row_offsets: list[dict[str, Fraction]]
+    rows: list[dict[int, Exact]]
+    row_offsets: list[dict[str, Exact]]
     dependents: list[Combination]
     angles: list[int]
     definitions: list[tuple[int, Combination]]
@@ -83,12 +83,12 @@ def assemble(train: Train) -> Assembly:
     Raises ModelError for contradicting ties, shafts without inertia and start values that disagree.
     """
     laws = _laws(train)
-    exact = _exact_values(train, laws)
-    groups = merge(train.n_nodes, list(_tie_rows(train, laws, exact)))
+    known = _exact_values(train, laws)
+    groups = merge(train.n_nodes, list(_tie_rows(train, laws, known)))
     numbering = _number_groups(train, laws, groups)
     assembly = Assembly(
         train, [], groups, [], {}, len(numbering), [], [], [], [], [], [], False,
-        tuple(sorted({(p, v) for e in exact for p, v in e.structural})),
+        tuple(sorted({(p, v) for e in known for p, v in e.structural})),
     )  # fmt: skip
     for node in range(train.n_nodes):
         root, gain = groups.find(node)
@@ -96,7 +96,7 @@ def assemble(train: Train) -> Assembly:
         if root in groups.grounded:
             assembly.held_offset[node] = groups.grounded[root]
     assembly.starts = _starts(train, laws, assembly)
-    _coordinates(assembly, laws, exact)
+    _coordinates(assembly, laws, known)
     return assembly
 
 
@@ -123,7 +123,7 @@ def _laws(train: Train) -> list[Law]:
 class ExactValues:
     """Fractions of the symbols that enter ratios of one component, and which float parameters became structural."""
 
-    values: dict[Any, Fraction]
+    values: dict[Any, Exact]
     structural: list[tuple[str, float]]
 
 
@@ -142,9 +142,9 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
             numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
             for symbol, slot in wanted[id(law)]:
                 if slot.role == "exact":
-                    found.values[symbol] = Fraction(numbers[slot.of])
+                    found.values[symbol] = exact(numbers[slot.of])
                 elif slot.role == "own":
-                    found.values[symbol] = Fraction(numbers[slot.of])
+                    found.values[symbol] = exact(numbers[slot.of])
                     found.structural.append((f"{c.path}.{slot.of}", float(numbers[slot.of])))
                 else:
                     raise ModelError(f"'{c.path}': a ratio depends on '{symbol}', which can change; ratios are structural")
@@ -152,14 +152,14 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
     return result
 
 
-def _tie_rows(train: Train, laws: list[Law], exact: list[ExactValues]) -> Iterable[TieRow]:
-    for c, law, values in zip(train.components, laws, exact, strict=True):
+def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[TieRow]:
+    for c, law, values in zip(train.components, laws, known, strict=True):
         names = list(type(c.block).flanges)
         for coefficients, constant in law.ties:
-            row: dict[int, Fraction] = {}
+            row: dict[int, Exact] = {}
             for flange, expr in coefficients.items():
                 node = c.nodes[names.index(flange)]
-                row[node] = row.get(node, Fraction(0)) + exact_value(expr, values.values)
+                row[node] = row.get(node, 0) + exact_value(expr, values.values)
             offset = None
             if constant != 0:
                 slot = law.pool.slots.get(-constant)
@@ -200,7 +200,7 @@ def _number_groups(train: Train, laws: list[Law], groups: Groups) -> dict[int, i
 
 def _starts(train: Train, laws: list[Law], assembly: Assembly) -> list[StartValues]:
     """For each group the component that owns its start values; given ones must agree through the ties."""
-    found: dict[str, dict[int, tuple[str, Fraction, float | None]]] = {"phi0": {}, "w0": {}}
+    found: dict[str, dict[int, tuple[str, Exact, float | None]]] = {"phi0": {}, "w0": {}}
     problems = []
     for c, law in zip(train.components, laws, strict=True):
         for flange, _ in law.bodies:
@@ -225,7 +225,7 @@ def _starts(train: Train, laws: list[Law], assembly: Assembly) -> list[StartValu
     ]
 
 
-def _owner(entry: tuple[str, Fraction, float | None]) -> tuple[str, Fraction, bool]:
+def _owner(entry: tuple[str, Exact, float | None]) -> tuple[str, Exact, bool]:
     return entry[0], entry[1], entry[2] is not None
 
 
@@ -238,7 +238,7 @@ def _dynamics(law: Law) -> list[Any]:
     return exprs + [e for e in (law.stored, law.loss, law.supplied) if e is not None]
 
 
-def _coordinates(assembly: Assembly, laws: list[Law], exact: list[ExactValues]) -> None:
+def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) -> None:
     elimination = Elimination()
     batches: dict[Any, Batch] = {}
     facts: dict[int, tuple[tuple[bool, ...], bool]] = {}
@@ -250,14 +250,14 @@ def _coordinates(assembly: Assembly, laws: list[Law], exact: list[ExactValues]) 
         used, reads = facts[id(law)]
         assembly.in_law |= reads
         nodes = {n: node for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node != GROUND}
-        sources, dependent = _take(assembly, elimination, law, nodes, exact[index], used)
+        sources, dependent = _take(assembly, elimination, law, nodes, known[index], used)
         held = frozenset(n for n, node in nodes.items() if assembly.group_of_node[node][0] == HELD)
         key = (id(law), held, dependent)
         if key not in batches:
             name = f"{type(c.block).__name__.lower()}_{len(batches)}"
             batches[key] = Batch(name, law, flanges=tuple(nodes), dependent=dependent, used=used)
             batches[key].sources = [[] for _ in law.forms]
-        _append(batches[key], assembly, index, nodes, sources, exact[index])
+        _append(batches[key], assembly, index, nodes, sources, known[index])
     assembly.batches = list(batches.values())
     assembly.rows = elimination.rows
     free = [g for g in range(assembly.n_groups) if g not in elimination.definitions]
@@ -267,7 +267,7 @@ def _coordinates(assembly: Assembly, laws: list[Law], exact: list[ExactValues]) 
 
 
 def _take(
-    assembly: Assembly, elimination: Elimination, law: Law, nodes: dict[str, int], exact: ExactValues, used: tuple[bool, ...]
+    assembly: Assembly, elimination: Elimination, law: Law, nodes: dict[str, int], values: ExactValues, used: tuple[bool, ...]
 ) -> tuple[list[int], tuple[bool, ...]]:  # fmt: skip
     """Where each coordinate of one instance comes from."""
     sources, dependent = [], []
@@ -278,7 +278,7 @@ def _take(
             continue
         combination = Combination()
         for flange, expr in form.coefficients.items():
-            c = exact_value(expr, exact.values)
+            c = exact_value(expr, values.values)
             node = nodes[flange]
             group, gain = assembly.group_of_node[node]
             if group == HELD:
@@ -299,7 +299,7 @@ def _take(
 
 
 def _append(
-    batch: Batch, assembly: Assembly, index: int, nodes: dict[str, int], sources: list[int], exact: ExactValues
+    batch: Batch, assembly: Assembly, index: int, nodes: dict[str, int], sources: list[int], values: ExactValues
 ) -> None:  # fmt: skip
     batch.components.append(index)
     for name, node in nodes.items():
@@ -309,7 +309,7 @@ def _append(
         batch.nodes.setdefault(name, []).append(node)
     for column, source in zip(batch.sources, sources, strict=True):
         column.append(source)
-    for symbol, value in exact.values.items():
+    for symbol, value in values.values.items():
         batch.exact.setdefault(symbol, []).append(value)
 
 

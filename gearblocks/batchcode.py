@@ -84,6 +84,7 @@ class BatchCode:
         self.lay, self.number, self.batch, self.places = lay, number, batch, places
         self.law = batch.law
         self.n = len(batch.components)
+        self.paths = [lay.assembly.train.components[i].path for i in batch.components]
         self.hoister = Hoister(self.law.pool)
 
     # -- names of symbols ---------------------------------------------------------------------------------------------
@@ -178,7 +179,7 @@ class BatchCode:
         return f"{self._gain(flange, args)}({key} < 0 ? 0.0 : par[{key} < 0 ? 0 : {key}])"
 
     def _gain(self, flange: str, args: dict[str, Any]) -> str:
-        gains = column(f"{self.batch.name}_k_{flange}", self.batch.gains[flange])
+        gains = column(f"{self.batch.name}_k_{flange}", [float(g) for g in self.batch.gains[flange]])
         if all(g == 1.0 for g in gains.values):
             return ""
         args[f"k_{flange}"] = ("double", f"k_{flange}", gains)

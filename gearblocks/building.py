@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import functools
+import gc
 import hashlib
 import inspect
-import pickle
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import CodeType
 from typing import Any
@@ -24,6 +26,23 @@ from gearblocks.signals import Parameter
 
 def build_train(train: Train) -> Model:
     """The model of a train. Raises ModelError, or CompileError where there is no working compiler."""
+    with _without_collector():
+        return _build(train)
+
+
+@contextmanager
+def _without_collector() -> Iterator[None]:
+    """Pauses the garbage collector: a long train makes a million objects at once, none of them garbage."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
+
+
+def _build(train: Train) -> Model:
     values = _values(train)
     cache = user_cache()
     key = digest("program", _package_digest(), _classes_digest(train), structural_text(train))
@@ -31,7 +50,7 @@ def build_train(train: Train) -> Model:
     if program is None:
         start_core_build()
         program = make_program(train)
-        cache.write("programs", key, pickle.dumps(program, protocol=5))
+        cache.write("programs", key, program.to_bytes())
     start = np.array([values.get(p.path, 0.0) for p in program.parameters])
     start.setflags(write=False)
     return Model(program, compile_program(program), start)
@@ -49,8 +68,7 @@ def _stored(data: bytes | None, values: dict[str, float]) -> Program | None:
     """A program from the cache, unless its ratios rest on other values."""
     if data is None:
         return None
-    program = pickle.loads(data)  # the cache verifies that it reads what was written
-    assert isinstance(program, Program)
+    program = Program.from_bytes(data)  # the cache verifies that it reads what was written
     fits = all(values.get(path) == value for path, value in program.structural)
     return program if fits else None
 

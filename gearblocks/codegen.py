@@ -70,10 +70,6 @@ class Generator:
     inverse_mass: int = 0
     tail: int = 0
 
-    def path(self, code: BatchCode, e: int) -> str:
-        """Path of instance e of a batch."""
-        return self.assembly.train.components[code.batch.components[e]].path
-
     def keep(self, what: str, function: Function) -> None:
         """Adds a function unless it does nothing."""
         if function.body:
@@ -142,7 +138,7 @@ def _switches(g: Generator) -> None:
                     code.places.switches[i] = at
                     kind = "time" if switch.level < 2 else "state"
                     for e in range(code.n):
-                        owner = f"{g.path(code, e)}.{switch.name}".rstrip(".")
+                        owner = f"{code.paths[e]}.{switch.name}".rstrip(".")
                         g.switches.append(SwitchInfo(owner, switch.name, kind, switch.low, switch.high))
                     at += code.n
         if wanted == ("affine",):
@@ -214,7 +210,7 @@ def _laws(g: Generator) -> None:
         shows = []
         for show, expr in code.shows:
             shows.append((f"out[{len(g.outputs)} + e]", "=", expr, False))
-            g.outputs += [Quantity(f"{g.path(code, e)}.{show.name}", show.unit, show.words) for e in range(code.n)]
+            g.outputs += [Quantity(f"{path}.{show.name}", show.unit, show.words) for path in code.paths]
         g.keep("shows", code.function("shows", shows))
 
 
@@ -234,7 +230,7 @@ def _rates(g: Generator, code: BatchCode) -> None:
     for part, entry in (("loss", code.loss), ("supplied", code.supplied)):
         if entry is not None:
             targets.append((f"dy[{g.tail} + e]", "=", entry, True))
-            g.integrals += [IntegralInfo(g.path(code, e), part, g.tail + e) for e in range(code.n)]
+            g.integrals += [IntegralInfo(code.paths[e], part, g.tail + e) for e in range(code.n)]
             g.tail += code.n
     function = code.function("rates", targets, extra=[f for f in code.torques if f not in held])
     for statement in function.body:
@@ -303,10 +299,10 @@ def _bodies(g: Generator, code: BatchCode) -> None:
         alpha = code.law.pool.symbol("alpha", flange, f"alpha_{flange}")
         inertial.append((f"flange_tau[{code.places.tau[flange]} + e]", "-=", J * alpha, False))
         energy.append((len(g.energies), J * w**2 / 2, "kinetic"))
-        g.energies += [EnergyInfo(g.path(code, e), "kinetic", len(g.energies) + e) for e in range(code.n)]
+        g.energies += [EnergyInfo(code.paths[e], "kinetic", len(g.energies) + e) for e in range(code.n)]
     if code.stored is not None:
         energy.append((len(g.energies), code.stored, "stored"))
-        g.energies += [EnergyInfo(g.path(code, e), "stored", len(g.energies) + e) for e in range(code.n)]
+        g.energies += [EnergyInfo(code.paths[e], "stored", len(g.energies) + e) for e in range(code.n)]
     g.keep("inertial", code.function("inertial", inertial))
     g.keep("energies", code.function("energies", [(f"energy[{i} + e]", "=", x, False) for i, x, _ in energy]))
 
@@ -379,7 +375,7 @@ def _describe_outputs(g: Generator) -> None:
     ):  # fmt: skip
         for code in g.codes:
             for flange in code.batch.flanges:
-                g.outputs += [Quantity(f"{g.path(code, e)}.{flange}.{name}", unit, words) for e in range(code.n)]
+                g.outputs += [Quantity(f"{path}.{flange}.{name}", unit, words) for path in code.paths]
     g.outputs += [Quantity(c.name, c.unit, "relative coordinate") for c in g.assembly.train.coordinates]
 
 
@@ -409,9 +405,9 @@ def _program(g: Generator, source: str) -> Program:
             for j in range(len(code.law.forms)):
                 if code.batch.used[j] and not code.batch.dependent[j]:
                     i = code.batch.sources[j][e]
-                    states[i] = Quantity(f"{g.path(code, e)}.coordinate", "rad", "relative angle")
+                    states[i] = Quantity(f"{code.paths[e]}.coordinate", "rad", "relative angle")
             for state in code.law.rates:
-                states[lay.state0[code.number, state] + e] = Quantity(f"{g.path(code, e)}.{state}", "1", "state")
+                states[lay.state0[code.number, state] + e] = Quantity(f"{code.paths[e]}.{state}", "1", "state")
     for i, start in enumerate(g.assembly.starts):
         states[lay.v0 + i] = Quantity(f"{start.w0}.w", "rad/s", "speed")
     in_law = lay.angle0 < lay.n
@@ -435,13 +431,13 @@ def _start_infos(g: Generator) -> Iterator[StartInfo]:
             for e, group in enumerate(code.batch.groups[flange]):
                 if group != HELD:
                     start, gain = g.assembly.starts[group], code.batch.gains[flange][e]
-                    path = g.path(code, e)
+                    path = code.paths[e]
                     yield StartInfo(f"{path}.phi", g.lay.phi0[group], float(start.phi0_gain / gain))
                     yield StartInfo(f"{path}.w", g.lay.w0[group], float(start.w0_gain / gain))
         for state in code.law.rates:
             first = g.lay.state_start[code.number, state]
             for e in range(code.n):
-                yield StartInfo(f"{g.path(code, e)}.{state}", first + e, 1.0)
+                yield StartInfo(f"{code.paths[e]}.{state}", first + e, 1.0)
 
 
 def _render(g: Generator, angles: bool) -> str:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import TypeVar
+
+from gearblocks.exact import Exact, over
 
 _K = TypeVar("_K", int, str)
 
@@ -18,20 +19,20 @@ _K = TypeVar("_K", int, str)
 class Combination:
     """Exact combination of group angles, coordinates and offsets of the ground (paths of parameters)."""
 
-    groups: dict[int, Fraction] = field(default_factory=dict)
-    coordinates: dict[int, Fraction] = field(default_factory=dict)
-    offsets: dict[str, Fraction] = field(default_factory=dict)
+    groups: dict[int, Exact] = field(default_factory=dict)
+    coordinates: dict[int, Exact] = field(default_factory=dict)
+    offsets: dict[str, Exact] = field(default_factory=dict)
 
-    def add(self, other: Combination, factor: Fraction) -> None:
+    def add(self, other: Combination, factor: Exact) -> None:
         """Adds factor times another combination."""
         _accumulate(self.groups, other.groups, factor)
         _accumulate(self.coordinates, other.coordinates, factor)
         _accumulate(self.offsets, other.offsets, factor)
 
 
-def _accumulate(target: dict[_K, Fraction], source: Mapping[_K, Fraction], factor: Fraction) -> None:
+def _accumulate(target: dict[_K, Exact], source: Mapping[_K, Exact], factor: Exact) -> None:
     for key, value in source.items():
-        total = target.get(key, Fraction(0)) + factor * value
+        total = target.get(key, 0) + factor * value
         if total:
             target[key] = total
         else:
@@ -43,13 +44,13 @@ class Elimination:
 
     def __init__(self) -> None:
         self.definitions: dict[int, Combination] = {}
-        self._gains: dict[int, dict[int, Fraction]] = {}
+        self._gains: dict[int, dict[int, Exact]] = {}
         self.n = 0
-        self.rows: list[dict[int, Fraction]] = []
+        self.rows: list[dict[int, Exact]] = []
 
     def take(self, form: Combination) -> int | Combination:
         """The number of a new coordinate, or what the form is a combination of."""
-        left: dict[int, Fraction] = {}
+        left: dict[int, Exact] = {}
         for group, c in form.groups.items():
             _accumulate(left, self._roots(group), c)
         if not left:
@@ -58,8 +59,8 @@ class Elimination:
         pivot = raw[-1] if raw else next(iter(left))
         base = form if raw else self.expand(form)
         c = base.groups[pivot]
-        definition = Combination({}, {self.n: 1 / c}, {})
-        definition.add(Combination(dict(base.groups), dict(base.coordinates), dict(base.offsets)), -1 / c)
+        definition = Combination({}, {self.n: over(1, c)}, {})
+        definition.add(Combination(dict(base.groups), dict(base.coordinates), dict(base.offsets)), over(-1, c))
         definition.groups.pop(pivot, None)
         self.definitions[pivot] = definition
         self._gains[pivot] = dict(definition.groups)
@@ -67,15 +68,15 @@ class Elimination:
         self.n += 1
         return self.n - 1
 
-    def _roots(self, group: int) -> dict[int, Fraction]:
+    def _roots(self, group: int) -> dict[int, Exact]:
         """Gain of a group on the groups that are not eliminated (its coordinates left aside)."""
         if group not in self.definitions:
-            return {group: Fraction(1)}
+            return {group: 1}
         gains = self._gains[group]
         while any(g in self.definitions for g in gains):
-            new: dict[int, Fraction] = {}
+            new: dict[int, Exact] = {}
             for g, c in gains.items():
-                _accumulate(new, self._gains[g] if g in self.definitions else {g: Fraction(1)}, c)
+                _accumulate(new, self._gains[g] if g in self.definitions else {g: 1}, c)
             gains = self._gains[group] = new
         return gains
 
@@ -99,7 +100,7 @@ class Elimination:
         """The form in coordinates, offsets and groups that are not eliminated."""
         result = Combination(dict(form.groups), dict(form.coordinates), dict(form.offsets))
         for group in reversed(self.order(list(form.groups))):
-            c = result.groups.pop(group, Fraction(0))
+            c = result.groups.pop(group, 0)
             if c:
                 result.add(self.definitions[group], c)
         return result

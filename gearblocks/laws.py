@@ -18,6 +18,7 @@ import sympy as sp
 from gearblocks import declare as d
 from gearblocks.branches import Freezer, SurfaceOfKind
 from gearblocks.errors import ModelError
+from gearblocks.exact import Exact, exact, over
 from gearblocks.symbols import CONSTANT, Pool, Symbols, TableAt, clock
 
 
@@ -260,23 +261,23 @@ def _vanishes(expr: Any, pool: Pool) -> bool:
     return True
 
 
-def exact_value(expr: Any, values: Mapping[Any, Fraction]) -> Fraction:
+def exact_value(expr: Any, values: Mapping[Any, Exact]) -> Exact:
     """The rational number that a coefficient is when every symbol in it has an exact value."""
     expr = sp.sympify(expr)
     if expr.is_Rational:
-        return Fraction(int(expr.p), int(expr.q))
+        return over(int(expr.p), int(expr.q))
     if expr.is_Float:
-        return Fraction(float(expr))
+        return exact(float(expr))
     if expr.is_Symbol:
         return values[expr]
     parts = [exact_value(a, values) for a in expr.args]
     if expr.is_Add:
-        return sum(parts, Fraction(0))
+        return sum(parts)
     if expr.is_Mul:
-        product = Fraction(1)
+        product: Exact = 1
         for p in parts:
             product *= p
         return product
     if expr.is_Pow and parts[1].denominator == 1:
-        return parts[0] ** int(parts[1])
+        return exact(Fraction(parts[0]) ** int(parts[1]))
     raise ModelError(f"the ratio '{expr}' is no rational number of its parameters")

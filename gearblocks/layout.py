@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import Any
 
 from gearblocks.assemble import HELD, Assembly, Batch
 from gearblocks.declare import Field
+from gearblocks.exact import Exact
 from gearblocks.graph import leaves_of, numbers_of
 from gearblocks.program import ParameterInfo
 from gearblocks.signals import Input, Parameter
@@ -178,7 +178,7 @@ def _start_values(lay: Layout) -> None:
                 _add(lay, f"{c.path}.{state}", Field("start value", unit, "param"), tunable=False)
 
 
-def column(name: str, values: Sequence[int | float | Fraction]) -> Column:
+def column(name: str, values: Sequence[float | Exact]) -> Column:
     """A column with plain numbers."""
     return Column(name, tuple(v if isinstance(v, int) else float(v) for v in values))
 

@@ -9,7 +9,6 @@ import contextlib
 import ctypes
 import functools
 import os
-import sys
 import tempfile
 import threading
 from collections.abc import Sequence
@@ -26,7 +25,8 @@ from gearblocks.program import Program
 
 SOURCES = Path(__file__).parent / "c"
 
-_MODEL_FLAGS = ("-fvisibility=default", *(("-Wl,--export-all-symbols",) if sys.platform == "win32" else ()))
+# Read before the model: the one function of it that can be seen from outside.
+_EXPORTS = '#include "gb_core.h"\nGB_API const gb_model *gb_get_model(void);\n'
 _builds: dict[tuple[int, str], Future[tuple[Path, ...]]] = {}
 _lock = threading.Lock()
 
@@ -63,7 +63,7 @@ def compile_program(program: Program) -> Library:
     """The library of a program, from the cache where it was compiled before. Raises CompileError."""
     compiler = find_compiler()
     cache, core = user_cache(), _core_key(compiler)
-    key = digest(core, "model", *_MODEL_FLAGS, program.source)
+    key = digest(core, _EXPORTS, program.source)
     path = cache.find("models", key, SHARED_SUFFIX)
     if path is None:
         objects = _core_objects(compiler, core).result()
@@ -153,11 +153,11 @@ def _compiled(compiler: Compiler, files: dict[str, bytes], name: str) -> bytes:
 
 def _linked(compiler: Compiler, source: str, objects: Sequence[Path]) -> bytes:
     """The shared object of a model: its C text and the objects of the core."""
-    files = {**_written("h"), "model.c": source.encode()}
+    files = {**_written("h"), "exports.h": _EXPORTS.encode(), "model.c": source.encode()}
     files.update({f"core{number}.o": path.read_bytes() for number, path in enumerate(objects)})
     cores = [f"core{number}.o" for number in range(len(objects))]
     product = "model" + SHARED_SUFFIX
-    flags = (*FLAGS, *compiler.native, *_MODEL_FLAGS)
+    flags = (*FLAGS, *compiler.native, "-include", "exports.h")
     return _produced(compiler, files, (*flags, "-shared", "model.c", *cores, "-o", product, "-lm"), product)
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
 
 from gearblocks.errors import ModelError
+from gearblocks.exact import Exact, over
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,7 +15,7 @@ class TieRow:
     """One tie of a component: sum of coefficient * angle over nodes = offset (a path of a parameter, or None: 0)."""
 
     component: str
-    coefficients: Mapping[int, Fraction]
+    coefficients: Mapping[int, Exact]
     offset: str | None = None
 
 
@@ -26,8 +26,8 @@ class TreeTie:
     component: str
     child: int
     parent: int
-    c_child: Fraction
-    c_parent: Fraction
+    c_child: Exact
+    c_parent: Exact
 
 
 @dataclass(slots=True)
@@ -35,28 +35,28 @@ class Groups:
     """Nodes merged by ties: phi(node) = gain * phi(root)."""
 
     parents: list[int]
-    gains: list[Fraction]
+    gains: list[Exact]
     grounded: dict[int, str | None] = field(default_factory=dict)
     tree: list[TreeTie] = field(default_factory=list)
     redundant: list[str] = field(default_factory=list)
 
-    def find(self, node: int) -> tuple[int, Fraction]:
+    def find(self, node: int) -> tuple[int, Exact]:
         """(root, gain) of a node."""
         path = []
         i = node
         while self.parents[i] != i:
             path.append(i)
             i = self.parents[i]
-        gain = Fraction(1)
+        gain: Exact = 1
         for j in reversed(path):
             gain = gain * self.gains[j] if self.parents[j] != i else self.gains[j]
             self.gains[j], self.parents[j] = gain, i
-        return (i, self.gains[node]) if node != i else (i, Fraction(1))
+        return (i, self.gains[node]) if node != i else (i, 1)
 
 
 def merge(n_nodes: int, rows: list[TieRow]) -> Groups:
     """Merges nodes by all ties. ModelError names the loop where ties contradict each other."""
-    groups = Groups(list(range(n_nodes)), [Fraction(1)] * n_nodes)
+    groups = Groups(list(range(n_nodes)), [1] * n_nodes)
     waiting: list[TieRow] = []
     used: list[TieRow] = []
     for row in rows:
@@ -90,7 +90,7 @@ def _join(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
         (ra, ga), (rb, gb) = groups.find(a), groups.find(b)
         if ra == rb:
             if ca * ga + cb * gb != 0:
-                raise ModelError(_contradiction(row, a, b, -cb / ca, gb_over(ga, gb), used))
+                raise ModelError(_contradiction(row, a, b, over(-cb, ca), over(ga, gb), used))
             groups.redundant.append(row.component)
             return
         if rb in groups.grounded:
@@ -99,14 +99,9 @@ def _join(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
                 return
             a, b, ca, cb, ra, rb, ga, gb = b, a, cb, ca, rb, ra, gb, ga
         # b's root hangs below a's root: phi_b = -(ca/cb) phi_a
-        groups.parents[rb], groups.gains[rb] = ra, -(ca * ga) / (cb * gb)
+        groups.parents[rb], groups.gains[rb] = ra, over(-(ca * ga), cb * gb)
         groups.tree.append(TreeTie(row.component, b, a, cb, ca))
         used.append(row)
-
-
-def gb_over(ga: Fraction, gb: Fraction) -> Fraction:
-    """Turns of a for one turn of b by the ties that were there before."""
-    return ga / gb
 
 
 def _ground(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
@@ -116,11 +111,11 @@ def _ground(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
         groups.redundant.append(row.component)
         return
     groups.grounded[root] = row.offset
-    groups.tree.append(TreeTie(row.component, node, -1, c, Fraction(0)))
+    groups.tree.append(TreeTie(row.component, node, -1, c, 0))
     used.append(row)
 
 
-def _contradiction(row: TieRow, a: int, b: int, asked: Fraction, given: Fraction, used: list[TieRow]) -> str:
+def _contradiction(row: TieRow, a: int, b: int, asked: Exact, given: Exact, used: list[TieRow]) -> str:
     """The message for a loop of ties: its components and what they ask for."""
     neighbours: dict[int, list[tuple[int, str]]] = {}
     for tie in used:

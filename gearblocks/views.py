@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gearblocks.batchcode import Function
 from gearblocks.coordinates import Combination
+from gearblocks.exact import Exact, over
 
 if TYPE_CHECKING:
     from gearblocks.codegen import Generator
@@ -59,7 +59,7 @@ def function_view(function: Function) -> FunctionView:
     return FunctionView(function.name, signature, function, [prefix + call for call in function.calls])
 
 
-def sparse(name: str, rows: Sequence[Mapping[int, Fraction]]) -> Sparse:
+def sparse(name: str, rows: Sequence[Mapping[int, Exact]]) -> Sparse:
     """Rows of exact numbers, sorted by column."""
     start, index, value = [0], [], []
     for row in rows:
@@ -95,10 +95,10 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "by_group": sparse("by_group", [c.groups for c in combinations]),
         "by_coordinate": sparse("by_coordinate", [c.coordinates for c in combinations]),
         "by_offset": sparse("by_offset", [_offsets(g, c) for c in combinations]),
-        "phi_gains": [repr(float(1 / s.phi0_gain)) for s in assembly.starts],
-        "w_gains": [repr(float(1 / s.w0_gain)) for s in assembly.starts],
-        "flanges": _flanges(g),
-        "ties": _tie_order(g),
+        "phi_gains": [repr(float(over(1, s.phi0_gain))) for s in assembly.starts],
+        "w_gains": [repr(float(over(1, s.w0_gain))) for s in assembly.starts],
+        "flanges": _turned(FlangeRow, _flanges(g)),
+        "ties": _turned(TieStep, _tie_order(g)),
         "n_flange_outputs": sum(code.n * len(code.batch.flanges) for code in g.codes),
         "first_flange_output": sum(code.n * len(code.law.shows) for code in g.codes),
         "inputs": list(lay.inputs),
@@ -118,6 +118,12 @@ def _sense_call(f: FunctionView, call: str) -> str:
     return f"{f.name}({vectors}{call})"
 
 
+def _turned(kind: Any, rows: Sequence[Any]) -> dict[str, Any]:
+    """Columns of rows by name, and their number."""
+    columns = list(zip(*rows, strict=True)) or [()] * len(kind._fields)
+    return {"count": len(rows), **dict(zip(kind._fields, columns, strict=True))}
+
+
 def _law_senses(g: Generator) -> set[int]:
     """Numbers of the senses that laws read, with what they read in turn."""
     wanted = [slot.of for b in g.assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"]
@@ -129,16 +135,15 @@ def _c_string(text: str) -> str:
     return f'"{"".join(plain)}"'
 
 
-def _offsets(g: Generator, c: Combination) -> dict[int, Fraction]:
+def _offsets(g: Generator, c: Combination) -> dict[int, Exact]:
     return _paths(g, c.offsets)
 
 
-def _paths(g: Generator, offsets: Mapping[str, Fraction]) -> dict[int, Fraction]:
+def _paths(g: Generator, offsets: Mapping[str, Exact]) -> dict[int, Exact]:
     return {g.lay.path_of[path]: value for path, value in offsets.items()}
 
 
-@dataclass(frozen=True, slots=True)
-class FlangeRow:
+class FlangeRow(NamedTuple):
     """One flange of one component in the tables of the outputs."""
 
     group: int
@@ -159,8 +164,7 @@ def _flanges(g: Generator) -> list[FlangeRow]:
     return rows
 
 
-@dataclass(frozen=True, slots=True)
-class TieStep:
+class TieStep(NamedTuple):
     """One step of the backward pass: the tie holds `child` (a node); torque_ratio = c_parent/c_child."""
 
     child: int
@@ -172,7 +176,7 @@ class TieStep:
 
 def _tie_order(g: Generator) -> list[TieStep]:
     """Ties from the leaves to the roots: each passes on what its node lacks."""
-    edges: dict[int, list[tuple[int, Any, Fraction, Fraction]]] = {}
+    edges: dict[int, list[tuple[int, Any, Exact, Exact]]] = {}
     roots = []
     for tie in g.assembly.groups.tree:
         if tie.parent == -1:
@@ -194,7 +198,7 @@ def _tie_order(g: Generator) -> list[TieStep]:
                     seen.add(other)
                     flanges = flange_of[tie.component]
                     order.append(
-                        TieStep(other, node, flanges[other], flanges[node], repr(float(c_node / c_other)))
+                        TieStep(other, node, flanges[other], flanges[node], repr(float(over(c_node, c_other))))
                     )
                     stack.append(other)
 
@@ -213,6 +217,6 @@ def _flange_numbers(g: Generator) -> dict[str, dict[int, int]]:
     for code in g.codes:
         for flange in code.batch.flanges:
             for e in range(code.n):
-                mine = numbers.setdefault(g.path(code, e), {})
+                mine = numbers.setdefault(code.paths[e], {})
                 mine.setdefault(code.batch.nodes[flange][e], code.places.tau[flange] + e)
     return numbers

@@ -27,7 +27,7 @@ enum {
     GB_FULL = 1,           /* the record is full: empty it and call again */
     GB_PAUSE = 2,          /* the time slice is over: call again */
     GB_ERR_STEP = -1,      /* step size below rounding; index: the state with the largest error */
-    GB_ERR_NAN_RATE = -2,  /* a derivative is NaN or infinite; index: state */
+    GB_ERR_NAN_RATE = -2,  /* a derivative is NaN or infinite; index: entry of y */
     GB_ERR_NAN_INPUT = -3, /* an input is NaN or infinite; index: input */
     GB_ERR_NAN_START = -4, /* a start value or parameter is NaN or infinite; index: state or n + parameter */
     GB_ERR_CHATTER = -5,   /* a switch flips without progress; index: switch */

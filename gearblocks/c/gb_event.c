@@ -223,15 +223,24 @@ static int start_on_limits(gb_sim *sim) {
     return gb_settle(sim, 0);
 }
 
+/* Modes of the time switches just after the front, and what they announce. */
+void gb_time_modes(gb_sim *sim, int log) {
+    const gb_model *model = sim->model;
+    const double t = sim->head->t1, after = t + 4.0 * DBL_EPSILON * fabs(t) + 1e-290;
+    for (int i = model->n_surfaces; i < model->n_switches; i++) {
+        const double mode = model->mode_at(sim->par, i, model->clock(sim->par, i, after));
+        if (mode != sim->mode[i]) {
+            set_mode(sim, i, mode, log);
+        }
+    }
+    gb_refresh_breaks(sim, 1);
+}
+
 /* Modes at the start: those of time just after it, then those of the state until they agree with each other. */
 int gb_modes_start(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const double t = sim->head->t1, after = t + 4.0 * DBL_EPSILON * fabs(t) + 1e-290;
     int code = GB_DONE, changed = 1, last = 0;
-    for (int i = model->n_surfaces; i < model->n_switches; i++) {
-        set_mode(sim, i, model->mode_at(sim->par, i, model->clock(sim->par, i, after)), 0);
-    }
-    gb_refresh_breaks(sim, 1);
+    gb_time_modes(sim, 0);
     for (int round = 0; round < GB_FLIPS && changed && model->n_surfaces > 0; round++) {
         changed = 0;
         code = surfaces_now(sim);
@@ -245,7 +254,7 @@ int gb_modes_start(gb_sim *sim) {
         }
     }
     if (code != GB_DONE || (changed && model->n_surfaces > 0)) {
-        return code != GB_DONE ? code : gb_fail(sim, GB_ERR_BRANCH, last, t, sim->s[last]);
+        return code != GB_DONE ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->t1, sim->s[last]);
     }
     code = gb_settle(sim, 0);
     return code == GB_DONE && model->n_affine > 0 ? start_on_limits(sim) : code;

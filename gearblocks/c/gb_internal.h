@@ -169,6 +169,7 @@ int gb_modes_start(gb_sim *sim);
 int gb_settle(gb_sim *sim, int log);
 int gb_apply_event(gb_sim *sim);
 void gb_refresh_breaks(gb_sim *sim, int all);
+void gb_time_modes(gb_sim *sim, int log);
 void gb_mark_time_events(gb_sim *sim);
 void gb_mark_modes(gb_sim *sim);
 void gb_log(gb_sim *sim, int index, int kind, double before, double after);

@@ -83,7 +83,7 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
     sim->tau_one = doubles(base, &at, (long)GB_LANES * m->n_time);
     sim->sources = take(base, &at, sizeof(gb_source) * (size_t)(m->n_inputs + 1));
     sim->moving = take(base, &at, sizeof(int) * (size_t)(m->n_inputs + 1));
-    sim->log_capacity = 2L * GB_FLIPS * m->n_switches + m->n_inputs + 1;
+    sim->log_capacity = 4L * m->n_switches + m->n_inputs + 64;
     sim->log = take(base, &at, sizeof(gb_event) * (size_t)sim->log_capacity);
     return at;
 }
@@ -221,7 +221,7 @@ int gb_apply_changes(gb_sim *sim) {
     head->report.code = GB_DONE;
     int code = take_values(sim, head->t1);
     if (code == GB_DONE) {
-        gb_refresh_breaks(sim, 1);
+        gb_time_modes(sim, 1);
         code = gb_settle(sim, 1);
     }
     return code;

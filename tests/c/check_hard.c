@@ -131,7 +131,40 @@ static void check_limits(void) {
     gb_close(sim);
 }
 
+/* A solution that ends: the run stops there, says so, and keeps what it has. */
+static void check_growth(int method, double step) {
+    const double start[1] = {1.0};
+    run r = run_steps(&growth_model, start, options_of(method, 1e-6, step), 2.0, 4000);
+    gb_report report;
+    gb_get_report(r.sim, &report);
+    const double *last = r.record.rows + (r.record.n_rows - 1) * (long)row_length(&growth_model);
+    CHECK(r.code == GB_ERR_STEP || r.code == GB_ERR_NAN_RATE, "code %d", r.code);
+    CHECK(report.index == 0 && fabs(report.t - 1.0) < (step > 0.0 ? 1.0 : 1e-4), "at t = %.9g", report.t);
+    CHECK(r.record.n_rows > 2 && last[1] > 1.0 && last[1] < HUGE_VAL, "last row at %g", last[0]);
+    free_run(&r);
+}
+
+/* The start time is free: the same motion a whole number of periods later, on the grid of that start. */
+static void check_late_start(double step) {
+    const gb_options options = options_of(GB_DP5, 1e-11, step);
+    const double shift = 7.0 * 2.0 * 3.14159265358979312 / p2_values[4];
+    double y[16], later[16];
+    int code;
+    gb_sim *sim = open_model(&p2_model, p2_values, &options, &code);
+    gb_advance(sim, 20.0);
+    gb_state(sim, y);
+    CHECK(gb_start(sim, &options, shift, NULL) == GB_DONE && gb_advance(sim, shift + 20.0) == GB_DONE, "later");
+    gb_state(sim, later);
+    CHECK(fabs(y[0] - later[0]) < 1e-9, "%.12g and %.12g", y[0], later[0]);
+    gb_close(sim);
+}
+
 void check_hard(void) {
+    check_growth(GB_DP8, 0.0);
+    check_growth(GB_DP5, 0.0);
+    check_growth(GB_RK4, 0.01);
+    check_late_start(0.0);
+    check_late_start(0.01);
     check_rest(0.1, 1.1, 1000.0);
     check_rest(0.0, 0.0, 1000.0);
     check_rest(0.0, 0.5, 1000.0);

@@ -46,6 +46,32 @@ static void check_held(void) {
     gb_close(sim);
 }
 
+/* A cubic spline through t^3 is t^3. */
+static void check_cubic(void) {
+    const gb_options options = options_of(GB_DP8, 1e-6, 0.0);
+    const double x[4] = {0.0, 0.5, 1.5, 2.0};
+    double y[4], y2[4], state[16];
+    for (int i = 0; i < 4; i++) {
+        y[i] = x[i] * x[i] * x[i];
+        y2[i] = 6.0 * x[i];
+    }
+    gb_sim *sim = gb_open(&input_model);
+    CHECK(gb_input_table(sim, 0, GB_CUBIC, 4, x, y, y2, 0.0) == GB_DONE, "table");
+    gb_start(sim, &options, 0.0, NULL);
+    gb_advance(sim, 1.75);
+    gb_state(sim, state);
+    CHECK(fabs(state[0] - 0.25 * pow(1.75, 4.0)) < 1e-13, "integral %.17g", state[0]);
+    gb_close(sim);
+}
+
+static void check_bad_table(void) {
+    const double x[3] = {0.0, 2.0, 1.0}, y[3] = {0.0, NAN, 0.0};
+    gb_sim *sim = gb_open(&input_model);
+    CHECK(gb_input_table(sim, 0, GB_LINEAR, 2, x, y, NULL, 0.0) == GB_ERR_NAN_INPUT, "a value that is none");
+    CHECK(gb_input_table(sim, 0, GB_LINEAR, 3, x, x, NULL, 0.0) == GB_ERR_NAN_INPUT, "times that fall");
+    gb_close(sim);
+}
+
 static int ramp_then_nan(void *user, int index, double t, double *value) {
     (void)user, (void)index;
     *value = t < 0.7 ? t : NAN;
@@ -118,6 +144,8 @@ void check_inputs(void) {
     check_pulse(GB_RK4);
     check_periodic();
     check_held();
+    check_cubic();
+    check_bad_table();
     check_callback(ramp_then_nan, GB_ERR_NAN_INPUT);
     check_callback(stop_at_once, GB_ERR_CALLBACK);
     check_not_a_number();

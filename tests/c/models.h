@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-extern const gb_model p1_model, p2_model, relay_model, input_model, wave_model, ring_model, eight_model;
+extern const gb_model p1_model, p2_model, relay_model, input_model, wave_model, ring_model, eight_model, growth_model;
 extern const double p1_values[3], p2_values[6];
 
 #endif

@@ -256,3 +256,27 @@ const gb_model eight_model = {
     .outputs = no_outputs,
     .energies = no_energies,
 };
+
+/* y' = y^2: without bound at t = 1 / y(0). */
+static void growth_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
+    (void)par, (void)mode, (void)tau;
+    clear(dy);
+    dy[0] = y[0] * y[0];
+}
+
+const gb_model growth_model = {
+    .name = "growth",
+    .key = "growth",
+    .n = 1,
+    .n_padded = 8,
+    .n_total = 16,
+    .n_parameters = 1,
+    .n_par = 1,
+    .prepare = no_values,
+    .start = start_at,
+    .scales = no_scales,
+    .rhs = growth_rhs,
+    .rhs_full = growth_rhs,
+    .outputs = no_outputs,
+    .energies = no_energies,
+};
