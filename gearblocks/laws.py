@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from math import fsum
+from math import cos, fsum, prod, sin
 from random import Random
 from typing import Any
 
@@ -248,17 +248,40 @@ def _vanishes(expr: Any, pool: Pool) -> bool:
     """Whether an expression is zero at a handful of fixed points (modes 0 or 1); expanding it would take far longer."""
     if expr == 0 or not expr.free_symbols:
         return bool(expr == 0)
-    symbols = sorted(expr.free_symbols, key=lambda x: x.name)
     if expr.has(TableAt):
         return bool(sp.expand(expr) == 0)
-    terms = sp.lambdify(symbols, list(sp.Add.make_args(expr)), modules="math", cse=True)
+    symbols = sorted(expr.free_symbols, key=lambda x: str(x.name))
     random = Random(20)
-    for _ in range(6):
-        point = [random.randint(0, 1) if pool.slots[x].role == "mode" else random.uniform(0.2, 1.2) for x in symbols]
-        values = terms(*point)
+    for _ in range(4):
+        point: dict[Any, float] = {
+            x: float(random.randint(0, 1)) if pool.slots[x].role == "mode" else random.uniform(0.2, 1.2) for x in symbols
+        }
+        values = [_number(term, point) for term in sp.Add.make_args(expr)]
         if abs(fsum(values)) > 1e-12 * max(abs(v) for v in values):
             return False
     return True
+
+
+def _number(expr: Any, known: dict[Any, float]) -> float:
+    """Value of an expression at a point; `known` grows by every part that was computed."""
+    if expr in known:
+        return known[expr]
+    if expr.is_Number or expr.is_NumberSymbol:
+        value = float(expr)
+    elif expr.is_Add:
+        value = fsum(_number(a, known) for a in expr.args)
+    elif expr.is_Mul:
+        value = prod(_number(a, known) for a in expr.args)
+    elif expr.is_Pow:
+        value = _number(expr.args[0], known) ** _number(expr.args[1], known)
+    elif isinstance(expr, (sp.sin, sp.cos)):
+        value = (sin if isinstance(expr, sp.sin) else cos)(_number(expr.args[0], known))
+    elif isinstance(expr, sp.Heaviside):
+        value = float(_number(expr.args[0], known) >= 0)
+    else:
+        value = float(expr.func(*(sp.Float(_number(a, known)) for a in expr.args)))
+    known[expr] = value
+    return value
 
 
 def exact_value(expr: Any, values: Mapping[Any, Exact]) -> Exact:
