@@ -17,7 +17,7 @@ from gearblocks.trajectory import Trajectory
 def start_places(program: Program) -> list[tuple[str, str, int]]:
     """Name, unit and index in the state vector of everything that a start state sets: states and riding angles."""
     places = [(state.name, state.unit, index) for index, state in enumerate(program.states[: program.n])]
-    return places + [(f"{r.component}.angle", "rad", r.index) for r in program.integrals if r.part == "angle"]
+    return places + [(f"{r.component}.angle", "rad", r.place) for r in program.integrals if r.part == "angle"]
 
 
 def start_vector(program: Program, initial: Any) -> NDArray[np.float64] | None:

@@ -1,14 +1,47 @@
 """Drivetrain dynamics: blocks are composed, assembled into equations of motion, and run in generated C."""
 
-from gearblocks.blocks import Damper, Fixed, GearMesh, IdealGear, Inertia, Lash, Shaft, SpeedLoad, SplineCoupling, Torque
+from gearblocks.blocks import (
+    Damper,
+    Fixed,
+    GearMesh,
+    IdealGear,
+    Inertia,
+    Lash,
+    Shaft,
+    SpeedLoad,
+    SplineCoupling,
+    Torque,
+)
 from gearblocks.declare import (
-    Acts, Block, Body, Effect, Energy, Flange, Force, Parts, Potential, Rate, Shows, State, Switch, Tie, effect, exact,
-    option, param, signal,
+    Acts,
+    Block,
+    Body,
+    Effect,
+    Energy,
+    Flange,
+    Force,
+    Parts,
+    Potential,
+    Rate,
+    Shows,
+    State,
+    Switch,
+    Tie,
+    effect,
+    exact,
+    option,
+    param,
+    signal,
 )  # fmt: skip
 from gearblocks.drivetrain import Drivetrain, build, classify, poincare, simulate, stroboscopic
 from gearblocks.effects import Backlash, Fourier, Harmonic, Square
 from gearblocks.errors import (
-    CompileError, GearblocksError, ModelError, ParameterError, SimulationError, UnknownNameError,
+    CompileError,
+    GearblocksError,
+    ModelError,
+    ParameterError,
+    SimulationError,
+    UnknownNameError,
 )  # fmt: skip
 from gearblocks.expression import cos, piecewise, sin
 from gearblocks.library import Model
@@ -23,6 +56,6 @@ __all__ = [
     "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Model",
     "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Rate", "Shaft", "Shows", "SimulationError",
     "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory",
-    "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal",
-    "simulate", "sin", "stroboscopic", "time", "twist",
+    "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm",
+    "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip

@@ -84,8 +84,9 @@ def section_points(
         outputs=list(names),
     )  # fmt: skip
     table = np.stack([run[name] for name in run.names], axis=1)
-    extent = np.abs(table).max(axis=0)
-    return Points(t, run.names, table[np.searchsorted(run.t, t)], np.where(extent > 0, extent, 1.0), run)
+    extent = np.asarray(np.abs(table).max(axis=0), dtype=np.float64)
+    extent[extent == 0.0] = 1.0
+    return Points(t, run.names, table[np.searchsorted(run.t, t)], extent, run)
 
 
 def _frequency(model: Model, section: Section, parameters: Mapping[str, float]) -> float:

@@ -11,9 +11,9 @@ from typing import Any
 
 from gearblocks.coordinates import Combination, Elimination
 from gearblocks.errors import ModelError, did_you_mean
-from gearblocks.exact import Exact, exact
 from gearblocks.graph import GROUND, Component, Train, numbers_of, structure_of
 from gearblocks.laws import Law, derive, exact_value
+from gearblocks.rational import Exact, exact
 from gearblocks.ties import Groups, TieRow, merge
 
 HELD = -1
@@ -104,7 +104,9 @@ def assemble(train: Train) -> Assembly:
 
 
 def _grounded(component: Component) -> frozenset[str]:
-    return frozenset(n for n, node in zip(type(component.block).flanges, component.nodes, strict=True) if node == GROUND)
+    return frozenset(
+        n for n, node in zip(type(component.block).flanges, component.nodes, strict=True) if node == GROUND
+    )
 
 
 def _laws(train: Train) -> list[Law]:
@@ -147,7 +149,9 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
                     found.values[symbol] = exact(numbers[slot.of])
                     found.structural.append((f"{c.path}.{slot.of}", float(numbers[slot.of])))
                 else:
-                    raise ModelError(f"'{c.path}': a ratio depends on '{symbol}', which can change; ratios are structural")
+                    raise ModelError(
+                        f"'{c.path}': a ratio depends on '{symbol}', which can change; ratios are structural"
+                    )
         result.append(found)
     return result
 
@@ -164,7 +168,9 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
             if constant != 0:
                 slot = law.pool.slots.get(-constant)
                 if slot is None or slot.role != "own" or len(row) != 1:
-                    raise ModelError(f"'{c.path}': the tie has the constant '{constant}'; only -phi0 at one flange is known")
+                    raise ModelError(
+                        f"'{c.path}': the tie has the constant '{constant}'; only -phi0 at one flange is known"
+                    )
                 offset = f"{c.path}.{slot.of}"
             yield TieRow(c.path, {n: v for n, v in row.items() if v}, offset)
 
@@ -220,9 +226,7 @@ def _starts(train: Train, laws: list[Law], assembly: Assembly) -> list[StartValu
                     )
     if problems:
         raise ModelError(problems)
-    return [
-        StartValues(*_owner(found["phi0"][g]), *_owner(found["w0"][g])) for g in range(assembly.n_groups)
-    ]
+    return [StartValues(*_owner(found["phi0"][g]), *_owner(found["w0"][g])) for g in range(assembly.n_groups)]
 
 
 def _owner(entry: tuple[str, Exact, float | None]) -> tuple[str, Exact, bool]:

@@ -89,7 +89,9 @@ class BatchCode:
 
     # -- names of symbols ---------------------------------------------------------------------------------------------
 
-    def names(self, exprs: Iterable[Any], *, direction: bool = False) -> tuple[dict[Any, str], list[Any], list[tuple[str, str]]]:
+    def names(
+        self, exprs: Iterable[Any], *, direction: bool = False
+    ) -> tuple[dict[Any, str], list[Any], list[tuple[str, str]]]:
         """C names of all symbols in the expressions, the arguments they need and the constants to define."""
         names: dict[Any, str] = {}
         args: dict[str, tuple[str, str, Column]] = {}
@@ -163,7 +165,8 @@ class BatchCode:
             return "0.0" if role != "phi" else self._held_angle(flange, args)
         gain = self._gain(flange, args)
         if role == "phi":
-            args[key] = ("int", key := f"g_{flange}", column(f"{self.batch.name}_{key}", groups))
+            key = f"g_{flange}"
+            args[key] = ("int", key, column(f"{self.batch.name}_{key}", groups))
             return f"{gain}phi[{key}]"
         key = f"v_{flange}"
         args[key] = ("int", key, column(f"{self.batch.name}_{key}", speed_index(self.lay, self.batch, flange)))
@@ -235,8 +238,10 @@ class BatchCode:
         self.supplied = None if law.supplied is None else hoist(law.supplied)
         self.stored = None if law.stored is None else hoist(law.stored)
         self.sorts = [self._sort(i) for i in range(len(law.switches))]
-        self.surfaces = [hoist(s.surface) if sort in ("affine", "general") else s.surface
-                         for s, sort in zip(law.switches, self.sorts, strict=True)]
+        self.surfaces = [
+            hoist(s.surface) if sort in ("affine", "general") else s.surface
+            for s, sort in zip(law.switches, self.sorts, strict=True)
+        ]
         self.whens = [hoist(sp.sympify(s.when)) for s in law.switches]
         self.shows = [(x, hoist(x.expr)) for x in law.shows]
         self.speeds = [self._coordinate_rate(j) for j in range(len(law.forms))]

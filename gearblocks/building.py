@@ -7,7 +7,7 @@ import gc
 import hashlib
 import inspect
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import CodeType
 from typing import Any
@@ -88,7 +88,9 @@ def _values(train: Train) -> dict[str, float]:
             if isinstance(leaf, Parameter):
                 other = shared.setdefault(leaf.name, leaf)
                 if other != leaf:
-                    raise ModelError(f"two Parameters are named '{leaf.name}': {other.value!r} and {leaf.value!r}; use one object")
+                    raise ModelError(
+                        f"two Parameters are named '{leaf.name}': {other.value!r} and {leaf.value!r}; use one object"
+                    )
     for coordinate in train.coordinates:
         for found in coordinate.expr.leaves():
             if found.op == "parameter":
@@ -122,25 +124,27 @@ def _package_digest() -> str:
 
 def _classes_digest(train: Train) -> str:
     """A sum over the code of every class that is not ours."""
-    classes = {type(c.block) for c in train.components}
+    classes: set[type[_Declared]] = {type(c.block) for c in train.components}
     for c in train.components:
         classes |= {type(v) for v in c.block.__dict__.values() if isinstance(v, _Declared)}
-    foreign = sorted((cls for cls in classes if not cls.__module__.startswith("gearblocks.")), key=lambda c: c.__qualname__)
+    foreign = sorted(
+        (cls for cls in classes if not cls.__module__.startswith("gearblocks.")), key=lambda c: c.__qualname__
+    )
     return digest(*(_class_text(cls) for cls in foreign))
 
 
 def _class_text(cls: type) -> str:
     """Source file of a class where there is one, and the code of its methods with what they call."""
     parts = [cls.__qualname__]
-    try:
+    with suppress(OSError, TypeError):
         parts.append(Path(inspect.getfile(cls)).read_text(encoding="utf-8"))
-    except (OSError, TypeError):
-        pass
     for base in cls.__mro__:
         if issubclass(base, (Block, _Declared)) and not base.__module__.startswith("gearblocks."):
             for name, member in sorted(vars(base).items()):
                 code = getattr(member, "__code__", None)
-                parts.append(f"{name} {_code_text(code, getattr(member, '__globals__', {}), set()) if code else repr(member)}")
+                parts.append(
+                    f"{name} {_code_text(code, getattr(member, '__globals__', {}), set()) if code else repr(member)}"
+                )
     return "\n".join(parts)
 
 
@@ -154,5 +158,7 @@ def _code_text(code: CodeType, scope: dict[str, Any], seen: set[CodeType]) -> st
     for name in code.co_names:
         other = scope.get(name)
         inner = getattr(other, "__code__", None)
-        called.append(_code_text(inner, scope, seen) if inner else repr(other) if isinstance(other, (int, float, str)) else name)
+        called.append(
+            _code_text(inner, scope, seen) if inner else repr(other) if isinstance(other, (int, float, str)) else name
+        )
     return hashlib.sha256("|".join([code.co_code.hex(), *constants, *called]).encode()).hexdigest()

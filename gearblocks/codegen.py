@@ -348,7 +348,9 @@ def _senses(g: Generator, in_law: set[str]) -> None:
         code, e, expr = _shown(g.codes, g.assembly, path)
         slots = [code.law.pool.slots[x] for x in expr.free_symbols]
         if path in in_law and any(s.role in ("alpha", "tau") for s in slots):
-            raise ModelError(f"sense('{path}'): an acceleration or reaction cannot be fed back; sense a speed or a torque law")
+            raise ModelError(
+                f"sense('{path}'): an acceleration or reaction cannot be fed back; sense a speed or a torque law"
+            )
         for slot in slots:
             if slot.role == "sense":
                 visit(slot.of, (*chain, path))
@@ -420,7 +422,8 @@ def _program(g: Generator, source: str) -> Program:
     return Program(
         g.assembly.train.name, source, key_of(source), tuple(lay.parameters),
         tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(states), tuple(g.switches),
-        tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total, tuple(_start_infos(g)), g.assembly.structural,
+        tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
+        tuple(_start_infos(g)), g.assembly.structural,
     )  # fmt: skip
 
 

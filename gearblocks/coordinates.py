@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from gearblocks.exact import Exact, over
+from gearblocks.rational import Exact, over
 
 _K = TypeVar("_K", int, str)
 

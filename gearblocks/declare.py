@@ -211,7 +211,9 @@ class _Declared:
             if name in values:
                 store[name] = _plain(values.pop(name), spec.many)
             elif spec.default is _REQUIRED:
-                raise GearblocksError(f"{type(self).__name__} needs {name} ({spec.words}, {spec.unit}); it was not given")
+                raise GearblocksError(
+                    f"{type(self).__name__} needs {name} ({spec.words}, {spec.unit}); it was not given"
+                )
             else:
                 store[name] = spec.default
         if values:
@@ -306,9 +308,7 @@ class Block(_Declared, ABC):
         """The same block with one effect taken away; without compliance nothing that lives on it stays."""
         fields = type(self).fields
         gone = set(self.effects()) if name == "compliance" else {name}
-        dropped = {
-            n: None for n, spec in fields.items() if (n if spec.role == "effect" else spec.belongs_to) in gone
-        }
+        dropped = {n: None for n, spec in fields.items() if (n if spec.role == "effect" else spec.belongs_to) in gone}
         changed = self.changed(**dropped)
         assert isinstance(changed, Block)
         return changed

@@ -6,22 +6,24 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from gearblocks import scripts
-from gearblocks.drivetrain import Drivetrain, build
+from gearblocks import __version__, scripts
+from gearblocks.analysis import Label
+from gearblocks.drivetrain import Drivetrain, build, classify, stroboscopic
 from gearblocks.errors import GearblocksError
 from gearblocks.files import make_folder, write_text
 from gearblocks.library import Model
 from gearblocks.plotting import Curve, Plane, cost, planes
 from gearblocks.report import precision, regimes
 from gearblocks.report.pages import equations_page, page
+from gearblocks.units import rpm as radians_per_second
 
 Say = Callable[[str], None]
 
+HALF_GAP = "spline.backlash.half_gap"
 PUBLISHED = {300: "harmonic", 348: "period 2", 360: "period 5", 1080: "chaos"}
 EXPECTED = {300: "period 1", 348: "period 2", 360: "period 5", 1080: "not periodic"}
 LEVELS = (1e-3, 1e-6, 1e-9)
@@ -74,16 +76,15 @@ def demo(out: Path, say: Say) -> bool:
     """Fill the folder `out`; True when every regime is the known one and the FMU passes its check."""
     began = time.perf_counter()
     folder = make_folder(out)
-    spline = scripts.load(scripts.locate("spline_coupling")[0])
-    rig = spline.build()
+    rig = scripts.make("spline_coupling")
 
     def tell(words: str) -> None:
         say(f"{time.perf_counter() - began:5.1f} s  {words}")
 
     tell("equations of motion")
     model = _equations(rig, folder)
-    coupling = _coupling(model)
-    found = _regimes(spline, coupling, folder, tell)
+    coupling = regimes.Coupling(model, "speed", "spline", HALF_GAP, _value(model, HALF_GAP), ("x1", "x2", "x3"))
+    found = _regimes(coupling, folder, tell)
     price = _cost(coupling, folder, tell)
     tell("FMU and its check")
     fmu = _fmu(model, folder)
@@ -92,7 +93,7 @@ def demo(out: Path, say: Say) -> bool:
         listed |= {regime.picture: f"traces at {regime.rpm} rpm", regime.data: f"the last turns at {regime.rpm} rpm"}
     values = {
         "title": "gearblocks demo: an involute spline coupling",
-        "version": _version(),
+        "version": __version__,
         "total": time.perf_counter() - began,
         "regimes": found,
         "cost": price,
@@ -114,34 +115,32 @@ def _equations(rig: Drivetrain, folder: Path) -> Model:
     return model
 
 
-def _coupling(model: Model) -> regimes.Coupling:
-    program = model.program
-    spline = next(one.name for one in program.outputs if one.name.endswith(".deflection")).rpartition(".")[0]
-    half_gap = next(i for i, one in enumerate(program.parameters) if one.path.endswith("half_gap"))
-    relative = tuple(one.name for one in program.outputs if one.name.endswith((".twist", ".deflection")))
-    path = program.parameters[half_gap].path
-    return regimes.Coupling(model, "speed", spline, path, float(model.values[half_gap]), relative)
-
-
-def _regimes(spline: ModuleType, coupling: regimes.Coupling, folder: Path, tell: Say) -> list[Regime]:
+def _regimes(coupling: regimes.Coupling, folder: Path, tell: Say) -> list[Regime]:
     found = []
     for rpm in PUBLISHED:
         tell(f"{rpm} rpm")
-        label = spline.period_label(coupling.model, rpm)
-        answer = regimes.answer(coupling, rpm, transient=400, keep=3000 if rpm > 1000 else 200, turns=10)
-        regime = Regime(
-            rpm,
-            label.label,
-            label.evidence,
-            regimes.phase(coupling, answer, label.label),
-            regimes.section(coupling, answer, label.label),
-        )
+        speed = {coupling.speed: radians_per_second(rpm)}
+        label = classify(coupling.model, stroboscopic(coupling.speed), transient=400, parameters=speed)
+        answer = regimes.answer(coupling, rpm, transient=400, keep=3000 if label.period is None else 200, turns=10)
+        phase, section = regimes.phase(coupling, answer, label.words), regimes.section(coupling, answer, label.words)
+        regime = Regime(rpm, label.words, _evidence(label), phase, section)
         regimes.traces(coupling, answer, folder / regime.picture)
         answer.last.to_csv(folder / regime.data)
         found.append(regime)
     planes([regime.phase for regime in found], path=folder / "phase.png")
     planes([regime.section for regime in found], path=folder / "poincare.png")
     return found
+
+
+def _evidence(label: Label) -> str:
+    if not label.settled:
+        return ""
+    words = " and ".join(f"{rtol:.0e}" for rtol in label.accuracies)
+    words = f"tolerances {words} agree: "
+    if label.period is None:
+        return f"{words}points do not return after any number of turns up to 16 (nearest miss {label.residual:.0e})"
+    apart = f" and lie {label.separation:.2g} of it apart" if label.period > 1 else ""
+    return f"{words}points repeat within {label.residual:.0e} of the motion's size{apart}"
 
 
 def _cost(coupling: regimes.Coupling, folder: Path, tell: Say) -> dict[str, Any]:
@@ -216,10 +215,7 @@ def _fmu(model: Model, folder: Path) -> dict[str, Any]:
     return {"path": path.name, "ok": report.ok, "report": Markup(report.to_html())}
 
 
-def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return f"gearblocks {version('gearblocks')}"
-    except PackageNotFoundError:
-        return "gearblocks, not installed"
+def _value(model: Model, path: str) -> float:
+    return next(
+        float(value) for one, value in zip(model.program.parameters, model.values, strict=True) if one.path == path
+    )

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from gearblocks.declare import Effect, State, Switch, effect, option, param, signal
-from gearblocks.signals import Table
+from gearblocks.signals import Table, Value
 
 __all__ = ["Backlash", "Fourier", "Harmonic", "Square", "Table", "effect"]
 
@@ -19,7 +19,7 @@ class Backlash(Effect):
     The corners are exact and located.
     """
 
-    half_gap: float = param("half of the backlash", "m", ge=0)
+    half_gap: Value = param("half of the backlash", "m", ge=0)
     law: str = option("form of the dead zone: 'exact'", default="exact")
 
     def problems(self) -> Iterator[str]:
@@ -58,8 +58,8 @@ class Fourier(Effect):
     energy), or the integral of a frequency in rad/s (the papers' form, which feeds energy in and out); plus `phase`.
     """
 
-    cos: tuple[float, ...] = param("cosine coefficients of orders 1, 2, ...", default=(), many=True)
-    sin: tuple[float, ...] = param("sine coefficients of orders 1, 2, ...", default=(), many=True)
+    cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", default=(), many=True)
+    sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", default=(), many=True)
     driven_by: Any = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
     phase: Any = param("phase added to theta", "rad", default=0.0)
     angle = State("integrated phase", "rad")
@@ -75,8 +75,8 @@ class Fourier(Effect):
 class Harmonic(Fourier):
     """Transmission error e = sum_j cos[j] cos(j theta) + sin[j] sin(j theta) in m; theta as for `Fourier`."""
 
-    cos: tuple[float, ...] = param("cosine coefficients of orders 1, 2, ...", "m", default=(), many=True)
-    sin: tuple[float, ...] = param("sine coefficients of orders 1, 2, ...", "m", default=(), many=True)
+    cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", "m", default=(), many=True)
+    sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", "m", default=(), many=True)
 
 
 class Square(Effect):
@@ -86,8 +86,8 @@ class Square(Effect):
     The jumps are located. Driven like `Fourier`; by angle it has no potential (jumps), so only a frequency is taken.
     """
 
-    ripple: float = param("half of the jump, relative to the mean", ge=0)
-    contact_ratio: float = param("transverse contact ratio, between 1 and 2", gt=1, lt=2)
+    ripple: Value = param("half of the jump, relative to the mean", ge=0)
+    contact_ratio: Value = param("transverse contact ratio, between 1 and 2", gt=1, lt=2)
     driven_by: Any = signal("the frequency of the excitation", "rad/s")
     phase: Any = param("phase added to theta", "rad", default=0.0)
     angle = State("integrated phase", "rad")

@@ -300,7 +300,9 @@ class _Writer:
                 kept[s] = definitions[s]
                 used |= definitions[s].free_symbols
         ordered = {s: kept[s] for s in definitions if s in kept}
-        parameters = {s: p for s, p in self.parameters.items() if s in used or any(s in m.free_symbols for m in self.mass)}
+        parameters = {
+            s: p for s, p in self.parameters.items() if s in used or any(s in m.free_symbols for m in self.mass)
+        }
         everything = [*self.q, *self.v, *self.states, *ordered, *parameters]
         return Equations(
             self.assembly.train.name, tuple(self.q), tuple(self.v), sp.diag(*self.mass), sp.Matrix(torque), self.states,

@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from gearblocks.signals import Input, Parameter, Table
 
 FUNCTIONS = (
-    "sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt Abs sign Min Max Heaviside Piecewise And Or Not".split()
-)
+    "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "Abs", "sign",
+    "Min", "Max", "Heaviside", "Piecewise", "And", "Or", "Not",
+)  # fmt: skip
 _INFIX = {"+": 1, "*": 2, "**": 4}
 _RELATIONS = ("<", "<=", ">", ">=")
 
@@ -28,7 +29,8 @@ _RELATIONS = ("<", "<=", ">", ">=")
 class Expr:
     """One node: an operation and its arguments, or a leaf. Immutable; arithmetic builds new nodes.
 
-    op: "number", "time", "parameter", "input", "table", "sense", "local" (a block's own quantity), one of + * **, a relation, or a function name.
+    op: "number", "time", "parameter", "input", "table", "sense", "local" (a block's own quantity), one of + * **,
+    a relation, or a function name.
     """
 
     __slots__ = ("args", "op")
@@ -100,7 +102,9 @@ class Expr:
 
     def __bool__(self) -> bool:
         if self.op in _RELATIONS:
-            raise GearblocksError(f"'{self}' is a condition, not a truth: put it into gb.piecewise((value, condition), ...)")
+            raise GearblocksError(
+                f"'{self}' is a condition, not a truth: put it into gb.piecewise((value, condition), ...)"
+            )
         return True
 
     def __str__(self) -> str:
@@ -214,9 +218,7 @@ def _text(e: Expr, outer: int) -> str:
         return f"table({e.args[0].digest()!r}, {_text(e.args[1], 0)})"
     if e.op in _INFIX:
         level = _INFIX[e.op]
-        joined = (" + " if e.op == "+" else e.op).join(
-            _text(a, level + (1 if e.op == "**" else 0)) for a in e.args
-        )
+        joined = (" + " if e.op == "+" else e.op).join(_text(a, level + (1 if e.op == "**" else 0)) for a in e.args)
         return f"({joined})" if level < outer else joined
     if e.op in _RELATIONS:
         return f"({_text(e.args[0], 1)} {e.op} {_text(e.args[1], 1)})"
@@ -317,7 +319,7 @@ def _call(name: str, a: list[float]) -> float:
 
 
 @lru_cache(maxsize=1)
-def leaf_symbol_class() -> type:
+def leaf_symbol_class() -> Any:
     """The sympy symbol that remembers which leaf it stands for (made on first use: sympy is slow to import)."""
     import sympy as sp
 
@@ -325,10 +327,13 @@ def leaf_symbol_class() -> type:
         __slots__ = ("leaf",)
 
         def __new__(cls, leaf: Expr) -> LeafSymbol:
-            name = {"time": lambda: "t", "sense": lambda: leaf.args[0], "local": lambda: leaf.args[0], "table": lambda: str(leaf)}.get(
-                leaf.op, lambda: leaf.args[0].name
-            )()
-            symbol = sp.Symbol.__xnew__(cls, name, real=True)
+            name = {
+                "time": lambda: "t",
+                "sense": lambda: leaf.args[0],
+                "local": lambda: leaf.args[0],
+                "table": lambda: str(leaf),
+            }.get(leaf.op, lambda: leaf.args[0].name)()
+            symbol: Any = sp.Symbol.__xnew__(cls, name, real=True)
             symbol.leaf = leaf
             return symbol  # type: ignore[no-any-return]
 

@@ -123,7 +123,9 @@ def _number(tree: Tree, blocks: list[tuple[str, Block]], flanges: dict[Any, int]
                 )
             nodes.append(numbers.setdefault(find(i), len(numbers)))
         if len({n for n in nodes if n != GROUND}) < sum(n != GROUND for n in nodes) and len(nodes) > 1:
-            problems.append(f"{type(block).__name__} '{path}' is connected to itself: two of its flanges share one node")
+            problems.append(
+                f"{type(block).__name__} '{path}' is connected to itself: two of its flanges share one node"
+            )
         components.append(Component(path, block, tuple(nodes)))
     if problems:
         raise ModelError(problems)
@@ -251,7 +253,9 @@ def _signal_problem(name: str, value: Any, field: Field) -> str:
     if field.role == "signal":
         return ""
     changing = not isinstance(value, Expr) or any(leaf.op != "parameter" for leaf in value.leaves())
-    return f"{name} is a parameter: it takes a number, a gb.Parameter or an expression of Parameters" if changing else ""
+    return (
+        f"{name} is a parameter: it takes a number, a gb.Parameter or an expression of Parameters" if changing else ""
+    )
 
 
 def bound_problem(name: str, x: float, unit: str, bounds: tuple[float | None, ...]) -> str:

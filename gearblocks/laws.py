@@ -18,7 +18,7 @@ import sympy as sp
 from gearblocks import declare as d
 from gearblocks.branches import Freezer, SurfaceOfKind
 from gearblocks.errors import ModelError
-from gearblocks.exact import Exact, exact, over
+from gearblocks.rational import Exact, exact, over
 from gearblocks.symbols import CONSTANT, Pool, Symbols, TableAt, clock
 
 
@@ -26,7 +26,7 @@ from gearblocks.symbols import CONSTANT, Pool, Symbols, TableAt, clock
 class Form:
     """A linear form of flange angles with exact coefficients: sum of coefficient * phi; the first one is 1 or -1."""
 
-    coefficients: Mapping[str, Any]
+    coefficients: dict[str, Any]
 
 
 @dataclass(slots=True)
@@ -65,7 +65,8 @@ class _Contributions:
         self.shows: list[d.Shows] = []
         self.energies: list[d.Energy] = []
         lists: dict[type, list[Any]] = {
-            d.Body: self.bodies, d.Force: self.forces, d.Potential: self.potentials, d.Acts: self.acts, d.Tie: self.ties,
+            d.Body: self.bodies, d.Force: self.forces, d.Potential: self.potentials, d.Acts: self.acts,
+            d.Tie: self.ties,
             d.Rate: self.rates, d.Switch: self.switches, d.Shows: self.shows, d.Energy: self.energies,
         }  # fmt: skip
         for item in block.physics(s):
@@ -77,15 +78,15 @@ class _Contributions:
 def derive(block: d.Block, grounded: frozenset[str], *, reading: bool = False) -> Law:
     """The law of the kind that `block` is an instance of.
 
-    reading=True keeps angles, conditions and named parts (a mesh force, say) as they are, for equations that people read.
+    reading=True keeps angles, conditions and named parts (a mesh force, say) as they are, for people to read.
     """
-    law = Law(Pool(lambda role, text: text, reading=reading))
+    law = Law(Pool(reading=reading))
     s = Symbols(block, law.pool, grounded)
     found = _Contributions(block, s)
     flanges = {name: getattr(s, name) for name in type(block).flanges if name not in grounded}
     law.bodies = [(_flange_name(flanges, b.flange), sp.sympify(b.J)) for b in found.bodies if b.flange.phi.is_Symbol]
     law.ties = [tie for t in found.ties if (tie := _tie(block, flanges, sp.sympify(t.zero)))[0]]
-    law.torques = _torques(block, flanges, found)
+    law.torques = _torques(flanges, found)
     law.rates = {law.pool.slots[r.state].of: sp.sympify(r.expr) for r in found.rates}
     stored = [sp.sympify(e.stored) for e in found.energies if e.stored is not None]
     losses = [sp.sympify(e.loss) for e in found.energies if e.loss is not None]
@@ -125,7 +126,7 @@ def _tie(block: d.Block, flanges: Mapping[str, Any], zero: Any) -> tuple[dict[st
     return coefficients, rest
 
 
-def _torques(block: d.Block, flanges: Mapping[str, Any], found: _Contributions) -> dict[str, Any]:
+def _torques(flanges: Mapping[str, Any], found: _Contributions) -> dict[str, Any]:
     """Torque that the block exerts on each flange: virtual work of its forces and potentials, and what acts."""
     total: dict[str, Any] = {}
 
@@ -254,7 +255,8 @@ def _vanishes(expr: Any, pool: Pool) -> bool:
     random = Random(20)
     for _ in range(4):
         point: dict[Any, float] = {
-            x: float(random.randint(0, 1)) if pool.slots[x].role == "mode" else random.uniform(0.2, 1.2) for x in symbols
+            x: float(random.randint(0, 1)) if pool.slots[x].role == "mode" else random.uniform(0.2, 1.2)
+            for x in symbols
         }
         values = [_number(term, point) for term in sp.Add.make_args(expr)]
         if abs(fsum(values)) > 1e-12 * max(abs(v) for v in values):

@@ -8,9 +8,9 @@ from typing import Any
 
 from gearblocks.assemble import HELD, Assembly, Batch
 from gearblocks.declare import Field
-from gearblocks.exact import Exact
 from gearblocks.graph import leaves_of, numbers_of
 from gearblocks.program import ParameterInfo
+from gearblocks.rational import Exact
 from gearblocks.signals import Input, Parameter
 
 PAD = 8

@@ -8,7 +8,6 @@ from typing import Any
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
-
 _OWN_FUNCTIONS = {"sin": "gb_sin", "cos": "gb_cos"}  # the same bits on every platform, and vectorisable
 
 
@@ -22,10 +21,12 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
     def _print_Symbol(self, expr: Any) -> str:
         return self._names[expr]
 
-    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
+    def _print_Pow(self, expr: Any, rational: bool = False) -> str:  # noqa: ARG002  sympy's signature
         base, exponent = expr.as_base_exp()
         if exponent.is_Integer and 1 < abs(exponent) <= 4:
-            text = "*".join([self.parenthesize(base, sp.printing.precedence.PRECEDENCE["Mul"] + 1)] * abs(int(exponent)))
+            text = "*".join(
+                [self.parenthesize(base, sp.printing.precedence.PRECEDENCE["Mul"] + 1)] * abs(int(exponent))
+            )
             return f"({text})" if exponent > 0 else f"(1.0/({text}))"
         return str(super()._print_Pow(expr))
 

@@ -51,26 +51,26 @@ class SwitchInfo(NamedTuple):
 
 
 class EnergyInfo(NamedTuple):
-    """One stored energy: `part` is "kinetic" or "stored"; `index` points into the vector of energies."""
+    """One stored energy: `part` is "kinetic" or "stored"; `place` points into the vector of energies."""
 
     component: str
     part: str
-    index: int
+    place: int
 
 
 class IntegralInfo(NamedTuple):
-    """One tail state: `part` is "loss", "supplied" or "angle"; `index` points into the state vector."""
+    """One tail state: `part` is "loss", "supplied" or "angle"; `place` points into the state vector."""
 
     component: str
     part: str
-    index: int
+    place: int
 
 
 class StartInfo(NamedTuple):
-    """An initial value by the name of an output ("motor.w"): parameter `index` takes value * factor."""
+    """An initial value by the name of an output ("motor.w"): parameter number `place` takes value * factor."""
 
     name: str
-    index: int
+    place: int
     factor: float
 
 
@@ -108,8 +108,9 @@ class Program:
     @staticmethod
     def from_bytes(data: bytes) -> Program:
         """The program that `to_bytes` made. Only for bytes that are known to come from there."""
-        values: dict[str, Any] = pickle.loads(data)
-        return Program(**{k: _rows(v) if isinstance(v, _Columns) else v for k, v in values.items()})
+        values = pickle.loads(data)
+        fields_: Any = {k: _rows(v) if isinstance(v, _Columns) else v for k, v in values.items()}
+        return Program(**fields_)
 
 
 class _Columns(NamedTuple):

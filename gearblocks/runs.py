@@ -86,7 +86,9 @@ def _options(
     method: str, rtol: float, step: float | None, max_step: float | None, locate: bool, end: float
 ) -> tuple[Options, str]:  # fmt: skip
     if method not in ("auto", *METHODS):
-        raise ParameterError(f"method = {method!r} must be 'auto', {', '.join(map(repr, METHODS))}{did_you_mean(method, METHODS)}")
+        raise ParameterError(
+            f"method = {method!r} must be 'auto', {', '.join(map(repr, METHODS))}{did_you_mean(method, METHODS)}"
+        )
     if not 1e-14 <= rtol <= 0.1:
         raise ParameterError(f"rtol = {rtol!r} must lie between 1e-14 and 0.1")
     for name, value in (("step", step), ("max_step", max_step)):
@@ -114,7 +116,9 @@ def _picked(program: Program, outputs: str | Sequence[str]) -> list[int]:
             continue
         found = [i for name, i in names.items() if matches(name, pattern)]
         if not found:
-            raise UnknownNameError(f"no output matches '{pattern}'{did_you_mean(pattern, names)}; list them with rig.describe()")
+            raise UnknownNameError(
+                f"no output matches '{pattern}'{did_you_mean(pattern, names)}; list them with rig.describe()"
+            )
         chosen.update(dict.fromkeys(found))
     return sorted(chosen)
 
@@ -140,7 +144,9 @@ def _parameters(program: Program, values: Array, changed: Mapping[str, float], i
         i = resolve(path, names, "parameter")
         info = program.parameters[i]
         if info.path in structural:
-            raise ParameterError(f"'{info.path}' enters a ratio, which is structural: make a new train with rig.set(...)")
+            raise ParameterError(
+                f"'{info.path}' enters a ratio, which is structural: make a new train with rig.set(...)"
+            )
         result[i] = checked(info.path, value, info.unit, info.lower, info.upper)
     if isinstance(initial, Mapping):
         _initial(program, result, initial)
@@ -155,10 +161,12 @@ def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> N
     for name, value in initial.items():
         info = program.starts[resolve(name, starts, "initial value")]
         number = checked(info.name, value, "", None, None) * info.factor
-        before = given.setdefault(info.index, (name, number))
+        before = given.setdefault(info.place, (name, number))
         if abs(before[1] - number) > 1e-12 * max(abs(number), abs(before[1])):
-            raise ParameterError(f"the initial values of '{before[0]}' and '{name}' contradict each other through their ties")
-        result[info.index] = number
+            raise ParameterError(
+                f"the initial values of '{before[0]}' and '{name}' contradict each other through their ties"
+            )
+        result[info.place] = number
 
 
 def checked(name: str, value: float, unit: str, lower: float | None, upper: float | None) -> float:
@@ -203,7 +211,7 @@ def _start_state(program: Program, initial: Any) -> Array | None:
     y = np.array(final.y)
     for entry in program.integrals:
         if entry.part != "angle":
-            y[entry.index] = 0.0
+            y[entry.place] = 0.0
     return y
 
 
@@ -304,7 +312,11 @@ class _Run:
             for event in chunk:
                 i = int(event["index"])
                 if i >= len(program.switches):
-                    name, before, after = program.inputs[i - len(program.switches)].name, event["before"], event["after"]
+                    name, before, after = (
+                        program.inputs[i - len(program.switches)].name,
+                        event["before"],
+                        event["after"],
+                    )
                     found.append(Event(float(event["t"]), name, "time", float(before), float(after)))
                     continue
                 switch = program.switches[i]
@@ -319,10 +331,10 @@ class _Run:
         _, _, energy = self.sim.evaluate(self.last[None, :], np.zeros(0, dtype=np.intc), energies=True)
         parts: dict[str, dict[str, float]] = {"stored": {}, "loss": {}, "supplied": {}}
         for entry in program.energies:
-            parts["stored"][entry.component] = parts["stored"].get(entry.component, 0.0) + float(energy[0, entry.index])
+            parts["stored"][entry.component] = parts["stored"].get(entry.component, 0.0) + float(energy[0, entry.place])
         for item in program.integrals:
             if item.part != "angle":
-                parts[item.part][item.component] = float(final.y[item.index] - first[0][item.index])
+                parts[item.part][item.component] = float(final.y[item.place] - first[0][item.place])
         return EnergyLedger(
             stored=parts["stored"], start=float(first[1].sum()), dissipated=parts["loss"], supplied=parts["supplied"],
             exchanged=float(self.sim.counters.turnover), largest_stored=self.largest,

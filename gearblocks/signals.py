@@ -17,6 +17,7 @@ from gearblocks.expression import Expr, as_expr
 time = Expr("time")  # time in s, for expressions
 twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft
 
+Value: TypeAlias = "float | Parameter | Expr"
 Signal: TypeAlias = "float | Parameter | Input | Table | Expr"
 
 
@@ -149,7 +150,9 @@ class Table(_Leaf):
         if self.kind not in ("linear", "cubic", "step"):
             raise GearblocksError(f"Table: kind = {self.kind!r} must be 'linear', 'cubic' or 'step'")
         if self.periodic and self.kind != "step" and y[0] != y[-1]:
-            raise GearblocksError(f"Table: a periodic table must end where it starts, but y[0] = {y[0]}, y[-1] = {y[-1]}")
+            raise GearblocksError(
+                f"Table: a periodic table must end where it starts, but y[0] = {y[0]}, y[-1] = {y[-1]}"
+            )
         for name, value in (("x", x), ("y", y), ("second", self._second(x, y))):
             value.setflags(write=False)
             object.__setattr__(self, name, value)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -26,7 +26,14 @@ class Slot:
     of: Any
 
 
-LEVEL = {"own": 0, "exact": 0, "shared": 0, "mobility": 0, "time": 1, "input": 1}  # everything else moves with the state
+LEVEL = {
+    "own": 0,
+    "exact": 0,
+    "shared": 0,
+    "mobility": 0,
+    "time": 1,
+    "input": 1,
+}  # everything else moves with the state
 CONSTANT, TIMED, MOVING = 0, 1, 2
 
 
@@ -35,7 +42,7 @@ class TableAt(sp.Function):  # type: ignore[misc]  # sympy carries no types
 
     nargs = (3, 4)
 
-    def fdiff(self, argindex: int = 1) -> Any:
+    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
         """The next derivative."""
         table, x, order, *mode = self.args
         return TableAt(table, x, order + 1, *mode)
@@ -46,7 +53,7 @@ class DeadZone(sp.Function):  # type: ignore[misc]  # sympy carries no types
 
     nargs = 3
 
-    def fdiff(self, argindex: int = 1) -> Any:
+    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
         """The next derivative by x."""
         x, b, order = self.args
         return DeadZone(x, b, order + 1)
@@ -58,7 +65,9 @@ class DeadZone(sp.Function):  # type: ignore[misc]  # sympy carries no types
     def spelled_out(self) -> Any:
         """The definition, for readers."""
         x, b, order = self.args
-        return sp.Piecewise((dead_zone_branch(x - b, order), x > b), (dead_zone_branch(x + b, order), x < -b), (0, True))
+        return sp.Piecewise(
+            (dead_zone_branch(x - b, order), x > b), (dead_zone_branch(x + b, order), x < -b), (0, True)
+        )
 
 
 def dead_zone_branch(beyond: Any, order: Any) -> Any:
@@ -79,13 +88,9 @@ def clock() -> Any:
 
 
 class Pool:
-    """Makes the symbols of one block and remembers what each stands for.
+    """Makes the symbols of one kind of block and remembers what each stands for."""
 
-    name: how a symbol is called; a kind uses bare names, a whole train adds the component.
-    """
-
-    def __init__(self, name: Callable[[str, str], str], *, reading: bool = False) -> None:
-        self._name = name
+    def __init__(self, *, reading: bool = False) -> None:
         self.reading = reading
         self.definitions: dict[Any, Any] = {}
         self.slots: dict[Any, Slot] = {clock(): Slot("time", None)}
@@ -95,7 +100,7 @@ class Pool:
         """The symbol for a role, made on first use."""
         slot = Slot(role, of)
         if slot not in self._made:
-            made = sp.Symbol(self._name(role, text), real=True)
+            made = sp.Symbol(text, real=True)
             while made in self.slots:
                 made = sp.Symbol(made.name + "_", real=True)
             self.slots[made] = slot

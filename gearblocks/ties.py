@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from gearblocks.errors import ModelError
-from gearblocks.exact import Exact, over
+from gearblocks.rational import Exact, over
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gearblocks.batchcode import Function
 from gearblocks.coordinates import Combination
-from gearblocks.exact import Exact, over
+from gearblocks.rational import Exact, over
 
 if TYPE_CHECKING:
     from gearblocks.codegen import Generator
@@ -51,7 +51,9 @@ def function_view(function: Function) -> FunctionView:
     words = set(re.findall(r"[A-Za-z_]\w*", text))
     if any(s.full for s in function.body):
         words.add("full")
-    used = [(f"{'' if name in written else 'const '}double *restrict {name}", name) for name in _VECTORS if name in words]
+    used = [
+        (f"{'' if name in written else 'const '}double *restrict {name}", name) for name in _VECTORS if name in words
+    ]
     used += [(f"const int {name}", name) for name in _INTEGERS if name in words]
     args = [f"const {kind} {name}" for kind, name, _ in function.args]
     signature = ", ".join([*(kind for kind, _ in used), "const int e", *args])

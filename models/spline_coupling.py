@@ -19,6 +19,7 @@ the torque.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import gearblocks as gb
 
@@ -92,7 +93,7 @@ def coupling(numbers: Numbers, rpm: float) -> gb.Drivetrain:
     load = rig.add("load", gb.Torque(tau=-applied))
     rig.chain(drive, discs[0], shaft_in, discs[1], spline, discs[2], shaft_out, discs[3], load)
 
-    for i, (a, b) in enumerate(zip(names, names[1:], strict=False), 1):
+    for i, (a, b) in enumerate(pairwise(names), 1):
         rig.coordinate(f"x{i}", r * (gb.sense(f"{a}.phi") - gb.sense(f"{b}.phi")), "m")
         rig.coordinate(f"v{i}", r * (gb.sense(f"{a}.w") - gb.sense(f"{b}.w")), "m/s")
     return rig

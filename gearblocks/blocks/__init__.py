@@ -6,4 +6,15 @@ from gearblocks.blocks.sources import SpeedLoad, Torque
 from gearblocks.blocks.spline import SplineCoupling
 from gearblocks.blocks.springs import Damper, Lash, Shaft
 
-__all__ = ["Damper", "Fixed", "GearMesh", "IdealGear", "Inertia", "Lash", "Shaft", "SpeedLoad", "SplineCoupling", "Torque"]
+__all__ = [
+    "Damper",
+    "Fixed",
+    "GearMesh",
+    "IdealGear",
+    "Inertia",
+    "Lash",
+    "Shaft",
+    "SpeedLoad",
+    "SplineCoupling",
+    "Torque",
+]

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from gearblocks.declare import Block, Body, Contribution, Flange, Shows, Tie, param
+from gearblocks.signals import Value
 
 
 class Inertia(Block):
@@ -15,9 +16,9 @@ class Inertia(Block):
     """
 
     a, b = Flange("left end", spare=True), Flange("right end", spare=True)
-    J: float = param("moment of inertia", "kg m2", ge=0)
-    phi0: float | None = param("start angle", "rad", default=None)
-    w0: float | None = param("start speed", "rad/s", default=None)
+    J: Value = param("moment of inertia", "kg m2", ge=0)
+    phi0: Value | None = param("start angle", "rad", default=None)
+    w0: Value | None = param("start speed", "rad/s", default=None)
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """J phi'' = sum of the torques on both flanges."""
@@ -33,7 +34,7 @@ class Fixed(Block):
     """The ground: holds its flange at the angle phi0. Output torque: what the ground exerts on the flange."""
 
     flange = Flange("held flange")
-    phi0: float = param("angle at which the flange is held", "rad", default=0.0)
+    phi0: Value = param("angle at which the flange is held", "rad", default=0.0)
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """phi = phi0."""

@@ -83,10 +83,6 @@ def contact(s: Any, law: Contact) -> Iterator[Contribution]:
     yield Shows("contact", side, "1", "-1 coast side, 0 none, +1 drive side")
 
 
-def _always(elastic: Any, viscous: Any, side: Any) -> Any:
-    return viscous
-
-
 def _clipped(elastic: Any, viscous: Any, side: Any) -> Any:
     import sympy as sp
 
@@ -103,7 +99,7 @@ def _clipped_force(elastic: Any, viscous: Any, side: Any) -> Any:
 
 
 _DRAG: dict[str, Callable[[Any, Any, Any], Any]] = {
-    "always": _always,
+    "always": lambda _elastic, viscous, _side: viscous,
     "clipped": _clipped,
     "clipped_force": _clipped_force,
 }

@@ -9,6 +9,7 @@ from typing import Any
 from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, theta_of
 from gearblocks.declare import Block, Contribution, Flange, Force, Shows, Tie, effect, exact, option, param
 from gearblocks.effects import Backlash, Fourier, Harmonic, Square
+from gearblocks.signals import Value
 
 
 class IdealGear(Block):
@@ -34,10 +35,7 @@ class IdealGear(Block):
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The tie, and its torque on flange b."""
-        if self.teeth is None:
-            ratio = s.ratio
-        else:
-            ratio = s.teeth[1] / s.teeth[0] * (-1 if self.external else 1)
+        ratio = s.ratio if self.teeth is None else s.teeth[1] / s.teeth[0] * (-1 if self.external else 1)
         yield Tie((s.a.phi - s.housing.phi) - ratio * (s.b.phi - s.housing.phi))
         yield Shows("torque", s.b.tau, "N m", "torque on flange b")
 
@@ -66,13 +64,15 @@ class GearMesh(Block):
     carrier = Flange("carrier of both axes", ground=True)
     teeth: tuple[int, int] = exact("tooth counts (z1, z2)", many=True)
     external: bool = option("whether the teeth are outside on both")
-    module: float | None = param("normal module", "m", default=None, gt=0)
-    pressure_angle: float | None = param("normal pressure angle", "rad", default=None, ge=0, lt=1.5)
-    helix_angle: float | None = param("helix angle", "rad", default=None, gt=-1.5, lt=1.5)
-    r_base: tuple[float, float] | None = param("base radii (r1, r2)", "m", default=None, gt=0, many=True)
-    k: float | None = param("mean stiffness along the line of action", "N/m", default=None, gt=0, belongs_to="compliance")
-    c: float | None = param("damping along the line of action", "N s/m", default=None, ge=0, belongs_to="damping")
-    damping_ratio: float | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
+    module: Value | None = param("normal module", "m", default=None, gt=0)
+    pressure_angle: Value | None = param("normal pressure angle", "rad", default=None, ge=0, lt=1.5)
+    helix_angle: Value | None = param("helix angle", "rad", default=None, gt=-1.5, lt=1.5)
+    r_base: tuple[Value, Value] | None = param("base radii (r1, r2)", "m", default=None, gt=0, many=True)
+    k: Value | None = param(
+        "mean stiffness along the line of action", "N/m", default=None, gt=0, belongs_to="compliance"
+    )
+    c: Value | None = param("damping along the line of action", "N s/m", default=None, ge=0, belongs_to="damping")
+    damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     stiffness_variation: Fourier | Square | None = effect("variation of k")
     backlash: Backlash | None = effect("dead zone")
     contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
@@ -175,5 +175,3 @@ def _parametric_torque(block: Any, s: Any, law: Contact) -> Iterator[Contributio
         slope = s.slope(law.k, flange)
         if slope != 0:
             yield Acts(flange, -slope * potential)
-
-

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from gearblocks.declare import Acts, Block, Contribution, Energy, Flange, Shows, param, signal
+from gearblocks.signals import Value
 
 
 class Torque(Block):
@@ -30,7 +31,7 @@ class SpeedLoad(Block):
     """
 
     flange = Flange("loaded flange")
-    coeffs: tuple[float, float, float] = param("(c0, c1, c2)", "N m (rad/s)^-i", ge=0, many=True)
+    coeffs: tuple[Value, Value, Value] = param("(c0, c1, c2)", "N m (rad/s)^-i", ge=0, many=True)
 
     def problems(self) -> Iterator[str]:
         """A wrong number of coefficients."""

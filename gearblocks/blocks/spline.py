@@ -9,6 +9,7 @@ from gearblocks.blocks.contact import damping, damping_problems
 from gearblocks.blocks.gears import mesh
 from gearblocks.declare import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
 from gearblocks.effects import Backlash, Fourier, Square
+from gearblocks.signals import Value
 
 
 class SplineCoupling(Block):
@@ -23,10 +24,10 @@ class SplineCoupling(Block):
 
     a, b = Flange("external spline"), Flange("internal spline")
     teeth: int = exact("number of teeth")
-    radius: float = param("pitch radius", "m", gt=0)
-    k: float | None = param("mean stiffness of all teeth along the arc", "N/m", gt=0, belongs_to="compliance")
-    c: float | None = param("damping along the arc", "N s/m", default=None, ge=0, belongs_to="damping")
-    damping_ratio: float | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
+    radius: Value = param("pitch radius", "m", gt=0)
+    k: Value | None = param("mean stiffness of all teeth along the arc", "N/m", gt=0, belongs_to="compliance")
+    c: Value | None = param("damping along the arc", "N s/m", default=None, ge=0, belongs_to="damping")
+    damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     stiffness_variation: Fourier | Square | None = effect("variation of k")
     backlash: Backlash | None = effect("dead zone along the arc")
     contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")

@@ -9,6 +9,7 @@ from gearblocks.blocks.bodies import Inertia
 from gearblocks.blocks.contact import Contact, contact, damping, damping_problems
 from gearblocks.declare import Block, Contribution, Energy, Flange, Force, Parts, Shows, Tie, option, param, signal
 from gearblocks.effects import Backlash
+from gearblocks.signals import Value
 
 
 class Shaft(Block):
@@ -25,11 +26,11 @@ class Shaft(Block):
     a, b = Flange("left end"), Flange("right end")
     k: Any = signal("torsional stiffness", "N m/rad", default=None, belongs_to="compliance")
     torque: Any = signal("restoring torque over gb.twist", "N m", default=None, belongs_to="compliance")
-    c: float | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
-    damping_ratio: float | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
+    c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
+    damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     allow_negative: bool = option("admit k < 0", default=False)
     segments: int = option("number of springs in a row", default=1)
-    J: float | None = param("own moment of inertia, with segments", "kg m2", default=None, ge=0)
+    J: Value | None = param("own moment of inertia, with segments", "kg m2", default=None, ge=0)
 
     def problems(self) -> Iterator[str]:
         """Contradicting fields."""
@@ -86,7 +87,7 @@ class Damper(Block):
     """Massless damper between two flanges: torque on b = -c w_rel."""
 
     a, b = Flange("left end"), Flange("right end")
-    c: float = param("torsional damping", "N m s/rad", ge=0)
+    c: Value = param("torsional damping", "N m s/rad", ge=0)
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """torque = c w_rel."""
@@ -102,10 +103,10 @@ class Lash(Block):
     """Torsional spring with a gap: twist = phi_b - phi_a, no torque while abs(twist) <= half_gap."""
 
     a, b = Flange("left end"), Flange("right end")
-    k: float | None = param("torsional stiffness in contact", "N m/rad", gt=0, belongs_to="compliance")
-    half_gap: float | None = param("half of the free play", "rad", ge=0, belongs_to="backlash")
-    c: float | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
-    damping_ratio: float | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
+    k: Value | None = param("torsional stiffness in contact", "N m/rad", gt=0, belongs_to="compliance")
+    half_gap: Value | None = param("half of the free play", "rad", ge=0, belongs_to="backlash")
+    c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
+    damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
 
     def problems(self) -> Iterator[str]:

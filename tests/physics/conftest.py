@@ -28,6 +28,7 @@ def _integrate(
     while True:
         events = []
         for i in range(len(modes)):
+
             def event(time: float, state: Array, i: int = i) -> float:
                 return float(np.asarray(surfaces(time, state))[i])
 
