@@ -238,7 +238,7 @@ def _owner(entry: tuple[str, Exact, float | None]) -> tuple[str, Exact, bool]:
 
 def _dynamics(law: Law) -> list[Any]:
     """Every expression that a run evaluates at each stage."""
-    exprs = [*law.torques.values(), *law.rates.values(), *(s.surface for s in law.switches)]
+    exprs = [*law.forces.values(), *law.torques.values(), *law.rates.values(), *(s.surface for s in law.switches)]
     return exprs + [e for e in (law.stored, law.loss, law.supplied) if e is not None]
 
 

@@ -77,6 +77,11 @@ def identifier(text: str) -> str:
     return re.sub(r"\W+", "_", text).strip("_")
 
 
+def _by_name(*exprs: Any) -> list[Any]:
+    """The symbols of expressions in a fixed order."""
+    return sorted({x for e in exprs for x in sp.sympify(e).free_symbols}, key=lambda x: str(x.name))
+
+
 class BatchCode:
     """Prints the expressions of one batch as functions."""
 
@@ -90,15 +95,17 @@ class BatchCode:
     # -- names of symbols ---------------------------------------------------------------------------------------------
 
     def names(
-        self, exprs: Iterable[Any], *, direction: bool = False
+        self, exprs: Iterable[Any], *, vector: str = "y"
     ) -> tuple[dict[Any, str], list[Any], list[tuple[str, str]]]:
-        """C names of all symbols in the expressions, the arguments they need and the constants to define."""
+        """C names of all symbols in the expressions, the arguments they need and the constants to define.
+
+        vector: what coordinates and speeds are read from: "y", a "direction", or a "lane" of time columns (none).
+        """
         names: dict[Any, str] = {}
         args: dict[str, tuple[str, str, Column]] = {}
         prologue: dict[str, str] = {}
-        symbols = sorted({x for e in exprs for x in sp.sympify(e).free_symbols}, key=lambda x: str(x.name))
-        for symbol in symbols:
-            names[symbol] = self._name(symbol, args, prologue, "direction" if direction else "y")
+        for symbol in _by_name(*exprs):
+            names[symbol] = self._name(symbol, args, prologue, vector)
         return names, list(args.values()), list(prologue.items())
 
     def _name(self, symbol: Any, args: dict[str, Any], prologue: dict[str, str], vector: str) -> str:
@@ -112,6 +119,8 @@ class BatchCode:
             name = f"par[{self.lay.shared[of.name]}]"
         elif role == "column":
             name = self.places.hoisted[symbol]
+            if vector == "lane" and of[0] == TIMED:
+                name = f"{name[:-1]} + i]"
         elif role == "coordinate":
             prologue[name := f"u{of}"] = self._coordinate(of, args, vector)
         elif role in ("w", "phi", "alpha"):
@@ -126,6 +135,9 @@ class BatchCode:
             prologue[name := f"mode{of.number}"] = f"mode[{self.places.switches[of.number]} + e]"
         elif role == "table":
             name = self.places.tables[symbol]
+        elif role == "force":
+            inner = {x: self._name(x, args, prologue, vector) for x in _by_name(self.forces[symbol])}
+            prologue[name := f"force{of}"] = c_text(self.forces[symbol], inner)
         elif role == "mobility":
             name = self._mobility(of, args)
         elif role == "time":
@@ -199,10 +211,10 @@ class BatchCode:
     # -- functions ----------------------------------------------------------------------------------------------------
 
     def function(
-        self, what: str, targets: list[tuple[str, str, Any, bool]], *, direction: bool = False, extra: Iterable[str] = ()
+        self, what: str, targets: list[tuple[str, str, Any, bool]], *, vector: str = "y", extra: Iterable[str] = ()
     ) -> Function:  # fmt: skip
         """A function that stores expressions: (lhs, op, expression, only in the full variant)."""
-        names, args, prologue = self.names([expr for _, _, expr, _ in targets], direction=direction)
+        names, args, prologue = self.names([expr for _, _, expr, _ in targets], vector=vector)
         more: dict[str, Any] = {key: (kind, key, col) for kind, key, col in args}
         for flange in extra:
             if self.batch.groups[flange][0] != HELD:
@@ -232,6 +244,7 @@ class BatchCode:
         """Moves constant and timed parts of the law's expressions into columns."""
         hoist = self.hoister.hoist
         law = self.law
+        self.forces = {x: hoist(self.hoister.spread(e)) for x, e in law.forces.items()}
         self.torques = {n: hoist(e) for n, e in law.torques.items()}
         self.rates = {n: hoist(e) for n, e in law.rates.items()}
         self.loss = None if law.loss is None else hoist(law.loss)
@@ -242,6 +255,7 @@ class BatchCode:
             hoist(s.surface) if sort in ("affine", "general") else s.surface
             for s, sort in zip(law.switches, self.sorts, strict=True)
         ]
+        self.bands = [None if s.band is None else hoist(s.band) for s in law.switches]
         self.whens = [hoist(sp.sympify(s.when)) for s in law.switches]
         self.shows = [(x, hoist(x.expr)) for x in law.shows]
         self.speeds = [self._coordinate_rate(j) for j in range(len(law.forms))]
@@ -259,9 +273,9 @@ class BatchCode:
         switch = self.law.switches[i]
         roles = {x: self.law.pool.slots[x].role for x in switch.surface.free_symbols}
         if switch.level == TIMED and set(roles.values()) <= {"own", "exact", "shared", "mobility", "time"}:
-            if self._line(switch.surface) is not None:
+            if switch.band is None and self._line(switch.surface) is not None:
                 return "line"
-            if switch.table is None and self._wave(switch.surface) is not None:
+            if switch.is_sign and self._wave(switch.surface) is not None:
                 return "wave"
         if switch.level != MOVING:
             return "general"
@@ -319,6 +333,8 @@ class BatchCode:
             return None
         j = self.law.pool.slots[moving[0]].of
         constant = surface.xreplace({moving[0]: sp.Integer(0)})
+        if self.law.switches[i].band is not None:
+            constant = self.law.switches[i].band
         if constant == 0 or self.batch.dependent[j]:
             return None
         return j, self.hoister.hoist(constant / sp.diff(surface, moving[0]))

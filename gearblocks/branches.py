@@ -14,7 +14,7 @@ import sympy as sp
 
 from gearblocks.declare import Switch
 from gearblocks.errors import GearblocksError
-from gearblocks.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, TableAt, dead_zone_branch
+from gearblocks.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, TableAt
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,11 @@ class Mode:
 
 @dataclass(slots=True)
 class SurfaceOfKind:
-    """One switch of a kind: surface >= 0 (or the quantity of a table) with its names and the values in the events."""
+    """One switch of a kind, with its name and the values in the events.
+
+    Its mode is the sign of the surface (0 or 1), the segment of a `table` over it, or its side of a `band` about zero
+    of that half width (-1, 0, 1).
+    """
 
     name: str
     surface: Any
@@ -37,6 +41,12 @@ class SurfaceOfKind:
     low: float = 0.0
     high: float = 1.0
     table: Any = None
+    band: Any = None
+
+    @property
+    def is_sign(self) -> bool:
+        """Whether the mode is the sign of the surface."""
+        return self.table is None and self.band is None
 
 
 @dataclass
@@ -116,23 +126,35 @@ class Freezer:
         surface = self.freeze(surface)
         if surface.is_number:
             return sp.Integer(1 if surface >= 0 else 0)
+        for switch in self.switches:
+            if switch.is_sign and switch.surface == surface:
+                return switch.symbol
+            if switch.is_sign and switch.surface == -surface:
+                return 1 - switch.symbol
         if not self.locating or self.pool.level(surface) == CONSTANT:
             return sp.Heaviside(surface, 1)
-        for switch in self.switches:
-            if switch.table is None and switch.surface == surface:
-                return switch.symbol
-            if switch.table is None and switch.surface == -surface:
-                return 1 - switch.symbol
         if name is None:
             name = f"switch {len(self.switches) + 1}"
         return self._add(name, surface).symbol
 
     def _dead_zone(self, e: Any) -> Any:
+        """With the side m = -1, 0, 1 as one mode: g = m^2 x - m b, its integral g^2/2, its slope m^2."""
         x, b = (self.freeze(a) for a in e.args[:2])
-        drive, coast = self._indicator(x - b), 1 - self._indicator(x + b)
+        side = self._side(x, b)
         if isinstance(e, ContactSide):
-            return drive - coast
-        return drive * dead_zone_branch(x - b, e.args[2]) + coast * dead_zone_branch(x + b, e.args[2])
+            return side
+        g = side**2 * x - side * b
+        return {-1: g**2 / 2, 0: g, 1: side**2}.get(int(e.args[2]), sp.Integer(0))
+
+    def _side(self, x: Any, b: Any) -> Any:
+        for switch in self.switches:
+            if switch.band == b and switch.surface == x:
+                return switch.symbol
+        if not self.locating:
+            return sp.Heaviside(x - b, 1) + sp.Heaviside(x + b, 1) - 1
+        switch = self._add("", x)
+        switch.band = b
+        return switch.symbol
 
     def _table(self, e: Any) -> Any:
         table, x, order = e.args[:3]

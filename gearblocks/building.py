@@ -18,10 +18,10 @@ from gearblocks.cache import digest, user_cache
 from gearblocks.declare import Block, _Declared
 from gearblocks.errors import ModelError
 from gearblocks.expression import Expr, evaluate
-from gearblocks.graph import Train, leaves_of, numbers_of, structural_text
+from gearblocks.graph import GROUND, Train, leaves_of, numbers_of, structural_text, structure_of
 from gearblocks.library import Model, compile_program, start_core_build
 from gearblocks.program import Program
-from gearblocks.signals import Parameter
+from gearblocks.signals import Input, Parameter
 
 
 def build_train(train: Train) -> Model:
@@ -43,7 +43,7 @@ def _without_collector() -> Iterator[None]:
 
 
 def _build(train: Train) -> Model:
-    values = _values(train)
+    values, names = _values(train)
     cache = user_cache()
     key = digest("program", _package_digest(), _classes_digest(train), structural_text(train))
     program = _stored(cache.read("programs", key), values)
@@ -51,6 +51,7 @@ def _build(train: Train) -> Model:
         start_core_build()
         program = make_program(train)
         cache.write("programs", key, program.to_bytes())
+    _check_against(program, train, names)
     start = np.array([values.get(p.path, 0.0) for p in program.parameters])
     start.setflags(write=False)
     return Model(program, compile_program(program), start)
@@ -61,7 +62,11 @@ def make_program(train: Train) -> Program:
     from gearblocks.assemble import assemble
     from gearblocks.codegen import generate
 
-    return generate(assemble(train))
+    check_user_blocks(train)
+    try:
+        return generate(assemble(train))
+    except NotImplementedError as error:  # of sympy's printers
+        raise ModelError(f"a law contains a function that the generated C does not know: {error}") from error
 
 
 def _stored(data: bytes | None, values: dict[str, float]) -> Program | None:
@@ -73,10 +78,14 @@ def _stored(data: bytes | None, values: dict[str, float]) -> Program | None:
     return program if fits else None
 
 
-def _values(train: Train) -> dict[str, float]:
-    """The number of every parameter path, Parameter and start value."""
+def _values(train: Train) -> tuple[dict[str, float], set[str]]:
+    """The number of every parameter path, Parameter and start value; names of Parameters and Inputs.
+
+    Raises ModelError for names that mean two things.
+    """
     values: dict[str, float] = {}
-    shared: dict[str, Parameter] = {}
+    shared: dict[str, Parameter | Input] = {}
+    problems: dict[str, None] = {}
     for c in train.components:
         for path, value, _ in numbers_of(c.block, c.path + "."):
             if isinstance(value, (int, float)):
@@ -85,18 +94,53 @@ def _values(train: Train) -> dict[str, float]:
                 values[path] = evaluate(value, _parameter_value)
         _starts(c.path, c.block, values)
         for leaf in leaves_of(c.block):
-            if isinstance(leaf, Parameter):
-                other = shared.setdefault(leaf.name, leaf)
-                if other != leaf:
-                    raise ModelError(
-                        f"two Parameters are named '{leaf.name}': {other.value!r} and {leaf.value!r}; use one object"
-                    )
+            if shared.setdefault(leaf.name, leaf) != leaf:
+                problems[_two_meanings(shared[leaf.name], leaf)] = None
     for coordinate in train.coordinates:
         for found in coordinate.expr.leaves():
-            if found.op == "parameter":
-                shared.setdefault(found.args[0].name, found.args[0])
-    values.update({name: parameter.value for name, parameter in shared.items()})
-    return values
+            if found.op == "parameter" and shared.setdefault(found.args[0].name, found.args[0]) != found.args[0]:
+                problems[_two_meanings(shared[found.args[0].name], found.args[0])] = None
+    for name, leaf in shared.items():
+        if name in values:
+            problems[f"{leaf!r} has the name of the parameter '{name}' of a block; give it another name"] = None
+    if problems:
+        raise ModelError(list(problems))
+    values.update({name: leaf.value for name, leaf in shared.items() if isinstance(leaf, Parameter)})
+    return values, set(shared)
+
+
+def _two_meanings(one: Parameter | Input, other: Parameter | Input) -> str:
+    return f"the name '{one.name}' stands for {one!r} and for {other!r}; use one object, or two names"
+
+
+def _check_against(program: Program, train: Train, names: set[str]) -> None:
+    """Start values that contradict each other through ties, and names that are outputs too."""
+    double = names & {q.name for q in program.outputs} if names else set()
+    problems = [f"'{name}' names an input or Parameter and an output; rename the first" for name in sorted(double)]
+    starts = {s.name: (s.place, s.factor) for s in program.starts}
+    given: dict[int, tuple[str, float, float]] = {}
+    for c in train.components:
+        for field, output in (("phi0", "phi"), ("w0", "w")):
+            value, place = _start_of(c.block, field), starts.get(f"{c.path}.{output}")
+            if value is not None and place is not None:
+                scaled = value * place[1]
+                before = given.setdefault(place[0], (c.path, value, scaled))
+                if abs(before[2] - scaled) > 1e-12 * max(abs(before[2]), abs(scaled)):
+                    problems.append(
+                        f"'{before[0]}': {field} = {before[1]!r} and '{c.path}': {field} = {value!r} contradict each "
+                        f"other through their ties; give one of them"
+                    )
+    if problems:
+        raise ModelError(problems)
+
+
+def _start_of(block: Block, field: str) -> float | None:
+    """The number of a start value that is given."""
+    value = getattr(block, field, None)
+    if isinstance(value, Expr):
+        return evaluate(value, _parameter_value)
+    value = getattr(value, "value", value)
+    return float(value) if isinstance(value, (int, float)) else None
 
 
 def _parameter_value(leaf: Expr) -> float:
@@ -112,6 +156,23 @@ def _starts(path: str, owner: _Declared, values: dict[str, float], prefix: str =
         part = owner.__dict__[name]
         if isinstance(part, _Declared):
             _starts(path, part, values, f"{prefix}{name}.")
+
+
+def check_user_blocks(train: Train) -> None:
+    """ModelError for all that is wrong in what blocks written by users yield. Blocks of the catalogue cost nothing."""
+    seen: set[Any] = set()
+    problems: list[str] = []
+    for c in train.components:
+        if not type(c.block).__module__.startswith("gearblocks."):
+            key = (structure_of(c.block), tuple(node == GROUND for node in c.nodes))
+            if key not in seen:
+                from gearblocks.contributions import physics_problems
+
+                seen.add(key)
+                flanges = zip(type(c.block).flanges, c.nodes, strict=True)
+                problems += physics_problems(c.path, c.block, frozenset(n for n, node in flanges if node == GROUND))
+    if problems:
+        raise ModelError(problems)
 
 
 @functools.cache

@@ -43,6 +43,14 @@ class Prediction:
     table: str
 
 
+@dataclass(slots=True)
+class Band:
+    """A switch whose mode is a side of a band: the function that holds its half width, and its first place."""
+
+    function: Function
+    first: int
+
+
 @dataclass
 class Generator:
     """Collects the parts of one program while offsets are handed out."""
@@ -65,6 +73,7 @@ class Generator:
     exact: list[tuple[int, Column]] = field(default_factory=list)
     predictions: list[Prediction] = field(default_factory=list)
     table_switches: list[tuple[int, int, str]] = field(default_factory=list)
+    bands: list[Band] = field(default_factory=list)
     n_affine: int = 0
     n_surfaces: int = 0
     inverse_mass: int = 0
@@ -163,7 +172,7 @@ def _hoisted(g: Generator, code: BatchCode) -> None:
     for item in code.hoister.columns:
         constant = item.level == CONSTANT
         if item.shared:
-            names, _, _ = code.names([item.expr])
+            names, _, _ = code.names([item.expr], vector="lane")
             text = c_text(item.expr, names)
             key = (item.level, text)
             if key not in g.shared:
@@ -179,7 +188,7 @@ def _hoisted(g: Generator, code: BatchCode) -> None:
             times.append((f"tau[({g.n_time} + e) * GB_LANES + i]", "=", item.expr, False))
             g.n_time += code.n
     g.keep("prepare", code.function("prepare", prepare))
-    g.keep("times", code.function("times", times))
+    g.keep("times", code.function("times", times, vector="lane"))
 
 
 def _shared_column(g: Generator, constant: bool, text: str) -> str:
@@ -255,7 +264,7 @@ def _surfaces(g: Generator, code: BatchCode) -> None:
             if scale is not None:
                 scales.append((f"scale[q{scale[0]}]", "|=", scale[1], False))
     g.keep("surfaces", code.function("surfaces", values))
-    g.keep("directions", code.function("directions", directions, direction=True))
+    g.keep("directions", code.function("directions", directions, vector="direction"))
     function = code.function("scales", scales)
     for j in {int(lhs[7:-1]) for lhs, _, _, _ in scales}:
         function.args.append(("int", f"q{j}", column(f"{code.batch.name}_q{j}", code.batch.sources[j])))
@@ -270,6 +279,10 @@ def _bounds(g: Generator, code: BatchCode) -> None:
         at = f"{code.places.switches[i]} + e"
         if switch.table is not None:
             targets.append((f"table_bounds(&{code.places.tables[switch.table]}, {at}", "call", code.whens[i], False))
+        elif switch.band is not None:
+            targets.append((f"lo[{at}]", "below", code.bands[i], False))
+            targets.append((f"hi[{at}]", "above", code.bands[i], False))
+            g.bands.append(Band(code.function(f"band_{i}", [("", "", code.bands[i], False)]), code.places.switches[i]))
         else:
             targets.append((f"sign_bounds({at}", "call", code.whens[i], False))
     g.keep("bounds", code.function("bounds", targets))

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar, TypeAlias, dataclass_transform
 
-from gearblocks.errors import GearblocksError, did_you_mean
-from gearblocks.expression import from_sympy, is_sympy
+from gearblocks.errors import GearblocksError, ModelError, did_you_mean
+from gearblocks.expression import finite_number, from_sympy, is_sympy
 
 _REQUIRED: Any = object()
 
@@ -90,6 +90,9 @@ class State:
     words: str
     unit: str = "1"
     start: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "start", finite_number(f"State '{self.words}': start", self.start))
 
 
 # -- contributions ----------------------------------------------------------------------------------------------------
@@ -190,6 +193,13 @@ class Parts:
 # -- fields of blocks and effects -------------------------------------------------------------------------------------
 
 
+_TAKEN = {
+    "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics", "problems",
+    "rate_of", "slope", "states", "time", "without_effect",
+}  # fmt: skip
+"""Names that blocks, effects and their symbols use themselves."""
+
+
 class _Declared:
     """Frozen keyword-only object whose class attributes declare its fields."""
 
@@ -200,27 +210,37 @@ class _Declared:
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         members = {name: value for name, value in vars(cls).items() if not name.startswith("__")}
+        for name, value in members.items():
+            if value in (Flange, State, param, signal, effect, exact, option):
+                raise ModelError(f"{cls.__name__}.{name}: write gb.{value.__name__}(...) with its words, not the bare name")
+            if isinstance(value, (Field, Flange, State)) and name in _TAKEN:
+                raise ModelError(f"{cls.__name__}: a field, flange or state cannot be named '{name}'; take another name")
         for name, kind in (("fields", Field), ("flanges", Flange), ("states", State)):
             own = {n: v for n, v in members.items() if isinstance(v, kind)}
             setattr(cls, name, MappingProxyType({**getattr(cls, name), **own}))
 
-    def __init__(self, **values: Any) -> None:
-        fields = type(self).fields
-        store = self.__dict__
+    def __init__(self, *unnamed: Any, **values: Any) -> None:
+        fields, kind, store = type(self).fields, type(self).__name__, self.__dict__
+        if unnamed:
+            example = f"such as {kind}({next(iter(fields))}=...)" if fields else "and there are none"
+            raise ModelError(f"{kind}: {unnamed[0]!r} is given without a name; fields are given by name, {example}")
+        problems = [
+            f"{kind} has no field '{name}'; it has {', '.join(fields) or 'none'}{did_you_mean(name, fields)}"
+            for name in values if name not in fields
+        ]  # fmt: skip
         for name, spec in fields.items():
-            if name in values:
-                store[name] = _plain(values.pop(name), spec.many)
-            elif spec.default is _REQUIRED:
-                raise GearblocksError(
-                    f"{type(self).__name__} needs {name} ({spec.words}, {spec.unit}); it was not given"
-                )
-            else:
-                store[name] = spec.default
-        if values:
-            name = next(iter(values))
-            raise GearblocksError(
-                f"{type(self).__name__} has no field '{name}'; it has {', '.join(fields)}{did_you_mean(name, fields)}"
-            )
+            try:
+                if name in values:
+                    store[name] = _plain(values[name], spec.many)
+                elif spec.required:
+                    unit = "" if spec.unit == "1" else f", {spec.unit}"
+                    problems.append(f"{kind} needs {name} ({spec.words}{unit}); it was not given")
+                else:
+                    store[name] = spec.default
+            except GearblocksError as error:
+                problems.append(f"{kind}: {name}: {error}")
+        if problems:
+            raise ModelError(problems)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(

@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from gearblocks.building import build_train
+from gearblocks.building import build_train, check_user_blocks
 from gearblocks.declare import Block, _Declared
-from gearblocks.errors import GearblocksError, ModelError, did_you_mean
+from gearblocks.errors import GearblocksError, ModelError, check_arguments, did_you_mean
 from gearblocks.expression import as_expr
-from gearblocks.graph import Coordinate, Train, Tree, flatten, value_problems
+from gearblocks.graph import Coordinate, Train, Tree, field_paths, flatten, replaced, unique_path, value_problems
 from gearblocks.library import Model
 
 if TYPE_CHECKING:
@@ -71,6 +71,8 @@ class Drivetrain:
     """
 
     def __init__(self, name: str) -> None:
+        if not isinstance(name, str) or not name.strip():
+            raise ModelError(f"a Drivetrain needs a name: {name!r} must be text such as 'test rig'")
         self.name = name
         self._parts: dict[str, Block | Drivetrain] = {}
         self._links: list[tuple[tuple[str, str], ...]] = []
@@ -89,16 +91,11 @@ class Drivetrain:
             raise ModelError(f"part name {name!r} must be a word of letters, digits and '_' that starts with a letter")
         if name in self._parts:
             raise ModelError(f"'{self.name}' already has a part named '{name}'")
-        if isinstance(part, type) or not isinstance(part, (Block, Drivetrain)):
-            raise ModelError(f"'{name}': {part!r} is neither a block nor a Drivetrain")
-        if isinstance(part, Drivetrain):
-            part = part._copy()
-        else:
-            problems = list(value_problems(name, part))
-            if problems:
-                raise ModelError(problems)
-        self._parts[name] = part
-        return Handle(self, name, part)
+        problems = list(_part_problems(name, part))
+        if problems:
+            raise ModelError(problems)
+        self._parts[name] = part._copy() if isinstance(part, Drivetrain) else part
+        return Handle(self, name, self._parts[name])
 
     def connect(self, *flanges: FlangeHandle) -> None:
         """Joins two or more flanges to one shaft. May be repeated; joined flanges turn together."""
@@ -112,6 +109,8 @@ class Drivetrain:
 
     def chain(self, *parts: Handle) -> None:
         """Connects parts in a row by their two main flanges; one with a single flange attaches to the running shaft."""
+        if len(parts) < 2:
+            raise ModelError(f"chain needs at least two parts, one by one, not {parts!r:.200}")
         running: tuple[str, str] | None = None
         waiting: list[tuple[str, str]] = []
         for part in parts:
@@ -130,8 +129,8 @@ class Drivetrain:
 
     def expose(self, name: str, flange: FlangeHandle) -> None:
         """Makes a flange of a part a flange of this train, for use inside another one."""
-        if name in self._exposed:
-            raise ModelError(f"'{self.name}' already exposes a flange '{name}'")
+        if not isinstance(name, str) or not _NAME.fullmatch(name) or name in self._exposed:
+            raise ModelError(f"'{self.name}': the name {name!r} for an exposed flange is taken or no word")
         self._exposed[name] = self._end(flange)
 
     def coordinate(self, name: str, expr: Any, unit: str) -> None:
@@ -140,7 +139,8 @@ class Drivetrain:
         It becomes an output, and the unknown of the relative form of the equations when there are as many as degrees
         of freedom.
         """
-        if not _NAME.fullmatch(name) or name in self._parts or any(c.name == name for c in self._coordinates):
+        taken = {"t", "time", *self._parts, *(c.name for c in self._coordinates)}
+        if not isinstance(name, str) or not _NAME.fullmatch(name) or name in taken:
             raise ModelError(f"coordinate name {name!r} is taken or no word")
         expression = as_expr(expr)
         if any(leaf.op not in ("sense", "parameter") for leaf in expression.leaves()):
@@ -178,7 +178,7 @@ class Drivetrain:
 
     def __getitem__(self, path: str) -> Block | Drivetrain:
         """The block or train at a path."""
-        name, _, rest = path.partition(".")
+        name, _, rest = str(path).partition(".")
         if name not in self._parts:
             raise ModelError(f"'{self.name}' has no part '{name}'{did_you_mean(name, self._parts)}")
         part = self._parts[name]
@@ -198,17 +198,33 @@ class Drivetrain:
 
     def set(self, values: Mapping[str, Any]) -> Drivetrain:
         """A new train with other values, by path: {"mesh.backlash.half_gap": 2e-5, "mesh": gb.GearMesh(...)}."""
+        if not isinstance(values, Mapping):
+            raise ModelError(f"set takes values by path, such as {{'mesh.k': 2e8}}, not {values!r:.80}")
         other = self._copy()
-        paths = {f"{path}.{field}" for path, _, _, block in self._walk() for field in _field_paths(block)}
+        paths = {f"{path}.{field}" for path, _, _, block in self._walk() for field in field_paths(block)}
+        paths |= {*self._parts, *(path for path, _, _, _ in self._walk())}
+        problems: list[str] = []
+        changed: dict[str, tuple[Drivetrain, str]] = {}
         for path, value in values.items():
-            found = _unique(path, paths | {p for p, _, _, _ in self._walk()})
-            owner, name, rest = other._locate(found)
-            block = value if not rest else _replaced(owner._parts[name], rest.split("."), value)
-            problems = list(value_problems(found if not rest else found[: -len(rest) - 1], block))
-            if problems:
-                raise ModelError(problems)
-            owner._parts[name] = block
+            try:
+                found = unique_path(path, paths)
+                owner, name, rest = other._locate(found)
+                owner._parts[name] = replaced(owner._parts[name], rest.split("."), value) if rest else value
+                changed[found[: -len(rest) - 1] if rest else found] = (owner, name)
+            except ModelError as error:
+                problems += error.problems
+        for path, (owner, name) in changed.items():
+            problems += [*_part_problems(path, owner._parts[name])] or [*owner._lost_flanges(name)]
+        if problems:
+            raise ModelError(problems)
         return other
+
+    def _lost_flanges(self, name: str) -> Iterator[str]:
+        """Flanges of a part that are connected or exposed, but which it does not have."""
+        has = Handle(self, name, self._parts[name]).flanges
+        ends = {end for link in (*self._links, self._exposed.values()) for end in link}
+        for flange in sorted(flange for part, flange in ends if part == name and flange not in has):
+            yield f"the new '{name}' has no flange '{flange}', which is connected; it has {', '.join(has) or 'none'}"
 
     def _locate(self, path: str) -> tuple[Drivetrain, str, str]:
         name, _, rest = path.partition(".")
@@ -221,23 +237,30 @@ class Drivetrain:
 
     def without(self, *patterns: str) -> Drivetrain:
         """A new train without the effects that match; `dropped` of it says what went. `*` crosses dots."""
-        present = self.effects()
-        for pattern in patterns:
-            if not any(fnmatch.fnmatchcase(name, pattern) for name in present):
-                raise ModelError(
-                    f"no effect matches '{pattern}'; present are {', '.join(present) or 'none'}{did_you_mean(pattern, present)}"
-                )
-        return self._leaving(lambda name: any(fnmatch.fnmatchcase(name, p) for p in patterns))
+        gone = self._matching("without", patterns)
+        return self._leaving(lambda name: name in gone)
 
     def only(self, *patterns: str) -> Drivetrain:
         """A new train with only the effects that match, and what they need."""
-        present = self.effects()
-        kept = {name for name in present if any(fnmatch.fnmatchcase(name, p) for p in patterns)}
-        for pattern in patterns:
-            if not any(fnmatch.fnmatchcase(name, pattern) for name in present):
-                raise ModelError(f"no effect matches '{pattern}'{did_you_mean(pattern, present)}")
+        kept = self._matching("only", patterns)
         kept |= {f"{name.rsplit('.', 1)[0]}.compliance" for name in kept}
         return self._leaving(lambda name: name not in kept)
+
+    def _matching(self, what: str, patterns: tuple[str, ...]) -> set[str]:
+        """The effects that match; ModelError names each pattern that matches none."""
+        present, found, problems = self.effects(), set(), []
+        for pattern in patterns:
+            if not isinstance(pattern, str):
+                raise ModelError(f"{what} takes patterns one by one as text, such as {what}('*.damping'), not {pattern!r}")
+            hits = {name for name in present if fnmatch.fnmatchcase(name, pattern)}
+            if not hits:
+                problems.append(
+                    f"no effect matches '{pattern}'; present are {', '.join(present) or 'none'}{did_you_mean(pattern, present)}"
+                )
+            found |= hits
+        if problems:
+            raise ModelError(problems)
+        return found
 
     def _leaving(self, goes: Any) -> Drivetrain:
         other = self._copy()
@@ -266,7 +289,9 @@ class Drivetrain:
         """The equations of motion for reading, in sympy."""
         from gearblocks.equations import write_equations
 
-        return write_equations(self.train())
+        train = self.train()
+        check_user_blocks(train)
+        return write_equations(train)
 
     def describe(self) -> str:
         """A table of all blocks with their values and effects."""
@@ -302,16 +327,26 @@ class Drivetrain:
         return train
 
 
+def _part_problems(path: str, part: Any) -> Iterator[str]:
+    """What is wrong with something that is to be a part."""
+    if isinstance(part, type):
+        yield f"'{path}': {part.__name__} is a class: make one with its values, such as {part.__name__}(...)"
+    elif not isinstance(part, (Block, Drivetrain)):
+        yield f"'{path}': {part!r:.200} is neither a block nor a Drivetrain"
+    elif isinstance(part, Block):
+        yield from value_problems(path, part)
+
+
 def build(train: Drivetrain | Model) -> Model:
     """Equations, program and compiled library of a train, for repeated use: simulate(model, ...), export(model, ...)."""
     if isinstance(train, Model):
         return train
     if not isinstance(train, Drivetrain):
-        raise GearblocksError(f"{train!r} is no Drivetrain")
+        raise GearblocksError(f"{train!r:.200} is no Drivetrain and no Model (as gb.Drivetrain and gb.build make them)")
     return build_train(train.train())
 
 
-def simulate(train: Drivetrain | Model, **arguments: Any) -> Trajectory:
+def simulate(train: Drivetrain | Model, *unnamed: Any, **arguments: Any) -> Trajectory:
     """Runs a train or model.
 
     t_end: end of the run [s]; the samples are the accepted steps with both sides of each event. Or t: sample times [s].
@@ -326,8 +361,9 @@ def simulate(train: Drivetrain | Model, **arguments: Any) -> Trajectory:
     Raises UnknownNameError and ParameterError for bad arguments, SimulationError (with the trajectory so far) when the
     run cannot go on. Ctrl-C returns what is done; run.complete is then False.
     """
-    from gearblocks.runs import run_model
+    from gearblocks.runs import ARGUMENTS, run_model
 
+    check_arguments("simulate", ARGUMENTS, unnamed, arguments)
     return run_model(build(train), **arguments)
 
 
@@ -360,35 +396,3 @@ def _summary(block: Block) -> str:
             unit = "" if field.unit == "1" else f" {field.unit}"
             parts.append(f"{name} = {value!r}{unit}" if not isinstance(value, _Declared) else f"{name}: {value!r}")
     return ", ".join(parts)
-
-
-def _field_paths(owner: _Declared) -> Iterator[str]:
-    for name in type(owner).fields:
-        yield name
-        value = owner.__dict__[name]
-        if isinstance(value, _Declared):
-            yield from (f"{name}.{rest}" for rest in _field_paths(value))
-        elif isinstance(value, tuple):
-            yield from (f"{name}[{i}]" for i in range(len(value)))
-
-
-def _unique(path: str, known: set[str]) -> str:
-    """The full path that a path, or a unique end of one, means."""
-    if path in known:
-        return path
-    ends = sorted(p for p in known if p.endswith("." + path))
-    if len(ends) == 1:
-        return ends[0]
-    if ends:
-        raise ModelError(f"'{path}' is not unique: it could be {', '.join(ends)}")
-    raise ModelError(f"'{path}' does not exist{did_you_mean(path, known)}")
-
-
-def _replaced(owner: Any, path: list[str], value: Any) -> Any:
-    name, *rest = path
-    match = re.fullmatch(r"(\w+)\[(\d+)\]", name)
-    if match:
-        values = list(owner.__dict__[match[1]])
-        values[int(match[2])] = value
-        return owner.changed(**{match[1]: tuple(values)})
-    return owner.changed(**{name: _replaced(owner.__dict__[name], rest, value) if rest else value})

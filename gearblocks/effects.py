@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.declare import Effect, State, Switch, effect, option, param, signal
+from gearblocks.declare import Effect, State, effect, option, param, signal
 from gearblocks.signals import Table, Value
 
 __all__ = ["Backlash", "Fourier", "Harmonic", "Square", "Table", "effect"]
@@ -45,11 +45,6 @@ class Backlash(Effect):
 
         return ContactSide(x, s.half_gap)
 
-    def switches(self, s: Any, x: Any) -> Iterator[Switch]:
-        """The two corners, with the contact before and after as their values."""
-        yield Switch("", x - s.half_gap, low=0.0, high=1.0)
-        yield Switch("", x + s.half_gap, low=-1.0, high=0.0)
-
 
 class Fourier(Effect):
     """Relative variation 1 + sum_j cos[j] cos(j theta) + sin[j] sin(j theta), j = 1, 2, ...
@@ -61,7 +56,7 @@ class Fourier(Effect):
     cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", default=(), many=True)
     sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", default=(), many=True)
     driven_by: Any = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
-    phase: Any = param("phase added to theta", "rad", default=0.0)
+    phase: Any = param("phase added to theta", "rad", default=None)
     angle = State("integrated phase", "rad")
 
     def value(self, s: Any, theta: Any) -> Any:
@@ -89,7 +84,7 @@ class Square(Effect):
     ripple: Value = param("half of the jump, relative to the mean", ge=0)
     contact_ratio: Value = param("transverse contact ratio, between 1 and 2", gt=1, lt=2)
     driven_by: Any = signal("the frequency of the excitation", "rad/s")
-    phase: Any = param("phase added to theta", "rad", default=0.0)
+    phase: Any = param("phase added to theta", "rad", default=None)
     angle = State("integrated phase", "rad")
 
     def problems(self) -> Iterator[str]:

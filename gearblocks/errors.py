@@ -5,7 +5,7 @@ Every error can be pickled, so that it survives the way back from a worker proce
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 
@@ -77,10 +77,29 @@ class SimulationError(GearblocksError):
         return f"{place}{self.cause} at t = {self.time:.9g} s{remedy}"
 
 
+def check_arguments(what: str, known: Iterable[str], unnamed: Sequence[Any], given: Iterable[str]) -> None:
+    """ParameterError for values without a name and for names that are not among the known ones."""
+    names = sorted(known)
+    if unnamed:
+        raise ParameterError(f"{what}: {unnamed[0]!r:.80} is given without a name; name it: {', '.join(names)}")
+    for name in given:
+        if name not in names:
+            raise ParameterError(f"{what} has no argument '{name}'; it has {', '.join(names)}{did_you_mean(name, names)}")
+
+
+def by_name(what: str, values: Any) -> Mapping[str, Any]:
+    """`values` if they are given by name, else a ParameterError."""
+    if not isinstance(values, Mapping):
+        raise ParameterError(f"{what} = {values!r:.80} must be a dict of names and values")
+    return values
+
+
 def did_you_mean(name: str, candidates: Iterable[str]) -> str:
     """The question " - did you mean 'pinion'?" when some candidate is near to `name`, else the empty string."""
     import difflib
 
+    if not isinstance(name, str):
+        return ""
     known = list(candidates)
     near = difflib.get_close_matches(name, known, n=3, cutoff=0.6)
     if not near:

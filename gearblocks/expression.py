@@ -6,17 +6,14 @@ expression of these leaves is taken as well.
 
 from __future__ import annotations
 
-import ast
 import math
+import operator
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
-from gearblocks.errors import GearblocksError
-
-if TYPE_CHECKING:
-    from gearblocks.signals import Input, Parameter, Table
+from gearblocks.errors import GearblocksError, ParameterError
 
 FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "Abs", "sign",
@@ -34,7 +31,10 @@ class Expr:
     """
 
     __slots__ = ("args", "op")
-    __array_ufunc__ = None  # numpy scalars leave the arithmetic to us
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        """Arithmetic with numpy scalars, and np.sin(expression) and its like."""
+        return numpy_call(ufunc, method, inputs)
 
     def __init__(self, op: str, *args: Any) -> None:
         object.__setattr__(self, "op", op)
@@ -107,6 +107,9 @@ class Expr:
             )
         return True
 
+    def __float__(self) -> float:
+        raise ParameterError(f"'{self}' is an expression, not a number: use gb.sin, gb.cos, gb.piecewise or sympy's functions")
+
     def __str__(self) -> str:
         return _text(self, 0)
 
@@ -126,12 +129,25 @@ class Expr:
 
 
 def number(x: float) -> Expr:
-    """A constant; must be finite."""
-    return Expr("number", float(x))
+    """A constant; ParameterError when it is not finite."""
+    return Expr("number", finite_number("a number in an expression", x))
+
+
+def finite_number(what: str, x: Any) -> float:
+    """x as a Python float. ParameterError names `what` where x is no number (text, truth, array) or not finite."""
+    if isinstance(x, (bool, str, bytes, complex)) or getattr(x, "shape", ()) != () or not hasattr(x, "__float__"):
+        raise ParameterError(f"{what} = {x!r:.80} must be a number")
+    try:
+        value = float(x)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(f"{what} = {x!r:.80} must be a number") from None
+    if not math.isfinite(value):
+        raise ParameterError(f"{what} = {x!r} must be a finite number")
+    return value
 
 
 def as_expr(x: Any) -> Expr:
-    """A number, leaf, expression or sympy expression as an `Expr`; TypeError for anything else."""
+    """A number, leaf, expression or sympy expression as an `Expr`; ParameterError for anything else."""
     if isinstance(x, Expr):
         return x
     to_expr = getattr(x, "_expr_", None)
@@ -139,13 +155,11 @@ def as_expr(x: Any) -> Expr:
         result = to_expr()
         assert isinstance(result, Expr)
         return result
-    if isinstance(x, bool):
-        raise TypeError("a truth value is no signal")
-    if isinstance(x, (int, float)) or (hasattr(x, "__float__") and type(x).__module__ == "numpy"):
-        return number(float(x))
     if is_sympy(x):
         return from_sympy(x)
-    raise TypeError(f"{x!r} is neither a number nor an expression")
+    if isinstance(x, (bool, str)) or getattr(x, "shape", ()) != () or not hasattr(x, "__float__"):
+        raise ParameterError(f"{x!r:.80} cannot stand in an expression: it is neither a number nor an expression")
+    return number(x)
 
 
 def is_sympy(x: Any) -> bool:
@@ -158,11 +172,31 @@ def _binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | None = 
     # sympy's Piecewise asks for its own conditions, so those are made where sympy is in use
     if is_sympy(left) or is_sympy(right) or (op in _RELATIONS and "sympy" in sys.modules):
         return _sympy_binary(op, left, right, wrap)
-    try:
-        a, b = as_expr(left), as_expr(right)
-    except TypeError:
-        return NotImplemented
+    a, b = as_expr(left), as_expr(right)
     return Expr(op, a, wrap(b) if wrap else b)
+
+
+_NUMPY_OPERATORS: dict[str, Callable[..., Any]] = {
+    "add": operator.add, "subtract": operator.sub, "multiply": operator.mul, "divide": operator.truediv,
+    "power": operator.pow, "float_power": operator.pow, "negative": operator.neg, "positive": operator.pos,
+    "less": operator.lt, "less_equal": operator.le, "greater": operator.gt, "greater_equal": operator.ge,
+}  # fmt: skip
+_NUMPY_FUNCTIONS = {
+    "arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2", "absolute": "Abs", "fabs": "Abs",
+    "minimum": "Min", "maximum": "Max",
+}  # fmt: skip
+
+
+def numpy_call(ufunc: Any, method: str, inputs: tuple[Any, ...]) -> Any:
+    """What a numpy function of expressions and numbers means; ParameterError for arrays and for other functions."""
+    name = ufunc.__name__
+    arguments = [as_expr(x) for x in inputs]
+    if method == "__call__" and name in _NUMPY_OPERATORS:
+        return _NUMPY_OPERATORS[name](*arguments)
+    name = _NUMPY_FUNCTIONS.get(name, name)
+    if method == "__call__" and name in FUNCTIONS:
+        return Expr(name, *arguments)
+    raise ParameterError(f"np.{ufunc.__name__} takes no expression such as '{arguments[0]}'; there are {', '.join(FUNCTIONS)}")
 
 
 def _sympy_binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | None) -> Any:
@@ -195,8 +229,12 @@ def cos(x: Any) -> Expr:
 def piecewise(*pairs: tuple[Any, Any]) -> Expr:
     """(value, condition) pairs, the first true condition wins; the last condition may be True."""
     flat: list[Expr] = []
-    for value, condition in pairs:
-        flat += [as_expr(value), number(1.0) if condition is True else as_expr(condition)]
+    for pair in pairs:
+        if not isinstance(pair, tuple) or len(pair) != 2 or pair[1] is False:
+            raise ParameterError(f"piecewise: {pair!r:.80} must be (value, condition), the condition made with < or >")
+        flat += [as_expr(pair[0]), number(1.0) if pair[1] is True else as_expr(pair[1])]
+    if not pairs or pairs[-1][1] is not True:
+        raise ParameterError("piecewise has no value where no condition holds: end it with (value, True)")
     return Expr("Piecewise", *flat)
 
 
@@ -223,65 +261,6 @@ def _text(e: Expr, outer: int) -> str:
     if e.op in _RELATIONS:
         return f"({_text(e.args[0], 1)} {e.op} {_text(e.args[1], 1)})"
     return f"{e.op}({', '.join(_text(a, 0) for a in e.args)})"
-
-
-Leaves: TypeAlias = "Mapping[str, Parameter | Input | Table]"
-
-
-def parse(text: str, leaves: Leaves) -> Expr:
-    """The expression that `str` printed. `leaves` holds Parameters, Inputs (by name) and Tables (by digest).
-
-    Raises GearblocksError for anything that is not an expression of the known functions: the text is read, never run.
-    """
-    try:
-        tree = ast.parse(text, mode="eval").body
-    except SyntaxError as error:
-        raise GearblocksError(f"'{text}' is not an expression: {error.msg}") from None
-    return _parse(tree, leaves)
-
-
-def _parse(node: ast.expr, leaves: Leaves) -> Expr:
-    if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)) and not isinstance(node.value, bool):
-        return number(node.value)
-    if isinstance(node, ast.Name) and node.id == "time":
-        return Expr("time")
-    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-        inner = _parse(node.operand, leaves)
-        return number(-inner.args[0]) if inner.op == "number" else -inner
-    if isinstance(node, ast.BinOp):
-        a, b = _parse(node.left, leaves), _parse(node.right, leaves)
-        for kind, build in _BINARY_NODES.items():
-            if isinstance(node.op, kind):
-                return build(a, b)
-    if isinstance(node, ast.Compare) and len(node.ops) == 1:
-        for relation, name in ((ast.Lt, "<"), (ast.LtE, "<="), (ast.Gt, ">"), (ast.GtE, ">=")):
-            if isinstance(node.ops[0], relation):
-                return Expr(name, _parse(node.left, leaves), _parse(node.comparators[0], leaves))
-    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
-        return _parse_call(node.func.id, node.args, leaves)
-    raise GearblocksError(f"'{ast.unparse(node)}' cannot stand in an expression")
-
-
-_BINARY_NODES: dict[type[ast.operator], Callable[[Expr, Expr], Expr]] = {
-    ast.Add: lambda a, b: Expr("+", a, b),
-    ast.Sub: lambda a, b: Expr("+", a, -b),
-    ast.Mult: lambda a, b: Expr("*", a, b),
-    ast.Div: lambda a, b: Expr("*", a, Expr("**", b, number(-1.0))),
-    ast.Pow: lambda a, b: Expr("**", a, b),
-}
-
-
-def _parse_call(name: str, args: list[ast.expr], leaves: Leaves) -> Expr:
-    if name in ("parameter", "input", "sense", "local", "table") and args and isinstance(args[0], ast.Constant):
-        key = str(args[0].value)
-        if name in ("sense", "local"):
-            return Expr(name, key)
-        if key not in leaves:
-            raise GearblocksError(f"the expression names the {name} '{key}', which is not there")
-        return Expr(name, leaves[key], *(_parse(a, leaves) for a in args[1:]))
-    if name in FUNCTIONS:
-        return Expr(name, *(_parse(a, leaves) for a in args))
-    raise GearblocksError(f"'{name}' is not a function of expressions; there are {', '.join(FUNCTIONS)}")
 
 
 # -- numbers ----------------------------------------------------------------------------------------------------------
@@ -361,7 +340,10 @@ def to_sympy(e: Expr, leaf: Callable[[Expr], Any] | None = None) -> Any:
     if e.op == "*":
         return sp.Mul(*a)
     if e.op == "**":
-        return sp.Pow(*a)
+        power = sp.Pow(*a)
+        if power.is_number and not power.is_real:
+            raise ParameterError(f"'{e}' in an expression is no finite real number")
+        return power
     if e.op in _RELATIONS:
         return {"<": sp.Lt, "<=": sp.Le, ">": sp.Gt, ">=": sp.Ge}[e.op](*a)
     if e.op == "Piecewise":

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
+import inspect
 import math
+import re
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from fractions import Fraction
+from typing import Any, get_args
 
-from gearblocks.declare import Block, Field, _Declared
-from gearblocks.errors import ModelError
-from gearblocks.expression import Expr
+from gearblocks.declare import Block, Effect, Field, _Declared
+from gearblocks.errors import ModelError, did_you_mean
+from gearblocks.expression import Expr, evaluate
 from gearblocks.signals import Input, Parameter, Table
 
 GROUND = -1
@@ -218,41 +223,110 @@ def leaves_of(block: Any) -> Iterator[Parameter | Input]:
 def value_problems(path: str, block: Block) -> Iterator[str]:
     """Numbers that are not finite or out of bounds, and what the block itself finds wrong."""
     kind = f"{type(block).__name__} '{path}'"
-    found = False
-    for name, value, field in numbers_of(block, ""):
-        problem = _problem(name, value, field)
-        if problem:
-            found = True
-            yield f"{kind}: {problem}"
+    found = [f"{kind}: {problem}" for problem in _field_problems(block, "")]
+    yield from found
     if not found:
         yield from (f"{kind}: {p}" for p in block.problems())
-        for name, spec in type(block).fields.items():
-            part = block.__dict__[name]
+        for part in block.__dict__.values():
             if isinstance(part, _Declared):
                 yield from (f"{kind}: {p}" for p in part.problems())
-            elif spec.role == "effect" and part is not None:
-                yield f"{kind}: {name} = {part!r} must be an effect object such as gb.Backlash(...), or None"
+
+
+def _field_problems(owner: _Declared, prefix: str) -> Iterator[str]:
+    """What is wrong with the fields taken one by one, those of effects included."""
+    for name, field in type(owner).fields.items():
+        value = owner.__dict__[name]
+        if field.role == "effect":
+            if value is not None:
+                problem = _effect_problem(owner, name, value)
+                yield from [problem] if problem else _field_problems(value, f"{prefix}{name}.")
+        elif field.role == "option":
+            if isinstance(field.default, bool) and not isinstance(value, bool):
+                yield f"{prefix}{name} = {value!r} must be True or False"
+        elif value is None:
+            if field.default is not None and field.belongs_to is None:
+                yield f"{prefix}{name} = None ({field.words}): a value must be given"
+        elif field.many and not isinstance(value, tuple):
+            yield f"{prefix}{name} = {value!r:.80} must be a row of numbers such as ({value!r:.40},)"
+        elif field.many:
+            yield from filter(None, (_problem(f"{prefix}{name}[{i}]", v, field) for i, v in enumerate(value)))
+        elif not (isinstance(value, str) and value == field.default):
+            problem = _problem(prefix + name, value, field)
+            if problem:
+                yield problem
+
+
+def _effect_problem(owner: _Declared, name: str, value: Any) -> str:
+    """An effect that is no effect object, or not of a class that the field is annotated with."""
+    if isinstance(value, Effect):
+        allowed = _annotated(type(owner), name)
+        if not allowed or type(value) in allowed:
+            return ""
+        if not type(value).__module__.startswith("gearblocks.") and isinstance(value, allowed):
+            return ""
+        return f"{name} = {value!r:.80} must be {' or '.join(f'gb.{kind.__name__}(...)' for kind in allowed)}, or None"
+    return f"{name} = {value!r:.80} must be an effect object such as gb.Backlash(...), or None"
+
+
+@functools.cache
+def _annotated(kind: type, name: str) -> tuple[type, ...]:
+    """The effect classes that the annotation of a field names; empty where it names none."""
+    for base in kind.__mro__:
+        annotation = inspect.get_annotations(base).get(name)
+        if annotation is not None:
+            words = re.findall(r"\w+", annotation) if isinstance(annotation, str) else []
+            known = vars(sys.modules[base.__module__])
+            found = [known.get(word) for word in words] or [*get_args(annotation), annotation]
+            return tuple(t for t in found if isinstance(t, type) and issubclass(t, Effect))
+    return ()
 
 
 def _problem(name: str, value: Any, field: Field) -> str:
-    if isinstance(value, Parameter):
-        value = value.value
-    if isinstance(value, (Expr, Input, Table)):
-        return _signal_problem(name, value, field)
     unit = "" if field.unit == "1" else f" {field.unit}"
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        return f"{name} = {value!r} is no number{', Parameter, Input, Table or expression' * (field.role == 'signal')}"
+    if isinstance(value, (Parameter, Input, Table, Expr)):
+        problem = _signal_problem(name, value, field)
+        if problem or isinstance(value, (Input, Table)) or (isinstance(value, Expr) and not _is_constant(value)):
+            return problem
+        number, shown = _constant(value), f" ({value!r})" if isinstance(value, Parameter) else f" ('{value}')"
+    elif isinstance(value, bool) or not isinstance(value, (int, float, Fraction if field.role == "exact" else int)):
+        return f"{name} = {value!r:.80} is no number{', Parameter, Input, Table or expression' * (field.role == 'signal')}"
+    else:
+        number, shown = _float(value), ""
     if not math.isfinite(number):
-        return f"{name} = {value!r}{unit} must be a finite number"
-    return bound_problem(name, number, unit, (field.gt, field.ge, field.lt, field.le))
+        return f"{name} = {number!r}{unit}{shown} must be a finite number"
+    return bound_problem(name, number, unit + shown, (field.gt, field.ge, field.lt, field.le))
+
+
+def _float(value: float | Fraction) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def _is_constant(value: Expr) -> bool:
+    return all(leaf.op == "parameter" for leaf in value.leaves())
+
+
+def _constant(value: Parameter | Expr) -> float:
+    """The number of a Parameter, or of an expression of Parameters; NaN where it has none."""
+    if isinstance(value, Parameter):
+        return value.value
+    try:
+        return evaluate(value, lambda leaf: float(leaf.args[0].value))
+    except (ArithmeticError, ValueError, TypeError):
+        return math.nan
 
 
 def _signal_problem(name: str, value: Any, field: Field) -> str:
+    if field.role == "exact":
+        return f"{name} = {value!r:.80} enters a ratio: give a plain number, and another one with rig.set(...)"
+    if isinstance(value, Expr) and value.op in ("<", "<=", ">", ">=", "And", "Or", "Not"):
+        return f"{name} = '{value}' is a condition, not a value: give gb.piecewise((value, condition), (other, True))"
     if field.role == "signal":
-        return ""
-    changing = not isinstance(value, Expr) or any(leaf.op != "parameter" for leaf in value.leaves())
+        local = isinstance(value, Expr) and name != "torque" and any(leaf.op == "local" for leaf in value.leaves())
+        return f"{name} = '{value}' contains gb.twist, which only the torque of a Shaft knows" if local else ""
+    changing = not isinstance(value, (Expr, Parameter)) or (isinstance(value, Expr) and not _is_constant(value))
     return (
         f"{name} is a parameter: it takes a number, a gb.Parameter or an expression of Parameters" if changing else ""
     )
@@ -269,3 +343,41 @@ def bound_problem(name: str, x: float, unit: str, bounds: tuple[float | None, ..
         ) if not holds
     ]  # fmt: skip
     return f"{name} = {x!r}{unit} must be {' and '.join(broken)}" if broken else ""
+
+
+# -- paths ------------------------------------------------------------------------------------------------------------
+
+def field_paths(owner: _Declared) -> Iterator[str]:
+    """Paths of all fields inside a block, those of its effects and the entries of rows included."""
+    for name in type(owner).fields:
+        yield name
+        value = owner.__dict__[name]
+        if isinstance(value, _Declared):
+            yield from (f"{name}.{rest}" for rest in field_paths(value))
+        elif isinstance(value, tuple):
+            yield from (f"{name}[{i}]" for i in range(len(value)))
+
+
+def unique_path(path: str, known: set[str]) -> str:
+    """The full path that a path, or a unique end of one, means."""
+    if not isinstance(path, str):
+        raise ModelError(f"path {path!r} must be text such as 'mesh.k'")
+    if path in known:
+        return path
+    ends = sorted(p for p in known if p.endswith("." + path))
+    if len(ends) == 1:
+        return ends[0]
+    if ends:
+        raise ModelError(f"'{path}' is not unique: it could be {', '.join(ends)}")
+    raise ModelError(f"'{path}' does not exist{did_you_mean(path, known)}")
+
+
+def replaced(owner: Any, path: list[str], value: Any) -> Any:
+    """A copy of a block or effect with another value at a path inside it."""
+    name, *rest = path
+    match = re.fullmatch(r"(\w+)\[(\d+)\]", name)
+    if match:
+        values = list(owner.__dict__[match[1]])
+        values[int(match[2])] = value
+        return owner.changed(**{match[1]: tuple(values)})
+    return owner.changed(**{name: replaced(owner.__dict__[name], rest, value) if rest else value})

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import ast
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import gearblocks.blocks as catalogue
 import gearblocks.effects as effects
 from gearblocks.declare import Block, _Declared
 from gearblocks.errors import GearblocksError, ModelError, StorageError, did_you_mean
-from gearblocks.expression import Expr, parse
+from gearblocks.expression import FUNCTIONS, Expr, number
 from gearblocks.files import write_text
 from gearblocks.graph import Coordinate, Tree
 from gearblocks.signals import Input, Parameter, Table
@@ -165,3 +166,74 @@ def _read_value(path: str, value: Any, leaves: Mapping[str, Any]) -> Any:
             return expr.args[0]
         return expr
     return value
+
+
+# -- expressions ------------------------------------------------------------------------------------------------------
+
+Leaves: TypeAlias = Mapping[str, Parameter | Input | Table]
+
+
+def parse(text: str, leaves: Leaves) -> Expr:
+    """The expression that `str` printed. `leaves` holds Parameters, Inputs (by name) and Tables (by digest).
+
+    Raises GearblocksError for anything that is not an expression of the known functions: the text is read, never run.
+    """
+    try:
+        tree = ast.parse(text, mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise GearblocksError(f"'{text:.200}' is not an expression: {error}") from None
+    return _parse(tree, leaves)
+
+
+def _parse(node: ast.expr, leaves: Leaves) -> Expr:
+    if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)) and not isinstance(node.value, bool):
+        return number(node.value)
+    if isinstance(node, ast.Name) and node.id == "time":
+        return Expr("time")
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        inner = _parse(node.operand, leaves)
+        return number(-inner.args[0]) if inner.op == "number" else -inner
+    if isinstance(node, ast.BinOp):
+        a, b = _parse(node.left, leaves), _parse(node.right, leaves)
+        for kind, build in _BINARY_NODES.items():
+            if isinstance(node.op, kind):
+                return build(a, b)
+    if isinstance(node, ast.Compare) and len(node.ops) == 1:
+        for relation, name in ((ast.Lt, "<"), (ast.LtE, "<="), (ast.Gt, ">"), (ast.GtE, ">=")):
+            if isinstance(node.ops[0], relation):
+                return Expr(name, _parse(node.left, leaves), _parse(node.comparators[0], leaves))
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
+        return _parse_call(node.func.id, node.args, leaves)
+    raise GearblocksError(f"'{ast.unparse(node)}' cannot stand in an expression")
+
+
+_BINARY_NODES: dict[type[ast.operator], Callable[[Expr, Expr], Expr]] = {
+    ast.Add: lambda a, b: Expr("+", a, b),
+    ast.Sub: lambda a, b: Expr("+", a, -b),
+    ast.Mult: lambda a, b: Expr("*", a, b),
+    ast.Div: lambda a, b: Expr("*", a, Expr("**", b, number(-1.0))),
+    ast.Pow: lambda a, b: Expr("**", a, b),
+}
+
+
+_MANY = range(1, 1000)
+_COUNTS: dict[str, Sequence[int]] = {
+    "atan2": (2,), "Heaviside": (1, 2), "Min": _MANY, "Max": _MANY, "And": _MANY, "Or": _MANY, "Piecewise": _MANY
+}  # fmt: skip
+
+
+def _parse_call(name: str, args: list[ast.expr], leaves: Leaves) -> Expr:
+    if name in ("parameter", "input", "sense", "local", "table") and args and isinstance(args[0], ast.Constant):
+        key = str(args[0].value)
+        if name in ("sense", "local"):
+            return Expr(name, key)
+        if type(leaves.get(key)).__name__.lower() != name:
+            raise GearblocksError(f"the expression names the {name} '{key}', which is not there")
+        if len(args) != (2 if name == "table" else 1):
+            raise GearblocksError(f"'{name}' of '{key}' takes another number of values than {len(args)}")
+        return Expr(name, leaves[key], *(_parse(a, leaves) for a in args[1:]))
+    if name in FUNCTIONS:
+        if not args or len(args) not in _COUNTS.get(name, (1,)) or (name == "Piecewise" and len(args) % 2):
+            raise GearblocksError(f"'{name}' takes another number of values than {len(args)}")
+        return Expr(name, *(_parse(a, leaves) for a in args))
+    raise GearblocksError(f"'{name}' is not a function of expressions; there are {', '.join(FUNCTIONS)}")

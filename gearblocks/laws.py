@@ -19,21 +19,27 @@ from gearblocks import declare as d
 from gearblocks.branches import Freezer, SurfaceOfKind
 from gearblocks.errors import ModelError
 from gearblocks.rational import Exact, exact, over
-from gearblocks.symbols import CONSTANT, Pool, Symbols, TableAt, clock
+from gearblocks.symbols import CONSTANT, MOVING, Pool, Symbols, TableAt, clock
 
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """A linear form of flange angles with exact coefficients: sum of coefficient * phi; the first one is 1 or -1."""
+    """A linear form of flange angles with exact coefficients: sum of coefficient * phi; the first one is 1 or -1.
+
+    The deflection it comes from is scale times the form, plus what does not depend on the angles where `whole`.
+    """
 
     coefficients: dict[str, Any]
+    scale: Any
+    whole: bool
 
 
 @dataclass(slots=True)
 class Law:
     """What all instances of a kind share, in symbols (see Pool.slots for their meaning).
 
-    forms: coordinates of the law; coordinates: their symbols. torques: by flange. ties: linear forms and constants.
+    forms: coordinates of the law; coordinates: their symbols. forces: symbols of generalised forces along linear forms
+    and what they are. torques: by flange, over the forces. ties: linear forms and constants.
     """
 
     pool: Pool
@@ -41,6 +47,7 @@ class Law:
     coordinates: list[Any] = field(default_factory=list)
     bodies: list[tuple[str, Any]] = field(default_factory=list)
     ties: list[tuple[Mapping[str, Any], Any]] = field(default_factory=list)
+    forces: dict[Any, Any] = field(default_factory=dict)
     torques: dict[str, Any] = field(default_factory=dict)
     rates: dict[str, Any] = field(default_factory=dict)
     stored: Any = None
@@ -86,7 +93,7 @@ def derive(block: d.Block, grounded: frozenset[str], *, reading: bool = False) -
     flanges = {name: getattr(s, name) for name in type(block).flanges if name not in grounded}
     law.bodies = [(_flange_name(flanges, b.flange), sp.sympify(b.J)) for b in found.bodies if b.flange.phi.is_Symbol]
     law.ties = [tie for t in found.ties if (tie := _tie(block, flanges, sp.sympify(t.zero)))[0]]
-    law.torques = _torques(flanges, found)
+    law.torques = _torques(law, flanges, found, reading)
     law.rates = {law.pool.slots[r.state].of: sp.sympify(r.expr) for r in found.rates}
     stored = [sp.sympify(e.stored) for e in found.energies if e.stored is not None]
     losses = [sp.sympify(e.loss) for e in found.energies if e.loss is not None]
@@ -96,6 +103,8 @@ def derive(block: d.Block, grounded: frozenset[str], *, reading: bool = False) -
     if not reading:
         _introduce_coordinates(law, flanges, found.forces)
         _freeze(law, found.switches)
+        if law.stored is not None and _jumps_in_time(law):
+            law.stored = None
         _balance(law, flanges)
     return law
 
@@ -107,6 +116,17 @@ def _flange_name(flanges: Mapping[str, Any], wanted: Any) -> str:
 def _is_driven(pool: Pool, exprs: Iterable[Any]) -> bool:
     """Whether an input or sense stands in a stored energy: its jumps would be lost, so the work counts as exchange."""
     return any(pool.slots[x].role in ("input", "sense") for e in exprs for x in e.free_symbols)
+
+
+def _jumps_in_time(law: Law) -> bool:
+    """Whether a switch of time or a step table stands in a stored energy: its jumps would be lost, so the work counts as
+    exchange."""
+    slots = law.pool.slots
+    modes = {x for x in law.stored.free_symbols if slots[x].role == "mode" and slots[x].of.level != MOVING}
+    smooth = {
+        e.args[3] for e in law.stored.atoms(TableAt) if len(e.args) == 4 and slots[e.args[0]].of.kind != "step"
+    }
+    return bool(modes - smooth)
 
 
 def _tie(block: d.Block, flanges: Mapping[str, Any], zero: Any) -> tuple[dict[str, Any], Any]:
@@ -126,7 +146,7 @@ def _tie(block: d.Block, flanges: Mapping[str, Any], zero: Any) -> tuple[dict[st
     return coefficients, rest
 
 
-def _torques(flanges: Mapping[str, Any], found: _Contributions) -> dict[str, Any]:
+def _torques(law: Law, flanges: Mapping[str, Any], found: _Contributions, reading: bool) -> dict[str, Any]:
     """Torque that the block exerts on each flange: virtual work of its forces and potentials, and what acts."""
     total: dict[str, Any] = {}
 
@@ -135,6 +155,13 @@ def _torques(flanges: Mapping[str, Any], found: _Contributions) -> dict[str, Any
             total[name] = total.get(name, 0) + tau
 
     for force in found.forces:
+        form = None if reading else _linear_form(law.pool, flanges, sp.sympify(force.deflection))
+        if form is not None and form.whole:
+            symbol = law.pool.symbol("force", len(law.forces), f"force{len(law.forces)}")
+            law.forces[symbol] = form.scale * sp.sympify(force.force)
+            for name, c in form.coefficients.items():
+                add(name, -c * symbol)
+            continue
         for name, flange in flanges.items():
             add(name, -sp.sympify(force.force) * sp.diff(force.deflection, flange.phi))
     for potential in found.potentials:
@@ -190,7 +217,8 @@ def _linear_form(pool: Pool, flanges: Mapping[str, Any], deflection: Any) -> For
         return None
     first = next(iter(linear.values()))
     scale = -first if first.could_extract_minus_sign() else first
-    return Form({n: sp.cancel(c / scale) for n, c in linear.items()})
+    whole = not any(c.free_symbols & set(angles) for c in slopes.values())
+    return Form({n: sp.cancel(c / scale) for n, c in linear.items()}, scale, whole)
 
 
 def _constant_part(slope: Any, angles: set[Any]) -> Any:
@@ -202,6 +230,7 @@ def _substitute(law: Law, replace: Mapping[Any, Any]) -> None:
     def new(expr: Any) -> Any:
         return None if expr is None else sp.sympify(expr).xreplace(replace)
 
+    law.forces = {n: new(e) for n, e in law.forces.items()}
     law.torques = {n: new(e) for n, e in law.torques.items()}
     law.rates = {n: new(e) for n, e in law.rates.items()}
     law.stored, law.loss = new(law.stored), new(law.loss)
@@ -219,6 +248,7 @@ def _freeze(law: Law, declared: Iterable[d.Switch]) -> None:
         d.Switch(x.name, sp.sympify(x.surface).xreplace(replace), sp.sympify(x.when).xreplace(replace), x.low, x.high)
         for x in declared
     )
+    law.forces = {n: freezer.freeze(e) for n, e in law.forces.items()}
     law.torques = {n: freezer.freeze(e) for n, e in law.torques.items()}
     law.rates = {n: freezer.freeze(e) for n, e in law.rates.items()}
     law.stored = None if law.stored is None else freezer.freeze(law.stored)
@@ -231,7 +261,7 @@ def _freeze(law: Law, declared: Iterable[d.Switch]) -> None:
 def _balance(law: Law, flanges: Mapping[str, Any]) -> None:
     """supplied = d stored/dt + loss + power given to the flanges: what neither stored nor lost energy explains."""
     parametric: Any = sp.Integer(0)
-    rest = sum((tau * flanges[n].w for n, tau in law.torques.items()), sp.Integer(0))
+    rest = sum((tau.xreplace(law.forces) * flanges[n].w for n, tau in law.torques.items()), sp.Integer(0))
     rest += law.loss if law.loss is not None else 0
     if law.stored is not None:
         parametric = sp.diff(law.stored, clock())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as _time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -12,7 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.core import Array, Code, Kind, Method, Options, Simulation
-from gearblocks.errors import GearblocksError, ParameterError, SimulationError, UnknownNameError, did_you_mean
+from gearblocks.errors import (
+    GearblocksError, ParameterError, SimulationError, UnknownNameError, by_name, did_you_mean,
+)  # fmt: skip
+from gearblocks.expression import finite_number
 from gearblocks.library import Model
 from gearblocks.program import Program
 from gearblocks.records import EnergyLedger, Event, FinalState, Stats
@@ -32,6 +35,8 @@ def run_model(
 ) -> Trajectory:  # fmt: skip
     """Runs a model; see `gearblocks.simulate` for the arguments."""
     program = model.program
+    if progress is not None and not callable(progress):
+        raise ParameterError(f"progress = {progress!r:.80} must be a function of the share done")
     begin = _begin(t_start, initial)
     samples, end = _times(begin, t_end, t)
     options, why = _options(method, rtol, step, max_step, locate, end)
@@ -47,12 +52,16 @@ def run_model(
         return run.go(options, begin, y0, why)
 
 
+ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
+"""The names that `run_model` takes."""
+
+
 # -- arguments --------------------------------------------------------------------------------------------------------
 
 
 def _begin(t_start: float | None, initial: Any) -> float:
     if t_start is not None:
-        return _finite("t_start", t_start)
+        return finite_number("t_start", t_start)
     if isinstance(initial, Trajectory) and initial.final_state is not None:
         return initial.final_state.t
     return 0.0
@@ -64,22 +73,19 @@ def _times(begin: float, t_end: float | None, t: ArrayLike | None) -> tuple[Arra
         raise ParameterError("give either t_end (records every step) or t (an array of sample times)")
     if t is None:
         assert t_end is not None
-        end = _finite("t_end", t_end)
+        end = finite_number("t_end", t_end)
         if end <= begin:
             raise ParameterError(f"t_end = {end!r} s must be later than the start at {begin!r} s")
         return None, end
-    samples = np.ascontiguousarray(t, dtype=np.float64)
+    try:
+        samples = np.ascontiguousarray(t, dtype=np.float64)
+    except (TypeError, ValueError, ParameterError):
+        raise ParameterError(f"t = {t!r:.80} must be a row of numbers") from None
     if samples.ndim != 1 or len(samples) == 0 or not np.isfinite(samples).all():
         raise ParameterError(f"t must be a row of finite times, not an array of shape {samples.shape}")
     if (np.diff(samples) <= 0).any() or samples[0] < begin:
         raise ParameterError(f"t must increase and not begin before the start at {begin!r} s")
     return samples, float(samples[-1])
-
-
-def _finite(name: str, value: float) -> float:
-    if not math.isfinite(value):
-        raise ParameterError(f"{name} = {value!r} must be a finite number")
-    return float(value)
 
 
 def _options(
@@ -89,11 +95,14 @@ def _options(
         raise ParameterError(
             f"method = {method!r} must be 'auto', {', '.join(map(repr, METHODS))}{did_you_mean(method, METHODS)}"
         )
+    rtol = finite_number("rtol", rtol)
     if not 1e-14 <= rtol <= 0.1:
         raise ParameterError(f"rtol = {rtol!r} must lie between 1e-14 and 0.1")
     for name, value in (("step", step), ("max_step", max_step)):
-        if value is not None and not (math.isfinite(value) and value > 0):
+        if value is not None and finite_number(name, value) <= 0:
             raise ParameterError(f"{name} = {value!r} s must be > 0")
+    if not isinstance(locate, (bool, np.bool_)):
+        raise ParameterError(f"locate = {locate!r} must be True or False")
     if method == "rk4" and step is None:
         raise ParameterError("method 'rk4' has a fixed step: give step= in s, or take 'dp5' or 'dp8'")
     why = "chosen by the user"
@@ -105,7 +114,9 @@ def _options(
 
 def _picked(program: Program, outputs: str | Sequence[str]) -> list[int]:
     """Numbers of the outputs that match; UnknownNameError for a pattern that matches nothing."""
-    patterns = [outputs] if isinstance(outputs, str) else list(outputs)
+    patterns = [outputs] if isinstance(outputs, str) or not isinstance(outputs, Iterable) else list(outputs)
+    if not all(isinstance(pattern, str) for pattern in patterns):
+        raise ParameterError(f"outputs = {outputs!r:.80} must be a pattern or a list of patterns, such as ['mesh.*']")
     if patterns == ["*"]:
         return list(range(len(program.outputs)))
     names = {q.name: i for i, q in enumerate(program.outputs)}
@@ -125,6 +136,8 @@ def _picked(program: Program, outputs: str | Sequence[str]) -> list[int]:
 
 def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
     """The number of a name, or of the only one that ends with it."""
+    if not isinstance(wanted, str):
+        raise UnknownNameError(f"the name of the {what} must be text, not {wanted!r}")
     if wanted in names:
         return names[wanted]
     ends = [name for name in names if name.endswith("." + wanted)]
@@ -140,7 +153,7 @@ def _parameters(program: Program, values: Array, changed: Mapping[str, float], i
     result = np.array(values)
     names = {p.path: i for i, p in enumerate(program.parameters)}
     structural = {path for path, _ in program.structural}
-    for path, value in changed.items():
+    for path, value in by_name("parameters", changed).items():
         i = resolve(path, names, "parameter")
         info = program.parameters[i]
         if info.path in structural:
@@ -150,8 +163,8 @@ def _parameters(program: Program, values: Array, changed: Mapping[str, float], i
         result[i] = checked(info.path, value, info.unit, info.lower, info.upper)
     if isinstance(initial, Mapping):
         _initial(program, result, initial)
-    elif isinstance(initial, str):
-        raise ParameterError(f"initial = {initial!r} is not available; give start values such as {{'motor.w': 100.0}}")
+    elif not (initial is None or isinstance(initial, Trajectory)):
+        raise ParameterError(f"initial = {initial!r:.80} is not available; give start values such as {{'motor.w': 100.0}}")
     return result
 
 
@@ -171,13 +184,8 @@ def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> N
 
 def checked(name: str, value: float, unit: str, lower: float | None, upper: float | None) -> float:
     """A finite number within its bounds, or ParameterError by name."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise ParameterError(f"{name} = {value!r} is no number") from None
+    number = finite_number(name, value)
     words = f"{name} = {number!r}{' ' + unit if unit not in ('', '1') else ''}"
-    if not math.isfinite(number):
-        raise ParameterError(f"{words} must be a finite number")
     if lower is not None and number < lower:
         raise ParameterError(f"{words} must be >= {lower:g}")
     if upper is not None and number > upper:
@@ -188,7 +196,7 @@ def checked(name: str, value: float, unit: str, lower: float | None, upper: floa
 def _set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSource]) -> None:
     names = {x.name: i for i, x in enumerate(program.inputs)}
     sim.inputs[:] = [x.start for x in program.inputs]
-    for name, source in sources.items():
+    for name, source in by_name("inputs", sources).items():
         i = resolve(name, names, "input")
         info = program.inputs[i]
         if isinstance(source, Table):
@@ -241,7 +249,12 @@ class _Run:
         code = self.sim.start(options, begin, y0)
         if code < 0:
             raise self._failure(code, None)
-        first = self.sim.state(), self.sim.energies()
+        try:
+            first = self.sim.state(), self.sim.energies()
+        except RuntimeError:
+            if self.sim.error is not None and not isinstance(self.sim.error, Exception):
+                raise self.sim.error from None
+            raise self._failure(Code(self.sim.report.code), None) from self.sim.error
         self.largest = float(first[1].sum())
         complete = False
         try:
@@ -264,26 +277,28 @@ class _Run:
             before = _time.thread_time()
             code = self.sim.run(self.samples, self.end, record)
             self.cpu += _time.thread_time() - before
-            self._take(*record.take())
-            if code in (Code.DONE,) or code < 0:
-                return code
+            taken = self._take(*record.take())
+            if code in (Code.DONE,) or min(code, taken) < 0:
+                return code if code < 0 else taken
             if self.progress is not None and _time.monotonic() - shown > 0.2:
                 shown = _time.monotonic()
                 self.progress((self.sim.counters.t - begin) / (self.end - begin))
 
-    def _take(self, rows: Array, events: NDArray[np.void]) -> None:
+    def _take(self, rows: Array, events: NDArray[np.void]) -> Code:
         if len(events):
             self.events.append(events)
         if not len(rows):
-            return
+            return Code.DONE
         code, out, energy = self.sim.evaluate(rows, np.array(self.pick, dtype=np.intc), energies=True)
         if code < 0:
-            raise self._failure(code, None)
+            return code
         self.times.append(rows[:, 0].copy())
         self.values.append(out)
         self.last = rows[-1]
         if energy.shape[1]:
-            self.largest = max(self.largest, float(energy.sum(axis=1).max()))
+            with np.errstate(invalid="ignore", over="ignore"):  # a run that blows up
+                self.largest = max(self.largest, float(energy.sum(axis=1).max()))
+        return Code.DONE
 
     def _result(self, first: tuple[Array, Array], complete: bool, why: str) -> Trajectory:
         program, counters = self.model.program, self.sim.counters

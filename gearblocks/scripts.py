@@ -127,8 +127,7 @@ def _attribute(module: ModuleType, path: Path, name: str) -> object:
 def _called(thing: object, path: Path, name: str) -> object:
     if not callable(thing):
         raise ModelError(f"'{name}' in {path.name} is {type(thing).__name__}, not a function that makes a train")
-    needed = [parameter.name for parameter in _parameters(thing) if parameter.default is parameter.empty]
-    if needed:
+    if needed := _needed(thing):
         raise ModelError(
             f"'{name}' in {path.name} needs {', '.join(needed)}; give default values or write a function without"
         )
@@ -140,12 +139,14 @@ def _called(thing: object, path: Path, name: str) -> object:
         raise ModelError(_trouble(path, error)) from error
 
 
-def _parameters(thing: Callable[..., object]) -> list[inspect.Parameter]:
+def _needed(thing: Callable[..., object]) -> list[str]:
+    """Names of the parameters without a default value."""
     try:
         listed = inspect.signature(thing).parameters.values()
     except (TypeError, ValueError):
         return []
-    return [one for one in listed if one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)]
+    loose = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+    return [one.name for one in listed if one.kind not in loose and one.default is one.empty]
 
 
 def _makes_a_train(module: ModuleType, name: str, thing: object) -> bool:
@@ -153,7 +154,7 @@ def _makes_a_train(module: ModuleType, name: str, thing: object) -> bool:
         return False
     if type(thing).__name__ == "Drivetrain":
         return True
-    if not inspect.isfunction(thing) or thing.__module__ != module.__name__:
+    if not inspect.isfunction(thing) or thing.__module__ != module.__name__ or _needed(thing):
         return False
     answer = thing.__annotations__.get("return", "")
     answer = answer if isinstance(answer, str) else getattr(answer, "__name__", "")

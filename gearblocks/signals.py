@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -11,13 +11,15 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.errors import GearblocksError
-from gearblocks.expression import Expr, as_expr
+from gearblocks.errors import GearblocksError, ParameterError
+from gearblocks.expression import Expr, as_expr, finite_number, numpy_call
 
 time = Expr("time")  # time in s, for expressions
 twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft
 
 Value: TypeAlias = "float | Parameter | Expr"
+_NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
+
 Signal: TypeAlias = "float | Parameter | Input | Table | Expr"
 
 
@@ -25,7 +27,13 @@ class _Leaf:
     """Arithmetic of a leaf is that of its expression."""
 
     __slots__ = ()
-    __array_ufunc__ = None
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        """Arithmetic with numpy scalars, and np.sin(signal) and its like."""
+        return numpy_call(ufunc, method, inputs)
+
+    def __float__(self) -> float:
+        return float(self._expr_())
 
     def _expr_(self) -> Expr:
         raise TypeError
@@ -92,8 +100,8 @@ class Parameter(_Leaf):
 
     def __post_init__(self) -> None:
         _check_name("Parameter", self.name)
-        if not math.isfinite(self.value):
-            raise GearblocksError(f"Parameter '{self.name}': {self.value!r} is not a finite number")
+        _check_unit("Parameter", self.name, self.unit)
+        object.__setattr__(self, "value", finite_number(f"Parameter '{self.name}': value", self.value))
 
     def _expr_(self) -> Expr:
         return Expr("parameter", self)
@@ -112,16 +120,33 @@ class Input(_Leaf):
 
     def __post_init__(self) -> None:
         _check_name("Input", self.name)
-        if not math.isfinite(self.start):
-            raise GearblocksError(f"Input '{self.name}': start = {self.start!r} is not a finite number")
+        _check_unit("Input", self.name, self.unit)
+        object.__setattr__(self, "start", finite_number(f"Input '{self.name}': start", self.start))
 
     def _expr_(self) -> Expr:
         return Expr("input", self)
 
 
 def _check_name(kind: str, name: str) -> None:
-    if not isinstance(name, str) or not name.replace("_", "a").replace(".", "a").isalnum():
-        raise GearblocksError(f"{kind} name {name!r} must consist of letters, digits, '_' and '.'")
+    if not isinstance(name, str) or not _NAME.fullmatch(name):
+        raise ParameterError(
+            f"{kind} name {name!r} must be words of letters, digits and '_' joined by '.', each beginning with a letter"
+        )
+
+
+def _check_unit(kind: str, name: str, unit: str) -> None:
+    if not isinstance(unit, str):
+        raise ParameterError(f"{kind} '{name}': unit = {unit!r} must be text such as 'N m'")
+
+
+def _row(name: str, values: Any) -> NDArray[np.float64]:
+    """One axis of a table as numbers."""
+    try:
+        if isinstance(values, str):
+            raise TypeError
+        return np.array(values, dtype=float)
+    except (TypeError, ValueError, GearblocksError):
+        raise ParameterError(f"Table: {name} = {values!r:.80} must be a row of numbers") from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,15 +165,15 @@ class Table(_Leaf):
     second: NDArray[np.float64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        x, y = np.array(self.x, dtype=float), np.array(self.y, dtype=float)
+        x, y = _row("x", self.x), _row("y", self.y)
         if x.ndim != 1 or x.shape != y.shape or len(x) < 2:
-            raise GearblocksError(f"Table: x {x.shape} and y {y.shape} must be two lists of the same length >= 2")
+            raise ParameterError(f"Table: x {x.shape} and y {y.shape} must be two lists of the same length >= 2")
         if not (np.isfinite(x).all() and np.isfinite(y).all()):
             raise GearblocksError("Table: x and y must be finite numbers")
         if not (np.diff(x) > 0).all():
             raise GearblocksError("Table: x must increase; sort the points and drop repeated ones")
         if self.kind not in ("linear", "cubic", "step"):
-            raise GearblocksError(f"Table: kind = {self.kind!r} must be 'linear', 'cubic' or 'step'")
+            raise ParameterError(f"Table: kind = {self.kind!r} must be 'linear', 'cubic' or 'step'")
         if self.periodic and self.kind != "step" and y[0] != y[-1]:
             raise GearblocksError(
                 f"Table: a periodic table must end where it starts, but y[0] = {y[0]}, y[-1] = {y[-1]}"
@@ -189,4 +214,6 @@ class Table(_Leaf):
 
 def sense(path: str) -> Expr:
     """An output of another block as a signal (feedback), for example sense("motor.w")."""
+    if not isinstance(path, str) or not path:
+        raise ParameterError(f"sense({path!r}): give the name of an output as text, such as gb.sense('motor.w')")
     return Expr("sense", path)

@@ -19,6 +19,7 @@ _VECTORS = (
     "out", "energy", "scale", "lo", "hi",
 )  # fmt: skip
 _INTEGERS = ("full", "i")
+_SMALL = 64  # states of a train whose derivatives stay in registers
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +46,7 @@ def function_view(function: Function) -> FunctionView:
     """Gives a function the vectors that its text names."""
     text = " ".join([*(x for _, x in function.prologue), *(f"{s.lhs} {s.rhs}" for s in function.body)])
     written = {s.lhs.split("[")[0] for s in function.body}
-    if any(s.op == "call" for s in function.body):
+    if any(s.op in ("call", "below", "above") for s in function.body):
         text += " mode lo hi"
         written |= {"lo", "hi"}
     words = set(re.findall(r"[A-Za-z_]\w*", text))
@@ -89,6 +90,8 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "columns": list({c.name: c for f in _all(g) for c in f.tables}.values()),
         "coordinates": coordinates,
         "angles_in_law": angles_in_law,
+        "signs": any(s.op == "call" and s.lhs.startswith("sign") for f in _all(g) for s in f.body),
+        "small": lay.n_total <= _SMALL,
         "loops": sparse("loop", [c.coordinates for c in assembly.dependents]),
         "loop_offsets": sparse("loop_offset", [_offsets(g, c) for c in assembly.dependents]),
         "rows": sparse("row", assembly.rows),

@@ -49,11 +49,12 @@ def theta_of(block_effect: Any, s: Any, mesh_angle: Any, time: Any) -> tuple[Any
 
     mesh_angle: angle of the teeth in rad of the mesh cycle. A constant frequency gives w t, a varying one is integrated.
     """
+    phase = 0 if s.phase is None else s.phase
     if block_effect.driven_by == "angle":
-        return mesh_angle + s.phase, []
+        return mesh_angle + phase, []
     if s.is_constant("driven_by"):
-        return s.driven_by * time + s.phase, []
-    return s.angle + s.phase, [Rate(s.angle, s.driven_by)]
+        return s.driven_by * time + phase, []
+    return s.angle + phase, [Rate(s.angle, s.driven_by)]
 
 
 def contact(s: Any, law: Contact) -> Iterator[Contribution]:
@@ -69,7 +70,6 @@ def contact(s: Any, law: Contact) -> Iterator[Contribution]:
         g, potential, side = x, x**2 / 2, sp.Integer(1)
     else:
         g, potential, side = gap.deflection(symbols, x), gap.potential(symbols, x), gap.side(symbols, x)
-        yield from gap.switches(symbols, x)
     elastic = law.k * g
     drag: Any = 0
     if law.c is not None:

@@ -4,9 +4,6 @@
 
 #include "gb_internal.h"
 
-/* One block of a padded vector. The same operations in the same order whatever the width of the machine's registers. */
-typedef double gb_block __attribute__((vector_size(GB_PAD * sizeof(double)), aligned(sizeof(double)), may_alias));
-
 static inline const gb_block *gb_block_at(const double *x) {
     return (const gb_block *)(const void *)x;
 }

@@ -17,6 +17,9 @@ enum {
     GB_PAD = 8     /* doubles in one block of a padded vector */
 };
 
+/* One block of a padded vector. The same operations in the same order whatever the width of the machine's registers. */
+typedef double gb_block __attribute__((vector_size(GB_PAD * sizeof(double)), aligned(sizeof(double)), may_alias));
+
 typedef struct gb_model {
     const char *name;
     const char *key; /* hash of the canonical content */

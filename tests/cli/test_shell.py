@@ -90,7 +90,7 @@ def test_the_trains_of_a_script_are_listed(script: Path, capsys: pytest.CaptureF
     out, _ = said(capsys)
     lines = out.splitlines()
     assert lines[0].endswith("One inertia, one shaft.") and ":build " in lines[0]
-    assert ":stiff " in out and "helper" not in out
+    assert ":stiff " in out and "helper" not in out and "needs" not in out
 
 
 def test_a_run_is_told_and_stored(script: Path, capsys: pytest.CaptureFixture[str]) -> None:

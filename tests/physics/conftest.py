@@ -47,9 +47,9 @@ def _integrate(
         hit = next(i for i, times in enumerate(found.t_events) if len(times))
         values = np.asarray(surfaces(at, y), dtype=float)
         clear = np.abs(values) > 1e-12
+        clear[hit] = False
         modes[clear] = np.where(values[clear] >= 0, 1.0, -1.0)
-        if not clear[hit]:
-            modes[hit] = -modes[hit]
+        modes[hit] = -modes[hit]
 
 
 @pytest.fixture(scope="session")

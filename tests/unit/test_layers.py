@@ -15,7 +15,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.units", "gearblocks.files", "gearblocks.program", "gearblocks.cache", "gearblocks.compiler"),
     ("gearblocks.expression", "gearblocks.signals"),
     ("gearblocks.declare",),
-    ("gearblocks.symbols", "gearblocks.branches", "gearblocks.printer"),
+    ("gearblocks.symbols", "gearblocks.branches", "gearblocks.contributions", "gearblocks.printer"),
     ("gearblocks.effects",),
     ("gearblocks.blocks",),
     ("gearblocks.graph",),

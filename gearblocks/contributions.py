@@ -1,0 +1,189 @@
+"""What a block written by a user yields, looked through before anything is made of it."""
+
+from __future__ import annotations
+
+import re
+import traceback
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from gearblocks import declare as d
+from gearblocks.errors import GearblocksError, ModelError, did_you_mean
+from gearblocks.expression import Expr
+from gearblocks.symbols import CONSTANT, FlangeSymbols, Pool, Symbols
+
+_WORD = re.compile(r"[A-Za-z_]\w*")
+_EXPRESSIONS: dict[type, tuple[str, ...]] = {
+    d.Body: ("J",), d.Force: ("deflection", "force"), d.Potential: ("energy",), d.Acts: ("tau",), d.Tie: ("zero",),
+    d.Rate: ("expr",), d.Switch: ("surface", "when"), d.Shows: ("expr",), d.Energy: ("stored", "loss"),
+}  # fmt: skip
+
+
+def physics_problems(path: str, block: d.Block, grounded: frozenset[str]) -> list[str]:
+    """Everything that is wrong with what the physics of a block yields, each as one sentence."""
+    name = f"{type(block).__name__} '{path}'"
+    pool = Pool()
+    s = Symbols(block, pool, grounded)
+    try:
+        found = type(block).physics(_guarded(block), s)
+        items = list(found) if isinstance(found, Iterable) else None
+    except GearblocksError as error:
+        return [f"{name}: {error}"]
+    except Exception as error:  # noqa: BLE001  a user's code may raise anything; the message names it
+        return [f"{name}: physics {_raised(error, block, s)}"]
+    if items is None:
+        return [f"{name}: physics gives {found!r:.80}; let it yield contributions, such as gb.Acts(s.flange, torque)"]
+    check = _Check(block, s, pool)
+    return [f"{name}: {problem}" for problem in (*(p for x in items for p in check.item(x)), *check.whole(items))]
+
+
+class _Number:
+    """Stands for a number of `self` while physics is looked through: present, but good for nothing else.
+
+    A number of `self` would be baked into the law, which all blocks of a kind share.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def refuse(self, *_: Any) -> Any:
+        """Any use but the question whether it is None."""
+        raise ModelError(f"physics uses the number self.{self.name}: write s.{self.name} (ask self only 'is None')")
+
+    __hash__ = None  # type: ignore[assignment]
+    for _operation in (
+        "add radd sub rsub mul rmul truediv rtruediv pow rpow neg abs lt le gt ge eq ne bool float int mod rmod".split()
+    ):
+        locals()[f"__{_operation}__"] = refuse
+    _sympy_ = refuse
+
+
+def _guarded(block: d.Block) -> Any:
+    """The block with its numbers out of reach."""
+    copy = object.__new__(type(block))
+    for name, field in type(block).fields.items():
+        value = block.__dict__[name]
+        if field.role in ("param", "exact", "signal"):
+            if isinstance(value, tuple):
+                value = tuple(_Number(f"{name}[{i}]") for i in range(len(value)))
+            elif value is not None and not isinstance(value, str):
+                value = _Number(name)
+        copy.__dict__[name] = value
+    return copy
+
+
+def _raised(error: Exception, block: d.Block, s: Symbols) -> str:
+    """Words for an exception of a user's code."""
+    frames = traceback.extract_tb(error.__traceback__)
+    file = getattr(getattr(type(block).physics, "__code__", None), "co_filename", "")
+    line = next((f.lineno for f in reversed(frames) if f.filename == file), frames[-1].lineno)
+    if isinstance(error, AttributeError) and isinstance(error.obj, (Symbols, FlangeSymbols)):
+        of_flange = isinstance(error.obj, FlangeSymbols)
+        known = ["phi", "w", "alpha", "tau", "mobility"] if of_flange else [n for n in vars(s) if not n.startswith("_")]
+        near = did_you_mean(error.name, known)
+        return f"asks {'a flange' if of_flange else 's'} for '{error.name}'; it has {', '.join(known)}{near}"
+    return f"raises {type(error).__name__}: {error} (line {line}; an optional field that is not given is None)"
+
+
+class _Check:
+    """The contributions of one block against what it declares."""
+
+    def __init__(self, block: d.Block, s: Symbols, pool: Pool) -> None:
+        self.block, self.pool = block, pool
+        self.flanges = {name: getattr(s, name) for name in type(block).flanges}
+        self.states = {name: getattr(s, name) for name in type(block).states}
+
+    def item(self, item: Any) -> Iterator[str]:
+        """What is wrong with one contribution by itself."""
+        kind = type(item)
+        if kind not in _EXPRESSIONS:
+            yield f"physics yields {item!r:.80}, which is no contribution such as gb.Acts(...)"
+            return
+        showing, optional = kind is d.Shows, kind is d.Energy
+        problems = [p for f in _EXPRESSIONS[kind] if (p := self.expression(getattr(item, f), showing, optional))]
+        problems += [p for p in self.rest(item, not problems) if p]
+        yield from (f"{kind.__name__}: {problem}" for problem in problems)
+
+    def rest(self, item: Any, sound: bool) -> Iterator[str]:
+        """What depends on the kind of contribution; `sound`: its expressions are in order."""
+        if isinstance(item, (d.Body, d.Acts)):
+            yield self.flange(item.flange)
+        if isinstance(item, d.Body) and sound:
+            inertia = sp.sympify(item.J)
+            if self.pool.level(inertia) != CONSTANT:
+                yield f"J = '{inertia}' changes during a run; give an expression of parameters"
+            elif inertia.is_negative:
+                yield f"J = {inertia} kg m2 must be >= 0"
+        if isinstance(item, (d.Force, d.Potential, d.Tie)) and sound:
+            yield self.angles(next(iter(getattr(item, f) for f in _EXPRESSIONS[type(item)])))
+        if isinstance(item, d.Rate) and not any(item.state is x for x in (*self.states.values(), *self.inner())):
+            has = ", ".join(f"s.{name}" for name in self.states) or "none: declare one with gb.State('words', 'unit')"
+            yield f"'{item.state}' is no state of the block; it has {has}"
+        if isinstance(item, (d.Shows, d.Switch)) and not isinstance(item.name, str):
+            yield f"its name {item.name!r} must be text"
+        elif isinstance(item, d.Shows) and not _WORD.fullmatch(item.name):
+            yield f"the name '{item.name}' must be a word of letters, digits and '_'"
+        if isinstance(item, d.Shows) and not isinstance(item.unit, str):
+            yield f"unit = {item.unit!r} must be text such as 'N m'"
+
+    def whole(self, items: list[Any]) -> Iterator[str]:
+        """What is wrong with all contributions together."""
+        for name, state in self.states.items():
+            rates = sum(isinstance(x, d.Rate) and x.state is state for x in items)
+            if rates != 1:
+                yield f"the state '{name}' has {rates} rates; yield one gb.Rate(s.{name}, ...)"
+        shown = [x.name for x in items if isinstance(x, d.Shows)]
+        yield from (f"the output '{name}' is shown twice" for name in dict.fromkeys(shown) if shown.count(name) > 1)
+
+    def inner(self) -> Iterator[Any]:
+        """States of the effects."""
+        return (x for x, slot in self.pool.slots.items() if slot.role == "state")
+
+    def flange(self, flange: Any) -> str:
+        """Whether something is a flange of s."""
+        if any(flange is own for own in self.flanges.values()):
+            return ""
+        names = ", ".join(f"s.{name}" for name in self.flanges) or "none"
+        return f"{_shown(flange)} is no flange of s; there are {names}"
+
+    def angles(self, expr: Any) -> str:
+        """Whether an expression moves with the flange angles alone."""
+        roles = {self.pool.slots[x].role for x in sp.sympify(expr).free_symbols}
+        if roles & {"w", "state"}:
+            return f"'{expr}' must be of angles (s.flange.phi), not of speeds or states"
+        grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
+        return "" if "phi" in roles or grounded else f"'{expr}' contains no angle of a flange (s.flange.phi)"
+
+    def expression(self, x: Any, showing: bool, optional: bool) -> str:
+        """Whether x can stand in a law."""
+        if optional and x is None:
+            return ""
+        if isinstance(x, _Number):
+            return f"the number self.{x.name} stands in it: write s.{x.name}"
+        if isinstance(x, Expr) or hasattr(x, "_expr_"):
+            return f"{x!r} is a signal from outside: use s.time, or declare a field with gb.signal(...)"
+        if isinstance(x, (bool, str)) or x is None or not isinstance(x, (int, float, sp.Basic)):
+            return f"{_shown(x)} is no expression of the symbols in s"
+        expr = sp.sympify(x)
+        if not isinstance(expr, sp.Expr):
+            return f"'{expr}' is a condition, not a value: put it into sympy.Piecewise((value, condition), (other, True))"
+        if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I):
+            return f"'{expr}' is not finite and real"
+        if unknown := expr.atoms(AppliedUndef, sp.Derivative, sp.Integral):
+            return f"'{expr}' contains '{next(iter(unknown))}', which has no value here"
+        for symbol in sorted(expr.free_symbols, key=str):
+            slot = self.pool.slots.get(symbol)
+            if slot is None:
+                return f"the symbol '{symbol}' in '{expr}' is not from s; declare it with gb.param, gb.signal or gb.State"
+            if slot.role in ("alpha", "tau") and not showing:
+                return f"'{symbol}' in '{expr}' is a result of the motion, which only Shows can read"
+        return ""
+
+
+def _shown(x: Any) -> str:
+    if isinstance(x, d.Flange):
+        return "a flange of self (write s.<flange>)"
+    return "a flange of s" if isinstance(x, FlangeSymbols) else f"{x!r:.80}"

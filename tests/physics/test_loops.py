@@ -1,0 +1,102 @@
+"""Compliant elements that close loops: deflections that follow from others, against full coordinates."""
+
+import numpy as np
+
+import gearblocks as gb
+
+NEAR = 1e-8  # hundreds of steps at rtol 1e-12
+
+
+def test_three_inertias_in_a_triangle_of_springs(reference, distance):
+    J, k, c, b = (1.0, 2.0, 3.0), (100.0, 150.0, 220.0), 0.4, 0.05
+    rig = gb.Drivetrain("triangle")
+    a, m, z = (rig.add(n, gb.Inertia(J=j)) for n, j in zip("amz", J, strict=True))
+    one, two = rig.add("one", gb.Shaft(k=k[0])), rig.add("two", gb.Shaft(k=k[1], c=c))
+    lash = rig.add("lash", gb.Lash(k=k[2], half_gap=b))
+    drive = rig.add("drive", gb.Torque(tau=3 * gb.cos(5 * gb.time)))
+    rig.chain(drive, a, one, m, two, z)
+    rig.connect(lash.a, z.a)
+    rig.connect(lash.b, a.a)
+    t = np.linspace(0, 5, 201)
+    run = gb.simulate(rig, t=t, initial={"m.phi": 0.3, "z.w": -1.0}, rtol=1e-12)
+
+    def rates(t, y, modes):
+        p, w = y[:3], y[3:]
+        t1, t2 = k[0] * (p[1] - p[0]), k[1] * (p[2] - p[1]) + c * (w[2] - w[1])
+        x = p[0] - p[2]
+        t3 = k[2] * (x - b if modes[0] > 0 else x + b if modes[1] < 0 else 0.0)
+        return [*w, (3 * np.cos(5 * t) + t1 - t3) / J[0], (t2 - t1) / J[1], (t3 - t2) / J[2]]
+
+    true = reference(rates, (0, 0.3, 0, 0, 0, -1.0), t, lambda t, y: (y[0] - y[2] - b, y[0] - y[2] + b), max_step=0.02)
+    assert set(np.unique(run["lash.contact"])) == {-1.0, 0.0, 1.0}
+    for i, name in enumerate("amz"):
+        assert distance(run[f"{name}.phi"], true[:, i]) < NEAR
+        assert distance(run[f"{name}.w"], true[:, 3 + i]) < NEAR
+    assert run.energy.residual < 1e-11
+
+
+def test_two_meshes_share_the_load_between_the_same_shafts(reference, distance):
+    """A split path: motor to wheel by a mesh, and by a lay shaft with two meshes whose ratios agree (or nearly do)."""
+    J, k = (1e-3, 2e-3, 8e-3), (1e7, 2e7, 1.5e7)
+    r = ((0.02, 0.04), (0.02, 0.03), (0.03, 0.04))
+    rig = gb.Drivetrain("split")
+    motor, lay, wheel = (rig.add(n, gb.Inertia(J=j)) for n, j in zip(("motor", "lay", "wheel"), J, strict=True))
+    meshes = [
+        rig.add("direct", gb.GearMesh(teeth=(20, 40), r_base=r[0], external=True, k=k[0], c=50.0)),
+        rig.add("to_lay", gb.GearMesh(teeth=(20, 30), r_base=r[1], external=True, k=k[1])),
+        rig.add("from_lay", gb.GearMesh(teeth=(30, 40), r_base=r[2], external=False, k=k[2], backlash=gb.Backlash(half_gap=1e-5))),
+    ]
+    rig.connect(motor.a, meshes[0].pinion, meshes[1].pinion)
+    rig.connect(lay.a, meshes[1].wheel, meshes[2].pinion)
+    rig.connect(wheel.a, meshes[0].wheel, meshes[2].wheel)
+    drive = rig.add("drive", gb.Torque(tau=40.0))
+    rig.connect(drive.flange, motor.b)
+    load = rig.add("load", gb.Torque(tau=80.0))
+    rig.connect(load.flange, wheel.b)
+    t = np.linspace(0, 0.01, 201)
+    run = gb.simulate(rig, t=t, rtol=1e-12)
+
+    def rates(t, y, modes):
+        p, w = y[:3], y[3:]
+        n0 = k[0] * (0.02 * p[0] + 0.04 * p[2]) + 50.0 * (0.02 * w[0] + 0.04 * w[2])
+        n1 = k[1] * (0.02 * p[0] + 0.03 * p[1])
+        x = 0.03 * p[1] - 0.04 * p[2]
+        n2 = k[2] * (x - 1e-5 if modes[0] > 0 else x + 1e-5 if modes[1] < 0 else 0.0)
+        torques = (40 - 0.02 * (n0 + n1), -0.03 * n1 - 0.03 * n2, 80 - 0.04 * n0 + 0.04 * n2)
+        return [*w, *(tau / j for tau, j in zip(torques, J, strict=True))]
+
+    def surfaces(t, y):
+        x = (0.03 * y[1] - 0.04 * y[2]) / 1e-5
+        return x - 1, x + 1
+
+    true = reference(rates, np.zeros(6), t, surfaces, max_step=5e-5)
+    for i, name in enumerate(("motor", "lay", "wheel")):
+        assert distance(run[f"{name}.w"], true[:, 3 + i]) < NEAR
+    assert run.energy.residual < 1e-11
+
+
+def test_springs_in_parallel_add_their_stiffness(distance):
+    rig = gb.Drivetrain("parallel")
+    a, b = rig.add("a", gb.Inertia(J=2.0, phi0=0.1)), rig.add("b", gb.Inertia(J=2.0))
+    for n, k in enumerate((30.0, 50.0, 20.0)):
+        spring = rig.add(f"spring{n}", gb.Shaft(k=k))
+        rig.connect(spring.a, (a.a, b.a)[n == 1])  # one of them the other way round
+        rig.connect(spring.b, (b.a, a.a)[n == 1])
+    t = np.linspace(0, 5, 101)
+    run = gb.simulate(rig, t=t, rtol=1e-12)
+    assert distance(run["a.phi"], 0.05 * (1 + np.cos(10 * t))) < 1e-9
+    assert run["spring1.twist"][50] == -run["spring0.twist"][50]
+
+
+def test_a_loop_through_the_ground_starts_where_the_angles_are(distance):
+    """Two springs to two grounds held at different angles: the second twist follows from the first and both angles."""
+    rig = gb.Drivetrain("between")
+    body = rig.add("body", gb.Inertia(J=1.0, phi0=0.2))
+    left, right = rig.add("left", gb.Fixed(phi0=-0.1)), rig.add("right", gb.Fixed(phi0=0.7))
+    one, two = rig.add("one", gb.Shaft(k=60.0)), rig.add("two", gb.Shaft(k=40.0))
+    rig.chain(left, one, body, two, right)
+    t = np.linspace(0, 3, 101)
+    run = gb.simulate(rig, t=t, rtol=1e-12)
+    rest = (60 * -0.1 + 40 * 0.7) / 100
+    assert distance(run["body.phi"], rest + (0.2 - rest) * np.cos(10 * t)) < 1e-9
+    assert np.allclose(run["two.twist"], 0.7 - run["body.phi"], atol=1e-14)

@@ -1,0 +1,273 @@
+"""Nested trains, effects left out, the order of parts, flipped parts, trains as JSON, runs in pieces."""
+
+import re
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import gearblocks as gb
+
+NEAR = 1e-9  # hundreds of steps at rtol 1e-12, the same equations in another order
+
+
+def _two_meshes(order=range(9), flip=False, **gap):
+    """motor - mesh - lay shaft - shaft - pinion - mesh - wheel, with all effects."""
+    variation = gb.Fourier(cos=(0.2,), driven_by=gb.Parameter("mesh_frequency", 4000.0, "rad/s"))
+    gap = {"backlash": gb.Backlash(half_gap=2e-5), **gap}
+    shaft = gb.Shaft(k=3e4, damping_ratio=0.03)
+    first = {"teeth": (20, 30), "r_base": (0.02, 0.03), "external": True, "k": 1e8, "damping_ratio": 0.05}
+    second = {"teeth": (18, 54), "r_base": (0.018, 0.054), "external": True, "k": 1.5e8, "damping_ratio": 0.05}
+    parts = [
+        ("motor", gb.Inertia(J=1e-3)), ("first", gb.GearMesh(**first, stiffness_variation=variation, **gap)),
+        ("lay", gb.Inertia(J=2e-3)), ("shaft", shaft), ("pinion", gb.Inertia(J=5e-4)),
+        ("second", gb.GearMesh(**second, transmission_error=gb.Harmonic(cos=(5e-6,), driven_by=4000.0))),
+        ("wheel", gb.Inertia(J=2e-2)), ("drive", gb.Torque(tau=30 + 20 * gb.sin(900 * gb.time))), ("load", gb.Torque(tau=-135.0)),
+    ]  # fmt: skip
+    rig = gb.Drivetrain("two meshes")
+    h = {}
+    for i in order:
+        h[parts[i][0]] = rig.add(*parts[i])
+    ends = ("b", "a") if flip else ("a", "b")
+    rig.connect(h["drive"].flange, h["motor"].a)
+    rig.connect(h["motor"].b, h["first"].pinion)
+    rig.connect(h["first"].wheel, h["lay"].b if flip else h["lay"].a)
+    rig.connect(h["lay"].a if flip else h["lay"].b, getattr(h["shaft"], ends[0]))
+    rig.connect(getattr(h["shaft"], ends[1]), h["pinion"].a)
+    rig.connect(h["pinion"].b, h["second"].pinion)
+    rig.connect(h["second"].wheel, h["wheel"].a)
+    rig.connect(h["wheel"].b, h["load"].flange)
+    return rig
+
+
+T = np.linspace(0, 5e-3, 101)
+
+
+def test_the_order_of_parts_does_not_change_the_motion(distance):
+    run = gb.simulate(_two_meshes(), t=T, rtol=1e-12)
+    for order in ((8, 7, 6, 5, 4, 3, 2, 1, 0), (3, 1, 5, 0, 7, 2, 8, 6, 4)):
+        other = gb.simulate(_two_meshes(order), t=T, rtol=1e-12)
+        for name in ("motor.w", "first.force", "shaft.torque", "second.deflection"):
+            assert distance(other[name], run[name]) < NEAR
+
+
+def test_a_part_turned_round_gives_the_same_motion(distance):
+    run, other = gb.simulate(_two_meshes(), t=T, rtol=1e-12), gb.simulate(_two_meshes(flip=True), t=T, rtol=1e-12)
+    assert distance(other["wheel.w"], run["wheel.w"]) < NEAR
+    assert distance(-other["shaft.twist"], run["shaft.twist"]) < NEAR
+
+
+def test_a_train_without_compliance_is_rigid_and_known_in_closed_form():
+    rig = _two_meshes().without("*.compliance")
+    assert set(rig.dropped) == set(_two_meshes().effects())  # nothing lives on without compliance
+    run = gb.simulate(rig, t=T, rtol=1e-12)
+    i, j = -30 / 20, -54 / 18
+    J = 1e-3 + (2e-3 + 5e-4 + 2e-2 / j**2) / i**2
+    alpha = (30 + 20 * np.sin(900 * T) + -135.0 / (i * j)) / J
+    # torque balance: 30 N m times 4.5 are the load of 135 N m
+    assert np.allclose(run["motor.alpha"], alpha, rtol=1e-12, atol=1e-9)
+    assert np.allclose(run["wheel.alpha"], alpha / (i * j), rtol=1e-12, atol=1e-9)
+    w = 20 * (1 - np.cos(900 * T)) / 900 / J
+    assert np.allclose(run["motor.w"], w, rtol=1e-10, atol=1e-10 * w.max())
+    assert np.allclose(run["first.force"], (30 + 20 * np.sin(900 * T) - 1e-3 * alpha) / 0.02, rtol=1e-11)
+    lay = (2e-3 + 5e-4) * alpha / i
+    assert np.allclose(run["second.force"] * 0.018, -run["first.force"] * 0.03 - lay, rtol=1e-10)
+
+
+def test_the_spline_chain_without_compliance_is_one_body():
+    rig = gb.Drivetrain("P1")
+    discs = [rig.add(f"disc{i}", gb.Inertia(J=J)) for i, J in enumerate((5e-3, 2e-4, 2e-4, 1e-2))]
+    left, right = rig.add("left", gb.Shaft(k=1e5, damping_ratio=0.05)), rig.add("right", gb.Shaft(k=1e5))
+    spline = rig.add("spline", gb.SplineCoupling(teeth=20, radius=0.025, k=245e6, backlash=gb.Backlash(half_gap=2e-5)))
+    drive, load = rig.add("drive", gb.Torque(tau=2600.0)), rig.add("load", gb.Torque(tau=-2000.0))
+    rig.chain(drive, discs[0], left, discs[1], spline, discs[2], right, discs[3], load)
+    run = gb.simulate(rig.without("*.compliance"), t=[0.0, 1.0], rtol=1e-9)
+    alpha = 600.0 / (5e-3 + 4e-4 + 1e-2)
+    assert run["disc0.w"][1] == pytest.approx(alpha, rel=1e-13)
+    assert run["spline.force"][0] == pytest.approx((2600 - 5.2e-3 * alpha) / 0.025, rel=1e-12)
+    assert run["left.torque"][0] == pytest.approx(2600 - 5e-3 * alpha, rel=1e-12)
+
+
+def test_an_effect_left_out_leaves_no_trace():
+    rig = _two_meshes()
+    full = gb.build(rig).program.source
+    lean = rig.without("*.backlash")
+    assert lean.dropped == ("first.backlash",)
+    source = gb.build(lean).program.source
+    text = str(lean.equations()) + lean.equations().latex()
+    program = gb.build(lean).program
+    for word in ("half_gap", "backlash"):
+        assert word not in source
+        assert word not in text
+        assert not any(word in p.path for p in program.parameters)
+    assert program.switches == ()
+    assert len(source) < len(full)
+    names = str(rig.equations())
+    assert "half_gap" in names
+    for effect, word in (("*.transmission_error", "transmission"), ("*.damping", "damping"), ("*.stiffness_variation", "variation")):
+        program = gb.build(rig.without(effect)).program
+        assert not any(word in p.path for p in program.parameters)
+        assert not any(word in line for line in program.source.splitlines())
+
+
+def test_only_keeps_what_is_named_and_what_it_needs():
+    rig = _two_meshes()
+    assert set(rig.only("first.backlash").effects()) == {"first.backlash", "first.compliance"}
+    assert set(rig.only("*.compliance").effects()) == {"first.compliance", "shaft.compliance", "second.compliance"}
+    with pytest.raises(gb.ModelError, match="backlash"):
+        rig.without("*.backlsh")
+    assert set(rig.effects()) == set(_two_meshes().effects())  # the train itself is as before
+
+
+def test_a_train_inside_a_train_turns_as_if_it_were_spelled_out(distance):
+    inner = gb.Drivetrain("stage")
+    pinion = inner.add("pinion", gb.Inertia(J=1e-3))
+    mesh = inner.add("mesh", gb.GearMesh(teeth=(20, 30), r_base=(0.02, 0.03), external=True, k=1e7, c=100.0))
+    wheel = inner.add("wheel", gb.Inertia(J=3e-3))
+    inner.chain(pinion, mesh, wheel)
+    inner.expose("input", pinion.a)
+    inner.expose("output", wheel.b)
+    rig = gb.Drivetrain("two stages")
+    one, two = rig.add("one", inner), rig.add("two", inner)
+    shaft, drive = rig.add("shaft", gb.Shaft(k=2e3)), rig.add("drive", gb.Torque(tau=gb.Input("tau", 10.0)))
+    rig.chain(drive, one, shaft, two)
+    flat = gb.Drivetrain("flat")
+    parts = [flat.add("drive", gb.Torque(tau=10.0))]
+    for n in (1, 2):
+        parts += [flat.add(f"pinion{n}", gb.Inertia(J=1e-3))]
+        parts += [flat.add(f"mesh{n}", gb.GearMesh(teeth=(20, 30), r_base=(0.02, 0.03), external=True, k=1e7, c=100.0))]
+        parts += [flat.add(f"wheel{n}", gb.Inertia(J=3e-3))]
+        if n == 1:
+            parts += [flat.add("shaft", gb.Shaft(k=2e3))]
+    flat.chain(*parts)
+    t = np.linspace(0, 0.02, 51)
+    a, b = gb.simulate(rig, t=t, rtol=1e-12), gb.simulate(flat, t=t, rtol=1e-12)
+    assert distance(a["two.mesh.force"], b["mesh2.force"]) < NEAR
+    assert distance(a["one.pinion.w"], b["pinion1.w"]) < NEAR
+    changed = rig.set({"two.mesh.k": 2e7})
+    assert changed["two.mesh"].k == 2e7
+    assert changed["one.mesh"].k == rig["two.mesh"].k == 1e7
+    assert set(changed.without("two.*").effects()) == {"one.mesh.compliance", "one.mesh.damping", "shaft.compliance"}
+
+
+# -- JSON -------------------------------------------------------------------------------------------------------------
+
+P = gb.Parameter("P", 0.7)
+BLOCKS = {
+    "Inertia": gb.Inertia(J=2 * P, phi0=0.1, w0=3.0),
+    "Fixed": gb.Fixed(phi0=0.3),
+    "Shaft": gb.Shaft(k=200.0, damping_ratio=0.1),
+    "Shaft of an expression": gb.Shaft(torque=100 * gb.twist + P * sp.Abs(gb.twist) * gb.twist, c=0.1),
+    "Shaft of a table": gb.Shaft(torque=gb.Table([-2, 0, 1, 2], [-20, 0, 15, 50], "cubic")),
+    "Shaft of segments": gb.Shaft(k=200.0, J=0.2, segments=3, c=0.01),
+    "Damper": gb.Damper(c=P),
+    "Lash": gb.Lash(k=300.0, half_gap=0.02, c=1.0, contact_damping="clipped_force"),
+    "IdealGear": gb.IdealGear(teeth=(20, 33), external=True),
+    "IdealGear of a ratio": gb.IdealGear(ratio=-0.3),
+    "GearMesh": gb.GearMesh(
+        teeth=(20, 33), module=0.1, pressure_angle=0.35, helix_angle=0.1, external=False, k=300.0, c=1.0,
+        stiffness_variation=gb.Fourier(cos=(0.1, P), sin=(0.05,), phase=0.3), backlash=gb.Backlash(half_gap=0.02),
+        contact_damping="always", transmission_error=gb.Harmonic(cos=(0.01,), driven_by=5.0 + gb.sin(gb.time)),
+    ),
+    "GearMesh with jumps": gb.GearMesh(
+        teeth=(20, 33), r_base=(1.0, 1.65), external=True, k=300.0,
+        stiffness_variation=gb.Square(ripple=0.1, contact_ratio=1.4, driven_by=gb.Input("w", 7.0)),
+    ),
+    "SplineCoupling": gb.SplineCoupling(teeth=12, radius=1.5, k=300.0, backlash=gb.Backlash(half_gap=0.02)),
+    "Torque": gb.Torque(tau=sp.Piecewise((P, gb.time < 0.3), (gb.Table([0, 1], [2, 3]), True)) * gb.sense("one.w")),
+    "SpeedLoad": gb.SpeedLoad(coeffs=(0.1, 0.2, P)),
+}  # fmt: skip
+
+
+def _around(block):
+    """A small train with the block in it."""
+    rig = gb.Drivetrain("around")
+    one, drive = rig.add("one", gb.Inertia(J=1.0, w0=None)), rig.add("drive", gb.Torque(tau=3.0))
+    part = rig.add("part", block)
+    if len(rig.add("spare", gb.Inertia(J=2.0)).flanges) and len(type(block).flanges) == 1 or isinstance(block, gb.Torque):
+        shaft = rig.add("shaft", gb.Shaft(k=50.0))
+        rig.chain(drive, one, shaft, part)
+        rig.connect(gb.drivetrain.FlangeHandle(rig, "spare", "a"), one.b)
+    else:
+        rig.chain(drive, one, part)
+        rig.connect(gb.drivetrain.FlangeHandle(rig, "spare", "a"), gb.drivetrain.FlangeHandle(rig, "part", part.flanges[1]))
+    return rig
+
+
+@pytest.mark.parametrize("name", [n for n in BLOCKS if n not in ("Torque", "SpeedLoad")])
+def test_a_train_survives_the_way_through_json(name, tmp_path):
+    _same_after_json(_around(BLOCKS[name]), tmp_path)
+
+
+@pytest.mark.parametrize("name", ["Torque", "SpeedLoad"])
+def test_a_source_survives_the_way_through_json(name, tmp_path):
+    rig = gb.Drivetrain("source")
+    one, part = rig.add("one", gb.Inertia(J=1.0, w0=3.0)), rig.add("part", BLOCKS[name])
+    rig.chain(one, part)
+    _same_after_json(rig, tmp_path)
+
+
+def _same_after_json(rig, tmp_path):
+    rig.to_json(tmp_path / "train.json")
+    back = gb.Drivetrain.from_json(tmp_path / "train.json")
+    one, two = gb.build(rig), gb.build(back)
+    assert one.program.key == two.program.key
+    assert one.program.source == two.program.source
+    assert np.array_equal(one.values, two.values)
+    a, b = (gb.simulate(m, t=np.linspace(0, 1, 11), rtol=1e-6) for m in (one, two))
+    assert all(np.array_equal(a[n], b[n], equal_nan=True) for n in a.names)
+    back.to_json(tmp_path / "again.json")
+    assert (tmp_path / "again.json").read_text() == (tmp_path / "train.json").read_text()
+
+
+def test_nested_trains_and_coordinates_survive_the_way_through_json(tmp_path):
+    inner = gb.Drivetrain("inner")
+    a, s = inner.add("a", gb.Inertia(J=1.0)), inner.add("s", gb.Shaft(k=10.0))
+    inner.chain(a, s)
+    inner.expose("left", a.a)
+    inner.expose("right", s.b)
+    rig = gb.Drivetrain("outer")
+    part, end = rig.add("part", inner), rig.add("end", gb.Inertia(J=1.0, w0=1.0))
+    rig.chain(part, end)
+    rig.coordinate("x", 2 * P * (gb.sense("part.a.phi") - gb.sense("end.phi")), "rad")
+    _same_after_json(rig, tmp_path)
+
+
+def test_text_in_a_json_file_is_never_run(tmp_path):
+    rig = gb.Drivetrain("source")
+    rig.chain(rig.add("one", gb.Inertia(J=1.0)), rig.add("part", gb.Torque(tau=gb.sin(gb.time))))
+    rig.to_json(tmp_path / "train.json")
+    text = (tmp_path / "train.json").read_text()
+    harmful = re.sub(r'"sin\(time\)"', '"__import__(\'os\').getpid()"', text)
+    assert harmful != text
+    (tmp_path / "train.json").write_text(harmful)
+    with pytest.raises(gb.GearblocksError, match="expression"):
+        gb.Drivetrain.from_json(tmp_path / "train.json")
+
+
+# -- runs in pieces ---------------------------------------------------------------------------------------------------
+
+
+def test_a_run_continued_from_an_earlier_one_is_one_run(distance):
+    model = gb.build(_two_meshes())
+    whole = gb.simulate(model, t=T, rtol=1e-12)
+    first = gb.simulate(model, t=T[:51], rtol=1e-12)
+    second = gb.simulate(model, t=T[51:], rtol=1e-12, initial=first)
+    for name in ("motor.phi", "motor.w", "first.force", "second.deflection"):
+        assert distance(np.concatenate([first[name], second[name]]), whole[name]) < NEAR
+    assert second.energy.start == pytest.approx(first.energy.end, rel=1e-12)
+    assert second.energy.residual < 1e-11
+    other = gb.build(_two_meshes().without("*.backlash"))
+    with pytest.raises(gb.ParameterError, match="another train"):
+        gb.simulate(other, t_end=1.0, initial=first)
+
+
+def test_a_continued_run_keeps_the_contact_it_ended_in():
+    rig = gb.Drivetrain("contact")
+    body, lash, ground = rig.add("body", gb.Inertia(J=1.0, w0=2.0)), rig.add("lash", gb.Lash(k=400.0, half_gap=0.1)), rig.add("ground", gb.Fixed())
+    rig.chain(body, lash, ground)
+    first = gb.simulate(rig, t_end=0.1, rtol=1e-10)  # in contact since 0.05 s
+    second = gb.simulate(rig, t_end=0.2, rtol=1e-10, initial=first)
+    assert second["lash.contact"][0] == first["lash.contact"][-1] == -1.0
+    assert second.t[0] == first.t[-1]
+    assert second["body.w"][0] == first["body.w"][-1]
