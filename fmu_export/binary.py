@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import platform
 import sys
-import tempfile
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 from fmu_export.templates import C_FOLDER
 from gearblocks.cache import digest, user_cache
 from gearblocks.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler
-from gearblocks.errors import CompileError, ParameterError
-from gearblocks.library import core_files
+from gearblocks.errors import ParameterError
+from gearblocks.library import core_files, produced
 
 SHARED_GLUE = ("gb_fmu.c", "gb_fmu.h", "gb_fmu_internal.h", "gb_fmu_values.c")
 """Life cycle and variables: the same for every FMI version."""
@@ -74,7 +72,7 @@ def build_binary(sources: Mapping[str, bytes], identifier: str) -> dict[str, byt
         objects = list(workers.map(lambda name: _object(compiler, headers, name, sources[name]), names))
     product = identifier + SHARED_SUFFIX
     files = {f"{name[:-2]}.o": data for name, data in zip(names, objects, strict=True)}
-    data = _produced(compiler, files, ("-shared", "-s", *files, "-o", product, "-lm"), product)
+    data = produced(compiler, files, ("-shared", "-s", *files, "-o", product, "-lm"), product)
     return {f"binaries/{native_platform()}/{product}": data}
 
 
@@ -92,26 +90,11 @@ def _object(compiler: Compiler, headers: Mapping[str, bytes], name: str, source:
         files[_BASELINE] = (C_FOLDER / _BASELINE).read_bytes()
         arguments = ("-include", _BASELINE, *arguments)
     if name in GENERATED:
-        return _produced(compiler, files, arguments, "out.o")
+        return produced(compiler, files, arguments, "out.o")
     cache = user_cache()
     parts = [part for header in sorted(files) for part in (header, files[header])]
     key = digest(compiler.identity, *arguments, *parts)
     path = cache.find("fmu", key, ".o")
     if path is None:
-        path = cache.write("fmu", key, _produced(compiler, files, arguments, "out.o"), ".o")
+        path = cache.write("fmu", key, produced(compiler, files, arguments, "out.o"), ".o")
     return path.read_bytes()
-
-
-def _produced(compiler: Compiler, files: Mapping[str, bytes], arguments: Sequence[str], product: str) -> bytes:
-    """Runs the compiler in a fresh folder, under plain names whatever the user's paths look like."""
-    try:
-        with tempfile.TemporaryDirectory(prefix="gearblocks-fmu-", ignore_cleanup_errors=True) as place:
-            directory = Path(place)
-            for name, data in files.items():
-                (directory / name).write_bytes(data)
-            compiler.run(arguments, directory)
-            return (directory / product).read_bytes()
-    except OSError as error:
-        raise CompileError(
-            f"the FMU cannot be compiled in {tempfile.gettempdir()}: {error.strerror or error}"
-        ) from error

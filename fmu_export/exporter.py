@@ -21,7 +21,7 @@ from fmu_export.variables import Variable, variables_of
 from gearblocks.errors import ParameterError
 from gearblocks.library import Model
 from gearblocks.program import Program
-from gearblocks.runs import _parameters
+from gearblocks.runs import parameter_vector
 
 if TYPE_CHECKING:
     from gearblocks.drivetrain import Drivetrain
@@ -61,7 +61,7 @@ def export(
     chosen = checked_platforms(platforms)
     model = build(train)
     program = model.program
-    values = _parameters(program, model.values, parameters or {}, initial)
+    values = parameter_vector(program, model.values, parameters or {}, initial)
     start = start_vector(program, initial)
     solver = solver_options(method, rtol, step, max_step, locate)
     variables = variables_of(program, values, outputs, solver, start)

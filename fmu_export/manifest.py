@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, is_dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, get_args, get_type_hints
 
 import numpy as np
@@ -68,5 +68,4 @@ def _read(kind: Any, value: Any) -> Any:
     if not isinstance(value, list):
         return value
     row = get_args(kind)[0]
-    named = is_dataclass(row)
-    return tuple(row(**entry) if named else tuple(entry) for entry in value)
+    return tuple(row._make(entry) if hasattr(row, "_make") else tuple(entry) for entry in value)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from gearblocks.core import Method, Options
 from gearblocks.errors import ParameterError
-from gearblocks.runs import _options
+from gearblocks.runs import method_options
 
 RTOL_RANGE = (1e-14, 0.1)
 """Tolerances that an FMU accepts; c/gb_fmu.c holds the same limits."""
@@ -32,7 +32,7 @@ class SolverOptions:
 
 def solver_options(method: str, rtol: float, step: float | None, max_step: float | None, locate: bool) -> SolverOptions:
     """Settings as simulate() would choose them for these arguments. Raises ParameterError."""
-    chosen, _ = _options(method, rtol, step, max_step, locate, math.inf)
+    chosen, _ = method_options(method, rtol, step, max_step, locate, math.inf)
     return SolverOptions(Method(chosen.method).name.lower(), rtol, step, max_step, locate)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gearblocks.errors import ParameterError
 from gearblocks.program import Program
-from gearblocks.runs import _start_state
+from gearblocks.runs import start_state
 from gearblocks.trajectory import Trajectory
 
 
@@ -28,7 +28,7 @@ def start_vector(program: Program, initial: Any) -> NDArray[np.float64] | None:
     """
     if initial is None or isinstance(initial, Mapping):
         return None
-    given = np.asarray(_start_state(program, initial) if isinstance(initial, Trajectory) else initial, dtype=np.float64)
+    given = np.asarray(start_state(program, initial) if isinstance(initial, Trajectory) else initial, dtype=np.float64)
     if given.shape != (program.n_total,):
         raise ParameterError(f"initial has shape {given.shape}; a state vector has {program.n_total} entries")
     y = np.zeros(program.n_total)

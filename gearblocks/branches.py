@@ -143,7 +143,11 @@ class Freezer:
         side = self._side(x, b)
         if isinstance(e, ContactSide):
             return side
-        g = side**2 * x - side * b
+        # r u - b as r (u - b/r), so that r can join the other constant factors
+        constant = [a for a in sp.Mul.make_args(x) if self.pool.level(a) == CONSTANT]
+        moving = [a for a in sp.Mul.make_args(x) if self.pool.level(a) != CONSTANT]
+        r = sp.Mul(*constant)
+        g = r * (side**2 * sp.Mul(*moving) - side * (b / r))
         return {-1: g**2 / 2, 0: g, 1: side**2}.get(int(e.args[2]), sp.Integer(0))
 
     def _side(self, x: Any, b: Any) -> Any:

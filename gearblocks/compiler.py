@@ -25,6 +25,7 @@ FLAGS = (
     "-ffp-contract=off",
     "-fno-math-errno",
     "-fno-trapping-math",
+    "-fno-tree-slp-vectorize",  # gcc 12 makes fused operations there (fmaddsub) although contraction is off
     "-fPIC",
     "-fvisibility=hidden",
 )

@@ -54,9 +54,31 @@ class _Number:
         raise ModelError(f"physics uses the number self.{self.name}: write s.{self.name} (ask self only 'is None')")
 
     __hash__ = None  # type: ignore[assignment]
-    for _operation in (
-        "add radd sub rsub mul rmul truediv rtruediv pow rpow neg abs lt le gt ge eq ne bool float int mod rmod".split()
-    ):
+    for _operation in [
+        "add",
+        "radd",
+        "sub",
+        "rsub",
+        "mul",
+        "rmul",
+        "truediv",
+        "rtruediv",
+        "pow",
+        "rpow",
+        "neg",
+        "abs",
+        "lt",
+        "le",
+        "gt",
+        "ge",
+        "eq",
+        "ne",
+        "bool",
+        "float",
+        "int",
+        "mod",
+        "rmod",
+    ]:
         locals()[f"__{_operation}__"] = refuse
     _sympy_ = refuse
 
@@ -169,7 +191,9 @@ class _Check:
             return f"{_shown(x)} is no expression of the symbols in s"
         expr = sp.sympify(x)
         if not isinstance(expr, sp.Expr):
-            return f"'{expr}' is a condition, not a value: put it into sympy.Piecewise((value, condition), (other, True))"
+            return (
+                f"'{expr}' is a condition, not a value: put it into sympy.Piecewise((value, condition), (other, True))"
+            )
         if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I):
             return f"'{expr}' is not finite and real"
         if unknown := expr.atoms(AppliedUndef, sp.Derivative, sp.Integral):
@@ -177,7 +201,9 @@ class _Check:
         for symbol in sorted(expr.free_symbols, key=str):
             slot = self.pool.slots.get(symbol)
             if slot is None:
-                return f"the symbol '{symbol}' in '{expr}' is not from s; declare it with gb.param, gb.signal or gb.State"
+                return (
+                    f"the symbol '{symbol}' in '{expr}' is not from s; declare it with gb.param, gb.signal or gb.State"
+                )
             if slot.role in ("alpha", "tau") and not showing:
                 return f"'{symbol}' in '{expr}' is a result of the motion, which only Shows can read"
         return ""

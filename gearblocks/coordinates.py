@@ -45,6 +45,7 @@ class Elimination:
     def __init__(self) -> None:
         self.definitions: dict[int, Combination] = {}
         self._gains: dict[int, dict[int, Exact]] = {}
+        self._tops: dict[int, int] = {}
         self.n = 0
         self.rows: list[dict[int, Exact]] = []
 
@@ -55,7 +56,8 @@ class Elimination:
             _accumulate(left, self._roots(group), c)
         if not left:
             return self.expand(form)
-        raw = [g for g in form.groups if g in left and g not in self.definitions]
+        apart = self._join(list(form.groups))
+        raw = [g for g in form.groups if g in left and g not in self.definitions] if apart else []
         pivot = raw[-1] if raw else next(iter(left))
         base = form if raw else self.expand(form)
         c = base.groups[pivot]
@@ -67,6 +69,18 @@ class Elimination:
         self.rows.append(dict(form.groups))
         self.n += 1
         return self.n - 1
+
+    def _join(self, groups: list[int]) -> bool:
+        """Notes that a form joins these groups. True when none of them was joined to another one before, so that none
+        can be defined by another; else only the expanded form is safe from going round in a circle."""
+        tops = []
+        for g in groups:
+            while (up := self._tops.setdefault(g, g)) != g:
+                self._tops[g] = self._tops.setdefault(up, up)
+                g = up
+            tops.append(g)
+        self._tops.update(dict.fromkeys(tops, tops[0]))
+        return len(set(tops)) == len(tops)
 
     def _roots(self, group: int) -> dict[int, Exact]:
         """Gain of a group on the groups that are not eliminated (its coordinates left aside)."""

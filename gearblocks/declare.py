@@ -15,7 +15,15 @@ from typing import Any, ClassVar, TypeAlias, dataclass_transform
 from gearblocks.errors import GearblocksError, ModelError, did_you_mean
 from gearblocks.expression import finite_number, from_sympy, is_sympy
 
-_REQUIRED: Any = object()
+
+class _Required:
+    """Stands for the default that a required field has not; printed alike in every process."""
+
+    def __repr__(self) -> str:
+        return "required"
+
+
+_REQUIRED: Any = _Required()
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,9 +220,13 @@ class _Declared:
         members = {name: value for name, value in vars(cls).items() if not name.startswith("__")}
         for name, value in members.items():
             if value in (Flange, State, param, signal, effect, exact, option):
-                raise ModelError(f"{cls.__name__}.{name}: write gb.{value.__name__}(...) with its words, not the bare name")
+                raise ModelError(
+                    f"{cls.__name__}.{name}: write gb.{value.__name__}(...) with its words, not the bare name"
+                )
             if isinstance(value, (Field, Flange, State)) and name in _TAKEN:
-                raise ModelError(f"{cls.__name__}: a field, flange or state cannot be named '{name}'; take another name")
+                raise ModelError(
+                    f"{cls.__name__}: a field, flange or state cannot be named '{name}'; take another name"
+                )
         for name, kind in (("fields", Field), ("flanges", Flange), ("states", State)):
             own = {n: v for n, v in members.items() if isinstance(v, kind)}
             setattr(cls, name, MappingProxyType({**getattr(cls, name), **own}))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from gearblocks.building import build_train, check_user_blocks
 from gearblocks.declare import Block, _Declared
-from gearblocks.errors import GearblocksError, ModelError, check_arguments, did_you_mean
+from gearblocks.errors import GearblocksError, ModelError, by_name, check_arguments, did_you_mean
 from gearblocks.expression import as_expr
 from gearblocks.graph import Coordinate, Train, Tree, field_paths, flatten, replaced, unique_path, value_problems
 from gearblocks.library import Model
@@ -198,14 +198,12 @@ class Drivetrain:
 
     def set(self, values: Mapping[str, Any]) -> Drivetrain:
         """A new train with other values, by path: {"mesh.backlash.half_gap": 2e-5, "mesh": gb.GearMesh(...)}."""
-        if not isinstance(values, Mapping):
-            raise ModelError(f"set takes values by path, such as {{'mesh.k': 2e8}}, not {values!r:.80}")
         other = self._copy()
         paths = {f"{path}.{field}" for path, _, _, block in self._walk() for field in field_paths(block)}
         paths |= {*self._parts, *(path for path, _, _, _ in self._walk())}
         problems: list[str] = []
         changed: dict[str, tuple[Drivetrain, str]] = {}
-        for path, value in values.items():
+        for path, value in by_name("the values by path", values).items():
             try:
                 found = unique_path(path, paths)
                 owner, name, rest = other._locate(found)
@@ -251,7 +249,9 @@ class Drivetrain:
         present, found, problems = self.effects(), set(), []
         for pattern in patterns:
             if not isinstance(pattern, str):
-                raise ModelError(f"{what} takes patterns one by one as text, such as {what}('*.damping'), not {pattern!r}")
+                raise ModelError(
+                    f"{what} takes patterns one by one as text, such as {what}('*.damping'), not {pattern!r}"
+                )
             hits = {name for name in present if fnmatch.fnmatchcase(name, pattern)}
             if not hits:
                 problems.append(
@@ -323,7 +323,8 @@ class Drivetrain:
         for name, part in tree.parts:
             train.add(name, Drivetrain.from_tree(part) if isinstance(part, Tree) else part)
         train._links, train._exposed = list(tree.links), dict(tree.exposed)
-        train._coordinates = list(tree.coordinates)
+        for c in tree.coordinates:
+            train.coordinate(c.name, c.expr, c.unit)
         return train
 
 

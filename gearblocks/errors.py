@@ -84,7 +84,9 @@ def check_arguments(what: str, known: Iterable[str], unnamed: Sequence[Any], giv
         raise ParameterError(f"{what}: {unnamed[0]!r:.80} is given without a name; name it: {', '.join(names)}")
     for name in given:
         if name not in names:
-            raise ParameterError(f"{what} has no argument '{name}'; it has {', '.join(names)}{did_you_mean(name, names)}")
+            raise ParameterError(
+                f"{what} has no argument '{name}'; it has {', '.join(names)}{did_you_mean(name, names)}"
+            )
 
 
 def by_name(what: str, values: Any) -> Mapping[str, Any]:

@@ -108,7 +108,9 @@ class Expr:
         return True
 
     def __float__(self) -> float:
-        raise ParameterError(f"'{self}' is an expression, not a number: use gb.sin, gb.cos, gb.piecewise or sympy's functions")
+        raise ParameterError(
+            f"'{self}' is an expression, not a number: use gb.sin, gb.cos, gb.piecewise or sympy's functions"
+        )
 
     def __str__(self) -> str:
         return _text(self, 0)
@@ -196,7 +198,9 @@ def numpy_call(ufunc: Any, method: str, inputs: tuple[Any, ...]) -> Any:
     name = _NUMPY_FUNCTIONS.get(name, name)
     if method == "__call__" and name in FUNCTIONS:
         return Expr(name, *arguments)
-    raise ParameterError(f"np.{ufunc.__name__} takes no expression such as '{arguments[0]}'; there are {', '.join(FUNCTIONS)}")
+    raise ParameterError(
+        f"np.{ufunc.__name__} takes no expression such as '{arguments[0]}'; there are {', '.join(FUNCTIONS)}"
+    )
 
 
 def _sympy_binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | None) -> Any:
@@ -334,6 +338,8 @@ def to_sympy(e: Expr, leaf: Callable[[Expr], Any] | None = None) -> Any:
         return sp.Integer(int(x)) if x == int(x) and abs(x) < 1e15 else sp.Float(x)
     if e.op in ("time", "parameter", "input", "sense", "table", "local"):
         return leaf(e) if leaf else leaf_symbol_class()(e)
+    if e.op == "**" and next(e.leaves(), None) is None:
+        _check_power(e)
     a = [to_sympy(x, leaf) for x in e.args]
     if e.op == "+":
         return sp.Add(*a)
@@ -349,6 +355,14 @@ def to_sympy(e: Expr, leaf: Callable[[Expr], Any] | None = None) -> Any:
     if e.op == "Piecewise":
         return sp.Piecewise(*((v, True if c == 1 else c) for v, c in zip(a[::2], a[1::2], strict=True)))
     return getattr(sp, e.op)(*a)
+
+
+def _check_power(e: Expr) -> None:
+    """Refuses 0**-1 and 9**9**9 before sympy works them out."""
+    try:
+        evaluate(e, lambda _: math.nan)
+    except (ArithmeticError, ValueError, TypeError):
+        raise ParameterError(f"'{e}' in an expression is no finite real number") from None
 
 
 def from_sympy(x: Any) -> Expr:

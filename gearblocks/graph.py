@@ -289,7 +289,9 @@ def _problem(name: str, value: Any, field: Field) -> str:
             return problem
         number, shown = _constant(value), f" ({value!r})" if isinstance(value, Parameter) else f" ('{value}')"
     elif isinstance(value, bool) or not isinstance(value, (int, float, Fraction if field.role == "exact" else int)):
-        return f"{name} = {value!r:.80} is no number{', Parameter, Input, Table or expression' * (field.role == 'signal')}"
+        return (
+            f"{name} = {value!r:.80} is no number{', Parameter, Input, Table or expression' * (field.role == 'signal')}"
+        )
     else:
         number, shown = _float(value), ""
     if not math.isfinite(number):
@@ -346,6 +348,7 @@ def bound_problem(name: str, x: float, unit: str, bounds: tuple[float | None, ..
 
 
 # -- paths ------------------------------------------------------------------------------------------------------------
+
 
 def field_paths(owner: _Declared) -> Iterator[str]:
     """Paths of all fields inside a block, those of its effects and the entries of rows included."""

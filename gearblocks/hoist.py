@@ -46,12 +46,12 @@ class Hoister:
         return expr.func(*(self.hoist(a) if a.free_symbols else a for a in expr.args))
 
     def spread(self, expr: Any) -> Any:
-        """Carries factors that do not move into sums, so that each term has one column and the longest chain of
-        operations gets shorter: r k (c u + d) becomes (r k c) (u + d/c)."""
+        """Carries factors that do not move into sums: each term then has one column, and the longest chain of operations
+        gets shorter. r (c v + k(t) g) becomes (r c) v + (r k(t)) g."""
         if not expr.args or self.pool.level(expr) != MOVING:
             return expr
         if expr.is_Add:
-            return self._monic(expr.func(*(self.spread(a) for a in expr.args)))
+            return expr.func(*(self.spread(a) for a in expr.args))
         if not expr.is_Mul:
             return expr.func(*(self.spread(a) for a in expr.args))
         still = [a for a in expr.args if self.pool.level(a) != MOVING]
@@ -60,21 +60,6 @@ class Hoister:
         if len(moving) == 1 and moving[0].is_Add and factor != -1 and not _is_difference(moving[0]):
             return sp.Add(*(self.spread(factor * a) for a in moving[0].args))
         return sp.Mul(factor, *moving)
-
-    def _monic(self, total: Any) -> Any:
-        """A sum with the constant factor of its one coordinate taken out: c m u + d m as c (m u + d/c m)."""
-        if not total.is_Add or any(self.pool.level(a) == TIMED for a in total.args):
-            return total
-        parts = [self._constant_factor(a) for a in total.args]
-        slopes = [c for c, rest in parts if any(self.pool.slots[x].role == "coordinate" for x in rest.free_symbols)]
-        if len(slopes) != 1 or slopes[0].is_Number:
-            return total
-        return slopes[0] * sp.Add(*(c / slopes[0] * rest for c, rest in parts))
-
-    def _constant_factor(self, term: Any) -> tuple[Any, Any]:
-        factors = sp.Mul.make_args(term)
-        constant = sp.Mul(*(f for f in factors if self.pool.level(f) == CONSTANT))
-        return constant, sp.Mul(*(f for f in factors if self.pool.level(f) != CONSTANT))
 
     def _inside_timed(self, expr: Any) -> Any:
         """A timed expression with its constant parts as columns."""

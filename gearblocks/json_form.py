@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -33,14 +34,16 @@ def read(path: Path) -> Tree:
         data = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise StorageError(f"{path} cannot be read: {error.strerror or error}") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise StorageError(f"{path} is no JSON text: {error}") from error
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise StorageError(f"{path} is no train of format '{FORMAT}'")
     try:
         leaves = {name: _leaf(item) for name, item in data["leaves"].items()}
         return _read_tree(data, leaves)
-    except (KeyError, TypeError, AttributeError, IndexError) as error:
+    except GearblocksError as error:
+        raise type(error)(f"{path}: {error}") from error
+    except (KeyError, TypeError, AttributeError, IndexError, ValueError, ArithmeticError, RecursionError) as error:
         raise StorageError(f"{path} is damaged: {error!r}") from error
 
 
@@ -81,7 +84,7 @@ def _value(path: str, value: Any, leaves: dict[str, Any]) -> Any:
         return {"expression": _expr(value._expr_(), leaves)}
     if isinstance(value, Expr):
         return {"expression": _expr(value, leaves)}
-    return value
+    return {"fraction": [value.numerator, value.denominator]} if isinstance(value, Fraction) else value
 
 
 def _expr(expr: Expr, leaves: dict[str, Any]) -> str:
@@ -131,6 +134,9 @@ def _read_tree(data: Mapping[str, Any], leaves: Mapping[str, Any]) -> Tree:
         return name, flange
 
     links = tuple(tuple(end(text) for text in link) for link in data["links"])
+    for link in links:
+        if len(set(link)) < max(2, len(link)):
+            raise ModelError(f"the connection {link!r} must join two or more flanges, each once")
     exposed = tuple((name, end(text)) for name, text in data["exposed"].items())
     coordinates = tuple(Coordinate(n, parse(text, leaves), unit) for n, (text, unit) in data["coordinates"].items())
     return Tree(data["name"], tuple(parts), links, exposed, coordinates)
@@ -157,6 +163,8 @@ def _read_value(path: str, value: Any, leaves: Mapping[str, Any]) -> Any:
     if isinstance(value, list):
         return tuple(_read_value(path, v, leaves) for v in value)
     if isinstance(value, dict):
+        if "fraction" in value:
+            return Fraction(*value["fraction"])
         if "expression" not in value:
             return _read_owner(path, value, leaves)
         expr = parse(value["expression"], leaves)

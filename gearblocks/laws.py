@@ -123,9 +123,7 @@ def _jumps_in_time(law: Law) -> bool:
     exchange."""
     slots = law.pool.slots
     modes = {x for x in law.stored.free_symbols if slots[x].role == "mode" and slots[x].of.level != MOVING}
-    smooth = {
-        e.args[3] for e in law.stored.atoms(TableAt) if len(e.args) == 4 and slots[e.args[0]].of.kind != "step"
-    }
+    smooth = {e.args[3] for e in law.stored.atoms(TableAt) if len(e.args) == 4 and slots[e.args[0]].of.kind != "step"}
     return bool(modes - smooth)
 
 

@@ -148,7 +148,7 @@ def _build_core(compiler: Compiler, key: str) -> tuple[Path, ...]:
 def _compiled(compiler: Compiler, files: dict[str, bytes], name: str) -> bytes:
     """The object of one C file of the core."""
     arguments = (*FLAGS, *compiler.native, "-c", name, "-o", "core.o")
-    return _produced(compiler, files, arguments, "core.o")
+    return produced(compiler, files, arguments, "core.o")
 
 
 def _linked(compiler: Compiler, source: str, objects: Sequence[Path]) -> bytes:
@@ -158,10 +158,10 @@ def _linked(compiler: Compiler, source: str, objects: Sequence[Path]) -> bytes:
     cores = [f"core{number}.o" for number in range(len(objects))]
     product = "model" + SHARED_SUFFIX
     flags = (*FLAGS, *compiler.native, "-include", "exports.h")
-    return _produced(compiler, files, (*flags, "-shared", "model.c", *cores, "-o", product, "-lm"), product)
+    return produced(compiler, files, (*flags, "-shared", "model.c", *cores, "-o", product, "-lm"), product)
 
 
-def _produced(compiler: Compiler, files: dict[str, bytes], arguments: Sequence[str], product: str) -> bytes:
+def produced(compiler: Compiler, files: dict[str, bytes], arguments: Sequence[str], product: str) -> bytes:
     """Runs the compiler in a fresh folder that holds these files, under plain names whatever the user's paths are."""
     try:
         with tempfile.TemporaryDirectory(prefix="gearblocks-", ignore_cleanup_errors=True) as place:

@@ -13,7 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.core import Array, Code, Kind, Method, Options, Simulation
 from gearblocks.errors import (
-    GearblocksError, ParameterError, SimulationError, UnknownNameError, by_name, did_you_mean,
+    GearblocksError,
+    ParameterError,
+    SimulationError,
+    UnknownNameError,
+    by_name,
+    did_you_mean,
 )  # fmt: skip
 from gearblocks.expression import finite_number
 from gearblocks.library import Model
@@ -39,16 +44,16 @@ def run_model(
         raise ParameterError(f"progress = {progress!r:.80} must be a function of the share done")
     begin = _begin(t_start, initial)
     samples, end = _times(begin, t_end, t)
-    options, why = _options(method, rtol, step, max_step, locate, end)
+    options, why = method_options(method, rtol, step, max_step, locate, end)
     pick = _picked(program, outputs)
     with model.library.open() as sim:
-        sim.parameters[:] = _parameters(program, model.values, parameters or {}, initial)
+        sim.parameters[:] = parameter_vector(program, model.values, parameters or {}, initial)
         _set_inputs(sim, program, inputs or {})
         run = _Run(model, sim, samples, end, pick, progress, meta={
             "train": program.name, "method": Method(options.method).name.lower(), "rtol": rtol, "step": step,
             "parameters": {p.path: float(v) for p, v in zip(program.parameters, sim.parameters, strict=True)},
         })  # fmt: skip
-        y0 = _start_state(program, initial)
+        y0 = start_state(program, initial)
         return run.go(options, begin, y0, why)
 
 
@@ -88,7 +93,7 @@ def _times(begin: float, t_end: float | None, t: ArrayLike | None) -> tuple[Arra
     return samples, float(samples[-1])
 
 
-def _options(
+def method_options(
     method: str, rtol: float, step: float | None, max_step: float | None, locate: bool, end: float
 ) -> tuple[Options, str]:  # fmt: skip
     if method not in ("auto", *METHODS):
@@ -148,7 +153,7 @@ def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
     raise UnknownNameError(f"there is no {what} '{wanted}'{did_you_mean(wanted, names)}")
 
 
-def _parameters(program: Program, values: Array, changed: Mapping[str, float], initial: Any) -> Array:
+def parameter_vector(program: Program, values: Array, changed: Mapping[str, float], initial: Any) -> Array:
     """The parameter vector with changed parameters and start values."""
     result = np.array(values)
     names = {p.path: i for i, p in enumerate(program.parameters)}
@@ -164,7 +169,9 @@ def _parameters(program: Program, values: Array, changed: Mapping[str, float], i
     if isinstance(initial, Mapping):
         _initial(program, result, initial)
     elif not (initial is None or isinstance(initial, Trajectory)):
-        raise ParameterError(f"initial = {initial!r:.80} is not available; give start values such as {{'motor.w': 100.0}}")
+        raise ParameterError(
+            f"initial = {initial!r:.80} is not available; give start values such as {{'motor.w': 100.0}}"
+        )
     return result
 
 
@@ -209,7 +216,7 @@ def _set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSo
             sim.inputs[i] = checked(f"input '{info.name}'", source, info.unit, None, None)
 
 
-def _start_state(program: Program, initial: Any) -> Array | None:
+def start_state(program: Program, initial: Any) -> Array | None:
     """The state vector of an earlier run, the ledger at zero."""
     if not isinstance(initial, Trajectory):
         return None

@@ -81,7 +81,7 @@ def test_units_are_written_in_base_units_with_known_display_factors(packed: Path
 
 
 def test_an_output_named_like_a_parameter_is_shown_beside_it(model: Model, tmp_path: Path) -> None:
-    quantity = replace(model.program.outputs[3], name="spring.k")
+    quantity = model.program.outputs[3]._replace(name="spring.k")
     outputs = (*model.program.outputs[:3], quantity, *model.program.outputs[4:])
     twin = Model(replace(model.program, outputs=outputs), model.library, model.values)
     path = fmu_export.export(twin, tmp_path / "twin.fmu", t_end=0.01)
@@ -91,7 +91,7 @@ def test_an_output_named_like_a_parameter_is_shown_beside_it(model: Model, tmp_p
 
 
 def test_two_variables_of_one_name_are_refused(model: Model, tmp_path: Path) -> None:
-    clashing = replace(model.program, inputs=(replace(model.program.inputs[0], name="time"),))
+    clashing = replace(model.program, inputs=(model.program.inputs[0]._replace(name="time"),))
     with pytest.raises(GearblocksError, match="two variables of the FMU would be called 'time'"):
         fmu_export.export(Model(clashing, model.library, model.values), tmp_path / "clash.fmu")
 

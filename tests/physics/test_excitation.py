@@ -14,7 +14,9 @@ T = np.linspace(0, 0.05, 201)
 
 
 def _series(theta, cos=COS, sin=SIN):
-    return sum(a * np.cos(j * theta) for j, a in enumerate(cos, 1)) + sum(b * np.sin(j * theta) for j, b in enumerate(sin, 1))
+    return sum(a * np.cos(j * theta) for j, a in enumerate(cos, 1)) + sum(
+        b * np.sin(j * theta) for j, b in enumerate(sin, 1)
+    )
 
 
 def _slope(theta, cos=COS, sin=SIN):
@@ -101,7 +103,12 @@ def test_a_stiffness_driven_by_the_angle_comes_from_a_potential(reference, dista
 
 @pytest.mark.parametrize("backlash", [None, gb.Backlash(half_gap=20e-6)], ids=["linear", "backlash"])
 def test_a_free_pair_on_a_turning_carrier_keeps_energy_and_angular_momentum(backlash, distance):
-    rig = _pair(carrier=True, stiffness_variation=gb.Fourier(cos=COS), transmission_error=gb.Harmonic(cos=(1e-5,)), backlash=backlash)
+    rig = _pair(
+        carrier=True,
+        stiffness_variation=gb.Fourier(cos=COS),
+        transmission_error=gb.Harmonic(cos=(1e-5,)),
+        backlash=backlash,
+    )
     run = gb.simulate(rig, t=T, initial={**START, "carrier.w": 20.0}, **TIGHT)
     momentum = J[0] * run["pinion.w"] + J[1] * run["wheel.w"] + 0.01 * run["carrier.w"]
     assert distance(momentum, np.full(len(T), momentum[0])) < 1e-11
@@ -173,9 +180,7 @@ def test_a_square_stiffness_jumps_with_the_contact_ratio(reference, distance):
         n = k(modes) * (R[0] * y[0] + R[1] * y[1])
         return (y[2], y[3], -R[0] * n / J[0], -R[1] * n / J[1])
 
-    true = reference(
-        rates, Y0, T, lambda t, y: (np.cos(w * t - np.pi * share) - np.cos(np.pi * share),), max_step=2e-4
-    )
+    true = reference(rates, Y0, T, lambda t, y: (np.cos(w * t - np.pi * share) - np.cos(np.pi * share),), max_step=2e-4)
     assert distance(run["mesh.deflection"], R[0] * true[:, 0] + R[1] * true[:, 1]) < NEAR
     assert run.energy.residual < 1e-11
     jumps = [e.t for e in run.events if e.kind == "time"]

@@ -41,7 +41,10 @@ class Integrator(gb.Block):
 def test_a_motor_with_a_current_answers_like_its_two_equations(reference, distance):
     R, L, k, J, c = 1.0, 5e-3, 0.2, 2e-3, 1e-3
     rig = gb.Drivetrain("motor")
-    motor, rotor = rig.add("motor", DCMotor(R=R, L=L, k=k, u=12.0 + 3 * gb.sin(40 * gb.time))), rig.add("rotor", gb.Inertia(J=J))
+    motor, rotor = (
+        rig.add("motor", DCMotor(R=R, L=L, k=k, u=12.0 + 3 * gb.sin(40 * gb.time))),
+        rig.add("rotor", gb.Inertia(J=J)),
+    )
     load = rig.add("load", gb.SpeedLoad(coeffs=(0.0, c, 0.0)))
     rig.chain(motor, rotor, load)
     t = np.linspace(0, 0.5, 101)
@@ -61,7 +64,11 @@ def test_a_motor_with_a_current_answers_like_its_two_equations(reference, distan
 def test_a_speed_control_with_proportional_and_integral_part(reference, distance):
     J, k, c, kp, ki, target = (0.02, 0.3), 500.0, 0.5, 0.8, 4.0, 30.0
     rig = gb.Drivetrain("control")
-    motor, shaft, load = rig.add("motor", gb.Inertia(J=J[0])), rig.add("shaft", gb.Shaft(k=k, c=c)), rig.add("load", gb.Inertia(J=J[1]))
+    motor, shaft, load = (
+        rig.add("motor", gb.Inertia(J=J[0])),
+        rig.add("shaft", gb.Shaft(k=k, c=c)),
+        rig.add("load", gb.Inertia(J=J[1])),
+    )
     error = gb.Parameter("target", target, "rad/s") - gb.sense("load.w")
     integral = rig.add("integral", Integrator(u=error))
     drive = rig.add("drive", gb.Torque(tau=kp * error + ki * gb.sense("integral.value")))

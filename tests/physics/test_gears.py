@@ -87,7 +87,10 @@ def test_two_ways_from_the_motor_to_one_wheel_agree_in_whole_teeth_only():
     def layshaft(z):
         rig = gb.Drivetrain("layshaft")
         motor, shaft, wheel = (rig.add(n, gb.Inertia(J=1.0)) for n in ("motor", "shaft", "wheel"))
-        one, two = rig.add("one", gb.IdealGear(teeth=(20, 30), external=True)), rig.add("two", gb.IdealGear(teeth=(25, 35), external=True))
+        one, two = (
+            rig.add("one", gb.IdealGear(teeth=(20, 30), external=True)),
+            rig.add("two", gb.IdealGear(teeth=(25, 35), external=True)),
+        )
         direct = rig.add("direct", gb.IdealGear(teeth=(10, z), external=False))
         rig.chain(motor, one, shaft, two, wheel)
         rig.connect(direct.a, motor.a)
@@ -113,7 +116,9 @@ def test_ground_holds_a_gear_and_takes_its_torque():
 
 
 def test_start_values_pass_through_ties():
-    rig = _train(gb.IdealGear(teeth=(10, 30), external=True), tau=0.0, load=0.0).set({"wheel.w0": 5.0, "wheel.phi0": 0.25})
+    rig = _train(gb.IdealGear(teeth=(10, 30), external=True), tau=0.0, load=0.0).set(
+        {"wheel.w0": 5.0, "wheel.phi0": 0.25}
+    )
     run = gb.simulate(rig, t=[0.0], rtol=1e-6)
     assert run["motor.w"][0] == pytest.approx(-15.0, rel=1e-15)
     assert run["motor.phi"][0] == pytest.approx(-0.75, rel=1e-15)
@@ -142,8 +147,13 @@ def test_torques_at_every_shaft_balance_and_so_does_power():
     motor, first = rig.add("motor", gb.Inertia(J=0.02)), rig.add("gear", gb.IdealGear(teeth=(20, 50), external=True))
     lay, shaft = rig.add("lay", gb.Inertia(J=0.01)), rig.add("shaft", gb.Shaft(k=2e4, c=3.0))
     pinion, wheel = rig.add("pinion", gb.Inertia(J=0.003)), rig.add("wheel", gb.Inertia(J=0.2))
-    mesh = rig.add("mesh", gb.GearMesh(teeth=(17, 59), r_base=(0.017, 0.059), external=False, k=1e8, damping_ratio=0.05))
-    drive, load = rig.add("drive", gb.Torque(tau=20 + 5 * gb.sin(200 * gb.time))), rig.add("load", gb.SpeedLoad(coeffs=(0.0, 1.0, 0.1)))
+    mesh = rig.add(
+        "mesh", gb.GearMesh(teeth=(17, 59), r_base=(0.017, 0.059), external=False, k=1e8, damping_ratio=0.05)
+    )
+    drive, load = (
+        rig.add("drive", gb.Torque(tau=20 + 5 * gb.sin(200 * gb.time))),
+        rig.add("load", gb.SpeedLoad(coeffs=(0.0, 1.0, 0.1))),
+    )
     rig.chain(drive, motor, first, lay, shaft, pinion, mesh, wheel, load)
     run = gb.simulate(rig, t=np.linspace(0, 0.1, 101), rtol=1e-9, initial={"motor.w": 50.0})
     shafts = (

@@ -44,7 +44,10 @@ def test_two_meshes_share_the_load_between_the_same_shafts(reference, distance):
     meshes = [
         rig.add("direct", gb.GearMesh(teeth=(20, 40), r_base=r[0], external=True, k=k[0], c=50.0)),
         rig.add("to_lay", gb.GearMesh(teeth=(20, 30), r_base=r[1], external=True, k=k[1])),
-        rig.add("from_lay", gb.GearMesh(teeth=(30, 40), r_base=r[2], external=False, k=k[2], backlash=gb.Backlash(half_gap=1e-5))),
+        rig.add(
+            "from_lay",
+            gb.GearMesh(teeth=(30, 40), r_base=r[2], external=False, k=k[2], backlash=gb.Backlash(half_gap=1e-5)),
+        ),
     ]
     rig.connect(motor.a, meshes[0].pinion, meshes[1].pinion)
     rig.connect(lay.a, meshes[1].wheel, meshes[2].pinion)

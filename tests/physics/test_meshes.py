@@ -179,8 +179,12 @@ def test_damping_in_the_gap_acts_as_its_name_says(choice, reference, distance):
 
 def test_the_laws_of_damping_differ():
     t = np.linspace(0, 6, 241)
-    ends = {c: gb.simulate(_on_ground(c), t=t, rtol=1e-9)["body.phi"][-1] for c in ("clipped", "clipped_force", "always")}
-    assert min(abs(a - b) for a, b in [(ends["clipped"], ends["always"]), (ends["clipped"], ends["clipped_force"])]) > 1e-3
+    ends = {
+        c: gb.simulate(_on_ground(c), t=t, rtol=1e-9)["body.phi"][-1] for c in ("clipped", "clipped_force", "always")
+    }
+    assert (
+        min(abs(a - b) for a, b in [(ends["clipped"], ends["always"]), (ends["clipped"], ends["clipped_force"])]) > 1e-3
+    )
 
 
 @pytest.mark.parametrize("external", [True, False], ids=["external", "internal"])

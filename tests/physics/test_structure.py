@@ -104,7 +104,11 @@ def test_an_effect_left_out_leaves_no_trace():
     assert len(source) < len(full)
     names = str(rig.equations())
     assert "half_gap" in names
-    for effect, word in (("*.transmission_error", "transmission"), ("*.damping", "damping"), ("*.stiffness_variation", "variation")):
+    for effect, word in (
+        ("*.transmission_error", "transmission"),
+        ("*.damping", "damping"),
+        ("*.stiffness_variation", "variation"),
+    ):
         program = gb.build(rig.without(effect)).program
         assert not any(word in p.path for p in program.parameters)
         assert not any(word in line for line in program.source.splitlines())
@@ -184,13 +188,17 @@ def _around(block):
     rig = gb.Drivetrain("around")
     one, drive = rig.add("one", gb.Inertia(J=1.0, w0=None)), rig.add("drive", gb.Torque(tau=3.0))
     part = rig.add("part", block)
-    if len(rig.add("spare", gb.Inertia(J=2.0)).flanges) and len(type(block).flanges) == 1 or isinstance(block, gb.Torque):
+    if (len(rig.add("spare", gb.Inertia(J=2.0)).flanges) and len(type(block).flanges) == 1) or isinstance(
+        block, gb.Torque
+    ):
         shaft = rig.add("shaft", gb.Shaft(k=50.0))
         rig.chain(drive, one, shaft, part)
         rig.connect(gb.drivetrain.FlangeHandle(rig, "spare", "a"), one.b)
     else:
         rig.chain(drive, one, part)
-        rig.connect(gb.drivetrain.FlangeHandle(rig, "spare", "a"), gb.drivetrain.FlangeHandle(rig, "part", part.flanges[1]))
+        rig.connect(
+            gb.drivetrain.FlangeHandle(rig, "spare", "a"), gb.drivetrain.FlangeHandle(rig, "part", part.flanges[1])
+        )
     return rig
 
 
@@ -238,7 +246,7 @@ def test_text_in_a_json_file_is_never_run(tmp_path):
     rig.chain(rig.add("one", gb.Inertia(J=1.0)), rig.add("part", gb.Torque(tau=gb.sin(gb.time))))
     rig.to_json(tmp_path / "train.json")
     text = (tmp_path / "train.json").read_text()
-    harmful = re.sub(r'"sin\(time\)"', '"__import__(\'os\').getpid()"', text)
+    harmful = re.sub(r'"sin\(time\)"', "\"__import__('os').getpid()\"", text)
     assert harmful != text
     (tmp_path / "train.json").write_text(harmful)
     with pytest.raises(gb.GearblocksError, match="expression"):
@@ -264,7 +272,11 @@ def test_a_run_continued_from_an_earlier_one_is_one_run(distance):
 
 def test_a_continued_run_keeps_the_contact_it_ended_in():
     rig = gb.Drivetrain("contact")
-    body, lash, ground = rig.add("body", gb.Inertia(J=1.0, w0=2.0)), rig.add("lash", gb.Lash(k=400.0, half_gap=0.1)), rig.add("ground", gb.Fixed())
+    body, lash, ground = (
+        rig.add("body", gb.Inertia(J=1.0, w0=2.0)),
+        rig.add("lash", gb.Lash(k=400.0, half_gap=0.1)),
+        rig.add("ground", gb.Fixed()),
+    )
     rig.chain(body, lash, ground)
     first = gb.simulate(rig, t_end=0.1, rtol=1e-10)  # in contact since 0.05 s
     second = gb.simulate(rig, t_end=0.2, rtol=1e-10, initial=first)

@@ -1,0 +1,102 @@
+"""Energy: what a train without losses keeps, and ledgers that close."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import gearblocks as gb
+
+J, K, B = (1.0, 0.6, 1.4, 0.8), (90.0, 200.0, 120.0), 0.05
+
+
+def _chain():
+    """Four inertias, a spring, a lash, a spring: no damping, no load."""
+    rig = gb.Drivetrain("free chain")
+    parts = []
+    for i, inertia in enumerate(J):
+        parts.append(rig.add(f"j{i}", gb.Inertia(J=inertia)))
+        if i in (0, 2):
+            parts.append(rig.add(f"k{i}", gb.Shaft(k=K[i])))
+        elif i == 1:
+            parts.append(rig.add("lash", gb.Lash(k=K[1], half_gap=B)))
+    rig.chain(*parts)
+    return rig
+
+
+def _energy(phi, w):
+    x = phi[2] - phi[1]
+    g = np.sign(x) * np.maximum(np.abs(x) - B, 0)
+    spring = K[0] * (phi[1] - phi[0]) ** 2 + K[2] * (phi[3] - phi[2]) ** 2 + K[1] * g**2
+    return (spring + sum(j * v**2 for j, v in zip(J, w, strict=True))) / 2
+
+
+def _rates(t, y):
+    p = y[:4]
+    x = p[2] - p[1]
+    t0, t2 = K[0] * (p[1] - p[0]), K[2] * (p[3] - p[2])
+    t1 = K[1] * (x - B if x > B else x + B if x < -B else 0.0)
+    return [*y[4:], t0 / J[0], (t1 - t0) / J[1], (t2 - t1) / J[2], -t2 / J[3]]
+
+
+@pytest.mark.long
+def test_energy_drifts_no_more_than_with_scipy_over_a_thousand_slow_periods():
+    stiffness = np.zeros((4, 4))
+    for i, k in enumerate(K):
+        stiffness[i : i + 2, i : i + 2] += k * np.array([[1, -1], [-1, 1]])
+    slow = np.sqrt(sorted(np.linalg.eigvals(stiffness / np.array(J)[:, None]).real)[1])
+    t_end = 1000 * 2 * np.pi / slow
+    y0 = np.array([0.0, 0, 0, 0.2, 0.5, -0.3, 0, -0.2 * 0.5 / 0.8])
+    start = {f"j{i}.phi": y0[i] for i in range(4)} | {f"j{i}.w": y0[4 + i] for i in range(4)}
+    rtol = 1e-6  # at tighter ones scipy takes minutes
+    ours = gb.simulate(_chain(), t=[0.0, t_end], rtol=rtol, initial=start)
+    assert ours.stats.events > 1000
+    e = _energy([ours[f"j{i}.phi"] for i in range(4)], [ours[f"j{i}.w"] for i in range(4)])
+    true = solve_ivp(_rates, (0, t_end), y0, "DOP853", rtol=rtol, atol=1e-9, t_eval=[t_end])
+    theirs = _energy(true.y[:4, -1], true.y[4:, -1])
+    assert abs(e[1] / e[0] - 1) <= abs(theirs / e[0] - 1)
+
+
+def test_a_free_chain_with_backlash_keeps_its_energy_in_proportion_to_the_tolerance():
+    model, start = gb.build(_chain()), {"j3.phi": 0.2, "j0.w": 0.5}
+    for rtol in (1e-6, 1e-9, 1e-12):
+        run = gb.simulate(model, t=np.linspace(0, 30, 301), rtol=rtol, initial=start)
+        e = _energy([run[f"j{i}.phi"] for i in range(4)], [run[f"j{i}.w"] for i in range(4)])
+        # some 200 steps: each may err by rtol
+        assert np.abs(e / e[0] - 1).max() < 200 * rtol + 1e-13
+        assert run.energy.residual <= 200 * rtol + 1e-13
+        assert run.energy.supplied == {}
+        assert run.energy.dissipated == {}
+        assert run.energy.end == pytest.approx(e[-1], rel=1e-12)
+
+
+def test_the_ledger_names_who_gave_and_who_took():
+    rig = gb.Drivetrain("ledger")
+    motor, shaft, wheel = rig.add("motor", gb.Inertia(J=0.1)), rig.add("shaft", gb.Shaft(k=50.0, c=0.2)), rig.add("wheel", gb.Inertia(J=0.3))
+    drive, load = rig.add("drive", gb.Torque(tau=4.0)), rig.add("load", gb.SpeedLoad(coeffs=(0.1, 0.05, 0.01)))
+    rig.chain(drive, motor, shaft, wheel, load)
+    t = np.linspace(0, 5, 20001)
+    run = gb.simulate(rig, t=t, rtol=1e-11)
+    ledger = run.energy
+    assert set(ledger.supplied) == {"drive"}
+    assert set(ledger.dissipated) == {"shaft", "load"}
+    # trapezium sums over 20000 samples of 0.25 ms: (0.25 ms x 26 rad/s)^2 / 12
+    assert ledger.supplied["drive"] == pytest.approx(np.trapezoid(run["drive.flange.power"], t), rel=1e-5)
+    assert ledger.dissipated["load"] == pytest.approx(np.trapezoid(run["load.loss_power"], t), rel=1e-5)
+    assert ledger.dissipated["shaft"] == pytest.approx(np.trapezoid(run["shaft.loss_power"], t), rel=1e-5)
+    assert ledger.residual < 1e-10  # 10 rtol
+    total = sum(ledger.supplied.values()) - sum(ledger.dissipated.values())
+    assert ledger.end - ledger.start == pytest.approx(total, rel=1e-9)
+    assert ledger.stored["motor"] == pytest.approx(0.05 * run["motor.w"][-1] ** 2, rel=1e-12)
+    assert ledger.stored["shaft"] == pytest.approx(25 * run["shaft.twist"][-1] ** 2, rel=1e-12)
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8"])
+def test_the_ledger_closes_to_the_tolerance_with_jumps_of_torque_and_stiffness(method):
+    rig = gb.Drivetrain("jumps")
+    body, ground = rig.add("body", gb.Inertia(J=1.0)), rig.add("ground", gb.Fixed())
+    spring = rig.add("spring", gb.Shaft(k=gb.piecewise((100, gb.time < 0.4), (150, gb.time < 0.9), (60, True)), c=0.3))
+    drive = rig.add("drive", gb.Torque(tau=gb.piecewise((10, gb.time < 0.5), (-3, True))))
+    rig.chain(drive, body, spring, ground)
+    for rtol in (1e-6, 1e-10):
+        run = gb.simulate(rig, t=[2.0], rtol=rtol, method=method)
+        assert run.energy.residual <= 10 * rtol
