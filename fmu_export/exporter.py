@@ -61,7 +61,8 @@ def export(
     chosen = checked_platforms(platforms)
     model = build(train)
     program = model.program
-    values = parameter_vector(program, model.values, parameters or {}, initial)
+    by_name = initial if isinstance(initial, Mapping) else None
+    values = parameter_vector(program, model.values, parameters or {}, by_name)
     start = start_vector(program, initial)
     solver = solver_options(method, rtol, step, max_step, locate)
     variables = variables_of(program, values, outputs, solver, start)

@@ -241,18 +241,20 @@ class Drivetrain:
     def only(self, *patterns: str) -> Drivetrain:
         """A new train with only the effects that match, and what they need."""
         kept = self._matching("only", patterns)
-        kept |= {f"{name.rsplit('.', 1)[0]}.compliance" for name in kept}
-        return self._leaving(lambda name: name not in kept)
+        needed = {f"{name.rsplit('.', 1)[0]}.compliance" for name in kept}
+        return self._leaving(lambda name: name not in kept and name not in needed)
 
-    def _matching(self, what: str, patterns: tuple[str, ...]) -> set[str]:
+    def _matching(self, what: str, patterns: tuple[str, ...]) -> dict[str, Any]:
         """The effects that match; ModelError names each pattern that matches none."""
-        present, found, problems = self.effects(), set(), []
+        present = self.effects()
+        found: dict[str, Any] = {}
+        problems = []
         for pattern in patterns:
             if not isinstance(pattern, str):
                 raise ModelError(
                     f"{what} takes patterns one by one as text, such as {what}('*.damping'), not {pattern!r}"
                 )
-            hits = {name for name in present if fnmatch.fnmatchcase(name, pattern)}
+            hits = {name: effect for name, effect in present.items() if fnmatch.fnmatchcase(name, pattern)}
             if not hits:
                 problems.append(
                     f"no effect matches '{pattern}'; present are {', '.join(present) or 'none'}{did_you_mean(pattern, present)}"

@@ -183,22 +183,26 @@ def _latex_name(name: str) -> str:
     """phi_disc' as a dotted letter with an index."""
     base = name.rstrip("'")
     dots = len(name) - len(base)
-    letter, _, index = base.partition("_")
+    match = re.fullmatch(r"([A-Za-z]|phi)(?:_(.+)|(\d+))?", base)
+    letter, index = (match[1], match[2] or match[3] or "") if match else (_word(base), "")
     for field in sorted(_LETTERS, key=len, reverse=True):
         match = re.fullmatch(rf"{field}(\d*)(?:_(.*))?", base)
         if match:
             letter, index = _LETTERS[field], " ".join(x for x in match.groups() if x)
             break
     if base.startswith("k_t_"):
-        return rf"k_{{\mathrm{{{index}}}}}\!\left(t\right)".replace("_", r"\_").replace(r"k\_", "k_")
+        return rf"k_{{{_word(index)}}}\!\left(t\right)"
     letter = {"phi": r"\varphi", "w": r"\varphi"}.get(letter, letter)
     dots += 1 if base.startswith("w_") else 0
-    if not index and len(letter) > 1 and letter[0] != "\\":
-        letter, index = letter[0], letter[1:]
     if dots:
         letter = {1: rf"\dot{{{letter}}}", 2: rf"\ddot{{{letter}}}", 3: rf"\dddot{{{letter}}}"}[dots]
-    escaped = index.replace("_", r"\_")
-    return rf"{letter}_{{\mathrm{{{escaped}}}}}" if index else letter
+    return f"{letter}_{{{index if index.isdigit() else _word(index)}}}" if index else letter
+
+
+def _word(text: str) -> str:
+    """A word upright, its underscores as such."""
+    escaped = text.replace("_", r"\_")
+    return rf"\mathrm{{{escaped}}}"
 
 
 # -- writing ----------------------------------------------------------------------------------------------------------

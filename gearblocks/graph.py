@@ -250,7 +250,7 @@ def _field_problems(owner: _Declared, prefix: str) -> Iterator[str]:
             yield f"{prefix}{name} = {value!r:.80} must be a row of numbers such as ({value!r:.40},)"
         elif field.many:
             yield from filter(None, (_problem(f"{prefix}{name}[{i}]", v, field) for i, v in enumerate(value)))
-        elif not (isinstance(value, str) and value == field.default):
+        elif not (isinstance(value, str) and value in (field.default, "angle")):  # the effect itself judges "angle"
             problem = _problem(prefix + name, value, field)
             if problem:
                 yield problem
@@ -259,7 +259,8 @@ def _field_problems(owner: _Declared, prefix: str) -> Iterator[str]:
 def _effect_problem(owner: _Declared, name: str, value: Any) -> str:
     """An effect that is no effect object, or not of a class that the field is annotated with."""
     if isinstance(value, Effect):
-        allowed = _annotated(type(owner), name)
+        kind: Any = type(owner)
+        allowed = _annotated(kind, name)
         if not allowed or type(value) in allowed:
             return ""
         if not type(value).__module__.startswith("gearblocks.") and isinstance(value, allowed):

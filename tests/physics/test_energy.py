@@ -75,7 +75,7 @@ def test_the_ledger_names_who_gave_and_who_took():
     drive, load = rig.add("drive", gb.Torque(tau=4.0)), rig.add("load", gb.SpeedLoad(coeffs=(0.1, 0.05, 0.01)))
     rig.chain(drive, motor, shaft, wheel, load)
     t = np.linspace(0, 5, 20001)
-    run = gb.simulate(rig, t=t, rtol=1e-11)
+    run = gb.simulate(rig, t=t, rtol=1e-11, initial={"motor.w": 2.0, "wheel.w": 2.0})
     ledger = run.energy
     assert set(ledger.supplied) == {"drive"}
     assert set(ledger.dissipated) == {"shaft", "load"}

@@ -26,13 +26,19 @@ def _p2():
 
 
 PERIODS = 8
-T_END = PERIODS * 2 * np.pi / W
+T = 2 * np.pi / W * np.arange(1, PERIODS + 1)
+T_END = float(T[-1])
+
+
+def _error(run, true):
+    """Root mean square over the samples of the distance in the phase plane."""
+    return np.sqrt(np.mean((run["body.phi"] - true["body.phi"]) ** 2 + (run["body.w"] - true["body.w"]) ** 2))
 
 
 @pytest.fixture(scope="module")
 def p2():
     model = gb.build(_p2())
-    return model, gb.simulate(model, t=[T_END], rtol=1e-14, method="dp8")
+    return model, gb.simulate(model, t=T, rtol=1e-14, method="dp8")
 
 
 def test_p2_is_the_equation_of_the_gear_pair(p2, reference):
@@ -51,18 +57,24 @@ def test_p2_is_the_equation_of_the_gear_pair(p2, reference):
 
 @pytest.mark.parametrize(
     ("method", "order", "steps"),
-    [("rk4", 4, (30, 45, 70, 100, 150, 220)), ("dp5", 5, (20, 30, 45, 70, 100)), ("dp8", 8, (10, 13, 17, 22, 29))],
+    [
+        ("rk4", 4, (40, 55, 75, 100, 140, 190, 260, 350, 480)),
+        ("dp5", 5, (13, 18, 25, 34, 46, 62, 85, 115)),
+        ("dp8", 8, (14, 16, 18, 20, 22, 24, 26, 28)),
+    ],
 )
 def test_a_fixed_step_method_keeps_its_order_across_corners(method, order, steps, p2):
+    """Steps per period. Where in a step a corner falls is chance, so the error scatters by a factor of 2 about its line:
+    hence the mean over 8 samples, and many step sizes."""
     model, true = p2
     errors = []
     for n in steps:
-        run = gb.simulate(model, t=[T_END], method=method, step=2 * np.pi / W / n, outputs=["body.phi", "body.w"])
+        run = gb.simulate(model, t=T, method=method, step=2 * np.pi / W / n, outputs=["body.phi", "body.w"])
         assert run.stats.events == true.stats.events
-        errors.append(np.hypot(run["body.phi"] - true["body.phi"], run["body.w"] - true["body.w"])[0])
+        errors.append(_error(run, true))
     slope = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
-    assert max(errors) < 1e-2
-    assert min(errors) > 1e-12
+    assert max(errors) < 1e-4
+    assert min(errors) > 1e-11
     assert slope >= order - 0.3, (slope, errors)
 
 
@@ -70,8 +82,8 @@ def test_without_located_corners_the_order_is_lost(p2):
     model, true = p2
     errors = []
     for n in (45, 70, 100, 150, 220):
-        run = gb.simulate(model, t=[T_END], method="dp8", step=2 * np.pi / W / n, locate=False)
-        errors.append(abs(run["body.phi"] - true["body.phi"])[0])
+        run = gb.simulate(model, t=T, method="dp8", step=2 * np.pi / W / n, locate=False)
+        errors.append(_error(run, true))
     assert -np.polyfit(np.log((45, 70, 100, 150, 220)), np.log(errors), 1)[0] < 4
 
 
@@ -81,8 +93,8 @@ def test_errors_follow_the_tolerance(method, p2):
     tolerances = 10.0 ** -np.arange(3, 13)
     errors = []
     for rtol in tolerances:
-        run = gb.simulate(model, t=[T_END], method=method, rtol=rtol)
-        errors.append(np.hypot(run["body.phi"] - true["body.phi"], run["body.w"] - true["body.w"])[0])
+        run = gb.simulate(model, t=T, method=method, rtol=rtol)
+        errors.append(_error(run, true))
         assert run.stats.events == true.stats.events
         # the motion is 2 wide and some 100 steps long; every corner may double an error
         assert errors[-1] < 300 * rtol, rtol

@@ -165,7 +165,7 @@ def test_a_closed_simulation_can_be_closed_again(oscillator: Library) -> None:
 
 
 def test_the_same_program_is_compiled_once(oscillator: Library, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stage, "_produced", None)
+    monkeypatch.setattr(stage, "produced", None)
     assert compile_program(_oscillator()).path == oscillator.path
 
 

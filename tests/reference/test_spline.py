@@ -1,0 +1,115 @@
+"""The spline coupling, set S, against numbers in quadruple precision from elsewhere (tests/data/spline_S*)."""
+
+import importlib.util
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+DATA = Path(__file__).parents[1] / "data"
+STATE = ("x1", "x2", "x3", "v1", "v2", "v3")
+
+
+def _shipped():
+    path = Path(__file__).parents[2] / "models" / "spline_coupling.py"
+    spec = importlib.util.spec_from_file_location("spline_coupling_model", path)
+    module = importlib.util.module_from_spec(spec)
+    import sys
+
+    sys.modules[spec.name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    return module
+
+
+spline = _shipped()
+
+
+@pytest.fixture(scope="module")
+def model():
+    return gb.build(spline.build(300.0))
+
+
+def _states(run):
+    return np.stack([run[name] for name in STATE], axis=1)
+
+
+@pytest.mark.parametrize(
+    ("rpm", "periods", "tolerance"),
+    [
+        (300, 100, 1e-9),  # a settled orbit forgets: the multipliers are below 1
+        (1080, 10, 1e-7),  # chaos: errors grow by exp(0.34) a period, and by much more at grazing contacts
+    ],
+)
+def test_the_trajectory_is_that_of_the_reference(model, rpm, periods, tolerance):
+    table = np.loadtxt(DATA / f"spline_S_{rpm}rpm.csv", delimiter=",", skiprows=1)
+    assert table[-1, 1] == pytest.approx(periods, abs=0.5)
+    run = gb.simulate(model, t=table[:, 1] * 60 / rpm, rtol=1e-13, parameters={"speed": gb.rpm(rpm)})
+    true = table[:, 2:8]
+    assert np.all(np.abs(_states(run) - true).max(axis=0) <= tolerance * np.abs(true).max(axis=0))
+    assert np.abs(_states(run) - true).max() <= tolerance
+
+
+@pytest.mark.parametrize("rpm", [300, 348])
+def test_the_points_of_the_periodic_orbit_are_those_of_the_reference(model, rpm):
+    orbit = json.loads((DATA / "spline_S.json").read_text())["periodic_orbits"][str(rpm)]
+    true = np.array(orbit["points"], dtype=float)
+    points = gb.poincare(
+        model, gb.stroboscopic("speed"), of=STATE, transient=400, keep=8, rtol=1e-12, parameters={"speed": gb.rpm(rpm)}
+    )  # 0.925^400 of the start is left, nothing
+    ours = points.values[:, [points.names.index(n) for n in STATE]]
+    assert len(true) == orbit["period"]
+    first = int(np.abs(ours[0] - true).max(axis=1).argmin())
+    for n, point in enumerate(ours):
+        assert np.abs(point - true[(first + n) % len(true)]).max() < 1e-8
+
+
+@pytest.mark.parametrize(("rpm", "period"), [(300, 1), (348, 2), (360, 5), (1080, None)])
+def test_set_s_answers_with_the_regimes_of_the_paper(model, rpm, period):
+    label = gb.classify(model, gb.stroboscopic("speed"), parameters={"speed": gb.rpm(rpm)})
+    assert label.settled
+    assert label.period == period
+    assert str(label) == ("not periodic" if period is None else f"period {period}")
+
+
+@pytest.mark.parametrize("rpm", [300, 348, 360, 1080])
+def test_the_steel_set_answers_with_period_one(rpm):
+    # steel rings at 3 kHz with a damping ratio of 0.06: 60 periods of 0.06 s settle it, and are 1e5 steps
+    label = gb.classify(
+        spline.steel(300.0), gb.stroboscopic("speed"), parameters={"speed": gb.rpm(rpm)}, transient=5, keep=5, longest=2
+    )
+    assert label.settled
+    assert label.period == 1
+
+
+def test_damping_follows_from_the_ratios_of_the_paper(model):
+    derived = json.loads((DATA / "spline_S.json").read_text())["derived"]
+    run = gb.simulate(model, t=[0.0], rtol=1e-6, initial={"input.w": 1.0, "external.w": 0.0, "internal.w": 0.0, "output.w": 1.0})
+    # one rad/s over each shaft: the torque beyond k twist is c
+    assert abs(run["shaft_in.torque"][0] + 109700.0 * run["shaft_in.twist"][0]) == pytest.approx(derived["c_s1"], rel=1e-9)
+    assert abs(run["shaft_out.torque"][0] + 22550.0 * run["shaft_out.twist"][0]) == pytest.approx(derived["c_s4"], rel=1e-9)
+    turned = gb.simulate(model, t=[0.0], rtol=1e-6, initial={"external.w": 40.0, "internal.w": 0.0})
+    still = gb.simulate(model, t=[0.0], rtol=1e-6, initial={"external.w": 0.0, "internal.w": 0.0})
+    assert turned["spline.force"][0] - still["spline.force"][0] == pytest.approx(derived["c_t"], rel=1e-9)  # 40 x 0.025 m/s
+
+
+ROWS = json.loads((DATA / "spline_kv_300.json").read_text())
+
+
+@pytest.mark.parametrize("row", ROWS, ids=[f"{r['tag']}-{r['Tm']:g}-{r['b'] * 1e3:g}mm" for r in ROWS])
+def test_both_dynamic_factors_at_300_rpm_are_those_of_the_reference(model, row):
+    """print: (Fm + k_t x2)/Fm; contact: N/Fm; over 256 points of a settled period, from t = 0."""
+    T, b, r, km = row["Tm"], row["b"], 0.025, 245e6
+    twists = T / 109700.0, (T / r / km + b) / r, T / 22550.0
+    angles = -np.cumsum((0.0, *twists))
+    start = {f"{n}.phi": a for n, a in zip(("input", "external", "internal", "output"), angles, strict=True)}
+    period = 60 / 300.0
+    t = period * (200 + np.arange(256) / 256)
+    run = gb.simulate(model, t=t, rtol=1e-11, parameters={"torque": T, "spline.backlash.half_gap": b}, initial=start)
+    mean = T / r
+    for kind, kv in (("lit", (mean + run["spline.stiffness"] * run["x2"]) / mean), ("con", run["spline.force"] / mean)):
+        for what, value in (("min", kv.min()), ("mean", kv.mean()), ("max", kv.max())):
+            # the reference is printed with 10 digits; the force is known to 1e-9 of its amplitude of 2
+            assert value == pytest.approx(row[f"{kind}_{what}"], abs=1e-8), (kind, what)
