@@ -246,9 +246,7 @@ class Drivetrain:
 
     def _matching(self, what: str, patterns: tuple[str, ...]) -> dict[str, Any]:
         """The effects that match; ModelError names each pattern that matches none."""
-        present = self.effects()
-        found: dict[str, Any] = {}
-        problems = []
+        present, found, problems = self.effects(), dict[str, Any](), list[str]()
         for pattern in patterns:
             if not isinstance(pattern, str):
                 raise ModelError(

@@ -270,7 +270,7 @@ class _Writer:
         if role in ("phi", "w"):
             group, gain = places[of]
             if group == HELD:
-                return sp.Integer(0)
+                return self._held_angle(c, of) if role == "phi" else sp.Integer(0)
             return sp.Rational(gain.numerator, gain.denominator) * (self.q if role == "phi" else self.v)[group]
         if role == "mobility":
             return self._mobility(places.get(of))
@@ -283,6 +283,21 @@ class _Writer:
             self.parameters[sp.Symbol(text, real=True)] = of.name
             return sp.Symbol(text, real=True)
         return None
+
+    def _held_angle(self, c: Component, flange: str) -> Any:
+        """The angle at which the ground holds a flange: 0 where the ground is given as 0."""
+        node = c.nodes[list(type(c.block).flanges).index(flange)]
+        offset = self.assembly.held_offset.get(node)
+        if offset is None:
+            return sp.Integer(0)
+        path, _, name = offset.rpartition(".")
+        block = next(other.block for other in self.assembly.train.components if other.path == path)
+        if getattr(block, name) == 0:
+            return sp.Integer(0)
+        symbol = sp.Symbol(f"{name}_{_flat(path)}", real=True)
+        self.parameters[symbol] = offset
+        gain = self.assembly.group_of_node[node][1]
+        return sp.Rational(gain.numerator, gain.denominator) * symbol
 
     def _mobility(self, place: Any) -> Any:
         """1/J of a shaft as a symbol, defined when everything is added up."""

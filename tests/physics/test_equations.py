@@ -9,6 +9,7 @@ import sympy as sp
 
 import gearblocks as gb
 from gearblocks.core import Code, Method, Options
+from gearblocks.graph import numbers_of
 from gearblocks.symbols import ContactSide, DeadZone, clock
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "models"))
@@ -62,6 +63,7 @@ def _by_symbols(rig, model, t, state):
     eq = rig.equations()
     values = {p.path: v for p, v in zip(model.program.parameters, model.values, strict=True)}
     values |= {i.name: i.start for i in model.program.inputs}
+    values |= {f"{c.path}.{field}": x for c in rig.train().components for field, x, _ in numbers_of(c.block, "")}
     known = {symbol: values[path] for symbol, path in eq.parameters.items()}
     known |= {q: state[f"{q.name.removeprefix('phi_')}.phi"] for q in eq.q}
     known |= {v: state[f"{v.name.removeprefix('w_')}.w"] for v in eq.v}
