@@ -21,7 +21,8 @@ def p1(p: P1 | None = None) -> Drivetrain:
     import gearblocks as gb
 
     p = p or P1()
-    wave = gb.cos(p.w * gb.time)
+    w = gb.Parameter("w", p.w, "rad/s")
+    wave = gb.cos(w * gb.time)
     rig = gb.Drivetrain("P1, spline-like, 4 discs")
     discs = [rig.add(f"disc{i + 1}", gb.Inertia(J=p.J[i], phi0=p.angles[i])) for i in range(4)]
     left = rig.add("left", gb.Shaft(k=p.k_shaft, damping_ratio=p.zeta))
@@ -33,7 +34,7 @@ def p1(p: P1 | None = None) -> Drivetrain:
             radius=p.radius,
             k=p.k_mesh,
             c=p.c_mesh,
-            stiffness_variation=gb.Fourier(cos=(p.ripple,), driven_by=p.w),
+            stiffness_variation=gb.Fourier(cos=(p.ripple,), driven_by=w),
             backlash=gb.Backlash(half_gap=p.half_gap),
             contact_damping="always",
         ),

@@ -234,6 +234,7 @@ class _Writer:
         self.parameters: dict[Any, str] = {}
         self.shows: dict[str, Any] = {}
         self.deflections: dict[Any, Any] = {}
+        self.claimed: dict[str, Any] = {x.name: x for x in (*self.q, *self.v)}
 
     def write(self, c: Component) -> None:
         """Adds one component."""
@@ -255,7 +256,9 @@ class _Writer:
             if group != HELD:
                 self.mass[group] += sp.Rational(gain.numerator, gain.denominator) ** 2 * inertia.xreplace(replace)
         for state, rate in law.rates.items():
-            self.states[sp.Symbol(f"{_flat(state)}_{_flat(c.path)}", real=True)] = rate.xreplace(replace)
+            self.states[self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))] = rate.xreplace(
+                replace
+            )
         for symbol, expr in law.pool.definitions.items():
             self.definitions[replace[symbol]] = expr.xreplace(replace)
         for show in law.shows:
@@ -275,14 +278,23 @@ class _Writer:
         if role == "mobility":
             return self._mobility(places.get(of))
         if role in ("own", "exact", "named", "state"):
-            symbol = sp.Symbol(f"{_flat(of.split('.')[-1])}_{_flat(c.path)}", real=True)
+            kind = "own" if role == "exact" else role
+            symbol = self._claim(f"{_flat(of.split('.')[-1])}_{_flat(c.path)}", (kind, c.path, of))
             if role in ("own", "exact"):
                 self.parameters[symbol] = f"{c.path}.{of}"
             return symbol
         if role in ("shared", "input"):
-            self.parameters[sp.Symbol(text, real=True)] = of.name
-            return sp.Symbol(text, real=True)
+            symbol = self._claim(text, (role, of.name))
+            self.parameters[symbol] = of.name
+            return symbol
         return None
+
+    def _claim(self, text: str, meaning: Any) -> Any:
+        """The symbol of one thing: its short name, with the path inside the block or a dash where that is taken."""
+        longer = f"{_flat(meaning[2])}_{_flat(meaning[1])}" if len(meaning) == 3 else text
+        while self.claimed.setdefault(text, meaning) != meaning:
+            text = longer if text != longer and not text.startswith(longer) else text + "_"
+        return sp.Symbol(text, real=True)
 
     def _held_angle(self, c: Component, flange: str) -> Any:
         """The angle at which the ground holds a flange: 0 where the ground is given as 0."""
@@ -294,7 +306,7 @@ class _Writer:
         block = next(other.block for other in self.assembly.train.components if other.path == path)
         if getattr(block, name) == 0:
             return sp.Integer(0)
-        symbol = sp.Symbol(f"{name}_{_flat(path)}", real=True)
+        symbol = self._claim(f"{name}_{_flat(path)}", ("own", path, name))
         self.parameters[symbol] = offset
         gain = self.assembly.group_of_node[node][1]
         return sp.Rational(gain.numerator, gain.denominator) * symbol
@@ -308,8 +320,9 @@ class _Writer:
     def finish(self) -> Equations:
         """The frozen equations."""
         masses = {sp.Symbol(f"__J{i}"): m for i, m in enumerate(self.mass)}
-        torque = [e.xreplace(masses) for e in self.torque]
-        definitions = {s: e.xreplace(masses) for s, e in self.definitions.items()}
+        torque = [self._sensed(e.xreplace(masses)) for e in self.torque]
+        definitions = {s: self._sensed(e.xreplace(masses)) for s, e in self.definitions.items()}
+        self.states = {s: self._sensed(e) for s, e in self.states.items()}
         used: set[Any] = set()
         for e in [*torque, *self.states.values()]:
             used |= e.free_symbols
@@ -328,6 +341,15 @@ class _Writer:
             ordered, parameters, self._coordinates(), {s: _latex_name(s.name) for s in everything},
         )  # fmt: skip
 
+    def _sensed(self, expr: Any) -> Any:
+        """An expression with the outputs that it senses written out, where blocks show them."""
+        shown = {sp.Symbol(path, real=True): e for path, e in self.shows.items()}
+        for _ in self.shows:
+            if not expr.free_symbols & set(shown):
+                break
+            expr = expr.xreplace(shown)
+        return expr
+
     def _coordinates(self) -> dict[Any, Any]:
         """Relative coordinates: the named ones where they are as many as needed and independent, else deflections."""
         wanted = self.assembly.n_groups - len(self.assembly.angles)
@@ -343,8 +365,9 @@ class _Writer:
     def _read(self, expr: Any) -> Any:
         def leaf(x: Any) -> Any:
             if x.op == "parameter":
-                self.parameters[sp.Symbol(x.args[0].name, real=True)] = x.args[0].name
-                return sp.Symbol(x.args[0].name, real=True)
+                symbol = self._claim(x.args[0].name, ("shared", x.args[0].name))
+                self.parameters[symbol] = x.args[0].name
+                return symbol
             if x.args[0] not in self.shows:
                 raise ModelError(f"a coordinate reads '{x.args[0]}', which no block shows")
             return self.shows[x.args[0]]
