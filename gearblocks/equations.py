@@ -24,7 +24,7 @@ _LETTERS = {
     "half_gap": "b", "damping_ratio": r"\zeta", "radius": "r", "driven_by": r"\omega", "phase": r"\vartheta",
     "teeth": "z", "module": "m", "pressure_angle": r"\alpha", "helix_angle": r"\beta", "r_base": "r", "tau": r"\tau",
     "coeffs": "c", "ripple": r"\epsilon", "contact_ratio": r"\epsilon_\alpha", "ratio": "i", "cos": "a", "sin": "b",
-    "k_t": "k",
+    "k_t": "k", "torque": "T", "torque_variation": r"\varepsilon", "speed": r"\omega",
 }  # fmt: skip
 
 
@@ -72,7 +72,8 @@ class Equations:
     def relative_form(self) -> list[Any]:
         """One equation per relative coordinate: x'' = ..., in relative coordinates alone.
 
-        The coordinates are those named with Drivetrain.coordinate, else the deflections. Empty where there are none.
+        The coordinates are those named with Drivetrain.coordinate, else the deflections. Empty where there are none, where
+        one of them moves with time by itself (an error driven by time), and where a law reads an absolute angle.
         """
         if not self.coordinates:
             return []
@@ -87,7 +88,9 @@ class Equations:
             total = sp.expand(sp.sympify(total).xreplace(replace))
             terms = [*(s for x in self.coordinates for s in (x, _dot(x))), *self.definitions]
             result.append(sp.Eq(_dot(_dot(x)), sp.collect(total, terms), evaluate=False))
-        return result
+        absolute = {*self.q, *self.v}
+        closed = not any(e.rhs.free_symbols & absolute for e in [*result, *self.relative_definitions()])
+        return result if closed else []
 
     def relative_definitions(self) -> list[Any]:
         """Definitions of the named symbols in relative coordinates."""
@@ -234,6 +237,7 @@ class _Writer:
         self.parameters: dict[Any, str] = {}
         self.shows: dict[str, Any] = {}
         self.deflections: dict[Any, Any] = {}
+        self.inputs: set[Any] = set()
         self.claimed: dict[str, Any] = {x.name: x for x in (*self.q, *self.v)}
 
     def write(self, c: Component) -> None:
@@ -286,6 +290,8 @@ class _Writer:
         if role in ("shared", "input"):
             symbol = self._claim(text, (role, of.name))
             self.parameters[symbol] = of.name
+            if role == "input":
+                self.inputs.add(symbol)
             return symbol
         return None
 
@@ -357,7 +363,9 @@ class _Writer:
         named = {x: e for x, e in named.items() if not sp.sympify(e).free_symbols & set(self.v)}
         for candidate in (named, self.deflections):
             rows = [[sp.diff(e, q) for q in self.q] for e in candidate.values()]
-            linear = all(not x.free_symbols & {*self.q, clock()} for row in rows for x in row)
+            moving = {clock(), *self.states, *self.inputs}
+            linear = all(not x.free_symbols & {*self.q, *moving} for row in rows for x in row)
+            linear &= not any(sp.sympify(e).free_symbols & moving for e in candidate.values())
             if len(candidate) == wanted > 0 and linear and sp.Matrix(rows).rank() == wanted:
                 return candidate
         return {}

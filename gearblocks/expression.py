@@ -310,12 +310,10 @@ def leaf_symbol_class() -> Any:
         __slots__ = ("leaf",)
 
         def __new__(cls, leaf: Expr) -> LeafSymbol:
-            name = {
-                "time": lambda: "t",
-                "sense": lambda: leaf.args[0],
-                "local": lambda: leaf.args[0],
-                "table": lambda: str(leaf),
-            }.get(leaf.op, lambda: leaf.args[0].name)()
+            if leaf.op in ("time", "table"):
+                name = "t" if leaf.op == "time" else str(leaf)
+            else:
+                name = leaf.args[0] if leaf.op in ("sense", "local") else leaf.args[0].name
             symbol: Any = sp.Symbol.__xnew__(cls, name, real=True)
             symbol.leaf = leaf
             return symbol  # type: ignore[no-any-return]

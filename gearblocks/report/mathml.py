@@ -11,7 +11,7 @@ from sympy.printing.mathml import MathMLPresentationPrinter
 _GREEK = {
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ",
     "vartheta": "ϑ", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "rho": "ρ", "sigma": "σ", "tau": "τ",
-    "phi": "φ", "varphi": "φ", "psi": "ψ", "omega": "ω", "Omega": "Ω",
+    "phi": "φ", "varphi": "φ", "psi": "ψ", "omega": "ω", "Omega": "Ω", "varepsilon": "ε",
 }  # fmt: skip
 _DOTS = {"dot": "\N{DOT ABOVE}", "ddot": "\N{DIAERESIS}", "dddot": "\N{COMBINING THREE DOTS ABOVE}"}
 _NAME = re.compile(
@@ -31,7 +31,8 @@ class _Printer(MathMLPresentationPrinter):  # type: ignore[misc, unused-ignore] 
         match = _NAME.fullmatch(self._latex_of(symbol))
         if match is None or (match["greek"] and match["greek"] not in _GREEK):
             return self._leaf("mtext", symbol.name)
-        node = self._leaf("mi", _GREEK.get(match["greek"]) or match["word"] or match["letter"])
+        word = (match["word"] or "").replace("\\_", " ")
+        node = self._leaf("mi", _GREEK.get(match["greek"]) or word or match["letter"])
         if match["dots"]:
             node = self._node("mover", node, self._leaf("mo", _DOTS[match["dots"]]))
         if match["index"]:

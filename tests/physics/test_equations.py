@@ -67,7 +67,7 @@ def _by_symbols(rig, model, t, state):
     known = {symbol: values[path] for symbol, path in eq.parameters.items()}
     known |= {q: state[f"{q.name.removeprefix('phi_')}.phi"] for q in eq.q}
     known |= {v: state[f"{v.name.removeprefix('w_')}.w"] for v in eq.v}
-    known |= {s: state["one.stiffness_variation.angle"] for s in eq.states}
+    known |= dict.fromkeys(eq.states, state["one.stiffness_variation.angle"])
     known[clock()] = t
     forcing = sp.Matrix([_number(e, known) for e in eq.expanded])
     mass = eq.mass_matrix.applyfunc(lambda e: _number(e, known))
@@ -76,7 +76,7 @@ def _by_symbols(rig, model, t, state):
 
 
 def _number(expr, known):
-    value = _spelled_out(sp.sympify(expr)).subs(known)
+    value = _spelled_out(sp.sympify(expr)).xreplace({x: sp.Float(y, 30) for x, y in known.items()})
     return sp.Float(sp.N(value.replace(sp.Heaviside, lambda x, *_: sp.Integer(1 if x >= 0 else 0)), 30))
 
 
@@ -88,7 +88,7 @@ def test_the_c_computes_what_the_equations_say(name):
     random = np.random.default_rng(7)
     speeds = {q.name: i for i, q in enumerate(program.states)}
     worst = 0.0
-    for _ in range(8):
+    for _ in range(4):
         t = float(random.uniform(0, 3))
         starts = {s.name: float(random.normal(0, 0.5)) for s in program.starts}
         if name == "rigid":  # a and b are tied: 10 teeth to 23
@@ -129,7 +129,7 @@ def _paper(s, names):
     c1 = 2 * s["shaft_in.damping_ratio"] * sp.sqrt(k1 / (1 / I[0] + 1 / I[1]))
     c4 = 2 * s["shaft_out.damping_ratio"] * sp.sqrt(k4 / (1 / I[2] + 1 / I[3]))
     km, t = s["spline.k"], clock()
-    kt = km * (1 + s["spline.stiffness_variation.cos[0]"] * sp.cos(s["speed"] * t + s["spline.stiffness_variation.phase"]))
+    kt = km * (1 + s["spline.stiffness_variation.cos[0]"] * sp.cos(s["speed"] * t))
     ct = 2 * s["spline.damping_ratio"] * sp.sqrt(km / (1 / (I[1] / r**2) + 1 / (I[2] / r**2)))
     T = s["torque"] * (1 + s["torque_variation"] * sp.cos(s["speed"] * t))
     return I, k1, k4, r, c1, c4, kt, ct, T
@@ -198,6 +198,17 @@ def test_the_relative_form_of_the_spline_coupling_is_the_papers_term_by_term():
     force = _inserted(force, constants)
     assert kt_symbol is not None
     assert _same(force, ct * v[1] + kt * DeadZone(x[1], s["spline.backlash.half_gap"], 0))
+
+
+def test_effects_with_fields_of_one_name_keep_their_own_symbols():
+    eq = _train("meshes").equations()
+    paths = list(eq.parameters.values())
+    assert len(paths) == len(set(paths)) == len(eq.parameters)
+    assert {"one.stiffness_variation.cos[0]", "one.transmission_error.cos[0]"} <= set(paths)
+
+
+def test_a_relative_form_is_shown_only_where_it_is_closed():
+    assert _train("meshes").equations().relative_form() == []  # an error driven by time moves the deflection by itself
 
 
 def test_the_equations_print_in_every_form():

@@ -134,7 +134,6 @@ def test_start_values_that_contradict_through_ties_are_refused_naming_both():
         gb.simulate(_train(gb.IdealGear(ratio=2.25)), t=[0.0], initial={"motor.w": 4.0, "wheel.w": 3.0})
 
 
-@pytest.mark.xfail(reason="a program from the cache is taken without looking at the start values", strict=True)
 def test_contradicting_start_values_are_refused_after_agreeing_ones_were_built():
     rig = _train(gb.IdealGear(ratio=2.0)).set({"motor.w0": 4.0, "wheel.w0": 2.0})
     gb.build(rig)

@@ -179,7 +179,7 @@ def test_a_switch_at_the_start_and_at_the_end_of_a_run():
 
 
 def test_a_condition_that_asks_for_equality_is_refused():
-    with pytest.raises(gb.GearblocksError, match="Equality|equality"):
+    with pytest.raises(gb.GearblocksError, match=r"Equality|equality"):
         gb.build(_driven(sp.Piecewise((1, sp.Eq(sp.sin(t), 0)), (0, True))))
 
 

@@ -22,7 +22,8 @@ def _two_meshes(order=range(9), flip=False, **gap):
         ("motor", gb.Inertia(J=1e-3)), ("first", gb.GearMesh(**first, stiffness_variation=variation, **gap)),
         ("lay", gb.Inertia(J=2e-3)), ("shaft", shaft), ("pinion", gb.Inertia(J=5e-4)),
         ("second", gb.GearMesh(**second, transmission_error=gb.Harmonic(cos=(5e-6,), driven_by=4000.0))),
-        ("wheel", gb.Inertia(J=2e-2)), ("drive", gb.Torque(tau=30 + 20 * gb.sin(900 * gb.time))), ("load", gb.Torque(tau=-135.0)),
+        ("wheel", gb.Inertia(J=2e-2)), ("drive", gb.Torque(tau=30 + 20 * gb.sin(900 * gb.time))),
+        ("load", gb.Torque(tau=-135.0)),
     ]  # fmt: skip
     rig = gb.Drivetrain("two meshes")
     h = {}

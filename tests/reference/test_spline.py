@@ -86,7 +86,8 @@ def test_the_steel_set_answers_with_period_one(rpm):
 
 def test_damping_follows_from_the_ratios_of_the_paper(model):
     derived = json.loads((DATA / "spline_S.json").read_text())["derived"]
-    run = gb.simulate(model, t=[0.0], rtol=1e-6, initial={"input.w": 1.0, "external.w": 0.0, "internal.w": 0.0, "output.w": 1.0})
+    speeds = {"input.w": 1.0, "external.w": 0.0, "internal.w": 0.0, "output.w": 1.0}
+    run = gb.simulate(model, t=[0.0], rtol=1e-6, initial=speeds)
     # one rad/s over each shaft: the torque beyond k twist is c
     assert abs(run["shaft_in.torque"][0] + 109700.0 * run["shaft_in.twist"][0]) == pytest.approx(derived["c_s1"], rel=1e-9)
     assert abs(run["shaft_out.torque"][0] + 22550.0 * run["shaft_out.twist"][0]) == pytest.approx(derived["c_s4"], rel=1e-9)
