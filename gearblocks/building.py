@@ -191,7 +191,8 @@ def _classes_digest(train: Train) -> str:
     for c in train.components:
         classes |= {type(v) for v in c.block.__dict__.values() if isinstance(v, _Declared)}
     foreign = sorted(
-        (cls for cls in classes if not cls.__module__.startswith("gearblocks.")), key=lambda c: (c.__qualname__, c.__module__)
+        (cls for cls in classes if not cls.__module__.startswith("gearblocks.")),
+        key=lambda c: (c.__qualname__, c.__module__),
     )
     for one, other in pairwise(foreign):
         if (one.__module__, one.__qualname__) == (other.__module__, other.__qualname__):

@@ -260,9 +260,8 @@ class _Writer:
             if group != HELD:
                 self.mass[group] += sp.Rational(gain.numerator, gain.denominator) ** 2 * inertia.xreplace(replace)
         for state, rate in law.rates.items():
-            self.states[self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))] = rate.xreplace(
-                replace
-            )
+            symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
+            self.states[symbol] = rate.xreplace(replace)
         for symbol, expr in law.pool.definitions.items():
             self.definitions[replace[symbol]] = expr.xreplace(replace)
         for show in law.shows:

@@ -71,7 +71,8 @@ def test_a_free_chain_with_backlash_keeps_its_energy_in_proportion_to_the_tolera
 
 def test_the_ledger_names_who_gave_and_who_took():
     rig = gb.Drivetrain("ledger")
-    motor, shaft, wheel = rig.add("motor", gb.Inertia(J=0.1)), rig.add("shaft", gb.Shaft(k=50.0, c=0.2)), rig.add("wheel", gb.Inertia(J=0.3))
+    motor, wheel = rig.add("motor", gb.Inertia(J=0.1)), rig.add("wheel", gb.Inertia(J=0.3))
+    shaft = rig.add("shaft", gb.Shaft(k=50.0, c=0.2))
     drive, load = rig.add("drive", gb.Torque(tau=4.0)), rig.add("load", gb.SpeedLoad(coeffs=(0.1, 0.05, 0.01)))
     rig.chain(drive, motor, shaft, wheel, load)
     t = np.linspace(0, 5, 20001)

@@ -27,7 +27,8 @@ def _spelled_out(expr):
 def _train(name):
     rig = gb.Drivetrain(name)
     a, b, c = rig.add("a", gb.Inertia(J=0.7)), rig.add("b", gb.Inertia(J=1.3)), rig.add("c", gb.Inertia(J=2.1))
-    drive = rig.add("drive", gb.Torque(tau=gb.Input("u", 1.5) * gb.cos(3 * gb.time) + gb.Parameter("P", 0.4) * gb.sense("c.w")))
+    control = gb.Input("u", 1.5) * gb.cos(3 * gb.time) + gb.Parameter("P", 0.4) * gb.sense("c.w")
+    drive = rig.add("drive", gb.Torque(tau=control))
     mesh = {"teeth": (10, 15), "r_base": (0.8, 1.2), "external": name != "internal", "k": 9.0, "damping_ratio": 0.1}
     if name in ("meshes", "internal"):
         one = rig.add("one", gb.GearMesh(
@@ -40,7 +41,8 @@ def _train(name):
     elif name == "excited":
         one = rig.add("one", gb.GearMesh(
             **mesh, stiffness_variation=gb.Fourier(cos=(0.3,), driven_by=2 + gb.sin(gb.time)),
-            transmission_error=gb.Harmonic(sin=(0.05,), phase=0.3), backlash=gb.Backlash(half_gap=0.2), contact_damping="clipped_force",
+            transmission_error=gb.Harmonic(sin=(0.05,), phase=0.3), backlash=gb.Backlash(half_gap=0.2),
+            contact_damping="clipped_force",
         ))  # fmt: skip
         two = rig.add("two", gb.GearMesh(
             **mesh, stiffness_variation=gb.Square(ripple=0.2, contact_ratio=1.3, driven_by=gb.Parameter("w", 1.7))
@@ -67,7 +69,7 @@ def _by_symbols(rig, model, t, state):
     known = {symbol: values[path] for symbol, path in eq.parameters.items()}
     known |= {q: state[f"{q.name.removeprefix('phi_')}.phi"] for q in eq.q}
     known |= {v: state[f"{v.name.removeprefix('w_')}.w"] for v in eq.v}
-    known |= dict.fromkeys(eq.states, state["one.stiffness_variation.angle"])
+    known |= dict.fromkeys(eq.states, state.get("one.stiffness_variation.angle"))
     known[clock()] = t
     forcing = sp.Matrix([_number(e, known) for e in eq.expanded])
     mass = eq.mass_matrix.applyfunc(lambda e: _number(e, known))

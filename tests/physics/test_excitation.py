@@ -42,7 +42,7 @@ Y0 = (0.0, 0.0, 300.0, -201.0)
 
 def _rates(stiffness, error=lambda t, y: (0.0, 0.0), pinion_extra=lambda t, y, x, n: 0.0):
     def rates(t, y, _):
-        e, de = error(t, y)
+        e, _ = error(t, y)
         x = R[0] * y[0] + R[1] * y[1] - e
         n = stiffness(t, y) * x
         return (y[2], y[3], (-R[0] * n + pinion_extra(t, y, x, n)) / J[0], -R[1] * n / J[1])

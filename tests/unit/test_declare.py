@@ -45,7 +45,20 @@ def test_every_kind_of_plain_number_is_taken(value: Any) -> None:
 
 @pytest.mark.parametrize(
     "value",
-    [NAN, "3", True, None, [1, 2], 1j, {}, lambda t: t, object(), gb.Fourier(cos=(1.0,)), gb.twist * 2, gb.time * 1 < 2],
+    [
+        NAN,
+        "3",
+        True,
+        None,
+        [1, 2],
+        1j,
+        {},
+        lambda t: t,
+        object(),
+        gb.Fourier(cos=(1.0,)),
+        gb.twist * 2,
+        gb.time * 1 < 2,
+    ],
 )
 def test_a_signal_takes_numbers_and_expressions(value: Any) -> None:
     _refused(lambda: gb.Torque(tau=value), "tau")
@@ -76,19 +89,28 @@ def test_a_signal_takes_numbers_and_expressions(value: Any) -> None:
         (lambda: _mesh(teeth=None), ["teeth = None", "a value must be given"]),
         (lambda: _mesh(module=...), ["the base radii are unknown"]),
         (lambda: _mesh(module=..., pressure_angle=..., r_base=0.03), ["r_base = 0.03 must be a row"]),
-        (lambda: _mesh(module=..., pressure_angle=..., r_base=(0.03, 0.06)), ["r_base = (0.03, 0.06)", "teeth = (23, 41)"]),
+        (
+            lambda: _mesh(module=..., pressure_angle=..., r_base=(0.03, 0.06)),
+            ["r_base = (0.03, 0.06)", "teeth = (23, 41)"],
+        ),
         (lambda: _mesh(pressure_angle=20), ["pressure_angle = 20", "must be < 1.5"]),
         (lambda: _mesh(backlash=5e-5), ["backlash = 5e-05 must be an effect object"]),
         (lambda: _mesh(backlash=gb.Backlash), ["backlash = ", "must be an effect object"]),
         (lambda: _mesh(backlash={"half_gap": 5e-5}), ["must be an effect object"]),
         (lambda: _mesh(backlash=gb.Fourier(cos=(0.2,))), ["backlash = Fourier", "must be gb.Backlash(...)"]),
         (lambda: _mesh(backlash=gb.Inertia(J=1.0)), ["must be an effect object"]),
-        (lambda: _mesh(stiffness_variation=gb.Harmonic(cos=(1e-6,))), ["stiffness_variation = Harmonic", "gb.Fourier(...)"]),
+        (
+            lambda: _mesh(stiffness_variation=gb.Harmonic(cos=(1e-6,))),
+            ["stiffness_variation = Harmonic", "gb.Fourier(...)"],
+        ),
         (lambda: _mesh(transmission_error=gb.Fourier(cos=(0.2,))), ["transmission_error", "gb.Harmonic(...)"]),
         (lambda: _mesh(backlash=gb.Backlash(half_gap=NAN)), ["backlash.half_gap = nan m must be a finite number"]),
         (lambda: _mesh(stiffness_variation=gb.Fourier(cos=0.2)), ["stiffness_variation.cos = 0.2 must be a row"]),
         (lambda: _mesh(stiffness_variation=gb.Fourier(cos="abc")), ["stiffness_variation.cos = 'abc' must be a row"]),
-        (lambda: _mesh(stiffness_variation=gb.Fourier(cos=(0.2,), driven_by="time")), ["driven_by = 'time' is no number"]),
+        (
+            lambda: _mesh(stiffness_variation=gb.Fourier(cos=(0.2,), driven_by="time")),
+            ["driven_by = 'time' is no number"],
+        ),
         (lambda: _mesh(stiffness_variation=gb.Fourier(cos=(0.2,), driven_by=None)), ["driven_by = None"]),
         (lambda: _mesh(k=None, backlash=gb.Backlash(half_gap=1e-5)), ["give k"]),
         (lambda: _mesh(kk=1.0), ["GearMesh has no field 'kk'"]),
@@ -117,14 +139,20 @@ def test_a_block_cannot_be_changed_and_says_what_to_do() -> None:
 def _field_without_call() -> type:
     class Motor(gb.Block):
         shaft = gb.Flange
-        def physics(self, s: Any) -> Iterator[Any]: yield gb.Acts(s.shaft, 1.0)
+
+        def physics(self, s: Any) -> Iterator[Any]:
+            yield gb.Acts(s.shaft, 1.0)
+
     return Motor  # fmt: skip
 
 
 def _field_with_a_taken_name() -> type:
     class Motor(gb.Block):
         time = gb.param("start", "s")
-        def physics(self, s: Any) -> Iterator[Any]: yield gb.Shows("x", s.time)
+
+        def physics(self, s: Any) -> Iterator[Any]:
+            yield gb.Shows("x", s.time)
+
     return Motor  # fmt: skip
 
 

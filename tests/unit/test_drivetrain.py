@@ -210,7 +210,9 @@ def test_set_takes_values_that_only_fit_together() -> None:
 @pytest.mark.parametrize("method", ["without", "only"])
 def test_patterns_that_match_no_effect_are_named(method: str) -> None:
     take = getattr(_rig(), method)
-    _refused(lambda: take("*.frction", "shft.compliance"), "2 problems", "'*.frction'", "did you mean 'shaft.compliance'")
+    _refused(
+        lambda: take("*.frction", "shft.compliance"), "2 problems", "'*.frction'", "did you mean 'shaft.compliance'"
+    )
     _refused(lambda: take(["shaft.damping"]), "one by one as text")
     _refused(lambda: take(3), "one by one as text")
 
@@ -220,7 +222,9 @@ def test_patterns_that_match_no_effect_are_named(method: str) -> None:
 
 def test_a_train_survives_its_file(tmp_path: Path) -> None:
     rig = _rig()
-    rig.connect(rig.add("gear", gb.IdealGear(ratio=Fraction(1, 3))).a, gb.drivetrain.Handle(rig, "wheel", rig["wheel"]).b)
+    rig.connect(
+        rig.add("gear", gb.IdealGear(ratio=Fraction(1, 3))).a, gb.drivetrain.Handle(rig, "wheel", rig["wheel"]).b
+    )
     rig.to_json(tmp_path / "rig.json")
     again = gb.Drivetrain.from_json(tmp_path / "rig.json")
     assert again.describe() == rig.describe()
@@ -259,7 +263,9 @@ def test_a_damaged_file_is_refused(change: Callable[[dict[str, Any]], Any], tmp_
     _refused(lambda: gb.Drivetrain.from_json(path))
 
 
-@pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b'{"format": "gearblocks tr', b"[]", b"null", b"[" * 100_000])
+@pytest.mark.parametrize(
+    "content", [b"", b"\xff\xfe\x00", b'{"format": "gearblocks tr', b"[]", b"null", b"[" * 100_000]
+)
 def test_a_file_that_is_no_train_is_refused_by_name(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "rig.json"
     path.write_bytes(content)
