@@ -19,8 +19,15 @@ import numpy as np
 from benchmarks.cases import P1, P2, P4, Array
 from benchmarks.measure import relative_error
 
-FLAGS = ("-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math",
-         "-fno-tree-slp-vectorize")
+FLAGS = (
+    "-std=c99",
+    "-O3",
+    "-march=native",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-fno-tree-slp-vectorize",
+)
 SOURCES = Path(__file__).parent / "c"
 
 

@@ -2,33 +2,26 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
+
+from gearblocks.files import make_folder, replacing
 
 DATE = (1980, 1, 1, 0, 0, 0)
 _EXECUTABLE, _PLAIN = 0o100755 << 16, 0o100644 << 16
 
 
 def write_archive(path: Path, files: Mapping[str, bytes]) -> None:
-    """Write `files` (names with forward slashes) to `path`, atomically: a failure leaves what was there before."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as stream, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name in sorted(files):
-                info = zipfile.ZipInfo(name, DATE)
-                info.create_system = 3  # unix, whatever machine writes it
-                info.external_attr = _EXECUTABLE if name.startswith("binaries/") else _PLAIN
-                info.compress_type = zipfile.ZIP_DEFLATED
-                archive.writestr(info, files[name], compresslevel=6)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    """Write `files` (names with forward slashes) to `path`, atomically; StorageError leaves what was there before."""
+    make_folder(path.parent)
+    with replacing(path) as stream, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(files):
+            info = zipfile.ZipInfo(name, DATE)
+            info.create_system = 3  # unix, whatever machine writes it
+            info.external_attr = _EXECUTABLE if name.startswith("binaries/") else _PLAIN
+            info.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(info, files[name], compresslevel=6)
 
 
 def irregularities(path: Path) -> list[str]:

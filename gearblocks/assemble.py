@@ -164,7 +164,7 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
             for flange, expr in coefficients.items():
                 node = c.nodes[names.index(flange)]
                 row[node] = row.get(node, 0) + exact_value(expr, values.values)
-            offset = None
+            offset, held = None, 0.0
             if constant != 0:
                 slot = law.pool.slots.get(-constant)
                 if slot is None or slot.role != "own" or len(row) != 1:
@@ -172,7 +172,8 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
                         f"'{c.path}': the tie has the constant '{constant}'; only -phi0 at one flange is known"
                     )
                 offset = f"{c.path}.{slot.of}"
-            yield TieRow(c.path, {n: v for n, v in row.items() if v}, offset)
+                held = float(getattr(c.block, slot.of))
+            yield TieRow(c.path, {n: v for n, v in row.items() if v}, offset, held)
 
 
 # -- groups -----------------------------------------------------------------------------------------------------------
@@ -205,32 +206,19 @@ def _number_groups(train: Train, laws: list[Law], groups: Groups) -> dict[int, i
 
 
 def _starts(train: Train, laws: list[Law], assembly: Assembly) -> list[StartValues]:
-    """For each group the component that owns its start values; given ones must agree through the ties."""
-    found: dict[str, dict[int, tuple[str, Exact, float | None]]] = {"phi0": {}, "w0": {}}
-    problems = []
+    """For each group the component that owns its start values (the first one that gives them)."""
+    found: dict[str, dict[int, tuple[str, Exact, bool]]] = {"phi0": {}, "w0": {}}
     for c, law in zip(train.components, laws, strict=True):
         for flange, _ in law.bodies:
             group, gain = assembly.group_of_node[c.nodes[list(type(c.block).flanges).index(flange)]]
-            if group == HELD:
-                continue
             for key, owners in found.items():
                 value = getattr(c.block, key, None)
-                value = getattr(value, "value", value)
-                before = owners.get(group)
-                if before is None or (value is not None and before[2] is None):
-                    owners[group] = (c.path, gain, value)
-                elif value is not None and abs(value / gain - before[2] / before[1]) > 1e-12 * abs(value / gain):  # type: ignore[operator]
-                    problems.append(
-                        f"'{before[0]}': {key} = {before[2]!r} and '{c.path}': {key} = {value!r} contradict each other "
-                        f"through their ties; give one of them"
-                    )
-    if problems:
-        raise ModelError(problems)
-    return [StartValues(*_owner(found["phi0"][g]), *_owner(found["w0"][g])) for g in range(assembly.n_groups)]
-
-
-def _owner(entry: tuple[str, Exact, float | None]) -> tuple[str, Exact, bool]:
-    return entry[0], entry[1], entry[2] is not None
+                given = value is not None
+                if group == HELD and key == "w0" and isinstance(value, (int, float)) and value != 0:
+                    raise ModelError(f"'{c.path}': w0 = {value!r} rad/s, but a Fixed holds this shaft; leave w0 out")
+                if group != HELD and (group not in owners or (given and not owners[group][2])):
+                    owners[group] = (c.path, gain, given)
+    return [StartValues(*found["phi0"][g], *found["w0"][g]) for g in range(assembly.n_groups)]
 
 
 # -- coordinates and batches ------------------------------------------------------------------------------------------

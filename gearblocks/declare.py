@@ -341,6 +341,8 @@ class Block(_Declared, ABC):
         fields = type(self).fields
         gone = set(self.effects()) if name == "compliance" else {name}
         dropped = {n: None for n, spec in fields.items() if (n if spec.role == "effect" else spec.belongs_to) in gone}
+        if name == "compliance" and "rigid" in fields:
+            dropped["rigid"] = True
         changed = self.changed(**dropped)
         assert isinstance(changed, Block)
         return changed

@@ -142,10 +142,27 @@ def _parameters(lay: Layout) -> None:
         for found in expr.expr.leaves():
             if found.op == "parameter":
                 lay.shared_objects.setdefault(found.args[0].name, found.args[0])
+    bounds = _shared_bounds(lay)
     for name, parameter in sorted(lay.shared_objects.items()):
         lay.shared[name] = len(lay.parameters)
-        _add(lay, name, Field(f"parameter {name}", parameter.unit, "param"), tunable=True)
+        lower, upper = bounds.get(name, (None, None))
+        _add(lay, name, Field(f"parameter {name}", parameter.unit, "param", ge=lower, le=upper), tunable=True)
     _start_values(lay)
+
+
+def _shared_bounds(lay: Layout) -> dict[str, tuple[float | None, float | None]]:
+    """(largest lower, smallest upper) bound of the fields that each Parameter stands in by itself."""
+    found: dict[str, tuple[float | None, float | None]] = {}
+    for c in lay.assembly.train.components:
+        for _, value, spec in numbers_of(c.block, ""):
+            if isinstance(value, Parameter):
+                lower, upper = found.get(value.name, (None, None))
+                lowest = spec.gt if spec.ge is None else spec.ge
+                highest = spec.lt if spec.le is None else spec.le
+                lower = lowest if lower is None else lower if lowest is None else max(lower, lowest)
+                upper = highest if upper is None else upper if highest is None else min(upper, highest)
+                found[value.name] = lower, upper
+    return found
 
 
 def _add(lay: Layout, path: str, spec: Field, *, tunable: bool) -> int:

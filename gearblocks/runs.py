@@ -398,7 +398,10 @@ def _place(program: Program, code: Code, index: int) -> str:
     if code in (Code.ERR_NAN_INPUT, Code.ERR_CALLBACK):
         return program.inputs[index].name if 0 <= index < len(program.inputs) else ""
     if code in (Code.ERR_CHATTER, Code.ERR_BRANCH):
-        return program.switches[index].component if 0 <= index < len(program.switches) else ""
+        if not 0 <= index < len(program.switches):
+            return ""
+        switch = program.switches[index]
+        return switch.component.removesuffix(f".{switch.name}")
     if 0 <= index < len(program.states):
         return program.states[index].name.rsplit(".", 1)[0]
     if code == Code.ERR_NAN_START and index >= program.n:

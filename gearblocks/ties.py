@@ -17,6 +17,7 @@ class TieRow:
     component: str
     coefficients: Mapping[int, Exact]
     offset: str | None = None
+    offset_value: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +33,12 @@ class TreeTie:
 
 @dataclass(slots=True)
 class Groups:
-    """Nodes merged by ties: phi(node) = gain * phi(root)."""
+    """Nodes merged by ties: phi(node) = gain * phi(root). held: angle of a grounded root and who holds it."""
 
     parents: list[int]
     gains: list[Exact]
     grounded: dict[int, str | None] = field(default_factory=dict)
+    held: dict[int, tuple[float, str]] = field(default_factory=dict)
     tree: list[TreeTie] = field(default_factory=list)
     redundant: list[str] = field(default_factory=list)
 
@@ -95,7 +97,7 @@ def _join(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
             return
         if rb in groups.grounded:
             if ra in groups.grounded:
-                groups.redundant.append(row.component)
+                _agree(groups, row, ra, float(over(-(cb * gb), ca * ga)) * groups.held[rb][0], rb)
                 return
             a, b, ca, cb, ra, rb, ga, gb = b, a, cb, ca, rb, ra, gb, ga
         # b's root hangs below a's root: phi_b = -(ca/cb) phi_a
@@ -106,13 +108,24 @@ def _join(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
 
 def _ground(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
     ((node, c),) = row.coefficients.items()
-    root, _ = groups.find(node)
+    root, gain = groups.find(node)
+    angle = row.offset_value / float(c * gain)
     if root in groups.grounded:
-        groups.redundant.append(row.component)
+        _agree(groups, row, root, angle, root)
         return
     groups.grounded[root] = row.offset
+    groups.held[root] = angle, row.component
     groups.tree.append(TreeTie(row.component, node, -1, c, 0))
     used.append(row)
+
+
+def _agree(groups: Groups, row: TieRow, root: int, angle: float, other: int) -> None:
+    """A shaft that is held twice must be held at one angle."""
+    held, holder = groups.held[root]
+    if abs(held - angle) > 1e-12 * max(abs(held), abs(angle)):
+        names = " and ".join(f"'{name}'" for name in dict.fromkeys((holder, groups.held[other][1], row.component)))
+        raise ModelError(f"{names} hold one shaft at {held:.9g} and {angle:.9g} rad: give both the same angle")
+    groups.redundant.append(row.component)
 
 
 def _contradiction(row: TieRow, a: int, b: int, asked: Exact, given: Exact, used: list[TieRow]) -> str:

@@ -29,6 +29,7 @@ class Shaft(Block):
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     allow_negative: bool = option("admit k < 0", default=False)
+    rigid: bool = option("turns as one piece; what is left when compliance is taken away", default=False)
     segments: int = option("number of springs in a row", default=1)
     J: Value | None = param("own moment of inertia, with segments", "kg m2", default=None, ge=0)
 
@@ -37,6 +38,10 @@ class Shaft(Block):
         yield from damping_problems(self)
         if self.k is not None and self.torque is not None:
             yield "k and torque are both given; give one of them"
+        if self.k is None and self.torque is None and not self.rigid:
+            yield "the stiffness is missing: give k or torque (or rigid=True)"
+        if self.rigid and any(x is not None for x in (self.k, self.torque, self.c, self.damping_ratio)):
+            yield "a rigid shaft has no k, torque, c or damping_ratio"
         if isinstance(self.k, (int, float)) and self.k <= 0 and not self.allow_negative:
             yield f"k = {self.k!r} N m/rad must be > 0 (or give allow_negative=True)"
         if self.torque is not None and self.damping_ratio is not None:

@@ -114,7 +114,10 @@ def _p1():
         teeth=20, radius=r, k=km, damping_ratio=0.05, stiffness_variation=gb.Fourier(cos=(0.3,), driven_by=w),
         backlash=gb.Backlash(half_gap=b), contact_damping="always",
     ))  # fmt: skip
-    drive, load = rig.add("drive", gb.Torque(tau=T * (1 + 0.1 * gb.cos(w * gb.time)))), rig.add("load", gb.Torque(tau=-T))
+    drive, load = (
+        rig.add("drive", gb.Torque(tau=T * (1 + 0.1 * gb.cos(w * gb.time)))),
+        rig.add("load", gb.Torque(tau=-T)),
+    )
     rig.chain(drive, discs[0], left, discs[1], mesh, discs[2], right, discs[3], load)
     return rig
 
@@ -155,7 +158,9 @@ def test_no_double_crossing_is_missed_on_eight_meshes_in_parallel():
     fine = gb.simulate(model, t=t, method="dp8", step=2 * np.pi / 6e4 / 400)
     for method in ("dp5", "dp8"):
         run = gb.simulate(model, t=t, method=method, rtol=1e-4)
-        counts = [{c: sum(e.component == c for e in r.events) for c in (f"mesh{i}" for i in range(8))} for r in (run, fine)]
+        counts = [
+            {c: sum(e.component == c for e in r.events) for c in (f"mesh{i}" for i in range(8))} for r in (run, fine)
+        ]
         assert counts[0] == counts[1], method
         assert run.stats.events > 80
         assert min(counts[1].values()) >= 2

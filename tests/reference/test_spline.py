@@ -78,7 +78,12 @@ def test_set_s_answers_with_the_regimes_of_the_paper(model, rpm, period):
 def test_the_steel_set_answers_with_period_one(rpm):
     # 20 periods leave a start-up motion of 1e-5 of the swing, 60 leave none
     label = gb.classify(
-        spline.steel(300.0), gb.stroboscopic("speed"), parameters={"speed": gb.rpm(rpm)}, transient=60, keep=5, longest=2
+        spline.steel(300.0),
+        gb.stroboscopic("speed"),
+        parameters={"speed": gb.rpm(rpm)},
+        transient=60,
+        keep=5,
+        longest=2,
     )
     assert label.settled
     assert label.period == 1
@@ -89,11 +94,17 @@ def test_damping_follows_from_the_ratios_of_the_paper(model):
     speeds = {"input.w": 1.0, "external.w": 0.0, "internal.w": 0.0, "output.w": 1.0}
     run = gb.simulate(model, t=[0.0], rtol=1e-6, initial=speeds)
     # one rad/s over each shaft: the torque beyond k twist is c
-    assert abs(run["shaft_in.torque"][0] + 109700.0 * run["shaft_in.twist"][0]) == pytest.approx(derived["c_s1"], rel=1e-9)
-    assert abs(run["shaft_out.torque"][0] + 22550.0 * run["shaft_out.twist"][0]) == pytest.approx(derived["c_s4"], rel=1e-9)
+    assert abs(run["shaft_in.torque"][0] + 109700.0 * run["shaft_in.twist"][0]) == pytest.approx(
+        derived["c_s1"], rel=1e-9
+    )
+    assert abs(run["shaft_out.torque"][0] + 22550.0 * run["shaft_out.twist"][0]) == pytest.approx(
+        derived["c_s4"], rel=1e-9
+    )
     turned = gb.simulate(model, t=[0.0], rtol=1e-6, initial={"external.w": 40.0, "internal.w": 0.0})
     still = gb.simulate(model, t=[0.0], rtol=1e-6, initial={"external.w": 0.0, "internal.w": 0.0})
-    assert turned["spline.force"][0] - still["spline.force"][0] == pytest.approx(derived["c_t"], rel=1e-9)  # 40 x 0.025 m/s
+    assert turned["spline.force"][0] - still["spline.force"][0] == pytest.approx(
+        derived["c_t"], rel=1e-9
+    )  # 40 x 0.025 m/s
 
 
 ROWS = json.loads((DATA / "spline_kv_300.json").read_text())
