@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.arguments import start_state
 from gearblocks.errors import ParameterError
 from gearblocks.program import Program
-from gearblocks.runs import start_state
 from gearblocks.trajectory import Trajectory
 
 

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.arguments import resolve
 from gearblocks.errors import ParameterError
 from gearblocks.library import Model
-from gearblocks.runs import resolve, run_model
+from gearblocks.runs import run_model
 
 if TYPE_CHECKING:
     from gearblocks.trajectory import Trajectory
@@ -84,9 +85,10 @@ def section_points(
         outputs=list(names),
     )  # fmt: skip
     table = np.stack([run[name] for name in run.names], axis=1)
-    extent = np.asarray(np.abs(table).max(axis=0), dtype=np.float64)
+    extent = np.abs(table).max(axis=0)
     extent[extent == 0.0] = 1.0
-    return Points(t, run.names, table[np.searchsorted(run.t, t)], extent, run)
+    values: Array = table[np.searchsorted(run.t, t)].astype(np.float64)
+    return Points(t.astype(np.float64), run.names, values, extent, run)
 
 
 def _frequency(model: Model, section: Section, parameters: Mapping[str, float]) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Any
@@ -12,22 +12,12 @@ import sympy as sp
 
 from gearblocks.assemble import HELD, Assembly
 from gearblocks.batchcode import BatchCode, Function, Places, Statement, identifier
-from gearblocks.errors import ModelError, did_you_mean
 from gearblocks.layout import Column, Layout, column, lay_out, padded
 from gearblocks.printer import c_text
 from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, Quantity, StartInfo, SwitchInfo
+from gearblocks.senses import Sense, order_senses, reads_angles
 from gearblocks.symbols import CONSTANT
 from gearblocks.views import view
-
-
-@dataclass(slots=True)
-class Sense:
-    """An output that a signal reads: its place in sense[], and the code that fills it."""
-
-    path: str
-    index: int
-    function: Function | None = None
-    call: str = ""
 
 
 @dataclass(slots=True)
@@ -91,13 +81,13 @@ def generate(assembly: Assembly) -> Program:
         slot.of for b in assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"
     } | {leaf.args[0] for c in assembly.train.coordinates for leaf in c.expr.leaves() if leaf.op == "sense"})  # fmt: skip
     in_law = [slot.of for b in assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"]
-    angles = assembly.in_law or any(_reads_angles(assembly, path) for path in in_law)
+    angles = assembly.in_law or any(reads_angles(assembly, path) for path in in_law)
     g = Generator(assembly, lay_out(assembly, angles_in_law=angles))
     g.senses = {path: Sense(path, i) for i, path in enumerate(wanted)}
     g.tail = g.lay.tail
     _columns(g)
     _laws(g)
-    _senses(g, set(in_law))
+    g.senses = order_senses(g.senses, g.codes, g.assembly, set(in_law))
     g.lay.n_total = g.lay.n_padded + padded(g.tail - g.lay.n_padded)
     _describe_outputs(g)
     return _program(g, _render(g, angles))
@@ -318,65 +308,6 @@ def _bodies(g: Generator, code: BatchCode) -> None:
         g.energies += [EnergyInfo(code.paths[e], "stored", len(g.energies) + e) for e in range(code.n)]
     g.keep("inertial", code.function("inertial", inertial))
     g.keep("energies", code.function("energies", [(f"energy[{i} + e]", "=", x, False) for i, x, _ in energy]))
-
-
-# -- senses -----------------------------------------------------------------------------------------------------------
-
-
-def _shown(g_codes: Iterable[BatchCode], assembly: Assembly, path: str) -> tuple[BatchCode, int, Any]:
-    """(batch, instance, expression) of an output that a signal may read."""
-    known = []
-    for code in g_codes:
-        for e, index in enumerate(code.batch.components):
-            prefix = assembly.train.components[index].path + "."
-            for show, expr in code.shows:
-                known.append(prefix + show.name)
-                if path == known[-1]:
-                    return code, e, expr
-    raise ModelError(f"sense('{path}'): no block shows that output{did_you_mean(path, known)}")
-
-
-def _reads_angles(assembly: Assembly, path: str) -> bool:
-    """Whether a sensed output needs absolute angles."""
-    for batch in assembly.batches:
-        for index in batch.components:
-            prefix = assembly.train.components[index].path + "."
-            for show in batch.law.shows:
-                if prefix + show.name == path:
-                    roles = [batch.law.pool.slots[x] for x in show.expr.free_symbols]
-                    return any(s.role == "phi" or (s.role == "coordinate" and not batch.used[s.of]) for s in roles)
-    return False
-
-
-def _senses(g: Generator, in_law: set[str]) -> None:
-    """Functions of sensed outputs in an order in which each reads only earlier ones."""
-    done: dict[str, None] = {}
-
-    def visit(path: str, chain: tuple[str, ...]) -> None:
-        if path in chain:
-            loop = " -> ".join((*chain[chain.index(path) :], path))
-            raise ModelError(f"the signals form an algebraic loop: {loop}; put a state between them")
-        if path in done:
-            return
-        code, e, expr = _shown(g.codes, g.assembly, path)
-        slots = [code.law.pool.slots[x] for x in expr.free_symbols]
-        if path in in_law and any(s.role in ("alpha", "tau") for s in slots):
-            raise ModelError(
-                f"sense('{path}'): an acceleration or reaction cannot be fed back; sense a speed or a torque law"
-            )
-        for slot in slots:
-            if slot.role == "sense":
-                visit(slot.of, (*chain, path))
-        sense = g.senses[path]
-        function = code.function(f"sense_{sense.index}", [(f"sense[{sense.index}]", "=", expr, False)])
-        sense.function = function
-        sense.call = ", ".join([str(e), *(c.at(e) for _, _, c in function.args)])
-        done[path] = None
-
-    for path in g.senses:
-        visit(path, ())
-    order = list(done)
-    g.senses = {path: g.senses[path] for path in order}
 
 
 # -- outputs ----------------------------------------------------------------------------------------------------------

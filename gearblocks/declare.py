@@ -340,7 +340,8 @@ class Block(_Declared, ABC):
         """The same block with one effect taken away; without compliance nothing that lives on it stays."""
         fields = type(self).fields
         gone = set(self.effects()) if name == "compliance" else {name}
-        dropped = {n: None for n, spec in fields.items() if (n if spec.role == "effect" else spec.belongs_to) in gone}
+        owners = {n: n if spec.role == "effect" else spec.belongs_to for n, spec in fields.items()}
+        dropped: dict[str, Any] = {n: None for n, owner in owners.items() if owner in gone}
         if name == "compliance" and "rigid" in fields:
             dropped["rigid"] = True
         changed = self.changed(**dropped)

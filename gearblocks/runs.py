@@ -2,33 +2,34 @@
 
 from __future__ import annotations
 
-import math
 import time as _time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearblocks.core import Array, Code, Kind, Method, Options, Simulation
+from gearblocks.arguments import (
+    InputSource,
+    begin_of,
+    method_options,
+    parameter_vector,
+    picked_outputs,
+    sample_times,
+    set_inputs,
+    start_state,
+)
+from gearblocks.core import Array, Code, Method, Options, Simulation
 from gearblocks.errors import (
     GearblocksError,
     ParameterError,
     SimulationError,
-    UnknownNameError,
-    by_name,
-    did_you_mean,
 )  # fmt: skip
-from gearblocks.expression import finite_number
 from gearblocks.library import Model
 from gearblocks.program import Program
 from gearblocks.records import EnergyLedger, Event, FinalState, Stats
-from gearblocks.signals import Table
-from gearblocks.trajectory import Trajectory, matches
-
-InputSource: TypeAlias = "float | Table | Callable[[float], float]"
-METHODS = {"rk4": Method.RK4, "dp5": Method.DP5, "dp8": Method.DP8}
+from gearblocks.trajectory import Trajectory
 
 
 def run_model(
@@ -42,13 +43,13 @@ def run_model(
     program = model.program
     if progress is not None and not callable(progress):
         raise ParameterError(f"progress = {progress!r:.80} must be a function of the share done")
-    begin = _begin(t_start, initial)
-    samples, end = _times(begin, t_end, t)
+    begin = begin_of(t_start, initial)
+    samples, end = sample_times(begin, t_end, t)
     options, why = method_options(method, rtol, step, max_step, locate, end)
-    pick = _picked(program, outputs)
+    pick = picked_outputs(program, outputs)
     with model.library.open() as sim:
         sim.parameters[:] = parameter_vector(program, model.values, parameters or {}, initial)
-        _set_inputs(sim, program, inputs or {})
+        set_inputs(sim, program, inputs or {})
         run = _Run(model, sim, samples, end, pick, progress, meta={
             "train": program.name, "method": Method(options.method).name.lower(), "rtol": rtol, "step": step,
             "parameters": {p.path: float(v) for p, v in zip(program.parameters, sim.parameters, strict=True)},
@@ -59,175 +60,6 @@ def run_model(
 
 ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
 """The names that `run_model` takes."""
-
-
-# -- arguments --------------------------------------------------------------------------------------------------------
-
-
-def _begin(t_start: float | None, initial: Any) -> float:
-    if t_start is not None:
-        return finite_number("t_start", t_start)
-    if isinstance(initial, Trajectory) and initial.final_state is not None:
-        return initial.final_state.t
-    return 0.0
-
-
-def _times(begin: float, t_end: float | None, t: ArrayLike | None) -> tuple[Array | None, float]:
-    """The samples (None: every accepted step) and the end of the run."""
-    if (t is None) == (t_end is None):
-        raise ParameterError("give either t_end (records every step) or t (an array of sample times)")
-    if t is None:
-        assert t_end is not None
-        end = finite_number("t_end", t_end)
-        if end <= begin:
-            raise ParameterError(f"t_end = {end!r} s must be later than the start at {begin!r} s")
-        return None, end
-    try:
-        samples = np.ascontiguousarray(t, dtype=np.float64)
-    except (TypeError, ValueError, ParameterError):
-        raise ParameterError(f"t = {t!r:.80} must be a row of numbers") from None
-    if samples.ndim != 1 or len(samples) == 0 or not np.isfinite(samples).all():
-        raise ParameterError(f"t must be a row of finite times, not an array of shape {samples.shape}")
-    if (np.diff(samples) <= 0).any() or samples[0] < begin:
-        raise ParameterError(f"t must increase and not begin before the start at {begin!r} s")
-    return samples, float(samples[-1])
-
-
-def method_options(
-    method: str, rtol: float, step: float | None, max_step: float | None, locate: bool, end: float
-) -> tuple[Options, str]:  # fmt: skip
-    if method not in ("auto", *METHODS):
-        raise ParameterError(
-            f"method = {method!r} must be 'auto', {', '.join(map(repr, METHODS))}{did_you_mean(method, METHODS)}"
-        )
-    rtol = finite_number("rtol", rtol)
-    if not 1e-14 <= rtol <= 0.1:
-        raise ParameterError(f"rtol = {rtol!r} must lie between 1e-14 and 0.1")
-    for name, value in (("step", step), ("max_step", max_step)):
-        if value is not None and finite_number(name, value) <= 0:
-            raise ParameterError(f"{name} = {value!r} s must be > 0")
-    if not isinstance(locate, (bool, np.bool_)):
-        raise ParameterError(f"locate = {locate!r} must be True or False")
-    if method == "rk4" and step is None:
-        raise ParameterError("method 'rk4' has a fixed step: give step= in s, or take 'dp5' or 'dp8'")
-    why = "chosen by the user"
-    if method == "auto":
-        method = "dp8" if rtol <= 1e-4 else "dp5"
-        why = f"rtol = {rtol:g}: order 8 pays from 1e-4 down, order 5 above; no stiff method is available"
-    return Options(METHODS[method], int(locate), rtol, step or 0.0, max_step or math.inf, end), why
-
-
-def _picked(program: Program, outputs: str | Sequence[str]) -> list[int]:
-    """Numbers of the outputs that match; UnknownNameError for a pattern that matches nothing."""
-    patterns = [outputs] if isinstance(outputs, str) or not isinstance(outputs, Iterable) else list(outputs)
-    if not all(isinstance(pattern, str) for pattern in patterns):
-        raise ParameterError(f"outputs = {outputs!r:.80} must be a pattern or a list of patterns, such as ['mesh.*']")
-    if patterns == ["*"]:
-        return list(range(len(program.outputs)))
-    names = {q.name: i for i, q in enumerate(program.outputs)}
-    chosen: dict[int, None] = {}
-    for pattern in patterns:
-        if pattern in names:
-            chosen[names[pattern]] = None
-            continue
-        found = [i for name, i in names.items() if matches(name, pattern)]
-        if not found:
-            raise UnknownNameError(
-                f"no output matches '{pattern}'{did_you_mean(pattern, names)}; list them with rig.describe()"
-            )
-        chosen.update(dict.fromkeys(found))
-    return sorted(chosen)
-
-
-def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
-    """The number of a name, or of the only one that ends with it."""
-    if not isinstance(wanted, str):
-        raise UnknownNameError(f"the name of the {what} must be text, not {wanted!r}")
-    if wanted in names:
-        return names[wanted]
-    ends = [name for name in names if name.endswith("." + wanted)]
-    if len(ends) == 1:
-        return names[ends[0]]
-    if ends:
-        raise UnknownNameError(f"{what} '{wanted}' is not unique: it could be {', '.join(sorted(ends))}")
-    raise UnknownNameError(f"there is no {what} '{wanted}'{did_you_mean(wanted, names)}")
-
-
-def parameter_vector(program: Program, values: Array, changed: Mapping[str, float], initial: Any) -> Array:
-    """The parameter vector with changed parameters and start values."""
-    result = np.array(values)
-    names = {p.path: i for i, p in enumerate(program.parameters)}
-    structural = {path for path, _ in program.structural}
-    for path, value in by_name("parameters", changed).items():
-        i = resolve(path, names, "parameter")
-        info = program.parameters[i]
-        if info.path in structural:
-            raise ParameterError(
-                f"'{info.path}' enters a ratio, which is structural: make a new train with rig.set(...)"
-            )
-        result[i] = checked(info.path, value, info.unit, info.lower, info.upper)
-    if isinstance(initial, Mapping):
-        _initial(program, result, initial)
-    elif not (initial is None or isinstance(initial, Trajectory)):
-        raise ParameterError(
-            f"initial = {initial!r:.80} is not available; give start values such as {{'motor.w': 100.0}}"
-        )
-    return result
-
-
-def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> None:
-    starts = {s.name: i for i, s in enumerate(program.starts)}
-    given: dict[int, tuple[str, float]] = {}
-    for name, value in initial.items():
-        info = program.starts[resolve(name, starts, "initial value")]
-        number = checked(info.name, value, "", None, None) * info.factor
-        before = given.setdefault(info.place, (name, number))
-        if abs(before[1] - number) > 1e-12 * max(abs(number), abs(before[1])):
-            raise ParameterError(
-                f"the initial values of '{before[0]}' and '{name}' contradict each other through their ties"
-            )
-        result[info.place] = number
-
-
-def checked(name: str, value: float, unit: str, lower: float | None, upper: float | None) -> float:
-    """A finite number within its bounds, or ParameterError by name."""
-    number = finite_number(name, value)
-    words = f"{name} = {number!r}{' ' + unit if unit not in ('', '1') else ''}"
-    if lower is not None and number < lower:
-        raise ParameterError(f"{words} must be >= {lower:g}")
-    if upper is not None and number > upper:
-        raise ParameterError(f"{words} must be <= {upper:g}")
-    return number
-
-
-def _set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSource]) -> None:
-    names = {x.name: i for i, x in enumerate(program.inputs)}
-    sim.inputs[:] = [x.start for x in program.inputs]
-    for name, source in by_name("inputs", sources).items():
-        i = resolve(name, names, "input")
-        info = program.inputs[i]
-        if isinstance(source, Table):
-            period = float(source.x[-1] - source.x[0]) if source.periodic else 0.0
-            kind = {"linear": Kind.LINEAR, "step": Kind.STEP, "cubic": Kind.CUBIC}[source.kind]
-            sim.set_table(i, kind, np.asarray(source.x), np.asarray(source.y), source.second, period)
-        elif callable(source):
-            sim.set_function(i, source)
-        else:
-            sim.inputs[i] = checked(f"input '{info.name}'", source, info.unit, None, None)
-
-
-def start_state(program: Program, initial: Any) -> Array | None:
-    """The state vector of an earlier run, the ledger at zero."""
-    if not isinstance(initial, Trajectory):
-        return None
-    final = initial.final_state
-    if final is None or final.key != program.key:
-        raise ParameterError("initial: the earlier run is of another train; continue a run with the same model")
-    y = np.array(final.y)
-    for entry in program.integrals:
-        if entry.part != "angle":
-            y[entry.place] = 0.0
-    return y
 
 
 # -- the run ----------------------------------------------------------------------------------------------------------
