@@ -34,7 +34,7 @@ from gearblocks.declare import (
     signal,
 )  # fmt: skip
 from gearblocks.drivetrain import Drivetrain, build, classify, poincare, simulate, stroboscopic
-from gearblocks.effects import Backlash, Fourier, Harmonic, Square
+from gearblocks.effects import Backlash, Fourier, Harmonic, Profile, Square
 from gearblocks.errors import (
     CompileError,
     GearblocksError,
@@ -54,7 +54,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Acts", "Backlash", "Block", "Body", "CompileError", "Damper", "Drivetrain", "Effect", "Energy", "Fixed", "Flange",
     "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Model",
-    "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Rate", "Shaft", "Shows", "SimulationError",
+    "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rate", "Shaft", "Shows", "SimulationError",
     "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory",
     "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm",
     "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",

@@ -174,7 +174,7 @@ class BatchCode:
     def _flange(self, role: str, flange: str, args: dict[str, Any], vector: str) -> str:
         groups = self.batch.groups[flange]
         if groups[0] == HELD:
-            return "0.0" if role != "phi" else self._held_angle(flange, args)
+            return self._held_angle(flange, args) if role == "phi" and vector != "direction" else "0.0"
         gain = self._gain(flange, args)
         if role == "phi":
             key = f"g_{flange}"
@@ -281,7 +281,7 @@ class BatchCode:
             return "general"
         moving = [x for x in switch.surface.free_symbols if self.law.pool.level(x) == MOVING]
         timed = any(self.law.pool.level(x) == TIMED for x in switch.surface.free_symbols)
-        if timed or any(roles[x] not in ("coordinate", "w", "state") for x in moving):
+        if timed or any(roles[x] not in ("coordinate", "w", "state", "phi") for x in moving):
             return "general"
         slopes = [sp.diff(switch.surface, x) for x in moving]
         return "affine" if all(self.law.pool.level(slope) == CONSTANT for slope in slopes) else "general"

@@ -7,7 +7,7 @@ that yields contributions. Instances are frozen and keyword-only. `self` holds n
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar, TypeAlias, dataclass_transform
@@ -32,6 +32,7 @@ class Field:
 
     role: "param" (a number, runs as a tunable value), "exact" (integers that enter ratios exactly), "option" (part of
     the structure), "signal", "effect". belongs_to: the effect that goes when this field is None ("compliance").
+    convert: turns a short form (a Table, say) into the effect that it stands for.
     """
 
     words: str
@@ -44,6 +45,7 @@ class Field:
     le: float | None = None
     many: bool = False
     belongs_to: str | None = None
+    convert: Callable[[Any], Any] | None = None
 
     @property
     def required(self) -> bool:
@@ -77,9 +79,9 @@ def signal(words: str, unit: str = "1", *, default: Any = _REQUIRED, belongs_to:
     return Field(words, unit, "signal", default, belongs_to=belongs_to)
 
 
-def effect(words: str, *, default: Any = None) -> Any:
-    """An effect object, or None: absent."""
-    return Field(words, "1", "effect", default)
+def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None) -> Any:
+    """An effect object, or None: absent. convert: turns a short form into the effect it stands for."""
+    return Field(words, "1", "effect", default, convert=convert)
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,7 +245,8 @@ class _Declared:
         for name, spec in fields.items():
             try:
                 if name in values:
-                    store[name] = _plain(values[name], spec.many)
+                    value = _plain(values[name], spec.many)
+                    store[name] = value if spec.convert is None else spec.convert(value)
                 elif spec.required:
                     unit = "" if spec.unit == "1" else f", {spec.unit}"
                     problems.append(f"{kind} needs {name} ({spec.words}{unit}); it was not given")

@@ -8,7 +8,7 @@ from typing import Any
 from gearblocks.declare import Effect, State, effect, option, param, signal
 from gearblocks.signals import Table, Value
 
-__all__ = ["Backlash", "Fourier", "Harmonic", "Square", "Table", "effect"]
+__all__ = ["Backlash", "Fourier", "Harmonic", "Profile", "Square"]
 
 
 class Backlash(Effect):
@@ -72,6 +72,39 @@ class Harmonic(Fourier):
 
     cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", "m", default=(), many=True)
     sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", "m", default=(), many=True)
+
+
+class Profile(Effect):
+    """A Table over one cycle: a deviation relative to k (1: twice k), or a transmission error in m.
+
+    table: x in cycles from 0 to 1, periodic. Driven like `Fourier`; its joints are located. Where an effect is wanted,
+    a bare Table stands for Profile(table=...).
+    """
+
+    table: Table = option("points over one cycle, x from 0 to 1, periodic")
+    driven_by: Any = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
+    phase: Any = param("phase added to theta", "rad", default=None)
+    angle = State("integrated phase", "rad")
+
+    def problems(self) -> Iterator[str]:
+        """A table that is no closed cycle, and steps over the angle."""
+        if not isinstance(self.table, Table):
+            yield f"table = {self.table!r:.80} must be a gb.Table over one cycle"
+        elif not self.table.periodic or self.table.x[0] != 0 or self.table.x[-1] != 1:
+            yield "the table must be periodic=True with x from 0 to 1 (cycles)"
+        elif self.table.kind == "step" and self.driven_by == "angle":
+            yield "a step table jumps, so it has no potential over the angle; give driven_by a frequency in rad/s"
+
+    def value(self, s: Any, theta: Any) -> Any:
+        """The table at the phase."""
+        import sympy as sp
+
+        return s.local("table", cycles=theta / (2 * sp.pi))
+
+
+def as_profile(value: Any) -> Any:
+    """A bare Table as a Profile; everything else as it is."""
+    return Profile(table=value) if isinstance(value, Table) else value
 
 
 class Square(Effect):

@@ -8,7 +8,7 @@ from typing import Any
 
 from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, theta_of
 from gearblocks.declare import Block, Contribution, Flange, Force, Shows, Tie, effect, exact, option, param
-from gearblocks.effects import Backlash, Fourier, Harmonic, Square
+from gearblocks.effects import Backlash, Fourier, Harmonic, Profile, Square, as_profile
 from gearblocks.signals import Value
 
 
@@ -73,10 +73,12 @@ class GearMesh(Block):
     )
     c: Value | None = param("damping along the line of action", "N s/m", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
-    stiffness_variation: Fourier | Square | None = effect("variation of k")
+    stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", convert=as_profile)
     backlash: Backlash | None = effect("dead zone")
     contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
-    transmission_error: Harmonic | None = effect("no-load transmission error e, subtracted from the deflection")
+    transmission_error: Harmonic | Profile | None = effect(
+        "no-load transmission error e, subtracted from the deflection", convert=as_profile
+    )
 
     def problems(self) -> Iterator[str]:
         """Geometry that is missing or contradicts the teeth."""

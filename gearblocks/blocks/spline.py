@@ -8,7 +8,7 @@ from typing import Any
 from gearblocks.blocks.contact import damping, damping_problems
 from gearblocks.blocks.gears import mesh
 from gearblocks.declare import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
-from gearblocks.effects import Backlash, Fourier, Square
+from gearblocks.effects import Backlash, Fourier, Profile, Square, as_profile
 from gearblocks.signals import Value
 
 
@@ -28,7 +28,7 @@ class SplineCoupling(Block):
     k: Value | None = param("mean stiffness of all teeth along the arc", "N/m", gt=0, belongs_to="compliance")
     c: Value | None = param("damping along the arc", "N s/m", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
-    stiffness_variation: Fourier | Square | None = effect("variation of k")
+    stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", convert=as_profile)
     backlash: Backlash | None = effect("dead zone along the arc")
     contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
 

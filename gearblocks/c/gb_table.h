@@ -15,29 +15,6 @@ typedef struct gb_table {
     const double *x, *y, *second;
 } gb_table;
 
-/* The segment that holds s (a joint belongs to the upper one). */
-static inline double gb_table_segment(const gb_table *table, double s) {
-    const int n = table->n;
-    const double *x = table->x;
-    double turns = 0.0;
-    if (table->periodic) {
-        turns = floor((s - x[0]) / (x[n - 1] - x[0]));
-        s -= turns * (x[n - 1] - x[0]);
-    }
-    int lo = 0, hi = n;
-    while (lo < hi) {
-        const int mid = (lo + hi) / 2;
-        if (x[mid] <= s)
-            lo = mid + 1;
-        else
-            hi = mid;
-    }
-    int segment = lo - 1;
-    if (table->periodic)
-        segment = segment < 0 ? 0 : (segment > n - 2 ? n - 2 : segment);
-    return turns * (double)(n - 1) + (double)segment;
-}
-
 /* Number of the segment inside one period, and the shift of its period. */
 static inline int gb_table_local(const gb_table *table, double mode, double *shift) {
     *shift = 0.0;
@@ -58,6 +35,34 @@ static inline double gb_table_hi(const gb_table *table, double mode) {
     double shift;
     const int i = gb_table_local(table, mode, &shift);
     return i >= table->n - 1 ? HUGE_VAL : table->x[i + 1] + shift;
+}
+
+/* The segment that holds s (a joint belongs to the upper one). */
+static inline double gb_table_segment(const gb_table *table, double at) {
+    const int n = table->n;
+    const double *x = table->x;
+    double turns = 0.0, s = at;
+    if (table->periodic) {
+        turns = floor((s - x[0]) / (x[n - 1] - x[0]));
+        s -= turns * (x[n - 1] - x[0]);
+    }
+    int lo = 0, hi = n;
+    while (lo < hi) {
+        const int mid = (lo + hi) / 2;
+        if (x[mid] <= s)
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    int segment = lo - 1;
+    if (table->periodic)
+        segment = segment < 0 ? 0 : (segment > n - 2 ? n - 2 : segment);
+    double mode = turns * (double)(n - 1) + (double)segment;
+    if (table->periodic && at >= gb_table_hi(table, mode)) /* the turn taken off above costs the last digit */
+        mode += 1.0;
+    else if (table->periodic && at < gb_table_lo(table, mode))
+        mode -= 1.0;
+    return mode;
 }
 
 /* Value (order 0) or derivative of the given order on the segment `mode`. */
