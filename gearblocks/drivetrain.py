@@ -14,6 +14,7 @@ from gearblocks.errors import GearblocksError, ModelError, by_name, check_argume
 from gearblocks.expression import as_expr
 from gearblocks.graph import Coordinate, Train, Tree, field_paths, flatten, replaced, unique_path, value_problems
 from gearblocks.library import Model
+from gearblocks.rigid import released_angles
 
 if TYPE_CHECKING:
     from gearblocks.analysis import Label, Points, Section
@@ -234,7 +235,10 @@ class Drivetrain:
         return {f"{path}.{n}": e for path, _, _, block in self._walk() for n, e in block.effects().items()}
 
     def without(self, *patterns: str) -> Drivetrain:
-        """A new train without the effects that match; `dropped` of it says what went. `*` crosses dots."""
+        """A new train without the effects that match; `dropped` of it says what went. `*` crosses dots.
+
+        Where compliance goes, shafts become one; the start angle of their first body stays.
+        """
         gone = self._matching("without", patterns)
         return self._leaving(lambda name: name in gone)
 
@@ -272,6 +276,11 @@ class Drivetrain:
             owner._parts[name] = block
         after = other.effects()
         other.dropped = tuple(name for name in before if name not in after)
+        stiffened = [name.rsplit(".", 1)[0] for name in other.dropped if name.endswith(".compliance")]
+        for path in list(released_angles(flatten(other.tree(), complete=False), stiffened)) if stiffened else ():
+            owner, name, _ = other._locate(path)
+            owner._parts[name] = owner._parts[name].changed(phi0=None)  # type: ignore[union-attr]
+            other.dropped += (f"{path}.phi0",)
         return other
 
     # -- reading ------------------------------------------------------------------------------------------------------

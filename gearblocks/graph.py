@@ -61,8 +61,8 @@ class Train:
     coordinates: tuple[Coordinate, ...] = ()
 
 
-def flatten(tree: Tree) -> Train:
-    """The train with full paths. All problems are gathered into one ModelError."""
+def flatten(tree: Tree, *, complete: bool = True) -> Train:
+    """The train with full paths. All problems are gathered into one ModelError; complete=False accepts open ends."""
     blocks: list[tuple[str, Block]] = []
     flanges: dict[tuple[str, str], int] = {}
     parents: list[int] = []
@@ -97,7 +97,7 @@ def flatten(tree: Tree) -> Train:
     joined: set[int] = set()
     for name, i in enter(tree, "").items():
         flanges["", name] = i
-    return _number(tree, blocks, flanges, joined, find)
+    return _number(tree, blocks, flanges, joined, find, complete)
 
 
 def _inside(name: str, part: Any) -> Tree | None:
@@ -110,7 +110,9 @@ def _inside(name: str, part: Any) -> Tree | None:
     return Tree(name, tuple(parts.blocks.items()), tuple(parts.links), tuple(parts.flanges.items()))
 
 
-def _number(tree: Tree, blocks: list[tuple[str, Block]], flanges: dict[Any, int], joined: set[int], find: Any) -> Train:
+def _number(
+    tree: Tree, blocks: list[tuple[str, Block]], flanges: dict[Any, int], joined: set[int], find: Any, complete: bool
+) -> Train:
     """Numbers the nodes in the order of the components and refuses open ends."""
     numbers: dict[int, int] = {}
     components = []
@@ -132,7 +134,7 @@ def _number(tree: Tree, blocks: list[tuple[str, Block]], flanges: dict[Any, int]
                 f"{type(block).__name__} '{path}' is connected to itself: two of its flanges share one node"
             )
         components.append(Component(path, block, tuple(nodes)))
-    if problems:
+    if problems and complete:
         raise ModelError(problems)
     if not components:
         raise ModelError(f"the drivetrain '{tree.name}' is empty: add blocks")

@@ -284,3 +284,24 @@ def test_a_continued_run_keeps_the_contact_it_ended_in():
     assert second["lash.contact"][0] == first["lash.contact"][-1] == -1.0
     assert second.t[0] == first.t[-1]
     assert second["body.w"][0] == first["body.w"][-1]
+
+
+def test_taking_compliance_away_keeps_the_start_angle_of_the_first_body_only():
+    rig = gb.Drivetrain("preloaded")
+    rig.chain(
+        rig.add("drive", gb.Torque(tau=3.0)), rig.add("a", gb.Inertia(J=1.0, phi0=0.5)), rig.add("shaft", gb.Shaft(k=10.0)),
+        rig.add("b", gb.Inertia(J=2.0, phi0=0.2)),
+    )  # fmt: skip
+    rigid = rig.without("*.compliance")
+    assert rigid.dropped == ("shaft.compliance", "b.phi0")
+    run = gb.simulate(rigid, t=[0.0, 1.0])
+    assert run["b.phi"][0] == 0.5
+    assert run["b.alpha"][1] == pytest.approx(1.0, rel=1e-12)  # 3 N m on 3 kg m2
+
+
+def test_part_of_a_train_can_lose_its_compliance_before_it_is_complete():
+    part = gb.Drivetrain("part")
+    shaft = part.add("shaft", gb.Shaft(k=10.0))
+    part.expose("left", shaft.a)
+    part.expose("right", shaft.b)
+    assert part.without("*.compliance").dropped == ("shaft.compliance",)
