@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from fmu_export.templates import C_FOLDER
 from gearblocks.cache import digest, user_cache
-from gearblocks.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler
+from gearblocks.compiler import FLAGS, GENERATED_FLAGS, SHARED_SUFFIX, Compiler, find_compiler
 from gearblocks.errors import ParameterError
 from gearblocks.library import core_files, produced
 
@@ -80,6 +80,7 @@ def _object(compiler: Compiler, headers: Mapping[str, bytes], name: str, source:
     files = {**headers, name: source}
     arguments: tuple[str, ...] = (
         *FLAGS,
+        *(GENERATED_FLAGS if name in GENERATED else ()),
         "-DGB_API=",
         "-c",
         name,

@@ -25,11 +25,13 @@ FLAGS = (
     "-ffp-contract=off",
     "-fno-math-errno",
     "-fno-trapping-math",
-    "-fno-tree-slp-vectorize",  # gcc 12 makes fused operations there (fmaddsub) although contraction is off
     "-fPIC",
     "-fvisibility=hidden",
 )
 """Flags of everything that runs in-process, without those of the CPU at hand."""
+
+GENERATED_FLAGS = ("-fno-tree-slp-vectorize",)
+"""Besides, for generated laws: gcc 12 makes fused operations (fmaddsub) in that pass although contraction is off."""
 
 SHARED_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 

@@ -57,9 +57,18 @@ class Hoister:
         still = [a for a in expr.args if self.pool.level(a) != MOVING]
         moving = [self.spread(a) for a in expr.args if self.pool.level(a) == MOVING]
         factor = sp.Mul(*still)
-        if len(moving) == 1 and moving[0].is_Add and factor != -1 and not _is_difference(moving[0]):
+        if len(moving) == 1 and moving[0].is_Add and factor != -1 and any(map(self._is_scaled_sum, moving[0].args)):
             return sp.Add(*(self.spread(factor * a) for a in moving[0].args))
         return sp.Mul(factor, *moving)
+
+    def _is_scaled_sum(self, term: Any) -> bool:
+        """A sum with a factor that another one can join. Bare terms such as w_a - w_b stay together: taken apart, they
+        would lose the digits they have in common."""
+        return bool(
+            term.is_Mul
+            and any(a.is_Add for a in term.args)
+            and any(not a.is_Number and self.pool.level(a) != MOVING for a in term.args)
+        )
 
     def _inside_timed(self, expr: Any) -> Any:
         """A timed expression with its constant parts as columns."""
@@ -100,11 +109,6 @@ class Hoister:
         if slot.role == "column":
             return bool(slot.of[1])
         return slot.role != "mode"
-
-
-def _is_difference(total: Any) -> bool:
-    """A sum of bare symbols such as w_a - w_b: taken apart, it would lose the digits that its terms have in common."""
-    return all(a.is_Symbol or (a.is_Mul and a.args[0].is_Number and a.args[1].is_Symbol) for a in total.args)
 
 
 def _is_plain(expr: Any) -> bool:

@@ -7,13 +7,16 @@
 #ifndef GB_MATH_H
 #define GB_MATH_H
 
+/* Whatever the compiler thinks of the size: a call in a loop over lanes would keep it from being vector code. */
+#define GB_MATH_INLINE static inline __attribute__((always_inline))
+
 /* x = n pi/2 + hi + lo with |hi| <= pi/4 in round-to-nearest; quadrant in {-2, -1, 0, 1, 2}, n modulo 4. */
 typedef struct gb_reduced {
     double hi, lo, quadrant;
 } gb_reduced;
 
 /* The first three parts of pi/2 have 22 bits, so that their products with n < 2^31 are exact. */
-static inline gb_reduced gb_reduce(double x) {
+GB_MATH_INLINE gb_reduced gb_reduce(double x) {
     const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer */
     const double n = (x * 0x1.45f306dc9c883p-1 + shift) - shift;
     const double cycles = (n * 0.25 + shift) - shift;
@@ -28,7 +31,7 @@ static inline gb_reduced gb_reduce(double x) {
 }
 
 /* sin(hi + lo) and cos(hi + lo) for |hi| <= pi/4: Chebyshev interpolants, error below 2e-17. */
-static inline double gb_sin_core(double hi, double lo) {
+GB_MATH_INLINE double gb_sin_core(double hi, double lo) {
     const double z = hi * hi;
     const double z2 = z * z;
     const double low = -0x1.5555555555555p-3 + z * 0x1.1111111110bb1p-7;
@@ -38,7 +41,7 @@ static inline double gb_sin_core(double hi, double lo) {
     return hi + (z * hi * p + lo * (1.0 - 0.5 * z));
 }
 
-static inline double gb_cos_core(double hi, double lo) {
+GB_MATH_INLINE double gb_cos_core(double hi, double lo) {
     const double z = hi * hi;
     const double z2 = z * z;
     const double low = 0x1.5555555555555p-5 + z * -0x1.6c16c16c16966p-10;
@@ -50,7 +53,7 @@ static inline double gb_cos_core(double hi, double lo) {
     return lead + (((1.0 - lead) - half) + (z2 * p - hi * lo));
 }
 
-static inline double gb_sin(double x) {
+GB_MATH_INLINE double gb_sin(double x) {
     const gb_reduced r = gb_reduce(x);
     const double s = gb_sin_core(r.hi, r.lo);
     const double c = gb_cos_core(r.hi, r.lo);
@@ -59,7 +62,7 @@ static inline double gb_sin(double x) {
     return r.quadrant * r.quadrant == 1.0 ? odd : even;
 }
 
-static inline double gb_cos(double x) {
+GB_MATH_INLINE double gb_cos(double x) {
     const gb_reduced r = gb_reduce(x);
     const double s = gb_sin_core(r.hi, r.lo);
     const double c = gb_cos_core(r.hi, r.lo);
