@@ -6,13 +6,14 @@ import fnmatch
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from gearblocks.building import build_train, check_user_blocks
 from gearblocks.declare import Block, _Declared
 from gearblocks.errors import GearblocksError, ModelError, by_name, check_arguments, did_you_mean
 from gearblocks.expression import as_expr
 from gearblocks.graph import Coordinate, Train, Tree, field_paths, flatten, replaced, unique_path, value_problems
+from gearblocks.handles import FlangeHandle, Handle
 from gearblocks.library import Model
 from gearblocks.rigid import released_angles
 
@@ -22,47 +23,6 @@ if TYPE_CHECKING:
     from gearblocks.trajectory import Trajectory
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
-
-
-class FlangeHandle:
-    """A flange of a part of one drivetrain, for `connect`."""
-
-    __slots__ = ("flange", "owner", "part")
-
-    def __init__(self, owner: Drivetrain, part: str, flange: str) -> None:
-        self.owner, self.part, self.flange = owner, part, flange
-
-    def __repr__(self) -> str:
-        return f"<flange {self.part}.{self.flange}>"
-
-
-class Handle:
-    """A part of one drivetrain: its flanges as attributes."""
-
-    def __init__(self, owner: Drivetrain, name: str, part: Block | Drivetrain) -> None:
-        self._owner, self._name, self._part = owner, name, part
-
-    @property
-    def flanges(self) -> tuple[str, ...]:
-        """Names of the flanges."""
-        return tuple(self._part._exposed) if isinstance(self._part, Drivetrain) else tuple(type(self._part).flanges)
-
-    def __getattr__(self, name: str) -> FlangeHandle:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        if name in self.flanges:
-            return FlangeHandle(self._owner, self._name, name)
-        kind = type(self._part).__name__
-        raise ModelError(
-            f"block '{self._name}' ({kind}) has no flange '{name}'; it has {', '.join(self.flanges) or 'none'}"
-            f"{did_you_mean(name, self.flanges)}"
-        )
-
-    def __repr__(self) -> str:
-        return f"<{self._name}: {self._part!r}>"
-
-
-Connectable: TypeAlias = "FlangeHandle | Handle"
 
 
 class Drivetrain:
@@ -366,7 +326,8 @@ def simulate(train: Drivetrain | Model, *unnamed: Any, **arguments: Any) -> Traj
     inputs: by name a number, a `Table` over time, or a function of time (called per stage: slow; a Table is fast).
     parameters: other values by path ("mesh.k"), without recompiling. initial: start values by name ("motor.w",
     "motor.phi", states of blocks), or an earlier run to continue. outputs: a pattern or several ("mesh.*").
-    progress: called with the share done (0..1), five times a second at most.
+    progress: called with the share done (0..1), five times a second at most; without it a run of more than two seconds
+    says on a terminal how far it is.
 
     Raises UnknownNameError and ParameterError for bad arguments, SimulationError (with the trajectory so far) when the
     run cannot go on. Ctrl-C returns what is done; run.complete is then False.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.declare import Effect, State, effect, option, param, signal
+from gearblocks.declare import Effect, State, option, param, signal
 from gearblocks.signals import Table, Value
 
 __all__ = ["Backlash", "Fourier", "Harmonic", "Profile", "Square"]

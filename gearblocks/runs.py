@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time as _time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -112,16 +113,19 @@ class _Run:
         width = 1 + self.model.program.n_total + len(self.model.program.switches)
         record = self.sim.record(rows=max(64, min(8192, 2_000_000 // width)), events=16384)
         shown = _time.monotonic()
+        tell = self.progress or _Line(self.model.program.name)
         while True:
             before = _time.thread_time()
             code = self.sim.run(self.samples, self.end, record)
             self.cpu += _time.thread_time() - before
             taken = self._take(*record.take())
             if code in (Code.DONE,) or min(code, taken) < 0:
+                if isinstance(tell, _Line):
+                    tell.close()
                 return code if code < 0 else taken
-            if self.progress is not None and _time.monotonic() - shown > 0.2:
+            if _time.monotonic() - shown > 0.2:
                 shown = _time.monotonic()
-                self.progress((self.sim.counters.t - begin) / (self.end - begin))
+                tell((self.sim.counters.t - begin) / (self.end - begin))
 
     def _take(self, rows: Array, events: NDArray[np.void]) -> Code:
         if len(events):
@@ -202,6 +206,28 @@ class _Run:
         name = _place(program, code, report.index)
         cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
         return SimulationError(report.t, name, cause, remedy, run)
+
+
+class _Line:
+    """One line on a terminal about a run that takes longer than two seconds: share done and time left."""
+
+    def __init__(self, name: str) -> None:
+        self._name, self._start, self._open = name, _time.monotonic(), False
+
+    def __call__(self, share: float) -> None:
+        spent = _time.monotonic() - self._start
+        if spent > 2.0 and share > 0 and sys.stderr.isatty():
+            self._open = True
+            left = spent * (1 - share) / share
+            sys.stderr.write(
+                f"\r{self._name}: {100 * share:.0f} % done, {left:.0f} s left (Ctrl-C keeps what is done) "
+            )
+            sys.stderr.flush()
+
+    def close(self) -> None:
+        """Clears the line."""
+        if self._open:
+            sys.stderr.write("\r" + " " * 79 + "\r")
 
 
 def _shown(low: float, high: float, mode: float) -> float:

@@ -27,7 +27,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.records", "gearblocks.storage", "gearblocks.plotting", "gearblocks.trajectory"),
     ("gearblocks.arguments", "gearblocks.runs"),
     ("gearblocks.scene", "gearblocks.analysis", "gearblocks.cost"),
-    ("gearblocks.json_form", "gearblocks.rigid", "gearblocks.drivetrain"),
+    ("gearblocks.json_form", "gearblocks.rigid", "gearblocks.handles", "gearblocks.drivetrain"),
     ("gearblocks",),
     ("fmu_export",),
     ("gearblocks.scripts", "gearblocks.report", "gearblocks.demo", "gearblocks.cli", "gearblocks.__main__"),
