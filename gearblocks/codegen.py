@@ -4,75 +4,20 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Any
 
 import sympy as sp
 
 from gearblocks.assemble import HELD, Assembly
-from gearblocks.batchcode import BatchCode, Function, Places, Statement, identifier
-from gearblocks.layout import Column, Layout, column, lay_out, padded
+from gearblocks.batchcode import BatchCode, Places, Statement, identifier
+from gearblocks.generator import Band, Generator, Prediction
+from gearblocks.layout import column, lay_out, padded
 from gearblocks.printer import c_text
 from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, Quantity, StartInfo, SwitchInfo
 from gearblocks.senses import Sense, order_senses, reads_angles
 from gearblocks.symbols import CONSTANT
 from gearblocks.views import view
-
-
-@dataclass(slots=True)
-class Prediction:
-    """How a time switch is foretold: the C function of gb_table.h, its constant arguments, its place."""
-
-    name: str
-    predictor: str
-    args: list[str]
-    prologue: list[tuple[str, str]]
-    first: int
-    count: int
-    table: str
-
-
-@dataclass(slots=True)
-class Band:
-    """A switch whose mode is a side of a band: the function that holds its half width, and its first place."""
-
-    function: Function
-    first: int
-
-
-@dataclass
-class Generator:
-    """Collects the parts of one program while offsets are handed out."""
-
-    assembly: Assembly
-    lay: Layout
-    codes: list[BatchCode] = field(default_factory=list)
-    senses: dict[str, Sense] = field(default_factory=dict)
-    tables: dict[str, Any] = field(default_factory=dict)
-    n_par: int = 0
-    n_time: int = 0
-    shared: dict[tuple[int, str], str] = field(default_factory=dict)
-    prepare_shared: list[Statement] = field(default_factory=list)
-    times_shared: list[Statement] = field(default_factory=list)
-    functions: dict[str, list[Function]] = field(default_factory=dict)
-    outputs: list[Quantity] = field(default_factory=list)
-    energies: list[EnergyInfo] = field(default_factory=list)
-    integrals: list[IntegralInfo] = field(default_factory=list)
-    switches: list[SwitchInfo] = field(default_factory=list)
-    exact: list[tuple[int, Column]] = field(default_factory=list)
-    predictions: list[Prediction] = field(default_factory=list)
-    table_switches: list[tuple[int, int, str]] = field(default_factory=list)
-    bands: list[Band] = field(default_factory=list)
-    n_affine: int = 0
-    n_surfaces: int = 0
-    inverse_mass: int = 0
-    tail: int = 0
-
-    def keep(self, what: str, function: Function) -> None:
-        """Adds a function unless it does nothing."""
-        if function.body:
-            self.functions.setdefault(what, []).append(function)
 
 
 def generate(assembly: Assembly) -> Program:

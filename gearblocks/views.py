@@ -5,14 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from gearblocks.batchcode import Function
 from gearblocks.coordinates import Combination
+from gearblocks.generator import Generator
 from gearblocks.rational import Exact, over
-
-if TYPE_CHECKING:
-    from gearblocks.codegen import Generator
 
 _VECTORS = (
     "par", "mode", "tau", "y", "loop", "phi", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s",

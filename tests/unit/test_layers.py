@@ -21,7 +21,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.graph",),
     ("gearblocks.laws", "gearblocks.ties", "gearblocks.coordinates", "gearblocks.assemble", "gearblocks.equations"),
     ("gearblocks.methods", "gearblocks.hoist", "gearblocks.layout"),
-    ("gearblocks.batchcode", "gearblocks.senses", "gearblocks.views", "gearblocks.codegen"),
+    ("gearblocks.batchcode", "gearblocks.senses", "gearblocks.generator", "gearblocks.views", "gearblocks.codegen"),
     ("gearblocks.core", "gearblocks.library"),
     ("gearblocks.building",),
     ("gearblocks.records", "gearblocks.storage", "gearblocks.plotting", "gearblocks.trajectory"),
