@@ -114,6 +114,10 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
     result = np.array(values)
     names = {p.path: i for i, p in enumerate(program.parameters)}
     structural = {path for path, _ in program.structural}
+    if isinstance(initial, Trajectory):
+        for path, value in dict(initial.meta.get("parameters", {})).items():
+            if path in names:
+                result[names[path]] = value
     for path, value in by_name("parameters", changed).items():
         i = resolve(path, names, "parameter")
         info = program.parameters[i]

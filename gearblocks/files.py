@@ -26,9 +26,11 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 
     Raises StorageError for every OSError inside the block (no space, no permission, no such folder).
     """
-    target = Path(path)
+    target = Path(path).resolve()  # a link keeps pointing where it points
     temporary: str | None = None
     try:
+        if target.exists() and not target.is_file():
+            raise StorageError(f"{path} is no regular file and is left alone; name a file")
         handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".tmp", dir=target.parent)
         with open(handle, "wb") as file:
             yield cast(BinaryIO, file)

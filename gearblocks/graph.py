@@ -16,6 +16,7 @@ from typing import Any, get_args
 from gearblocks.declare import Block, Effect, Field, _Declared
 from gearblocks.errors import ModelError, did_you_mean
 from gearblocks.expression import Expr, evaluate
+from gearblocks.nesting import localised
 from gearblocks.signals import Input, Parameter, Table
 
 GROUND = -1
@@ -75,8 +76,11 @@ def flatten(tree: Tree, *, complete: bool = True) -> Train:
 
     def enter(node: Tree, prefix: str) -> dict[str, int]:
         local: dict[tuple[str, str], int] = {}
+        names = {name for name, _ in node.parts}
         for name, part in node.parts:
             path = prefix + name
+            if prefix and isinstance(part, Block):
+                part = localised(part, prefix, names)
             inner = _inside(name, part)
             if inner is not None:
                 for flange, i in enter(inner, path + ".").items():

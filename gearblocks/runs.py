@@ -205,6 +205,13 @@ class _Run:
         report, program = self.sim.report, self.model.program
         name = _place(program, code, report.index)
         cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
+        massless = [
+            p.path
+            for p, v in zip(program.parameters, self.sim.parameters, strict=True)
+            if p.path.endswith(".J") and v == 0
+        ]
+        if code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and massless:
+            remedy = f"{', '.join(massless[:3])} = 0: a shaft without any inertia is not available, give it some"
         return SimulationError(report.t, name, cause, remedy, run)
 
 
