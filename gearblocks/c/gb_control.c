@@ -27,26 +27,28 @@ static void measure_noise(gb_sim *sim, const double *tau) {
 }
 
 /* 1 / (rtol size + h noise). The size of a state is its largest value so far, its natural scale where the train knows
- * one, and before the first step what its rate gives. `trial` counts too where a state has no size at all. */
+ * one, and before the first step what its rate gives; never less than a small part of the largest of its kind (a front
+ * that runs along a chain is not followed into its last digit). `trial` counts too where a state has no size at all. */
 void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial) {
     gb_head *head = sim->head;
-    const int n = sim->model->n;
-    const double floor_factor = 1e-10;
-    double largest = 0.0;
+    const int n = sim->model->n, speeds = n - sim->model->n_speeds;
+    const double floor_factor[2] = {1e-10, sim->model->n_speeds > 0 ? 1e-6 : 1e-10};
+    double largest[2] = {0.0, 0.0}; /* of coordinates and states of blocks, of speeds */
     if (head->steps >= head->noise_at) {
         measure_noise(sim, tau);
         head->noise_at = 2 * head->steps + 1;
     }
     for (int i = 0; i < n; i++) {
-        largest = gb_max(largest, gb_max(sim->peak[i], trial ? fabs(trial[i]) : 0.0));
+        largest[i >= speeds] = gb_max(largest[i >= speeds], gb_max(sim->peak[i], trial ? fabs(trial[i]) : 0.0));
     }
     head->poor = 0;
     for (int i = 0; i < n; i++) {
-        double size = gb_max(gb_max(sim->peak[i], sim->scale[i]), floor_factor * largest);
+        const double least = floor_factor[i >= speeds] * largest[i >= speeds];
+        double size = gb_max(gb_max(sim->peak[i], sim->scale[i]), least);
         if (head->steps == 0) {
             size = gb_max(size, fabs(h * sim->k[i]));
         }
-        if (sim->peak[i] <= floor_factor * largest) {
+        if (sim->peak[i] <= least) {
             head->poor = 1;
             size = trial ? gb_max(size, fabs(trial[i])) : size;
         }

@@ -25,6 +25,7 @@ typedef struct gb_model {
     const char *key; /* hash of the canonical content */
 
     int n;            /* states under error control */
+    int n_speeds;     /* the last of these are speeds (0: not known) */
     int n_padded;     /* n rounded up; the tail starts here */
     int n_tail;       /* riders and ledger integrals */
     int n_angles;     /* the first entries of the tail that are angles; the others are energies */
