@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from gearblocks.coordinates import Combination, Elimination
-from gearblocks.errors import ModelError, did_you_mean
+from gearblocks.errors import ModelError
 from gearblocks.graph import GROUND, Component, Train, numbers_of, structure_of
 from gearblocks.laws import Law, derive, exact_value
 from gearblocks.rational import Exact, exact
@@ -47,10 +47,8 @@ class StartValues:
 
     phi0: str
     phi0_gain: Exact
-    phi0_given: bool
     w0: str
     w0_gain: Exact
-    w0_given: bool
 
 
 @dataclass(slots=True)
@@ -80,7 +78,7 @@ class Assembly:
 def assemble(train: Train) -> Assembly:
     """Laws per kind, ties, groups, relative coordinates and batches of a train.
 
-    Raises ModelError for contradicting ties, shafts without inertia and start values that disagree.
+    Raises ModelError for contradicting ties and shafts without inertia.
     """
     laws = _laws(train)
     known = _exact_values(train, laws)
@@ -218,7 +216,7 @@ def _starts(train: Train, laws: list[Law], assembly: Assembly) -> list[StartValu
                     raise ModelError(f"'{c.path}': w0 = {value!r} rad/s, but a Fixed holds this shaft; leave w0 out")
                 if group != HELD and (group not in owners or (given and not owners[group][2])):
                     owners[group] = (c.path, gain, given)
-    return [StartValues(*found["phi0"][g], *found["w0"][g]) for g in range(assembly.n_groups)]
+    return [StartValues(*found["phi0"][g][:2], *found["w0"][g][:2]) for g in range(assembly.n_groups)]
 
 
 # -- coordinates and batches ------------------------------------------------------------------------------------------
@@ -303,11 +301,3 @@ def _append(
         column.append(source)
     for symbol, value in values.values.items():
         batch.exact.setdefault(symbol, []).append(value)
-
-
-def find_output(names: Iterable[str], wanted: str, what: str) -> str:
-    """`wanted` if it is among the names, else a ModelError with the near ones."""
-    known = list(names)
-    if wanted in known:
-        return wanted
-    raise ModelError(f"{what} '{wanted}' does not exist{did_you_mean(wanted, known)}")

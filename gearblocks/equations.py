@@ -17,7 +17,7 @@ from gearblocks.errors import ModelError
 from gearblocks.expression import to_sympy
 from gearblocks.graph import GROUND, Component, Train, structure_of
 from gearblocks.laws import Law, derive
-from gearblocks.printer import latex_text, mathml_text, plain_text
+from gearblocks.printer import latex_text, plain_text
 from gearblocks.symbols import ContactSide, DeadZone, clock
 
 _LETTERS = {
@@ -151,10 +151,6 @@ class Equations:
     def latex_of(self, expr: Any) -> str:
         """LaTeX of one expression with the names of this train."""
         return latex_text(expr, self._names(expr))
-
-    def mathml_of(self, expr: Any) -> str:
-        """Presentation MathML of one expression or equation."""
-        return mathml_text(expr)
 
     def _names(self, expr: Any) -> dict[Any, str]:
         names = dict(self.symbol_names)

@@ -75,9 +75,4 @@ def plain_text(expr: Any) -> str:
     return str(sp.sstr(expr))
 
 
-def mathml_text(expr: Any) -> str:
-    """Presentation MathML for an expression or equation."""
-    return str(sp.printing.mathml(expr, printer="presentation"))
-
-
-__all__ = ["c_text", "latex_text", "mathml_text", "plain_text"]
+__all__ = ["c_text", "latex_text", "plain_text"]

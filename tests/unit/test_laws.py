@@ -1,0 +1,56 @@
+"""The law of a kind: what its energies leave unexplained."""
+
+import pytest
+
+import gearblocks as gb
+from gearblocks.laws import derive
+
+MESH = {"teeth": (23, 41), "r_base": (0.03, 0.03 * 41 / 23), "external": True, "k": 2e8, "c": 300.0}
+GAP = gb.Backlash(half_gap=3e-5)
+PASSIVE = {
+    "shaft": gb.Shaft(k=1e4, c=1.0),
+    "nonlinear shaft": gb.Shaft(torque=100 * gb.twist + 1e4 * gb.twist**3, c=1.0),
+    "damper": gb.Damper(c=1.0),
+    "speed load": gb.SpeedLoad(coeffs=(1.0, 2.0, 3.0)),
+    "mesh over the angle": gb.GearMesh(
+        **MESH, stiffness_variation=gb.Fourier(cos=(0.2,)), transmission_error=gb.Harmonic(sin=(1e-6,)), backlash=GAP
+    ),
+    **{
+        f"lash, {choice}": gb.Lash(k=1e3, half_gap=0.1, c=2.0, contact_damping=choice)
+        for choice in ("clipped", "clipped_force", "always")
+    },
+}
+
+
+class Leaky(gb.Block):
+    """A damper that claims to lose half of what it takes."""
+
+    a, b = gb.Flange("left"), gb.Flange("right")
+    c: float = gb.param("damping", "N m s/rad")
+
+    def physics(self, s):
+        rate = s.b.w - s.a.w
+        yield gb.Force(s.b.phi - s.a.phi, s.c * rate)
+        yield gb.Energy(loss=s.c * rate**2 / 2)
+
+
+def _law(block):
+    return derive(block, frozenset(name for name, flange in type(block).flanges.items() if flange.ground))
+
+
+@pytest.mark.parametrize("block", PASSIVE.values(), ids=PASSIVE.keys())
+def test_a_passive_block_supplies_nothing(block):
+    assert _law(block).supplied is None
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        Leaky(c=1.0),
+        gb.GearMesh(**MESH, stiffness_variation=gb.Fourier(cos=(0.2,), driven_by=500.0)),
+        gb.Torque(tau=1.0),
+    ],
+    ids=["wrong loss", "parametric", "source"],
+)
+def test_what_the_energies_do_not_explain_is_supplied(block):
+    assert _law(block).supplied is not None
