@@ -20,6 +20,19 @@ enum {
 /* One block of a padded vector. The same operations in the same order whatever the width of the machine's registers. */
 typedef double gb_block __attribute__((vector_size(GB_PAD * sizeof(double)), aligned(sizeof(double)), may_alias));
 
+/* A square sparse matrix with symmetric pattern, factored as L D U in a fixed order without pivoting.
+ *
+ * The unknown eliminated in step k is order[k]; column k of L has its entries in places [start[k], start[k + 1]), in
+ * the rows row[place] > k (steps of the elimination, ascending). U has the transposed pattern and the same places.
+ * Eliminating column k subtracts from the diagonal of each of its rows, and for every pair a < b of its entries from
+ * the place pair[...] (of L at (row b, column row a), and of U transposed); pairs are listed column by column, a
+ * outermost. Where every column has at most one entry (`tree`), there are no pairs. */
+typedef struct gb_pattern {
+    int n, n_places;
+    int tree;
+    const int *order, *start, *row, *pair;
+} gb_pattern;
+
 typedef struct gb_model {
     const char *name;
     const char *key; /* hash of the canonical content */
@@ -87,6 +100,21 @@ typedef struct gb_model {
 
     /* Kinetic and stored energies, one per ledger entry. */
     void (*energies)(const double *par, const double *mode, const double *tau, const double *y, double *energy);
+
+    /* For implicit methods (pattern NULL: there are none). The states are [ simple | others ]: the n_simple first ones
+     * are coordinates and angles whose rates are fixed combinations of the others, y_s' = B x. The unknowns are
+     * x = [ y[n_simple .. n) | n_hidden speeds of shafts without inertia ], pattern->n in number.
+     * With E x' = G(t, y) (E: inertia of the shafts, 1 for states of blocks, 0 for hidden speeds) the matrix of a step
+     * is S = E - g dG/dx - g^2 dG/ds B + g dE-terms,   g = gamma h. jacobian: fills diag (length pattern->n, by
+     * unknown), lower and upper (by place, factors not yet computed) and `kept` (length n_kept: what the next two
+     * need). dy: the rates at the same point. right_side: out = E r_x + g dG/ds r_s for a right side r of length n
+     * (hidden speeds: their rows alone). simple_rates: out[0 .. n_simple) = B x. */
+    int n_simple, n_hidden, n_kept;
+    const gb_pattern *pattern;
+    void (*jacobian)(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
+                     double g, double *diag, double *lower, double *upper, double *kept);
+    void (*right_side)(const double *par, const double *kept, double g, const double *r, double *out);
+    void (*simple_rates)(const double *par, const double *kept, const double *x, double *out);
 } gb_model;
 
 #endif
