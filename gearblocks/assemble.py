@@ -15,10 +15,10 @@ from gearblocks.graph import GROUND, Component, Train, numbers_of, structure_of
 from gearblocks.grouping import HELD, inertias, number_groups, start_values
 from gearblocks.kinematics import Driven, Follower
 from gearblocks.laws import Law, derive, exact_value
-from gearblocks.rational import Exact, exact
+from gearblocks.rational import Exact, exact, over
 from gearblocks.ties import Groups, TieRow, merge
 
-__all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble"]
+__all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble", "expand_rows", "speed_row"]
 
 
 @dataclass(slots=True)
@@ -81,6 +81,8 @@ class Assembly:
     starts: list[StartValues] = field(default_factory=list)
     in_law: bool = False
     structural: tuple[tuple[str, float], ...] = ()
+    speed_rows: dict[int, dict[int, Exact]] = field(default_factory=dict)
+    moved: dict[int, Follower] = field(default_factory=dict)
 
     @property
     def plain(self) -> bool:
@@ -92,17 +94,37 @@ class Assembly:
         """Whether angles follow by laws of their own."""
         return any(isinstance(row, Driven) for _, row in self.definitions)
 
-    def speed_row(self, group: int) -> dict[int, Exact]:
-        """Speed of a group over the speeds of free groups, by number; only for groups that follow through rows."""
-        if group < self.n_speeds + self.n_hidden:
-            return {group: 1}
-        follower = next(f for f in self.followers if f.group == group)
-        if follower.row is None:
-            raise ModelError(f"'{follower.drive.path if follower.drive else ''}' moves a shaft by a law of its own")
-        result = Combination()
-        for source, c in follower.row.groups.items():
-            result.add(Combination(self.speed_row(source)), c)
-        return result.groups
+
+def speed_row(assembly: Assembly, group: int) -> dict[int, Exact]:
+    """Speed of a group over the speeds of free groups, by number (those of shafts without inertia behind the others).
+
+    NotImplementedError where it follows through gains that change with the state.
+    """
+    row = assembly.speed_rows.get(group)
+    if row is not None:
+        return row
+    if group < assembly.n_speeds + assembly.n_hidden:
+        row = {group: 1}
+    else:
+        follower = assembly.moved[group]
+        total = Combination()
+        for source, c in _constant_gains(assembly, follower).items():
+            total.add(Combination(dict(speed_row(assembly, source))), c)
+        row = total.groups
+    assembly.speed_rows[group] = row
+    return row
+
+
+def _constant_gains(assembly: Assembly, follower: Follower) -> dict[int, Exact]:
+    if follower.row is not None:
+        return follower.row.groups
+    drive = follower.drive
+    assert drive is not None
+    law = next(b.law for b in assembly.batches if drive.component in b.components)
+    gains = law.drives[drive.number].gains
+    if not all(gains[name].is_Rational for name in drive.factors):
+        raise NotImplementedError(f"'{drive.path}' moves a shaft by gains that change with the state")
+    return {group: over(int(gains[name].p), int(gains[name].q)) * c for name, (group, c) in drive.factors.items()}
 
 
 def assemble(train: Train) -> Assembly:
@@ -119,6 +141,7 @@ def assemble(train: Train) -> Assembly:
     structural |= bodies.zeros | {(path, 0.0) for path in groups.zeros}
     assembly.structural = tuple(sorted(structural))
     number_groups(assembly, laws, bodies)
+    assembly.moved = {f.group: f for f in assembly.followers}
     assembly.starts = start_values(assembly, laws)
     _coordinates(assembly, laws, known)
     return assembly
@@ -213,7 +236,7 @@ def _dynamics(law: Law) -> list[Any]:
 def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) -> None:
     follows = {f.group: f for f in assembly.followers}
     given = frozenset(g for g, f in follows.items() if f.drive is not None and not f.drive.by_speed)
-    expanded = _expanded(assembly)
+    expanded = expand_rows(assembly)
     elimination = Elimination(given)
     batches: dict[Any, Batch] = {}
     facts: dict[int, tuple[tuple[bool, ...], bool]] = {}
@@ -241,7 +264,7 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
     assembly.definitions = _ordered(rows, follows)
 
 
-def _expanded(assembly: Assembly) -> dict[int, Combination]:
+def expand_rows(assembly: Assembly) -> dict[int, Combination]:
     """The angles of groups that follow through rows, over groups that do not."""
     found: dict[int, Combination] = {}
     for f in assembly.followers:

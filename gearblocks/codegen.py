@@ -9,14 +9,23 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assemble import HELD, Assembly
+from gearblocks.assemble import HELD, Assembly, expand_rows
 from gearblocks.batchcode import BatchCode, Places, Statement, identifier
 from gearblocks.generator import Band, Generator, Prediction
 from gearblocks.layout import column, lay_out, padded
 from gearblocks.massless import hidden_rows, lay_out_massless
 from gearblocks.motions import check_mobility, drive_functions, lay_out_mass
 from gearblocks.printer import c_text
-from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, Quantity, StartInfo, SwitchInfo
+from gearblocks.program import (
+    EnergyInfo,
+    FollowerInfo,
+    InputInfo,
+    IntegralInfo,
+    Program,
+    Quantity,
+    StartInfo,
+    SwitchInfo,
+)
 from gearblocks.senses import Sense, order_senses, reads_angles
 from gearblocks.symbols import CONSTANT
 from gearblocks.views import view
@@ -343,7 +352,7 @@ def _program(g: Generator, source: str) -> Program:
         g.assembly.train.name, source, key_of(source), tuple(lay.parameters),
         tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(states), tuple(g.switches),
         tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
-        tuple(_start_infos(g)), g.assembly.structural,
+        tuple(_start_infos(g)), g.assembly.structural, tuple(_follower_infos(g)),
     )  # fmt: skip
 
 
@@ -362,6 +371,24 @@ def _start_infos(g: Generator) -> Iterator[StartInfo]:
             first = g.lay.state_start[code.number, state]
             for e in range(code.n):
                 yield StartInfo(f"{code.paths[e]}.{state}", first + e, 1.0)
+
+
+def _follower_infos(g: Generator) -> Iterator[FollowerInfo]:
+    """Start values of bodies on shafts that follow through ties."""
+    a = g.assembly
+    expanded = expand_rows(a)
+    for code in g.codes:
+        for flange, _ in code.law.bodies:
+            for e, group in enumerate(code.batch.groups[flange]):
+                if group not in expanded:
+                    continue
+                gain, row = code.batch.gains[flange][e], expanded[group]
+                offsets = {g.lay.path_of[path]: float(gain * c) for path, c in row.offsets.items()}
+                phi = {g.lay.phi0[s]: float(gain * c / a.starts[s].phi0_gain) for s, c in row.groups.items()}
+                yield FollowerInfo(f"{code.paths[e]}.phi", (*phi, *offsets), (*phi.values(), *offsets.values()))
+                if all(s < a.n_speeds for s in row.groups):
+                    w = {g.lay.w0[s]: float(gain * c / a.starts[s].w0_gain) for s, c in row.groups.items()}
+                    yield FollowerInfo(f"{code.paths[e]}.w", tuple(w), tuple(w.values()))
 
 
 def _render(g: Generator, angles: bool) -> str:

@@ -21,7 +21,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.nesting",),
     ("gearblocks.graph",),
     ("gearblocks.drives", "gearblocks.laws", "gearblocks.ties", "gearblocks.coordinates", "gearblocks.kinematics"),
-    ("gearblocks.grouping", "gearblocks.assemble", "gearblocks.equations"),
+    ("gearblocks.grouping", "gearblocks.assemble", "gearblocks.carrying", "gearblocks.equations"),
     ("gearblocks.methods", "gearblocks.hoist", "gearblocks.layout", "gearblocks.pattern"),
     (
         "gearblocks.batchcode",
