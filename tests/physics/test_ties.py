@@ -165,7 +165,7 @@ def test_an_input_as_a_prescribed_motion_needs_a_filter() -> None:
             drive, load = rig.add("drive", kind(**{signal: value}, filter=filtered)), rig.add("load", gb.Inertia(J=1.0))
             rig.connect(drive.flange, load.a)
             if filtered is None:
-                with pytest.raises(gb.ModelError, match="no time derivative.*filter="):
+                with pytest.raises(gb.ModelError, match=r"no time derivative.*filter="):
                     gb.build(rig)
                 continue
             run = gb.simulate(
