@@ -18,6 +18,7 @@ from gearblocks.errors import ModelError, did_you_mean
 from gearblocks.expression import Expr, evaluate
 from gearblocks.nesting import localised
 from gearblocks.signals import Input, Parameter, Table
+from gearblocks.sliding import sliders_of, sliding_nodes
 
 GROUND = -1
 """The node number of a flange that means the ground because nothing is connected to it."""
@@ -50,6 +51,8 @@ class Component:
     path: str
     block: Block
     nodes: tuple[int, ...]
+    sliders: frozenset[str] = frozenset()  # flanges that slide
+    slides: bool = False  # whether those slide that take both: units are then those of sliders
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,12 +140,15 @@ def _number(
             problems.append(
                 f"{type(block).__name__} '{path}' is connected to itself: two of its flanges share one node"
             )
-        components.append(Component(path, block, tuple(nodes)))
+        components.append((path, block, tuple(nodes)))
+    sliding, mixed = sliding_nodes(components, len(numbers))
+    problems += mixed
     if problems and complete:
         raise ModelError(problems)
     if not components:
         raise ModelError(f"the drivetrain '{tree.name}' is empty: add blocks")
-    return Train(tree.name, tuple(components), len(numbers), tree.coordinates)
+    flat = tuple(Component(*c, *sliders_of(c[1], c[2], sliding)) for c in components)
+    return Train(tree.name, flat, len(numbers), tree.coordinates)
 
 
 # -- structure --------------------------------------------------------------------------------------------------------

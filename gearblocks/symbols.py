@@ -154,6 +154,21 @@ class FlangeSymbols:
         return self._pool.symbol("tau", self._name, f"tau_{self._name}")
 
     @property
+    def s(self) -> Any:
+        """Position of a slider [m]: phi by its other name."""
+        return self.phi
+
+    @property
+    def v(self) -> Any:
+        """Speed of a slider [m/s]: w by its other name."""
+        return self.w
+
+    @property
+    def f(self) -> Any:
+        """Force that the block exerts on a slider [N]: tau by its other name."""
+        return self.tau
+
+    @property
     def mobility(self) -> Any:
         """1/J of everything tied rigidly to the flange."""
         return self._pool.symbol("mobility", self._name, f"mobility_{self._name}")

@@ -18,7 +18,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.symbols", "gearblocks.branches", "gearblocks.contributions", "gearblocks.printer"),
     ("gearblocks.effects",),
     ("gearblocks.blocks",),
-    ("gearblocks.nesting",),
+    ("gearblocks.nesting", "gearblocks.sliding"),
     ("gearblocks.graph",),
     ("gearblocks.laws", "gearblocks.ties", "gearblocks.coordinates", "gearblocks.assemble", "gearblocks.equations"),
     ("gearblocks.methods", "gearblocks.hoist", "gearblocks.layout"),
