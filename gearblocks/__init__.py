@@ -47,6 +47,7 @@ from gearblocks.errors import (
 )  # fmt: skip
 from gearblocks.expression import cos, piecewise, sin
 from gearblocks.library import Model
+from gearblocks.maps import Table2
 from gearblocks.signals import Input, Parameter, Table, sense, time, twist
 from gearblocks.trajectory import Trajectory
 from gearblocks.units import rpm
@@ -57,7 +58,7 @@ __all__ = [
     "Acts", "Backlash", "Block", "Body", "CompileError", "Damper", "Drivetrain", "Effect", "Energy", "Fixed", "Flange",
     "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Mass", "Model",
     "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rack", "Rate", "Shaft", "Shows",
-    "SimulationError", "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory",
-    "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm",
-    "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "SimulationError", "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Table2", "Tie", "Torque",
+    "Trajectory", "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare",
+    "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip

@@ -14,9 +14,11 @@ from gearblocks.batchcode import BatchCode, Places, Statement, identifier
 from gearblocks.generator import Band, Generator, Prediction
 from gearblocks.graph import Component
 from gearblocks.layout import column, lay_out, padded
+from gearblocks.maps import Table2
 from gearblocks.printer import c_text
 from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, Quantity, StartInfo, SwitchInfo
 from gearblocks.senses import Sense, order_senses, reads_angles
+from gearblocks.signals import Table
 from gearblocks.sliding import flange_names, start_fields, unit_along, words_along
 from gearblocks.symbols import CONSTANT
 from gearblocks.views import view
@@ -52,7 +54,7 @@ def _columns(g: Generator) -> None:
         own = {path: i for (b, path), i in g.lay.own.items() if b == number}
         places = Places(own, inverse_mass=g.inverse_mass, senses={p: s.index for p, s in g.senses.items()})
         places.tables = {
-            x: _table_name(g, slot.of) for x, slot in batch.law.pool.slots.items() if slot.role == "table"
+            x: _table_name(g, slot.of) for x, slot in batch.law.pool.slots.items() if slot.role in ("table", "table2")
         }  # fmt: skip
         code = BatchCode(g.lay, number, batch, places)
         for symbol, values in batch.exact.items():
@@ -68,8 +70,11 @@ def _columns(g: Generator) -> None:
         _hoisted(g, code)
 
 
-def _table_name(g: Generator, table: Any) -> str:
-    return g.tables.setdefault(table.digest(), (f"table_{len(g.tables)}", table))[0]  # type: ignore[no-any-return]
+def _table_name(g: Generator, table: Table | Table2) -> str:
+    if isinstance(table, Table2):
+        axes = [_table_name(g, axis) for axis in table.axes]
+        return g.maps.setdefault(table.digest(), (f"map_{len(g.maps)}", table, axes))[0]
+    return g.tables.setdefault(table.digest(), (f"table_{len(g.tables)}", table))[0]
 
 
 def _switches(g: Generator) -> None:

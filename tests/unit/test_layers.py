@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.errors", "gearblocks.rational"),
     ("gearblocks.units", "gearblocks.files", "gearblocks.program", "gearblocks.cache", "gearblocks.compiler"),
-    ("gearblocks.expression", "gearblocks.signals"),
+    ("gearblocks.expression", "gearblocks.signals", "gearblocks.maps"),
     ("gearblocks.declare",),
     ("gearblocks.symbols", "gearblocks.branches", "gearblocks.contributions", "gearblocks.printer"),
     ("gearblocks.effects",),
