@@ -1,10 +1,16 @@
 """Drivetrain dynamics: blocks are composed, assembled into equations of motion, and run in generated C."""
 
 from gearblocks.blocks import (
+    BeltDrive,
+    Creep,
     Damper,
+    DCMotor,
+    EddyCurrentBrake,
+    Engine,
     Fixed,
     Force,
     GearMesh,
+    Governor,
     IdealGear,
     Inertia,
     Lash,
@@ -14,6 +20,10 @@ from gearblocks.blocks import (
     SpeedLoad,
     SplineCoupling,
     Torque,
+    TorqueConverter,
+    TyreSlip,
+    UniversalJoint,
+    Vehicle,
 )
 from gearblocks.declare import (
     Acts,
@@ -55,10 +65,12 @@ from gearblocks.units import rpm
 __version__ = "0.1.0"
 
 __all__ = [
-    "Acts", "Backlash", "Block", "Body", "CompileError", "Damper", "Drivetrain", "Effect", "Energy", "Fixed", "Flange",
-    "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Mass", "Model",
-    "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rack", "Rate", "Shaft", "Shows",
+    "Acts", "Backlash", "BeltDrive", "Block", "Body", "CompileError", "Creep", "DCMotor", "Damper", "Drivetrain",
+    "EddyCurrentBrake", "Effect", "Energy", "Engine", "Fixed", "Flange", "Force", "Fourier", "GearMesh",
+    "GearblocksError", "Governor", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Mass", "Model", "ModelError",
+    "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rack", "Rate", "Shaft", "Shows",
     "SimulationError", "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Table2", "Tie", "Torque",
-    "Trajectory", "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare",
-    "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "build", "classify",
+    "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin",
+    "stroboscopic", "time", "twist",
 ]  # fmt: skip
