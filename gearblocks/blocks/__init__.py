@@ -2,19 +2,21 @@
 
 from gearblocks.blocks.bodies import Fixed, Inertia
 from gearblocks.blocks.couplings import BeltDrive, Creep, TorqueConverter, UniversalJoint
-from gearblocks.blocks.gears import GearMesh, IdealGear
+from gearblocks.blocks.gears import Differential, GearMesh, IdealGear, IdealPlanetary
 from gearblocks.blocks.machines import DCMotor, EddyCurrentBrake, Engine, Governor
 from gearblocks.blocks.sliders import Force, Mass, Rack
-from gearblocks.blocks.sources import SpeedLoad, Torque
+from gearblocks.blocks.sources import Angle, Speed, SpeedLoad, Torque
 from gearblocks.blocks.spline import SplineCoupling
 from gearblocks.blocks.springs import Damper, Lash, Shaft
 from gearblocks.blocks.vehicles import TyreSlip, Vehicle
 
 __all__ = [
+    "Angle",
     "BeltDrive",
     "Creep",
     "DCMotor",
     "Damper",
+    "Differential",
     "EddyCurrentBrake",
     "Engine",
     "Fixed",
@@ -22,11 +24,13 @@ __all__ = [
     "GearMesh",
     "Governor",
     "IdealGear",
+    "IdealPlanetary",
     "Inertia",
     "Lash",
     "Mass",
     "Rack",
     "Shaft",
+    "Speed",
     "SpeedLoad",
     "SplineCoupling",
     "Torque",
