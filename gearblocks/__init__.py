@@ -2,19 +2,32 @@
 
 from gearblocks.blocks import (
     Angle,
+    BeltDrive,
+    Creep,
     Damper,
+    DCMotor,
     Differential,
+    EddyCurrentBrake,
+    Engine,
     Fixed,
+    Force,
     GearMesh,
+    Governor,
     IdealGear,
     IdealPlanetary,
     Inertia,
     Lash,
+    Mass,
+    Rack,
     Shaft,
     Speed,
     SpeedLoad,
     SplineCoupling,
     Torque,
+    TorqueConverter,
+    TyreSlip,
+    UniversalJoint,
+    Vehicle,
 )
 from gearblocks.declare import (
     Acts,
@@ -23,7 +36,6 @@ from gearblocks.declare import (
     Effect,
     Energy,
     Flange,
-    Force,
     Motion,
     Parts,
     Potential,
@@ -51,6 +63,7 @@ from gearblocks.errors import (
 )  # fmt: skip
 from gearblocks.expression import cos, piecewise, sin
 from gearblocks.library import Model
+from gearblocks.maps import Table2
 from gearblocks.signals import Input, Parameter, Table, sense, time, twist
 from gearblocks.trajectory import Trajectory
 from gearblocks.units import rpm
@@ -58,11 +71,12 @@ from gearblocks.units import rpm
 __version__ = "0.1.0"
 
 __all__ = [
-    "Acts", "Angle", "Backlash", "Block", "Body", "CompileError", "Damper", "Differential", "Drivetrain", "Effect",
-    "Energy", "Fixed", "Flange", "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear",
-    "IdealPlanetary", "Inertia", "Input", "Lash", "Model", "ModelError", "Motion", "Parameter", "ParameterError",
-    "Parts", "Potential", "Profile", "Rate", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad",
-    "SplineCoupling", "Square", "Start", "State", "Switch", "Table", "Tie", "Torque", "Trajectory", "UnknownNameError",
-    "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal",
-    "simulate", "sin", "stroboscopic", "time", "twist",
+    "Acts", "Angle", "Backlash", "BeltDrive", "Block", "Body", "CompileError", "Creep", "DCMotor", "Damper",
+    "Differential", "Drivetrain", "EddyCurrentBrake", "Effect", "Energy", "Engine", "Fixed", "Flange", "Force",
+    "Fourier", "GearMesh", "GearblocksError", "Governor", "Harmonic", "IdealGear", "IdealPlanetary", "Inertia",
+    "Input", "Lash", "Mass", "Model", "ModelError", "Motion", "Parameter", "ParameterError", "Parts", "Potential",
+    "Profile", "Rack", "Rate", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square",
+    "Start", "State", "Switch", "Table", "Table2", "Tie", "Torque", "TorqueConverter", "Trajectory", "TyreSlip",
+    "UniversalJoint", "UnknownNameError", "Vehicle", "build", "classify", "cos", "effect", "exact", "option", "param",
+    "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip

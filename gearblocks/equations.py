@@ -20,6 +20,7 @@ from gearblocks.expression import to_sympy
 from gearblocks.graph import GROUND, Component, Train, structure_of
 from gearblocks.laws import Law, derive
 from gearblocks.printer import latex_text, plain_text
+from gearblocks.sliding import flange_names, slider_names
 from gearblocks.symbols import ContactSide, DeadZone, clock
 
 _LETTERS = {
@@ -225,10 +226,11 @@ class _Writer:
     def __init__(self, assembly: Assembly) -> None:
         self.assembly = assembly
         self.laws: dict[Any, Law] = {}
-        owners = [start.phi0 for start in assembly.starts]
-        owners += [f"shaft{group}" for group in range(len(owners), assembly.n_groups)]
-        self.q = [sp.Symbol(f"phi_{_flat(name)}", real=True) for name in owners]
-        self.v = [sp.Symbol(f"w_{_flat(name)}", real=True) for name in owners]
+        sliders = slider_names(assembly.train.components)
+        names = [(*flange_names(start.phi0 in sliders), _flat(start.phi0)) for start in assembly.starts]
+        names += [(*flange_names(False), f"shaft{group}") for group in range(len(names), assembly.n_groups)]
+        self.q = [sp.Symbol(f"{angle}_{owner}", real=True) for angle, _, _, _, owner in names]
+        self.v = [sp.Symbol(f"{speed}_{owner}", real=True) for _, speed, _, _, owner in names]
         n = assembly.n_groups
         self.drives: dict[tuple[int, int], Drive] = {}
         self.mass: list[Any] = [sp.Integer(0)] * n
