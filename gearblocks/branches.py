@@ -166,7 +166,8 @@ class Freezer:
         for switch in self.switches:
             if switch.table == table and switch.surface == x:
                 return TableAt(table, x, order, switch.symbol)
-        if not self.locating:
+        smooth = not getattr(self.pool.slots[table].of, "joints", True)
+        if not self.locating or smooth or self.pool.level(x) == CONSTANT:
             return TableAt(table, x, order)
         return TableAt(table, x, order, self._add("table", x, table).symbol)
 

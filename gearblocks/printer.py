@@ -8,7 +8,7 @@ from typing import Any
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
-_OWN_FUNCTIONS = {"sin": "gb_sin", "cos": "gb_cos"}  # the same bits on every platform, and vectorisable
+_OWN_FUNCTIONS = {"sin": "gb_sin", "cos": "gb_cos", "atan": "gb_atan"}  # the same bits on every platform, and vectorisable
 
 
 class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
@@ -37,6 +37,9 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
         table, x, order, *mode = expr.args
         where = self._print(mode[0]) if mode else f"gb_table_segment(&{self._print(table)}, {self._print(x)})"
         return f"gb_table_value(&{self._print(table)}, {where}, {self._print(x)}, {int(order)})"
+
+    def _print_EllipseLead(self, expr: Any) -> str:
+        return str(self._print(expr.written_out()))
 
     def _print_Integer(self, expr: Any) -> str:
         return f"{int(expr)}.0"

@@ -2,6 +2,7 @@
 
 from gearblocks.blocks.bodies import Fixed, Inertia
 from gearblocks.blocks.gears import GearMesh, IdealGear
+from gearblocks.blocks.noncircular import NonCircularGear
 from gearblocks.blocks.sources import SpeedLoad, Torque
 from gearblocks.blocks.spline import SplineCoupling
 from gearblocks.blocks.springs import Damper, Lash, Shaft
@@ -13,6 +14,7 @@ __all__ = [
     "IdealGear",
     "Inertia",
     "Lash",
+    "NonCircularGear",
     "Shaft",
     "SpeedLoad",
     "SplineCoupling",
