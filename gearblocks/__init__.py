@@ -46,6 +46,7 @@ from gearblocks.errors import (
 )  # fmt: skip
 from gearblocks.expression import cos, piecewise, sin
 from gearblocks.library import Model
+from gearblocks.pitch import design_ratio
 from gearblocks.ratio_law import RatioLaw, RatioLawError, driver_angle
 from gearblocks.signals import Input, Parameter, Table, sense, time, twist
 from gearblocks.trajectory import Trajectory
@@ -57,8 +58,8 @@ __all__ = [
     "Acts", "Backlash", "Block", "Body", "CompileError", "Damper", "Drivetrain", "Effect", "Energy", "Fixed", "Flange",
     "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Model",
     "ModelError", "NonCircularGear", "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rate", "RatioLaw",
-    "RatioLawError", "Shaft", "Shows", "SimulationError",
-    "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory",
-    "UnknownNameError", "build", "classify", "cos", "driver_angle", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm",
-    "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "RatioLawError", "Shaft", "Shows", "SimulationError", "SpeedLoad", "SplineCoupling", "Square", "State", "Switch",
+    "Table", "Tie", "Torque", "Trajectory", "UnknownNameError", "build", "classify", "cos", "design_ratio",
+    "driver_angle", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate",
+    "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip

@@ -8,7 +8,11 @@ from typing import Any
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
-_OWN_FUNCTIONS = {"sin": "gb_sin", "cos": "gb_cos", "atan": "gb_atan"}  # the same bits on every platform, and vectorisable
+_OWN_FUNCTIONS = {
+    "sin": "gb_sin",
+    "cos": "gb_cos",
+    "atan": "gb_atan",
+}  # the same bits on every platform, and vectorisable
 
 
 class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types

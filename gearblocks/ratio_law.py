@@ -67,7 +67,7 @@ class RatioLaw:
     scaled: float = 1.0
 
     def __post_init__(self) -> None:
-        low = self.range
+        low = self.m_range
         if low.smallest <= 0:
             message = f"m = {low.smallest:.9g} at phi = {math.degrees(low.smallest_at):.6g} deg, but m must stay > 0"
             raise RatioLawError(f"{self!r}: {message}", low.smallest, low.smallest_at)
@@ -161,8 +161,22 @@ class RatioLaw:
         more = np.floor(angle / TURN)
         return np.asarray(lobes // self.n2 + more, dtype=float), np.asarray(angle - more * TURN)
 
+    def inverse(self, angle: ArrayLike) -> Array:
+        """Angle of gear 1 [rad] at which gear 2 stands at the given angle [rad]: Newton's method inside of bounds."""
+        angle = np.asarray(angle, dtype=float)
+        whole = np.floor(angle / self.gain)
+        rest = angle - whole * self.gain
+        low, high = np.zeros_like(rest), np.full_like(rest, self.period)
+        phi = 0.5 * (low + high)
+        for _ in range(60):
+            wrong = self.F(phi) - rest
+            low, high = np.where(wrong < 0, phi, low), np.where(wrong < 0, high, phi)
+            step = phi - wrong / self.m(phi)
+            phi = np.where((step >= low) & (step <= high), step, 0.5 * (low + high))
+        return np.asarray(phi + whole * self.period)
+
     @cached_property
-    def range(self) -> Extremes:
+    def m_range(self) -> Extremes:
         """Smallest and largest m."""
         return extremes(self.m, self.dm, self.period)
 

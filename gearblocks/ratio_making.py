@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from gearblocks.errors import ParameterError
 from gearblocks.expression import Expr, as_expr, evaluate, is_sympy, leaf_symbol_class, to_sympy
 from gearblocks.ratio_curves import Array, Curve, Pieces, Waves
-from gearblocks.ratio_law import TURN, RatioLaw, RatioLawError, driver_angle
+from gearblocks.ratio_law import TURN, RatioLaw, RatioLawError, driver_angle, extremes
 
 FIT_DEGREE = 12
 FIT_WANTED, FIT_ALLOWED = 1e-13, 1e-10
@@ -88,20 +88,24 @@ def largest_segment(k: float, b: float, n1: int, n2: int) -> float | None:
     """The longest working segment [rad] for which m > 0, to 1e-12; None where there is none."""
     T = TURN / n1
 
-    def feasible(X: float) -> bool:
+    def smallest(X: float) -> float:
         curve = _line_and_transition(k, b, X, n1, n2)
-        phi = np.concatenate([np.linspace(0.0, X, 3), np.linspace(X, T, 2001)])
-        return bool((n1 / n2 + curve.value(phi, 1)).min() > 0)
+        return extremes(lambda x: n1 / n2 + curve.value(x, 1), lambda x: curve.value(x, 2), T, 720).smallest
 
-    tried = np.linspace(0.0, T, 721)[1:-1]
-    good = [i for i, X in enumerate(tried) if feasible(float(X))]
-    if not good:
+    def seems_feasible(X: float) -> bool:
+        curve = _line_and_transition(k, b, X, n1, n2)
+        return bool((n1 / n2 + curve.value(np.concatenate([[0.0], np.linspace(X, T, 500)]), 1)).min() > 0)
+
+    tried = np.linspace(0.0, T, 721)
+    for i in range(719, 0, -1):
+        if seems_feasible(tried[i]) and smallest(tried[i]) > 0:
+            low, high = float(tried[i]), float(tried[i + 1])
+            break
+    else:
         return None
-    low = float(tried[good[-1]])
-    high = float(tried[good[-1] + 1]) if good[-1] + 1 < len(tried) else T
     while high - low > 1e-12:
         middle = (low + high) / 2
-        low, high = (middle, high) if feasible(middle) else (low, middle)
+        low, high = (middle, high) if smallest(middle) > 0 else (low, middle)
     return low
 
 
@@ -138,7 +142,9 @@ def _of_driver_angle(m: Any) -> Expr:
     if is_sympy(m):
         symbols = [x for x in m.free_symbols if not hasattr(x, "leaf")]
         if len(symbols) > 1:
-            raise ParameterError(f"m = '{m}' has the symbols {', '.join(sorted(map(str, symbols)))}; leave one, the angle")
+            raise ParameterError(
+                f"m = '{m}' has the symbols {', '.join(sorted(map(str, symbols)))}; leave one, the angle"
+            )
         m = m.xreplace({x: leaf_symbol_class()(driver_angle) for x in symbols})
     expr = as_expr(m)
     for leaf in expr.leaves():

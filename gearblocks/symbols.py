@@ -49,6 +49,13 @@ class TableAt(sp.Function):  # type: ignore[misc]  # sympy carries no types
         table, x, order, *mode = self.args
         return TableAt(table, x, order + 1, *mode)
 
+    def _sympystr(self, printer: Any) -> str:
+        return "{0}{2}({1})".format(*map(printer.doprint, self.args[:2]), "'" * int(self.args[2]))
+
+    def _latex(self, printer: Any) -> str:
+        table, x = map(printer.doprint, self.args[:2])
+        return rf"{table}{chr(39) * int(self.args[2])}\left({x}\right)"
+
 
 class DeadZone(sp.Function):  # type: ignore[misc]  # sympy carries no types
     """g(x) = x - b (x > b), 0, x + b (x < -b) for order 0; its integral for order -1, its slopes above."""
@@ -90,7 +97,7 @@ class EllipseLead(sp.Function):  # type: ignore[misc]  # sympy carries no types
     def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
         """The derivative by x, a rational function of cos x."""
         x, e = self.args
-        return (1 - e**2) / (1 + e**2 - 2 * e * sp.cos(x)) - 1
+        return 2 * e * (sp.cos(x) - e) / (1 + e**2 - 2 * e * sp.cos(x))
 
     def written_out(self) -> Any:
         """The definition."""
@@ -99,6 +106,9 @@ class EllipseLead(sp.Function):  # type: ignore[misc]  # sympy carries no types
 
     def _eval_evalf(self, prec: int) -> Any:
         return self.written_out()._eval_evalf(prec)
+
+    def _sympystr(self, printer: Any) -> str:
+        return str(printer.doprint(self.written_out()))
 
     def _latex(self, printer: Any) -> str:
         return str(printer.doprint(self.written_out()))
@@ -236,10 +246,12 @@ class Symbols:
     def turned(self, law: RatioLaw, x: Any) -> Any:
         """F(x) of a ratio law: its mean ratio times x, exactly, and a periodic part."""
         curve = law.curve
+        if sp.sympify(x).is_zero:
+            return sp.Integer(0)
         if isinstance(curve, Ellipse):
             ripple = EllipseLead(curve.n * x, sp.Float(curve.e)) / curve.n
         elif isinstance(curve, Pieces):
-            table = self._pool.symbol("table", curve, f"law_{curve.digest()}")
+            table = self._pool.symbol("table", curve, f"ripple_{curve.digest()}")
             ripple = TableAt(table, x, sp.Integer(0))
         else:
             ripple = curve.symbolic(x)

@@ -71,7 +71,7 @@ GB_MATH_INLINE double gb_cos(double x) {
     return r.quadrant * r.quadrant == 1.0 ? odd : even;
 }
 
-/* Error below 1 ulp. atan a = base + atan t with t = a, (a - 1)/(a + 1) or -1/a and |t| <= tan(pi/8). */
+/* Error below 2 ulp. atan a = base + atan t with t = a, (a - 1)/(a + 1) or -1/a and |t| <= tan(pi/8). */
 GB_MATH_INLINE double gb_atan(double x) {
     const double a = x < 0.0 ? -x : x;
     const int above = a > 0x1.a827999fcef32p-2, far = a > 0x1.3504f333f9de6p+1;

@@ -1,4 +1,5 @@
-/* Tables inside laws: points joined by lines, a spline, held from the left, or polynomials of any degree between joints.
+/* Tables inside laws: points joined by lines, a spline, held from the left, or polynomials of any degree between
+ * joints.
  *
  * The mode of a table is the number of the segment in use: -1 and n - 1 are the held ends, 0 .. n - 2 the segments
  * between; a periodic table counts on (whole periods times n - 1). A segment is continued smoothly past its joints.
