@@ -53,7 +53,9 @@ def test_the_design_of_norm_is_that_of_the_reference():
     span, (one, two) = design.law.m_range, design.pair.curvatures
     assert design.transition == pytest.approx(63.0, rel=1e-14)
     assert (span.smallest, span.largest) == pytest.approx((float(true["m_min"]), float(true["m_max"])), abs=1e-13)
-    assert (span.smallest_at, span.largest_at) == pytest.approx((float(true["at_min"]), float(true["at_max"])), abs=1e-12)
+    assert (span.smallest_at, span.largest_at) == pytest.approx(
+        (float(true["at_min"]), float(true["at_max"])), abs=1e-12
+    )
     assert 1e3 * design.pair.length == pytest.approx(geometry["len1"], rel=1e-13)
     # the reference took these extremes from a grid: an extreme is missed by less than 1e-5 of its size, its place by a step
     assert one.smallest == pytest.approx(1e3 * geometry["kappa1_min"], rel=1e-5)
@@ -70,7 +72,9 @@ def test_the_design_of_norm_is_that_of_the_reference():
 
 def test_the_printed_law_is_refused_with_its_smallest_ratio_and_the_feasible_segment():
     true = _json("noncircular_design.json")["LIT_m"]
-    with pytest.raises(gb.RatioLawError, match=r"m = -4\.524.*must stay > 0.*largest feasible X is 103\.53 deg") as refusal:
+    with pytest.raises(
+        gb.RatioLawError, match=r"m = -4\.524.*must stay > 0.*largest feasible X is 103\.53 deg"
+    ) as refusal:
         gb.design_ratio(0.7, 0.5, X, E=0.2)
     assert refusal.value.m_min == pytest.approx(float(true["m_min"]), rel=1e-13)
     assert refusal.value.at == pytest.approx(float(true["at_min"]), abs=1e-12)
