@@ -44,17 +44,13 @@ class TableAt(sp.Function):  # type: ignore[misc]  # sympy carries no types
 
     nargs = (3, 4)
 
+    def _sympystr(self, printer: Any) -> str:
+        return "{0}{2}({1})".format(*map(printer.doprint, self.args[:2]), "'" * int(self.args[2]))
+
     def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
         """The next derivative."""
         table, x, order, *mode = self.args
         return TableAt(table, x, order + 1, *mode)
-
-    def _sympystr(self, printer: Any) -> str:
-        return "{0}{2}({1})".format(*map(printer.doprint, self.args[:2]), "'" * int(self.args[2]))
-
-    def _latex(self, printer: Any) -> str:
-        table, x = map(printer.doprint, self.args[:2])
-        return rf"{table}{chr(39) * int(self.args[2])}\left({x}\right)"
 
 
 class DeadZone(sp.Function):  # type: ignore[misc]  # sympy carries no types

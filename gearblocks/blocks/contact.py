@@ -37,7 +37,7 @@ def damping(s: Any, k: Any, compliance_of_bodies: Any) -> Any:
 
 def damping_problems(block: Any) -> Iterator[str]:
     """c and damping_ratio together, and choices of contact damping that do not exist."""
-    if block.c is not None and getattr(block, "damping_ratio", None) is not None:
+    if block.c is not None and block.damping_ratio is not None:
         yield "c and damping_ratio are both given; give one of them"
     choice = getattr(block, "contact_damping", "clipped")
     if choice not in ("clipped", "clipped_force", "always"):

@@ -159,7 +159,7 @@ def mesh(block: Any, s: Any, lever: Any, speed: Any, c: Any, angle: Any) -> Iter
         if isinstance(item, Force):
             yield Shows("force", item.force, "N", "mesh force N, positive on the drive side")
     if block.stiffness_variation is not None and block.stiffness_variation.driven_by == "angle":
-        yield from parametric_torque(block, s, law, s.k * factor)
+        yield from _parametric_torque(block, s, law, s.k * factor)
     yield Shows("deflection", x, "m", "deflection along the line of action")
     yield Shows("dynamic_transmission_error", x + error, "m", "deflection without the no-load error")
     yield Shows("deflection_rate", rate, "m/s", "rate of the deflection")
@@ -167,7 +167,7 @@ def mesh(block: Any, s: Any, lever: Any, speed: Any, c: Any, angle: Any) -> Iter
     yield Shows("mesh_phase", angle / (2 * sp.pi), "1", "mesh cycles turned")
 
 
-def parametric_torque(block: Any, s: Any, law: Contact, k: Any) -> Iterator[Contribution]:
+def _parametric_torque(block: Any, s: Any, law: Contact, k: Any) -> Iterator[Contribution]:
     """-dk/dphi G(x) on every flange whose angle k depends on; k is written out (law.k may be a name for it)."""
     from gearblocks.declare import Acts
 

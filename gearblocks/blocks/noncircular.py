@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.blocks.contact import Contact, contact, damping_problems, theta_of
-from gearblocks.blocks.gears import parametric_torque
-from gearblocks.declare import Block, Contribution, Flange, Force, Shows, Tie, effect, option, param, signal
+from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, theta_of
+from gearblocks.declare import Acts, Block, Contribution, Flange, Force, Shows, Tie, effect, option, param, signal
 from gearblocks.effects import Backlash, Harmonic, Profile, as_profile
 from gearblocks.expression import Expr
 from gearblocks.ratio_law import RatioLaw
-from gearblocks.signals import Input, Signal, Table, Value
+from gearblocks.signals import Input, Parameter, Signal, Table, Value
 
 _CORNERS = {"Abs", "sign", "Min", "Max", "Heaviside", "Piecewise"}
 
@@ -40,6 +39,9 @@ class NonCircularGear(Block):
         belongs_to="compliance", over="driver_angle",
     )  # fmt: skip
     c: Value | None = param("damping about b", "N m s/rad", default=None, ge=0, belongs_to="damping")
+    damping_ratio: Value | None = param(
+        "damping ratio on the bodies beside, at the mean ratio", default=None, ge=0, belongs_to="damping"
+    )
     backlash: Backlash | None = effect("dead zone of q, half_gap in rad about b")
     contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
     transmission_error: Harmonic | Profile | None = effect(
@@ -55,6 +57,8 @@ class NonCircularGear(Block):
             yield f"external = {self.external!r} must be True or False"
         if isinstance(self.k, (int, float)) and self.k <= 0:
             yield f"k = {self.k!r} N m/rad must be > 0"
+        if self.damping_ratio is not None and not isinstance(self.k, (int, float, Parameter)):
+            yield "damping_ratio needs a k that does not change; give c"
         if self.k is None:
             if living := [n for n in self.effects() if n != "compliance"]:
                 yield f"{', '.join(living)} need compliance: give k"
@@ -90,13 +94,15 @@ class NonCircularGear(Block):
             rate = s.rate_of(q)
         k = s.local("k", driver_angle=theta)
         stiffness = s.named("k_t", k)
-        law = Contact(q, rate, stiffness, s.c, self.backlash, s.backlash, self.contact_damping)
+        c = damping(s, k, sp.Rational(self.law.n1, self.law.n2) ** 2 * s.a.mobility + s.b.mobility)
+        law = Contact(q, rate, stiffness, c, self.backlash, s.backlash, self.contact_damping)
         for item in contact(s, law):
             yield item
             if isinstance(item, Force):
                 yield Shows("moment", item.force, "N m", "M, positive where a drives b")
                 yield Shows("torque", -sign * item.force, "N m", "torque on flange b")
-        yield from parametric_torque(self, s, law, k)
+        potential = q**2 / 2 if self.backlash is None else self.backlash.potential(s.backlash, q)
+        yield from (Acts(x, -slope * potential) for x in (s.a, s.carrier) if (slope := s.slope(k, x)) != 0)
         yield Shows("deflection", q, "rad", "deflection about b")
         yield Shows("deflection_rate", rate, "rad/s", "rate of the deflection")
         yield Shows("stiffness", stiffness, "N m/rad", "stiffness about b")

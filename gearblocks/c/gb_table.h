@@ -11,12 +11,11 @@
 
 enum { GB_TABLE_LINEAR = 1, GB_TABLE_STEP = 2, GB_TABLE_CUBIC = 3, GB_TABLE_PIECES = 4 };
 
-/* y: values at the joints x and `second` their second derivatives; for GB_TABLE_PIECES the coefficients of segment i,
- * degree + 1 of them, over the local coordinate in [-1, 1], and no `second`. */
+/* y: values at the joints x and `second` their second derivatives. The kind GB_TABLE_PIECES + degree has polynomials: y
+ * holds degree + 1 coefficients per segment, over the local coordinate in [-1, 1], and there is no `second`. */
 typedef struct gb_table {
     int kind, n, periodic;
     const double *x, *y, *second;
-    int degree;
 } gb_table;
 
 /* Number of the segment inside one period, and the shift of its period. */
@@ -71,10 +70,11 @@ static inline double gb_table_segment(const gb_table *table, double at) {
 
 /* Value or derivative of a polynomial segment at the distance a beyond its lower joint. */
 static inline double gb_table_piece(const gb_table *table, int i, double a, int order) {
-    const double *c = table->y + i * (table->degree + 1);
+    const int degree = table->kind - GB_TABLE_PIECES;
+    const double *c = table->y + i * (degree + 1);
     const double half = 0.5 * (table->x[i + 1] - table->x[i]), v = (a - half) / half;
     double sum = 0.0, scale = 1.0;
-    for (int j = table->degree; j >= order; j--) {
+    for (int j = degree; j >= order; j--) {
         double factor = c[j];
         for (int k = 0; k < order; k++)
             factor *= (double)(j - k);
@@ -92,7 +92,7 @@ static inline double gb_table_value(const gb_table *table, double mode, double s
     const int n = table->n;
     if (i < 0 || i >= n - 1)
         return order > 0 ? 0.0 : table->y[i < 0 ? 0 : n - 1];
-    if (table->kind == GB_TABLE_PIECES)
+    if (table->kind >= GB_TABLE_PIECES)
         return gb_table_piece(table, i, s - shift - table->x[i], order);
     const double *x = table->x + i, *y = table->y + i, *m = table->second + i;
     if (table->kind == GB_TABLE_STEP)

@@ -160,3 +160,13 @@ def test_an_error_of_the_teeth_is_taken_from_the_deflection():
     q = ELLIPSE.F(theta) - run["two.phi"] - 1e-4 * np.cos(theta)
     assert np.abs(run["mesh.deflection"] - q).max() < 1e-13
     assert run.energy.residual < 1e-9
+
+
+def test_a_damping_ratio_is_that_of_the_linear_pair():
+    # circles, J 1e-4 and 2e-4: c = 2 zeta sqrt(k/(1/J1 + 1/J2))
+    c = 2 * 0.05 * np.sqrt(400.0 / (1e4 + 5e3))
+    given, ratio = (
+        gb.simulate(_rig(gb.RatioLaw.ellipse(0.0), **damping), t=T, rtol=1e-10)
+        for damping in ({"c": c}, {"damping_ratio": 0.05})
+    )
+    assert np.abs(given["mesh.moment"] - ratio["mesh.moment"]).max() < 1e-8
