@@ -1,14 +1,18 @@
 """Drivetrain dynamics: blocks are composed, assembled into equations of motion, and run in generated C."""
 
 from gearblocks.blocks import (
+    Angle,
     Damper,
+    Differential,
     Fixed,
     GearMesh,
     IdealGear,
+    IdealPlanetary,
     Inertia,
     Lash,
     NonCircularGear,
     Shaft,
+    Speed,
     SpeedLoad,
     SplineCoupling,
     Torque,
@@ -21,10 +25,12 @@ from gearblocks.declare import (
     Energy,
     Flange,
     Force,
+    Motion,
     Parts,
     Potential,
     Rate,
     Shows,
+    Start,
     State,
     Switch,
     Tie,
@@ -55,11 +61,12 @@ from gearblocks.units import rpm
 __version__ = "0.1.0"
 
 __all__ = [
-    "Acts", "Backlash", "Block", "Body", "CompileError", "Damper", "Drivetrain", "Effect", "Energy", "Fixed", "Flange",
-    "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Model",
-    "ModelError", "NonCircularGear", "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rate", "RatioLaw",
-    "RatioLawError", "Shaft", "Shows", "SimulationError", "SpeedLoad", "SplineCoupling", "Square", "State", "Switch",
-    "Table", "Tie", "Torque", "Trajectory", "UnknownNameError", "build", "classify", "cos", "design_ratio",
-    "driver_angle", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate",
-    "sin", "stroboscopic", "time", "twist",
+    "Acts", "Angle", "Backlash", "Block", "Body", "CompileError", "Damper", "Differential", "Drivetrain", "Effect",
+    "Energy", "Fixed", "Flange", "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear",
+    "IdealPlanetary", "Inertia", "Input", "Lash", "Model", "ModelError", "Motion", "NonCircularGear", "Parameter",
+    "ParameterError", "Parts", "Potential", "Profile", "Rate", "RatioLaw", "RatioLawError", "Shaft", "Shows",
+    "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Switch", "Table", "Tie",
+    "Torque", "Trajectory", "UnknownNameError", "build", "classify", "cos", "design_ratio", "driver_angle", "effect",
+    "exact", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic",
+    "time", "twist",
 ]  # fmt: skip
