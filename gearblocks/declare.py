@@ -231,7 +231,7 @@ class Parts:
 
 
 _TAKEN = {
-    "at_start", "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics",
+    "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics",
     "problems", "rate_of", "slope", "states", "time", "turned", "without_effect",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""

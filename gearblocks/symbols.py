@@ -253,14 +253,6 @@ class Symbols:
             ripple = curve.symbolic(x)
         return sp.Rational(law.n1, law.n2) * x + ripple
 
-    def at_start(self, expr: Any) -> Any:
-        """A signal at t = 0: inputs have their start values, sensed outputs are 0. A constant of the run."""
-        slots = self._pool.slots
-        known = {x: slots[x] for x in sp.sympify(expr).free_symbols}
-        values = {x: sp.Integer(0) for x, slot in known.items() if slot.role in ("time", "sense")}
-        values |= {x: sp.Float(slot.of.start) for x, slot in known.items() if slot.role == "input"}
-        return sp.sympify(expr).subs(values)
-
     def local(self, field: str, **values: Any) -> Any:
         """A field that is an expression of the block's own quantities, or a Table over the single one given."""
         value = getattr(self._owner, field)

@@ -2,11 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from typing import Any
 
 from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, theta_of
-from gearblocks.declare import Acts, Block, Contribution, Flange, Force, Shows, Tie, effect, option, param, signal
+from gearblocks.declare import (
+    Acts,
+    Block,
+    Contribution,
+    Flange,
+    Force,
+    Rate,
+    Shows,
+    Start,
+    State,
+    Tie,
+    effect,
+    option,
+    param,
+    signal,
+)
 from gearblocks.effects import Backlash, Harmonic, Profile, as_profile
 from gearblocks.expression import Expr
 from gearblocks.ratio_law import RatioLaw
@@ -23,8 +38,8 @@ class NonCircularGear(Block):
         external: q = F(theta) - F(phase at start) + (phi_b - phi_c) - e        torques of M: -m M on a, -M on b, (1+m) M on c
         M = k g(q) + c q',   m = F'(theta) = abs(w_b/w_a) at rest of the carrier;   rigid: q = 0 without e
 
-    `external` only says whether b turns against a. The start is t = 0 (an Input counts with its start value, a sensed
-    output with 0). A stiffness k over the angle derives from a potential: a gets -k'(theta) G(q) besides, c the opposite.
+    `external` only says whether b turns against a. A phase that moves shifts the law, not the gears at the start. With
+    filter, theta follows the phase as x'' = filter^2 (phase - x) - 2 filter x', from rest. A stiffness k over the angle derives from a potential: a gets -k'(theta) G(q) besides, c the opposite.
     The joints of the law are located. q' contains the rate of a phase that is an expression or table of time; that of an
     Input or sensed output counts as 0. With large absolute angles theta is known to their last digit, q is not affected.
     """
@@ -34,6 +49,10 @@ class NonCircularGear(Block):
     law: RatioLaw = option("ratio law, a gb.RatioLaw")
     external: bool = option("whether b turns against a")
     phase: Signal | None = signal("added to the angle of gear 1", "rad", default=None)
+    filter: Value | None = param("cut-off frequency of a filter of the phase", "rad/s", default=None, gt=0)
+    filtered_phase = State("phase behind the filter", "rad")
+    filtered_rate = State("its rate", "rad/s")
+    start_angle = State("F of the phase at the start", "rad")
     k: Signal | None = signal(
         "stiffness about b: a number, or an expression of gb.driver_angle or a Table over it", "N m/rad", default=None,
         belongs_to="compliance", over="driver_angle",
@@ -57,24 +76,26 @@ class NonCircularGear(Block):
             yield f"external = {self.external!r} must be True or False"
         if isinstance(self.k, (int, float)) and self.k <= 0:
             yield f"k = {self.k!r} N m/rad must be > 0"
+        if self.filter is not None and self.phase is None:
+            yield "filter is that of a phase; give one"
         if self.damping_ratio is not None and not isinstance(self.k, (int, float, Parameter)):
             yield "damping_ratio needs a k that does not change; give c"
         if self.k is None:
             if living := [n for n in self.effects() if n != "compliance"]:
                 yield f"{', '.join(living)} need compliance: give k"
-            if (jerky := _corner(self.phase)) is not None:
+            if self.filter is None and (jerky := _corner(self.phase)) is not None:
                 yield (
                     f"phase = {self.phase!r:.80} has no acceleration ({jerky}), which a rigid pair must follow: "
-                    "give a smooth expression of time or a cubic Table, or give k"
+                    "give a smooth expression of time or a cubic Table, filter=rad/s, or k"
                 )
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The contact, or the tie."""
         import sympy as sp
 
-        phase = sp.Integer(0) if s.phase is None else s.phase
+        phase, at_start, moves = yield from self._phase(s)
         theta = s.a.phi - s.carrier.phi + phase
-        turned = s.turned(self.law, theta) - s.turned(self.law, s.at_start(phase))
+        turned = s.turned(self.law, theta) - at_start
         sign = 1 if self.external else -1
         q = turned + sign * (s.b.phi - s.carrier.phi)
         m = s.slope(turned, s.a)
@@ -88,10 +109,10 @@ class NonCircularGear(Block):
             angle, rates = theta_of(self.transmission_error, s.transmission_error, theta, s.time)
             yield from rates
             error = self.transmission_error.value(s.transmission_error, angle)
-            rate = s.rate_of(q) - s.rate_of(error, rates)
+            rate = s.rate_of(q, moves) - s.rate_of(error, [*moves, *rates])
             q -= error
         else:
-            rate = s.rate_of(q)
+            rate = s.rate_of(q, moves)
         k = s.local("k", driver_angle=theta)
         stiffness = s.named("k_t", k)
         c = damping(s, k, sp.Rational(self.law.n1, self.law.n2) ** 2 * s.a.mobility + s.b.mobility)
@@ -106,6 +127,24 @@ class NonCircularGear(Block):
         yield Shows("deflection", q, "rad", "deflection about b")
         yield Shows("deflection_rate", rate, "rad/s", "rate of the deflection")
         yield Shows("stiffness", stiffness, "N m/rad", "stiffness about b")
+
+    def _phase(self, s: Any) -> Generator[Contribution, None, tuple[Any, Any, list[Rate]]]:
+        """(phase, F of the phase at the start, rates of the states in the phase)."""
+        import sympy as sp
+
+        if self.phase is None:
+            return sp.Integer(0), sp.Integer(0), []
+        if self.filter is None and s.is_constant("phase"):
+            return s.phase, s.turned(self.law, s.phase), []
+        yield Start(s.start_angle, s.turned(self.law, s.phase))
+        yield Rate(s.start_angle, sp.Integer(0))
+        if self.filter is None:
+            return s.phase, s.start_angle, []
+        x, speed = s.filtered_phase, s.filtered_rate
+        rates = [Rate(x, speed), Rate(speed, s.filter**2 * (s.phase - x) - 2 * s.filter * speed)]
+        yield Start(x, s.phase)
+        yield from rates
+        return x, s.start_angle, rates
 
 
 def _corner(phase: Any) -> str | None:

@@ -23,7 +23,8 @@ def _rig(law, *, external=False, carrier=None, load=-0.2, **mesh):
     sign = -1 if external else 1
     gear = gb.NonCircularGear(law=law, external=external, **({"k": 400.0} | mesh))
     one = rig.add("one", gb.Inertia(J=1e-4, w0=100.0))
-    two = rig.add("two", gb.Inertia(J=2e-4, w0=sign * float(law.m(0.0)) * 100.0))
+    follows = mesh.get("k", 400.0) is None
+    two = rig.add("two", gb.Inertia(J=2e-4, **({} if follows else {"w0": sign * float(law.m(0.0)) * 100.0})))
     pair = rig.add("mesh", gear)
     rig.connect(rig.add("drive", gb.Torque(tau=0.2)).flange, one.a)
     rig.connect(one.b, pair.a)
@@ -170,3 +171,97 @@ def test_a_damping_ratio_is_that_of_the_linear_pair():
         for damping in ({"c": c}, {"damping_ratio": 0.05})
     )
     assert np.abs(given["mesh.moment"] - ratio["mesh.moment"]).max() < 1e-8
+
+
+# -- rigid ------------------------------------------------------------------------------------------------------------
+
+
+@LAWS
+@SIDES
+def test_a_rigid_pair_turns_by_its_law_and_keeps_its_energy(law, external):
+    run = gb.simulate(_rig(law, external=external, k=None), t=T, rtol=1e-10)
+    sign = -1 if external else 1
+    assert np.abs(sign * run["two.phi"] - law.F(run["one.phi"])).max() < 1e-14 * 30
+    w, phi = run["one.w"], run["one.phi"]
+    energy = (0.5e-4 + 1e-4 * law.m(phi) ** 2) * w**2 - 0.2 * phi + 0.2 * law.F(phi)
+    assert np.ptp(energy) < 1e-8 * energy[0]
+    assert run.energy.residual < 1e-8
+
+
+@LAWS
+@SIDES
+def test_the_torques_of_a_rigid_pair_are_those_of_its_moment(law, external):
+    run = gb.simulate(_rig(law, external=external, k=None, carrier=gb.Inertia(J=1e-3, w0=20.0)), t=T, rtol=1e-9)
+    m, sign = run["mesh.ratio"], -1 if external else 1
+    moment = sign * run["mesh.b.tau"]
+    size = np.abs(moment).max()
+    assert np.abs(run["mesh.a.tau"] + m * moment).max() < 1e-11 * size
+    assert np.abs(run["mesh.carrier.tau"] - (m - sign) * moment).max() < 1e-11 * size
+    assert run.energy.residual < 1e-8
+
+
+@pytest.mark.parametrize("law", [NORM, ELLIPSE], ids=["segments", "ellipse"])
+def test_a_stiff_pair_comes_to_the_rigid_one(law):
+    phase = 0.3 + 0.2 * gb.sin(20 * gb.time)
+    rigid = gb.simulate(_rig(law, k=None, phase=phase), t=T, rtol=1e-10)
+    distance = []
+    for k in (1e4, 1e5):
+        rig = _rig(law, k=k, c=2e-5 * k, phase=phase).set({"two.w0": float(rigid["two.w"][0])})
+        stiff = gb.simulate(rig, t=T, rtol=1e-8)
+        distance.append(np.abs(stiff["one.w"] - rigid["one.w"]).max())
+    assert distance[1] < 0.3 * distance[0]  # a deflection M/k, a tenth of it with ten times the stiffness
+
+
+def test_a_moving_phase_turns_the_driven_gear():
+    """Driver and carrier at rest: gear 2 turns by F of the phase alone, which does the work."""
+    rig = gb.Drivetrain("phase")
+    gear = gb.NonCircularGear(law=NORM, external=False, phase=0.5 + 2.0 * gb.time + gb.sin(30 * gb.time))
+    rig.chain(rig.add("hold", gb.Fixed()), rig.add("mesh", gear), rig.add("two", gb.Inertia(J=2e-4)))
+    run = gb.simulate(rig, t=T, rtol=1e-10, max_step=1e-3)  # nothing has a state whose error would set the step
+    theta = 0.5 + 2.0 * T + np.sin(30 * T)
+    assert np.abs(run["two.phi"] - (NORM.F(theta) - NORM.F(0.5))).max() < 1e-13
+    assert np.abs(run["two.w"] - NORM.m(theta) * (2.0 + 30 * np.cos(30 * T))).max() < 1e-11
+    assert run.energy.residual < 1e-9
+
+
+@pytest.mark.parametrize("compliance", [{"k": None}, {"k": 400.0, "c": 0.01}], ids=["rigid", "compliant"])
+def test_a_filter_lets_an_input_move_the_phase(compliance):
+    rig = _rig(ELLIPSE, phase=gb.Input("shift", start=0.4), filter=200.0, **compliance)
+    step = gb.Table([0.0, 0.05], [0.4, 0.9], kind="step")
+    run = gb.simulate(rig, t=T, rtol=1e-10, inputs={"shift": step})
+    shift = run["mesh.driver_angle"] - run["one.phi"]
+    late = np.maximum(T - 0.05, 0)
+    assert np.abs(shift - (0.9 - 0.5 * (1 + 200 * late) * np.exp(-200 * late))).max() < 1e-8
+    assert run["two.phi"][0] == pytest.approx(0.0, abs=1e-15)
+    if compliance["k"] is None:
+        lead = ELLIPSE.F(run["mesh.driver_angle"]) - ELLIPSE.F(0.4)
+        assert np.abs(run["two.phi"] - lead).max() < 1e-12
+
+
+def test_three_branches_of_non_circular_pairs_and_differentials_turn_evenly_in_their_windows():
+    """Input speed 262 rad/s; each branch th_out' = 262 (m2 - m1): 0.175 of it inside of the window (law NORM, 60 deg)."""
+    rig = gb.Drivetrain("branches")
+    drive = rig.add("drive", gb.Speed(w=262.0))
+    shafts = [drive.flange]
+    for j in range(3):
+        psi = (-TURN * j / 3) % TURN
+        one = rig.add(f"one{j}", gb.NonCircularGear(law=NORM, external=False, phase=psi))
+        two = rig.add(f"two{j}", gb.NonCircularGear(law=NORM, external=False, phase=psi + np.pi / 3))
+        half = rig.add(f"half{j}", gb.IdealGear(ratio=2))
+        diff = rig.add(f"diff{j}", gb.Differential())
+        out = rig.add(f"out{j}", gb.Inertia(J=2e-6))
+        shafts += [one.a, two.a]
+        rig.connect(two.b, half.a)
+        rig.connect(half.b, diff.carrier)
+        rig.connect(one.b, diff.left)
+        rig.connect(diff.right, out.a)
+    rig.connect(*shafts)
+    t = np.linspace(0.0, 0.05, 501)
+    run = gb.simulate(rig, t=t, rtol=1e-10)
+    even = np.zeros(len(t))
+    for j in range(3):
+        th = 262.0 * t - TURN * j / 3
+        u = NORM.m(th + np.pi / 3) - NORM.m(th)
+        assert np.abs(run[f"out{j}.w"] - 262.0 * u).max() < 262 * 1e-12
+        even += np.abs(run[f"out{j}.w"] / 262.0 - 0.175) < 1e-12
+    assert even.min() >= 1  # zeta = 1.5: always one branch at least

@@ -188,6 +188,15 @@ def _pair(law, **mesh):
     return rig
 
 
+def test_a_rigid_pair_moves_as_in_the_reference():
+    """(J1 + J2 m^2) phi1'' + J2 m m' phi1'^2 = T1 - m T2."""
+    table = np.array(_json("noncircular_rigid.json")["t_table"], dtype=float)
+    run = gb.simulate(_pair(BENCH), t=table[:, 0], rtol=1e-12)
+    for i, name in enumerate(("one.phi", "one.w", "two.phi", "two.w"), 1):
+        assert np.abs(run[name] - table[:, i]).max() < 1e-10 * np.abs(table[:, i]).max(), name
+    assert run.energy.residual < 1e-10
+
+
 def test_a_compliant_pair_moves_as_in_the_reference():
     true = _json("noncircular_compliant.json")
     table = np.array(true["table"], dtype=float)
