@@ -38,10 +38,11 @@ class NonCircularGear(Block):
         external: q = F(theta) - F(phase at start) + (phi_b - phi_c) - e        torques of M: -m M on a, -M on b, (1+m) M on c
         M = k g(q) + c q',   m = F'(theta) = abs(w_b/w_a) at rest of the carrier;   rigid: q = 0 without e
 
-    `external` only says whether b turns against a. A phase that moves shifts the law, not the gears at the start. With
-    filter, theta follows the phase as x'' = filter^2 (phase - x) - 2 filter x', from rest. A stiffness k over the angle derives from a potential: a gets -k'(theta) G(q) besides, c the opposite.
-    The joints of the law are located. q' contains the rate of a phase that is an expression or table of time; that of an
-    Input or sensed output counts as 0. With large absolute angles theta is known to their last digit, q is not affected.
+    `external` only says whether b turns against a. A phase that moves shifts the law, not the gears at the start (a sensed
+    output counts from 0). With filter, theta follows the phase as x'' = filter^2 (phase - x) - 2 filter x', from rest.
+    A stiffness k over the angle derives from a potential: a gets -k'(theta) G(q) besides, c the opposite. The joints of the
+    law are located. q' contains the rate of a phase that is an expression or table of time, or filtered; that of another
+    Input or sensed output counts as 0. Large absolute angles cost theta its last digits, and leave q as it is.
     """
 
     a, b = Flange("gear 1, the driver of the law"), Flange("gear 2")
@@ -80,6 +81,8 @@ class NonCircularGear(Block):
             yield "filter is that of a phase; give one"
         if self.damping_ratio is not None and not isinstance(self.k, (int, float, Parameter)):
             yield "damping_ratio needs a k that does not change; give c"
+        if _senses(self.phase) and self.filter is not None:
+            yield f"phase = {self.phase!r:.80} is sensed and has no value yet when the filter starts; leave filter out"
         if self.k is None:
             if living := [n for n in self.effects() if n != "compliance"]:
                 yield f"{', '.join(living)} need compliance: give k"
@@ -136,6 +139,8 @@ class NonCircularGear(Block):
             return sp.Integer(0), sp.Integer(0), []
         if self.filter is None and s.is_constant("phase"):
             return s.phase, s.turned(self.law, s.phase), []
+        if _senses(self.phase):
+            return s.phase, sp.Integer(0), []
         yield Start(s.start_angle, s.turned(self.law, s.phase))
         yield Rate(s.start_angle, sp.Integer(0))
         if self.filter is None:
@@ -160,6 +165,10 @@ def _corner(phase: Any) -> str | None:
         found += [f"{op} has corners" for op in sorted(_operations(phase) & _CORNERS)]
         return next((reason for reason in found if reason), None)
     return None
+
+
+def _senses(phase: Any) -> bool:
+    return isinstance(phase, Expr) and any(leaf.op == "sense" for leaf in phase.leaves())
 
 
 def _operations(e: Expr) -> set[str]:

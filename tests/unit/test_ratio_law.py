@@ -239,6 +239,9 @@ def test_another_law_is_another_program():
         ({"k": None, "c": None, "phase": gb.Input("p")}, "has no acceleration.*an Input may jump"),
         ({"k": None, "c": None, "phase": gb.Table([0, 1], [0, 1])}, "a table of kind 'linear' has corners"),
         ({"k": None, "c": None, "phase": abs(gb.time)}, "Abs has corners"),
+        ({"phase": gb.sense("one.w"), "filter": 10.0}, "is sensed and has no value yet when the filter starts"),
+        ({"filter": 10.0}, "filter is that of a phase; give one"),
+        ({"k": 400 + gb.driver_angle, "c": None, "damping_ratio": 0.1}, "damping_ratio needs a k that does not change"),
     ],
 )
 def test_a_pair_that_cannot_be_is_refused(fields, words):
