@@ -18,6 +18,7 @@ from gearblocks.blocks import (
     Inertia,
     Lash,
     Mass,
+    NonCircularGear,
     Rack,
     Shaft,
     Speed,
@@ -64,6 +65,8 @@ from gearblocks.errors import (
 from gearblocks.expression import cos, piecewise, sin
 from gearblocks.library import Model
 from gearblocks.maps import Table2
+from gearblocks.pitch import design_ratio
+from gearblocks.ratio_law import RatioLaw, RatioLawError, driver_angle
 from gearblocks.signals import Input, Parameter, Table, sense, time, twist
 from gearblocks.trajectory import Trajectory
 from gearblocks.units import rpm
@@ -73,10 +76,11 @@ __version__ = "0.1.0"
 __all__ = [
     "Acts", "Angle", "Backlash", "BeltDrive", "Block", "Body", "CompileError", "Creep", "DCMotor", "Damper",
     "Differential", "Drivetrain", "EddyCurrentBrake", "Effect", "Energy", "Engine", "Fixed", "Flange", "Force",
-    "Fourier", "GearMesh", "GearblocksError", "Governor", "Harmonic", "IdealGear", "IdealPlanetary", "Inertia",
-    "Input", "Lash", "Mass", "Model", "ModelError", "Motion", "Parameter", "ParameterError", "Parts", "Potential",
-    "Profile", "Rack", "Rate", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square",
-    "Start", "State", "Switch", "Table", "Table2", "Tie", "Torque", "TorqueConverter", "Trajectory", "TyreSlip",
-    "UniversalJoint", "UnknownNameError", "Vehicle", "build", "classify", "cos", "effect", "exact", "option", "param",
-    "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "Fourier", "GearMesh", "GearblocksError", "Governor", "Harmonic", "IdealGear", "IdealPlanetary", "Inertia", "Input",
+    "Lash", "Mass", "Model", "ModelError", "Motion", "NonCircularGear", "Parameter", "ParameterError", "Parts",
+    "Potential", "Profile", "Rack", "Rate", "RatioLaw", "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed",
+    "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Switch", "Table", "Table2", "Tie", "Torque",
+    "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "build", "classify",
+    "cos", "design_ratio", "driver_angle", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm",
+    "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip

@@ -173,7 +173,10 @@ class Freezer:
         for switch in self.switches:
             if switch.table == table and switch.surface == x:
                 return switch.symbol
-        return self._add("table", x, table).symbol if self.locating else None
+        smooth = not getattr(self.pool.slots[table].of, "joints", True)
+        if not self.locating or smooth or self.pool.level(x) == CONSTANT:
+            return None
+        return self._add("table", x, table).symbol
 
     def _add(self, name: str, surface: Any, table: Any = None) -> SurfaceOfKind:
         level = self.pool.level(surface)

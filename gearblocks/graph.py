@@ -331,14 +331,18 @@ def _constant(value: Parameter | Expr) -> float:
         return math.nan
 
 
+_KNOWN_BY = {"twist": "only the torque of a Shaft", "driver_angle": "only the k of a NonCircularGear"}
+
+
 def _signal_problem(name: str, value: Any, field: Field) -> str:
     if field.role == "exact":
         return f"{name} = {value!r:.80} enters a ratio: give a plain number, and another one with rig.set(...)"
     if isinstance(value, Expr) and value.op in ("<", "<=", ">", ">=", "And", "Or", "Not"):
         return f"{name} = '{value}' is a condition, not a value: give gb.piecewise((value, condition), (other, True))"
     if field.role == "signal":
-        local = isinstance(value, Expr) and name != "torque" and any(leaf.op == "local" for leaf in value.leaves())
-        return f"{name} = '{value}' contains gb.twist, which only the torque of a Shaft knows" if local else ""
+        leaves = value.leaves() if isinstance(value, Expr) else ()
+        local = next((x.args[0] for x in leaves if x.op == "local" and x.args[0] != field.over), None)
+        return "" if local is None else f"{name} = '{value}' contains gb.{local}, which {_KNOWN_BY[local]} knows"
     changing = not isinstance(value, (Expr, Parameter)) or (isinstance(value, Expr) and not _is_constant(value))
     return (
         f"{name} is a parameter: it takes a number, a gb.Parameter or an expression of Parameters" if changing else ""

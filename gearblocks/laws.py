@@ -276,13 +276,18 @@ def _vanishes(expr: Any, pool: Pool) -> bool:
     """Whether an expression is zero at a handful of fixed points (modes 0 or 1); expanding it would take far longer."""
     if expr == 0 or not expr.free_symbols:
         return bool(expr == 0)
-    if expr.has(TableAt, Table2At):
-        return bool(sp.expand(expr) == 0)
+    # a table and its derivatives are as good as independent values
+    tables = sorted(expr.atoms(TableAt, Table2At), key=str)
+    values_of_tables = {x: sp.Symbol(f"table value {i}", real=True) for i, x in enumerate(tables)}
+    expr = expr.xreplace(values_of_tables)
+    free = set(values_of_tables.values())
     symbols = sorted(expr.free_symbols, key=lambda x: str(x.name))
     random = Random(20)
     for _ in range(4):
         point: dict[Any, float] = {
-            x: float(random.randint(0, 1)) if pool.slots[x].role == "mode" else random.uniform(0.2, 1.2)
+            x: float(random.randint(0, 1))
+            if x not in free and pool.slots[x].role == "mode"
+            else random.uniform(0.2, 1.2)
             for x in symbols
         }
         try:

@@ -12,6 +12,8 @@ import sympy as sp
 from gearblocks.declare import Rate, _Declared
 from gearblocks.expression import Expr, to_sympy
 from gearblocks.maps import Table2
+from gearblocks.ratio_curves import Ellipse, Pieces
+from gearblocks.ratio_law import RatioLaw
 from gearblocks.signals import Input, Parameter, Table
 
 
@@ -42,6 +44,9 @@ class TableAt(sp.Function):  # type: ignore[misc]  # sympy carries no types
     """A table over a quantity: TableAt(table symbol, quantity, order of the derivative[, mode])."""
 
     nargs = (3, 4)
+
+    def _sympystr(self, printer: Any) -> str:
+        return "{0}{2}({1})".format(*map(printer.doprint, self.args[:2]), "'" * int(self.args[2]))
 
     def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
         """The next derivative."""
@@ -97,6 +102,36 @@ class DeadZone(sp.Function):  # type: ignore[misc]  # sympy carries no types
 def dead_zone_branch(beyond: Any, order: Any) -> Any:
     """One side of the dead zone over the deflection beyond its corner, integrated once for order -1."""
     return {-1: beyond**2 / 2, 0: beyond, 1: sp.Integer(1)}.get(int(order), sp.Integer(0))
+
+
+class EllipseLead(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """2 atan(e sin x/(1 - e cos x)): by how much the mate of an ellipse that turns about its focus runs ahead."""
+
+    nargs = 2
+
+    @classmethod
+    def eval(cls, x: Any, e: Any) -> Any:  # noqa: ARG003  sympy's signature
+        """0 at 0."""
+        return sp.Integer(0) if x == 0 else None
+
+    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
+        """The derivative by x, a rational function of cos x."""
+        x, e = self.args
+        return 2 * e * (sp.cos(x) - e) / (1 + e**2 - 2 * e * sp.cos(x))
+
+    def written_out(self) -> Any:
+        """The definition."""
+        x, e = self.args
+        return 2 * sp.atan(e * sp.sin(x) / (1 - e * sp.cos(x)))
+
+    def _eval_evalf(self, prec: int) -> Any:
+        return self.written_out()._eval_evalf(prec)
+
+    def _sympystr(self, printer: Any) -> str:
+        return str(printer.doprint(self.written_out()))
+
+    def _latex(self, printer: Any) -> str:
+        return str(printer.doprint(self.written_out()))
 
 
 class ContactSide(sp.Function):  # type: ignore[misc]  # sympy carries no types
@@ -252,6 +287,20 @@ class Symbols:
         symbol = self._pool.symbol("named", self._prefix + name, name)
         self._pool.definitions[symbol] = sp.sympify(expr)
         return symbol
+
+    def turned(self, law: RatioLaw, x: Any) -> Any:
+        """F(x) of a ratio law: its mean ratio times x, exactly, and a periodic part."""
+        curve = law.curve
+        if sp.sympify(x).is_zero:
+            return sp.Integer(0)
+        if isinstance(curve, Ellipse):
+            ripple = EllipseLead(curve.n * x, sp.Float(curve.e)) / curve.n
+        elif isinstance(curve, Pieces):
+            table = self._pool.symbol("table", curve, f"ripple_{curve.digest()}")
+            ripple = TableAt(table, x, sp.Integer(0))
+        else:
+            ripple = curve.symbolic(x)
+        return sp.Rational(law.n1, law.n2) * x + ripple
 
     def local(self, field: str, **values: Any) -> Any:
         """A field that is an expression of the block's own quantities, or a Table or Table2 over those given, in order."""

@@ -4,6 +4,7 @@ from gearblocks.blocks.bodies import Fixed, Inertia
 from gearblocks.blocks.couplings import BeltDrive, Creep, TorqueConverter, UniversalJoint
 from gearblocks.blocks.gears import Differential, GearMesh, IdealGear, IdealPlanetary
 from gearblocks.blocks.machines import DCMotor, EddyCurrentBrake, Engine, Governor
+from gearblocks.blocks.noncircular import NonCircularGear
 from gearblocks.blocks.sliders import Force, Mass, Rack
 from gearblocks.blocks.sources import Angle, Speed, SpeedLoad, Torque
 from gearblocks.blocks.spline import SplineCoupling
@@ -28,6 +29,7 @@ __all__ = [
     "Inertia",
     "Lash",
     "Mass",
+    "NonCircularGear",
     "Rack",
     "Shaft",
     "Speed",

@@ -14,6 +14,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.errors", "gearblocks.rational"),
     ("gearblocks.units", "gearblocks.files", "gearblocks.program", "gearblocks.cache", "gearblocks.compiler"),
     ("gearblocks.expression", "gearblocks.signals", "gearblocks.maps"),
+    ("gearblocks.ratio_curves", "gearblocks.ratio_law", "gearblocks.ratio_making", "gearblocks.pitch"),
     ("gearblocks.declare",),
     ("gearblocks.symbols", "gearblocks.branches", "gearblocks.contributions", "gearblocks.printer"),
     ("gearblocks.effects",),
