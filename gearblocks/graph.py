@@ -141,7 +141,7 @@ def _number(
         raise ModelError(problems + mixed)
     if not components:
         raise ModelError(f"the drivetrain '{tree.name}' is empty: add blocks")
-    flat = tuple(Component(*c, *sliders_of(c[1], c[2], sliding)) for c in components)
+    flat = tuple(Component(*c, *(sliders_of(c[1], c[2], sliding) if sliding else ())) for c in components)
     return Train(tree.name, flat, len(numbers), tree.coordinates)
 
 
