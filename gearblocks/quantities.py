@@ -91,7 +91,7 @@ def follower_infos(g: Generator) -> Iterator[FollowerInfo]:
         for flange, _ in code.law.bodies:
             groups, gains = code.batch.groups[flange], code.batch.gains[flange]
             for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
-                if group not in expanded:
+                if group not in expanded or any(source >= len(a.starts) for source in expanded[group].groups):
                     continue
                 row, (angle, speed, _, _) = expanded[group], flange_names(flange in c.sliders)
                 offsets = {lay.path_of[path]: float(gain * x) for path, x in row.offsets.items()}
