@@ -14,7 +14,12 @@ import sympy as sp
 
 from gearblocks.declare import Switch
 from gearblocks.errors import GearblocksError
+from gearblocks.signals import Table
 from gearblocks.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, TableAt
+
+
+_COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
+"""Its segments are numbered by the whole part of what it is taken over."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,9 +85,11 @@ class Freezer:
         if isinstance(e, sp.Piecewise):
             return self._piecewise(e)
         if isinstance(e, TableAt):
-            return self._table(e)
+            return e if len(e.args) == 4 else self._table(e)
         if isinstance(e, (DeadZone, ContactSide)):
             return self._dead_zone(e)
+        if isinstance(e, sp.floor) and self.pool.level(e) != CONSTANT:
+            return self._floor(e)
         a = [self.freeze(x) for x in e.args]
         if isinstance(e, sp.Abs):
             return (2 * self._indicator(a[0]) - 1) * a[0]
@@ -161,14 +168,26 @@ class Freezer:
         return switch.symbol
 
     def _table(self, e: Any) -> Any:
+        """With the segment as a mode, shared by all tables with the same joints; a step needs no more than its mode."""
         table, x, order = e.args[:3]
         x = self.freeze(x)
+        inside = sp.Integer(0) if self.pool.slots[table].of.kind == "step" else x
         for switch in self.switches:
-            if switch.table == table and switch.surface == x:
-                return TableAt(table, x, order, switch.symbol)
+            if switch.table is not None and switch.surface == x and self._same_joints(switch.table, table):
+                return TableAt(table, inside, order, switch.symbol)
         if not self.locating:
             return TableAt(table, x, order)
-        return TableAt(table, x, order, self._add("table", x, table).symbol)
+        return TableAt(table, inside, order, self._add("table", x, table).symbol)
+
+    def _same_joints(self, one: Any, other: Any) -> bool:
+        """Whether two tables have the same segments, so that one switch serves both."""
+        a, b = (self.pool.slots[x].of for x in (one, other))
+        return a is b or (a.periodic == b.periodic and a.x.tolist() == b.x.tolist())
+
+    def _floor(self, e: Any) -> Any:
+        """The whole number below, as the mode of a table that counts."""
+        found = self._table(TableAt(self.pool.symbol("table", _COUNT, "table_count"), e.args[0], sp.Integer(0)))
+        return found.args[3] if len(found.args) == 4 else sp.floor(found.args[1])
 
     def _add(self, name: str, surface: Any, table: Any = None) -> SurfaceOfKind:
         level = self.pool.level(surface)

@@ -69,9 +69,11 @@ def exact(words: str, *, default: Any = _REQUIRED, many: bool = False) -> Any:
     return Field(words, "1", "exact", default, many=many)
 
 
-def option(words: str, *, default: Any = _REQUIRED) -> Any:
-    """A choice (text, truth or whole number) that decides the form of the law. Structural."""
-    return Field(words, "1", "option", default)
+def option(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, belongs_to: str | None = None
+) -> Any:
+    """A choice (text, truth, number) that decides the form of the law. Structural. many=True: a tuple of them."""
+    return Field(words, unit, "option", default, many=many, belongs_to=belongs_to)
 
 
 def signal(words: str, unit: str = "1", *, default: Any = _REQUIRED, belongs_to: str | None = None) -> Any:
@@ -205,7 +207,7 @@ class Parts:
 
 _TAKEN = {
     "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics", "problems",
-    "rate_of", "slope", "states", "time", "without_effect",
+    "rate_of", "reading", "slope", "states", "tabled", "time", "without_effect",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 

@@ -1,4 +1,4 @@
-"""Effects that meshes and other compliant elements may have: excitation, backlash."""
+"""Effects that meshes and other compliant elements may have: excitation here, those of contact from `gaps`."""
 
 from __future__ import annotations
 
@@ -6,44 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from gearblocks.declare import Effect, State, option, param, signal
+from gearblocks.gaps import Backlash
 from gearblocks.signals import Table, Value
 
 __all__ = ["Backlash", "Fourier", "Harmonic", "Profile", "Square"]
-
-
-class Backlash(Effect):
-    """Dead zone of half width `half_gap` about zero deflection, in the unit of the deflection (m, or rad for Lash).
-
-        g(x) = x - b (x > b),  0 (abs(x) <= b),  x + b (x < -b)            b = half_gap: HALF the backlash
-
-    The corners are exact and located.
-    """
-
-    half_gap: Value = param("half of the backlash", "m", ge=0)
-    law: str = option("form of the dead zone: 'exact'", default="exact")
-
-    def problems(self) -> Iterator[str]:
-        """Unknown laws."""
-        if self.law != "exact":
-            yield f"backlash.law = {self.law!r} is not available; give 'exact'"
-
-    def deflection(self, s: Any, x: Any) -> Any:
-        """g(x), the part of the deflection that loads the teeth."""
-        from gearblocks.symbols import DeadZone
-
-        return DeadZone(x, s.half_gap, 0)
-
-    def potential(self, s: Any, x: Any) -> Any:
-        """G(x), the integral of g."""
-        from gearblocks.symbols import DeadZone
-
-        return DeadZone(x, s.half_gap, -1)
-
-    def side(self, s: Any, x: Any) -> Any:
-        """-1 coast side, 0 no contact, +1 drive side."""
-        from gearblocks.symbols import ContactSide
-
-        return ContactSide(x, s.half_gap)
 
 
 class Fourier(Effect):

@@ -12,6 +12,7 @@ import sympy as sp
 from gearblocks.declare import Rate, _Declared
 from gearblocks.expression import Expr, to_sympy
 from gearblocks.signals import Input, Parameter, Table
+from gearblocks.tooth_geometry import inverse_involute
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +80,17 @@ class ContactSide(sp.Function):  # type: ignore[misc]  # sympy carries no types
     """-1 where x < -b, +1 where x > b, else 0."""
 
     nargs = 2
+
+
+class InverseInvolute(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """The angle a with tan(a) - a = y, for y >= 0."""
+
+    nargs = 1
+
+    @classmethod
+    def eval(cls, y: Any) -> Any:
+        """The number, where y is one."""
+        return sp.Float(inverse_involute(float(y))) if y.is_number else None
 
 
 @lru_cache(maxsize=1)
@@ -214,6 +226,15 @@ class Symbols:
         if not isinstance(value, Expr):
             return getattr(self, field)
         return to_sympy(value, lambda leaf: values[leaf.args[0]] if leaf.op == "local" else self._pool.leaf(leaf))
+
+    def tabled(self, table: Table, x: Any) -> Any:
+        """A Table that a law makes itself, over a quantity. Tables with the same joints share one switch."""
+        return TableAt(self._pool.symbol("table", table, f"table_{table.digest()}"), x, sp.Integer(0))
+
+    @property
+    def reading(self) -> bool:
+        """Whether the law is derived for people: no tables that they cannot read."""
+        return self._pool.reading
 
     def slope(self, expr: Any, flange: FlangeSymbols) -> Any:
         """d expr / d phi of a flange; 0 at the ground."""

@@ -40,6 +40,10 @@ def damping_problems(block: Any) -> Iterator[str]:
     if block.c is not None and block.damping_ratio is not None:
         yield "c and damping_ratio are both given; give one of them"
     choice = getattr(block, "contact_damping", "clipped")
+    gap = getattr(block, "backlash", None)
+    damped = block.c is not None or block.damping_ratio is not None
+    if damped and choice != "always" and gap is not None and gap.law == "polynomial":
+        yield f"contact_damping = {choice!r}: a polynomial has no gap to tell contact by; give contact_damping='always'"
     if choice not in ("clipped", "clipped_force", "always"):
         yield f"contact_damping = {choice!r} must be 'clipped', 'clipped_force' or 'always'"
 
@@ -67,20 +71,26 @@ def contact(s: Any, law: Contact) -> Iterator[Contribution]:
 
     x, gap, symbols = law.x, law.gap, law.gap_symbols
     if gap is None:
-        g, potential, side = x, x**2 / 2, sp.Integer(1)
+        g, potential, side, pushing = x, x**2 / 2, sp.Integer(1), sp.Integer(1)
     else:
         g, potential, side = gap.deflection(symbols, x), gap.potential(symbols, x), gap.side(symbols, x)
+        pushing = gap.pushing_side(symbols, x)
+        if gap.law != "exact" or gap.gaps is not None:  # people read a long law better by its name
+            g, side, pushing = symbols.named("g", g), symbols.named("side", side), symbols.named("sign_g", pushing)
+        yield from gap.watches(symbols, x)
     elastic = law.k * g
     drag: Any = 0
     if law.c is not None:
         viscous = law.c * law.rate
         choice = "always" if gap is None else law.choice
-        drag = _DRAG[choice](elastic, viscous, side)
-        yield from _clip_switches(choice, elastic, viscous, side)
+        drag = _DRAG[choice](elastic, viscous, pushing)
+        yield from _clip_switches(choice, elastic, viscous, pushing)
         yield Shows("loss_power", drag * law.rate, "W", "power lost in the contact")
     yield Force(x, s.named("N", elastic + drag))
     yield Energy(stored=law.k * potential, loss=drag * law.rate if law.c is not None else None)
     yield Shows("contact", side, "1", "-1 coast side, 0 none, +1 drive side")
+    if gap is not None and gap.gaps is not None:
+        yield Shows("engaged_teeth", gap.engaged(symbols, x), "1", "teeth that carry load")
 
 
 def _clipped(elastic: Any, viscous: Any, side: Any) -> Any:

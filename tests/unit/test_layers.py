@@ -12,11 +12,12 @@ ROOT = Path(__file__).parents[2]
 # module and everything in it.
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.errors", "gearblocks.rational"),
+    ("gearblocks.tooth_geometry", "gearblocks.dead_zone", "gearblocks.engagement"),
     ("gearblocks.units", "gearblocks.files", "gearblocks.program", "gearblocks.cache", "gearblocks.compiler"),
     ("gearblocks.expression", "gearblocks.signals"),
     ("gearblocks.declare",),
     ("gearblocks.symbols", "gearblocks.branches", "gearblocks.contributions", "gearblocks.printer"),
-    ("gearblocks.effects",),
+    ("gearblocks.gaps", "gearblocks.effects"),
     ("gearblocks.blocks",),
     ("gearblocks.nesting",),
     ("gearblocks.graph",),
