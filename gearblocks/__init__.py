@@ -7,6 +7,7 @@ from gearblocks.blocks import (
     IdealGear,
     Inertia,
     Lash,
+    PlanetaryGear,
     Shaft,
     SpeedLoad,
     SplineCoupling,
@@ -34,7 +35,7 @@ from gearblocks.declare import (
     signal,
 )  # fmt: skip
 from gearblocks.drivetrain import Drivetrain, build, classify, poincare, simulate, stroboscopic
-from gearblocks.effects import Backlash, Fourier, Harmonic, Profile, Square
+from gearblocks.effects import Backlash, Fourier, Harmonic, MeshLaw, Profile, Square, ToothFriction
 from gearblocks.errors import (
     CompileError,
     GearblocksError,
@@ -53,9 +54,10 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Acts", "Backlash", "Block", "Body", "CompileError", "Damper", "Drivetrain", "Effect", "Energy", "Fixed", "Flange",
-    "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Model",
-    "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rate", "Shaft", "Shows", "SimulationError",
-    "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory",
-    "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm",
-    "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "MeshLaw",
+    "Model", "ModelError", "Parameter", "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile", "Rate",
+    "Shaft", "Shows", "SimulationError", "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie",
+    "ToothFriction", "Torque", "Trajectory", "UnknownNameError", "build", "classify", "cos", "effect", "exact",
+    "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time",
+    "twist",
 ]  # fmt: skip

@@ -17,7 +17,6 @@ from gearblocks.errors import GearblocksError
 from gearblocks.signals import Table
 from gearblocks.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, TableAt
 
-
 _COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
 """Its segments are numbered by the whole part of what it is taken over."""
 
@@ -167,7 +166,7 @@ class Freezer:
         switch.band = b
         return switch.symbol
 
-    def _table(self, e: Any) -> Any:
+    def _table(self, e: Any, name: str = "table") -> Any:
         """With the segment as a mode, shared by all tables with the same joints; a step needs no more than its mode."""
         table, x, order = e.args[:3]
         x = self.freeze(x)
@@ -177,7 +176,7 @@ class Freezer:
                 return TableAt(table, inside, order, switch.symbol)
         if not self.locating:
             return TableAt(table, x, order)
-        return TableAt(table, inside, order, self._add("table", x, table).symbol)
+        return TableAt(table, inside, order, self._add(name, x, table).symbol)
 
     def _same_joints(self, one: Any, other: Any) -> bool:
         """Whether two tables have the same segments, so that one switch serves both."""
@@ -186,7 +185,9 @@ class Freezer:
 
     def _floor(self, e: Any) -> Any:
         """The whole number below, as the mode of a table that counts."""
-        found = self._table(TableAt(self.pool.symbol("table", _COUNT, "table_count"), e.args[0], sp.Integer(0)))
+        found = self._table(
+            TableAt(self.pool.symbol("table", _COUNT, "table_count"), e.args[0], sp.Integer(0)), "count"
+        )
         return found.args[3] if len(found.args) == 4 else sp.floor(found.args[1])
 
     def _add(self, name: str, surface: Any, table: Any = None) -> SurfaceOfKind:

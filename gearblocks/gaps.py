@@ -29,7 +29,9 @@ class Backlash(Effect):
 
     half_gap: Value | None = param("half of the backlash", "m", default=None, ge=0)
     law: str = option("form of the dead zone: 'exact', 'polynomial' or 'smooth'", default="exact")
-    coefficients: tuple[Value, ...] | None = param("coefficients of x, x^3, x^5, ... in half gaps", default=None, many=True)
+    coefficients: tuple[Value, ...] | None = param(
+        "coefficients of x, x^3, x^5, ... in half gaps", default=None, many=True
+    )
     degree: int | None = option("degree of the fitted polynomial", default=None)
     interval: float = option("half width of the fit in half gaps", default=2.0)
     width: Value | None = param("rounding of the corners", "m", default=None, gt=0)
@@ -107,7 +109,9 @@ class Backlash(Effect):
         if self.gaps is not None:
             if s.reading:
                 ahead = sp.Add(*(sp.Max(x - v, 0) ** 2 for v in self.gaps))
-                return (ahead + sp.Add(*(sp.Max(-x - v, 0) ** 2 for v in self.coast_gaps or self.gaps))) / (2 * len(self.gaps))
+                return (ahead + sp.Add(*(sp.Max(-x - v, 0) ** 2 for v in self.coast_gaps or self.gaps))) / (
+                    2 * len(self.gaps)
+                )
             engaged, total, squares = self._rows(s, x)
             return (sp.Integer(1) / len(self.gaps)) * (engaged * x**2 / 2 - total * x + squares / 2)
         if self.law == "polynomial":

@@ -12,7 +12,7 @@ import sympy as sp
 from gearblocks.declare import Rate, _Declared
 from gearblocks.expression import Expr, to_sympy
 from gearblocks.signals import Input, Parameter, Table
-from gearblocks.tooth_geometry import inverse_involute
+from gearblocks.tooth_geometry import Functions, inverse_involute
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +91,10 @@ class InverseInvolute(sp.Function):  # type: ignore[misc]  # sympy carries no ty
     def eval(cls, y: Any) -> Any:
         """The number, where y is one."""
         return sp.Float(inverse_involute(float(y))) if y.is_number else None
+
+
+SYMBOLS = Functions(sp.sqrt, sp.sin, sp.cos, sp.tan, sp.atan, InverseInvolute, sp.pi)
+"""What tooth geometry computes with in laws."""
 
 
 @lru_cache(maxsize=1)

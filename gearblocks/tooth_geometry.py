@@ -18,7 +18,9 @@ def inverse_involute(y: float) -> float:
     if not y > 0.0:
         return 0.0 if y == 0.0 else math.nan
     a = min(math.cbrt(3.0 * y), 1.5)
-    for _ in range(40):  # the function is convex: Newton falls onto the root from above, the other way round after one step
+    for _ in range(
+        40
+    ):  # the function is convex: Newton falls onto the root from above, the other way round after one step
         t = math.tan(a)
         step = (t - a - y) / (t * t)
         a -= step
