@@ -112,8 +112,8 @@ class ToothFriction(Effect):
         v = rho_1 w_1 + rho_2 w_2,    F = mu abs(N) sign(v) (its share),    torques -F rho_1, -F rho_2, F (rho_1 + rho_2)
 
     v changes sign at the pitch point (up to the vibration); the power -F v is never positive. The gears turn: at rest
-    F jumps from one sign to the other and holds nothing. [transition]: sign(v) becomes v/sqrt(v^2 + transition^2). The
-    coast side has the same arms. Valid for transverse contact ratios from 1 to 2; a helical pair counts by its transverse
+    F jumps from one sign to the other and holds nothing. [transition]: sign(v) becomes v/sqrt(v^2 + transition^2). flank:
+    the loaded one; with "coast" the pairs enter as theta falls (gear 1 turns backwards and drives). Valid for transverse contact ratios from 1 to 2; a helical pair counts by its transverse
     section. driven_by and phase as for `Fourier`.
 
     direction="square_wave": N (1 + mu wave) along the line of action on both bodies, wave = +1 or -1 from a signal (the
@@ -125,6 +125,7 @@ class ToothFriction(Effect):
     wave: Any = signal("direction of sliding, +1 or -1, for 'square_wave'", default=None)
     driven_by: Any = signal("'angle', or the mesh frequency", "rad/s", default="angle")
     phase: Any = param("phase added to theta", "rad", default=None)
+    flank: str = option("loaded flank: 'drive' or 'coast'", default="drive")
     transition: Value | None = param("sliding speed where friction takes hold", "m/s", default=None, gt=0)
     angle = State("integrated phase", "rad")
 
@@ -132,7 +133,9 @@ class ToothFriction(Effect):
         """Directions that do not exist, and a missing wave."""
         if self.direction not in ("geometry", "square_wave"):
             yield f"friction.direction = {self.direction!r} must be 'geometry' or 'square_wave'"
-        elif (self.direction == "square_wave") != (self.wave is not None):
+        if self.flank not in ("drive", "coast"):
+            yield f"friction.flank = {self.flank!r} must be 'drive' or 'coast'"
+        if (self.direction == "square_wave") != (self.wave is not None):
             yield "friction: direction='square_wave' and wave=... (a signal of +1 and -1) belong together"
 
 

@@ -11,7 +11,7 @@ from gearblocks.blocks.bodies import Inertia
 from gearblocks.blocks.gears import teeth_problems
 from gearblocks.blocks.meshes import GearMesh
 from gearblocks.declare import Block, Contribution, Flange, Parts, effect, exact, option, param
-from gearblocks.effects import MeshLaw
+from gearblocks.effects import MeshLaw, ToothFriction
 from gearblocks.signals import Value
 
 
@@ -32,7 +32,8 @@ class PlanetaryGear(Block):
     ring mesh against the sun mesh of one planet; left out, both count from contact at the pitch point of teeth half a
     pitch thick: 1/2 for an even number of planet teeth, 0 for an odd one.
 
-    sun_mesh and ring_mesh: gb.MeshLaw(k=..., ...); left out, that mesh is rigid.
+    sun_mesh and ring_mesh: gb.MeshLaw(k=..., ...); left out, that mesh is rigid. The flank of their friction is meant as
+    the sun sees it ("drive": the sun turns forward and drives); the other flank of the planets drives the ring.
     """
 
     sun, ring, carrier = Flange("sun"), Flange("ring gear"), Flange("planet carrier")
@@ -128,6 +129,9 @@ class PlanetaryGear(Block):
         law = self.sun_mesh if name == "sun_mesh" else self.ring_mesh
         first, second = (self.z_sun, self.z_planet) if name == "sun_mesh" else (self.z_planet, self.z_ring)
         values = {} if not isinstance(law, MeshLaw) else law.shifted(2 * pi * cycles).values()
+        if name == "ring_mesh" and isinstance(values.get("friction"), ToothFriction):
+            other = {"drive": "coast", "coast": "drive"}
+            values["friction"] = values["friction"].changed(flank=other.get((flank := values["friction"].flank), flank))
         return GearMesh(
             teeth=(first, second), external=name == "sun_mesh", module=self.module, pressure_angle=self.pressure_angle,
             helix_angle=self.helix_angle, **values,
@@ -192,7 +196,9 @@ class PlanetaryGear(Block):
         """Without an effect of all sun or ring meshes."""
         mesh, _, inner = name.partition(".")
         left = self._mesh(mesh, 0.0).without_effect(inner)
-        law = MeshLaw(**{field: getattr(left, field) for field in MeshLaw.fields})
+        kept = {field for field in MeshLaw.fields if getattr(left, field) is not None}
+        own = getattr(self, mesh).values()
+        law = MeshLaw(**{field: value for field, value in own.items() if field in kept})
         changed = self.changed(**{mesh: law if left.is_compliant else None})  # type: ignore[attr-defined]
         assert isinstance(changed, Block)
         return changed

@@ -42,7 +42,8 @@ def _sliding(block: Any, s: Any, force: Force, line: Line, pair: ToothPair) -> I
 
     theta, rates = theta_of(block.friction, s.friction, line.angle, s.time)
     yield from rates
-    cycles = theta / (2 * sp.pi)
+    turned = block.friction.driven_by == "angle" and block.friction.flank == "coast"
+    cycles = (-theta if turned else theta) / (2 * sp.pi)
     entered = sp.floor(cycles)
     approach, pitch = s.named("g_f", pair.path[0]), s.named("p_b", pair.base_pitch)
     double = s.named("two_pairs", entered - sp.floor(cycles - (pair.contact_ratio - 1)))
