@@ -12,12 +12,13 @@ ROOT = Path(__file__).parents[2]
 # module and everything in it.
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.errors", "gearblocks.rational"),
+    ("gearblocks.tooth_geometry", "gearblocks.dead_zone", "gearblocks.engagement"),
     ("gearblocks.units", "gearblocks.files", "gearblocks.program", "gearblocks.cache", "gearblocks.compiler"),
     ("gearblocks.expression", "gearblocks.signals", "gearblocks.maps"),
     ("gearblocks.ratio_curves", "gearblocks.ratio_law", "gearblocks.ratio_making", "gearblocks.pitch"),
     ("gearblocks.declare",),
     ("gearblocks.symbols", "gearblocks.branches", "gearblocks.contributions", "gearblocks.printer"),
-    ("gearblocks.effects",),
+    ("gearblocks.gaps", "gearblocks.effects"),
     ("gearblocks.blocks",),
     ("gearblocks.nesting", "gearblocks.sliding"),
     ("gearblocks.graph",),
