@@ -112,9 +112,11 @@ class ToothFriction(Effect):
         v = rho_1 w_1 + rho_2 w_2,    F = mu abs(N) sign(v) (its share),    torques -F rho_1, -F rho_2, F (rho_1 + rho_2)
 
     v changes sign at the pitch point (up to the vibration); the power -F v is never positive. The gears turn: at rest
-    F jumps from one sign to the other and holds nothing. [transition]: sign(v) becomes v/sqrt(v^2 + transition^2). flank:
-    the loaded one; with "coast" the pairs enter as theta falls (gear 1 turns backwards and drives). Valid for transverse
-    contact ratios from 1 to 2; a helical pair counts by its transverse section. driven_by and phase as for `Fourier`.
+    F jumps from one sign to the other and holds nothing, and the same at the pitch point where the pair vibrates hard
+    enough to stick there: the run then stops and names the mesh. [transition]: sign(v) becomes
+    v/sqrt(v^2 + transition^2), which passes through both. flank: the loaded one; with "coast" the pairs enter as theta
+    falls (gear 1 turns backwards and drives). Valid for transverse contact ratios from 1 to 2; a helical pair counts by
+    its transverse section. driven_by and phase as for `Fourier`.
 
     direction="square_wave": N (1 + mu wave) along the line of action on both bodies, wave = +1 or -1 from a signal (the
     form of papers; it may feed power in, which the ledger counts as supplied).

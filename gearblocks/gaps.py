@@ -22,7 +22,8 @@ class Backlash(Effect):
     plain least-squares fit over +-interval half gaps on a step of 0.01. It holds inside of the interval alone (leaving it
     is an event) and has false rest points inside the gap; papers use it. Damping then acts everywhere ("always").
     law="smooth": g(x) = x + (sqrt((x - b)^2 + w^2) - sqrt((x + b)^2 + w^2))/2 with w = width, smooth everywhere and
-    rising; at most w/2 away from the corners' law (at the corners), w^2/(4 abs(x - b)) far from them.
+    rising; at most w/2 away from the corners' law (at the corners), w^2/(4 abs(x - b)) far from them. With clipped damping
+    the ledger needs max_step of about w over the speed: where damping cancels the spring, nothing else asks for short steps.
     gaps=(b_1, ..., b_n) in place of half_gap: a gap of every tooth on the drive side, [coast_gaps] on the coast side
     (default: the same). Each tooth carries 1/n of k: g(x) = (sum of max(x - b_j, 0) - sum of max(-x - c_j, 0))/n.
     """

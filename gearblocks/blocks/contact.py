@@ -44,6 +44,8 @@ def damping_problems(block: Any) -> Iterator[str]:
     damped = block.c is not None or block.damping_ratio is not None
     if damped and choice != "always" and gap is not None and gap.law == "polynomial":
         yield f"contact_damping = {choice!r}: a polynomial has no gap to tell contact by; give contact_damping='always'"
+    elif damped and choice not in ("always", "clipped") and gap is not None and gap.law == "smooth":
+        yield f"contact_damping = {choice!r}: a smooth law has no gap to tell contact by; give 'clipped' or 'always'"
     if choice not in ("clipped", "clipped_force", "always"):
         yield f"contact_damping = {choice!r} must be 'clipped', 'clipped_force' or 'always'"
 
