@@ -6,9 +6,8 @@ import ctypes
 from collections.abc import Callable
 from ctypes import POINTER, c_char_p, c_double, c_int, c_long, c_longlong, c_size_t, c_void_p
 from enum import IntEnum
-from itertools import pairwise
 from types import TracebackType
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from gearblocks.errors import CompileError
 from gearblocks.pattern import Pattern
 from gearblocks.program import Program
+from gearblocks.stepmatrix import PROTOTYPES, StepMatrix, matrix_at, pattern_of, sizes_of
 
 Array = NDArray[np.float64]
 
@@ -86,31 +86,6 @@ class Report(ctypes.Structure):
     _fields_ = [("code", c_int), ("index", c_int), ("t", c_double), ("value", c_double)]
 
 
-class _Pattern(ctypes.Structure):
-    """gb_pattern."""
-
-    _fields_ = [
-        ("n", c_int),
-        ("n_places", c_int),
-        ("tree", c_int),
-        ("order", POINTER(c_int)),
-        ("start", POINTER(c_int)),
-        ("row", POINTER(c_int)),
-        ("pair", POINTER(c_int)),
-    ]
-
-
-class Linear(NamedTuple):
-    """The matrix S = E - g dG/dx - g^2 dG/ds B of c/gb_model.h: by unknown, by place below and above the diagonal, and
-    the numbers that `right_side` and `simple_rates` need."""
-
-    g: float
-    diag: Array
-    lower: Array
-    upper: Array
-    kept: Array
-
-
 class _Record(ctypes.Structure):
     """gb_record."""
 
@@ -147,11 +122,6 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(_Record), c_double)),
     "gb_evaluate": (c_int, (c_void_p, c_void_p, c_long, c_void_p, c_int, c_void_p, c_void_p)),
     "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
-    "gb_pattern_of": (POINTER(_Pattern), (c_void_p,)),
-    "gb_linear_sizes": (None, (c_void_p, POINTER(c_int), POINTER(c_int), POINTER(c_int))),
-    "gb_linear_matrix": (c_int, (c_void_p, c_double, c_void_p, c_double, *[c_void_p] * 4)),
-    "gb_linear_side": (c_int, (c_void_p, c_void_p, c_double, c_void_p, c_void_p)),
-    "gb_linear_rates": (c_int, (c_void_p, c_void_p, c_void_p, c_void_p)),
     "gb_snapshot_size": (c_size_t, (c_void_p,)),
     "gb_save": (None, (c_void_p, c_void_p)),
     "gb_restore": (c_int, (c_void_p, c_void_p)),
@@ -164,7 +134,7 @@ def open_shared(path: str) -> ctypes.CDLL:
     """Loads a shared object and gives its functions their types. Raises CompileError where it is none of ours."""
     try:
         handle = ctypes.CDLL(path)
-        for name, (result, arguments) in _PROTOTYPES.items():
+        for name, (result, arguments) in (_PROTOTYPES | PROTOTYPES).items():
             function = getattr(handle, name)
             function.restype, function.argtypes = result, arguments
     except (OSError, AttributeError) as error:
@@ -321,47 +291,30 @@ class Simulation:
 
     def pattern(self) -> Pattern | None:
         """The pattern of the matrix of implicit methods; None where the model has none."""
-        raw = self._shared.gb_pattern_of(self._sim)
-        if not raw:
-            return None
-        p = raw.contents
-        start = tuple(p.start[: p.n + 1])
-        sizes = [b - a for a, b in pairwise(start)]
-        order, row = tuple(p.order[: p.n]), tuple(p.row[: p.n_places])
-        steps = [0] * p.n
-        for step, unknown in enumerate(order):
-            steps[unknown] = step
-        return Pattern(order, tuple(steps), start, row, tuple(p.pair[: sum(k * (k - 1) // 2 for k in sizes)]))
+        return pattern_of(self._shared, self._sim)
 
     def linear_sizes(self) -> tuple[int, int, int]:
         """Numbers of simple states, of hidden speeds, and of what the Jacobian keeps (zeros without a pattern)."""
-        sizes = (c_int(), c_int(), c_int())
-        self._shared.gb_linear_sizes(self._sim, *(ctypes.byref(x) for x in sizes))
-        return sizes[0].value, sizes[1].value, sizes[2].value
+        return sizes_of(self._shared, self._sim)
 
-    def linear(self, t: float, y: Array, g: float) -> Linear:
+    def step_matrix(self, t: float, y: Array, g: float) -> StepMatrix:
         """The matrix of a step at (t, y) with the present modes, g = gamma h."""
-        pattern, y = self._shared.gb_pattern_of(self._sim), self._state_vector(y)
-        n, places = (pattern.contents.n, pattern.contents.n_places) if pattern else (0, 0)
-        diag, lower, upper, kept = (np.empty(k) for k in (n, places, places, self.linear_sizes()[2]))
-        arrays = (diag.ctypes.data, lower.ctypes.data, upper.ctypes.data, kept.ctypes.data)
-        _expect(self._shared.gb_linear_matrix(self._sim, t, y.ctypes.data, g, *arrays), "gb_linear_matrix")
-        return Linear(g, diag, lower, upper, kept)
+        code, matrix = matrix_at(self._shared, self._sim, t, self._state_vector(y), g)
+        _expect(code, "gb_linear_matrix")
+        return matrix
 
-    def right_side(self, linear: Linear, r: Array) -> Array:
+    def right_side(self, m: StepMatrix, r: Array) -> Array:
         """E r_x + g dG/ds r_s of a vector over the n states; one number per unknown."""
-        r, out = np.ascontiguousarray(r, dtype=np.float64), np.empty(len(linear.diag))
-        kept = linear.kept.ctypes.data
-        _expect(
-            self._shared.gb_linear_side(self._sim, kept, linear.g, r.ctypes.data, out.ctypes.data), "gb_linear_side"
-        )
+        r, out = np.ascontiguousarray(r, dtype=np.float64), np.empty(len(m.diag))
+        code = self._shared.gb_linear_side(self._sim, m.kept.ctypes.data, m.g, r.ctypes.data, out.ctypes.data)
+        _expect(code, "gb_linear_side")
         return out
 
-    def simple_rates(self, linear: Linear, x: Array) -> Array:
+    def simple_rates(self, m: StepMatrix, x: Array) -> Array:
         """B x: rates of the simple states from the unknowns."""
         x, out = np.ascontiguousarray(x, dtype=np.float64), np.empty(self.linear_sizes()[0])
-        kept = linear.kept.ctypes.data
-        _expect(self._shared.gb_linear_rates(self._sim, kept, x.ctypes.data, out.ctypes.data), "gb_linear_rates")
+        code = self._shared.gb_linear_rates(self._sim, m.kept.ctypes.data, x.ctypes.data, out.ctypes.data)
+        _expect(code, "gb_linear_rates")
         return out
 
     def save(self) -> bytes:

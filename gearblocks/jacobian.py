@@ -80,7 +80,7 @@ class Unknowns:
 
 def _single(rows: Sequence[Row]) -> list[int] | None:
     """The unknowns themselves where no row combines or scales any."""
-    found = []
+    found: list[int] = []
     for row in rows:
         if len(row) != 1 or 1 not in row.values():
             return None

@@ -27,7 +27,7 @@ class Gradient:
     its slope over each output that a signal reads, by path."""
 
     unknowns: dict[Any, Any] = field(default_factory=dict)
-    change: Any = sp.Integer(0)
+    change: Any = 0
     senses: dict[str, Any] = field(default_factory=dict)
 
 
