@@ -1,13 +1,17 @@
 """Drivetrain dynamics: blocks are composed, assembled into equations of motion, and run in generated C."""
 
 from gearblocks.blocks import (
+    Angle,
     Damper,
+    Differential,
     Fixed,
     GearMesh,
     IdealGear,
+    IdealPlanetary,
     Inertia,
     Lash,
     Shaft,
+    Speed,
     SpeedLoad,
     SplineCoupling,
     Torque,
@@ -20,10 +24,12 @@ from gearblocks.declare import (
     Energy,
     Flange,
     Force,
+    Motion,
     Parts,
     Potential,
     Rate,
     Shows,
+    Start,
     State,
     Switch,
     Tie,
@@ -52,10 +58,11 @@ from gearblocks.units import rpm
 __version__ = "0.1.0"
 
 __all__ = [
-    "Acts", "Backlash", "Block", "Body", "CompileError", "Damper", "Drivetrain", "Effect", "Energy", "Fixed", "Flange",
-    "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Model",
-    "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rate", "Shaft", "Shows", "SimulationError",
-    "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory",
-    "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm",
-    "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "Acts", "Angle", "Backlash", "Block", "Body", "CompileError", "Damper", "Differential", "Drivetrain", "Effect",
+    "Energy", "Fixed", "Flange", "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear",
+    "IdealPlanetary", "Inertia", "Input", "Lash", "Model", "ModelError", "Motion", "Parameter", "ParameterError",
+    "Parts", "Potential", "Profile", "Rate", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad",
+    "SplineCoupling", "Square", "Start", "State", "Switch", "Table", "Tie", "Torque", "Trajectory", "UnknownNameError",
+    "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal",
+    "simulate", "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip

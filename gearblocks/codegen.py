@@ -14,6 +14,8 @@ from gearblocks.batchcode import BatchCode, Places, Statement, identifier
 from gearblocks.generator import Band, Generator, Prediction
 from gearblocks.jacobian import linear_part
 from gearblocks.layout import column, lay_out, padded
+from gearblocks.massless import hidden_rows, lay_out_massless
+from gearblocks.motions import check_mobility, drive_functions, lay_out_mass
 from gearblocks.printer import c_text
 from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, Quantity, StartInfo, SwitchInfo
 from gearblocks.senses import Sense, order_senses, reads_angles
@@ -45,13 +47,24 @@ def generate(assembly: Assembly) -> Program:
 
 def _columns(g: Generator) -> None:
     """Hoists every law and places exact values, inverse masses, hoisted columns and switches."""
+    hidden = hidden_rows(g.assembly) if g.assembly.n_hidden else {}
     at = len(g.lay.parameters)
     g.inverse_mass = at
-    g.mass = at + g.assembly.n_groups
-    at += 2 * g.assembly.n_groups
+    at += g.assembly.n_groups
+    if g.assembly.plain:
+        g.mass = at
+        at += g.assembly.n_groups
+    else:
+        at = lay_out_mass(g, at)
     for number, batch in enumerate(g.assembly.batches):
         own = {path: i for (b, path), i in g.lay.own.items() if b == number}
-        places = Places(own, inverse_mass=g.inverse_mass, senses={p: s.index for p, s in g.senses.items()})
+        places = Places(
+            own,
+            inverse_mass=g.inverse_mass,
+            mass=g.mass,
+            hidden=hidden,
+            senses={p: s.index for p, s in g.senses.items()},
+        )
         places.tables = {
             x: _table_name(g, slot.of) for x, slot in batch.law.pool.slots.items() if slot.role == "table"
         }  # fmt: skip
@@ -64,6 +77,7 @@ def _columns(g: Generator) -> None:
         code.hoist_all()
         g.codes.append(code)
     g.n_par = at
+    g.mobile = check_mobility(g, [item for code in g.codes for item in code.mobile_groups()])
     _switches(g)
     for code in g.codes:
         _hoisted(g, code)
@@ -144,12 +158,16 @@ def _shared_column(g: Generator, constant: bool, text: str) -> str:
 
 def _laws(g: Generator) -> None:
     flange_tau = 0
+    if g.assembly.n_hidden:
+        lay_out_massless(g)
     for code in g.codes:
+        drive_functions(g, code)
         _rates(g, code)
         _surfaces(g, code)
         for flange in code.batch.flanges:
             code.places.tau[flange] = flange_tau
             flange_tau += code.n
+    _supplies(g)
     for code in g.codes:
         targets = [(f"flange_tau[{code.places.tau[f]} + e]", "+=", e, False) for f, e in code.torques.items()]
         g.keep("torques", code.function("torques", targets))
@@ -159,19 +177,34 @@ def _laws(g: Generator) -> None:
             shows.append((f"out[{len(g.outputs)} + e]", "=", expr, False))
             g.outputs += [Quantity(f"{path}.{show.name}", show.unit, show.words) for path in code.paths]
         g.keep("shows", code.function("shows", shows))
+        starts = [(f"y[{g.lay.state0[code.number, x]} + e]", "=", e, False) for x, e in code.starts.items()]
+        g.keep("starts", code.function("starts", starts))
+
+
+def _supplies(g: Generator) -> None:
+    """Places in the ledger for the power of prescribed motions."""
+    if g.motion is not None:
+        g.supply0 = g.tail
+        for i in g.motion.powered:
+            drive = g.motion.followers[i].drive
+            assert drive is not None
+            g.integrals.append(IntegralInfo(drive.path, "supplied", g.tail))
+            g.tail += 1
 
 
 def _rates(g: Generator, code: BatchCode) -> None:
     """Derivatives, and the ledger in the full variant."""
     batch = code.batch
     targets: list[tuple[str, str, Any, bool]] = []
+    place: dict[str, str] = {}
     for j, speed in enumerate(code.speeds):
         if batch.used[j] and not batch.dependent[j]:
             targets.append((f"dy[q{j}]", "=", speed, False))
     held = [f for f in code.torques if batch.groups[f][0] == HELD]
     for flange, expr in code.torques.items():
         if flange not in held:
-            targets.append((f"dy[v_{flange}]", "+=", expr, False))
+            place[code.torque_place(flange)] = flange
+            targets.append((code.torque_place(flange), "+=", expr, False))
     for state, expr in code.rates.items():
         targets.append((f"dy[{g.lay.state0[code.number, state]} + e]", "=", expr, False))
     for part, entry in (("loss", code.loss), ("supplied", code.supplied)):
@@ -181,8 +214,8 @@ def _rates(g: Generator, code: BatchCode) -> None:
             g.tail += code.n
     function = code.function("rates", targets, extra=[f for f in code.torques if f not in held])
     for statement in function.body:
-        if statement.lhs.startswith("dy[v_"):
-            statement.rhs = code.scaled(statement.lhs[5:-1], statement.rhs)
+        if statement.lhs in place:
+            statement.rhs = code.scaled(place[statement.lhs], statement.rhs)
     known = {name for _, name, _ in function.args}
     for j in range(len(code.speeds)):
         if batch.used[j] and not batch.dependent[j] and f"q{j}" not in known:
@@ -302,7 +335,7 @@ def _program(g: Generator, source: str) -> Program:
                     states[i] = Quantity(f"{code.paths[e]}.coordinate", "rad", "relative angle")
             for state in code.law.rates:
                 states[lay.state0[code.number, state] + e] = Quantity(f"{code.paths[e]}.{state}", "1", "state")
-    for i, start in enumerate(g.assembly.starts):
+    for i, start in enumerate(g.assembly.starts[: g.assembly.n_speeds]):
         states[lay.v0 + i] = Quantity(f"{start.w0}.w", "rad/s", "speed")
     in_law = lay.angle0 < lay.n
     for i, group in enumerate(g.assembly.angles):
@@ -324,11 +357,12 @@ def _start_infos(g: Generator) -> Iterator[StartInfo]:
     for code in g.codes:
         for flange, _ in code.law.bodies:
             for e, group in enumerate(code.batch.groups[flange]):
-                if group != HELD:
+                if group != HELD and group < len(g.assembly.starts):
                     start, gain = g.assembly.starts[group], code.batch.gains[flange][e]
                     path = code.paths[e]
                     yield StartInfo(f"{path}.phi", g.lay.phi0[group], float(start.phi0_gain / gain))
-                    yield StartInfo(f"{path}.w", g.lay.w0[group], float(start.w0_gain / gain))
+                    if group < g.assembly.n_speeds:
+                        yield StartInfo(f"{path}.w", g.lay.w0[group], float(start.w0_gain / gain))
         for state in code.law.rates:
             first = g.lay.state_start[code.number, state]
             for e in range(code.n):

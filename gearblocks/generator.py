@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from gearblocks.assemble import Assembly
 from gearblocks.batchcode import BatchCode, Function, Statement
 from gearblocks.layout import Column, Layout
+from gearblocks.massless import Massless
+from gearblocks.motions import Motions
 from gearblocks.pattern import Pattern
 from gearblocks.program import EnergyInfo, IntegralInfo, Quantity, SwitchInfo
 from gearblocks.rational import Exact
@@ -49,8 +52,10 @@ class SenseCode:
 class Linear:
     """What implicit methods need. first_speed: the unknown of the first speed; n_kept: numbers that jacobian keeps.
 
-    rows: speeds of groups over independent speeds, None where each group has its own. spread: rows of the table that
-    spreads entries; those of the inertias begin at first_mass. senses: in the order of their calls.
+    rows: speeds of groups over free speeds (None where each group has its own); heavy: those of groups with inertia,
+    else empty; tilts: changes of defined angles with those of groups. by_rate: whether rates of torques count.
+    spread: rows of the table that spreads entries; those of the inertias begin at first_mass. senses: in the order of
+    their calls.
     """
 
     pattern: Pattern
@@ -59,6 +64,9 @@ class Linear:
     n_kept: int
     n_slopes: int
     rows: list[dict[int, Exact]] | None = None
+    heavy: list[dict[int, Exact]] = field(default_factory=list)
+    tilts: list[Mapping[int, Exact]] = field(default_factory=list)
+    by_rate: bool = False
     functions: dict[str, list[Function]] = field(default_factory=dict)
     senses: list[SenseCode] = field(default_factory=list)
     spread: list[dict[int, Exact]] = field(default_factory=list)
@@ -68,6 +76,13 @@ class Linear:
         """Adds a function unless it does nothing."""
         if function.body:
             self.functions.setdefault(what, []).append(function)
+
+    def follow(
+        self, rows: list[dict[int, Exact]], massive: Collection[int], tilts: list[Mapping[int, Exact]]
+    ) -> None:  # fmt: skip
+        """Takes the rows of a train in which some groups follow others."""
+        self.rows, self.tilts = rows, tilts
+        self.heavy = [row if group in massive else {} for group, row in enumerate(rows)]
 
 
 @dataclass
@@ -97,6 +112,10 @@ class Generator:
     n_surfaces: int = 0
     inverse_mass: int = 0
     mass: int = 0
+    motion: Motions | None = None
+    massless: Massless | None = None
+    mobile: list[int] = field(default_factory=list)
+    supply0: int = 0
     tail: int = 0
     linear: Linear | None = None
 

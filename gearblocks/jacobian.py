@@ -6,76 +6,48 @@ sparse table that spreads it over the unknowns it stands for.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
 from typing import Any
 
 import sympy as sp
 
-from gearblocks.assemble import speed_row
 from gearblocks.batchcode import BatchCode, Function
 from gearblocks.generator import Generator, Linear, SenseCode
 from gearblocks.layout import Column, column
 from gearblocks.pattern import Pattern, eliminate
-from gearblocks.rational import Exact
 from gearblocks.slopes import Slopes, Target
+from gearblocks.unknowns import Row, Unknowns, tilts
 
-Row = dict[int, Exact]
-"""An unknown of a flange as a combination of unknowns of the train."""
 Argument = tuple[str, str, Column]
 """An argument of a function, see Function.args."""
 
 
 def linear_part(g: Generator) -> Linear | None:
     """The functions of implicit methods and the pattern; None where a law has no derivative, or nothing moves."""
-    unknowns = Unknowns(g)
-    if unknowns.count == 0:
-        return None
     try:
+        unknowns = Unknowns(g)
+        if unknowns.count == 0:
+            return None
         batches, kept = [], 0
         for code in g.codes:
             slopes = Slopes(code, kept, code.n)
-            slopes.add_all()
+            slopes.add_all(with_growths=unknowns.by_rate)
             batches.append(slopes)
             kept = slopes.kept_end
         senses = SensedSlopes(g, unknowns, kept)
         senses.find({fed.path for slopes in batches for fed in slopes.fed})
         matrix = Matrix(unknowns, senses)
-        pattern = eliminate(unknowns.count, matrix.coupled(batches))
+        pattern = eliminate(unknowns.count, matrix.coupled(g.assembly.massive, batches))
         linear = Linear(pattern, unknowns.n_simple, unknowns.first_speed, senses.kept, senses.n_slopes)
-        linear.rows = None if unknowns.plain else unknowns.rows
+        if not unknowns.plain:
+            linear.follow(unknowns.rows, g.assembly.massive | set(range(g.assembly.n_speeds)), tilts(g.assembly))
+        linear.by_rate = unknowns.by_rate
         matrix.write(linear, batches)
         linear.senses = senses.codes()
     except NotImplementedError:  # a law without derivative, or one that C does not know
         return None
     return linear
-
-
-class Unknowns:
-    """Numbers of the unknowns: states of blocks, then independent speeds.
-
-    rows: speed of each group as a combination of independent speeds; plain: each group has a speed of its own.
-    """
-
-    def __init__(self, g: Generator) -> None:
-        lay, assembly = g.lay, g.assembly
-        in_law = lay.angle0 < lay.n
-        self.lay = lay
-        self.n_simple = lay.n_coordinates + (len(assembly.angles) if in_law else 0)
-        self.first_speed = lay.v0 - self.n_simple
-        self.count = lay.n - self.n_simple
-        self.rows = [speed_row(assembly, group) for group in range(assembly.n_groups)]
-        self.plain = all(row == {group: 1} for group, row in enumerate(self.rows))
-        shifted = [{self.first_speed + i: a for i, a in row.items()} for row in self.rows]
-        self.of_group = shifted
-
-    def of(self, code: BatchCode, x: Any) -> list[Row]:
-        """The unknown behind a flange speed or state of each instance."""
-        slot = code.law.pool.slots[x]
-        if slot.role == "state":
-            first = self.lay.state0[code.number, slot.of] - self.n_simple
-            return [{first + e: 1} for e in range(code.n)]
-        return [self.of_group[group] for group in code.batch.groups[slot.of]]
 
 
 def _single(rows: Sequence[Row]) -> list[int] | None:
@@ -124,7 +96,7 @@ class SensedSlopes:
         texts, rows = [], []
         for x, b in slopes.own(found).items():
             texts.append(b)
-            rows.append(self.unknowns.of(code, x)[sense.instance])
+            rows.append(self.unknowns.columns(code, x)[sense.instance])
         for other, slope in found.senses.items():
             texts += [slope * slopes.local(f"slope[{self.first[other] + i}]") for i in range(len(self.rows[other]))]
             rows += self.rows[other]
@@ -159,22 +131,22 @@ class Matrix:
         self.unknowns, self.senses = unknowns, senses
         self.spread: list[Row] = []
 
-    def coupled(self, batches: Sequence[Slopes]) -> Iterator[tuple[int, int]]:
+    def coupled(self, massive: Iterable[int], batches: Sequence[Slopes]) -> Iterator[tuple[int, int]]:
         """Pairs of unknowns that share an entry."""
-        for row in self.unknowns.of_group:
-            if len(row) > 1:
+        for group in massive:
+            if len(row := self.unknowns.speeds[group]) > 1:
                 yield from product(row, row)
         for slopes in batches:
-            rows = {x: self.unknowns.of(slopes.code, x) for pair in slopes.entries for x in pair}
             for x, y in slopes.entries:
-                one, other = _single(rows[x]), _single(rows[y])
+                equations, columns = self.unknowns.equations(slopes.code, x), self.unknowns.columns(slopes.code, y)
+                one, other = _single(equations), _single(columns)
                 if one is not None and other is not None:
                     yield from zip(one, other, strict=True)
                     continue
-                for a, b in zip(rows[x], rows[y], strict=True):
+                for a, b in zip(equations, columns, strict=True):
                     yield from product(a, b)
             for fed in slopes.fed:
-                for a in self.unknowns.of(slopes.code, fed.row):
+                for a in self.unknowns.equations(slopes.code, fed.row):
                     for b in self.senses.rows[fed.path]:
                         yield from product(a, b)
 
@@ -190,15 +162,19 @@ class Matrix:
             linear.keep("simple_rates", _simple_rates(slopes.code))
         linear.first_mass = len(self.spread)
         if not self.unknowns.plain:
-            self.spread += [self._entry(linear.pattern, row, row) for row in self.unknowns.of_group]
+            heavy = ({self.unknowns.first_speed + i: a for i, a in row.items()} for row in linear.heavy)
+            self.spread += [self._entry(linear.pattern, row, row) for row in heavy]
         linear.spread = self.spread
 
     def _direct(self, slopes: Slopes, pattern: Pattern) -> tuple[list[Target], list[Argument]] | None:
         """Entries by columns of places, where every symbol is one unknown and no two are the same."""
         places: dict[Any, list[int]] = {}
         for x in {x: None for pair in slopes.entries for x in pair}:
-            single = _single(self.unknowns.of(slopes.code, x))
-            if single is None:
+            if slopes.code.law.pool.slots[x].role == "growth":
+                return None
+            columns = self.unknowns.columns(slopes.code, x)
+            single = _single(columns)
+            if single is None or columns != self.unknowns.equations(slopes.code, x):
                 return None
             places[x] = single
         symbols = list(places)
@@ -233,15 +209,15 @@ class Matrix:
         targets: list[Target] = []
         for (x, y), value in slopes.entries.items():
             targets.append((f"{len(self.spread)} + e", "spread", value, False))
-            pairs = zip(self.unknowns.of(slopes.code, x), self.unknowns.of(slopes.code, y), strict=True)
-            self.spread += [self._entry(pattern, a, b) for a, b in pairs]
+            equations, columns = self.unknowns.equations(slopes.code, x), self.unknowns.columns(slopes.code, y)
+            self.spread += [self._entry(pattern, a, b) for a, b in zip(equations, columns, strict=True)]
         return targets, []
 
     def _sensed(self, slopes: Slopes, pattern: Pattern) -> list[Target]:
         """Entries that a sensed output brings: one per unknown that it depends on."""
         targets: list[Target] = []
         for fed in slopes.fed:
-            rows = self.unknowns.of(slopes.code, fed.row)
+            rows = self.unknowns.equations(slopes.code, fed.row)
             for i, other in enumerate(self.senses.rows[fed.path]):
                 value = fed.value * slopes.local(f"slope[{self.senses.first[fed.path] + i}]")
                 targets.append((f"{len(self.spread)} + e", "spread", value, False))
@@ -268,12 +244,13 @@ class Matrix:
             targets.append((f"const double r{i}", "=", slopes.g * change, False))
             for x, a in row.items():
                 slot = slopes.code.law.pool.slots[x]
-                if slot.role == "w":
-                    args[f"g_{slot.of}"] = _argument(slopes, f"g_{slot.of}", slopes.code.batch.groups[slot.of])
-                    targets.append((f"turn[g_{slot.of}]", "+=", a * value, False))
-                else:
-                    first = self.unknowns.of(slopes.code, x)[0]
+                if slot.role == "state":
+                    first = self.unknowns.columns(slopes.code, x)[0]
                     targets.append((f"out[{next(iter(first))} + e]", "+=", a * value, False))
+                else:
+                    args[f"g_{slot.of}"] = _argument(slopes, f"g_{slot.of}", slopes.code.batch.groups[slot.of])
+                    place = "turn" if slot.role == "w" else "rise"
+                    targets.append((f"{place}[g_{slot.of}]", "+=", a * value, False))
         function = slopes.code.function("right_side", targets, vector="direction")
         known = {name for _, name, _ in function.args}
         function.args += [arg for name, arg in args.items() if name not in known]

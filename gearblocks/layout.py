@@ -98,7 +98,7 @@ def lay_out(assembly: Assembly, *, angles_in_law: bool) -> Layout:
             lay.state0[b, state] = at
             at += len(batch.components)
     lay.v0 = at
-    lay.n = at + assembly.n_groups
+    lay.n = at + assembly.n_speeds
     lay.n_padded = padded(lay.n + (1 if lay.n == 0 else 0))
     lay.n_angles = 0 if angles_in_law else len(assembly.angles)
     if not angles_in_law:
@@ -176,11 +176,12 @@ def _add(lay: Layout, path: str, spec: Field, *, tunable: bool) -> int:
 def _start_values(lay: Layout) -> None:
     """Start angle and speed of every group, start of every state of a block."""
     blocks = {c.path: c.block for c in lay.assembly.train.components}
-    for start in lay.assembly.starts:
-        for path, name, unit, target in (
-            (start.phi0, "phi0", "rad", lay.phi0), (start.w0, "w0", "rad/s", lay.w0),
-        ):  # fmt: skip
-            given = getattr(blocks[path], name, None)
+    for group, start in enumerate(lay.assembly.starts):
+        wanted = [(start.phi0, "phi0", "rad", lay.phi0)]
+        if group < lay.assembly.n_speeds:
+            wanted.append((start.w0, "w0", "rad/s", lay.w0))
+        for path, name, unit, target in wanted:
+            given = getattr(blocks.get(path), name, None)
             words = "start angle" if name == "phi0" else "start speed"
             if isinstance(given, Parameter):
                 target.append(lay.shared[given.name])

@@ -132,8 +132,8 @@ class Slopes:
 
     # -- what the batch adds ------------------------------------------------------------------------------------------
 
-    def add_all(self) -> None:
-        """Forces along their deflections, other torques, and rates of states."""
+    def add_all(self, *, with_growths: bool) -> None:
+        """Forces along their deflections, other torques, rates of states, and rates of torques where they are wanted."""
         code, pool = self.code, self.code.law.pool
         torques = {f: e for f, e in code.torques.items() if code.batch.groups[f][0] != HELD}
         for force, expr in code.forces.items():
@@ -145,6 +145,8 @@ class Slopes:
             self._add({self._speed(flange): sp.Integer(1)}, expr.xreplace(none))
         for state, expr in code.rates.items():
             self._add({pool.symbol("state", state, state): sp.Integer(1)}, expr)
+        for flange, expr in code.balance.growths.items() if with_growths else ():
+            self._add({pool.symbol("growth", flange, f"growth_{flange}"): sp.Integer(1)}, expr)
 
     def _add(self, row: dict[Any, Any], expr: Any) -> None:
         """Something that drives the unknowns of `row`, each with its coefficient: S -= row b'."""
@@ -166,7 +168,7 @@ class Slopes:
     def _gain(self, x: Any) -> Any:
         """The gain of an unknown on the unknown of its group, where it is not 1 throughout."""
         slot = self.code.law.pool.slots[x]
-        if slot.role != "w" or all(gain == 1 for gain in self.code.batch.gains[slot.of]):
+        if slot.role == "state" or all(gain == 1 for gain in self.code.batch.gains[slot.of]):
             return sp.Integer(1)
         return self.code.law.pool.symbol("gain", slot.of, f"k_{slot.of}")
 

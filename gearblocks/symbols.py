@@ -20,7 +20,7 @@ class Slot:
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table (time-driven),
     phi, w, alpha, tau, state, coordinate, mode; in generated functions column, force, gain (of a flange on its group),
-    local (C text). of: flange, state, switch number, path, or the leaf itself.
+    growth (rate of the torque on a flange), local (C text). of: flange, state, switch number, path, or the leaf itself.
     """
 
     role: str

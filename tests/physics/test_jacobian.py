@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import numpy as np
 import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks import jacobian
-from gearblocks.building import make_program
 from gearblocks.core import Options, Simulation
-from gearblocks.library import compile_program
 from gearblocks.pattern import Pattern
 from gearblocks.scripts import make
 from gearblocks.stepmatrix import StepMatrix
@@ -294,36 +289,3 @@ def test_a_sensed_output_with_a_limit_of_its_own_has_the_slope_of_its_side():
     motor = rig.add("motor", Motor(u=1.0))
     rig.connect(motor.shaft, gb.drivetrain.FlangeHandle(rig, "disc0", "a"))
     check(rig)
-
-
-def test_groups_that_follow_others_are_folded_onto_these(monkeypatch):
-    """Speeds of groups 2 and 3 as combinations of 0 and 1 give A' S A with the matrix A of these combinations."""
-    rig = between(gb.Shaft(k=10.0, c=0.2), gb.Lash(k=20.0, half_gap=0.1, c=0.3), gb.Shaft(k=7.0, c=0.5))
-    motor = rig.add("motor", Motor(u=2.0 - gb.sense("disc2.w")))
-    rig.connect(motor.shaft, gb.drivetrain.FlangeHandle(rig, "disc3", "b"))
-    rows = ({0: 1}, {1: 1}, {0: Fraction(1, 2), 1: 3}, {1: -2})
-    A = np.eye(5)
-    for group, row in enumerate(rows):
-        A[1 + group] = 0.0
-        A[1 + group, [1 + i for i in row]] = [float(a) for a in row.values()]
-    plain = compile_program(make_program(rig.train()))
-    monkeypatch.setattr(jacobian, "speed_row", lambda assembly, group: rows[group])
-    folded = compile_program(make_program(rig.train()))
-    random = np.random.default_rng(3)
-    y, r, x, g = random.normal(size=plain.program.n_total), random.normal(size=8), random.normal(size=5), 0.1
-    found = []
-    for library in (plain, folded):
-        with library.open() as sim:
-            sim.parameters[:] = gb.build(rig).values
-            assert sim.start(Options(2, 1, 1e-6, 0.0, np.inf, np.inf), 0.0, y) == 0
-            linear, pattern = sim.step_matrix(0.0, y, g), sim.pattern()
-            assert pattern is not None
-            r_x = r.copy()
-            r_x[3:] = r[3:] if library is folded else A @ r[3:]
-            rates = sim.simple_rates(linear, x if library is folded else A @ x)
-            found.append((dense(pattern, linear), sim.right_side(linear, r_x), rates))
-    (S, b, rates), (S_folded, b_folded, rates_folded) = found
-    near = 1e-14 * np.abs(A.T @ np.abs(S) @ A).max()  # sums of a dozen terms
-    assert np.abs(S_folded - A.T @ S @ A).max() < near
-    assert np.abs(b_folded - A.T @ b).max() < 1e-13
-    assert np.abs(rates_folded - rates).max() < 1e-13
