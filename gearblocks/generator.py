@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -48,14 +47,26 @@ class SenseCode:
     change_args: str
 
 
+@dataclass(frozen=True, slots=True)
+class Following:
+    """Rows by group over unknowns: the speed of each, that of those with inertia, the equations that its torque and (with
+    by_rate) the rate of its torque belong to; and how defined angles change with those of groups and with y."""
+
+    speeds: list[dict[int, Exact]]
+    heavy: list[dict[int, Exact]]
+    torques: list[dict[int, Exact]]
+    growths: list[dict[int, Exact]]
+    by_rate: bool
+    tilts: list[dict[int, Exact]]
+    state_tilts: list[dict[int, Exact]]
+
+
 @dataclass(slots=True)
 class Linear:
     """What implicit methods need. first_speed: the unknown of the first speed; n_kept: numbers that jacobian keeps.
 
-    rows: speeds of groups over free speeds (None where each group has its own); heavy: those of groups with inertia,
-    else empty; tilts: changes of defined angles with those of groups. by_rate: whether rates of torques count.
-    spread: rows of the table that spreads entries; those of the inertias begin at first_mass. senses: in the order of
-    their calls.
+    following: where some groups follow others. spread: rows of the table that spreads entries; those of the inertias
+    begin at first_mass. senses: in the order of their calls.
     """
 
     pattern: Pattern
@@ -63,10 +74,7 @@ class Linear:
     first_speed: int
     n_kept: int
     n_slopes: int
-    rows: list[dict[int, Exact]] | None = None
-    heavy: list[dict[int, Exact]] = field(default_factory=list)
-    tilts: list[Mapping[int, Exact]] = field(default_factory=list)
-    by_rate: bool = False
+    following: Following | None = None
     functions: dict[str, list[Function]] = field(default_factory=dict)
     senses: list[SenseCode] = field(default_factory=list)
     spread: list[dict[int, Exact]] = field(default_factory=list)
@@ -76,13 +84,6 @@ class Linear:
         """Adds a function unless it does nothing."""
         if function.body:
             self.functions.setdefault(what, []).append(function)
-
-    def follow(
-        self, rows: list[dict[int, Exact]], massive: Collection[int], tilts: list[Mapping[int, Exact]]
-    ) -> None:  # fmt: skip
-        """Takes the rows of a train in which some groups follow others."""
-        self.rows, self.tilts = rows, tilts
-        self.heavy = [row if group in massive else {} for group, row in enumerate(rows)]
 
 
 @dataclass

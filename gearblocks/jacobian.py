@@ -6,18 +6,18 @@ sparse table that spreads it over the unknowns it stands for.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import Any
 
 import sympy as sp
 
 from gearblocks.batchcode import BatchCode, Function
-from gearblocks.generator import Generator, Linear, SenseCode
+from gearblocks.generator import Following, Generator, Linear, SenseCode
 from gearblocks.layout import Column, column
 from gearblocks.pattern import Pattern, eliminate
 from gearblocks.slopes import Slopes, Target
-from gearblocks.unknowns import Row, Unknowns, tilts
+from gearblocks.unknowns import Row, Unknowns
 
 Argument = tuple[str, str, Column]
 """An argument of a function, see Function.args."""
@@ -38,11 +38,12 @@ def linear_part(g: Generator) -> Linear | None:
         senses = SensedSlopes(g, unknowns, kept)
         senses.find({fed.path for slopes in batches for fed in slopes.fed})
         matrix = Matrix(unknowns, senses)
-        pattern = eliminate(unknowns.count, matrix.coupled(g.assembly.massive, batches))
+        pattern = eliminate(unknowns.count, matrix.coupled(batches))
         linear = Linear(pattern, unknowns.n_simple, unknowns.first_speed, senses.kept, senses.n_slopes)
         if not unknowns.plain:
-            linear.follow(unknowns.rows, g.assembly.massive | set(range(g.assembly.n_speeds)), tilts(g.assembly))
-        linear.by_rate = unknowns.by_rate
+            linear.following = Following(
+                unknowns.speeds, unknowns.heavy, unknowns.torques, unknowns.growths, unknowns.by_rate, *unknowns.tilts()
+            )
         matrix.write(linear, batches)
         linear.senses = senses.codes()
     except NotImplementedError:  # a law without derivative, or one that C does not know
@@ -131,24 +132,21 @@ class Matrix:
         self.unknowns, self.senses = unknowns, senses
         self.spread: list[Row] = []
 
-    def coupled(self, massive: Iterable[int], batches: Sequence[Slopes]) -> Iterator[tuple[int, int]]:
+    def coupled(self, batches: Sequence[Slopes]) -> Iterator[tuple[int, int]]:
         """Pairs of unknowns that share an entry."""
-        for group in massive:
-            if len(row := self.unknowns.speeds[group]) > 1:
-                yield from product(row, row)
+        rows = [pair for pair in zip(self.unknowns.torques, self.unknowns.heavy, strict=True) if len(pair[1]) > 1]
         for slopes in batches:
             for x, y in slopes.entries:
                 equations, columns = self.unknowns.equations(slopes.code, x), self.unknowns.columns(slopes.code, y)
                 one, other = _single(equations), _single(columns)
                 if one is not None and other is not None:
                     yield from zip(one, other, strict=True)
-                    continue
-                for a, b in zip(equations, columns, strict=True):
-                    yield from product(a, b)
+                else:
+                    rows += zip(equations, columns, strict=True)
             for fed in slopes.fed:
-                for a in self.unknowns.equations(slopes.code, fed.row):
-                    for b in self.senses.rows[fed.path]:
-                        yield from product(a, b)
+                rows += product(self.unknowns.equations(slopes.code, fed.row), self.senses.rows[fed.path])
+        for pair in rows:
+            yield from product(*pair)
 
     def write(self, linear: Linear, batches: Sequence[Slopes]) -> None:
         """The functions of all batches and the table that spreads."""
@@ -162,8 +160,8 @@ class Matrix:
             linear.keep("simple_rates", _simple_rates(slopes.code))
         linear.first_mass = len(self.spread)
         if not self.unknowns.plain:
-            heavy = ({self.unknowns.first_speed + i: a for i, a in row.items()} for row in linear.heavy)
-            self.spread += [self._entry(linear.pattern, row, row) for row in heavy]
+            inertias = zip(self.unknowns.torques, self.unknowns.heavy, strict=True)
+            self.spread += [self._entry(linear.pattern, *pair) for pair in inertias]
         linear.spread = self.spread
 
     def _direct(self, slopes: Slopes, pattern: Pattern) -> tuple[list[Target], list[Argument]] | None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
-from gearblocks.assemble import Assembly
+import sympy as sp
+
 from gearblocks.batchcode import BatchCode
 from gearblocks.coordinates import Combination
 from gearblocks.generator import Generator
@@ -15,32 +15,47 @@ from gearblocks.rational import Exact
 from gearblocks.symbols import MOVING
 
 Row = dict[int, Exact]
-"""Something of a group as a combination: of unknowns, or of numbers of speeds."""
+"""Something of a group as a combination of unknowns."""
 
 
 class Unknowns:
     """Numbers of the unknowns, and how the speeds and torques of groups belong to them.
 
-    n_simple: states before them; first_speed: the unknown of the first speed. speeds: of each group, over unknowns;
-    torques, growths: where the torque on a group counts, and the rate of it (shafts that springs alone hold).
-    NotImplementedError for motions whose gains or accelerations change with the state.
+    n_simple: states before them; first_speed: the unknown of the first speed. speeds: of each group (what time alone
+    moves is left aside); torques, growths: where the torque on a group counts, and the rate of it (shafts that springs
+    alone hold); heavy: speeds of the groups with inertia. NotImplementedError for nonlinear motions.
     """
 
     def __init__(self, g: Generator) -> None:
         lay, assembly = g.lay, g.assembly
-        for code in g.codes:
-            _check_drives(code)
         self.lay, self.plain = lay, assembly.plain
         self.n_simple = lay.n_coordinates + (len(assembly.angles) if lay.angle0 < lay.n else 0)
         self.first_speed = lay.v0 - self.n_simple
         self.count = lay.n + assembly.n_hidden - self.n_simple
-        self.rows = speed_rows(assembly)
-        self.speeds = [{self.first_speed + i: a for i, a in row.items()} for row in self.rows]
+        free = range(assembly.n_speeds + assembly.n_hidden)
+        self.speeds: list[Row] = [{self.first_speed + group: 1} for group in free]
+        self.speeds += [{} for _ in range(assembly.n_groups - len(free))]
+        self._drives = {f.group: _Drive(g, f.drive) for f in assembly.followers if f.drive is not None}
+        for f in assembly.followers:  # each after what it follows
+            total, drive = Combination(), self._drives.get(f.group)
+            for source, c in (f.row or drive or total).groups.items():
+                total.add(Combination(self.speeds[source]), c)
+            if drive is not None:
+                total.add(Combination({y - self.n_simple: c for y, c in drive.speed.items()}), 1)
+            self.speeds[f.group] = total.groups
         damped = g.massless.damped if g.massless is not None else []
         held = {self.first_speed + assembly.n_speeds + i for i, by_damper in enumerate(damped) if not by_damper}
         self.by_rate = bool(held)
-        self.torques = [{i: a for i, a in row.items() if i not in held} for row in self.speeds] if held else self.speeds
-        self.growths = [{i: a for i, a in row.items() if i in held} for row in self.speeds] if held else []
+        self.torques, self.growths = self.speeds, self.speeds[:0]
+        if not self.plain:
+            self.torques = [{i: a for i, a in row.items() if self._turns(i) and i not in held} for row in self.speeds]
+            self.growths = [{i: a for i, a in row.items() if i in held} for row in self.speeds]
+        massive = assembly.massive | set(range(assembly.n_speeds))
+        self.heavy = [row if group in massive else {} for group, row in enumerate(self.speeds)]
+        self.definitions = assembly.definitions
+
+    def _turns(self, unknown: int) -> bool:
+        return unknown >= self.first_speed
 
     def columns(self, code: BatchCode, x: Any) -> list[Row]:
         """The unknowns behind a flange speed or state of each instance."""
@@ -58,38 +73,47 @@ class Unknowns:
             return [{first + e: 1} for e in range(code.n)]
         return [of_group[group] for group in code.batch.groups[slot.of]]
 
+    def tilts(self) -> tuple[list[Row], list[Row]]:
+        """How defined angles change with the angles of other groups and with the state vector, drives included."""
+        groups: list[Row] = []
+        states: list[Row] = []
+        for group, row in self.definitions:
+            if isinstance(row, Combination):
+                groups.append(row.groups)
+                states.append(row.coordinates)
+            else:
+                groups.append(self._drives[group].groups)
+                states.append(self._drives[group].angle)
+        return groups, states
 
-def speed_rows(assembly: Assembly) -> list[Row]:
-    """The speed of each group over the speeds of free groups, by number; what moves by itself is left aside."""
-    free = assembly.n_speeds + assembly.n_hidden
-    rows: list[Row] = [{group: 1} if group < free else {} for group in range(assembly.n_groups)]
-    for f in assembly.followers:  # each after what it follows
-        sources = f.row.groups if f.row is not None else driven_row(assembly, f.drive)
+
+class _Drive:
+    """A drive with constant gains: on groups, and of states of its block (by place in y) on the speed and the angle."""
+
+    def __init__(self, g: Generator, driven: Driven) -> None:
+        code = next(code for code in g.codes if driven.component in code.batch.components)
+        drive = code.law.drives[driven.number]
         total = Combination()
-        for source, c in sources.items():
-            total.add(Combination(rows[source]), c)
-        rows[f.group] = total.groups
-    return rows
+        for flange, (group, factor) in driven.factors.items():
+            if not drive.gains[flange].is_number:
+                raise NotImplementedError(f"the gain of '{driven.path}' changes with the position")
+            total.add(Combination({group: factor}), exact_value(drive.gains[flange], {}))
+        self.groups = total.groups
+        e = code.batch.components.index(driven.component)
+        self.speed = _states(g, code, drive.bias, e, driven.scale)
+        self.angle = _states(g, code, drive.angle, e, driven.scale) if drive.angle is not None else {}
 
 
-def driven_row(assembly: Assembly, drive: Driven | None) -> Mapping[int, Exact]:
-    """The constant gains of a drive on the groups that it reads."""
-    assert drive is not None
-    law = next(b.law for b in assembly.batches if drive.component in b.components)
-    total = Combination()
-    for flange, (group, factor) in drive.factors.items():
-        total.add(Combination({group: factor}), exact_value(law.drives[drive.number].gains[flange], {}))
-    return total.groups
-
-
-def tilts(assembly: Assembly) -> list[Mapping[int, Exact]]:
-    """How defined angles change with the angles of other groups, drives included."""
-    rows = (row for _, row in assembly.definitions)
-    return [row.groups if isinstance(row, Combination) else driven_row(assembly, row) for row in rows]
-
-
-def _check_drives(code: BatchCode) -> None:
-    for drive in code.drives:
-        level = max(code.law.pool.level(drive.bias), code.law.pool.level(drive.surplus))
-        if level == MOVING or not all(gain.is_number for gain in drive.gains.values()):
-            raise NotImplementedError(f"the motion that '{code.paths[0]}' prescribes changes with the state")
+def _states(g: Generator, code: BatchCode, expr: Any, e: int, scale: Exact) -> Row:
+    """The factors of the states of instance e in an expression, by place in y. NotImplementedError for nonlinear ones."""
+    found: Row = {}
+    pool = code.law.pool
+    for x in sorted(sp.sympify(expr).free_symbols, key=lambda x: str(x.name)):
+        slope = sp.diff(expr, x)
+        role = pool.slots[x].role
+        if pool.level(x) != MOVING or role == "phi":  # gains over angles are known to be numbers
+            continue
+        if role != "state" or not slope.is_number:
+            raise NotImplementedError(f"the motion that '{code.paths[e]}' prescribes is no linear one")
+        found[g.lay.state0[code.number, pool.slots[x].of] + e] = exact_value(slope, {}) * scale
+    return found

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from gearblocks.batchcode import Function
 from gearblocks.coordinates import Combination
-from gearblocks.generator import Generator
+from gearblocks.generator import Following, Generator
 from gearblocks.rational import Exact, over
 from gearblocks.reactions import tie_tables
 
@@ -206,19 +206,16 @@ def _linear(g: Generator) -> dict[str, Any]:
         "slopes": [_sense_call(f, call) for f, call in slopes],
         "changes": [_sense_call(f, call) for f, call in changes],
         "spread": sparse("spread", linear.spread),
-        "speeds": sparse("speeds", linear.rows or []),
-        "heavy": sparse("heavy", linear.heavy),
-        "tilts": sparse("tilt", linear.tilts),
-        "torque_rows": sparse("turn", _kept(g, linear.rows or [], by_rate=False)),
-        "rate_rows": sparse("rise", _kept(g, linear.rows or [], by_rate=True)),
+        "following": [sparse(name, rows) for name, rows in _following(linear.following).items()],
     }
 
 
-def _kept(g: Generator, rows: Sequence[Mapping[int, Exact]], *, by_rate: bool) -> list[dict[int, Exact]]:
-    """The parts of rows over shafts whose balance is one of torques, or of rates of torques."""
-    damped = g.massless.damped if g.massless is not None else []
-    rated = {g.assembly.n_speeds + i for i, by_damper in enumerate(damped) if not by_damper}
-    return [{i: a for i, a in row.items() if (i in rated) == by_rate} for row in rows]
+def _following(f: Following | None) -> dict[str, list[dict[int, Exact]]]:
+    """The tables of groups that follow others."""
+    if f is None:
+        return {}
+    tables = {"speeds": f.speeds, "heavy": f.heavy, "turn": f.torques, "tilt": f.tilts, "state_tilt": f.state_tilts}
+    return {**tables, "rise": f.growths} if f.by_rate else tables
 
 
 def _sense_call(f: FunctionView, call: str) -> str:
