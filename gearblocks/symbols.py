@@ -23,7 +23,8 @@ class Slot:
     """What a symbol stands for.
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
-    w, alpha, tau, state, coordinate, mode. of: flange, state, switch number, path, or the leaf itself.
+    w, alpha, tau, state, coordinate, mode; in generated functions column, force, gain (of a flange on its group),
+    growth (rate of the torque on a flange), local (C text). of: flange, state, switch number, path, or the leaf itself.
     """
 
     role: str
