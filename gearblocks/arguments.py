@@ -17,6 +17,7 @@ from gearblocks.signals import Table
 from gearblocks.trajectory import Trajectory, matches
 
 InputSource: TypeAlias = "float | Table | Callable[[float], float]"
+STATIC = ("static", "static_at_start")
 METHODS = {"rk4": Method.RK4, "dp5": Method.DP5, "dp8": Method.DP8}
 
 
@@ -128,11 +129,16 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
         result[i] = checked(info.path, value, info.unit, info.lower, info.upper)
     if isinstance(initial, Mapping):
         _initial(program, result, initial)
-    elif not (initial is None or isinstance(initial, Trajectory)):
+    elif not (initial is None or isinstance(initial, Trajectory) or _is_static(initial)):
         raise ParameterError(
-            f"initial = {initial!r:.80} is not available; give start values such as {{'motor.w': 100.0}}"
+            f"initial = {initial!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static' or "
+            f"'static_at_start'{did_you_mean(initial, STATIC)}"
         )
     return result
+
+
+def _is_static(initial: Any) -> bool:
+    return isinstance(initial, str) and initial in STATIC
 
 
 def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> None:
@@ -176,8 +182,12 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
             sim.inputs[i] = checked(f"input '{info.name}'", source, info.unit, None, None)
 
 
-def start_state(program: Program, initial: Any) -> Array | None:
-    """The state vector of an earlier run, the ledger at zero."""
+def start_state(sim: Simulation, program: Program, initial: Any, begin: float) -> Array | None:
+    """The state vector of an earlier run, the ledger at zero, or that of the static equilibrium."""
+    if _is_static(initial):
+        from gearblocks.statics import static_state
+
+        return static_state(sim, program, begin, means=initial == "static")
     if not isinstance(initial, Trajectory):
         return None
     final = initial.final_state

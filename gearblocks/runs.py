@@ -55,7 +55,7 @@ def run_model(
             "train": program.name, "method": Method(options.method).name.lower(), "rtol": rtol, "step": step,
             "parameters": {p.path: float(v) for p, v in zip(program.parameters, sim.parameters, strict=True)},
         })  # fmt: skip
-        y0 = start_state(program, initial)
+        y0 = start_state(sim, program, initial, begin)
         return run.go(options, begin, y0, why)
 
 

@@ -116,6 +116,19 @@ GB_API int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *
 /* One evaluation of the right-hand side at (t, y, modes of the sim), for tests: dy has length n_total. */
 GB_API int gb_rhs(gb_sim *sim, double t, const double *y, double *dy);
 
+/* A point to look at. mode: of all switches (length n_switches); input: values of all inputs, or NULL: as their sources
+ * have them at t; means: every excitation by time alone at its mean (gb_model.means). */
+typedef struct gb_point {
+    double t;
+    int means;
+    const double *mode, *input;
+} gb_point;
+
+/* The laws at a point, into what is not NULL: dy (length n_total), all outputs, all energies, and `fit`, the modes that
+ * fit state and time there. Needs gb_start for the values derived from parameters; changes nothing of the run. */
+GB_API int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, double *out, double *energy,
+                    double *fit);
+
 /* The whole changing state as one block. */
 GB_API size_t gb_snapshot_size(const gb_sim *sim);
 GB_API void gb_save(const gb_sim *sim, void *block);

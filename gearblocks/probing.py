@@ -1,0 +1,177 @@
+"""A model at one point: rates, outputs and energies in frozen modes, and their derivatives as sparse matrices.
+
+Derivatives are central differences. Which entry depends on which unknown is found first, by moving blocks of unknowns
+that are halved from round to round; columns that share no row are then moved together. A chain of any length takes a
+few hundred evaluations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.core import Array, Options, Simulation
+from gearblocks.program import Program
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
+
+Indices = NDArray[np.intp]
+
+_SHARE = 6e-6  # of the size of an unknown: its step, about the cube root of the rounding unit
+_FLOOR = 1e-3  # smallest size of an angle or state taken for its step
+_FLOOR_OF_SPEED = 1.0  # rad/s
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A model held at (t, y) in frozen modes. means: excitations of time alone at their means; u: values of inputs."""
+
+    sim: Simulation
+    program: Program
+    t: float
+    y: Array
+    modes: Array
+    u: Array | None = None
+    means: bool = False
+
+    def at(self, **changes: Any) -> Point:
+        """The same with other values."""
+        return replace(self, **changes)
+
+    def _look(self, wanted: str, y: Array | None) -> Array:
+        where = self.y if y is None else y
+        return self.sim.probe(self.t, where, self.modes, wanted, inputs=self.u, means=self.means)
+
+    def rates(self, y: Array | None = None) -> Array:
+        """dy/dt, length n_total."""
+        return self._look("rates", y)
+
+    def outputs(self, y: Array | None = None) -> Array:
+        """All outputs."""
+        return self._look("outputs", y)
+
+    def energies(self, y: Array | None = None) -> Array:
+        """All energies."""
+        return self._look("energies", y)
+
+    def fitting_modes(self, y: Array | None = None) -> Array:
+        """The modes that the state asks for."""
+        return self._look("modes", y)
+
+    def settled(self) -> Point:
+        """The same with modes that fit state and time."""
+        modes = self.modes
+        for _ in range(20):  # GB_FLIPS: modes may depend on each other
+            fit = self.at(modes=modes).fitting_modes()
+            if np.array_equal(fit, modes):
+                break
+            modes = fit
+        return self.at(modes=modes)
+
+
+@contextmanager
+def opened(sim: Simulation, program: Program, t: float, y0: Array | None = None) -> Iterator[Point]:
+    """A point at the start values of `sim` (parameters and inputs are set), or at y0, in the modes that fit."""
+    options = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
+    code = sim.start(options, t, y0)
+    if code < 0:
+        from gearblocks.errors import SimulationError
+
+        report = sim.report
+        raise SimulationError(t, "", f"the start failed ({code.name}, entry {report.index})", "look at the start values")
+    yield Point(sim, program, t, sim.state(), np.zeros(len(program.switches))).settled()
+
+
+# -- derivatives ------------------------------------------------------------------------------------------------------
+
+
+def steps_of(program: Program, y: Array) -> Array:
+    """Size of the step of each entry of the state vector for differences."""
+    floor = np.full(program.n_total, _FLOOR)
+    speeds = [i for i, s in enumerate(program.states) if s.unit == "rad/s"]
+    floor[speeds] = _FLOOR_OF_SPEED
+    return _SHARE * np.maximum(np.abs(y), floor)
+
+
+def derivative(function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array) -> csc_array:
+    """d function / d y[columns] at y, shape (len(function), len(columns)); steps: of all entries of y."""
+    from scipy.sparse import csc_array
+
+    pattern = dependents(function, y, columns, steps)
+    rows, places, values = [], [], []
+    for group in disjoint(pattern):
+        moved = columns[group]
+        up, down = y.copy(), y.copy()
+        up[moved] += steps[moved]
+        down[moved] -= steps[moved]
+        change = function(up) - function(down)
+        width = up - down
+        for j in group:
+            rows.append(pattern[j])
+            places.append(np.full(len(pattern[j]), j))
+            values.append(change[pattern[j]] / width[columns[j]])
+    shape = (len(function(y)), len(columns))
+    if not rows:
+        return csc_array(shape)
+    return csc_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(places))), shape=shape)
+
+
+def dependents(function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array) -> list[Indices]:
+    """Rows of function(y) that depend on each of y[columns]: blocks of columns are moved and halved; blocks without a common row go together.
+
+    An entry that does not depend on what moved keeps every bit; moves of random size do not cancel each other.
+    """
+    base = function(y)
+    size = np.random.default_rng(1).uniform(1.0, 2.0, len(columns))
+    blocks: list[tuple[int, int]] = [(0, len(columns))] if len(columns) else []
+    rows: list[Indices] = [np.arange(len(base))] * len(blocks)
+    while any(end - start > 1 for start, end in blocks):
+        halves = [((a, (a + b) // 2), ((a + b) // 2, b)) if b - a > 1 else ((a, b),) for a, b in blocks]
+        new_blocks = [part for parts in halves for part in parts]
+        first = np.cumsum([0, *(len(parts) for parts in halves)])
+        new_rows: list[Indices] = [np.empty(0, dtype=np.intp)] * len(new_blocks)
+        for group in disjoint(rows):
+            for half in (0, 1):
+                moved = y.copy()
+                for b in group:
+                    if half < len(halves[b]):
+                        start, end = halves[b][half]
+                        moved[columns[start:end]] += steps[columns[start:end]] * size[start:end]
+                changed = function(moved) != base
+                for b in group:
+                    if half < len(halves[b]):
+                        new_rows[first[b] + half] = rows[b][changed[rows[b]]]
+        blocks, rows = new_blocks, new_rows
+    if len(columns) == 1:
+        moved = y.copy()
+        moved[columns] += steps[columns]
+        rows = [np.flatnonzero(function(moved) != base)]
+    return rows
+
+
+def disjoint(rows: list[Indices]) -> list[list[int]]:
+    """Groups of numbers whose rows do not overlap, each number in the first group that has room."""
+    groups: list[list[int]] = []
+    last: dict[int, set[int]] = {}
+    for number, own in enumerate(rows):
+        taken = set().union(*(last.get(int(r), ()) for r in own)) if len(own) else set()
+        chosen = next(g for g in range(len(groups) + 1) if g not in taken)
+        if chosen == len(groups):
+            groups.append([])
+        groups[chosen].append(number)
+        for r in own:
+            last.setdefault(int(r), set()).add(chosen)
+    return groups
+
+
+def state_matrix(point: Point) -> csc_array:
+    """d(dy/dt)/dy of the first n states in frozen modes, shape (n, n), sparse."""
+    n = point.program.n
+    steps = steps_of(point.program, point.y)
+    return derivative(lambda y: point.rates(y)[:n], point.y, np.arange(n), steps)

@@ -1,0 +1,236 @@
+"""Static starts: the state in which a train under its loads neither deforms further nor changes any state of a block.
+
+Speeds and absolute angles stay as they are; relative angles and states of blocks are solved for. Where a train can turn
+freely, its steady acceleration under loads that do not balance is allowed: the static state is the one that the
+deflections settle in. With the inertia matrix M, accelerations a and the free rotations N (B N = 0):
+
+    M (a(q, z) - N w) = 0,    z' = 0        in the unknowns q, z and the accelerations w of the free rotations
+
+Newton's method in frozen modes; after each step the modes follow the state. A weak spring on every coordinate keeps
+parts determined that nothing holds at the moment: a load inside a gap moves its coordinate far to that side, where the
+contact takes over. A gap without load stays where it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearblocks.core import Array, Simulation
+from gearblocks.errors import ParameterError, SimulationError
+from gearblocks.probing import Indices, Point, dependents, derivative, disjoint, opened, steps_of
+from gearblocks.program import Program
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
+
+_ROUNDS = 200
+_WEAK = 1e-6  # spring on a coordinate relative to its stiffness, at the end
+_NEAR = 1e-12  # of the largest torque: what rounding leaves
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """How coordinates and angles follow from speeds: q' = B v, angles' = E v; N: free rotations, B N = 0, E N = 1."""
+
+    coordinates: Indices
+    angles: Indices
+    states: Indices
+    speeds: Indices
+    B: csc_array
+    N: csc_array
+    M: csc_array
+
+
+def kinds(program: Program) -> tuple[Indices, Indices, Indices, Indices]:
+    """Places of coordinates, absolute angles, states of blocks and speeds in the state vector."""
+    found: dict[str, list[int]] = {"relative angle": [], "coordinate": [], "angle": [], "state": [], "speed": []}
+    for i, s in enumerate(program.states):
+        found[s.words].append(i)
+    angles = found["angle"] + [x.place for x in program.integrals if x.part == "angle"]
+    coordinates = sorted(found["relative angle"] + found["coordinate"])
+    groups = (coordinates, sorted(angles), found["state"], found["speed"])
+    return tuple(np.array(g, dtype=np.intp) for g in groups)  # type: ignore[return-value]
+
+
+def motion(point: Point) -> Motion:
+    """The kinematics and the inertia matrix of a train."""
+    from scipy.sparse import csc_array, identity, vstack
+    from scipy.sparse.linalg import splu
+
+    q, angles, z, v = kinds(point.program)
+    still = point.y.copy()
+    still[v] = 0.0
+    ones = np.ones(point.program.n_total)  # the rates are linear in the speeds: any step is exact
+    rows = np.concatenate([q, angles])
+    S = derivative(lambda y: point.rates(y)[rows], still, v, ones)
+    B = csc_array(S[: len(q)])
+    M = _inertia(point, still, v)
+    if len(rows) == 0 or S.shape[0] != S.shape[1]:
+        return Motion(q, angles, z, v, B, csc_array((len(v), 0)), M)
+    right = vstack([csc_array((len(q), len(angles))), identity(len(angles))], format="csc")
+    N = csc_array(splu(S).solve(right.toarray()) if len(angles) else (len(v), 0))
+    return Motion(q, angles, z, v, B, N, M)
+
+
+def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
+    """Second derivatives of the kinetic energy by the speeds."""
+    from scipy.sparse import csc_array
+
+    kinetic = np.array([e.place for e in point.program.energies if e.part == "kinetic"], dtype=np.intp)
+
+    def energy(y: Array) -> Array:
+        return point.energies(y)[kinetic]
+
+    def moved(*numbers: int) -> Array:
+        y = still.copy()
+        y[v[list(numbers)]] = 1.0
+        return energy(y)
+
+    own = dependents(energy, still, v, np.ones(len(still)))
+    diagonal = np.zeros(len(v))
+    for group in disjoint(own):
+        found = moved(*group)
+        diagonal[group] = [2 * float(found[own[j]].sum()) for j in group]
+    owners: dict[int, list[int]] = {}
+    for j, entries in enumerate(own):
+        for e in entries:
+            owners.setdefault(int(e), []).append(j)
+    pairs = sorted({(i, j) for js in owners.values() for i in js for j in js if i < j})
+    beside = [float(moved(i, j).sum()) - (diagonal[i] + diagonal[j]) / 2 for i, j in pairs]
+    i, j = (np.array([pair[side] for pair in pairs], dtype=np.intp) for side in (0, 1))
+    rows = np.concatenate([np.arange(len(v)), i, j])
+    columns = np.concatenate([np.arange(len(v)), j, i])
+    return csc_array((np.concatenate([diagonal, beside, beside]), (rows, columns)), shape=(len(v), len(v)))
+
+
+# -- equilibrium ------------------------------------------------------------------------------------------------------
+
+
+def static_state(sim: Simulation, program: Program, t: float, *, means: bool, y0: Array | None = None) -> Array:
+    """The state vector of the equilibrium from the start values (or y0), with excitations at their means or as at t.
+
+    Raises ParameterError where the start speeds wind something up, SimulationError where there is no equilibrium.
+    """
+    with opened(sim, program, t, y0) as point:
+        return equilibrium(point.at(means=means)).y
+
+
+def equilibrium(point: Point) -> Point:
+    """The equilibrium near a point, in the modes that fit it. Errors as `static_state`."""
+    whole = motion(point)
+    _check_speeds(point, whole)
+    return _Search(point, whole).run()
+
+
+def _check_speeds(point: Point, whole: Motion) -> None:
+    v = point.y[whole.speeds]
+    if len(whole.coordinates) == 0:
+        return
+    winding = whole.B @ v
+    worst = int(np.argmax(np.abs(winding)))
+    largest = float(np.abs(v).max(initial=0.0)) * float(np.abs(whole.B.data).max(initial=0.0))
+    if abs(winding[worst]) > 1e-9 * largest:
+        name = point.program.states[whole.coordinates[worst]].name.rsplit(".", 1)[0]
+        raise ParameterError(
+            f"initial: the start speeds are no steady rotation: '{name}' would wind up at {winding[worst]:.6g} rad/s; "
+            f"give w0 to every body that turns, or to none"
+        )
+
+
+class _Search:
+    """Newton's method with modes that follow."""
+
+    def __init__(self, point: Point, whole: Motion) -> None:
+        self.point, self.whole = point, whole
+        self.unknown = np.concatenate([whole.coordinates, whole.states])
+        self.rows = np.concatenate([whole.speeds, whole.states])
+        self.n_v, self.n_q = len(whole.speeds), len(whole.coordinates)
+        self.weak = 1e-4
+
+    def run(self) -> Point:
+        """The equilibrium."""
+        last, left = np.inf, np.zeros(0)
+        for _ in range(_ROUNDS):
+            rest, size = self._residual()
+            matrix, springs = self._matrix()
+            size = max(size, self._torques(matrix))
+            step, carried = self._step(matrix, springs, rest)
+            y = self.point.y.copy()
+            y[self.unknown] += step
+            moved = self.point.at(y=y)
+            fit = moved.settled()
+            same = np.array_equal(fit.modes, self.point.modes)
+            error = float(np.abs(rest).max(initial=0.0))
+            if same and (error <= _NEAR * size or (error <= 1e-9 * size and error > 0.3 * last)):
+                return fit
+            self._count(fit, same)
+            last = error if same else np.inf
+            left = carried
+            self.point = fit
+        raise self._failure(left)
+
+    def _count(self, fit: Point, same: bool) -> None:
+        """The weak springs fade while the modes stay."""
+        self.weak = max(self.weak / 10, _WEAK) if same else self.weak
+
+    def _residual(self) -> tuple[Array, float]:
+        """Torques that are left, rates of the states of blocks, and the largest torque that acts on a free rotation."""
+        whole = self.whole
+        rates = self.point.rates()
+        torque = whole.M @ rates[whole.speeds]
+        steady = np.zeros(self.n_v)
+        if whole.N.shape[1]:
+            weights = (whole.N.T @ whole.M @ whole.N).toarray()
+            steady = whole.M @ (whole.N @ np.linalg.solve(weights, whole.N.T @ torque))
+        z = rates[whole.states]
+        return np.concatenate([torque - steady, z]), float(np.abs(torque).max(initial=0.0))
+
+    def _torques(self, matrix: csc_array) -> float:
+        """Largest torque of the linear parts at the present deflections."""
+        part = abs(matrix[: self.n_v]) @ np.abs(self.point.y[self.unknown])
+        return float(part.max(initial=0.0))
+
+    def _matrix(self) -> tuple[csc_array, Array]:
+        """Derivatives of the residual by the unknowns, and the stiffness of each coordinate."""
+        from scipy.sparse import csc_array, vstack
+
+        point = self.point
+        A = derivative(lambda y: point.rates(y)[self.rows], point.y, self.unknown, steps_of(point.program, point.y))
+        matrix = csc_array(vstack([self.whole.M @ A[: self.n_v], A[self.n_v :]], format="csc"))
+        springs = np.asarray(abs(matrix[: self.n_v, : self.n_q]).max(axis=0).todense()).ravel()
+        known = springs[springs > 0]
+        springs[springs == 0] = float(np.max(known)) if len(known) else 1.0
+        return matrix, springs
+
+    def _step(self, matrix: csc_array, springs: Array, rest: Array) -> tuple[Array, Array]:
+        """Change of the unknowns, and the torque that the weak springs carry."""
+        from scipy.sparse import block_array, csc_array, diags_array
+        from scipy.sparse.linalg import splu
+
+        whole, n_z = self.whole, len(self.whole.states)
+        rates_of_z = csc_array(matrix[self.n_v :])
+        idle = np.asarray(abs(rates_of_z).sum(axis=1)).ravel() == 0  # phases and the like: nothing stops them
+        weak = whole.B.T @ diags_array(-self.weak * springs)
+        corner = block_array([[weak, csc_array((self.n_v, n_z))], [None, diags_array(-idle.astype(float))]]) if n_z else weak
+        border = csc_array(-(whole.M @ whole.N))
+        below = csc_array((n_z, border.shape[1]))
+        full = block_array([[matrix + corner, block_array([[border], [below]]) if n_z else border]], format="csc")
+        target = -np.where(np.concatenate([np.zeros(self.n_v, bool), idle]), 0.0, rest)
+        scale = np.asarray(abs(full).max(axis=1).todense()).ravel()
+        scale[scale == 0] = 1.0
+        found = splu(csc_array(diags_array(1 / scale) @ full)).solve(target / scale)
+        step = found[: self.n_q + n_z]
+        return step, self.weak * springs * step[: self.n_q]
+
+    def _failure(self, carried: Array) -> SimulationError:
+        """What nothing carries."""
+        worst = int(np.argmax(np.abs(carried))) if len(carried) else 0
+        place = self.whole.coordinates[worst] if len(carried) else 0
+        name = self.point.program.states[place].name.rsplit(".", 1)[0]
+        return SimulationError(
+            self.point.t, name, "there is no static equilibrium: nothing carries the load here",
+            "change the loads or the contact, or give start values in place of initial='static'",
+        )  # fmt: skip
