@@ -45,17 +45,21 @@ from gearblocks.errors import (
 )  # fmt: skip
 from gearblocks.expression import cos, piecewise, sin
 from gearblocks.library import Model
+from gearblocks.linear import FrequencyResponse, Linearization, frequency_response, linearize
+from gearblocks.orders import Campbell, campbell
 from gearblocks.signals import Input, Parameter, Table, sense, time, twist
 from gearblocks.trajectory import Trajectory
 from gearblocks.units import rpm
+from gearblocks.vibration import Modes, modes
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "Acts", "Backlash", "Block", "Body", "CompileError", "Damper", "Drivetrain", "Effect", "Energy", "Fixed", "Flange",
-    "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Model",
-    "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rate", "Shaft", "Shows", "SimulationError",
-    "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory",
-    "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm",
-    "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "Acts", "Backlash", "Block", "Body", "Campbell", "CompileError", "Damper", "Drivetrain", "Effect", "Energy",
+    "Fixed", "Flange", "Force", "Fourier", "FrequencyResponse", "GearMesh", "GearblocksError", "Harmonic",
+    "IdealGear", "Inertia", "Input", "Lash", "Linearization", "Model", "ModelError", "Modes", "Parameter",
+    "ParameterError", "Parts", "Potential", "Profile", "Rate", "Shaft", "Shows", "SimulationError", "SpeedLoad",
+    "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory", "UnknownNameError",
+    "build", "campbell", "classify", "cos", "effect", "exact", "frequency_response", "linearize", "modes", "option",
+    "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip

@@ -129,7 +129,7 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
         result[i] = checked(info.path, value, info.unit, info.lower, info.upper)
     if isinstance(initial, Mapping):
         _initial(program, result, initial)
-    elif not (initial is None or isinstance(initial, Trajectory) or _is_static(initial)):
+    elif not (initial is None or isinstance(initial, Trajectory) or is_static(initial)):
         raise ParameterError(
             f"initial = {initial!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static' or "
             f"'static_at_start'{did_you_mean(initial, STATIC)}"
@@ -137,7 +137,8 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
     return result
 
 
-def _is_static(initial: Any) -> bool:
+def is_static(initial: Any) -> bool:
+    """Whether a start asks for the equilibrium."""
     return isinstance(initial, str) and initial in STATIC
 
 
@@ -184,7 +185,7 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
 
 def start_state(sim: Simulation, program: Program, initial: Any, begin: float) -> Array | None:
     """The state vector of an earlier run, the ledger at zero, or that of the static equilibrium."""
-    if _is_static(initial):
+    if is_static(initial):
         from gearblocks.statics import static_state
 
         return static_state(sim, program, begin, means=initial == "static")

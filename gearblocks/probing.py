@@ -75,11 +75,18 @@ class Point:
         return self.at(modes=modes)
 
 
+_HOLD = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
+
+
+def restarted(point: Point) -> None:
+    """Lets changed parameters take effect on the derived values."""
+    point.sim.start(_HOLD, point.t, point.y)
+
+
 @contextmanager
 def opened(sim: Simulation, program: Program, t: float, y0: Array | None = None) -> Iterator[Point]:
     """A point at the start values of `sim` (parameters and inputs are set), or at y0, in the modes that fit."""
-    options = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
-    code = sim.start(options, t, y0)
+    code = sim.start(_HOLD, t, y0)
     if code < 0:
         from gearblocks.errors import SimulationError
 

@@ -30,6 +30,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.arguments", "gearblocks.runs"),
     ("gearblocks.scene", "gearblocks.analysis", "gearblocks.cost"),
     ("gearblocks.json_form", "gearblocks.rigid", "gearblocks.handles", "gearblocks.drivetrain"),
+    ("gearblocks.linear", "gearblocks.vibration", "gearblocks.orders", "gearblocks.linear_pictures"),
     ("gearblocks",),
     ("fmu_export",),
     ("gearblocks.scripts", "gearblocks.report", "gearblocks.demo", "gearblocks.cli", "gearblocks.__main__"),
