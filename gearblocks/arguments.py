@@ -183,12 +183,8 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
             sim.inputs[i] = checked(f"input '{info.name}'", source, info.unit, None, None)
 
 
-def start_state(sim: Simulation, program: Program, initial: Any, begin: float) -> Array | None:
-    """The state vector of an earlier run, the ledger at zero, or that of the static equilibrium."""
-    if is_static(initial):
-        from gearblocks.statics import static_state
-
-        return static_state(sim, program, begin, means=initial == "static")
+def start_state(program: Program, initial: Any) -> Array | None:
+    """The state vector of an earlier run, the ledger at zero."""
     if not isinstance(initial, Trajectory):
         return None
     final = initial.final_state

@@ -27,11 +27,11 @@ from gearblocks.arguments import (
 )
 from gearblocks.core import Array
 from gearblocks.drivetrain import Drivetrain, build
-from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
+from gearblocks.errors import ParameterError, SimulationError, UnknownNameError, did_you_mean
 from gearblocks.library import Model
 from gearblocks.probing import Indices, Point, derivative, opened, restarted, state_matrix, steps_of
 from gearblocks.program import Program
-from gearblocks.statics import equilibrium, kinds
+from gearblocks.statics import equilibrium
 from gearblocks.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -57,13 +57,24 @@ def held(
     with model.library.open() as sim:
         sim.parameters[:] = parameter_vector(program, model.values, parameters or {}, at)
         set_inputs(sim, program, inputs or {})
-        y0 = None if is_static(at) else start_state(sim, program, at, begin)
-        with opened(sim, program, begin, y0) as point:
+        y0 = start_state(program, at)
+        with _named(begin), opened(sim, program, begin, y0) as point:
             if is_static(at):
                 point = equilibrium(point.at(means=at == "static"))
             elif isinstance(at, Trajectory) and at.final_state is not None:
                 point = point.at(modes=np.array(at.final_state.modes))
             yield point.at(u=np.array(sim.inputs))
+
+
+@contextmanager
+def _named(t: float) -> Iterator[None]:
+    """A failure of the core as a SimulationError."""
+    try:
+        yield
+    except RuntimeError as error:
+        raise SimulationError(
+            t, "", f"the point cannot be held ({error})", "look at the values of the train"
+        ) from error
 
 
 # -- state matrices ---------------------------------------------------------------------------------------------------
@@ -114,11 +125,11 @@ class Linearization:
         n = self.A.shape[0]
         try:
             if isinstance(self.A, np.ndarray):
-                return np.linalg.solve(s * np.eye(n) - self.A, self.B.astype(complex))
+                return np.asarray(np.linalg.solve(s * np.eye(n) - self.A, self.B), dtype=np.complex128)
             from scipy.sparse import csc_array, eye_array
             from scipy.sparse.linalg import splu
 
-            return np.asarray(splu(csc_array(s * eye_array(n) - self.A)).solve(self.B.astype(complex)))
+            return np.asarray(splu(csc_array(eye_array(n, dtype=complex) * s - self.A)).solve(self.B.astype(complex)))
         except (np.linalg.LinAlgError, RuntimeError):  # exactly singular
             return np.full(self.B.shape, np.nan, dtype=complex)
 
@@ -170,18 +181,18 @@ def _words(point: Point, states: Sequence[str]) -> str:
 def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[int], Any]:
     """Places of the states, numbers of the outputs, and C; angles that ride along only where an output needs them."""
     program = point.program
-    pick = picked_outputs(program, wanted)
+    pick = np.array(picked_outputs(program, wanted), dtype=np.intp)
     riders = np.array([x.place for x in program.integrals if x.part == "angle"], dtype=np.intp)
-    columns = np.concatenate([np.arange(program.n), riders])
-    steps = steps_of(program, point.y)
-    C = derivative(lambda y: point.outputs(y)[pick], point.y, columns, steps)
-    turned = np.asarray(abs(C[:, program.n :]).sum(axis=1)).ravel() > 0
+    columns, steps = np.arange(program.n), steps_of(program, point.y)
+    turned = point.y.copy()
+    turned[riders] += 1.0
+    needing = (point.outputs(turned) != point.outputs())[pick]
     if wanted == "*":
-        pick = [i for i, angle in zip(pick, turned, strict=True) if not angle]
-        return columns[: program.n], pick, C[~turned][:, : program.n]
-    used = np.asarray(abs(C).sum(axis=0)).ravel() > 0
-    used[: program.n] = True
-    return columns[used], pick, C[:, used]
+        pick = pick[~needing]
+    elif needing.any():
+        columns = np.concatenate([columns, riders])
+    C = derivative(lambda y: point.outputs(y)[pick], point.y, columns, steps)
+    return columns, [int(i) for i in pick], C
 
 
 def _with_angles(point: Point, columns: Indices) -> Any:
@@ -289,6 +300,3 @@ def frequency_response(
     return FrequencyResponse(
         model.program.name, input, found.outputs, w, found.response(w)[:, :, 0], tuple(units[n] for n in found.outputs)
     )
-
-
-__all__ = ["FrequencyResponse", "Linearization", "frequency_response", "held", "kinds", "linearize", "state_matrix"]

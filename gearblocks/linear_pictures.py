@@ -41,7 +41,9 @@ def shapes(modes: Modes, path: Any, most: int) -> Figure:
     """One row per mode: motion of the bodies on the left, shares of the strain energy on the right."""
     chosen = range(modes.free, min(len(modes), modes.free + most)) or range(min(len(modes), most))
     with style():
-        figure, axes = new_figure(path, rows=max(1, len(chosen)), columns=2, size=(9.0, 0.8 + 1.25 * max(1, len(chosen))))
+        figure, axes = new_figure(
+            path, rows=max(1, len(chosen)), columns=2, size=(9.0, 0.8 + 1.25 * max(1, len(chosen)))
+        )
         for row, i in enumerate(chosen):
             left, right = axes[2 * row], axes[2 * row + 1]
             _shape(left, modes, i)
@@ -89,7 +91,9 @@ def campbell_picture(diagram: Campbell, path: Any) -> Figure:
         figure, (axis,) = new_figure(path, size=(8.4, 4.8))
         top = 1.15 * float(hertz.max(initial=0.0)) or 1.0
         for mode in range(hertz.shape[1]):
-            axis.plot(rpm, hertz[:, mode], color="#333333", linewidth=1.2, label="natural frequencies" if mode == 0 else None)
+            axis.plot(
+                rpm, hertz[:, mode], color="#333333", linewidth=1.2, label="natural frequencies" if mode == 0 else None
+            )
         for number, (name, order) in enumerate(diagram.orders.items()):
             colour = COLOURS[number % 6]
             axis.plot(rpm, order * rpm / 60, color=colour, linestyle="--", label=f"{name} ({order:.4g})")

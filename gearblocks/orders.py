@@ -81,9 +81,9 @@ def campbell(
     for value in values:
         with held(model, at, None, {**(parameters or {}), **({path: float(value)} if path else {})}) as point:
             turning = point if body is None else _turning(point, body, float(value))
-            swinging = modes_at(turning, None if count is None else count + len(point.program.states))
-            found.append(swinging.frequencies[swinging.free :][:count])
-            damping.append(swinging.damping[swinging.free :][:count])
+            swinging = modes_at(turning, count)
+            found.append(swinging.frequencies[swinging.free :])
+            damping.append(swinging.damping[swinging.free :])
             lines = _orders(train, point, orders, reference or body)
     width = min(map(len, found))
     table = np.array([row[:width] for row in found])

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.core import Array, Options, Simulation
+from gearblocks.errors import SimulationError
 from gearblocks.program import Program
 
 if TYPE_CHECKING:
@@ -85,14 +86,21 @@ def restarted(point: Point) -> None:
 
 @contextmanager
 def opened(sim: Simulation, program: Program, t: float, y0: Array | None = None) -> Iterator[Point]:
-    """A point at the start values of `sim` (parameters and inputs are set), or at y0, in the modes that fit."""
+    """A point at the start values of `sim` (parameters and inputs are set), or at y0, in the modes that fit.
+
+    Raises SimulationError where a rate is no number there, RuntimeError where the start itself fails (see sim.report).
+    """
     code = sim.start(_HOLD, t, y0)
     if code < 0:
-        from gearblocks.errors import SimulationError
-
-        report = sim.report
-        raise SimulationError(t, "", f"the start failed ({code.name}, entry {report.index})", "look at the start values")
-    yield Point(sim, program, t, sim.state(), np.zeros(len(program.switches))).settled()
+        raise RuntimeError(f"gb_start answered {code.name}")
+    point = Point(sim, program, t, sim.state(), np.zeros(len(program.switches))).settled()
+    bad = np.flatnonzero(~np.isfinite(point.rates()[: program.n]))
+    if len(bad):
+        raise SimulationError(
+            t, program.states[int(bad[0])].name.rsplit(".", 1)[0], "a derivative is NaN or infinite",
+            "look at the law and the values of this component, and at inertias of 0",
+        )  # fmt: skip
+    yield point
 
 
 # -- derivatives ------------------------------------------------------------------------------------------------------
@@ -103,14 +111,19 @@ def steps_of(program: Program, y: Array) -> Array:
     floor = np.full(program.n_total, _FLOOR)
     speeds = [i for i, s in enumerate(program.states) if s.unit == "rad/s"]
     floor[speeds] = _FLOOR_OF_SPEED
-    return _SHARE * np.maximum(np.abs(y), floor)
+    return np.asarray(_SHARE * np.maximum(np.abs(y), floor))
 
 
-def derivative(function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array) -> csc_array:
-    """d function / d y[columns] at y, shape (len(function), len(columns)); steps: of all entries of y."""
+def derivative(
+    function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array, pattern: list[Indices] | None = None
+) -> csc_array:
+    """d function / d y[columns] at y, shape (len(function), len(columns)).
+
+    steps: of all entries of y; pattern: what `dependents` found, where it is known.
+    """
     from scipy.sparse import csc_array
 
-    pattern = dependents(function, y, columns, steps)
+    pattern = dependents(function, y, columns, steps) if pattern is None else pattern
     rows, places, values = [], [], []
     for group in disjoint(pattern):
         moved = columns[group]
@@ -130,35 +143,33 @@ def derivative(function: Callable[[Array], Array], y: Array, columns: Indices, s
 
 
 def dependents(function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array) -> list[Indices]:
-    """Rows of function(y) that depend on each of y[columns]: blocks of columns are moved and halved; blocks without a common row go together.
+    """Rows of function(y) that depend on each of y[columns]: blocks of columns are moved and halved; blocks without a
+    common row go together.
 
     An entry that does not depend on what moved keeps every bit; moves of random size do not cancel each other.
     """
     base = function(y)
     size = np.random.default_rng(1).uniform(1.0, 2.0, len(columns))
-    blocks: list[tuple[int, int]] = [(0, len(columns))] if len(columns) else []
-    rows: list[Indices] = [np.arange(len(base))] * len(blocks)
+
+    def changed(blocks: list[tuple[int, int]]) -> NDArray[np.bool_]:
+        moved = y.copy()
+        for start, end in blocks:
+            moved[columns[start:end]] += steps[columns[start:end]] * size[start:end]
+        return np.asarray(function(moved) != base)
+
+    blocks = [(0, len(columns))] if len(columns) else []
+    rows = [np.flatnonzero(changed([block])) for block in blocks]
     while any(end - start > 1 for start, end in blocks):
         halves = [((a, (a + b) // 2), ((a + b) // 2, b)) if b - a > 1 else ((a, b),) for a, b in blocks]
-        new_blocks = [part for parts in halves for part in parts]
-        first = np.cumsum([0, *(len(parts) for parts in halves)])
-        new_rows: list[Indices] = [np.empty(0, dtype=np.intp)] * len(new_blocks)
+        found: dict[tuple[int, int], Indices] = {}
         for group in disjoint(rows):
             for half in (0, 1):
-                moved = y.copy()
-                for b in group:
-                    if half < len(halves[b]):
-                        start, end = halves[b][half]
-                        moved[columns[start:end]] += steps[columns[start:end]] * size[start:end]
-                changed = function(moved) != base
-                for b in group:
-                    if half < len(halves[b]):
-                        new_rows[first[b] + half] = rows[b][changed[rows[b]]]
-        blocks, rows = new_blocks, new_rows
-    if len(columns) == 1:
-        moved = y.copy()
-        moved[columns] += steps[columns]
-        rows = [np.flatnonzero(function(moved) != base)]
+                moving = {b: halves[b][half] for b in group if half < len(halves[b])}
+                if moving:
+                    hit = changed(list(moving.values()))
+                    found.update((part, rows[b][hit[rows[b]]]) for b, part in moving.items())
+        blocks = [part for parts in halves for part in parts]
+        rows = [found[block] for block in blocks]
     return rows
 
 

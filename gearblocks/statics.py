@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearblocks.core import Array, Simulation
 from gearblocks.errors import ParameterError, SimulationError
@@ -100,9 +101,9 @@ def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
             owners.setdefault(int(e), []).append(j)
     pairs = sorted({(i, j) for js in owners.values() for i in js for j in js if i < j})
     beside = [float(moved(i, j).sum()) - (diagonal[i] + diagonal[j]) / 2 for i, j in pairs]
-    i, j = (np.array([pair[side] for pair in pairs], dtype=np.intp) for side in (0, 1))
-    rows = np.concatenate([np.arange(len(v)), i, j])
-    columns = np.concatenate([np.arange(len(v)), j, i])
+    left, right = (np.array([pair[side] for pair in pairs], dtype=np.intp) for side in (0, 1))
+    rows = np.concatenate([np.arange(len(v)), left, right])
+    columns = np.concatenate([np.arange(len(v)), right, left])
     return csc_array((np.concatenate([diagonal, beside, beside]), (rows, columns)), shape=(len(v), len(v)))
 
 
@@ -147,90 +148,86 @@ class _Search:
         self.point, self.whole = point, whole
         self.unknown = np.concatenate([whole.coordinates, whole.states])
         self.rows = np.concatenate([whole.speeds, whole.states])
-        self.n_v, self.n_q = len(whole.speeds), len(whole.coordinates)
+        self.n_v, self.n_q, self.n_z = len(whole.speeds), len(whole.coordinates), len(whole.states)
         self.weak = 1e-4
+        self.patterns: dict[bytes, list[Indices]] = {}
 
     def run(self) -> Point:
         """The equilibrium."""
-        last, left = np.inf, np.zeros(0)
+        last, carried = np.inf, np.zeros(0)
         for _ in range(_ROUNDS):
-            rest, size = self._residual()
-            matrix, springs = self._matrix()
-            size = max(size, self._torques(matrix))
-            step, carried = self._step(matrix, springs, rest)
+            matrix = self._matrix()
+            idle = np.asarray(abs(matrix[self.n_v :]).sum(axis=1)).ravel() == 0
+            rest, error = self._residual(matrix, idle)
+            step, carried = self._step(matrix, idle, rest)
             y = self.point.y.copy()
             y[self.unknown] += step
-            moved = self.point.at(y=y)
-            fit = moved.settled()
+            fit = self.point.at(y=y).settled()
             same = np.array_equal(fit.modes, self.point.modes)
-            error = float(np.abs(rest).max(initial=0.0))
-            if same and (error <= _NEAR * size or (error <= 1e-9 * size and error > 0.3 * last)):
+            if same and (error <= _NEAR or (error <= 1e-9 and error > 0.3 * last)):
                 return fit
-            self._count(fit, same)
+            self.weak = max(self.weak / 10, _WEAK) if same else self.weak
             last = error if same else np.inf
-            left = carried
             self.point = fit
-        raise self._failure(left)
+        raise self._failure(carried)
 
-    def _count(self, fit: Point, same: bool) -> None:
-        """The weak springs fade while the modes stay."""
-        self.weak = max(self.weak / 10, _WEAK) if same else self.weak
+    def _residual(self, matrix: csc_array, idle: NDArray[np.bool_]) -> tuple[Array, float]:
+        """Torques and rates of states of blocks that are left, and the largest of them relative to what acts.
 
-    def _residual(self) -> tuple[Array, float]:
-        """Torques that are left, rates of the states of blocks, and the largest torque that acts on a free rotation."""
-        whole = self.whole
-        rates = self.point.rates()
+        idle: states of blocks that no unknown can stop (phases): they run on.
+        """
+        whole, rates = self.whole, self.point.rates()
         torque = whole.M @ rates[whole.speeds]
-        steady = np.zeros(self.n_v)
+        rest = torque.copy()
         if whole.N.shape[1]:
             weights = (whole.N.T @ whole.M @ whole.N).toarray()
-            steady = whole.M @ (whole.N @ np.linalg.solve(weights, whole.N.T @ torque))
-        z = rates[whole.states]
-        return np.concatenate([torque - steady, z]), float(np.abs(torque).max(initial=0.0))
+            rest -= whole.M @ (whole.N @ np.linalg.solve(weights, whole.N.T @ torque))
+        parts = abs(matrix) @ np.abs(self.point.y[self.unknown])
+        largest = max(float(np.abs(torque).max(initial=0.0)), float(parts[: self.n_v].max(initial=0.0)))
+        sizes = np.concatenate([np.full(self.n_v, largest), parts[self.n_v :]])
+        left = np.concatenate([rest, np.where(idle, 0.0, rates[whole.states])])
+        relative = np.divide(np.abs(left), sizes, out=np.where(left == 0, 0.0, np.inf), where=sizes > 0)
+        return left, float(relative.max(initial=0.0))
 
-    def _torques(self, matrix: csc_array) -> float:
-        """Largest torque of the linear parts at the present deflections."""
-        part = abs(matrix[: self.n_v]) @ np.abs(self.point.y[self.unknown])
-        return float(part.max(initial=0.0))
-
-    def _matrix(self) -> tuple[csc_array, Array]:
-        """Derivatives of the residual by the unknowns, and the stiffness of each coordinate."""
+    def _matrix(self) -> csc_array:
+        """Derivatives of the residual by the unknowns."""
         from scipy.sparse import csc_array, vstack
 
-        point = self.point
-        A = derivative(lambda y: point.rates(y)[self.rows], point.y, self.unknown, steps_of(point.program, point.y))
-        matrix = csc_array(vstack([self.whole.M @ A[: self.n_v], A[self.n_v :]], format="csc"))
-        springs = np.asarray(abs(matrix[: self.n_v, : self.n_q]).max(axis=0).todense()).ravel()
-        known = springs[springs > 0]
-        springs[springs == 0] = float(np.max(known)) if len(known) else 1.0
-        return matrix, springs
+        point, steps, key = self.point, steps_of(self.point.program, self.point.y), self.point.modes.tobytes()
 
-    def _step(self, matrix: csc_array, springs: Array, rest: Array) -> tuple[Array, Array]:
+        def rates(y: Array) -> Array:
+            return np.asarray(point.rates(y)[self.rows])
+
+        if not all(map(len, self.patterns.get(key, [np.empty(0)]))):  # where nothing answers yet, look again
+            self.patterns[key] = dependents(rates, point.y, self.unknown, steps)
+        A = derivative(rates, point.y, self.unknown, steps, self.patterns.get(key))
+        return csc_array(vstack([self.whole.M @ A[: self.n_v], A[self.n_v :]]))
+
+    def _step(self, matrix: csc_array, idle: NDArray[np.bool_], rest: Array) -> tuple[Array, Array]:
         """Change of the unknowns, and the torque that the weak springs carry."""
-        from scipy.sparse import block_array, csc_array, diags_array
+        from scipy.sparse import csc_array, diags_array, hstack, vstack
         from scipy.sparse.linalg import splu
 
-        whole, n_z = self.whole, len(self.whole.states)
-        rates_of_z = csc_array(matrix[self.n_v :])
-        idle = np.asarray(abs(rates_of_z).sum(axis=1)).ravel() == 0  # phases and the like: nothing stops them
-        weak = whole.B.T @ diags_array(-self.weak * springs)
-        corner = block_array([[weak, csc_array((self.n_v, n_z))], [None, diags_array(-idle.astype(float))]]) if n_z else weak
-        border = csc_array(-(whole.M @ whole.N))
-        below = csc_array((n_z, border.shape[1]))
-        full = block_array([[matrix + corner, block_array([[border], [below]]) if n_z else border]], format="csc")
-        target = -np.where(np.concatenate([np.zeros(self.n_v, bool), idle]), 0.0, rest)
+        whole = self.whole
+        springs = np.asarray(abs(matrix[: self.n_v, : self.n_q]).max(axis=0).todense()).ravel()
+        springs[springs == 0] = springs.max(initial=0.0) or 1.0
+        weak = hstack([whole.B.T @ diags_array(-self.weak * springs), csc_array((self.n_v, self.n_z))])
+        still = hstack([csc_array((self.n_z, self.n_q)), diags_array(-idle.astype(float))])
+        border = vstack([-(whole.M @ whole.N), csc_array((self.n_z, whole.N.shape[1]))])
+        full = csc_array(hstack([matrix + csc_array(vstack([weak, still])), border]))
         scale = np.asarray(abs(full).max(axis=1).todense()).ravel()
         scale[scale == 0] = 1.0
-        found = splu(csc_array(diags_array(1 / scale) @ full)).solve(target / scale)
-        step = found[: self.n_q + n_z]
-        return step, self.weak * springs * step[: self.n_q]
+        try:
+            found = splu(csc_array(diags_array(1 / scale) @ full)).solve(-rest / scale)
+        except RuntimeError as error:  # exactly singular: states of blocks that nothing ties down
+            raise self._failure(np.zeros(0)) from error
+        return found[: self.n_q + self.n_z], self.weak * springs * found[: self.n_q]
 
     def _failure(self, carried: Array) -> SimulationError:
         """What nothing carries."""
-        worst = int(np.argmax(np.abs(carried))) if len(carried) else 0
-        place = self.whole.coordinates[worst] if len(carried) else 0
-        name = self.point.program.states[place].name.rsplit(".", 1)[0]
+        names = [self.point.program.states[i].name.rsplit(".", 1)[0] for i in self.whole.coordinates]
         return SimulationError(
-            self.point.t, name, "there is no static equilibrium: nothing carries the load here",
+            self.point.t, names[int(np.argmax(np.abs(carried)))] if len(carried) else "",
+            "there is no static equilibrium: nothing carries the load here",
             "change the loads or the contact, or give start values in place of initial='static'",
         )  # fmt: skip

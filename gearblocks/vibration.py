@@ -13,7 +13,7 @@ from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
 from gearblocks.library import Model
 from gearblocks.linear import DENSE, Complex, Place, held
-from gearblocks.probing import Indices, Point, state_matrix
+from gearblocks.probing import Point, state_matrix
 from gearblocks.program import Program
 from gearblocks.statics import Motion, motion
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
 _FEW = 20  # modes of a long train where none are asked for
+_ROUNDING = 1e-10  # of a damping ratio
 _REAL = 1e-9  # a smaller imaginary part, relative to the eigenvalue, is rounding
 
 
@@ -66,12 +67,19 @@ class Modes:
         rows = [("", "Hz", "rad/s", "damping", "moves most", "strained most")]
         for i in range(len(self)):
             moves = _most(self.bodies, np.abs(self.shapes[i]), "{:.2f}")
-            strained = _most(self.elements, 100 * self.strain[i], "{:.0f} %")
-            numbers = (f"{self.hertz[i]:.6g}", f"{self.frequencies[i]:.6g}", f"{100 * self.damping[i]:.3g} %")
+            strained = _most(self.elements, 100 * self.strain[i], "{:.2g} %")
+            damping = self.damping[i] if abs(self.damping[i]) > _ROUNDING else 0.0
+            numbers = (f"{self.hertz[i]:.6g}", f"{self.frequencies[i]:.6g}", f"{100 * damping:.3g} %")
             rows.append((str(i), *numbers, moves, strained))
         widths = [max(len(row[c]) for row in rows) for c in range(6)]
-        lines = ["  ".join(row[c].rjust(widths[c]) if c < 4 else row[c].ljust(widths[c]) for c in range(6)) for row in rows]
-        tail = [f"decays without swinging: {', '.join(f'{x:.4g}' for x in self.decays[:8])} 1/s"] if len(self.decays) else []
+        lines = [
+            "  ".join(row[c].rjust(widths[c]) if c < 4 else row[c].ljust(widths[c]) for c in range(6)) for row in rows
+        ]
+        tail = (
+            [f"decays without swinging: {', '.join(f'{x:.4g}' for x in self.decays[:8])} 1/s"]
+            if len(self.decays)
+            else []
+        )
         return "\n".join([head, *(line.rstrip() for line in lines), *tail])
 
     def plot(self, path: Any = None, *, most: int = 6) -> Figure:
@@ -95,7 +103,8 @@ def modes(
 ) -> Modes:  # fmt: skip
     """The modes of a train about a point, contacts keeping their side (see gearblocks.linear for `at`).
 
-    count: the lowest ones only (default: all; 20 beyond 1000 states, by a sparse solver).
+    count: only so many of the lowest beside the free rotations (default: all; 20 beyond 1000 states, where a sparse solver
+    finds them). What depends on absolute angles, such as a stiffness driven by the angle, stays at its present angle.
     """
     model = build(train)
     with held(model, at, t, parameters) as point:
@@ -113,11 +122,11 @@ def modes_at(point: Point, count: int | None = None) -> Modes:
     values, vectors, bound = _without_free(values, vectors, turning.shape[1], _angle_is_state(point, whole))
     swinging = values.imag > _REAL * np.abs(values)
     decays = np.sort(-values[np.abs(values.imag) <= _REAL * np.abs(values)].real)
-    order = np.argsort(np.abs(values[swinging]), kind="stable")[:count]
+    order = np.argsort(np.abs(values[swinging]), kind="stable")[:count]  # beside the free rotations
     free = np.zeros((point.program.n, turning.shape[1]))
     free[whole.speeds] = turning
-    values = np.concatenate([np.zeros(free.shape[1]), values[swinging][order]])[:count]
-    vectors = np.concatenate([free, vectors[:, swinging][:, order]], axis=1)[:, :count]
+    values = np.concatenate([np.zeros(free.shape[1]), values[swinging][order]])
+    vectors = np.concatenate([free, vectors[:, swinging][:, order]], axis=1)
     sizes = np.abs(values)
     damping = np.divide(-values.real, sizes, out=np.zeros(len(values)), where=sizes > 0)
     bodies, shapes = _shapes(point, whole, vectors)
@@ -191,7 +200,9 @@ def body_speeds(program: Program) -> tuple[tuple[str, ...], list[int]]:
         if what == "w" and body not in found:
             own = outputs.get(start.name)
             if own is None:
-                own = next((i for name, i in outputs.items() if name.startswith(body + ".") and name.endswith(".w")), None)
+                own = next(
+                    (i for name, i in outputs.items() if name.startswith(body + ".") and name.endswith(".w")), None
+                )
             if own is not None:
                 found[body] = own
     return tuple(found), list(found.values())
@@ -245,6 +256,3 @@ def _along(program: Program, whole: Motion, place: Array, shape: Array) -> Array
     largest = float(np.abs(shape[whole.coordinates]).max(initial=0.0))
     at_point = float(np.abs(place[whole.coordinates]).max(initial=0.0))
     return step * ((at_point or 1e-3) / largest if largest > 0 else 1.0)
-
-
-__all__ = ["Indices", "Modes", "body_speeds", "modes", "modes_at"]
