@@ -142,7 +142,7 @@ def linearize(
 
     inputs: names of Inputs (default: all) or paths of tunable parameters such as "load.tau"; as a dict with the values
     that the Inputs have at the point. outputs: patterns; one that needs an absolute angle brings it along as a state
-    ("*" leaves such outputs out). t: instant [s], default 0 or the end of the run.
+    ("*" leaves such outputs out); their order stays. t: instant [s], default 0 or the end of the run.
     """
     model = build(train)
     program = model.program
@@ -181,7 +181,9 @@ def _words(point: Point, states: Sequence[str]) -> str:
 def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[int], Any]:
     """Places of the states, numbers of the outputs, and C; angles that ride along only where an output needs them."""
     program = point.program
-    pick = np.array(picked_outputs(program, wanted), dtype=np.intp)
+    patterns = [wanted] if isinstance(wanted, str) else list(wanted)
+    numbers = dict.fromkeys(i for pattern in patterns for i in picked_outputs(program, pattern))
+    pick = np.array(list(numbers), dtype=np.intp)
     riders = np.array([x.place for x in program.integrals if x.part == "angle"], dtype=np.intp)
     columns, steps = np.arange(program.n), steps_of(program, point.y)
     turned = point.y.copy()

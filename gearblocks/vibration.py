@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
@@ -66,8 +66,8 @@ class Modes:
         head = f"{self.name}: {len(self)} modes, {self.free} of them free rotation"
         rows = [("", "Hz", "rad/s", "damping", "moves most", "strained most")]
         for i in range(len(self)):
-            moves = _most(self.bodies, np.abs(self.shapes[i]), "{:.2f}")
-            strained = _most(self.elements, 100 * self.strain[i], "{:.2g} %")
+            moves = _most(self.bodies, np.abs(self.shapes[i]), lambda x: f"{x:.2f}")
+            strained = _most(self.elements, 100 * self.strain[i], lambda x: f"{x:.0f} %" if x >= 1 else f"{x:.1g} %")
             damping = self.damping[i] if abs(self.damping[i]) > _ROUNDING else 0.0
             numbers = (f"{self.hertz[i]:.6g}", f"{self.frequencies[i]:.6g}", f"{100 * damping:.3g} %")
             rows.append((str(i), *numbers, moves, strained))
@@ -89,12 +89,12 @@ class Modes:
         return shapes(self, path, most)
 
 
-def _most(names: tuple[str, ...], values: Array, form: str) -> str:
+def _most(names: tuple[str, ...], values: Array, words: Callable[[float], str]) -> str:
     """The two names with the largest values, the second only if it is a fifth of the first."""
     if len(values) == 0 or values.max() == 0:
         return ""
     order = np.argsort(-values, kind="stable")[:2]
-    return ", ".join(f"{names[i]} {form.format(values[i])}" for i in order if values[i] > 0.2 * values[order[0]])
+    return ", ".join(f"{names[i]} {words(float(values[i]))}" for i in order if values[i] > 0.2 * values[order[0]])
 
 
 def modes(

@@ -1,4 +1,5 @@
-/* Looking at the laws at a point that the caller gives: for linear tools and static starts. Changes nothing of a run. */
+/* Looking at the laws at a point that the caller gives: for linear tools and static starts. Changes nothing of a run.
+ */
 #include "gb_internal.h"
 
 /* The modes that fit the surfaces in s (state) and the time just after t, into `fit`. */
