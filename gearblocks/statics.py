@@ -6,7 +6,8 @@ deflections settle in. With the inertia matrix M, accelerations a and the free r
 
     M (a(q, z) - N w) = 0,    z' = 0        in the unknowns q, z and the accelerations w of the free rotations
 
-Newton's method in frozen modes; after each step the modes follow the state. A weak spring on every coordinate keeps
+Newton's method in frozen modes, from no deflection where something is under load and from the start values elsewhere (of
+several equilibria it finds one near the undeformed train); after each step the modes follow the state. A weak spring on every coordinate keeps
 parts determined that nothing holds at the moment: a load inside a gap moves its coordinate far to that side, where the
 contact takes over. A gap without load stays where it is.
 """
@@ -28,7 +29,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
 _ROUNDS = 200
-_WEAK = 1e-6  # spring on a coordinate relative to its stiffness, at the end
+_WEAK, _WEAKEST = 1e-2, 1e-6  # spring on a coordinate relative to its stiffness, after a change of modes and at the end
+_NOTHING = 1e-14  # the same where the torques that are left do not shrink
 _NEAR = 1e-12  # of the largest torque: what rounding leaves
 
 
@@ -120,8 +122,10 @@ def static_state(sim: Simulation, program: Program, t: float, *, means: bool, y0
 
 
 def equilibrium(point: Point) -> Point:
-    """The equilibrium near a point, in the modes that fit it. Errors as `static_state`."""
+    """The equilibrium of the train held at a point, in the modes that fit it. Errors as `static_state`."""
     whole = motion(point)
+    if len(whole.coordinates) + len(whole.states) == 0:
+        return point
     _check_speeds(point, whole)
     return _Search(point, whole).run()
 
@@ -149,8 +153,9 @@ class _Search:
         self.unknown = np.concatenate([whole.coordinates, whole.states])
         self.rows = np.concatenate([whole.speeds, whole.states])
         self.n_v, self.n_q, self.n_z = len(whole.speeds), len(whole.coordinates), len(whole.states)
-        self.weak = 1e-4
+        self.weak = _WEAK
         self.patterns: dict[bytes, list[Indices]] = {}
+        self.springs = self._stiffness()
 
     def run(self) -> Point:
         """The equilibrium."""
@@ -166,10 +171,29 @@ class _Search:
             same = np.array_equal(fit.modes, self.point.modes)
             if same and (error <= _NEAR or (error <= 1e-9 and error > 0.3 * last)):
                 return fit
-            self.weak = max(self.weak / 10, _WEAK) if same else self.weak
+            lowest = _WEAKEST if error < 0.3 * last else _NOTHING  # a small load crosses a wide gap
+            self.weak = max(self.weak / 10, lowest) if same else _WEAK
             last = error if same else np.inf
             self.point = fit
         raise self._failure(carried)
+
+    def _stiffness(self) -> Array:
+        """Stiffness of each coordinate, the largest of what it has now and with its contacts on either side.
+
+        Takes every coordinate that is under load back to no deflection.
+        """
+        start = self.point
+        of_state = np.array([s.kind == "state" for s in start.program.switches], dtype=bool)
+        found = []
+        for side in (None, 1.0, -1.0):
+            modes = start.modes if side is None else np.where(of_state, side, start.modes)
+            self.point = start.at(modes=modes)
+            found.append(np.asarray(abs(self._matrix()[: self.n_v, : self.n_q]).max(axis=0).todense()).ravel())
+        y = start.y.copy()
+        y[self.whole.coordinates[found[0] > 0]] = 0.0
+        self.point = start.at(y=y).settled()
+        springs = np.nan_to_num(np.max(found, axis=0), posinf=0.0) if self.n_q else np.zeros(0)
+        return np.asarray(np.where(springs > 0, springs, springs.max(initial=0.0) or 1.0))
 
     def _residual(self, matrix: csc_array, idle: NDArray[np.bool_]) -> tuple[Array, float]:
         """Torques and rates of states of blocks that are left, and the largest of them relative to what acts.
@@ -209,9 +233,8 @@ class _Search:
         from scipy.sparse.linalg import splu
 
         whole = self.whole
-        springs = np.asarray(abs(matrix[: self.n_v, : self.n_q]).max(axis=0).todense()).ravel()
-        springs[springs == 0] = springs.max(initial=0.0) or 1.0
-        weak = hstack([whole.B.T @ diags_array(-self.weak * springs), csc_array((self.n_v, self.n_z))])
+        springs = self.weak * self.springs
+        weak = hstack([whole.B.T @ diags_array(-springs), csc_array((self.n_v, self.n_z))])
         still = hstack([csc_array((self.n_z, self.n_q)), diags_array(-idle.astype(float))])
         border = vstack([-(whole.M @ whole.N), csc_array((self.n_z, whole.N.shape[1]))])
         full = csc_array(hstack([matrix + csc_array(vstack([weak, still])), border]))
@@ -221,7 +244,7 @@ class _Search:
             found = splu(csc_array(diags_array(1 / scale) @ full)).solve(-rest / scale)
         except RuntimeError as error:  # exactly singular: states of blocks that nothing ties down
             raise self._failure(np.zeros(0)) from error
-        return found[: self.n_q + self.n_z], self.weak * springs * found[: self.n_q]
+        return found[: self.n_q + self.n_z], springs * found[: self.n_q]
 
     def _failure(self, carried: Array) -> SimulationError:
         """What nothing carries."""
