@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from gearblocks.orders import Campbell
     from gearblocks.vibration import Modes
 
-_LABELLED = 16  # bodies or elements that still have room for their names
+_LABELLED = 30  # bodies or elements that still have room for their names
 
 
 def bode(response: FrequencyResponse, path: Any) -> Figure:
@@ -74,14 +74,15 @@ def _shares(axis: Axes, modes: Modes, i: int) -> None:
 
 
 def _names(axis: Axes, names: tuple[str, ...], last: bool) -> None:
-    few = len(names) <= _LABELLED
     axis.set_xlim(-0.5, max(len(names) - 0.5, 0.5))
-    if few:
-        long = len(names) > 6 or any(len(name) > 10 for name in names)
-        axis.set_xticks(np.arange(len(names)), names if last else [""] * len(names), rotation=40 if long else 0,
-                        ha="right" if long else "center")  # fmt: skip
-    elif not last:
-        axis.set_xticklabels([])
+    if len(names) > _LABELLED:
+        axis.locator_params(axis="x", integer=True)
+        axis.set_xlabel("number in the list" if last else "")
+        axis.tick_params(labelbottom=last)
+        return
+    long = len(names) > 6 or any(len(name) > 10 for name in names)
+    axis.set_xticks(np.arange(len(names)), names if last else [""] * len(names))
+    axis.tick_params(axis="x", labelrotation=60 if long else 0, labelsize=7 if len(names) > 14 else 9)
 
 
 def campbell_picture(diagram: Campbell, path: Any) -> Figure:

@@ -7,9 +7,9 @@ deflections settle in. With the inertia matrix M, accelerations a and the free r
     M (a(q, z) - N w) = 0,    z' = 0        in the unknowns q, z and the accelerations w of the free rotations
 
 Newton's method in frozen modes, from no deflection where something is under load and from the start values elsewhere (of
-several equilibria it finds one near the undeformed train); after each step the modes follow the state. A weak spring on every coordinate keeps
-parts determined that nothing holds at the moment: a load inside a gap moves its coordinate far to that side, where the
-contact takes over. A gap without load stays where it is.
+several equilibria it finds one near the undeformed train); after each step the modes follow the state. A weak spring on
+every coordinate keeps parts determined that nothing holds at the moment: a load inside a gap moves its coordinate far to
+that side, where the contact takes over. A gap without load stays where it is.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _ROUNDS = 200
 _WEAK, _WEAKEST = 1e-2, 1e-6  # spring on a coordinate relative to its stiffness, after a change of modes and at the end
 _NOTHING = 1e-14  # the same where the torques that are left do not shrink
-_NEAR = 1e-12  # of the largest torque: what rounding leaves
+_NEAR, _STUCK = 1e-13, 1e-11  # of the largest torque: what rounding leaves, and at most where it does not shrink
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +169,7 @@ class _Search:
             y[self.unknown] += step
             fit = self.point.at(y=y).settled()
             same = np.array_equal(fit.modes, self.point.modes)
-            if same and (error <= _NEAR or (error <= 1e-9 and error > 0.3 * last)):
+            if same and (error <= _NEAR or (error <= _STUCK and error > 0.3 * last)):
                 return fit
             lowest = _WEAKEST if error < 0.3 * last else _NOTHING  # a small load crosses a wide gap
             self.weak = max(self.weak / 10, lowest) if same else _WEAK
