@@ -1,16 +1,34 @@
 """Drivetrain dynamics: blocks are composed, assembled into equations of motion, and run in generated C."""
 
 from gearblocks.blocks import (
+    Angle,
+    BeltDrive,
+    Creep,
     Damper,
+    DCMotor,
+    Differential,
+    EddyCurrentBrake,
+    Engine,
     Fixed,
+    Force,
     GearMesh,
+    Governor,
     IdealGear,
+    IdealPlanetary,
     Inertia,
     Lash,
+    Mass,
+    NonCircularGear,
+    Rack,
     Shaft,
+    Speed,
     SpeedLoad,
     SplineCoupling,
     Torque,
+    TorqueConverter,
+    TyreSlip,
+    UniversalJoint,
+    Vehicle,
 )
 from gearblocks.declare import (
     Acts,
@@ -19,11 +37,12 @@ from gearblocks.declare import (
     Effect,
     Energy,
     Flange,
-    Force,
+    Motion,
     Parts,
     Potential,
     Rate,
     Shows,
+    Start,
     State,
     Switch,
     Tie,
@@ -46,7 +65,10 @@ from gearblocks.errors import (
 from gearblocks.expression import cos, piecewise, sin
 from gearblocks.library import Model
 from gearblocks.linear import FrequencyResponse, Linearization, frequency_response, linearize
+from gearblocks.maps import Table2
 from gearblocks.orders import Campbell, campbell
+from gearblocks.pitch import design_ratio
+from gearblocks.ratio_law import RatioLaw, RatioLawError, driver_angle
 from gearblocks.signals import Input, Parameter, Table, sense, time, twist
 from gearblocks.trajectory import Trajectory
 from gearblocks.units import rpm
@@ -55,11 +77,14 @@ from gearblocks.vibration import Modes, modes
 __version__ = "0.1.0"
 
 __all__ = [
-    "Acts", "Backlash", "Block", "Body", "Campbell", "CompileError", "Damper", "Drivetrain", "Effect", "Energy",
-    "Fixed", "Flange", "Force", "Fourier", "FrequencyResponse", "GearMesh", "GearblocksError", "Harmonic",
-    "IdealGear", "Inertia", "Input", "Lash", "Linearization", "Model", "ModelError", "Modes", "Parameter",
-    "ParameterError", "Parts", "Potential", "Profile", "Rate", "Shaft", "Shows", "SimulationError", "SpeedLoad",
-    "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory", "UnknownNameError",
-    "build", "campbell", "classify", "cos", "effect", "exact", "frequency_response", "linearize", "modes", "option",
-    "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "Acts", "Angle", "Backlash", "BeltDrive", "Block", "Body", "Campbell", "CompileError", "Creep", "DCMotor",
+    "Damper", "Differential", "Drivetrain", "EddyCurrentBrake", "Effect", "Energy", "Engine", "Fixed", "Flange",
+    "Force", "Fourier", "FrequencyResponse", "GearMesh", "GearblocksError", "Governor", "Harmonic", "IdealGear",
+    "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "Mass", "Model", "ModelError", "Modes", "Motion",
+    "NonCircularGear", "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rack", "Rate", "RatioLaw",
+    "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start",
+    "State", "Switch", "Table", "Table2", "Tie", "Torque", "TorqueConverter", "Trajectory", "TyreSlip",
+    "UniversalJoint", "UnknownNameError", "Vehicle", "build", "campbell", "classify", "cos", "design_ratio",
+    "driver_angle", "effect", "exact", "frequency_response", "linearize", "modes", "option", "param", "piecewise",
+    "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip

@@ -12,12 +12,13 @@ from typing import Any
 from gearblocks.coordinates import Combination, Elimination
 from gearblocks.errors import ModelError
 from gearblocks.graph import GROUND, Component, Train, numbers_of, structure_of
+from gearblocks.grouping import HELD, inertias, number_groups, start_values
+from gearblocks.kinematics import Driven, Follower
 from gearblocks.laws import Law, derive, exact_value
-from gearblocks.rational import Exact, exact
+from gearblocks.rational import Exact, exact, over
 from gearblocks.ties import Groups, TieRow, merge
 
-HELD = -1
-"""Group number of a flange that the ground holds."""
+__all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble", "expand_rows", "speed_row"]
 
 
 @dataclass(slots=True)
@@ -55,45 +56,93 @@ class StartValues:
 class Assembly:
     """Tables of a train's equations.
 
-    rows[i]: coordinate i as a form of group angles; dependents: combinations that close loops; angles: groups whose
-    absolute angle is a state; definitions (in order): how other group angles follow. in_law: a law reads angles.
+    Groups are numbered: those with a speed of their own (n_speeds), hidden ones without inertia (n_hidden), those whose
+    speed alone is prescribed (n_paced), then the other followers. rows[i]: coordinate i as a form of group angles;
+    dependents: combinations that close loops; angles: groups whose absolute angle is a state; definitions (in order, with
+    drives in between): how other group angles follow. in_law: a law reads angles.
     """
 
     train: Train
     batches: list[Batch]
     groups: Groups
-    group_of_node: list[tuple[int, Exact]]
-    held_offset: dict[int, str | None]
-    n_groups: int
-    rows: list[dict[int, Exact]]
-    row_offsets: list[dict[str, Exact]]
-    dependents: list[Combination]
-    angles: list[int]
-    definitions: list[tuple[int, Combination]]
-    starts: list[StartValues]
-    in_law: bool
+    group_of_node: list[tuple[int, Exact]] = field(default_factory=list)
+    held_offset: dict[int, str | None] = field(default_factory=dict)
+    n_groups: int = 0
+    n_speeds: int = 0
+    n_hidden: int = 0
+    n_paced: int = 0
+    followers: list[Follower] = field(default_factory=list)
+    massive: frozenset[int] = frozenset()
+    rows: list[dict[int, Exact]] = field(default_factory=list)
+    row_offsets: list[dict[str, Exact]] = field(default_factory=list)
+    dependents: list[Combination] = field(default_factory=list)
+    angles: list[int] = field(default_factory=list)
+    definitions: list[tuple[int, Combination | Driven]] = field(default_factory=list)
+    starts: list[StartValues] = field(default_factory=list)
+    in_law: bool = False
     structural: tuple[tuple[str, float], ...] = ()
+    speed_rows: dict[int, dict[int, Exact]] = field(default_factory=dict)
+    moved: dict[int, Follower] = field(default_factory=dict)
+
+    @property
+    def plain(self) -> bool:
+        """Whether every shaft has a speed of its own: nothing follows and nothing is hidden."""
+        return self.n_groups == self.n_speeds
+
+    @property
+    def driven(self) -> bool:
+        """Whether angles follow by laws of their own."""
+        return any(isinstance(row, Driven) for _, row in self.definitions)
+
+
+def speed_row(assembly: Assembly, group: int) -> dict[int, Exact]:
+    """Speed of a group over the speeds of free groups, by number (those of shafts without inertia behind the others).
+
+    NotImplementedError where it follows through gains that change with the state.
+    """
+    row = assembly.speed_rows.get(group)
+    if row is not None:
+        return row
+    if group < assembly.n_speeds + assembly.n_hidden:
+        row = {group: 1}
+    else:
+        follower = assembly.moved[group]
+        total = Combination()
+        for source, c in _constant_gains(assembly, follower).items():
+            total.add(Combination(dict(speed_row(assembly, source))), c)
+        row = total.groups
+    assembly.speed_rows[group] = row
+    return row
+
+
+def _constant_gains(assembly: Assembly, follower: Follower) -> dict[int, Exact]:
+    if follower.row is not None:
+        return follower.row.groups
+    drive = follower.drive
+    assert drive is not None
+    law = next(b.law for b in assembly.batches if drive.component in b.components)
+    gains = law.drives[drive.number].gains
+    if not all(gains[name].is_Rational for name in drive.factors):
+        raise NotImplementedError(f"'{drive.path}' moves a shaft by gains that change with the state")
+    return {group: over(int(gains[name].p), int(gains[name].q)) * c for name, (group, c) in drive.factors.items()}
 
 
 def assemble(train: Train) -> Assembly:
     """Laws per kind, ties, groups, relative coordinates and batches of a train.
 
-    Raises ModelError for contradicting ties and shafts without inertia.
+    Raises ModelError for contradicting ties.
     """
     laws = _laws(train)
     known = _exact_values(train, laws)
     groups = merge(train.n_nodes, list(_tie_rows(train, laws, known)))
-    numbering = _number_groups(train, laws, groups)
-    assembly = Assembly(
-        train, [], groups, [], {}, len(numbering), [], [], [], [], [], [], False,
-        tuple(sorted({(p, v) for e in known for p, v in e.structural})),
-    )  # fmt: skip
-    for node in range(train.n_nodes):
-        root, gain = groups.find(node)
-        assembly.group_of_node.append((HELD if root in groups.grounded else numbering[root], gain))
-        if root in groups.grounded:
-            assembly.held_offset[node] = groups.grounded[root]
-    assembly.starts = _starts(train, laws, assembly)
+    assembly = Assembly(train, [], groups)
+    structural = {(p, v) for e in known for p, v in e.structural}
+    bodies = inertias(train, laws)
+    structural |= bodies.zeros | {(path, 0.0) for path in groups.zeros}
+    assembly.structural = tuple(sorted(structural))
+    number_groups(assembly, laws, bodies)
+    assembly.moved = {f.group: f for f in assembly.followers}
+    assembly.starts = start_values(assembly, laws)
     _coordinates(assembly, laws, known)
     return assembly
 
@@ -155,7 +204,7 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
 
 
 def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[TieRow]:
-    for c, law, values in zip(train.components, laws, known, strict=True):
+    for index, (c, law, values) in enumerate(zip(train.components, laws, known, strict=True)):
         names = list(type(c.block).flanges)
         for coefficients, constant in law.ties:
             row: dict[int, Exact] = {}
@@ -171,52 +220,7 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
                     )
                 offset = f"{c.path}.{slot.of}"
                 held = float(getattr(c.block, slot.of))
-            yield TieRow(c.path, {n: v for n, v in row.items() if v}, offset, held)
-
-
-# -- groups -----------------------------------------------------------------------------------------------------------
-
-
-def _number_groups(train: Train, laws: list[Law], groups: Groups) -> dict[int, int]:
-    """Numbers of the groups that turn, in the order of their first bodies; shafts without inertia are refused."""
-    numbering: dict[int, int] = {}
-    for c, law in zip(train.components, laws, strict=True):
-        names = list(type(c.block).flanges)
-        for flange, _ in law.bodies:
-            root, _gain = groups.find(c.nodes[names.index(flange)])
-            if root not in groups.grounded:
-                numbering.setdefault(root, len(numbering))
-    massless: dict[int, list[str]] = {}
-    for c in train.components:
-        for name, node in zip(type(c.block).flanges, c.nodes, strict=True):
-            if node != GROUND:
-                root, _gain = groups.find(node)
-                if root not in numbering and root not in groups.grounded:
-                    massless.setdefault(root, []).append(f"{c.path}.{name}")
-    if massless:
-        raise ModelError(
-            [
-                f"the shaft at {', '.join(ends[:4])}{', ...' if len(ends) > 4 else ''} has no inertia: connect an Inertia there"
-                for ends in massless.values()
-            ]
-        )
-    return numbering
-
-
-def _starts(train: Train, laws: list[Law], assembly: Assembly) -> list[StartValues]:
-    """For each group the component that owns its start values (the first one that gives them)."""
-    found: dict[str, dict[int, tuple[str, Exact, bool]]] = {"phi0": {}, "w0": {}}
-    for c, law in zip(train.components, laws, strict=True):
-        for flange, _ in law.bodies:
-            group, gain = assembly.group_of_node[c.nodes[list(type(c.block).flanges).index(flange)]]
-            for key, owners in found.items():
-                value = getattr(c.block, key, None)
-                given = value is not None
-                if group == HELD and key == "w0" and isinstance(value, (int, float)) and value != 0:
-                    raise ModelError(f"'{c.path}': w0 = {value!r} rad/s, but a Fixed holds this shaft; leave w0 out")
-                if group != HELD and (group not in owners or (given and not owners[group][2])):
-                    owners[group] = (c.path, gain, given)
-    return [StartValues(*found["phi0"][g][:2], *found["w0"][g][:2]) for g in range(assembly.n_groups)]
+            yield TieRow(c.path, {n: v for n, v in row.items() if v}, offset, held, index)
 
 
 # -- coordinates and batches ------------------------------------------------------------------------------------------
@@ -225,11 +229,15 @@ def _starts(train: Train, laws: list[Law], assembly: Assembly) -> list[StartValu
 def _dynamics(law: Law) -> list[Any]:
     """Every expression that a run evaluates at each stage."""
     exprs = [*law.forces.values(), *law.torques.values(), *law.rates.values(), *(s.surface for s in law.switches)]
+    exprs += [e for x in law.drives for e in (*x.gains.values(), x.bias, x.surplus)]
     return exprs + [e for e in (law.stored, law.loss, law.supplied) if e is not None]
 
 
 def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) -> None:
-    elimination = Elimination()
+    follows = {f.group: f for f in assembly.followers}
+    given = frozenset(g for g, f in follows.items() if f.drive is not None and not f.drive.by_speed)
+    expanded = expand_rows(assembly)
+    elimination = Elimination(given)
     batches: dict[Any, Batch] = {}
     facts: dict[int, tuple[tuple[bool, ...], bool]] = {}
     for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
@@ -240,7 +248,7 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
         used, reads = facts[id(law)]
         assembly.in_law |= reads
         nodes = {n: node for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node != GROUND}
-        sources, dependent = _take(assembly, elimination, law, nodes, known[index], used)
+        sources, dependent = _take(assembly, elimination, expanded, law, nodes, known[index], used)
         held = frozenset(n for n, node in nodes.items() if assembly.group_of_node[node][0] == HELD)
         key = (id(law), held, dependent)
         if key not in batches:
@@ -250,14 +258,46 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
         _append(batches[key], assembly, index, nodes, sources, known[index])
     assembly.batches = list(batches.values())
     assembly.rows = elimination.rows
-    free = [g for g in range(assembly.n_groups) if g not in elimination.definitions]
-    assembly.angles = free
-    order = elimination.order(list(range(assembly.n_groups)))
-    assembly.definitions = [(g, elimination.definitions[g]) for g in order]
+    rows: dict[int, Combination | Driven] = dict(elimination.definitions)
+    rows |= {g: f.row if f.row is not None else f.drive for g, f in follows.items() if f.row is not None or g in given}  # type: ignore[misc]
+    assembly.angles = [g for g in range(assembly.n_groups) if g not in rows]
+    assembly.definitions = _ordered(rows, follows)
+
+
+def expand_rows(assembly: Assembly) -> dict[int, Combination]:
+    """The angles of groups that follow through rows, over groups that do not."""
+    found: dict[int, Combination] = {}
+    for f in assembly.followers:
+        if f.row is not None:
+            found[f.group] = Combination({}, {}, dict(f.row.offsets))
+            for source, c in f.row.groups.items():
+                found[f.group].add(found.get(source, Combination({source: 1})), c)
+    return found
+
+
+def _ordered(
+    rows: dict[int, Combination | Driven], follows: dict[int, Follower]
+) -> list[tuple[int, Combination | Driven]]:
+    """Definitions of angles, each after those it reads. ModelError where they go round in a circle."""
+    done: dict[int, None] = {}
+    for start in rows:
+        stack = [(start, False)]
+        while stack:
+            group, ready = stack.pop()
+            if group in done or group not in rows:
+                continue
+            if ready:
+                done[group] = None
+                continue
+            stack.append((group, True))
+            row = rows[group]
+            stack.extend((g, False) for g in (row.groups if isinstance(row, Combination) else follows[group].sources))
+    return [(g, rows[g]) for g in done]
 
 
 def _take(
-    assembly: Assembly, elimination: Elimination, law: Law, nodes: dict[str, int], values: ExactValues, used: tuple[bool, ...]
+    assembly: Assembly, elimination: Elimination, expanded: dict[int, Combination], law: Law, nodes: dict[str, int],
+    values: ExactValues, used: tuple[bool, ...],
 ) -> tuple[list[int], tuple[bool, ...]]:  # fmt: skip
     """Where each coordinate of one instance comes from."""
     sources, dependent = [], []
@@ -275,6 +315,8 @@ def _take(
                 offset = assembly.held_offset[node]
                 if offset is not None:
                     combination.add(Combination(offsets={offset: gain}), c)
+            elif group in expanded:
+                combination.add(expanded[group], c * gain)
             else:
                 combination.add(Combination({group: gain}), c)
         taken = elimination.take(combination)
@@ -284,6 +326,7 @@ def _take(
         else:
             sources.append(len(assembly.dependents))
             assembly.dependents.append(taken)
+            assembly.in_law |= bool(taken.groups)
         dependent.append(not isinstance(taken, int))
     return sources, tuple(dependent)
 

@@ -32,7 +32,8 @@ class Field:
 
     role: "param" (a number, runs as a tunable value), "exact" (integers that enter ratios exactly), "option" (part of
     the structure), "signal", "effect". belongs_to: the effect that goes when this field is None ("compliance").
-    convert: turns a short form (a Table, say) into the effect that it stands for.
+    convert: turns a short form (a Table, say) into the effect that it stands for. over: the quantity of the block
+    ("twist") that an expression in the field may contain, and a Table in it is read at.
     """
 
     words: str
@@ -46,6 +47,7 @@ class Field:
     many: bool = False
     belongs_to: str | None = None
     convert: Callable[[Any], Any] | None = None
+    over: str | None = None
 
     @property
     def required(self) -> bool:
@@ -64,9 +66,9 @@ def param(
     return Field(words, unit, "param", default, gt, ge, lt, le, many, belongs_to)
 
 
-def exact(words: str, *, default: Any = _REQUIRED, many: bool = False) -> Any:
+def exact(words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False) -> Any:
     """A number that enters ratios exactly (tooth counts; a float stands for its exact binary fraction). Structural."""
-    return Field(words, "1", "exact", default, many=many)
+    return Field(words, unit, "exact", default, many=many)
 
 
 def option(words: str, *, default: Any = _REQUIRED) -> Any:
@@ -74,9 +76,14 @@ def option(words: str, *, default: Any = _REQUIRED) -> Any:
     return Field(words, "1", "option", default)
 
 
-def signal(words: str, unit: str = "1", *, default: Any = _REQUIRED, belongs_to: str | None = None) -> Any:
-    """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense)."""
-    return Field(words, unit, "signal", default, belongs_to=belongs_to)
+def signal(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, belongs_to: str | None = None, over: str | None = None
+) -> Any:  # fmt: skip
+    """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense).
+
+    over: a quantity of the block that may stand in it too, see Symbols.local; a Table then goes over that quantity.
+    """
+    return Field(words, unit, "signal", default, belongs_to=belongs_to, over=over)
 
 
 def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None) -> Any:
@@ -86,11 +93,20 @@ def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | N
 
 @dataclass(frozen=True, slots=True)
 class Flange:
-    """A rotating connection point. ground: means the ground when nothing is connected; spare: may stay open."""
+    """A rotating connection point, or a sliding one.
+
+    ground: means the ground when nothing is connected; spare: may stay open. slider: True for positions [m], speeds
+    [m/s] and forces [N] in place of angles and torques; None for a flange that is what it is connected to.
+    """
 
     words: str
     ground: bool = False
     spare: bool = False
+    slider: bool | None = False
+
+    def __post_init__(self) -> None:
+        if self.slider not in (True, False, None):
+            raise ModelError(f"Flange '{self.words}': slider = {self.slider!r} must be True, False or None (both)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,9 +157,29 @@ class Acts:
 
 @dataclass(frozen=True, slots=True)
 class Tie:
-    """A rigid relation: `zero`, linear in the flange angles with exact ratios, stays zero."""
+    """A rigid relation that stays zero.
+
+    Linear in the flange angles with exact ratios; or, where it moves with time, with states or not linearly with angles,
+    solved for a flange that it contains linearly by itself (phi_b - F(phi_a)). Then it must be smooth twice over.
+    """
 
     zero: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A prescribed speed: `zero`, linear in the flange speeds with the factors 1 and -1, stays zero. The rest must be
+    continuous."""
+
+    zero: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """The value of a state of the block at the start, computed from angles, time and parameters there."""
+
+    state: Any
+    value: Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,7 +224,7 @@ class Energy:
     loss: Any = None
 
 
-Contribution: TypeAlias = Body | Force | Potential | Acts | Tie | Rate | Switch | Shows | Energy
+Contribution: TypeAlias = Body | Force | Potential | Acts | Tie | Motion | Rate | Start | Switch | Shows | Energy
 
 
 @dataclass(frozen=True)
@@ -204,8 +240,8 @@ class Parts:
 
 
 _TAKEN = {
-    "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics", "problems",
-    "rate_of", "slope", "states", "time", "without_effect",
+    "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics",
+    "problems", "rate_of", "slope", "states", "time", "turned", "without_effect",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 
@@ -318,13 +354,14 @@ class Block(_Declared, ABC):
 
     In `physics`, s.<flange>.phi and .w are angle [rad] and speed [rad/s], s.<field> the symbol of a number or signal
     (None when absent), s.<effect> the symbols of an effect, s.<state> a state, s.time the time. In Shows also
-    s.<flange>.alpha [rad/s2] and s.<flange>.tau [N m], the torque that the block exerts on the flange.
+    s.<flange>.alpha [rad/s2] and s.<flange>.tau [N m], the torque that the block exerts on the flange. On a slider
+    s.<flange>.s, .v and .f are other names of phi, w and tau (in m, m/s and N).
     s.<flange>.mobility is 1/J of all inertia tied rigidly to the flange (0 at the ground).
     """
 
     @abstractmethod
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """Yields Body, Force, Potential, Acts, Tie, Rate, Switch, Shows and Energy."""
+        """Yields Body, Force, Potential, Acts, Tie, Motion, Rate, Start, Switch, Shows and Energy."""
 
     def parts(self) -> Parts | None:
         """The blocks that this one stands for, or None: it has physics of its own."""

@@ -81,8 +81,9 @@ def _names(axis: Axes, names: tuple[str, ...], last: bool) -> None:
         axis.tick_params(labelbottom=last)
         return
     long = len(names) > 6 or any(len(name) > 10 for name in names)
-    axis.set_xticks(np.arange(len(names)), names if last else [""] * len(names))
-    axis.tick_params(axis="x", labelrotation=60 if long else 0, labelsize=7 if len(names) > 14 else 9)
+    turned: dict[str, Any] = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if long else {}
+    axis.set_xticks(np.arange(len(names)), names if last else [""] * len(names), **turned)
+    axis.tick_params(axis="x", labelsize=7 if len(names) > 14 else 9)
 
 
 def campbell_picture(diagram: Campbell, path: Any) -> Figure:
