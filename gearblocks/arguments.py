@@ -17,6 +17,7 @@ from gearblocks.signals import Table
 from gearblocks.trajectory import Trajectory, matches
 
 InputSource: TypeAlias = "float | Table | Callable[[float], float]"
+STATIC = ("static", "static_at_start")
 METHODS = {"rk4": Method.RK4, "dp5": Method.DP5, "dp8": Method.DP8}
 
 
@@ -128,11 +129,17 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
         result[i] = checked(info.path, value, info.unit, info.lower, info.upper)
     if isinstance(initial, Mapping):
         _initial(program, result, initial)
-    elif not (initial is None or isinstance(initial, Trajectory)):
+    elif not (initial is None or isinstance(initial, Trajectory) or is_static(initial)):
         raise ParameterError(
-            f"initial = {initial!r:.80} is not available; give start values such as {{'motor.w': 100.0}}"
+            f"initial = {initial!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static' or "
+            f"'static_at_start'{did_you_mean(initial, STATIC)}"
         )
     return result
+
+
+def is_static(initial: Any) -> bool:
+    """Whether a start asks for the equilibrium."""
+    return isinstance(initial, str) and initial in STATIC
 
 
 def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> None:

@@ -356,13 +356,17 @@ class BatchCode:
         phase = line[1] - sp.pi / 2 if isinstance(wave, sp.sin) else line[1]
         return size, line[0], phase, surface - waves[0]
 
+    def wave_of(self, i: int) -> tuple[Any, Any, Any, Any]:
+        """(size, rate, phase, offset) of a switch of sort "wave"."""
+        found = self._wave(self.law.switches[i].surface)
+        assert found is not None
+        return found
+
     def prediction(self, i: int) -> tuple[str, list[Any]]:
         """The C function that foretells time switch i, and its constant arguments."""
         switch = self.law.switches[i]
         if self.sorts[i] == "wave":
-            found = self._wave(switch.surface)
-            assert found is not None
-            return "gb_wave_next", [self.hoister.hoist(x) for x in found]
+            return "gb_wave_next", [self.hoister.hoist(x) for x in self.wave_of(i)]
         line = self._line(switch.surface)
         assert line is not None
         return ("gb_table_next" if switch.table is not None else "gb_line_next"), [self.hoister.hoist(x) for x in line]

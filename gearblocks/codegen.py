@@ -15,6 +15,7 @@ from gearblocks.jacobian import linear_part
 from gearblocks.layout import column, lay_out, padded
 from gearblocks.maps import Table2
 from gearblocks.massless import hidden_rows, lay_out_massless
+from gearblocks.means import mean_of_column
 from gearblocks.motions import check_mobility, drive_functions, lay_out_mass
 from gearblocks.printer import c_text
 from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, SwitchInfo
@@ -126,6 +127,7 @@ def _hoisted(g: Generator, code: BatchCode) -> None:
             code.gap_scale(i)
     prepare: list[tuple[str, str, Any, bool]] = []
     times: list[tuple[str, str, Any, bool]] = []
+    means: list[tuple[str, str, Any, bool]] = []
     for item in code.hoister.columns:
         constant = item.level == CONSTANT
         if item.shared:
@@ -134,6 +136,10 @@ def _hoisted(g: Generator, code: BatchCode) -> None:
             key = (item.level, text)
             if key not in g.shared:
                 g.shared[key] = _shared_column(g, constant, text)
+                if not constant:
+                    mean = mean_of_column(code, item)
+                    names, _, _ = code.names([mean], vector="lane")
+                    g.means_shared.append(Statement(g.times_shared[-1].lhs, "=", c_text(mean, names)))
             code.places.hoisted[item.symbol] = g.shared[key]
             continue
         if constant:
@@ -143,9 +149,11 @@ def _hoisted(g: Generator, code: BatchCode) -> None:
         else:
             code.places.hoisted[item.symbol] = f"tau[({g.n_time} + e) * GB_LANES]"
             times.append((f"tau[({g.n_time} + e) * GB_LANES + i]", "=", item.expr, False))
+            means.append((times[-1][0], "=", mean_of_column(code, item), False))
             g.n_time += code.n
     g.keep("prepare", code.function("prepare", prepare))
     g.keep("times", code.function("times", times, vector="lane"))
+    g.keep("means", code.function("means", means, vector="lane"))
 
 
 def _shared_column(g: Generator, constant: bool, text: str) -> str:

@@ -99,6 +99,12 @@ class _Record(ctypes.Structure):
     ]
 
 
+class _Point(ctypes.Structure):
+    """gb_point."""
+
+    _fields_ = [("t", c_double), ("means", c_int), ("mode", c_void_p), ("input", c_void_p)]
+
+
 EVENT = np.dtype([("t", "f8"), ("before", "f8"), ("after", "f8"), ("index", "i4"), ("kind", "i4")], align=True)
 """gb_event: kind 0 is a state event, 1 a time event."""
 
@@ -122,6 +128,7 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(_Record), c_double)),
     "gb_evaluate": (c_int, (c_void_p, c_void_p, c_long, c_void_p, c_int, c_void_p, c_void_p)),
     "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
+    "gb_probe": (c_int, (c_void_p, POINTER(_Point), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),
     "gb_snapshot_size": (c_size_t, (c_void_p,)),
     "gb_save": (None, (c_void_p, c_void_p)),
     "gb_restore": (c_int, (c_void_p, c_void_p)),
@@ -316,6 +323,27 @@ class Simulation:
         code = self._shared.gb_linear_rates(self._sim, m.kept.ctypes.data, x.ctypes.data, out.ctypes.data)
         _expect(code, "gb_linear_rates")
         return out
+
+    def probe(
+        self, t: float, y: Array, modes: Array, wanted: str, *, inputs: Array | None = None, means: bool = False
+    ) -> Array:
+        """One thing at a point, the run untouched: "rates" (n_total), "outputs", "energies" or "modes" (those that fit).
+
+        modes: of all switches; inputs: values of all inputs (None: their sources at t); means: excitations of time alone
+        at their means. Only after `start`. Raises RuntimeError where an input fails.
+        """
+        program = self._program
+        lengths = {
+            "rates": program.n_total, "outputs": len(program.outputs), "energies": len(program.energies),
+            "modes": len(program.switches),
+        }  # fmt: skip
+        result = np.zeros(lengths[wanted])
+        y, modes = self._state_vector(y), np.ascontiguousarray(modes, dtype=np.float64)
+        values = None if inputs is None else np.ascontiguousarray(inputs, dtype=np.float64)
+        point = _Point(t, int(means), _address(modes), _address(values))
+        targets = [result.ctypes.data if name == wanted else None for name in lengths]
+        _expect(self._shared.gb_probe(self._sim, ctypes.byref(point), y.ctypes.data, *targets), "gb_probe")
+        return result
 
     def save(self) -> bytes:
         """The whole changing state."""

@@ -102,6 +102,7 @@ class Generator:
     shared: dict[tuple[int, str], str] = field(default_factory=dict)
     prepare_shared: list[Statement] = field(default_factory=list)
     times_shared: list[Statement] = field(default_factory=list)
+    means_shared: list[Statement] = field(default_factory=list)
     functions: dict[str, list[Function]] = field(default_factory=dict)
     outputs: list[Quantity] = field(default_factory=list)
     energies: list[EnergyInfo] = field(default_factory=list)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from gearblocks.arguments import (
     InputSource,
     begin_of,
+    is_static,
     method_options,
     parameter_vector,
     picked_outputs,
@@ -55,7 +56,7 @@ def run_model(
             "train": program.name, "method": Method(options.method).name.lower(), "rtol": rtol, "step": step,
             "parameters": {p.path: float(v) for p, v in zip(program.parameters, sim.parameters, strict=True)},
         })  # fmt: skip
-        y0 = start_state(program, initial)
+        y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)
         return run.go(options, begin, y0, why)
 
 
@@ -83,6 +84,15 @@ class _Run:
     largest: float = 0.0
     cpu: float = 0.0
     last: Array | None = None
+
+    def balanced(self, begin: float, initial: Any) -> Array:
+        """The state of the static equilibrium."""
+        from gearblocks.statics import static_state
+
+        try:
+            return static_state(self.sim, self.model.program, begin, means=initial == "static")
+        except RuntimeError:
+            raise self._failure(Code(self.sim.report.code), None) from self.sim.error
 
     def go(self, options: Options, begin: float, y0: Array | None, why: str) -> Trajectory:
         """Runs to the end, to an error or to Ctrl-C."""

@@ -124,6 +124,18 @@ GB_API int gb_linear_matrix(gb_sim *sim, double t, const double *y, double g, do
                             double *upper, double *kept);
 GB_API int gb_linear_side(const gb_sim *sim, const double *kept, double g, const double *r, double *out);
 GB_API int gb_linear_rates(const gb_sim *sim, const double *kept, const double *x, double *out);
+/* A point to look at. mode: of all switches (length n_switches); input: values of all inputs, or NULL: as their sources
+ * have them at t; means: every excitation by time alone at its mean (gb_model.means). */
+typedef struct gb_point {
+    double t;
+    int means;
+    const double *mode, *input;
+} gb_point;
+
+/* The laws at a point, into what is not NULL: dy (length n_total), all outputs, all energies, and `fit`, the modes that
+ * fit state and time there. Needs gb_start for the values derived from parameters; changes nothing of the run. */
+GB_API int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, double *out, double *energy,
+                    double *fit);
 
 /* The whole changing state as one block. */
 GB_API size_t gb_snapshot_size(const gb_sim *sim);

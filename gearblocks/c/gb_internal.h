@@ -100,6 +100,7 @@ struct gb_sim {
     double *k;                         /* derivatives by stage, each n_total long */
     double *z, *z2, *zero;             /* stage states, length n_total */
     double *z_out;                     /* all outputs of one row */
+    double *z_input;                   /* all inputs of one instant */
     double *t, *u, *tau;               /* lanes of a step */
     double *t_one, *u_one, *tau_one;   /* lanes of single instants */
     double *s0, *s, *slopes, *samples; /* surfaces: at the start, at an instant, along rows, at the eighths */

@@ -119,6 +119,9 @@ typedef struct gb_model {
                      double g, double *diag, double *lower, double *upper, double *kept);
     void (*right_side)(const double *par, const double *kept, double g, const double *r, double *out);
     void (*simple_rates)(const double *par, const double *kept, const double *x, double *out);
+
+    /* As times for one lane, with every excitation by time alone at its mean (NULL: as they are). */
+    void (*means)(const double *par, const double *mode, int lanes, const double *t, const double *u, double *tau);
 } gb_model;
 
 #endif

@@ -75,6 +75,7 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
     sim->slopes = doubles(base, &at, (long)GB_ROWS * m->n_affine);
     sim->samples = doubles(base, &at, (m->n_surfaces > m->n_affine ? (long)GB_STAGES : 0) * m->n_surfaces);
     sim->z_out = doubles(base, &at, m->n_outputs);
+    sim->z_input = doubles(base, &at, m->n_inputs);
     sim->t = doubles(base, &at, GB_LANES);
     sim->t_one = doubles(base, &at, GB_LANES);
     sim->u = doubles(base, &at, (long)GB_LANES * m->n_inputs);
