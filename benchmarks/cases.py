@@ -59,6 +59,15 @@ class P1:
         speed = 0.1 * self.half_gap / self.radius * self.w
         return np.array([*self.start[:3], speed, speed, speed, speed, 1.0])
 
+    @property
+    def sides(self) -> Array:
+        """Contact sides at the start."""
+        return np.ones(1)
+
+    def relative(self, y: Array) -> Array:
+        """The relative coordinates from states in rows."""
+        return y[:, :3]
+
     def packed(self) -> Array:
         """The members of `problem` in c/p1.c."""
         r = self.radius
@@ -107,9 +116,104 @@ class P2:
         """Smallest magnitudes that count in an error weight."""
         return np.array([1.0, 0.1])
 
+    @property
+    def sides(self) -> Array:
+        """Contact sides at the start."""
+        return np.ones(1)
+
+    def relative(self, y: Array) -> Array:
+        """The relative coordinates from states in rows."""
+        return y[:, :1]
+
     def packed(self) -> Array:
         """The members of `problem` in c/p2.c."""
         return np.array([self.half_gap, 2 * self.zeta, self.eps, self.load, self.swing * self.w**2, self.w])
+
+
+@dataclass(frozen=True)
+class P3:
+    """A planetary set with four planets, eight meshes with backlash and time-driven stiffness, the ring on a spring.
+
+    The phases of the meshes are those of 21 teeth on the sun and 49 on the ring, which four planets cannot meet, so
+    they are given one by one.
+    """
+
+    r_sun: float = 0.03
+    r_planet: float = 0.02
+    r_ring: float = 0.07
+    j_sun: float = 2e-4
+    j_carrier: float = 5e-3
+    j_ring: float = 8e-3
+    j_planet: float = 4e-5
+    k_sun: float = 2e8
+    k_ring: float = 2.5e8
+    ripple: float = 0.25
+    half_gap: float = 20e-6
+    k_ground: float = 5e6
+    torque: float = 300.0
+    swing: float = 0.1
+    w: float = 6e4
+
+    @property
+    def c_meshes(self) -> tuple[float, float]:
+        """Damping of a sun mesh and of a ring mesh along the line of action, N s/m."""
+        mass = self.j_planet / self.r_planet**2
+        return 0.1 * math.sqrt(self.k_sun * mass), 0.1 * math.sqrt(self.k_ring * mass)
+
+    @property
+    def c_ground(self) -> float:
+        """Damping between ring and ground, N m s/rad."""
+        return 0.1 * math.sqrt(self.k_ground * self.j_ring)
+
+    @property
+    def phases(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Phases of the sun meshes and of the ring meshes, rad."""
+        turns = [(21 * i % 4, (49 * i + 1) % 4) for i in range(4)]
+        return tuple(math.pi / 2 * a for a, _ in turns), tuple(math.pi / 2 * b for _, b in turns)
+
+    @property
+    def start(self) -> Array:
+        """Static equilibrium at the mean stiffness: four deflections of the sun meshes, u = r_sun (phi_s - phi_c) +
+        r_ring (phi_r - phi_c), phi_r; speeds of sun, carrier, ring, planets; three zeros. A ring mesh deflects by the
+        one of the sun mesh less u.
+        """
+        force = self.torque / (4 * self.r_sun)
+        sun, ring = self.half_gap + force / self.k_sun, -self.half_gap - force / self.k_ring
+        twist = -4 * self.r_ring * force / self.k_ground
+        return np.array([sun, sun, sun, sun, sun - ring, twist, *[0.0] * 10])
+
+    @property
+    def sides(self) -> Array:
+        """Contact sides at the start: sun meshes drive, ring meshes coast."""
+        return np.repeat([1.0, -1.0], 4)
+
+    @property
+    def angles(self) -> tuple[float, float, float]:
+        """Start angles of sun, ring and each planet with the carrier at zero."""
+        x, u, ring = (float(v) for v in self.start[3:6])
+        sun = (u - self.r_ring * ring) / self.r_sun
+        return sun, ring, (x - self.r_sun * sun) / self.r_planet
+
+    @property
+    def scale(self) -> Array:
+        """Smallest magnitudes that count in an error weight: static values; gap times frequency for the speeds."""
+        speed = 0.1 * self.half_gap / self.r_planet * self.w
+        return np.array([*np.abs(self.start[:6]), *[speed] * 7, 1.0, 1.0, 1.0])
+
+    def relative(self, y: Array) -> Array:
+        """Deflections of the sun and the ring meshes and the twist of the ring, from states in rows."""
+        return np.column_stack([y[:, :4], y[:, :4] - y[:, 4:5], y[:, 5]])
+
+    def packed(self) -> Array:
+        """The members of `problem` in c/p3.c."""
+        sun, ring = self.phases
+        waves = [f(phase) for phase in (*sun, *ring) for f in (math.cos, math.sin)]
+        inverse = [1 / j for j in (self.j_sun, self.j_carrier, self.j_ring, self.j_planet)]
+        stiff = [self.k_sun, self.k_ring, *self.c_meshes, self.ripple, self.k_ground, self.c_ground]
+        load = [self.torque, self.torque * (1 + self.r_ring / self.r_sun), self.swing, self.w]
+        return np.array(
+            [self.half_gap, self.r_sun, self.r_planet, self.r_ring, *inverse, *stiff, *load, *waves[::2], *waves[1::2]]
+        )
 
 
 @dataclass(frozen=True)
@@ -161,6 +265,15 @@ class P4:
         """Smallest magnitudes that count in an error weight."""
         return np.concatenate([self.twists, np.full(self.n, self.twists[0] * self.w)])
 
+    @property
+    def sides(self) -> Array:
+        """Contact sides at the start."""
+        return np.ones(self.n // 2 - 1)
+
+    def relative(self, y: Array) -> Array:
+        """The relative coordinates from states in rows."""
+        return y[:, : self.n]
+
     def packed(self) -> Array:
         """The members of `problem` in c/p4.c."""
         return np.array(
@@ -178,3 +291,7 @@ class P4:
                 float(self.n),
             ]
         )
+
+
+Problem = P1 | P2 | P3 | P4
+"""Any of them."""

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.cases import P1, P2, P4, Array
+from benchmarks.cases import P1, P2, P3, P4, Array, Problem
 from benchmarks.measure import cpu_seconds, relative_error
 
 if TYPE_CHECKING:
     from gearblocks import Drivetrain
+    from gearblocks.library import Model
 
 Row = tuple[str, float, float, str]
 
@@ -70,6 +72,49 @@ def p2(p: P2 | None = None) -> Drivetrain:
     return rig
 
 
+def p3(p: P3 | None = None) -> Drivetrain:
+    """P3: sun, ring, carrier and four planets; eight meshes with a carrier, each with its phase; ring to ground."""
+    import gearblocks as gb
+
+    p = p or P3()
+    w = gb.Parameter("w", p.w, "rad/s")
+    rig = gb.Drivetrain("P3, planetary set, 4 planets")
+    at_sun, at_ring, at_planet = p.angles
+
+    def mesh(name: str, teeth: tuple[int, int], radii: tuple[float, float], k: float, c: float, phase: float) -> Any:
+        wave = gb.Fourier(cos=(p.ripple,), driven_by=w, phase=phase)
+        gap, external = gb.Backlash(half_gap=p.half_gap), name.startswith("sun")
+        law = gb.GearMesh(
+            teeth=teeth,
+            r_base=radii,
+            external=external,
+            k=k,
+            c=c,
+            stiffness_variation=wave,
+            backlash=gap,
+            contact_damping="always",
+        )
+        return rig.add(name, law)
+
+    sun, ring = (
+        rig.add("sun", gb.Inertia(J=p.j_sun, phi0=at_sun)),
+        rig.add("ring", gb.Inertia(J=p.j_ring, phi0=at_ring)),
+    )
+    carrier = rig.add("carrier", gb.Inertia(J=p.j_carrier, phi0=0.0))
+    for i in range(4):
+        planet = rig.add(f"planet{i}", gb.Inertia(J=p.j_planet, phi0=at_planet))
+        inner = mesh(f"sun_mesh{i}", (21, 14), (p.r_sun, p.r_planet), p.k_sun, p.c_meshes[0], p.phases[0][i])
+        outer = mesh(f"ring_mesh{i}", (14, 49), (p.r_planet, p.r_ring), p.k_ring, p.c_meshes[1], p.phases[1][i])
+        rig.chain(sun, inner, planet, outer, ring)
+        rig.connect(carrier.a, inner.carrier, outer.carrier)
+    drive = rig.add("drive", gb.Torque(tau=p.torque * (1 + p.swing * gb.cos(w * gb.time))))
+    load = rig.add("load", gb.Torque(tau=-p.torque * (1 + p.r_ring / p.r_sun)))
+    rig.connect(drive.flange, sun.b)
+    rig.connect(load.flange, carrier.b)
+    rig.chain(ring, rig.add("mount", gb.Shaft(k=p.k_ground, c=p.c_ground)), rig.add("ground", gb.Fixed()))
+    return rig
+
+
 def p4(p: P4 | None = None) -> Drivetrain:
     """P4: a chain of n inertias, couplings 0, 2, 4, .. and the last are shafts, the others meshes with backlash."""
     import gearblocks as gb
@@ -91,39 +136,57 @@ def p4(p: P4 | None = None) -> Drivetrain:
     return rig
 
 
-def columns(problem: P1 | P2 | P4) -> list[tuple[str, float]]:
+def columns(problem: Problem) -> list[tuple[str, float]]:
     """Outputs that are the relative coordinates of the peers, with the factor between them."""
     if isinstance(problem, P1):
         return [("left.twist", -1.0), ("mesh.deflection", 1 / problem.radius), ("right.twist", -1.0)]
     if isinstance(problem, P2):
         return [("mesh.deflection", 1.0)]
+    if isinstance(problem, P3):
+        return [
+            *((f"{kind}_mesh{i}.deflection", 1.0) for kind in ("sun", "ring") for i in range(4)),
+            ("mount.twist", -1.0),
+        ]
     return [(f"link{i}.twist", -1.0) for i in range(problem.n)]
 
 
-def train(problem: P1 | P2 | P4) -> Drivetrain:
+def train(problem: Problem) -> Drivetrain:
     """The problem built from blocks."""
-    return p1(problem) if isinstance(problem, P1) else p2(problem) if isinstance(problem, P2) else p4(problem)
+    if isinstance(problem, P4):
+        return p4(problem)
+    return p1(problem) if isinstance(problem, P1) else p2(problem) if isinstance(problem, P2) else p3(problem)
 
 
-def ours(problem: P1 | P2 | P4, t: Array, reference: Array, rtols: tuple[float, ...], method: str) -> Iterator[Row]:
+@lru_cache(maxsize=1)
+def model(problem: Problem) -> Model:
+    """The compiled train, kept for the next method."""
+    import gearblocks as gb
+
+    return gb.build(train(problem))
+
+
+def ours(problem: Problem, t: Array, reference: Array, rtols: tuple[float, ...], method: str) -> Iterator[Row]:
     """One row per tolerance: CPU seconds in the solver, with the energy ledger on, and the error reached."""
     import gearblocks as gb
 
-    model = gb.build(train(problem))
-    wanted = columns(problem)
+    built, wanted = model(problem), columns(problem)
     for rtol in rtols:
         solver = whole = float("inf")
-        for _ in range(10 if t[-1] < 0.1 and isinstance(problem, P1) else 4):
+        for _ in range(10 if isinstance(problem, P1 | P3) and t[-1] < 0.1 else 1 if len(wanted) > 2000 else 4):
             seconds, run = cpu_seconds(
-                lambda: gb.simulate(model, t=t, rtol=rtol, method=method, outputs=[name for name, _ in wanted]),  # noqa: B023
+                lambda: gb.simulate(built, t=t, rtol=rtol, method=method, outputs=[name for name, _ in wanted]),  # noqa: B023
                 repeats=1,
             )
             solver, whole = min(solver, run.stats.cpu_seconds), min(whole, seconds)
         y = np.column_stack([factor * run[name] for name, factor in wanted])
+        stats, each = run.stats, ""
+        if isinstance(problem, P4):
+            each = f", {solver / (stats.steps + stats.rejected) / problem.n * 1e9:.0f} ns a step and inertia"
         yield (
             f"gearblocks {method} {rtol:.0e}",
             solver,
-            relative_error(y, reference[:, : len(wanted)]),
-            f"{run.stats.steps} steps, {run.stats.rejected} rejected, {run.stats.events} corners, "
-            f"ledger residual {run.energy.residual:.0e}, whole call {whole * 1e3:.3g} ms",
+            relative_error(y, reference),
+            f"{stats.steps} steps, {stats.rejected} rejected, {stats.events} corners{each}, "
+            f"ledger residual {run.energy.residual:.0e}, whole call {whole * 1e3:.3g} ms"
+            + (f"; {stats.why}" if method == "auto" else ""),
         )
