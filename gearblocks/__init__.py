@@ -3,10 +3,13 @@
 from gearblocks.blocks import (
     Damper,
     Fixed,
+    Force,
     GearMesh,
     IdealGear,
     Inertia,
     Lash,
+    Mass,
+    Rack,
     Shaft,
     SpeedLoad,
     SplineCoupling,
@@ -19,7 +22,6 @@ from gearblocks.declare import (
     Effect,
     Energy,
     Flange,
-    Force,
     Parts,
     Potential,
     Rate,
@@ -45,6 +47,7 @@ from gearblocks.errors import (
 )  # fmt: skip
 from gearblocks.expression import cos, piecewise, sin
 from gearblocks.library import Model
+from gearblocks.maps import Table2
 from gearblocks.signals import Input, Parameter, Table, sense, time, twist
 from gearblocks.trajectory import Trajectory
 from gearblocks.units import rpm
@@ -53,9 +56,9 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Acts", "Backlash", "Block", "Body", "CompileError", "Damper", "Drivetrain", "Effect", "Energy", "Fixed", "Flange",
-    "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Model",
-    "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rate", "Shaft", "Shows", "SimulationError",
-    "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie", "Torque", "Trajectory",
-    "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm",
-    "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "Mass", "Model",
+    "ModelError", "Parameter", "ParameterError", "Parts", "Potential", "Profile", "Rack", "Rate", "Shaft", "Shows",
+    "SimulationError", "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Table2", "Tie", "Torque",
+    "Trajectory", "UnknownNameError", "build", "classify", "cos", "effect", "exact", "option", "param", "piecewise", "poincare",
+    "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip

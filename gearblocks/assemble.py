@@ -14,6 +14,7 @@ from gearblocks.errors import ModelError
 from gearblocks.graph import GROUND, Component, Train, numbers_of, structure_of
 from gearblocks.laws import Law, derive, exact_value
 from gearblocks.rational import Exact, exact
+from gearblocks.sliding import start_fields
 from gearblocks.ties import Groups, TieRow, merge
 
 HELD = -1
@@ -209,11 +210,14 @@ def _starts(train: Train, laws: list[Law], assembly: Assembly) -> list[StartValu
     for c, law in zip(train.components, laws, strict=True):
         for flange, _ in law.bodies:
             group, gain = assembly.group_of_node[c.nodes[list(type(c.block).flanges).index(flange)]]
-            for key, owners in found.items():
-                value = getattr(c.block, key, None)
+            for (key, owners), name in zip(found.items(), start_fields(c.block), strict=True):
+                value = getattr(c.block, name, None)
                 given = value is not None
                 if group == HELD and key == "w0" and isinstance(value, (int, float)) and value != 0:
-                    raise ModelError(f"'{c.path}': w0 = {value!r} rad/s, but a Fixed holds this shaft; leave w0 out")
+                    unit = "m/s" if flange in c.sliders else "rad/s"
+                    raise ModelError(
+                        f"'{c.path}': {name} = {value!r} {unit}, but a Fixed holds this shaft; leave {name} out"
+                    )
                 if group != HELD and (group not in owners or (given and not owners[group][2])):
                     owners[group] = (c.path, gain, given)
     return [StartValues(*found["phi0"][g][:2], *found["w0"][g][:2]) for g in range(assembly.n_groups)]

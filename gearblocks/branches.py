@@ -14,7 +14,7 @@ import sympy as sp
 
 from gearblocks.declare import Switch
 from gearblocks.errors import GearblocksError
-from gearblocks.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, TableAt
+from gearblocks.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, Table2At, TableAt
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,7 @@ class Freezer:
             return e
         if isinstance(e, sp.Piecewise):
             return self._piecewise(e)
-        if isinstance(e, TableAt):
+        if isinstance(e, (TableAt, Table2At)):
             return self._table(e)
         if isinstance(e, (DeadZone, ContactSide)):
             return self._dead_zone(e)
@@ -161,14 +161,19 @@ class Freezer:
         return switch.symbol
 
     def _table(self, e: Any) -> Any:
-        table, x, order = e.args[:3]
-        x = self.freeze(x)
+        """With the segment of each of its quantities as a mode, where these are located."""
+        n = 1 if isinstance(e, TableAt) else 2
+        symbol, quantities, orders = e.args[0], [self.freeze(x) for x in e.args[1 : n + 1]], e.args[n + 1 : 2 * n + 1]
+        axes = [symbol] if n == 1 else [self.pool.table(axis) for axis in self.pool.slots[symbol].of.axes]
+        modes = [self._segment(axis, x) for axis, x in zip(axes, quantities, strict=True)]
+        return e.func(symbol, *quantities, *orders, *(modes if None not in modes else ()))
+
+    def _segment(self, table: Any, x: Any) -> Any:
+        """The mode that is the segment of a table over x; None where nothing is located any more."""
         for switch in self.switches:
             if switch.table == table and switch.surface == x:
-                return TableAt(table, x, order, switch.symbol)
-        if not self.locating:
-            return TableAt(table, x, order)
-        return TableAt(table, x, order, self._add("table", x, table).symbol)
+                return switch.symbol
+        return self._add("table", x, table).symbol if self.locating else None
 
     def _add(self, name: str, surface: Any, table: Any = None) -> SurfaceOfKind:
         level = self.pool.level(surface)

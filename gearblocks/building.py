@@ -92,7 +92,7 @@ def _values(train: Train) -> tuple[dict[str, float], set[str]]:
         for path, value, _ in numbers_of(c.block, c.path + "."):
             if isinstance(value, (int, float)):
                 values[path] = float(value)
-            elif isinstance(value, Expr) and path.endswith((".phi0", ".w0")):
+            elif isinstance(value, Expr) and path.endswith((".phi0", ".w0", ".s0", ".v0")):
                 values[path] = evaluate(value, _parameter_value)
         _starts(c.path, c.block, values)
         for leaf in leaves_of(c.block):
@@ -122,7 +122,7 @@ def _check_against(program: Program, train: Train, names: set[str]) -> None:
     starts = {s.name: (s.place, s.factor) for s in program.starts}
     given: dict[int, tuple[str, float, float]] = {}
     for c in train.components:
-        for field, output in (("phi0", "phi"), ("w0", "w")):
+        for field, output in (("phi0", "phi"), ("w0", "w"), ("s0", "s"), ("v0", "v")):
             value, place = _start_of(c.block, field), starts.get(f"{c.path}.{output}")
             if value is not None and place is not None:
                 scaled = value * place[1]

@@ -12,10 +12,14 @@ import sympy as sp
 from gearblocks.assemble import HELD, Assembly
 from gearblocks.batchcode import BatchCode, Places, Statement, identifier
 from gearblocks.generator import Band, Generator, Prediction
+from gearblocks.graph import Component
 from gearblocks.layout import column, lay_out, padded
+from gearblocks.maps import Table2
 from gearblocks.printer import c_text
 from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, Quantity, StartInfo, SwitchInfo
 from gearblocks.senses import Sense, order_senses, reads_angles
+from gearblocks.signals import Table
+from gearblocks.sliding import flange_names, start_fields, unit_along, words_along
 from gearblocks.symbols import CONSTANT
 from gearblocks.views import view
 
@@ -50,7 +54,7 @@ def _columns(g: Generator) -> None:
         own = {path: i for (b, path), i in g.lay.own.items() if b == number}
         places = Places(own, inverse_mass=g.inverse_mass, senses={p: s.index for p, s in g.senses.items()})
         places.tables = {
-            x: _table_name(g, slot.of) for x, slot in batch.law.pool.slots.items() if slot.role == "table"
+            x: _table_name(g, slot.of) for x, slot in batch.law.pool.slots.items() if slot.role in ("table", "table2")
         }  # fmt: skip
         code = BatchCode(g.lay, number, batch, places)
         for symbol, values in batch.exact.items():
@@ -66,8 +70,11 @@ def _columns(g: Generator) -> None:
         _hoisted(g, code)
 
 
-def _table_name(g: Generator, table: Any) -> str:
-    return g.tables.setdefault(table.digest(), (f"table_{len(g.tables)}", table))[0]  # type: ignore[no-any-return]
+def _table_name(g: Generator, table: Table | Table2) -> str:
+    if isinstance(table, Table2):
+        axes = [_table_name(g, axis) for axis in table.axes]
+        return g.maps.setdefault(table.digest(), (f"map_{len(g.maps)}", table, axes))[0]
+    return g.tables.setdefault(table.digest(), (f"table_{len(g.tables)}", table))[0]
 
 
 def _switches(g: Generator) -> None:
@@ -154,7 +161,10 @@ def _laws(g: Generator) -> None:
         shows = []
         for show, expr in code.shows:
             shows.append((f"out[{len(g.outputs)} + e]", "=", expr, False))
-            g.outputs += [Quantity(f"{path}.{show.name}", show.unit, show.words) for path in code.paths]
+            g.outputs += [
+                Quantity(f"{c.path}.{show.name}", unit_along(show.unit, c.slides), words_along(show.words, c.slides))
+                for c in _components(g, code)
+            ]
         g.keep("shows", code.function("shows", shows))
 
 
@@ -260,14 +270,22 @@ def _bodies(g: Generator, code: BatchCode) -> None:
 
 def _describe_outputs(g: Generator) -> None:
     """Outputs of the flanges and the coordinates for reading follow the outputs of the blocks."""
-    for name, unit, words in (
-        ("phi", "rad", "angle"), ("w", "rad/s", "speed"), ("tau", "N m", "torque of the block on the flange"),
-        ("power", "W", "power from the block into the flange"),
-    ):  # fmt: skip
+    for i, (unit, words) in enumerate((
+        ("rad", "angle"), ("rad/s", "speed"), ("N m", "torque of the block on the flange"),
+        ("W", "power from the block into the flange"),
+    )):  # fmt: skip
         for code in g.codes:
             for flange in code.batch.flanges:
-                g.outputs += [Quantity(f"{path}.{flange}.{name}", unit, words) for path in code.paths]
+                for c in _components(g, code):
+                    slides = flange in c.sliders
+                    name = f"{c.path}.{flange}.{flange_names(slides)[i]}"
+                    g.outputs.append(Quantity(name, unit_along(unit, slides), words_along(words, slides)))
     g.outputs += [Quantity(c.name, c.unit, "relative coordinate") for c in g.assembly.train.coordinates]
+
+
+def _components(g: Generator, code: BatchCode) -> list[Component]:
+    """The components of a batch, one per instance."""
+    return [g.assembly.train.components[i] for i in code.batch.components]
 
 
 def _coordinate_outputs(g: Generator) -> list[str]:
@@ -292,20 +310,23 @@ def _program(g: Generator, source: str) -> Program:
     lay = g.lay
     states: list[Quantity] = [Quantity("", "rad", "coordinate")] * lay.n
     for code in g.codes:
-        for e in range(code.n):
+        for e, c in enumerate(_components(g, code)):
             for j in range(len(code.law.forms)):
                 if code.batch.used[j] and not code.batch.dependent[j]:
-                    i = code.batch.sources[j][e]
-                    states[i] = Quantity(f"{code.paths[e]}.coordinate", "rad", "relative angle")
+                    unit, words = unit_along("rad", c.slides), words_along("relative angle", c.slides)
+                    states[code.batch.sources[j][e]] = Quantity(f"{c.path}.coordinate", unit, words)
             for state in code.law.rates:
                 states[lay.state0[code.number, state] + e] = Quantity(f"{code.paths[e]}.{state}", "1", "state")
+    slides = {c.path: start_fields(c.block)[0] == "s0" for c in g.assembly.train.components}
     for i, start in enumerate(g.assembly.starts):
-        states[lay.v0 + i] = Quantity(f"{start.w0}.w", "rad/s", "speed")
+        _, speed, _, _ = flange_names(slides[start.w0])
+        states[lay.v0 + i] = Quantity(f"{start.w0}.{speed}", unit_along("rad/s", slides[start.w0]), "speed")
     in_law = lay.angle0 < lay.n
     for i, group in enumerate(g.assembly.angles):
         owner = g.assembly.starts[group].phi0
         if in_law:
-            states[lay.angle0 + i] = Quantity(f"{owner}.phi", "rad", "angle")
+            unit, words = unit_along("rad", slides[owner]), words_along("angle", slides[owner])
+            states[lay.angle0 + i] = Quantity(f"{owner}.{flange_names(slides[owner])[0]}", unit, words)
         else:
             g.integrals.append(IntegralInfo(owner, "angle", lay.angle0 + i))
     return Program(
@@ -320,12 +341,13 @@ def _start_infos(g: Generator) -> Iterator[StartInfo]:
     """Names under which start values can be given: angle and speed of every body, states of blocks."""
     for code in g.codes:
         for flange, _ in code.law.bodies:
-            for e, group in enumerate(code.batch.groups[flange]):
+            for c, group, gain in zip(
+                _components(g, code), code.batch.groups[flange], code.batch.gains[flange], strict=True
+            ):
                 if group != HELD:
-                    start, gain = g.assembly.starts[group], code.batch.gains[flange][e]
-                    path = code.paths[e]
-                    yield StartInfo(f"{path}.phi", g.lay.phi0[group], float(start.phi0_gain / gain))
-                    yield StartInfo(f"{path}.w", g.lay.w0[group], float(start.w0_gain / gain))
+                    start, (angle, speed, _, _) = g.assembly.starts[group], flange_names(flange in c.sliders)
+                    yield StartInfo(f"{c.path}.{angle}", g.lay.phi0[group], float(start.phi0_gain / gain))
+                    yield StartInfo(f"{c.path}.{speed}", g.lay.w0[group], float(start.w0_gain / gain))
         for state in code.law.rates:
             first = g.lay.state_start[code.number, state]
             for e in range(code.n):

@@ -64,9 +64,9 @@ def param(
     return Field(words, unit, "param", default, gt, ge, lt, le, many, belongs_to)
 
 
-def exact(words: str, *, default: Any = _REQUIRED, many: bool = False) -> Any:
+def exact(words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False) -> Any:
     """A number that enters ratios exactly (tooth counts; a float stands for its exact binary fraction). Structural."""
-    return Field(words, "1", "exact", default, many=many)
+    return Field(words, unit, "exact", default, many=many)
 
 
 def option(words: str, *, default: Any = _REQUIRED) -> Any:
@@ -86,11 +86,20 @@ def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | N
 
 @dataclass(frozen=True, slots=True)
 class Flange:
-    """A rotating connection point. ground: means the ground when nothing is connected; spare: may stay open."""
+    """A rotating connection point, or a sliding one.
+
+    ground: means the ground when nothing is connected; spare: may stay open. slider: True for positions [m], speeds
+    [m/s] and forces [N] in place of angles and torques; None for a flange that is what it is connected to.
+    """
 
     words: str
     ground: bool = False
     spare: bool = False
+    slider: bool | None = False
+
+    def __post_init__(self) -> None:
+        if self.slider not in (True, False, None):
+            raise ModelError(f"Flange '{self.words}': slider = {self.slider!r} must be True, False or None (both)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -318,7 +327,8 @@ class Block(_Declared, ABC):
 
     In `physics`, s.<flange>.phi and .w are angle [rad] and speed [rad/s], s.<field> the symbol of a number or signal
     (None when absent), s.<effect> the symbols of an effect, s.<state> a state, s.time the time. In Shows also
-    s.<flange>.alpha [rad/s2] and s.<flange>.tau [N m], the torque that the block exerts on the flange.
+    s.<flange>.alpha [rad/s2] and s.<flange>.tau [N m], the torque that the block exerts on the flange. On a slider
+    s.<flange>.s, .v and .f are other names of phi, w and tau (in m, m/s and N).
     s.<flange>.mobility is 1/J of all inertia tied rigidly to the flange (0 at the ground).
     """
 

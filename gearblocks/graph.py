@@ -16,8 +16,10 @@ from typing import Any, get_args
 from gearblocks.declare import Block, Effect, Field, _Declared
 from gearblocks.errors import ModelError, did_you_mean
 from gearblocks.expression import Expr, evaluate
+from gearblocks.maps import Table2
 from gearblocks.nesting import localised
 from gearblocks.signals import Input, Parameter, Table
+from gearblocks.sliding import sliders_of, sliding_nodes
 
 GROUND = -1
 """The node number of a flange that means the ground because nothing is connected to it."""
@@ -50,6 +52,8 @@ class Component:
     path: str
     block: Block
     nodes: tuple[int, ...]
+    sliders: frozenset[str] = frozenset()  # flanges that slide
+    slides: bool = False  # whether those slide that take both: units are then those of sliders
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,9 +122,7 @@ def _number(
     tree: Tree, blocks: list[tuple[str, Block]], flanges: dict[Any, int], joined: set[int], find: Any, complete: bool
 ) -> Train:
     """Numbers the nodes in the order of the components and refuses open ends."""
-    numbers: dict[int, int] = {}
-    components = []
-    problems = []
+    numbers, components, problems = dict[int, int](), [], []
     for path, block in blocks:
         nodes = []
         for flange, spec in type(block).flanges.items():
@@ -137,12 +139,14 @@ def _number(
             problems.append(
                 f"{type(block).__name__} '{path}' is connected to itself: two of its flanges share one node"
             )
-        components.append(Component(path, block, tuple(nodes)))
-    if problems and complete:
-        raise ModelError(problems)
+        components.append((path, block, tuple(nodes)))
+    sliding, mixed = sliding_nodes(components, len(numbers))
+    if (problems or mixed) and complete:
+        raise ModelError(problems + mixed)
     if not components:
         raise ModelError(f"the drivetrain '{tree.name}' is empty: add blocks")
-    return Train(tree.name, tuple(components), len(numbers), tree.coordinates)
+    flat = tuple(Component(*c, *sliders_of(c[1], c[2], sliding)) for c in components)
+    return Train(tree.name, flat, len(numbers), tree.coordinates)
 
 
 # -- structure --------------------------------------------------------------------------------------------------------
@@ -175,7 +179,7 @@ def _structure(value: Any, field: Field, exact: bool) -> Any:
         return ("parameter", value.name, value.unit)
     if isinstance(value, Input):
         return ("input", value.name, value.start, value.unit)
-    if isinstance(value, Table):
+    if isinstance(value, (Table, Table2)):
         return ("table", value.digest())
     if isinstance(value, Expr):
         leaves = sorted({repr(leaf.args[0]) for leaf in value.leaves() if leaf.op == "input"})
@@ -295,6 +299,8 @@ def _problem(name: str, value: Any, field: Field) -> str:
         if problem or isinstance(value, (Input, Table)) or (isinstance(value, Expr) and not _is_constant(value)):
             return problem
         number, shown = _constant(value), f" ({value!r})" if isinstance(value, Parameter) else f" ('{value}')"
+    elif isinstance(value, Table2):
+        return f"{name} = {value!r} is no signal by itself: call it with two quantities, such as table(gb.sense('motor.w'), u)"
     elif isinstance(value, bool) or not isinstance(value, (int, float, Fraction if field.role == "exact" else int)):
         return (
             f"{name} = {value!r:.80} is no number{', Parameter, Input, Table or expression' * (field.role == 'signal')}"

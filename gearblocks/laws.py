@@ -19,7 +19,7 @@ from gearblocks import declare as d
 from gearblocks.branches import Freezer, SurfaceOfKind
 from gearblocks.errors import ModelError
 from gearblocks.rational import Exact, exact, over
-from gearblocks.symbols import CONSTANT, MOVING, Pool, Symbols, TableAt, clock
+from gearblocks.symbols import CONSTANT, MOVING, Pool, Symbols, Table2At, TableAt, clock
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +123,8 @@ def _jumps_in_time(law: Law) -> bool:
     exchange."""
     slots = law.pool.slots
     modes = {x for x in law.stored.free_symbols if slots[x].role == "mode" and slots[x].of.level != MOVING}
-    smooth = {e.args[3] for e in law.stored.atoms(TableAt) if len(e.args) == 4 and slots[e.args[0]].of.kind != "step"}
+    smooth = {mode for e in law.stored.atoms(Table2At) for mode in e.args[5:]}
+    smooth |= {e.args[3] for e in law.stored.atoms(TableAt) if len(e.args) == 4 and slots[e.args[0]].of.kind != "step"}
     return bool(modes - smooth)
 
 
@@ -277,7 +278,7 @@ def _vanishes(expr: Any, pool: Pool) -> bool:
     """Whether an expression is zero at a handful of fixed points (modes 0 or 1); expanding it would take far longer."""
     if expr == 0 or not expr.free_symbols:
         return bool(expr == 0)
-    if expr.has(TableAt):
+    if expr.has(TableAt, Table2At):
         return bool(sp.expand(expr) == 0)
     symbols = sorted(expr.free_symbols, key=lambda x: str(x.name))
     random = Random(20)

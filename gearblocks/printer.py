@@ -38,6 +38,14 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
         where = self._print(mode[0]) if mode else f"gb_table_segment(&{self._print(table)}, {self._print(x)})"
         return f"gb_table_value(&{self._print(table)}, {where}, {self._print(x)}, {int(order)})"
 
+    def _print_Table2At(self, expr: Any) -> str:
+        table, x, y, by_x, by_y, *modes = expr.args
+        name, at = self._print(table), [self._print(x), self._print(y)]
+        where = [self._print(m) for m in modes] or [
+            f"gb_table_segment({name}.{axis}, {text})" for axis, text in zip("xy", at, strict=True)
+        ]
+        return f"gb_table2_value(&{name}, {', '.join([*where, *at])}, {int(by_x)}, {int(by_y)})"
+
     def _print_Integer(self, expr: Any) -> str:
         return f"{int(expr)}.0"
 

@@ -11,6 +11,7 @@ import sympy as sp
 
 from gearblocks.declare import Rate, _Declared
 from gearblocks.expression import Expr, to_sympy
+from gearblocks.maps import Table2
 from gearblocks.signals import Input, Parameter, Table
 
 
@@ -18,8 +19,8 @@ from gearblocks.signals import Input, Parameter, Table
 class Slot:
     """What a symbol stands for.
 
-    role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table (time-driven),
-    phi, w, alpha, tau, state, coordinate, mode. of: flange, state, switch number, path, or the leaf itself.
+    role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
+    w, alpha, tau, state, coordinate, mode. of: flange, state, switch number, path, or the leaf itself.
     """
 
     role: str
@@ -46,6 +47,17 @@ class TableAt(sp.Function):  # type: ignore[misc]  # sympy carries no types
         """The next derivative."""
         table, x, order, *mode = self.args
         return TableAt(table, x, order + 1, *mode)
+
+
+class Table2At(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """A table over two quantities: Table2At(table symbol, x, y, orders of the derivatives by x, by y[, modes of both])."""
+
+    nargs = (5, 7)
+
+    def fdiff(self, argindex: int = 1) -> Any:
+        """The next derivative by x (argument 2) or y (argument 3)."""
+        table, x, y, by_x, by_y, *modes = self.args
+        return Table2At(table, x, y, by_x + (argindex == 2), by_y + (argindex == 3), *modes)
 
 
 class DeadZone(sp.Function):  # type: ignore[misc]  # sympy carries no types
@@ -117,9 +129,19 @@ class Pool:
             return self.symbol("input", leaf.args[0], leaf.args[0].name)
         if leaf.op == "sense":
             return self.symbol("sense", leaf.args[0], leaf.args[0])
-        assert leaf.op == "table", leaf.op
-        table = self.symbol("table", leaf.args[0], f"table_{leaf.args[0].digest()}")
-        return TableAt(table, to_sympy(leaf.args[1], self.leaf), sp.Integer(0))
+        assert leaf.op in ("table", "table2"), leaf.op
+        return self.table_at(leaf.args[0], *(to_sympy(x, self.leaf) for x in leaf.args[1:]))
+
+    def table_at(self, table: Table | Table2, *quantities: Any) -> Any:
+        """A table over its quantities."""
+        if isinstance(table, Table):
+            return TableAt(self.table(table), *quantities, sp.Integer(0))
+        symbol = self.symbol("table2", table, f"table_{table.digest()}")
+        return Table2At(symbol, *quantities, sp.Integer(0), sp.Integer(0))
+
+    def table(self, table: Table) -> Any:
+        """The symbol of a table."""
+        return self.symbol("table", table, f"table_{table.digest()}")
 
     def level(self, expr: Any) -> int:
         """CONSTANT, TIMED or MOVING: what can change the expression during a run."""
@@ -133,7 +155,7 @@ class Pool:
 def _level_of(slot: Slot) -> int:
     if slot.role == "column":
         return int(slot.of[0])
-    return CONSTANT if slot.role == "table" else LEVEL.get(slot.role, MOVING)
+    return CONSTANT if slot.role in ("table", "table2") else LEVEL.get(slot.role, MOVING)
 
 
 class FlangeSymbols:
@@ -152,6 +174,21 @@ class FlangeSymbols:
     def tau(self) -> Any:
         """Torque that the block exerts on the flange, for Shows."""
         return self._pool.symbol("tau", self._name, f"tau_{self._name}")
+
+    @property
+    def s(self) -> Any:
+        """Position of a slider [m]: phi by its other name."""
+        return self.phi
+
+    @property
+    def v(self) -> Any:
+        """Speed of a slider [m/s]: w by its other name."""
+        return self.w
+
+    @property
+    def f(self) -> Any:
+        """Force that the block exerts on a slider [N]: tau by its other name."""
+        return self.tau
 
     @property
     def mobility(self) -> Any:
@@ -205,12 +242,10 @@ class Symbols:
         return symbol
 
     def local(self, field: str, **values: Any) -> Any:
-        """A field that is an expression of the block's own quantities, or a Table over the single one given."""
+        """A field that is an expression of the block's own quantities, or a Table or Table2 over those given, in order."""
         value = getattr(self._owner, field)
-        if isinstance(value, Table):
-            (quantity,) = values.values()
-            table = self._pool.symbol("table", value, f"table_{value.digest()}")
-            return TableAt(table, quantity, sp.Integer(0))
+        if isinstance(value, (Table, Table2)):
+            return self._pool.table_at(value, *values.values())
         if not isinstance(value, Expr):
             return getattr(self, field)
         return to_sympy(value, lambda leaf: values[leaf.args[0]] if leaf.op == "local" else self._pool.leaf(leaf))

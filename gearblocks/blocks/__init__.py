@@ -2,6 +2,7 @@
 
 from gearblocks.blocks.bodies import Fixed, Inertia
 from gearblocks.blocks.gears import GearMesh, IdealGear
+from gearblocks.blocks.sliders import Force, Mass, Rack
 from gearblocks.blocks.sources import SpeedLoad, Torque
 from gearblocks.blocks.spline import SplineCoupling
 from gearblocks.blocks.springs import Damper, Lash, Shaft
@@ -9,10 +10,13 @@ from gearblocks.blocks.springs import Damper, Lash, Shaft
 __all__ = [
     "Damper",
     "Fixed",
+    "Force",
     "GearMesh",
     "IdealGear",
     "Inertia",
     "Lash",
+    "Mass",
+    "Rack",
     "Shaft",
     "SpeedLoad",
     "SplineCoupling",

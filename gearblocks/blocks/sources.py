@@ -24,13 +24,15 @@ class Torque(Block):
 
 
 class SpeedLoad(Block):
-    """A load that opposes rotation: tau = -sign(w) (c0 + c1 abs(w) + c2 w^2), coeffs = (c0, c1, c2).
+    """A load that opposes motion: tau = -sign(w) (c0 + c1 abs(w) + c2 w^2), coeffs = (c0, c1, c2).
+
+    On a slider w is its speed in m/s and tau a force in N.
 
     Valid while the shaft turns: at w = 0 the constant part c0 jumps from one sign to the other and does not hold the
     shaft at rest.
     """
 
-    flange = Flange("loaded flange")
+    flange = Flange("loaded flange", slider=None)
     coeffs: tuple[Value, Value, Value] = param("(c0, c1, c2)", "N m (rad/s)^-i", ge=0, many=True)
 
     def problems(self) -> Iterator[str]:

@@ -84,6 +84,35 @@ static inline double gb_table_value(const gb_table *table, double mode, double s
     return order == 2 ? m[0] + a * d : (order == 3 ? d : 0.0);
 }
 
+/* A table of two variables, lines or splines along both: values z and second derivatives at the points of a grid, row
+ * by row over x. Its modes are the segments on both axes (tables without values). */
+typedef struct gb_table2 {
+    const gb_table *x, *y;
+    const double *z, *xx, *yy, *xxyy;
+} gb_table2;
+
+/* Value or derivative along y at row i, of a quantity on the grid and its second derivative by y. */
+static inline double gb_table2_row(const gb_table2 *table, const double *z, const double *yy, int i, double mode,
+                                   double y, int order) {
+    const int n = table->y->n;
+    const gb_table row = {table->y->kind, n, 0, table->y->x, z + i * n, yy + i * n};
+    return gb_table_value(&row, mode, y, order);
+}
+
+/* Value or derivative of the given orders by x and y in the cell of both modes. */
+static inline double gb_table2_value(const gb_table2 *table, double mode_x, double mode_y, double x, double y, int by_x,
+                                     int by_y) {
+    const int n = table->x->n, i = (int)mode_x;
+    if (i < 0 || i >= n - 1)
+        return by_x > 0 ? 0.0 : gb_table2_row(table, table->z, table->yy, i < 0 ? 0 : n - 1, mode_y, y, by_y);
+    const double z[2] = {gb_table2_row(table, table->z, table->yy, i, mode_y, y, by_y),
+                         gb_table2_row(table, table->z, table->yy, i + 1, mode_y, y, by_y)};
+    const double xx[2] = {gb_table2_row(table, table->xx, table->xxyy, i, mode_y, y, by_y),
+                          gb_table2_row(table, table->xx, table->xxyy, i + 1, mode_y, y, by_y)};
+    const gb_table line = {table->x->kind, 2, 0, table->x->x + i, z, xx};
+    return gb_table_value(&line, 0.0, x, by_x);
+}
+
 /* Next instant > t at which rate * t + offset leaves segment `mode`; *after: the segment beyond. */
 static inline double gb_table_next(const gb_table *table, double rate, double offset, double mode, double t,
                                    double *after) {
