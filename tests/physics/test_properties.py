@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -18,7 +17,7 @@ from gearblocks.core import Code, Method, Options
 GROUND = -1
 T = np.linspace(0.0, 1.0, 21)
 TIGHT = {"t": T, "rtol": 1e-11, "method": "dp8"}
-NEAR = 1e-7  # some hundred steps at rtol 1e-11, apart by up to 1e3 after tens of hits
+NEAR = 1e-9  # the same steps but for rounding (1e-16), which some hundred steps and tens of hits can raise
 
 
 def examples(count):
@@ -74,8 +73,8 @@ LAWS = {
     "lash": {"k": quarters(200, 2000), "c": c_or_none, "half_gap": st.integers(1, 5).map(lambda i: i / 100)},
     "mesh": {
         "teeth": teeth, "external": st.booleans(), "k": st.integers(1, 5).map(lambda i: i * 1e4),
-        "c": st.one_of(st.none(), quarters(40, 400)), "half_gap": st.one_of(st.none(), st.integers(1, 5).map(lambda i: i / 1e3)),
-        "ripple": st.sampled_from([None, 0.25]),
+        "c": st.one_of(st.none(), quarters(40, 400)), "ripple": st.sampled_from([None, 0.25]),
+        "half_gap": st.one_of(st.none(), st.integers(1, 5).map(lambda i: i / 1e3)),
     },
     "gear": {"teeth": teeth, "external": st.booleans()},
 }  # fmt: skip
@@ -183,6 +182,44 @@ def apart(one, other):
     return float((np.abs(one - other).max(axis=(1, 2)) / scale).max())
 
 
+def pull(link, phi, w, t):
+    """What an element exerts on its two bodies at angles phi, speeds w (pairs), written out once more."""
+    v, c = link.v, link.v.get("c") or 0.0
+    dead = lambda x, b: x - b if x > b else x + b if x < -b else 0.0  # noqa: E731
+    if link.kind == "mesh":
+        r1, r2 = (0.01 * z for z in v["teeth"])
+        levers = np.array([r1, r2 if v["external"] else -r2])
+        k = v["k"] * (1 + (v["ripple"] or 0.0) * np.cos(20.0 * t))
+        return -levers * (c * (levers @ w) + k * dead(levers @ phi, v["half_gap"] or 0.0))
+    twist, rate = phi[1] - phi[0], w[1] - w[0]
+    torque = v.get("k", 0.0) * dead(twist, v.get("half_gap", 0.0)) + c * rate
+    return np.array([torque, -torque])
+
+
+@given(plans())
+@examples(12)
+def test_accelerations_are_those_of_newton_and_euler(plan):
+    """J alpha = torques of all elements + reactions of the rigid gears, with a dense solver."""
+    n, first = len(plan.J), gb.simulate(train(plan), t=[0.0])
+    phi, w = (values[:, 0] for values in motion(first, plan))
+    torque, ties = np.zeros(n + 1), []
+    for link in plan.links:
+        at = [link.a, link.b]  # the ground is entry -1
+        if link.kind == "gear":
+            ties.append(np.eye(n)[link.b] - float(gain(link)) * np.eye(n)[link.a])
+        else:
+            torque[at] += pull(link, np.append(phi, 0.0)[at], np.append(w, 0.0)[at], 0.0)
+    if plan.torque:
+        torque[plan.torque[0]] += plan.torque[1]
+    G = np.array(ties).reshape(-1, n)
+    whole = np.block([[np.diag(plan.J), G.T], [G, np.zeros((len(G), len(G)))]])
+    alpha = np.linalg.solve(whole, np.append(torque[:n], np.zeros(len(G))))[:n]
+    ours = np.array([first[f"body{i}.alpha"][0] for i in range(n)])
+    # differences of angles of 1 rad times stiffnesses of up to 5e4 N m/rad on 0.25 kg m2
+    assert np.abs(ours - alpha).max() <= 1e-12 * max(1.0, np.abs(torque).max() / min(plan.J), 1e4)
+    assert np.abs(G @ phi).max(initial=0) < 1e-14 and np.abs(G @ w).max(initial=0) < 1e-14
+
+
 @given(plans(), st.integers(0, 1000))
 @examples(12)
 def test_order_and_names_of_components_do_not_change_the_motion(plan, seed):
@@ -207,17 +244,14 @@ def test_elements_turned_round_give_the_same_motion_and_opposite_signs(plan, fli
             assert np.abs(sign * other[f"link{i}.force"] - run[f"link{i}.force"]).max() <= 1e3 * NEAR * max(1, force)
 
 
-@given(plans(), st.tuples(*[st.sampled_from([-40, 0, 40])] * 3))
+@given(plans(), st.tuples(*[st.sampled_from([-40, 40])] * 2))
 @examples(8)
-def test_units_that_are_powers_of_two_change_no_bit(plan, powers):
-    # 2^40 is 1e12; no tolerance, no threshold and no first step may know what a metre or a second is
-    units = Units(*(2.0**p for p in powers))
-    run = gb.simulate(train(plan), **TIGHT)
-    other = gb.simulate(train(plan, units=units), **(TIGHT | {"t": T * units.time}))
-    assert (run.stats.steps, run.stats.rejected, run.stats.events) == (
-        other.stats.steps, other.stats.rejected, other.stats.events,
-    )  # fmt: skip
-    assert np.array_equal(motion(run, plan), motion(other, plan, time=units.time))
+def test_units_of_length_and_mass_that_are_powers_of_two_change_no_bit(plan, powers):
+    # 2^40 is 1e12: no tolerance and no threshold may know what a metre or a kilogram is
+    units = Units(length=2.0 ** powers[0], mass=2.0 ** powers[1])
+    run, other = gb.simulate(train(plan), **TIGHT), gb.simulate(train(plan, units=units), **TIGHT)
+    assert (run.stats.steps, run.stats.events) == (other.stats.steps, other.stats.events)
+    assert np.array_equal(motion(run, plan), motion(other, plan))
 
 
 @given(plans(), st.tuples(*[st.sampled_from([1e-12, 1.0, 1e12])] * 3))
@@ -260,7 +294,9 @@ def test_every_ledger_closes_to_the_tolerance(plan):
 @given(plans(losses=False, torque=False))
 @examples(12)
 def test_a_train_without_losses_and_loads_keeps_its_energy(plan):
-    quiet = replace(plan, links=tuple(replace(x, v=x.v | {"ripple": None}) if x.kind == "mesh" else x for x in plan.links))
+    quiet = replace(
+        plan, links=tuple(replace(x, v=x.v | {"ripple": None}) if x.kind == "mesh" else x for x in plan.links)
+    )
     run = gb.simulate(train(quiet), **TIGHT)
     assert run.energy.supplied == {} and run.energy.dissipated == {}
     # what is stored at the end, against the largest stored on the way
@@ -282,8 +318,46 @@ def test_a_free_tree_keeps_the_momentum_of_its_rigid_motion(plan):
 @given(plans(kinds=("shaft", "damper", "lash"), free=True))
 @examples(8)
 def test_the_angular_momentum_of_a_free_train_follows_the_torque(plan):
-    body, size, w = plan.torque
+    _, size, w = plan.torque
     _, speeds = motion(gb.simulate(train(plan), **TIGHT), plan)
     momentum = np.array(plan.J) @ speeds
     impulse = size / w * np.sin(w * T)
     assert np.abs(momentum - momentum[0] - impulse).max() <= 1e-9 * max(1.0, np.abs(momentum).max(), size / w)
+
+
+@given(plans(kinds=("shaft", "lash", "mesh")), st.integers(0, 10))
+@examples(8)
+def test_a_shaft_in_two_halves_tends_to_the_whole_one(plan, which):
+    """Twice k and c on both sides of a disc of vanishing inertia; the difference falls with that inertia."""
+    shafts = [i for i, link in enumerate(plan.links) if link.kind == "shaft"]
+    if not shafts:
+        return
+    i = shafts[which % len(shafts)]
+    link, n = plan.links[i], len(plan.J)
+    half = {"k": 2 * link.v["k"], "c": None if link.v["c"] is None else 2 * link.v["c"]}
+    ends = np.array([link.a, link.b])
+    middle = [float(np.append(x, 0.0)[ends].mean()) for x in (plan.phi, plan.w)]  # both halves twisted alike
+    links = [x for j, x in enumerate(plan.links) if j != i]
+    links += [Link("shaft", link.a, n, half), Link("shaft", n, link.b, half)]
+    true = motion(gb.simulate(train(plan), **TIGHT), plan)
+    gaps = []
+    for J in (1e-4, 1e-6):
+        split = replace(plan, J=(*plan.J, J), phi=(*plan.phi, middle[0]), w=(*plan.w, middle[1]), links=tuple(links))
+        gaps.append(apart(true, motion(gb.simulate(train(split), **TIGHT), split)[:, :n]))
+    # a disc of J takes part in 4 J/0.25 of the motion of the lightest body; hits raise that by some tens
+    assert gaps[0] < 1e-1 and gaps[1] < 1e-3 and gaps[1] < 0.1 * gaps[0] + NEAR
+
+
+@given(st.integers(2, 6), quarters(4, 40), c_or_none)
+@examples(6)
+def test_segments_are_the_chain_that_they_stand_for(count, k, c):
+    ends = gb.Drivetrain("segments")
+    at = [ends.add("left", gb.Inertia(J=1.0, w0=2.0)), ends.add("right", gb.Inertia(J=0.5))]
+    ends.chain(at[0], ends.add("shaft", gb.Shaft(k=k, c=c, segments=count, J=0.4)), at[1])
+    lumps = [0.4 / count / (2 if i in (0, count) else 1) for i in range(count + 1)]
+    chain = [Link("shaft", i, i + 1, {"k": k * count, "c": c and c * count}) for i in range(count)]
+    J = (1.0 + lumps[0], *lumps[1:-1], 0.5 + lumps[-1])
+    plan = Plan(J, (0.0,) * (count + 1), (2.0, *[0.0] * count), tuple(chain), None)
+    one, other = gb.simulate(ends, **TIGHT), gb.simulate(train(plan), **TIGHT)
+    assert np.abs(one["right.phi"] - other[f"body{count}.phi"]).max() < NEAR
+    assert np.abs(one["left.w"] - other["body0.w"]).max() < NEAR
