@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from models import planetary_backlash, stiff_chain
+
 Array = npt.NDArray[np.float64]
 
 
@@ -131,45 +133,8 @@ class P2:
 
 
 @dataclass(frozen=True)
-class P3:
-    """A planetary set with four planets, eight meshes with backlash and time-driven stiffness, the ring on a spring.
-
-    The phases of the meshes are those of 21 teeth on the sun and 49 on the ring, which four planets cannot meet, so
-    they are given one by one.
-    """
-
-    r_sun: float = 0.03
-    r_planet: float = 0.02
-    r_ring: float = 0.07
-    j_sun: float = 2e-4
-    j_carrier: float = 5e-3
-    j_ring: float = 8e-3
-    j_planet: float = 4e-5
-    k_sun: float = 2e8
-    k_ring: float = 2.5e8
-    ripple: float = 0.25
-    half_gap: float = 20e-6
-    k_ground: float = 5e6
-    torque: float = 300.0
-    swing: float = 0.1
-    w: float = 6e4
-
-    @property
-    def c_meshes(self) -> tuple[float, float]:
-        """Damping of a sun mesh and of a ring mesh along the line of action, N s/m."""
-        mass = self.j_planet / self.r_planet**2
-        return 0.1 * math.sqrt(self.k_sun * mass), 0.1 * math.sqrt(self.k_ring * mass)
-
-    @property
-    def c_ground(self) -> float:
-        """Damping between ring and ground, N m s/rad."""
-        return 0.1 * math.sqrt(self.k_ground * self.j_ring)
-
-    @property
-    def phases(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Phases of the sun meshes and of the ring meshes, rad."""
-        turns = [(21 * i % 4, (49 * i + 1) % 4) for i in range(4)]
-        return tuple(math.pi / 2 * a for a, _ in turns), tuple(math.pi / 2 * b for _, b in turns)
+class P3(planetary_backlash.Numbers):
+    """The planetary set of `models/planetary_backlash.py`, and what the hand-written peers need."""
 
     @property
     def start(self) -> Array:
@@ -177,22 +142,13 @@ class P3:
         r_ring (phi_r - phi_c), phi_r; speeds of sun, carrier, ring, planets; three zeros. A ring mesh deflects by the
         one of the sun mesh less u.
         """
-        force = self.torque / (4 * self.r_sun)
-        sun, ring = self.half_gap + force / self.k_sun, -self.half_gap - force / self.k_ring
-        twist = -4 * self.r_ring * force / self.k_ground
-        return np.array([sun, sun, sun, sun, sun - ring, twist, *[0.0] * 10])
+        sun, ring = self.deflections
+        return np.array([sun, sun, sun, sun, sun - ring, self.angles[1], *[0.0] * 10])
 
     @property
     def sides(self) -> Array:
         """Contact sides at the start: sun meshes drive, ring meshes coast."""
         return np.repeat([1.0, -1.0], 4)
-
-    @property
-    def angles(self) -> tuple[float, float, float]:
-        """Start angles of sun, ring and each planet with the carrier at zero."""
-        x, u, ring = (float(v) for v in self.start[3:6])
-        sun = (u - self.r_ring * ring) / self.r_sun
-        return sun, ring, (x - self.r_sun * sun) / self.r_planet
 
     @property
     def scale(self) -> Array:
@@ -217,53 +173,20 @@ class P3:
 
 
 @dataclass(frozen=True)
-class P4:
-    """A stiff chain of n inertias (n even), shafts and meshes in turn, the last one a shaft to ground."""
+class P4(stiff_chain.Numbers):
+    """The chain of `models/stiff_chain.py`, and what the hand-written peers need."""
 
-    n: int = 1000
-    j_heavy: float = 1e-2
-    j_light: float = 1e-5
-    k_shaft: float = 1e4
-    c_shaft: float = 1.0
-    k_mesh: float = 1.5e6
-    half_gap: float = 8e-4
-    torque: float = 200.0
-    swing: float = 0.5
-    frequency: float = 20.0
     t_end: float = 0.1
-
-    @property
-    def c_mesh(self) -> float:
-        """Mesh damping, N m s/rad."""
-        return 0.1 * math.sqrt(self.k_mesh * self.j_light)
-
-    @property
-    def w(self) -> float:
-        """Frequency of the torque, rad/s."""
-        return 2 * math.pi * self.frequency
-
-    @property
-    def twists(self) -> Array:
-        """Static twists phi_i - phi_(i+1) under the mean torque."""
-        twist = np.full(self.n, self.torque / self.k_shaft)
-        twist[1:-1:2] = self.half_gap + self.torque / self.k_mesh
-        return twist
-
-    @property
-    def angles(self) -> Array:
-        """Static angles of the inertias; ground is at zero."""
-        angles: Array = np.cumsum(self.twists[::-1])[::-1].copy()
-        return angles
 
     @property
     def start(self) -> Array:
         """Twists, then speeds."""
-        return np.concatenate([self.twists, np.zeros(self.n)])
+        return np.array(self.twists + [0.0] * self.n)
 
     @property
     def scale(self) -> Array:
         """Smallest magnitudes that count in an error weight."""
-        return np.concatenate([self.twists, np.full(self.n, self.twists[0] * self.w)])
+        return np.array(self.twists + [self.twists[0] * self.w] * self.n)
 
     @property
     def sides(self) -> Array:

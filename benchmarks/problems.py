@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from benchmarks.cases import P1, P2, P3, P4, Array, Problem
 from benchmarks.measure import cpu_seconds, relative_error
+from models.planetary_backlash import planetary
+from models.stiff_chain import chain
 
 if TYPE_CHECKING:
     from gearblocks import Drivetrain
@@ -72,70 +74,6 @@ def p2(p: P2 | None = None) -> Drivetrain:
     return rig
 
 
-def p3(p: P3 | None = None) -> Drivetrain:
-    """P3: sun, ring, carrier and four planets; eight meshes with a carrier, each with its phase; ring to ground."""
-    import gearblocks as gb
-
-    p = p or P3()
-    w = gb.Parameter("w", p.w, "rad/s")
-    rig = gb.Drivetrain("P3, planetary set, 4 planets")
-    at_sun, at_ring, at_planet = p.angles
-
-    def mesh(name: str, teeth: tuple[int, int], radii: tuple[float, float], k: float, c: float, phase: float) -> Any:
-        wave = gb.Fourier(cos=(p.ripple,), driven_by=w, phase=phase)
-        gap, external = gb.Backlash(half_gap=p.half_gap), name.startswith("sun")
-        law = gb.GearMesh(
-            teeth=teeth,
-            r_base=radii,
-            external=external,
-            k=k,
-            c=c,
-            stiffness_variation=wave,
-            backlash=gap,
-            contact_damping="always",
-        )
-        return rig.add(name, law)
-
-    sun, ring = (
-        rig.add("sun", gb.Inertia(J=p.j_sun, phi0=at_sun)),
-        rig.add("ring", gb.Inertia(J=p.j_ring, phi0=at_ring)),
-    )
-    carrier = rig.add("carrier", gb.Inertia(J=p.j_carrier, phi0=0.0))
-    for i in range(4):
-        planet = rig.add(f"planet{i}", gb.Inertia(J=p.j_planet, phi0=at_planet))
-        inner = mesh(f"sun_mesh{i}", (21, 14), (p.r_sun, p.r_planet), p.k_sun, p.c_meshes[0], p.phases[0][i])
-        outer = mesh(f"ring_mesh{i}", (14, 49), (p.r_planet, p.r_ring), p.k_ring, p.c_meshes[1], p.phases[1][i])
-        rig.chain(sun, inner, planet, outer, ring)
-        rig.connect(carrier.a, inner.carrier, outer.carrier)
-    drive = rig.add("drive", gb.Torque(tau=p.torque * (1 + p.swing * gb.cos(w * gb.time))))
-    load = rig.add("load", gb.Torque(tau=-p.torque * (1 + p.r_ring / p.r_sun)))
-    rig.connect(drive.flange, sun.b)
-    rig.connect(load.flange, carrier.b)
-    rig.chain(ring, rig.add("mount", gb.Shaft(k=p.k_ground, c=p.c_ground)), rig.add("ground", gb.Fixed()))
-    return rig
-
-
-def p4(p: P4 | None = None) -> Drivetrain:
-    """P4: a chain of n inertias, couplings 0, 2, 4, .. and the last are shafts, the others meshes with backlash."""
-    import gearblocks as gb
-
-    p = p or P4()
-    rig = gb.Drivetrain(f"P4, chain of {p.n}")
-    angles = p.angles
-    links: list[Any] = [rig.add("drive", gb.Torque(tau=p.torque * (1 + p.swing * gb.sin(p.w * gb.time))))]
-    for i in range(p.n):
-        inertia = p.j_light if i % 2 else p.j_heavy
-        links.append(rig.add(f"disc{i}", gb.Inertia(J=inertia, phi0=float(angles[i]))))
-        if i % 2 == 0 or i == p.n - 1:
-            link: Any = gb.Shaft(k=p.k_shaft, c=p.c_shaft)
-        else:
-            link = gb.Lash(k=p.k_mesh, c=p.c_mesh, half_gap=p.half_gap, contact_damping="always")
-        links.append(rig.add(f"link{i}", link))
-    links.append(rig.add("ground", gb.Fixed()))
-    rig.chain(*links)
-    return rig
-
-
 def columns(problem: Problem) -> list[tuple[str, float]]:
     """Outputs that are the relative coordinates of the peers, with the factor between them."""
     if isinstance(problem, P1):
@@ -152,9 +90,9 @@ def columns(problem: Problem) -> list[tuple[str, float]]:
 
 def train(problem: Problem) -> Drivetrain:
     """The problem built from blocks."""
-    if isinstance(problem, P4):
-        return p4(problem)
-    return p1(problem) if isinstance(problem, P1) else p2(problem) if isinstance(problem, P2) else p3(problem)
+    if isinstance(problem, P1 | P2):
+        return p1(problem) if isinstance(problem, P1) else p2(problem)
+    return planetary(problem) if isinstance(problem, P3) else chain(problem)
 
 
 @lru_cache(maxsize=1)

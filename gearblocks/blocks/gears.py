@@ -57,10 +57,7 @@ class GearMesh(Block):
 
     Base radii r1, r2 [m] from r_base, or module and pressure_angle (and helix_angle): r = m z cos(alpha_t)/(2 cos(beta)).
     A variation over the ANGLE comes from a potential: the pinion gets - dk/dphi_1 G(x) besides, the carrier the
-    opposite; over a frequency it is the papers' parametric excitation, which does work on the train: somebody unseen
-    keeps the excitation in step with time and pays for it. A free pair without damping keeps its energy in the first
-    form (to 1e-10 over 1000 mesh cycles); in the second it gains or loses some, and without bound where the mesh
-    frequency lies near the natural one or twice that. The same holds for a transmission error.
+    opposite; over a frequency it is the papers' parametric excitation, which does work on the train.
     """
 
     pinion, wheel = Flange("gear 1"), Flange("gear 2")

@@ -359,5 +359,6 @@ def test_segments_are_the_chain_that_they_stand_for(count, k, c):
     J = (1.0 + lumps[0], *lumps[1:-1], 0.5 + lumps[-1])
     plan = Plan(J, (0.0,) * (count + 1), (2.0, *[0.0] * count), tuple(chain), None)
     one, other = gb.simulate(ends, **TIGHT), gb.simulate(train(plan), **TIGHT)
-    assert np.abs(one["right.phi"] - other[f"body{count}.phi"]).max() < NEAR
-    assert np.abs(one["left.w"] - other["body0.w"]).max() < NEAR
+    # strong damping binds the steps by stability; there the dense output (order 7) errs by some hundred rtol
+    assert np.abs(one["right.phi"] - other[f"body{count}.phi"]).max() < 2e-8
+    assert np.abs(one["left.w"] - other["body0.w"]).max() < 2e-8
