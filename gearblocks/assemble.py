@@ -12,13 +12,13 @@ from typing import Any
 from gearblocks.coordinates import Combination, Elimination
 from gearblocks.errors import ModelError
 from gearblocks.graph import GROUND, Component, Train, numbers_of, structure_of
+from gearblocks.grouping import HELD, inertias, number_groups, start_values
+from gearblocks.kinematics import Driven, Follower
 from gearblocks.laws import Law, derive, exact_value
 from gearblocks.rational import Exact, exact
-from gearblocks.sliding import start_fields
 from gearblocks.ties import Groups, TieRow, merge
 
-HELD = -1
-"""Group number of a flange that the ground holds."""
+__all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble"]
 
 
 @dataclass(slots=True)
@@ -56,45 +56,70 @@ class StartValues:
 class Assembly:
     """Tables of a train's equations.
 
-    rows[i]: coordinate i as a form of group angles; dependents: combinations that close loops; angles: groups whose
-    absolute angle is a state; definitions (in order): how other group angles follow. in_law: a law reads angles.
+    Groups are numbered: those with a speed of their own (n_speeds), hidden ones without inertia (n_hidden), those whose
+    speed alone is prescribed (n_paced), then the other followers. rows[i]: coordinate i as a form of group angles;
+    dependents: combinations that close loops; angles: groups whose absolute angle is a state; definitions (in order, with
+    drives in between): how other group angles follow. in_law: a law reads angles.
     """
 
     train: Train
     batches: list[Batch]
     groups: Groups
-    group_of_node: list[tuple[int, Exact]]
-    held_offset: dict[int, str | None]
-    n_groups: int
-    rows: list[dict[int, Exact]]
-    row_offsets: list[dict[str, Exact]]
-    dependents: list[Combination]
-    angles: list[int]
-    definitions: list[tuple[int, Combination]]
-    starts: list[StartValues]
-    in_law: bool
+    group_of_node: list[tuple[int, Exact]] = field(default_factory=list)
+    held_offset: dict[int, str | None] = field(default_factory=dict)
+    n_groups: int = 0
+    n_speeds: int = 0
+    n_hidden: int = 0
+    n_paced: int = 0
+    followers: list[Follower] = field(default_factory=list)
+    massive: frozenset[int] = frozenset()
+    rows: list[dict[int, Exact]] = field(default_factory=list)
+    row_offsets: list[dict[str, Exact]] = field(default_factory=list)
+    dependents: list[Combination] = field(default_factory=list)
+    angles: list[int] = field(default_factory=list)
+    definitions: list[tuple[int, Combination | Driven]] = field(default_factory=list)
+    starts: list[StartValues] = field(default_factory=list)
+    in_law: bool = False
     structural: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def plain(self) -> bool:
+        """Whether every shaft has a speed of its own: nothing follows and nothing is hidden."""
+        return self.n_groups == self.n_speeds
+
+    @property
+    def driven(self) -> bool:
+        """Whether angles follow by laws of their own."""
+        return any(isinstance(row, Driven) for _, row in self.definitions)
+
+    def speed_row(self, group: int) -> dict[int, Exact]:
+        """Speed of a group over the speeds of free groups, by number; only for groups that follow through rows."""
+        if group < self.n_speeds + self.n_hidden:
+            return {group: 1}
+        follower = next(f for f in self.followers if f.group == group)
+        if follower.row is None:
+            raise ModelError(f"'{follower.drive.path if follower.drive else ''}' moves a shaft by a law of its own")
+        result = Combination()
+        for source, c in follower.row.groups.items():
+            result.add(Combination(self.speed_row(source)), c)
+        return result.groups
 
 
 def assemble(train: Train) -> Assembly:
     """Laws per kind, ties, groups, relative coordinates and batches of a train.
 
-    Raises ModelError for contradicting ties and shafts without inertia.
+    Raises ModelError for contradicting ties.
     """
     laws = _laws(train)
     known = _exact_values(train, laws)
     groups = merge(train.n_nodes, list(_tie_rows(train, laws, known)))
-    numbering = _number_groups(train, laws, groups)
-    assembly = Assembly(
-        train, [], groups, [], {}, len(numbering), [], [], [], [], [], [], False,
-        tuple(sorted({(p, v) for e in known for p, v in e.structural})),
-    )  # fmt: skip
-    for node in range(train.n_nodes):
-        root, gain = groups.find(node)
-        assembly.group_of_node.append((HELD if root in groups.grounded else numbering[root], gain))
-        if root in groups.grounded:
-            assembly.held_offset[node] = groups.grounded[root]
-    assembly.starts = _starts(train, laws, assembly)
+    assembly = Assembly(train, [], groups)
+    structural = {(p, v) for e in known for p, v in e.structural}
+    bodies = inertias(train, laws)
+    structural |= bodies.zeros | {(path, 0.0) for path in groups.zeros}
+    assembly.structural = tuple(sorted(structural))
+    number_groups(assembly, laws, bodies)
+    assembly.starts = start_values(assembly, laws)
     _coordinates(assembly, laws, known)
     return assembly
 
@@ -156,7 +181,7 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
 
 
 def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[TieRow]:
-    for c, law, values in zip(train.components, laws, known, strict=True):
+    for index, (c, law, values) in enumerate(zip(train.components, laws, known, strict=True)):
         names = list(type(c.block).flanges)
         for coefficients, constant in law.ties:
             row: dict[int, Exact] = {}
@@ -172,55 +197,7 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
                     )
                 offset = f"{c.path}.{slot.of}"
                 held = float(getattr(c.block, slot.of))
-            yield TieRow(c.path, {n: v for n, v in row.items() if v}, offset, held)
-
-
-# -- groups -----------------------------------------------------------------------------------------------------------
-
-
-def _number_groups(train: Train, laws: list[Law], groups: Groups) -> dict[int, int]:
-    """Numbers of the groups that turn, in the order of their first bodies; shafts without inertia are refused."""
-    numbering: dict[int, int] = {}
-    for c, law in zip(train.components, laws, strict=True):
-        names = list(type(c.block).flanges)
-        for flange, _ in law.bodies:
-            root, _gain = groups.find(c.nodes[names.index(flange)])
-            if root not in groups.grounded:
-                numbering.setdefault(root, len(numbering))
-    massless: dict[int, list[str]] = {}
-    for c in train.components:
-        for name, node in zip(type(c.block).flanges, c.nodes, strict=True):
-            if node != GROUND:
-                root, _gain = groups.find(node)
-                if root not in numbering and root not in groups.grounded:
-                    massless.setdefault(root, []).append(f"{c.path}.{name}")
-    if massless:
-        raise ModelError(
-            [
-                f"the shaft at {', '.join(ends[:4])}{', ...' if len(ends) > 4 else ''} has no inertia: connect an Inertia there"
-                for ends in massless.values()
-            ]
-        )
-    return numbering
-
-
-def _starts(train: Train, laws: list[Law], assembly: Assembly) -> list[StartValues]:
-    """For each group the component that owns its start values (the first one that gives them)."""
-    found: dict[str, dict[int, tuple[str, Exact, bool]]] = {"phi0": {}, "w0": {}}
-    for c, law in zip(train.components, laws, strict=True):
-        for flange, _ in law.bodies:
-            group, gain = assembly.group_of_node[c.nodes[list(type(c.block).flanges).index(flange)]]
-            for (key, owners), name in zip(found.items(), start_fields(c.block), strict=True):
-                value = getattr(c.block, name, None)
-                given = value is not None
-                if group == HELD and key == "w0" and isinstance(value, (int, float)) and value != 0:
-                    unit = "m/s" if flange in c.sliders else "rad/s"
-                    raise ModelError(
-                        f"'{c.path}': {name} = {value!r} {unit}, but a Fixed holds this shaft; leave {name} out"
-                    )
-                if group != HELD and (group not in owners or (given and not owners[group][2])):
-                    owners[group] = (c.path, gain, given)
-    return [StartValues(*found["phi0"][g][:2], *found["w0"][g][:2]) for g in range(assembly.n_groups)]
+            yield TieRow(c.path, {n: v for n, v in row.items() if v}, offset, held, index)
 
 
 # -- coordinates and batches ------------------------------------------------------------------------------------------
@@ -229,11 +206,15 @@ def _starts(train: Train, laws: list[Law], assembly: Assembly) -> list[StartValu
 def _dynamics(law: Law) -> list[Any]:
     """Every expression that a run evaluates at each stage."""
     exprs = [*law.forces.values(), *law.torques.values(), *law.rates.values(), *(s.surface for s in law.switches)]
+    exprs += [e for x in law.drives for e in (*x.gains.values(), x.bias, x.surplus)]
     return exprs + [e for e in (law.stored, law.loss, law.supplied) if e is not None]
 
 
 def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) -> None:
-    elimination = Elimination()
+    follows = {f.group: f for f in assembly.followers}
+    given = frozenset(g for g, f in follows.items() if f.drive is not None and not f.drive.by_speed)
+    expanded = _expanded(assembly)
+    elimination = Elimination(given)
     batches: dict[Any, Batch] = {}
     facts: dict[int, tuple[tuple[bool, ...], bool]] = {}
     for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
@@ -244,7 +225,7 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
         used, reads = facts[id(law)]
         assembly.in_law |= reads
         nodes = {n: node for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node != GROUND}
-        sources, dependent = _take(assembly, elimination, law, nodes, known[index], used)
+        sources, dependent = _take(assembly, elimination, expanded, law, nodes, known[index], used)
         held = frozenset(n for n, node in nodes.items() if assembly.group_of_node[node][0] == HELD)
         key = (id(law), held, dependent)
         if key not in batches:
@@ -254,14 +235,46 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
         _append(batches[key], assembly, index, nodes, sources, known[index])
     assembly.batches = list(batches.values())
     assembly.rows = elimination.rows
-    free = [g for g in range(assembly.n_groups) if g not in elimination.definitions]
-    assembly.angles = free
-    order = elimination.order(list(range(assembly.n_groups)))
-    assembly.definitions = [(g, elimination.definitions[g]) for g in order]
+    rows: dict[int, Combination | Driven] = dict(elimination.definitions)
+    rows |= {g: f.row if f.row is not None else f.drive for g, f in follows.items() if f.row is not None or g in given}  # type: ignore[misc]
+    assembly.angles = [g for g in range(assembly.n_groups) if g not in rows]
+    assembly.definitions = _ordered(rows, follows)
+
+
+def _expanded(assembly: Assembly) -> dict[int, Combination]:
+    """The angles of groups that follow through rows, over groups that do not."""
+    found: dict[int, Combination] = {}
+    for f in assembly.followers:
+        if f.row is not None:
+            found[f.group] = Combination({}, {}, dict(f.row.offsets))
+            for source, c in f.row.groups.items():
+                found[f.group].add(found.get(source, Combination({source: 1})), c)
+    return found
+
+
+def _ordered(
+    rows: dict[int, Combination | Driven], follows: dict[int, Follower]
+) -> list[tuple[int, Combination | Driven]]:
+    """Definitions of angles, each after those it reads. ModelError where they go round in a circle."""
+    done: dict[int, None] = {}
+    for start in rows:
+        stack = [(start, False)]
+        while stack:
+            group, ready = stack.pop()
+            if group in done or group not in rows:
+                continue
+            if ready:
+                done[group] = None
+                continue
+            stack.append((group, True))
+            row = rows[group]
+            stack.extend((g, False) for g in (row.groups if isinstance(row, Combination) else follows[group].sources))
+    return [(g, rows[g]) for g in done]
 
 
 def _take(
-    assembly: Assembly, elimination: Elimination, law: Law, nodes: dict[str, int], values: ExactValues, used: tuple[bool, ...]
+    assembly: Assembly, elimination: Elimination, expanded: dict[int, Combination], law: Law, nodes: dict[str, int],
+    values: ExactValues, used: tuple[bool, ...],
 ) -> tuple[list[int], tuple[bool, ...]]:  # fmt: skip
     """Where each coordinate of one instance comes from."""
     sources, dependent = [], []
@@ -279,6 +292,8 @@ def _take(
                 offset = assembly.held_offset[node]
                 if offset is not None:
                     combination.add(Combination(offsets={offset: gain}), c)
+            elif group in expanded:
+                combination.add(expanded[group], c * gain)
             else:
                 combination.add(Combination({group: gain}), c)
         taken = elimination.take(combination)
@@ -288,6 +303,7 @@ def _take(
         else:
             sources.append(len(assembly.dependents))
             assembly.dependents.append(taken)
+            assembly.in_law |= bool(taken.groups)
         dependent.append(not isinstance(taken, int))
     return sources, tuple(dependent)
 

@@ -10,9 +10,12 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.assemble import HELD, Batch
+from gearblocks.drives import frozen_drive
 from gearblocks.hoist import Hoister
 from gearblocks.layout import Column, Layout, column, speed_index
+from gearblocks.massless import Balance, balance_of
 from gearblocks.printer import c_text
+from gearblocks.rational import Exact
 from gearblocks.symbols import CONSTANT, MOVING, TIMED, clock
 
 UNROLLED = 8
@@ -67,6 +70,8 @@ class Places:
     modes: int = 0
     switches: list[int] = field(default_factory=list)
     inverse_mass: int = 0
+    mass: int = 0
+    hidden: dict[int, tuple[int, Exact]] = field(default_factory=dict)
     tau: dict[str, int] = field(default_factory=dict)
     senses: Mapping[str, int] = field(default_factory=dict)
     tables: Mapping[Any, str] = field(default_factory=dict)
@@ -180,9 +185,25 @@ class BatchCode:
             key = f"g_{flange}"
             args[key] = ("int", key, column(f"{self.batch.name}_{key}", groups))
             return f"{gain}phi[{key}]"
-        key = f"v_{flange}"
-        args[key] = ("int", key, column(f"{self.batch.name}_{key}", speed_index(self.lay, self.batch, flange)))
+        key = self.speed_key(flange, args)
+        if not self.lay.assembly.plain:
+            return f"{gain}{role}[{key}]"
         return f"{gain}{'dy' if role == 'alpha' else vector}[{key}]"
+
+    def speed_key(self, flange: str, args: dict[str, Any]) -> str:
+        """The index of a flange's speed: in the state vector, or among all groups where some of them follow others."""
+        if self.lay.assembly.plain:
+            key = f"v_{flange}"
+            args[key] = ("int", key, column(f"{self.batch.name}_{key}", speed_index(self.lay, self.batch, flange)))
+        else:
+            key = f"g_{flange}"
+            args[key] = ("int", key, column(f"{self.batch.name}_{key}", self.batch.groups[flange]))
+        return key
+
+    def torque_place(self, flange: str) -> str:
+        """Where the torque on a flange is added up."""
+        key = self.speed_key(flange, {})
+        return f"dy[{key}]" if self.lay.assembly.plain else f"torque[{key}]"
 
     def _held_angle(self, flange: str, args: dict[str, Any]) -> str:
         key = f"h_{flange}"
@@ -208,6 +229,18 @@ class BatchCode:
         gain = self._gain(flange, args)
         return f"({gain}{gain}par[{self.places.inverse_mass} + {key}])"
 
+    def mobile_groups(self) -> list[tuple[int, str]]:
+        """(group, path) of every shaft whose mobility the law reads."""
+        used = {x for c in self.hoister.columns for x in c.expr.free_symbols}
+        flanges = [slot.of for x, slot in self.law.pool.slots.items() if slot.role == "mobility" and x in used]
+        return [
+            item
+            for f in flanges
+            if f in self.batch.groups
+            for item in zip(self.batch.groups[f], self.paths, strict=True)
+            if item[0] != HELD
+        ]
+
     # -- functions ----------------------------------------------------------------------------------------------------
 
     def function(
@@ -218,9 +251,7 @@ class BatchCode:
         more: dict[str, Any] = {key: (kind, key, col) for kind, key, col in args}
         for flange in extra:
             if self.batch.groups[flange][0] != HELD:
-                key = f"v_{flange}"
-                col = column(f"{self.batch.name}_{key}", speed_index(self.lay, self.batch, flange))
-                more[key] = ("int", key, col)
+                self.speed_key(flange, more)
                 self._gain(flange, more)
         body = [Statement(lhs, op, c_text(expr, names), full) for lhs, op, expr, full in targets]
         return Function(f"{what}_{self.batch.name}", list(more.values()), prologue, body, self.n)
@@ -233,7 +264,7 @@ class BatchCode:
     def mass(self, flange: str, inertia: Any) -> Function:
         """Adds the bodies of the batch to the inertia of their groups."""
         key = f"m_{flange}"
-        function = self.function(f"mass_{flange}", [(f"par[{self.places.inverse_mass} + {key}]", "+=", inertia, False)])
+        function = self.function(f"mass_{flange}", [(f"par[{self.places.mass} + {key}]", "+=", inertia, False)])
         args: dict[str, Any] = {key: ("int", key, column(f"{self.batch.name}_{key}", self.batch.groups[flange]))}
         gain = self._gain(flange, args)
         function.args += list(args.values())
@@ -259,6 +290,9 @@ class BatchCode:
         self.whens = [hoist(sp.sympify(s.when)) for s in law.switches]
         self.shows = [(x, hoist(x.expr)) for x in law.shows]
         self.speeds = [self._coordinate_rate(j) for j in range(len(law.forms))]
+        self.drives = [frozen_drive(x, hoist) for x in law.drives]
+        self.starts = {n: hoist(e) for n, e in law.starts.items()}
+        self.balance = balance_of(self, self.places.hidden) if self.places.hidden else Balance()
 
     def _coordinate_rate(self, j: int) -> Any:
         """Rate of a coordinate from the flange speeds."""
@@ -281,10 +315,19 @@ class BatchCode:
             return "general"
         moving = [x for x in switch.surface.free_symbols if self.law.pool.level(x) == MOVING]
         timed = any(self.law.pool.level(x) == TIMED for x in switch.surface.free_symbols)
-        if timed or any(roles[x] not in ("coordinate", "w", "state", "phi") for x in moving):
+        assembly = self.lay.assembly
+        known = {"coordinate", "state", *(["w"] if assembly.plain else []), *([] if assembly.driven else ["phi"])}
+        if timed or any(roles[x] not in known for x in moving):
+            return "general"
+        if any(assembly.dependents[k].groups for x in moving if roles[x] == "coordinate" for k in self._loops(x)):
             return "general"
         slopes = [sp.diff(switch.surface, x) for x in moving]
         return "affine" if all(self.law.pool.level(slope) == CONSTANT for slope in slopes) else "general"
+
+    def _loops(self, symbol: Any) -> list[int]:
+        """The combinations that a coordinate of the law is, where it is no state."""
+        j = self.law.pool.slots[symbol].of
+        return self.batch.sources[j] if self.batch.dependent[j] else []
 
     @staticmethod
     def _line(surface: Any) -> tuple[Any, Any] | None:

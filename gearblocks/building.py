@@ -120,16 +120,16 @@ def _check_against(program: Program, train: Train, names: set[str]) -> None:
     double = names & {q.name for q in program.outputs} if names else set()
     problems = [f"'{name}' names an input or Parameter and an output; rename the first" for name in sorted(double)]
     starts = {s.name: (s.place, s.factor) for s in program.starts}
-    given: dict[int, tuple[str, float, float]] = {}
+    given: dict[int, tuple[str, str, float, float]] = {}
     for c in train.components:
         for field, output in (("phi0", "phi"), ("w0", "w"), ("s0", "s"), ("v0", "v")):
             value, place = _start_of(c.block, field), starts.get(f"{c.path}.{output}")
             if value is not None and place is not None:
                 scaled = value * place[1]
-                before = given.setdefault(place[0], (c.path, value, scaled))
-                if abs(before[2] - scaled) > 1e-12 * max(abs(before[2]), abs(scaled)):
+                before = given.setdefault(place[0], (c.path, field, value, scaled))
+                if abs(before[3] - scaled) > 1e-12 * max(abs(before[3]), abs(scaled)):
                     problems.append(
-                        f"'{before[0]}': {field} = {before[1]!r} and '{c.path}': {field} = {value!r} contradict each "
+                        f"'{before[0]}': {before[1]} = {before[2]!r} and '{c.path}': {field} = {value!r} contradict each "
                         f"other through their ties; give one of them"
                     )
     if problems:

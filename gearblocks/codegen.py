@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
 from importlib.resources import files
 from typing import Any
 
@@ -12,14 +11,15 @@ import sympy as sp
 from gearblocks.assemble import HELD, Assembly
 from gearblocks.batchcode import BatchCode, Places, Statement, identifier
 from gearblocks.generator import Band, Generator, Prediction
-from gearblocks.graph import Component
 from gearblocks.layout import column, lay_out, padded
 from gearblocks.maps import Table2
+from gearblocks.massless import hidden_rows, lay_out_massless
+from gearblocks.motions import check_mobility, drive_functions, lay_out_mass
 from gearblocks.printer import c_text
-from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, Quantity, StartInfo, SwitchInfo
+from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, SwitchInfo
+from gearblocks.quantities import flange_outputs, shown, start_infos, state_quantities
 from gearblocks.senses import Sense, order_senses, reads_angles
 from gearblocks.signals import Table
-from gearblocks.sliding import flange_names, start_fields, unit_along, words_along
 from gearblocks.symbols import CONSTANT
 from gearblocks.views import view
 
@@ -38,7 +38,7 @@ def generate(assembly: Assembly) -> Program:
     _laws(g)
     g.senses = order_senses(g.senses, g.codes, g.assembly, set(in_law))
     g.lay.n_total = g.lay.n_padded + padded(g.tail - g.lay.n_padded)
-    _describe_outputs(g)
+    g.outputs += flange_outputs(g)
     return _program(g, _render(g, angles))
 
 
@@ -47,12 +47,21 @@ def generate(assembly: Assembly) -> Program:
 
 def _columns(g: Generator) -> None:
     """Hoists every law and places exact values, inverse masses, hoisted columns and switches."""
+    hidden = hidden_rows(g.assembly) if g.assembly.n_hidden else {}
     at = len(g.lay.parameters)
-    g.inverse_mass = at
+    g.inverse_mass = g.mass = at
     at += g.assembly.n_groups
+    if not g.assembly.plain:
+        at = lay_out_mass(g, at)
     for number, batch in enumerate(g.assembly.batches):
         own = {path: i for (b, path), i in g.lay.own.items() if b == number}
-        places = Places(own, inverse_mass=g.inverse_mass, senses={p: s.index for p, s in g.senses.items()})
+        places = Places(
+            own,
+            inverse_mass=g.inverse_mass,
+            mass=g.mass,
+            hidden=hidden,
+            senses={p: s.index for p, s in g.senses.items()},
+        )
         places.tables = {
             x: _table_name(g, slot.of) for x, slot in batch.law.pool.slots.items() if slot.role in ("table", "table2")
         }  # fmt: skip
@@ -65,6 +74,7 @@ def _columns(g: Generator) -> None:
         code.hoist_all()
         g.codes.append(code)
     g.n_par = at
+    g.mobile = check_mobility(g, [item for code in g.codes for item in code.mobile_groups()])
     _switches(g)
     for code in g.codes:
         _hoisted(g, code)
@@ -148,12 +158,16 @@ def _shared_column(g: Generator, constant: bool, text: str) -> str:
 
 def _laws(g: Generator) -> None:
     flange_tau = 0
+    if g.assembly.n_hidden:
+        lay_out_massless(g)
     for code in g.codes:
+        drive_functions(g, code)
         _rates(g, code)
         _surfaces(g, code)
         for flange in code.batch.flanges:
             code.places.tau[flange] = flange_tau
             flange_tau += code.n
+    _supplies(g)
     for code in g.codes:
         targets = [(f"flange_tau[{code.places.tau[f]} + e]", "+=", e, False) for f, e in code.torques.items()]
         g.keep("torques", code.function("torques", targets))
@@ -161,24 +175,36 @@ def _laws(g: Generator) -> None:
         shows = []
         for show, expr in code.shows:
             shows.append((f"out[{len(g.outputs)} + e]", "=", expr, False))
-            g.outputs += [
-                Quantity(f"{c.path}.{show.name}", unit_along(show.unit, c.slides), words_along(show.words, c.slides))
-                for c in _components(g, code)
-            ]
+            g.outputs += shown(g, code, show.name, show.unit, show.words)
         g.keep("shows", code.function("shows", shows))
+        starts = [(f"y[{g.lay.state0[code.number, x]} + e]", "=", e, False) for x, e in code.starts.items()]
+        g.keep("starts", code.function("starts", starts))
+
+
+def _supplies(g: Generator) -> None:
+    """Places in the ledger for the power of prescribed motions."""
+    if g.motion is not None:
+        g.supply0 = g.tail
+        for i in g.motion.powered:
+            drive = g.motion.followers[i].drive
+            assert drive is not None
+            g.integrals.append(IntegralInfo(drive.path, "supplied", g.tail))
+            g.tail += 1
 
 
 def _rates(g: Generator, code: BatchCode) -> None:
     """Derivatives, and the ledger in the full variant."""
     batch = code.batch
     targets: list[tuple[str, str, Any, bool]] = []
+    place: dict[str, str] = {}
     for j, speed in enumerate(code.speeds):
         if batch.used[j] and not batch.dependent[j]:
             targets.append((f"dy[q{j}]", "=", speed, False))
     held = [f for f in code.torques if batch.groups[f][0] == HELD]
     for flange, expr in code.torques.items():
         if flange not in held:
-            targets.append((f"dy[v_{flange}]", "+=", expr, False))
+            place[code.torque_place(flange)] = flange
+            targets.append((code.torque_place(flange), "+=", expr, False))
     for state, expr in code.rates.items():
         targets.append((f"dy[{g.lay.state0[code.number, state]} + e]", "=", expr, False))
     for part, entry in (("loss", code.loss), ("supplied", code.supplied)):
@@ -188,8 +214,8 @@ def _rates(g: Generator, code: BatchCode) -> None:
             g.tail += code.n
     function = code.function("rates", targets, extra=[f for f in code.torques if f not in held])
     for statement in function.body:
-        if statement.lhs.startswith("dy[v_"):
-            statement.rhs = code.scaled(statement.lhs[5:-1], statement.rhs)
+        if statement.lhs in place:
+            statement.rhs = code.scaled(place[statement.lhs], statement.rhs)
     known = {name for _, name, _ in function.args}
     for j in range(len(code.speeds)):
         if batch.used[j] and not batch.dependent[j] and f"q{j}" not in known:
@@ -268,26 +294,6 @@ def _bodies(g: Generator, code: BatchCode) -> None:
 # -- outputs ----------------------------------------------------------------------------------------------------------
 
 
-def _describe_outputs(g: Generator) -> None:
-    """Outputs of the flanges and the coordinates for reading follow the outputs of the blocks."""
-    for i, (unit, words) in enumerate((
-        ("rad", "angle"), ("rad/s", "speed"), ("N m", "torque of the block on the flange"),
-        ("W", "power from the block into the flange"),
-    )):  # fmt: skip
-        for code in g.codes:
-            for flange in code.batch.flanges:
-                for c in _components(g, code):
-                    slides = flange in c.sliders
-                    name = f"{c.path}.{flange}.{flange_names(slides)[i]}"
-                    g.outputs.append(Quantity(name, unit_along(unit, slides), words_along(words, slides)))
-    g.outputs += [Quantity(c.name, c.unit, "relative coordinate") for c in g.assembly.train.coordinates]
-
-
-def _components(g: Generator, code: BatchCode) -> list[Component]:
-    """The components of a batch, one per instance."""
-    return [g.assembly.train.components[i] for i in code.batch.components]
-
-
 def _coordinate_outputs(g: Generator) -> list[str]:
     """C of the coordinates for reading, over sense[] and parameters."""
     from gearblocks.expression import to_sympy
@@ -308,50 +314,15 @@ def _coordinate_outputs(g: Generator) -> list[str]:
 
 def _program(g: Generator, source: str) -> Program:
     lay = g.lay
-    states: list[Quantity] = [Quantity("", "rad", "coordinate")] * lay.n
-    for code in g.codes:
-        for e, c in enumerate(_components(g, code)):
-            for j in range(len(code.law.forms)):
-                if code.batch.used[j] and not code.batch.dependent[j]:
-                    unit, words = unit_along("rad", c.slides), words_along("relative angle", c.slides)
-                    states[code.batch.sources[j][e]] = Quantity(f"{c.path}.coordinate", unit, words)
-            for state in code.law.rates:
-                states[lay.state0[code.number, state] + e] = Quantity(f"{code.paths[e]}.{state}", "1", "state")
-    slides = {c.path: start_fields(c.block)[0] == "s0" for c in g.assembly.train.components}
-    for i, start in enumerate(g.assembly.starts):
-        _, speed, _, _ = flange_names(slides[start.w0])
-        states[lay.v0 + i] = Quantity(f"{start.w0}.{speed}", unit_along("rad/s", slides[start.w0]), "speed")
-    in_law = lay.angle0 < lay.n
-    for i, group in enumerate(g.assembly.angles):
-        owner = g.assembly.starts[group].phi0
-        if in_law:
-            unit, words = unit_along("rad", slides[owner]), words_along("angle", slides[owner])
-            states[lay.angle0 + i] = Quantity(f"{owner}.{flange_names(slides[owner])[0]}", unit, words)
-        else:
-            g.integrals.append(IntegralInfo(owner, "angle", lay.angle0 + i))
+    if lay.angle0 >= lay.n:
+        for i, group in enumerate(g.assembly.angles):
+            g.integrals.append(IntegralInfo(g.assembly.starts[group].phi0, "angle", lay.angle0 + i))
     return Program(
         g.assembly.train.name, source, key_of(source), tuple(lay.parameters),
-        tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(states), tuple(g.switches),
+        tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(state_quantities(g)), tuple(g.switches),
         tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
-        tuple(_start_infos(g)), g.assembly.structural,
+        tuple(start_infos(g)), g.assembly.structural,
     )  # fmt: skip
-
-
-def _start_infos(g: Generator) -> Iterator[StartInfo]:
-    """Names under which start values can be given: angle and speed of every body, states of blocks."""
-    for code in g.codes:
-        for flange, _ in code.law.bodies:
-            for c, group, gain in zip(
-                _components(g, code), code.batch.groups[flange], code.batch.gains[flange], strict=True
-            ):
-                if group != HELD:
-                    start, (angle, speed, _, _) = g.assembly.starts[group], flange_names(flange in c.sliders)
-                    yield StartInfo(f"{c.path}.{angle}", g.lay.phi0[group], float(start.phi0_gain / gain))
-                    yield StartInfo(f"{c.path}.{speed}", g.lay.w0[group], float(start.w0_gain / gain))
-        for state in code.law.rates:
-            first = g.lay.state_start[code.number, state]
-            for e in range(code.n):
-                yield StartInfo(f"{code.paths[e]}.{state}", first + e, 1.0)
 
 
 def _render(g: Generator, angles: bool) -> str:

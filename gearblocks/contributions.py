@@ -18,6 +18,7 @@ from gearblocks.symbols import CONSTANT, FlangeSymbols, Pool, Symbols
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _EXPRESSIONS: dict[type, tuple[str, ...]] = {
     d.Body: ("J",), d.Force: ("deflection", "force"), d.Potential: ("energy",), d.Acts: ("tau",), d.Tie: ("zero",),
+    d.Motion: ("zero",), d.Start: ("value",),
     d.Rate: ("expr",), d.Switch: ("surface", "when"), d.Shows: ("expr",), d.Energy: ("stored", "loss"),
 }  # fmt: skip
 
@@ -143,9 +144,13 @@ class _Check:
                 yield f"J = '{inertia}' changes during a run; give an expression of parameters"
             elif inertia.is_negative:
                 yield f"J = {inertia} kg m2 must be >= 0"
-        if isinstance(item, (d.Force, d.Potential, d.Tie)) and sound:
+        if isinstance(item, (d.Force, d.Potential)) and sound:
             yield self.angles(next(iter(getattr(item, f) for f in _EXPRESSIONS[type(item)])))
-        if isinstance(item, d.Rate) and not any(item.state is x for x in (*self.states.values(), *self.inner())):
+        if isinstance(item, (d.Tie, d.Motion)) and sound:
+            yield self.tie(item)
+        if isinstance(item, (d.Rate, d.Start)) and not any(
+            item.state is x for x in (*self.states.values(), *self.inner())
+        ):
             has = ", ".join(f"s.{name}" for name in self.states) or "none: declare one with gb.State('words', 'unit')"
             yield f"'{item.state}' is no state of the block; it has {has}"
         if isinstance(item, (d.Shows, d.Switch)) and not isinstance(item.name, str):
@@ -182,6 +187,15 @@ class _Check:
             return f"'{expr}' must be of angles (s.flange.phi), not of speeds or states"
         grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
         return "" if "phi" in roles or grounded else f"'{expr}' contains no angle of a flange (s.flange.phi)"
+
+    def tie(self, item: d.Tie | d.Motion) -> str:
+        """Whether a tie speaks of the flanges: of their angles, or of their speeds alone."""
+        wanted, other = ("phi", "w") if isinstance(item, d.Tie) else ("w", "phi")
+        roles = {self.pool.slots[x].role for x in sp.sympify(item.zero).free_symbols}
+        grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
+        if other in roles:
+            return f"'{item.zero}' must be of s.flange.{wanted}, not of s.flange.{other}"
+        return "" if wanted in roles or grounded else f"'{item.zero}' contains no s.flange.{wanted}"
 
     def expression(self, x: Any, showing: bool, optional: bool) -> str:
         """Whether x can stand in a law."""

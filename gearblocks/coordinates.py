@@ -40,9 +40,13 @@ def _accumulate(target: dict[_K, Exact], source: Mapping[_K, Exact], factor: Exa
 
 
 class Elimination:
-    """Takes forms one by one; `definitions` say how each eliminated group angle follows from what is left."""
+    """Takes forms one by one; `definitions` say how each eliminated group angle follows from what is left.
 
-    def __init__(self) -> None:
+    given: groups whose angles follow otherwise (a prescribed angle): they are never eliminated.
+    """
+
+    def __init__(self, given: frozenset[int] = frozenset()) -> None:
+        self.given = given
         self.definitions: dict[int, Combination] = {}
         self._gains: dict[int, dict[int, Exact]] = {}
         self._tops: dict[int, int] = {}
@@ -54,11 +58,13 @@ class Elimination:
         left: dict[int, Exact] = {}
         for group, c in form.groups.items():
             _accumulate(left, self._roots(group), c)
-        if not left:
+        if all(g in self.given for g in left):
             return self.expand(form)
         apart = self._join(list(form.groups))
-        raw = [g for g in form.groups if g in left and g not in self.definitions] if apart else []
-        pivot = raw[-1] if raw else next(iter(left))
+        raw = (
+            [g for g in form.groups if g in left and g not in self.definitions and g not in self.given] if apart else []
+        )
+        pivot = raw[-1] if raw else next(g for g in left if g not in self.given)
         base = form if raw else self.expand(form)
         c = base.groups[pivot]
         definition = Combination({}, {self.n: over(1, c)}, {})

@@ -150,9 +150,29 @@ class Acts:
 
 @dataclass(frozen=True, slots=True)
 class Tie:
-    """A rigid relation: `zero`, linear in the flange angles with exact ratios, stays zero."""
+    """A rigid relation that stays zero.
+
+    Linear in the flange angles with exact ratios; or, where it moves with time, with states or not linearly with angles,
+    solved for a flange that it contains linearly by itself (phi_b - F(phi_a)). Then it must be smooth twice over.
+    """
 
     zero: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A prescribed speed: `zero`, linear in the flange speeds with the factors 1 and -1, stays zero. The rest must be
+    continuous."""
+
+    zero: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """The value of a state of the block at the start, computed from angles, time and parameters there."""
+
+    state: Any
+    value: Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,7 +217,7 @@ class Energy:
     loss: Any = None
 
 
-Contribution: TypeAlias = Body | Force | Potential | Acts | Tie | Rate | Switch | Shows | Energy
+Contribution: TypeAlias = Body | Force | Potential | Acts | Tie | Motion | Rate | Start | Switch | Shows | Energy
 
 
 @dataclass(frozen=True)
@@ -334,7 +354,7 @@ class Block(_Declared, ABC):
 
     @abstractmethod
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """Yields Body, Force, Potential, Acts, Tie, Rate, Switch, Shows and Energy."""
+        """Yields Body, Force, Potential, Acts, Tie, Motion, Rate, Start, Switch, Shows and Energy."""
 
     def parts(self) -> Parts | None:
         """The blocks that this one stands for, or None: it has physics of its own."""

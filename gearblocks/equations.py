@@ -18,7 +18,7 @@ from gearblocks.expression import to_sympy
 from gearblocks.graph import GROUND, Component, Train, structure_of
 from gearblocks.laws import Law, derive
 from gearblocks.printer import latex_text, plain_text
-from gearblocks.sliding import flange_names, start_fields
+from gearblocks.sliding import flange_names, slider_names
 from gearblocks.symbols import ContactSide, DeadZone, clock
 
 _LETTERS = {
@@ -223,7 +223,7 @@ class _Writer:
     def __init__(self, assembly: Assembly) -> None:
         self.assembly = assembly
         self.laws: dict[Any, Law] = {}
-        sliders = {c.path for c in assembly.train.components if start_fields(c.block)[0] == "s0"}
+        sliders = slider_names(assembly.train.components)
         names = [(*flange_names(start.phi0 in sliders), _flat(start.phi0)) for start in assembly.starts]
         self.q = [sp.Symbol(f"{angle}_{owner}", real=True) for angle, _, _, _, owner in names]
         self.v = [sp.Symbol(f"{speed}_{owner}", real=True) for _, speed, _, _, owner in names]

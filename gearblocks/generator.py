@@ -8,6 +8,8 @@ from gearblocks.assemble import Assembly
 from gearblocks.batchcode import BatchCode, Function, Statement
 from gearblocks.layout import Column, Layout
 from gearblocks.maps import Table2
+from gearblocks.massless import Massless
+from gearblocks.motions import Motions
 from gearblocks.program import EnergyInfo, IntegralInfo, Quantity, SwitchInfo
 from gearblocks.senses import Sense
 from gearblocks.signals import Table
@@ -61,6 +63,11 @@ class Generator:
     n_affine: int = 0
     n_surfaces: int = 0
     inverse_mass: int = 0
+    mass: int = 0
+    motion: Motions | None = None
+    massless: Massless | None = None
+    mobile: list[int] = field(default_factory=list)
+    supply0: int = 0
     tail: int = 0
 
     def keep(self, what: str, function: Function) -> None:

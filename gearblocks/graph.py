@@ -124,21 +124,17 @@ def _number(
     """Numbers the nodes in the order of the components and refuses open ends."""
     numbers, components, problems = dict[int, int](), [], []
     for path, block in blocks:
-        nodes = []
+        nodes, who = [], f"{type(block).__name__} '{path}'"
         for flange, spec in type(block).flanges.items():
             i = flanges[path, flange]
             if i not in joined and spec.ground:
                 nodes.append(GROUND)
                 continue
             if i not in joined and not spec.spare:
-                problems.append(
-                    f"flange '{flange}' of {type(block).__name__} '{path}' is open: connect it (to an Inertia, a Fixed, ...)"
-                )
+                problems.append(f"flange '{flange}' of {who} is open: connect it (to an Inertia, a Fixed, ...)")
             nodes.append(numbers.setdefault(find(i), len(numbers)))
         if len({n for n in nodes if n != GROUND}) < sum(n != GROUND for n in nodes) and len(nodes) > 1:
-            problems.append(
-                f"{type(block).__name__} '{path}' is connected to itself: two of its flanges share one node"
-            )
+            problems.append(f"{who} is connected to itself: two of its flanges share one node")
         components.append((path, block, tuple(nodes)))
     sliding, mixed = sliding_nodes(components, len(numbers))
     if (problems or mixed) and complete:
@@ -155,7 +151,8 @@ def _number(
 def structure_of(value: Any, *, exact: bool = False) -> Any:
     """What decides the law of a block: its class, which fields are present, choices, signals; no numbers.
 
-    exact=True adds the values that enter ratios. Plain tuples and text, equal for equal structure.
+    exact=True adds the values that enter ratios, and which numbers are zero (an inertia that is not there). Plain tuples
+    and text, equal for equal structure.
     """
     parts: list[Any] = [f"{type(value).__module__}.{type(value).__qualname__}"]
     store = value.__dict__
@@ -172,11 +169,12 @@ def _structure(value: Any, field: Field, exact: bool) -> Any:
     if field.role == "exact":
         return repr(value) if exact else "exact"
     if isinstance(value, (float, int)) and field.role in ("param", "signal"):
-        return "number"
+        return "zero" if exact and value == 0 and field.ge == 0 else "number"
     if isinstance(value, _Declared):
         return structure_of(value, exact=exact)
     if isinstance(value, Parameter):
-        return ("parameter", value.name, value.unit)
+        zero = exact and value.value == 0 and field.ge == 0
+        return ("parameter", value.name, value.unit, *(["zero"] if zero else []))
     if isinstance(value, Input):
         return ("input", value.name, value.start, value.unit)
     if isinstance(value, (Table, Table2)):

@@ -17,6 +17,7 @@ import sympy as sp
 
 from gearblocks import declare as d
 from gearblocks.branches import Freezer, SurfaceOfKind
+from gearblocks.drives import Drive, drive_of, frozen_drive, is_constant_tie, linear_tie, motion_of
 from gearblocks.errors import ModelError
 from gearblocks.rational import Exact, exact, over
 from gearblocks.symbols import CONSTANT, MOVING, Pool, Symbols, Table2At, TableAt, clock
@@ -39,7 +40,7 @@ class Law:
     """What all instances of a kind share, in symbols (see Pool.slots for their meaning).
 
     forms: coordinates of the law; coordinates: their symbols. forces: symbols of generalised forces along linear forms
-    and what they are. torques: by flange, over the forces. ties: linear forms and constants.
+    and what they are. torques: by flange, over the forces. ties: linear forms and constants. starts: by state.
     """
 
     pool: Pool
@@ -47,6 +48,8 @@ class Law:
     coordinates: list[Any] = field(default_factory=list)
     bodies: list[tuple[str, Any]] = field(default_factory=list)
     ties: list[tuple[Mapping[str, Any], Any]] = field(default_factory=list)
+    drives: list[Drive] = field(default_factory=list)
+    starts: dict[str, Any] = field(default_factory=dict)
     forces: dict[Any, Any] = field(default_factory=dict)
     torques: dict[str, Any] = field(default_factory=dict)
     rates: dict[str, Any] = field(default_factory=dict)
@@ -67,13 +70,15 @@ class _Contributions:
         self.potentials: list[d.Potential] = []
         self.acts: list[d.Acts] = []
         self.ties: list[d.Tie] = []
+        self.motions: list[d.Motion] = []
         self.rates: list[d.Rate] = []
+        self.starts: list[d.Start] = []
         self.switches: list[d.Switch] = []
         self.shows: list[d.Shows] = []
         self.energies: list[d.Energy] = []
         lists: dict[type, list[Any]] = {
             d.Body: self.bodies, d.Force: self.forces, d.Potential: self.potentials, d.Acts: self.acts,
-            d.Tie: self.ties,
+            d.Tie: self.ties, d.Motion: self.motions, d.Start: self.starts,
             d.Rate: self.rates, d.Switch: self.switches, d.Shows: self.shows, d.Energy: self.energies,
         }  # fmt: skip
         for item in block.physics(s):
@@ -92,9 +97,16 @@ def derive(block: d.Block, grounded: frozenset[str], *, reading: bool = False) -
     found = _Contributions(block, s)
     flanges = {name: getattr(s, name) for name in type(block).flanges if name not in grounded}
     law.bodies = [(_flange_name(flanges, b.flange), sp.sympify(b.J)) for b in found.bodies if b.flange.phi.is_Symbol]
-    law.ties = [tie for t in found.ties if (tie := _tie(block, flanges, sp.sympify(t.zero)))[0]]
-    law.torques = _torques(law, flanges, found, reading)
     law.rates = {law.pool.slots[r.state].of: sp.sympify(r.expr) for r in found.rates}
+    law.starts = {law.pool.slots[x.state].of: sp.sympify(x.value) for x in found.starts}
+    for zero in (sp.expand(sp.sympify(t.zero)) for t in found.ties):
+        if is_constant_tie(law, flanges, zero):
+            tie = linear_tie(flanges, zero)
+            law.ties += [tie] if tie[0] else []
+        else:
+            law.drives.append(drive_of(law, type(block).__name__, flanges, zero))
+    law.drives += [motion_of(law, type(block).__name__, flanges, sp.expand(m.zero)) for m in found.motions]
+    law.torques = _torques(law, flanges, found, reading)
     stored = [sp.sympify(e.stored) for e in found.energies if e.stored is not None]
     losses = [sp.sympify(e.loss) for e in found.energies if e.loss is not None]
     law.stored = sp.Add(*stored) if stored and not _is_driven(law.pool, stored) else None
@@ -126,23 +138,6 @@ def _jumps_in_time(law: Law) -> bool:
     smooth = {mode for e in law.stored.atoms(Table2At) for mode in e.args[5:]}
     smooth |= {e.args[3] for e in law.stored.atoms(TableAt) if len(e.args) == 4 and slots[e.args[0]].of.kind != "step"}
     return bool(modes - smooth)
-
-
-def _tie(block: d.Block, flanges: Mapping[str, Any], zero: Any) -> tuple[dict[str, Any], Any]:
-    """Coefficients of the flange angles and the constant of a tie."""
-    zero = sp.expand(zero)
-    coefficients = {}
-    rest = zero
-    for name, flange in flanges.items():
-        slope = sp.diff(zero, flange.phi)
-        if slope != 0:
-            coefficients[name] = slope
-            rest -= slope * flange.phi
-    rest = sp.expand(rest)
-    angles = {f.phi for f in flanges.values()}
-    if any(c.free_symbols & angles for c in coefficients.values()) or rest.free_symbols & angles:
-        raise ModelError(f"{type(block).__name__}: the tie '{zero}' is not linear in the flange angles")
-    return coefficients, rest
 
 
 def _torques(law: Law, flanges: Mapping[str, Any], found: _Contributions, reading: bool) -> dict[str, Any]:
@@ -232,6 +227,7 @@ def _substitute(law: Law, replace: Mapping[Any, Any]) -> None:
     law.forces = {n: new(e) for n, e in law.forces.items()}
     law.torques = {n: new(e) for n, e in law.torques.items()}
     law.rates = {n: new(e) for n, e in law.rates.items()}
+    law.starts = {n: new(e) for n, e in law.starts.items()}
     law.stored, law.loss = new(law.stored), new(law.loss)
     law.shows = [d.Shows(x.name, new(x.expr), x.unit, x.words) for x in law.shows]
 
@@ -250,6 +246,8 @@ def _freeze(law: Law, declared: Iterable[d.Switch]) -> None:
     law.forces = {n: freezer.freeze(e) for n, e in law.forces.items()}
     law.torques = {n: freezer.freeze(e) for n, e in law.torques.items()}
     law.rates = {n: freezer.freeze(e) for n, e in law.rates.items()}
+    law.drives = [frozen_drive(x, freezer.freeze) for x in law.drives]
+    law.starts = {n: freezer.freeze(e) for n, e in law.starts.items()}
     law.stored = None if law.stored is None else freezer.freeze(law.stored)
     law.loss = None if law.loss is None else freezer.freeze(law.loss)
     freezer.locating = False

@@ -12,7 +12,7 @@ from gearblocks.graph import leaves_of, numbers_of
 from gearblocks.program import ParameterInfo
 from gearblocks.rational import Exact
 from gearblocks.signals import Input, Parameter
-from gearblocks.sliding import field_along, start_fields, unit_along, words_along
+from gearblocks.sliding import field_along, slider_names, start_names, unit_along, words_along
 
 PAD = 8
 
@@ -99,7 +99,7 @@ def lay_out(assembly: Assembly, *, angles_in_law: bool) -> Layout:
             lay.state0[b, state] = at
             at += len(batch.components)
     lay.v0 = at
-    lay.n = at + assembly.n_groups
+    lay.n = at + assembly.n_speeds
     lay.n_padded = padded(lay.n + (1 if lay.n == 0 else 0))
     lay.n_angles = 0 if angles_in_law else len(assembly.angles)
     if not angles_in_law:
@@ -178,11 +178,15 @@ def _add(lay: Layout, path: str, spec: Field, *, tunable: bool) -> int:
 def _start_values(lay: Layout) -> None:
     """Start angle and speed of every group, start of every state of a block."""
     blocks = {c.path: c.block for c in lay.assembly.train.components}
-    for start in lay.assembly.starts:
-        for i, path, unit, target in ((0, start.phi0, "rad", lay.phi0), (1, start.w0, "rad/s", lay.w0)):
-            name = start_fields(blocks[path])[i]
-            given = getattr(blocks[path], name, None)
-            slides, words = name in ("s0", "v0"), ("start angle", "start speed")[i]
+    sliders = slider_names(lay.assembly.train.components)
+    for group, start in enumerate(lay.assembly.starts):
+        wanted = [(start.phi0, 0, "rad", "start angle", lay.phi0)]
+        if group < lay.assembly.n_speeds:
+            wanted.append((start.w0, 1, "rad/s", "start speed", lay.w0))
+        for path, i, unit, words, target in wanted:
+            slides = path in sliders
+            name = start_names(slides)[i]
+            given = getattr(blocks.get(path), name, None)
             unit, words = unit_along(unit, slides), words_along(words, slides)
             if isinstance(given, Parameter):
                 target.append(lay.shared[given.name])
@@ -193,7 +197,7 @@ def _start_values(lay: Layout) -> None:
             lay.state_start[b, state] = len(lay.parameters)
             for index in batch.components:
                 c = lay.assembly.train.components[index]
-                unit = "1" if "." in state else type(c.block).states[state].unit
+                unit = "1" if "." in state else unit_along(type(c.block).states[state].unit, c.slides)
                 _add(lay, f"{c.path}.{state}", Field("start value", unit, "param"), tunable=False)
 
 

@@ -73,14 +73,20 @@ def c_text(expr: Any, names: Mapping[Any, str]) -> str:
 
 def latex_text(expr: Any, names: Mapping[Any, str] | None = None) -> str:
     """LaTeX for an expression or equation."""
-    return str(sp.latex(expr, symbol_names=dict(names or {}), mul_symbol=r"\,"))
+    return str(sp.latex(_decimal(expr), symbol_names=dict(names or {}), mul_symbol=r"\,"))
 
 
 def plain_text(expr: Any) -> str:
     """One line of plain text for an expression or equation."""
     if isinstance(expr, sp.Equality):
-        return f"{sp.sstr(expr.lhs)} = {sp.sstr(expr.rhs)}"
-    return str(sp.sstr(expr))
+        return f"{sp.sstr(_decimal(expr.lhs))} = {sp.sstr(_decimal(expr.rhs))}"
+    return str(sp.sstr(_decimal(expr)))
+
+
+def _decimal(expr: Any) -> Any:
+    """The expression with decimals in place of long fractions: those stand for ratios given as decimal numbers."""
+    long = [x for x in sp.sympify(expr).atoms(sp.Rational) if x.q > 10**6]
+    return sp.sympify(expr).xreplace({x: sp.Float(float(x)) for x in long}) if long else expr
 
 
 __all__ = ["c_text", "latex_text", "plain_text"]

@@ -4,16 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 from gearblocks.declare import Block, Field
 
 Ends: TypeAlias = "tuple[str, Block, Sequence[int]]"  # path, block, and the node of each flange (below 0: the ground)
 
 
+class Placed(Protocol):
+    """A component as far as this module knows it."""
+
+    @property
+    def path(self) -> str:
+        """Its full path."""
+
+    @property
+    def block(self) -> Block:
+        """What it is."""
+
+    @property
+    def sliders(self) -> frozenset[str]:
+        """Its flanges that slide."""
+
+
+def start_names(slides: bool) -> tuple[str, str]:
+    """Names of the start angle and start speed of a body."""
+    return ("s0", "v0") if slides else ("phi0", "w0")
+
+
 def start_fields(block: Block) -> tuple[str, str]:
-    """Names of the start angle and start speed of a body: phi0 and w0, or s0 and v0 where all its flanges slide."""
-    return ("s0", "v0") if all(f.slider for f in type(block).flanges.values()) else ("phi0", "w0")
+    """Those of a block: phi0 and w0, or s0 and v0 where all its flanges slide."""
+    return start_names(all(f.slider for f in type(block).flanges.values()))
+
+
+def slider_names(components: Iterable[Placed]) -> set[str]:
+    """Paths of all blocks whose flanges all slide, and of all flanges that slide."""
+    found = {f"{c.path}.{flange}" for c in components for flange in c.sliders}
+    return found | {c.path for c in components if all(f.slider for f in type(c.block).flanges.values())}
 
 
 def flange_names(slides: bool) -> tuple[str, str, str, str]:

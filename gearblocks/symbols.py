@@ -48,6 +48,9 @@ class TableAt(sp.Function):  # type: ignore[misc]  # sympy carries no types
         table, x, order, *mode = self.args
         return TableAt(table, x, order + 1, *mode)
 
+    def _latex(self, printer: Any) -> str:
+        return _table_latex(printer, self.args[1:2], self.args[2:3])
+
 
 class Table2At(sp.Function):  # type: ignore[misc]  # sympy carries no types
     """A table over two quantities: Table2At(table symbol, x, y, orders of the derivatives by x, by y[, modes of both])."""
@@ -58,6 +61,15 @@ class Table2At(sp.Function):  # type: ignore[misc]  # sympy carries no types
         """The next derivative by x (argument 2) or y (argument 3)."""
         table, x, y, by_x, by_y, *modes = self.args
         return Table2At(table, x, y, by_x + (argindex == 2), by_y + (argindex == 3), *modes)
+
+    def _latex(self, printer: Any) -> str:
+        return _table_latex(printer, self.args[1:3], self.args[3:5])
+
+
+def _table_latex(printer: Any, quantities: Any, orders: Any) -> str:
+    """T(x, y), with the orders of its derivatives as an index where there are any."""
+    index = f"^{{({', '.join(str(n) for n in orders)})}}" if any(orders) else ""
+    return rf"T{index}\left({', '.join(printer.doprint(x) for x in quantities)}\right)"
 
 
 class DeadZone(sp.Function):  # type: ignore[misc]  # sympy carries no types

@@ -18,29 +18,25 @@ class TieRow:
     coefficients: Mapping[int, Exact]
     offset: str | None = None
     offset_value: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class TreeTie:
-    """A tie in its role in the spanning tree: `child` is held by `parent` (or by the ground, parent = -1)."""
-
-    component: str
-    child: int
-    parent: int
-    c_child: Exact
-    c_parent: Exact
+    index: int = 0
 
 
 @dataclass(slots=True)
 class Groups:
-    """Nodes merged by ties: phi(node) = gain * phi(root). held: angle of a grounded root and who holds it."""
+    """Nodes merged by ties: phi(node) = gain * phi(root). held: angle of a grounded root and who holds it.
+
+    used: ties that say something new; waiting: those over more than two groups; zeros: parameters of held angles that
+    must stay 0, because a tie over a held shaft was taken as one of two shafts.
+    """
 
     parents: list[int]
     gains: list[Exact]
     grounded: dict[int, str | None] = field(default_factory=dict)
     held: dict[int, tuple[float, str]] = field(default_factory=dict)
-    tree: list[TreeTie] = field(default_factory=list)
+    used: list[TieRow] = field(default_factory=list)
+    waiting: list[TieRow] = field(default_factory=list)
     redundant: list[str] = field(default_factory=list)
+    zeros: set[str] = field(default_factory=set)
 
     def find(self, node: int) -> tuple[int, Exact]:
         """(root, gain) of a node."""
@@ -57,36 +53,48 @@ class Groups:
 
 
 def merge(n_nodes: int, rows: list[TieRow]) -> Groups:
-    """Merges nodes by all ties. ModelError names the loop where ties contradict each other."""
+    """Merges nodes by all ties of two groups. ModelError names the loop where ties contradict each other."""
     groups = Groups(list(range(n_nodes)), [1] * n_nodes)
     waiting: list[TieRow] = []
-    used: list[TieRow] = []
     for row in rows:
         if len(row.coefficients) > 2:
             waiting.append(row)
         else:
-            _join(groups, row, used)
-    for row in waiting:
-        _join(groups, _reduced(groups, row), used)
+            _join(groups, row)
+    while waiting:
+        left = [row for row in waiting if not _joined(groups, row)]
+        if len(left) == len(waiting):
+            break
+        waiting = left
+    groups.waiting = waiting
     return groups
 
 
-def _reduced(groups: Groups, row: TieRow) -> TieRow:
-    """A tie of three nodes where one is held at angle zero by the ground, as a tie of two."""
-    left = {n: c for n, c in row.coefficients.items() if groups.grounded.get(groups.find(n)[0], "free") is not None}
-    if len(left) > 2:
-        raise ModelError(
-            f"the rigid tie of '{row.component}' joins three turning shafts; ties of three shafts are not available: "
-            "hold its housing or carrier with a Fixed, or give it compliance"
-        )
-    return TieRow(row.component, left, row.offset)
+def _joined(groups: Groups, row: TieRow) -> bool:
+    """Whether a tie of three nodes or more turned out to join two groups, the others being held at angle zero."""
+    left: dict[int, Exact] = {}
+    held: set[str | None] = set()
+    for node, c in row.coefficients.items():
+        root, gain = groups.find(node)
+        if groups.held.get(root, (1.0, ""))[0] == 0.0:
+            held.add(groups.grounded[root])
+        else:
+            left[root] = left.get(root, 0) + c * gain
+    left = {root: c for root, c in left.items() if c}
+    if len(left) != 2 or any(root in groups.grounded for root in left):
+        return False
+    groups.zeros.update(path for path in held if path is not None)
+    _join(groups, TieRow(row.component, left, None, 0.0, row.index), row)
+    return True
 
 
-def _join(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
+def _join(groups: Groups, row: TieRow, whole: TieRow | None = None) -> None:
+    """Merges what a tie of two nodes joins; `whole`: the tie that it is a part of."""
+    used = groups.used
     if len(row.coefficients) == 0:
         groups.redundant.append(row.component)
     elif len(row.coefficients) == 1:
-        _ground(groups, row, used)
+        _ground(groups, row)
     else:
         (a, ca), (b, cb) = row.coefficients.items()
         (ra, ga), (rb, gb) = groups.find(a), groups.find(b)
@@ -102,11 +110,10 @@ def _join(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
             a, b, ca, cb, ra, rb, ga, gb = b, a, cb, ca, rb, ra, gb, ga
         # b's root hangs below a's root: phi_b = -(ca/cb) phi_a
         groups.parents[rb], groups.gains[rb] = ra, over(-(ca * ga), cb * gb)
-        groups.tree.append(TreeTie(row.component, b, a, cb, ca))
-        used.append(row)
+        used.append(whole or row)
 
 
-def _ground(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
+def _ground(groups: Groups, row: TieRow) -> None:
     ((node, c),) = row.coefficients.items()
     root, gain = groups.find(node)
     angle = row.offset_value / float(c * gain)
@@ -115,8 +122,7 @@ def _ground(groups: Groups, row: TieRow, used: list[TieRow]) -> None:
         return
     groups.grounded[root] = row.offset
     groups.held[root] = angle, row.component
-    groups.tree.append(TreeTie(row.component, node, -1, c, 0))
-    used.append(row)
+    groups.used.append(row)
 
 
 def _agree(groups: Groups, row: TieRow, root: int, angle: float, other: int) -> None:

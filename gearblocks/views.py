@@ -11,10 +11,11 @@ from gearblocks.batchcode import Function
 from gearblocks.coordinates import Combination
 from gearblocks.generator import Generator
 from gearblocks.rational import Exact, over
+from gearblocks.reactions import tie_tables
 
 _VECTORS = (
-    "par", "mode", "tau", "y", "loop", "phi", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s",
-    "out", "energy", "scale", "lo", "hi",
+    "par", "mode", "tau", "y", "loop", "phi", "gain", "bias", "surplus", "w", "alpha", "torque", "growth", "drag", "stiff",
+    "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo", "hi",
 )  # fmt: skip
 _INTEGERS = ("full", "i")
 _SMALL = 64  # states of a train whose derivatives stay in registers
@@ -74,7 +75,7 @@ def sparse(name: str, rows: Sequence[Mapping[int, Exact]]) -> Sparse:
 def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str, Any]:
     """Everything the template names."""
     lay, assembly = g.lay, g.assembly
-    combinations = [c for _, c in assembly.definitions]
+    combinations = [c if isinstance(c, Combination) else Combination() for _, c in assembly.definitions]
     functions = {what: [function_view(f) for f in functions] for what, functions in g.functions.items()}
     senses = [(function_view(s.function), s.call) for s in g.senses.values() if s.function is not None]
     return {
@@ -90,6 +91,19 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "angles_in_law": angles_in_law,
         "signs": any(s.op == "call" and s.lhs.startswith("sign") for f in _all(g) for s in f.body),
         "small": lay.n_total <= _SMALL,
+        "plain": assembly.plain,
+        "motion": g.motion,
+        "follower_groups": [f.group for f in assembly.followers],
+        "mobile": _mobile(g),
+        "massless": g.massless,
+        "shifts": sparse("shift", g.massless.shifts if g.massless else []),
+        "angle_steps": _angle_steps(g, functions.get("drive_angles", [])),
+        "start_steps": _start_steps(g, functions.get("drive_angles", [])),
+        "follower_offsets": sparse(
+            "follower_offset", [_offsets(g, f.row or Combination()) for f in assembly.followers]
+        ),
+        "loops_read_angles": any(c.groups for c in assembly.dependents),
+        "loop_groups": sparse("loop_group", [c.groups for c in assembly.dependents]),
         "loops": sparse("loop", [c.coordinates for c in assembly.dependents]),
         "loop_offsets": sparse("loop_offset", [_offsets(g, c) for c in assembly.dependents]),
         "rows": sparse("row", assembly.rows),
@@ -101,12 +115,65 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "phi_gains": [repr(float(over(1, s.phi0_gain))) for s in assembly.starts],
         "w_gains": [repr(float(over(1, s.w0_gain))) for s in assembly.starts],
         "flanges": _turned(FlangeRow, _flanges(g)),
-        "ties": _turned(TieStep, _tie_order(g)),
+        "ties": tie_tables(g, _flange_numbers(g)),
         "n_flange_outputs": sum(code.n * len(code.batch.flanges) for code in g.codes),
         "first_flange_output": sum(code.n * len(code.law.shows) for code in g.codes),
         "inputs": list(lay.inputs),
         "numbers": lambda values: ", ".join(str(v) for v in values),
     }
+
+
+def _mobile(g: Generator) -> dict[str, list[int]]:
+    """The rows over speeds of the groups whose mobility is needed; entry -1: a speed of its own."""
+    tables: dict[str, list[int]] = {"start": [0], "index": [], "entry": []}
+    order = {f.group: i for i, f in enumerate(g.assembly.followers)}
+    for group in g.mobile:
+        row = {group: -1} if group not in order else g.motion.rows.get(order[group], {}) if g.motion else {}
+        tables["index"] += row.keys()
+        tables["entry"] += row.values()
+        tables["start"].append(len(tables["index"]))
+    return tables
+
+
+def _drive_calls(g: Generator, angles: Sequence[FunctionView]) -> dict[int, str]:
+    """The call that computes the angle of each driven follower."""
+    calls: dict[int, str] = {}
+    followers = g.assembly.followers
+    for view in angles:
+        (groups,) = (c for _, name, c in view.function.args if name.startswith("into"))
+        for i, f in enumerate(followers):
+            if f.drive is not None and f.group in groups.values:
+                calls[f.group] = _sense_call(view, g.motion.calls[i] if g.motion else "")
+    return calls
+
+
+def _angle_steps(g: Generator, angles: Sequence[FunctionView]) -> list[tuple[int, int, str]]:
+    """How the angles are computed: (first definition, last, "") by rows, or a call."""
+    calls = _drive_calls(g, angles)
+    steps: list[tuple[int, int, str]] = []
+    for i, (group, row) in enumerate(g.assembly.definitions):
+        if not isinstance(row, Combination):
+            steps.append((i, i + 1, calls[group]))
+        elif steps and not steps[-1][2]:
+            steps[-1] = (steps[-1][0], i + 1, "")
+        else:
+            steps.append((i, i + 1, ""))
+    return steps
+
+
+def _start_steps(g: Generator, angles: Sequence[FunctionView]) -> list[tuple[int, int, str]]:
+    """How the start angles of the followers follow: (first follower, last, "") by rows, or a call."""
+    calls = _drive_calls(g, angles)
+    steps: list[tuple[int, int, str]] = []
+    for i, f in enumerate(g.assembly.followers):
+        if f.row is None:
+            if f.group in calls:
+                steps.append((i, i + 1, calls[f.group]))
+        elif steps and not steps[-1][2] and steps[-1][1] == i:
+            steps[-1] = (steps[-1][0], i + 1, "")
+        else:
+            steps.append((i, i + 1, ""))
+    return steps
 
 
 def _all(g: Generator) -> list[Function]:
@@ -165,53 +232,6 @@ def _flanges(g: Generator) -> list[FlangeRow]:
                 at = g.lay.path_of[offset] if offset else -1
                 rows.append(FlangeRow(code.batch.groups[flange][e], repr(float(code.batch.gains[flange][e])), at, node))
     return rows
-
-
-class TieStep(NamedTuple):
-    """One step of the backward pass: the tie holds `child` (a node); torque_ratio = c_parent/c_child."""
-
-    child: int
-    parent: int
-    child_flange: int
-    parent_flange: int
-    ratio: str
-
-
-def _tie_order(g: Generator) -> list[TieStep]:
-    """Ties from the leaves to the roots: each passes on what its node lacks."""
-    edges: dict[int, list[tuple[int, Any, Exact, Exact]]] = {}
-    roots = []
-    for tie in g.assembly.groups.tree:
-        if tie.parent == -1:
-            roots.append((tie.child, tie))
-        else:
-            edges.setdefault(tie.child, []).append((tie.parent, tie, tie.c_child, tie.c_parent))
-            edges.setdefault(tie.parent, []).append((tie.child, tie, tie.c_parent, tie.c_child))
-    flange_of = _flange_numbers(g)
-    order: list[TieStep] = []
-    seen: set[int] = set()
-
-    def walk(root: int) -> None:
-        stack = [root]
-        seen.add(root)
-        while stack:
-            node = stack.pop()
-            for other, tie, c_node, c_other in edges.get(node, []):
-                if other not in seen:
-                    seen.add(other)
-                    flanges = flange_of[tie.component]
-                    order.append(
-                        TieStep(other, node, flanges[other], flanges[node], repr(float(over(c_node, c_other))))
-                    )
-                    stack.append(other)
-
-    for node, tie in roots:
-        order.append(TieStep(node, -1, flange_of[tie.component][node], -1, "0.0"))
-        walk(node)
-    for node in sorted(edges):
-        if node not in seen:
-            walk(node)
-    return list(reversed(order))
 
 
 def _flange_numbers(g: Generator) -> dict[str, dict[int, int]]:

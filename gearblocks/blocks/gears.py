@@ -40,6 +40,48 @@ class IdealGear(Block):
         yield Shows("torque", s.b.tau, "N m", "torque on flange b")
 
 
+class IdealPlanetary(Block):
+    """Rigid planetary set without inertia, seen from sun, carrier and ring (Willis 1841):
+
+        phi_sun + ratio phi_ring = (1 + ratio) phi_carrier
+
+    ratio = z_ring/z_sun of a simple set; a negative one is a set with two planets in mesh, other values belong to
+    compound planets.
+    """
+
+    sun, carrier, ring = Flange("sun"), Flange("planet carrier"), Flange("ring")
+    ratio: float = exact("z_ring/z_sun")
+
+    def problems(self) -> Iterator[str]:
+        """Ratios at which the set would be a plain coupling."""
+        if self.ratio in (0, -1):
+            yield f"ratio = {self.ratio!r} must be neither 0 nor -1 (carrier or ring would have no part in it)"
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """The tie of three shafts, and its torques on them."""
+        yield Tie(s.sun.phi + s.ratio * s.ring.phi - (1 + s.ratio) * s.carrier.phi)
+        for name in ("sun", "carrier", "ring"):
+            yield Shows(f"torque_{name}", getattr(s, name).tau, "N m", f"torque on the {name}")
+
+
+class Differential(Block):
+    """Rigid differential without inertia: phi_left + phi_right = 2 phi_carrier / ratio."""
+
+    carrier, left, right = Flange("driven side"), Flange("left output"), Flange("right output")
+    ratio: float = exact("phi_carrier over the mean of the outputs", default=1)
+
+    def problems(self) -> Iterator[str]:
+        """A ratio that means nothing."""
+        if self.ratio == 0:
+            yield "ratio = 0 must not be 0"
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """The tie of three shafts, and its torques on them."""
+        yield Tie(s.left.phi + s.right.phi - 2 * s.carrier.phi / s.ratio)
+        for name in ("carrier", "left", "right"):
+            yield Shows(f"torque_{name}", getattr(s, name).tau, "N m", f"torque on the {name}")
+
+
 def teeth_problems(block: Any) -> Iterator[str]:
     """Tooth counts that are no two whole numbers > 0, and a missing external."""
     teeth = block.teeth

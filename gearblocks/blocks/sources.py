@@ -5,7 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.declare import Acts, Block, Contribution, Energy, Flange, Shows, param, signal
+from gearblocks.declare import (
+    Acts,
+    Block,
+    Contribution,
+    Energy,
+    Flange,
+    Motion,
+    Rate,
+    Shows,
+    Start,
+    State,
+    Tie,
+    param,
+    signal,
+)
 from gearblocks.signals import Value
 
 
@@ -21,6 +35,60 @@ class Torque(Block):
         yield Acts(s.flange, s.tau)
         yield Acts(s.housing, -s.tau)
         yield Shows("torque", s.tau, "N m", "torque on the flange")
+
+
+class Speed(Block):
+    """Prescribed speed of the flange over the housing; output torque: the reaction that keeps it, on the flange.
+
+    On a slider w is a speed in m/s and torque a force in N.
+
+    w must be continuous (a ramp may have corners, which are located). An Input takes filter=: the speed then follows it
+    as x' = filter (w - x), from w at the start; so does a law that jumps.
+    """
+
+    flange = Flange("driven flange", slider=None)
+    housing = Flange("housing", ground=True, slider=None)
+    w: Any = signal("prescribed speed", "rad/s")
+    filter: Value | None = param("cut-off frequency of the filter", "rad/s", default=None, gt=0)
+    filtered_speed = State("speed behind the filter", "rad/s")
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """w_flange - w_housing = w, through the filter where there is one."""
+        wanted = s.w
+        if self.filter is not None:
+            wanted = s.filtered_speed
+            yield Start(wanted, s.w)
+            yield Rate(wanted, s.filter * (s.w - wanted))
+        yield Motion(s.flange.w - s.housing.w - wanted)
+        yield Shows("torque", s.flange.tau, "N m", "reaction on the flange")
+
+
+class Angle(Block):
+    """Prescribed angle of the flange over the housing; output torque: the reaction that keeps it, on the flange.
+
+    On a slider phi is a position in m and torque a force in N.
+
+    phi must be smooth twice over. An Input takes filter=: the angle then follows it through a critically damped filter
+    of second order, x'' = filter^2 (phi - x) - 2 filter x', from phi and rest at the start.
+    """
+
+    flange = Flange("driven flange", slider=None)
+    housing = Flange("housing", ground=True, slider=None)
+    phi: Any = signal("prescribed angle", "rad")
+    filter: Value | None = param("cut-off frequency of the filter", "rad/s", default=None, gt=0)
+    filtered_angle = State("angle behind the filter", "rad")
+    filtered_speed = State("its rate", "rad/s")
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """phi_flange - phi_housing = phi, through the filter where there is one."""
+        wanted = s.phi
+        if self.filter is not None:
+            wanted, speed = s.filtered_angle, s.filtered_speed
+            yield Start(wanted, s.phi)
+            yield Rate(wanted, speed)
+            yield Rate(speed, s.filter**2 * (s.phi - wanted) - 2 * s.filter * speed)
+        yield Tie(s.flange.phi - s.housing.phi - wanted)
+        yield Shows("torque", s.flange.tau, "N m", "reaction on the flange")
 
 
 class SpeedLoad(Block):

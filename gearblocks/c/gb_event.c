@@ -93,6 +93,22 @@ int gb_settle(gb_sim *sim, int log) {
     return last < 0 ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->t1, sim->s[last]);
 }
 
+/* Shafts without inertia into balance, then the modes once more. */
+static int balance(gb_sim *sim, int starting) {
+    int code = GB_DONE;
+    if (sim->model->settle) {
+        code = gb_columns_at(sim, sim->head->t1);
+        if (code == GB_DONE) {
+            sim->model->settle(sim->par, sim->mode, sim->tau_one, sim->y, starting);
+            code = gb_settle(sim, !starting);
+        }
+        if (code == GB_DONE) {
+            sim->model->settle(sim->par, sim->mode, sim->tau_one, sim->y, starting);
+        }
+    }
+    return code;
+}
+
 /* The next instant that time switches and tables announce. With `all`, or else only where the last one has come. */
 void gb_refresh_breaks(gb_sim *sim, int all) {
     const gb_model *model = sim->model;
@@ -189,6 +205,9 @@ int gb_apply_event(gb_sim *sim) {
     } else if (code == GB_DONE && sim->model->n_switches > 0) {
         sim->model->bounds(sim->par, sim->mode, sim->lo, sim->hi);
     }
+    if (code == GB_DONE) {
+        code = balance(sim, 0);
+    }
     if (timed) {
         gb_refresh_breaks(sim, 0);
     }
@@ -257,5 +276,8 @@ int gb_modes_start(gb_sim *sim) {
         return code != GB_DONE ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->t1, sim->s[last]);
     }
     code = gb_settle(sim, 0);
+    if (code == GB_DONE) {
+        code = balance(sim, 1);
+    }
     return code == GB_DONE && model->n_affine > 0 ? start_on_limits(sim) : code;
 }

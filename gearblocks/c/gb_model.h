@@ -60,8 +60,9 @@ typedef struct gb_model {
     /* Fills par[n_parameters .. n_par) from par[0 .. n_parameters). */
     void (*prepare)(double *par);
 
-    /* Start values from the parameters, length n_total (the ledger starts at zero). */
-    void (*start)(const double *par, double *y);
+    /* Start values from the parameters, length n_total (the ledger starts at zero); mode of time switches and tau
+     * there. */
+    void (*start)(const double *par, const double *mode, const double *tau, double *y);
 
     /* Natural size of each of the n states where the train knows one (gaps), else 0. */
     void (*scales)(const double *par, double *scale);
@@ -100,6 +101,9 @@ typedef struct gb_model {
 
     /* Kinetic and stored energies, one per ledger entry. */
     void (*energies)(const double *par, const double *mode, const double *tau, const double *y, double *energy);
+
+    /* NULL, or: puts the angles of shafts without inertia into balance (with `starting` at the start of a run). */
+    void (*settle)(const double *par, const double *mode, const double *tau, double *y, int starting);
 
     /* For implicit methods (pattern NULL: there are none). The states are [ simple | others ]: the n_simple first ones
      * are coordinates and angles whose rates are fixed combinations of the others, y_s' = B x. The unknowns are

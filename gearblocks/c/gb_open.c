@@ -185,7 +185,11 @@ int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0
     int code = take_values(sim, t0);
     if (code == GB_DONE) {
         memset(sim->y, 0, sizeof(double) * (size_t)model->n_total);
-        model->start(sim->par, sim->y);
+        gb_time_modes(sim, 0);
+        code = gb_columns_at(sim, t0);
+    }
+    if (code == GB_DONE) {
+        model->start(sim->par, sim->mode, sim->tau_one, sim->y);
         if (y0) {
             memcpy(sim->y, y0, sizeof(double) * (size_t)model->n_total);
         }

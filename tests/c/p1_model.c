@@ -24,7 +24,9 @@ static void prepare(double *par) {
     par[C_MESH] = damping(k_mesh * radius * radius, inertia[1], inertia[2]);
 }
 
-static void start(const double *par, double *y) {
+static void start(const double *par, const double *mode, const double *tau, double *y) {
+    (void)mode;
+    (void)tau;
     for (int i = 0; i < 16; i++) {
         y[i] = 0.0;
     }

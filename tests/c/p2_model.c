@@ -13,7 +13,9 @@ static void prepare(double *par) {
     (void)par;
 }
 
-static void start(const double *par, double *y) {
+static void start(const double *par, const double *mode, const double *tau, double *y) {
+    (void)mode;
+    (void)tau;
     (void)par;
     for (int i = 0; i < 16; i++) {
         y[i] = 0.0;

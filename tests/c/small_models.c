@@ -19,7 +19,9 @@ static void no_energies(const double *par, const double *mode, const double *tau
     (void)par, (void)mode, (void)tau, (void)y, (void)energy;
 }
 
-static void start_at(const double *par, double *y) {
+static void start_at(const double *par, const double *mode, const double *tau, double *y) {
+    (void)mode;
+    (void)tau;
     for (int i = 0; i < 16; i++) {
         y[i] = 0.0;
     }
@@ -196,7 +198,9 @@ const gb_model ring_model = {
 };
 
 /* Eight oscillators x'' = 0.1 - 0.1 x' - g(x) with equal gaps +-1, x in y[0 .. 8), x' in y[8 .. 16). */
-static void start_eight(const double *par, double *y) {
+static void start_eight(const double *par, const double *mode, const double *tau, double *y) {
+    (void)mode;
+    (void)tau;
     for (int i = 0; i < 16; i++) {
         y[i] = i < 8 ? par[0] : 0.5;
     }

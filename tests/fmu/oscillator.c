@@ -15,7 +15,9 @@ static void prepare(double *par) {
     par[7] = 1.0 / par[0];
 }
 
-static void start(const double *par, double *y) {
+static void start(const double *par, const double *mode, const double *tau, double *y) {
+    (void)mode;
+    (void)tau;
     for (int i = 0; i < 16; i++)
         y[i] = 0.0;
     y[0] = par[6];

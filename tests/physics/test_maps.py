@@ -103,5 +103,5 @@ def test_a_bad_map_is_refused_in_words(arguments: tuple, words: str) -> None:
 
 def test_a_map_alone_is_no_signal() -> None:
     rig = gb.Drivetrain("bare")
-    with pytest.raises(gb.ModelError, match="tau = Table2.*call it with two quantities"):
+    with pytest.raises(gb.ModelError, match=r"tau = Table2.*call it with two quantities"):
         rig.add("drive", gb.Torque(tau=gb.Table2(W, U, Z)))

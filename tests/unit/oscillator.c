@@ -7,7 +7,9 @@ static void prepare(double *par) {
     par[1] = par[0] * par[0];
 }
 
-static void start(const double *par, double *y) {
+static void start(const double *par, const double *mode, const double *tau, double *y) {
+    (void)mode;
+    (void)tau;
     (void)par;
     y[0] = 1.0;
     y[1] = 0.0;

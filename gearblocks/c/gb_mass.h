@@ -1,0 +1,89 @@
+/* The mass matrix where shafts follow others: symmetric, factored as L D L' in the order of its pattern. */
+#ifndef GB_MASS_H
+#define GB_MASS_H
+
+#include "gb_model.h"
+
+#include <math.h>
+
+/* diag by elimination step, becomes 1/D; lower by place, becomes L. */
+static inline void gb_mass_factor(const gb_pattern *p, double *diag, double *lower) {
+    int pair = 0;
+    for (int k = 0; k < p->n; k++) {
+        const double inverse = 1.0 / diag[k];
+        for (int i = p->start[k]; i < p->start[k + 1]; i++) {
+            const double factor = lower[i] * inverse;
+            diag[p->row[i]] -= factor * lower[i];
+            for (int j = i + 1; j < p->start[k + 1]; j++) {
+                lower[p->pair[pair++]] -= factor * lower[j];
+            }
+        }
+        for (int i = p->start[k]; i < p->start[k + 1]; i++) {
+            lower[i] *= inverse;
+        }
+        diag[k] = inverse;
+    }
+}
+
+/* x becomes the solution; x is numbered as the unknowns. */
+static inline void gb_mass_solve(const gb_pattern *p, const double *diag, const double *lower, double *x) {
+    for (int k = 0; k < p->n; k++) {
+        for (int i = p->start[k]; i < p->start[k + 1]; i++) {
+            x[p->order[p->row[i]]] -= lower[i] * x[p->order[k]];
+        }
+    }
+    for (int k = p->n - 1; k >= 0; k--) {
+        double sum = diag[k] * x[p->order[k]];
+        for (int i = p->start[k]; i < p->start[k + 1]; i++) {
+            sum -= lower[i] * x[p->order[p->row[i]]];
+        }
+        x[p->order[k]] = sum;
+    }
+}
+
+/* A matrix that is not symmetric, as L D U: diag by step becomes 1/D (0 for a pivot that is none), lower becomes L,
+ * upper becomes D U. Returns the number of pivots that are none. */
+static inline int gb_balance_factor(const gb_pattern *p, double *diag, double *lower, double *upper) {
+    int pair = 0, lost = 0;
+    double size[p->n + 1];
+    for (int k = 0; k < p->n; k++) {
+        size[k] = fabs(diag[k]);
+    }
+    for (int k = 0; k < p->n; k++) {
+        const int none = !(fabs(diag[k]) > 1e-13 * size[k]);
+        const double inverse = none ? 0.0 : 1.0 / diag[k];
+        lost += none;
+        for (int i = p->start[k]; i < p->start[k + 1]; i++) {
+            lower[i] *= inverse;
+            diag[p->row[i]] -= lower[i] * upper[i];
+            size[p->row[i]] = fmax(size[p->row[i]], fabs(lower[i] * upper[i]));
+        }
+        for (int i = p->start[k]; i < p->start[k + 1]; i++) {
+            for (int j = i + 1; j < p->start[k + 1]; j++, pair++) {
+                lower[p->pair[pair]] -= lower[j] * upper[i];
+                upper[p->pair[pair]] -= lower[i] * upper[j];
+            }
+        }
+        diag[k] = inverse;
+    }
+    return lost;
+}
+
+/* x becomes the solution; x is numbered as the unknowns. */
+static inline void gb_balance_solve(const gb_pattern *p, const double *diag, const double *lower, const double *upper,
+                                    double *x) {
+    for (int k = 0; k < p->n; k++) {
+        for (int i = p->start[k]; i < p->start[k + 1]; i++) {
+            x[p->order[p->row[i]]] -= lower[i] * x[p->order[k]];
+        }
+    }
+    for (int k = p->n - 1; k >= 0; k--) {
+        double sum = x[p->order[k]];
+        for (int i = p->start[k]; i < p->start[k + 1]; i++) {
+            sum -= upper[i] * x[p->order[p->row[i]]];
+        }
+        x[p->order[k]] = diag[k] * sum;
+    }
+}
+
+#endif
