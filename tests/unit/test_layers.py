@@ -20,7 +20,14 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.blocks",),
     ("gearblocks.nesting", "gearblocks.sliding"),
     ("gearblocks.graph",),
-    ("gearblocks.drives", "gearblocks.laws", "gearblocks.ties", "gearblocks.coordinates", "gearblocks.kinematics"),
+    (
+        "gearblocks.affine",
+        "gearblocks.drives",
+        "gearblocks.laws",
+        "gearblocks.ties",
+        "gearblocks.coordinates",
+        "gearblocks.kinematics",
+    ),
     ("gearblocks.grouping", "gearblocks.assemble", "gearblocks.equations"),
     ("gearblocks.methods", "gearblocks.hoist", "gearblocks.layout", "gearblocks.pattern"),
     (
