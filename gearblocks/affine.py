@@ -9,7 +9,6 @@ import sympy as sp
 
 from gearblocks.symbols import Pool
 
-
 _ONE: Any = sp.Integer(1)
 
 

@@ -67,6 +67,10 @@ def make_program(train: Train) -> Program:
     check_user_blocks(train)
     try:
         return generate(assemble(train))
+    except OverflowError:
+        raise ModelError(
+            "the ties multiply to a ratio beyond 1e308 between two shafts; shorten the chain of gears"
+        ) from None
     except NotImplementedError as error:  # of sympy's printers
         raise ModelError(f"a law contains a function that the generated C does not know: {error}") from error
 
@@ -132,8 +136,27 @@ def _check_against(program: Program, train: Train, names: set[str]) -> None:
                         f"'{before[0]}': {before[1]} = {before[2]!r} and '{c.path}': {field} = {value!r} contradict each "
                         f"other through their ties; give one of them"
                     )
+    problems += _followers_against(program, train)
     if problems:
         raise ModelError(problems)
+
+
+def _followers_against(program: Program, train: Train) -> Iterator[str]:
+    """Given start values of shafts that follow from others, against these."""
+    if not program.followers:
+        return
+    values, _ = _values(train)
+    blocks = {c.path: c.block for c in train.components}
+    for name, places, factors in program.followers:
+        path, _, output = name.rpartition(".")
+        value = _start_of(blocks[path], f"{output}0")
+        paths = [program.parameters[i].path for i in places]
+        terms = [f * values.get(p, 0.0) for p, f in zip(paths, factors, strict=True)]
+        if value is not None and abs(value - sum(terms)) > 1e-12 * (abs(value) + sum(map(abs, terms))):
+            yield (
+                f"'{path}': {output}0 = {value!r} contradicts the {sum(terms):.9g} that follows through its ties from "
+                f"{', '.join(paths)}; leave one of them out"
+            )
 
 
 def _start_of(block: Block, field: str) -> float | None:

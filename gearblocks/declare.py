@@ -32,7 +32,8 @@ class Field:
 
     role: "param" (a number, runs as a tunable value), "exact" (integers that enter ratios exactly), "option" (part of
     the structure), "signal", "effect". belongs_to: the effect that goes when this field is None ("compliance").
-    convert: turns a short form (a Table, say) into the effect that it stands for.
+    convert: turns a short form (a Table, say) into the effect that it stands for. over: the quantity of the block
+    ("twist") that an expression in the field may contain, and a Table in it is read at.
     """
 
     words: str
@@ -46,6 +47,7 @@ class Field:
     many: bool = False
     belongs_to: str | None = None
     convert: Callable[[Any], Any] | None = None
+    over: str | None = None
 
     @property
     def required(self) -> bool:
@@ -69,14 +71,21 @@ def exact(words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool =
     return Field(words, unit, "exact", default, many=many)
 
 
-def option(words: str, *, default: Any = _REQUIRED) -> Any:
-    """A choice (text, truth or whole number) that decides the form of the law. Structural."""
-    return Field(words, "1", "option", default)
+def option(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, belongs_to: str | None = None
+) -> Any:
+    """A choice (text, truth, number) that decides the form of the law. Structural. many=True: a tuple of them."""
+    return Field(words, unit, "option", default, many=many, belongs_to=belongs_to)
 
 
-def signal(words: str, unit: str = "1", *, default: Any = _REQUIRED, belongs_to: str | None = None) -> Any:
-    """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense)."""
-    return Field(words, unit, "signal", default, belongs_to=belongs_to)
+def signal(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, belongs_to: str | None = None, over: str | None = None
+) -> Any:  # fmt: skip
+    """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense).
+
+    over: a quantity of the block that may stand in it too, see Symbols.local; a Table then goes over that quantity.
+    """
+    return Field(words, unit, "signal", default, belongs_to=belongs_to, over=over)
 
 
 def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None) -> Any:
@@ -233,8 +242,8 @@ class Parts:
 
 
 _TAKEN = {
-    "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics", "problems",
-    "rate_of", "slope", "states", "time", "without_effect",
+    "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics",
+    "problems", "rate_of", "reading", "slope", "states", "tabled", "time", "turned", "without_effect",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 

@@ -141,7 +141,7 @@ def _number(
         raise ModelError(problems + mixed)
     if not components:
         raise ModelError(f"the drivetrain '{tree.name}' is empty: add blocks")
-    flat = tuple(Component(*c, *sliders_of(c[1], c[2], sliding)) for c in components)
+    flat = tuple(Component(*c, *(sliders_of(c[1], c[2], sliding) if sliding else ())) for c in components)
     return Train(tree.name, flat, len(numbers), tree.coordinates)
 
 
@@ -206,10 +206,10 @@ def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
     store = owner.__dict__
     for name, field in type(owner).fields.items():
         value = store[name]
-        if value is None or field.role == "option":
-            continue
         if isinstance(value, _Declared):
             yield from numbers_of(value, f"{prefix}{name}.")
+        elif value is None or field.role == "option":
+            continue
         elif isinstance(value, tuple):
             for i, v in enumerate(value):
                 yield f"{prefix}{name}[{i}]", v, field
@@ -251,6 +251,8 @@ def _field_problems(owner: _Declared, prefix: str) -> Iterator[str]:
         elif field.role == "option":
             if isinstance(field.default, bool) and not isinstance(value, bool):
                 yield f"{prefix}{name} = {value!r} must be True or False"
+            elif isinstance(value, _Declared):
+                yield from _field_problems(value, f"{prefix}{name}.")
         elif value is None:
             if field.default is not None and field.belongs_to is None:
                 yield f"{prefix}{name} = None ({field.words}): a value must be given"
@@ -331,14 +333,18 @@ def _constant(value: Parameter | Expr) -> float:
         return math.nan
 
 
+_KNOWN_BY = {"twist": "only the torque of a Shaft", "driver_angle": "only the k of a NonCircularGear"}
+
+
 def _signal_problem(name: str, value: Any, field: Field) -> str:
     if field.role == "exact":
         return f"{name} = {value!r:.80} enters a ratio: give a plain number, and another one with rig.set(...)"
     if isinstance(value, Expr) and value.op in ("<", "<=", ">", ">=", "And", "Or", "Not"):
         return f"{name} = '{value}' is a condition, not a value: give gb.piecewise((value, condition), (other, True))"
     if field.role == "signal":
-        local = isinstance(value, Expr) and name != "torque" and any(leaf.op == "local" for leaf in value.leaves())
-        return f"{name} = '{value}' contains gb.twist, which only the torque of a Shaft knows" if local else ""
+        leaves = value.leaves() if isinstance(value, Expr) else ()
+        local = next((x.args[0] for x in leaves if x.op == "local" and x.args[0] != field.over), None)
+        return "" if local is None else f"{name} = '{value}' contains gb.{local}, which {_KNOWN_BY[local]} knows"
     changing = not isinstance(value, (Expr, Parameter)) or (isinstance(value, Expr) and not _is_constant(value))
     return (
         f"{name} is a parameter: it takes a number, a gb.Parameter or an expression of Parameters" if changing else ""

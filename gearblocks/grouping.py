@@ -207,7 +207,7 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
                 if group != HELD and (group not in owners or (given and not owners[group][2])):
                     owners[group] = (c.path, gain, given)
     count = assembly.n_speeds + assembly.n_hidden + assembly.n_paced
-    if len(found["phi0"]) < count:
+    if any(group not in found["phi0"] for group in range(count)):
         for c in assembly.train.components:
             for name, node in zip(type(c.block).flanges, c.nodes, strict=True):
                 group, gain = assembly.group_of_node[node] if node >= 0 else (HELD, 1)

@@ -19,6 +19,7 @@ from gearblocks.expression import FUNCTIONS, Expr, number
 from gearblocks.files import write_text
 from gearblocks.graph import Coordinate, Tree
 from gearblocks.maps import Table2
+from gearblocks.ratio_law import RatioLaw
 from gearblocks.signals import Input, Parameter, Table
 
 FORMAT = "gearblocks train 1"
@@ -83,6 +84,11 @@ def _value(path: str, value: Any, leaves: dict[str, Any]) -> Any:
         return [_value(path, v, leaves) for v in value]
     if isinstance(value, _Declared):
         return _owner(path, value, leaves)
+    if isinstance(value, RatioLaw):
+        return {
+            "ratio_law": value.recipe[0],
+            "values": [list(v) if isinstance(v, tuple) else v for v in value.recipe[1]],
+        }
     if isinstance(value, (Parameter, Input, Table)):
         return {"expression": _expr(value._expr_(), leaves)}
     if isinstance(value, Expr):
@@ -181,6 +187,8 @@ def _read_value(path: str, value: Any, leaves: Mapping[str, Any]) -> Any:
             return Fraction(*value["fraction"])
         if "table2" in value:
             return _known(leaves, "table2", value["table2"])
+        if "ratio_law" in value:
+            return _read_ratio_law(value["ratio_law"], value["values"])
         if "expression" not in value:
             return _read_owner(path, value, leaves)
         expr = parse(value["expression"], leaves)
@@ -190,6 +198,16 @@ def _read_value(path: str, value: Any, leaves: Mapping[str, Any]) -> Any:
             return expr.args[0]
         return expr
     return value
+
+
+def _read_ratio_law(how: str, values: list[Any]) -> RatioLaw:
+    if how not in ("segments", "ellipse", "from_function", "from_table"):
+        raise ModelError(f"there is no ratio law '{how}'")
+    if how == "from_function":
+        values = [parse(values[0], {}), *values[1:]]
+    made = getattr(RatioLaw, how)(*values)
+    assert isinstance(made, RatioLaw)
+    return made
 
 
 # -- expressions ------------------------------------------------------------------------------------------------------

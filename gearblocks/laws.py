@@ -269,21 +269,26 @@ def _balance(law: Law, flanges: Mapping[str, Any]) -> None:
         rest += sum(sp.diff(law.stored, f.phi) * f.w for f in flanges.values())
         for name, rate in law.rates.items():
             rest += sp.diff(law.stored, law.pool.symbol("state", name, name)) * rate
-    supplied = parametric + (0 if _vanishes(rest, law.pool) else rest)
+    supplied = parametric + (0 if vanishes(rest, law.pool) else rest)
     law.supplied = None if supplied == 0 else supplied
 
 
-def _vanishes(expr: Any, pool: Pool) -> bool:
+def vanishes(expr: Any, pool: Pool) -> bool:
     """Whether an expression is zero at a handful of fixed points (modes 0 or 1); expanding it would take far longer."""
     if expr == 0 or not expr.free_symbols:
         return bool(expr == 0)
-    if expr.has(TableAt, Table2At):
-        return bool(sp.expand(expr) == 0)
+    # a table and its derivatives are as good as independent values
+    tables = sorted(expr.atoms(TableAt, Table2At), key=str)
+    values_of_tables = {x: sp.Symbol(f"table value {i}", real=True) for i, x in enumerate(tables)}
+    expr = expr.xreplace(values_of_tables)
+    free = set(values_of_tables.values())
     symbols = sorted(expr.free_symbols, key=lambda x: str(x.name))
     random = Random(20)
     for _ in range(4):
         point: dict[Any, float] = {
-            x: float(random.randint(0, 1)) if pool.slots[x].role == "mode" else random.uniform(0.2, 1.2)
+            x: float(random.randint(0, 1))
+            if x not in free and pool.slots[x].role == "mode"
+            else random.uniform(0.2, 1.2)
             for x in symbols
         }
         try:

@@ -8,7 +8,11 @@ from typing import Any
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
-_OWN_FUNCTIONS = {"sin": "gb_sin", "cos": "gb_cos"}  # the same bits on every platform, and vectorisable
+_OWN_FUNCTIONS = {
+    "sin": "gb_sin",
+    "cos": "gb_cos",
+    "atan": "gb_atan",
+}  # the same bits on every platform, and vectorisable
 
 
 class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
@@ -45,6 +49,12 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
             f"gb_table_segment({name}.{axis}, {text})" for axis, text in zip("xy", at, strict=True)
         ]
         return f"gb_table2_value(&{name}, {', '.join([*where, *at])}, {int(by_x)}, {int(by_y)})"
+
+    def _print_EllipseLead(self, expr: Any) -> str:
+        return str(self._print(expr.written_out()))
+
+    def _print_InverseInvolute(self, expr: Any) -> str:
+        return f"gb_inverse_involute({self._print(expr.args[0])})"
 
     def _print_Integer(self, expr: Any) -> str:
         return f"{int(expr)}.0"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gearblocks.assemble import HELD
+from gearblocks.assemble import HELD, expand_rows
 from gearblocks.batchcode import BatchCode
 from gearblocks.generator import Generator
 from gearblocks.graph import Component
-from gearblocks.program import Quantity, StartInfo
+from gearblocks.program import FollowerInfo, Quantity, StartInfo
 from gearblocks.sliding import flange_names, slider_names, unit_along, words_along
 
 
@@ -81,3 +81,22 @@ def start_infos(g: Generator) -> Iterator[StartInfo]:
             first = g.lay.state_start[code.number, state]
             for e in range(code.n):
                 yield StartInfo(f"{code.paths[e]}.{state}", first + e, 1.0)
+
+
+def follower_infos(g: Generator) -> Iterator[FollowerInfo]:
+    """Start values of bodies on shafts that follow through ties."""
+    a, lay = g.assembly, g.lay
+    expanded = expand_rows(a)
+    for code in g.codes:
+        for flange, _ in code.law.bodies:
+            groups, gains = code.batch.groups[flange], code.batch.gains[flange]
+            for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
+                if group not in expanded or any(source >= len(a.starts) for source in expanded[group].groups):
+                    continue
+                row, (angle, speed, _, _) = expanded[group], flange_names(flange in c.sliders)
+                offsets = {lay.path_of[path]: float(gain * x) for path, x in row.offsets.items()}
+                phi = {lay.phi0[s]: float(gain * x / a.starts[s].phi0_gain) for s, x in row.groups.items()}
+                yield FollowerInfo(f"{c.path}.{angle}", (*phi, *offsets), (*phi.values(), *offsets.values()))
+                if all(s < a.n_speeds for s in row.groups):
+                    w = {lay.w0[s]: float(gain * x / a.starts[s].w0_gain) for s, x in row.groups.items()}
+                    yield FollowerInfo(f"{c.path}.{speed}", tuple(w), tuple(w.values()))

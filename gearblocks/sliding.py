@@ -85,11 +85,13 @@ class _Line:
     through: list[str] = field(default_factory=list)
 
 
-def sliding_nodes(components: Iterable[Ends], n_nodes: int) -> tuple[frozenset[int], list[str]]:
+def sliding_nodes(components: Sequence[Ends], n_nodes: int) -> tuple[frozenset[int], list[str]]:
     """The nodes that slide, and what is wrong where sliders meet turning shafts.
 
     A flange that takes both (slider=None) is what it is connected to; all such flanges of a block are alike.
     """
+    if not any(f.slider for kind in {type(block) for _, block, _ in components} for f in kind.flanges.values()):
+        return frozenset(), []
     parents = list(range(n_nodes))
 
     def find(i: int) -> int:

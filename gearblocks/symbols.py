@@ -12,7 +12,10 @@ import sympy as sp
 from gearblocks.declare import Rate, _Declared
 from gearblocks.expression import Expr, to_sympy
 from gearblocks.maps import Table2
+from gearblocks.ratio_curves import Ellipse, Pieces
+from gearblocks.ratio_law import RatioLaw
 from gearblocks.signals import Input, Parameter, Table
+from gearblocks.tooth_geometry import Functions, inverse_involute
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +23,8 @@ class Slot:
     """What a symbol stands for.
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
-    w, alpha, tau, state, coordinate, mode. of: flange, state, switch number, path, or the leaf itself.
+    w, alpha, tau, state, coordinate, mode; in generated functions column, force, gain (of a flange on its group),
+    growth (rate of the torque on a flange), local (C text). of: flange, state, switch number, path, or the leaf itself.
     """
 
     role: str
@@ -42,6 +46,9 @@ class TableAt(sp.Function):  # type: ignore[misc]  # sympy carries no types
     """A table over a quantity: TableAt(table symbol, quantity, order of the derivative[, mode])."""
 
     nargs = (3, 4)
+
+    def _sympystr(self, printer: Any) -> str:
+        return "{0}{2}({1})".format(*map(printer.doprint, self.args[:2]), "'" * int(self.args[2]))
 
     def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
         """The next derivative."""
@@ -99,10 +106,55 @@ def dead_zone_branch(beyond: Any, order: Any) -> Any:
     return {-1: beyond**2 / 2, 0: beyond, 1: sp.Integer(1)}.get(int(order), sp.Integer(0))
 
 
+class EllipseLead(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """2 atan(e sin x/(1 - e cos x)): by how much the mate of an ellipse that turns about its focus runs ahead."""
+
+    nargs = 2
+
+    @classmethod
+    def eval(cls, x: Any, e: Any) -> Any:  # noqa: ARG003  sympy's signature
+        """0 at 0."""
+        return sp.Integer(0) if x == 0 else None
+
+    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
+        """The derivative by x, a rational function of cos x."""
+        x, e = self.args
+        return 2 * e * (sp.cos(x) - e) / (1 + e**2 - 2 * e * sp.cos(x))
+
+    def written_out(self) -> Any:
+        """The definition."""
+        x, e = self.args
+        return 2 * sp.atan(e * sp.sin(x) / (1 - e * sp.cos(x)))
+
+    def _eval_evalf(self, prec: int) -> Any:
+        return self.written_out()._eval_evalf(prec)
+
+    def _sympystr(self, printer: Any) -> str:
+        return str(printer.doprint(self.written_out()))
+
+    def _latex(self, printer: Any) -> str:
+        return str(printer.doprint(self.written_out()))
+
+
 class ContactSide(sp.Function):  # type: ignore[misc]  # sympy carries no types
     """-1 where x < -b, +1 where x > b, else 0."""
 
     nargs = 2
+
+
+class InverseInvolute(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """The angle a with tan(a) - a = y, for y >= 0."""
+
+    nargs = 1
+
+    @classmethod
+    def eval(cls, y: Any) -> Any:
+        """The number, where y is one."""
+        return sp.Float(inverse_involute(float(y))) if y.is_number else None
+
+
+SYMBOLS = Functions(sp.sqrt, sp.sin, sp.cos, sp.tan, sp.atan, InverseInvolute, sp.pi)
+"""What tooth geometry computes with in laws."""
 
 
 @lru_cache(maxsize=1)
@@ -253,6 +305,20 @@ class Symbols:
         self._pool.definitions[symbol] = sp.sympify(expr)
         return symbol
 
+    def turned(self, law: RatioLaw, x: Any) -> Any:
+        """F(x) of a ratio law: its mean ratio times x, exactly, and a periodic part."""
+        curve = law.curve
+        if sp.sympify(x).is_zero:
+            return sp.Integer(0)
+        if isinstance(curve, Ellipse):
+            ripple = EllipseLead(curve.n * x, sp.Float(curve.e)) / curve.n
+        elif isinstance(curve, Pieces):
+            table = self._pool.symbol("table", curve, f"ripple_{curve.digest()}")
+            ripple = TableAt(table, x, sp.Integer(0))
+        else:
+            ripple = curve.symbolic(x)
+        return sp.Rational(law.n1, law.n2) * x + ripple
+
     def local(self, field: str, **values: Any) -> Any:
         """A field that is an expression of the block's own quantities, or a Table or Table2 over those given, in order."""
         value = getattr(self._owner, field)
@@ -261,6 +327,15 @@ class Symbols:
         if not isinstance(value, Expr):
             return getattr(self, field)
         return to_sympy(value, lambda leaf: values[leaf.args[0]] if leaf.op == "local" else self._pool.leaf(leaf))
+
+    def tabled(self, table: Table, x: Any) -> Any:
+        """A Table that a law makes itself, over a quantity. Tables with the same joints share one switch."""
+        return TableAt(self._pool.symbol("table", table, f"table_{table.digest()}"), x, sp.Integer(0))
+
+    @property
+    def reading(self) -> bool:
+        """Whether the law is derived for people: no tables that they cannot read."""
+        return self._pool.reading
 
     def slope(self, expr: Any, flange: FlangeSymbols) -> Any:
         """d expr / d phi of a flange; 0 at the ground."""

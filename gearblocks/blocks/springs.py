@@ -25,7 +25,7 @@ class Shaft(Block):
 
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)
     k: Any = signal("torsional stiffness", "N m/rad", default=None, belongs_to="compliance")
-    torque: Any = signal("restoring torque over gb.twist", "N m", default=None, belongs_to="compliance")
+    torque: Any = signal("restoring torque over gb.twist", "N m", default=None, belongs_to="compliance", over="twist")
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     allow_negative: bool = option("admit k < 0", default=False)

@@ -108,6 +108,19 @@ def test_a_mass_on_a_spring_is_held_by_the_ground_at_its_place() -> None:
     assert (swing["a.s"][0], swing["a.v"][0]) == (0.5, -1.0)
 
 
+def test_a_slider_is_led_by_a_prescribed_position_or_speed(distance):
+    t = np.linspace(0, 2, 41)
+    weight, spring = gb.Mass(m=2.0), gb.Shaft(k=300.0)
+    rig = _chain("led", lead=gb.Angle(phi=0.1 * gb.sin(7 * gb.time)), a=weight, spring=spring, ground=gb.Fixed())
+    run = gb.simulate(rig, t=t, rtol=1e-9)
+    assert distance(run["a.s"], 0.1 * np.sin(7 * t)) < 1e-13
+    assert distance(run["lead.torque"], (300.0 - 2.0 * 49.0) * 0.1 * np.sin(7 * t)) < 1e-12
+    assert run.units["lead.torque"] == "N"
+    moved = gb.simulate(_chain("led", lead=gb.Speed(w=3.0 * gb.time), a=weight), t=t, rtol=1e-9)
+    assert distance(moved["a.s"], 1.5 * t**2) < 1e-12
+    assert distance(moved["lead.torque"], 6.0) < 1e-12
+
+
 def test_equations_of_a_slider_are_in_its_letters() -> None:
     text = str(_chain("line", ground=gb.Fixed(), spring=gb.Shaft(k=5.0), a=gb.Mass(m=2.0)).equations())
     assert "m_a*v_a' = -k_spring*s_a" in text
