@@ -22,12 +22,12 @@ def one(n: int) -> None:
     import sympy  # noqa: F401
 
     import gearblocks as gb
-    from benchmarks.problems import p4
+    from models.stiff_chain import chain
 
     prepare_core()  # every lazy import, too
     before, _ = peak_mib()
     watch = Stopwatch()
-    rig = p4(P4(n=n))
+    rig = chain(P4(n=n))
     blocks = watch.read()
     model = gb.build(rig)
     built = watch.read()

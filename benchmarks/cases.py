@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from models import planetary_backlash, stiff_chain
+
 Array = npt.NDArray[np.float64]
 
 
@@ -59,6 +61,15 @@ class P1:
         speed = 0.1 * self.half_gap / self.radius * self.w
         return np.array([*self.start[:3], speed, speed, speed, speed, 1.0])
 
+    @property
+    def sides(self) -> Array:
+        """Contact sides at the start."""
+        return np.ones(1)
+
+    def relative(self, y: Array) -> Array:
+        """The relative coordinates from states in rows."""
+        return y[:, :3]
+
     def packed(self) -> Array:
         """The members of `problem` in c/p1.c."""
         r = self.radius
@@ -107,59 +118,84 @@ class P2:
         """Smallest magnitudes that count in an error weight."""
         return np.array([1.0, 0.1])
 
+    @property
+    def sides(self) -> Array:
+        """Contact sides at the start."""
+        return np.ones(1)
+
+    def relative(self, y: Array) -> Array:
+        """The relative coordinates from states in rows."""
+        return y[:, :1]
+
     def packed(self) -> Array:
         """The members of `problem` in c/p2.c."""
         return np.array([self.half_gap, 2 * self.zeta, self.eps, self.load, self.swing * self.w**2, self.w])
 
 
 @dataclass(frozen=True)
-class P4:
-    """A stiff chain of n inertias (n even), shafts and meshes in turn, the last one a shaft to ground."""
+class P3(planetary_backlash.Numbers):
+    """The planetary set of `models/planetary_backlash.py`, and what the hand-written peers need."""
 
-    n: int = 1000
-    j_heavy: float = 1e-2
-    j_light: float = 1e-5
-    k_shaft: float = 1e4
-    c_shaft: float = 1.0
-    k_mesh: float = 1.5e6
-    half_gap: float = 8e-4
-    torque: float = 200.0
-    swing: float = 0.5
-    frequency: float = 20.0
+    @property
+    def start(self) -> Array:
+        """Static equilibrium at the mean stiffness: four deflections of the sun meshes, u = r_sun (phi_s - phi_c) +
+        r_ring (phi_r - phi_c), phi_r; speeds of sun, carrier, ring, planets; three zeros. A ring mesh deflects by the
+        one of the sun mesh less u.
+        """
+        sun, ring = self.deflections
+        return np.array([sun, sun, sun, sun, sun - ring, self.angles[1], *[0.0] * 10])
+
+    @property
+    def sides(self) -> Array:
+        """Contact sides at the start: sun meshes drive, ring meshes coast."""
+        return np.repeat([1.0, -1.0], 4)
+
+    @property
+    def scale(self) -> Array:
+        """Smallest magnitudes that count in an error weight: static values; gap times frequency for the speeds."""
+        speed = 0.1 * self.half_gap / self.r_planet * self.w
+        return np.array([*np.abs(self.start[:6]), *[speed] * 7, 1.0, 1.0, 1.0])
+
+    def relative(self, y: Array) -> Array:
+        """Deflections of the sun and the ring meshes and the twist of the ring, from states in rows."""
+        return np.column_stack([y[:, :4], y[:, :4] - y[:, 4:5], y[:, 5]])
+
+    def packed(self) -> Array:
+        """The members of `problem` in c/p3.c."""
+        sun, ring = self.phases
+        waves = [f(phase) for phase in (*sun, *ring) for f in (math.cos, math.sin)]
+        inverse = [1 / j for j in (self.j_sun, self.j_carrier, self.j_ring, self.j_planet)]
+        stiff = [self.k_sun, self.k_ring, *self.c_meshes, self.ripple, self.k_ground, self.c_ground]
+        load = [self.torque, self.torque * (1 + self.r_ring / self.r_sun), self.swing, self.w]
+        return np.array(
+            [self.half_gap, self.r_sun, self.r_planet, self.r_ring, *inverse, *stiff, *load, *waves[::2], *waves[1::2]]
+        )
+
+
+@dataclass(frozen=True)
+class P4(stiff_chain.Numbers):
+    """The chain of `models/stiff_chain.py`, and what the hand-written peers need."""
+
     t_end: float = 0.1
-
-    @property
-    def c_mesh(self) -> float:
-        """Mesh damping, N m s/rad."""
-        return 0.1 * math.sqrt(self.k_mesh * self.j_light)
-
-    @property
-    def w(self) -> float:
-        """Frequency of the torque, rad/s."""
-        return 2 * math.pi * self.frequency
-
-    @property
-    def twists(self) -> Array:
-        """Static twists phi_i - phi_(i+1) under the mean torque."""
-        twist = np.full(self.n, self.torque / self.k_shaft)
-        twist[1:-1:2] = self.half_gap + self.torque / self.k_mesh
-        return twist
-
-    @property
-    def angles(self) -> Array:
-        """Static angles of the inertias; ground is at zero."""
-        angles: Array = np.cumsum(self.twists[::-1])[::-1].copy()
-        return angles
 
     @property
     def start(self) -> Array:
         """Twists, then speeds."""
-        return np.concatenate([self.twists, np.zeros(self.n)])
+        return np.array(self.twists + [0.0] * self.n)
 
     @property
     def scale(self) -> Array:
         """Smallest magnitudes that count in an error weight."""
-        return np.concatenate([self.twists, np.full(self.n, self.twists[0] * self.w)])
+        return np.array(self.twists + [self.twists[0] * self.w] * self.n)
+
+    @property
+    def sides(self) -> Array:
+        """Contact sides at the start."""
+        return np.ones(self.n // 2 - 1)
+
+    def relative(self, y: Array) -> Array:
+        """The relative coordinates from states in rows."""
+        return y[:, : self.n]
 
     def packed(self) -> Array:
         """The members of `problem` in c/p4.c."""
@@ -178,3 +214,7 @@ class P4:
                 float(self.n),
             ]
         )
+
+
+Problem = P1 | P2 | P3 | P4
+"""Any of them."""

@@ -1,11 +1,11 @@
-"""The right-hand sides of P1 and P2 as a user of the peers would write them: sympy, numba, casadi."""
+"""The right-hand sides of P1, P2 and P3 as a user of the peers would write them: sympy, numba, casadi."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-from benchmarks.cases import P1, P2
+from benchmarks.cases import P1, P2, P3
 
 Rates = Callable[[Any, Any], Any]
 
@@ -40,12 +40,41 @@ def p2_rates(p: P2, cos: Callable[[Any], Any], dead_zone: Callable[[Any, float],
     return rates
 
 
-def rates_of(p: P1 | P2, cos: Callable[[Any], Any], dead_zone: Callable[[Any, float], Any]) -> tuple[Rates, int]:
+def p3_rates(p: P3, cos: Callable[[Any], Any], dead_zone: Callable[[Any, float], Any]) -> Rates:
+    """f(t, y) of P3 in the states of `P3.start`, without the zeros at their end."""
+    (c_sun, c_ring), (sun_phases, ring_phases) = p.c_meshes, p.phases
+    rs, rp, rr, b = p.r_sun, p.r_planet, p.r_ring, p.half_gap
+
+    def rates(t: Any, y: Any) -> list[Any]:
+        u, angle, sun, carrier, ring, *planets = (y[i] for i in range(4, 13))
+        at_sun, at_ring, slips, pulls = 0.0, 0.0, [], []
+        for i, planet in enumerate(planets):
+            slip = rs * (sun - carrier) + rp * (planet - carrier)
+            other = rp * (planet - carrier) - rr * (ring - carrier)
+            k_sun = p.k_sun * (1 + p.ripple * cos(p.w * t + sun_phases[i]))
+            k_ring = p.k_ring * (1 + p.ripple * cos(p.w * t + ring_phases[i]))
+            f = c_sun * slip + k_sun * dead_zone(y[i], b)
+            g = c_ring * other + k_ring * dead_zone(y[i] - u, b)
+            slips.append(slip)
+            pulls.append(-rp * (f + g) / p.j_planet)
+            at_sun, at_ring = at_sun + f, at_ring + g
+        load = p.torque * (1 + rr / rs)
+        d_sun = (p.torque * (1 + p.swing * cos(p.w * t)) - rs * at_sun) / p.j_sun
+        d_carrier = ((rs + rp) * at_sun - (rr - rp) * at_ring - load) / p.j_carrier
+        d_ring = (rr * at_ring - p.k_ground * angle - p.c_ground * ring) / p.j_ring
+        return [*slips, rs * (sun - carrier) + rr * (ring - carrier), ring, d_sun, d_carrier, d_ring, *pulls]
+
+    return rates
+
+
+def rates_of(p: P1 | P2 | P3, cos: Callable[[Any], Any], dead_zone: Callable[[Any, float], Any]) -> tuple[Rates, int]:
     """f(t, y) and the number of states."""
+    if isinstance(p, P3):
+        return p3_rates(p, cos, dead_zone), 13
     return (p1_rates(p, cos, dead_zone), 7) if isinstance(p, P1) else (p2_rates(p, cos, dead_zone), 2)
 
 
-def lambdified(p: P1 | P2) -> Callable[[float, Any], Any]:
+def lambdified(p: P1 | P2 | P3) -> Callable[[float, Any], Any]:
     """f(t, y) by sympy.lambdify, the dead zone as a Piecewise."""
     import sympy as sp
 
@@ -58,7 +87,7 @@ def lambdified(p: P1 | P2) -> Callable[[float, Any], Any]:
     return made
 
 
-def numba_source(p: P1 | P2) -> str:
+def numba_source(p: P1 | P2 | P3) -> str:
     """Python text of f(t, y, dy) with all numbers written out, common subexpressions taken out by sympy."""
     import sympy as sp
 
@@ -76,7 +105,7 @@ def numba_source(p: P1 | P2) -> str:
     return "\n".join(lines)
 
 
-def numba_rates(p: P1 | P2) -> Any:
+def numba_rates(p: P1 | P2 | P3) -> Any:
     """A numba C callback with the signature of numbalsoda."""
     from math import cos
 
@@ -92,7 +121,7 @@ def numba_rates(p: P1 | P2) -> Any:
     return numba.cfunc(lsoda_sig)(scope["f"])
 
 
-def casadi_rates(p: P1 | P2) -> dict[str, Any]:
+def casadi_rates(p: P1 | P2 | P3) -> dict[str, Any]:
     """The problem as casadi's integrator takes it."""
     import casadi as ca
 

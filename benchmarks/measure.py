@@ -40,8 +40,8 @@ def relative_error(y: Array, reference: Array) -> float:
 class Table:
     """Rows of (what, CPU seconds, error, remark).
 
-    The ratio of a row is its time over that of gearblocks at the same error, interpolated between the rows
-    called "gearblocks ..." on logarithmic axes (held beyond their ends).
+    The ratio of a row is its time over that of gearblocks at the same error: per method interpolated between the rows
+    called "gearblocks METHOD ..." on logarithmic axes (held beyond their ends), and the fastest method of these.
     """
 
     title: str
@@ -57,11 +57,14 @@ class Table:
 
     def ratio(self, seconds: float, error: float) -> float:
         """Time over that of gearblocks at this error; NaN without rows of gearblocks."""
-        own = sorted((e, s) for what, s, e, _ in self.rows if what.startswith("gearblocks") and s > 0 and e > 0)
-        if not own or not error > 0:
+        methods: dict[str, list[tuple[float, float]]] = {}
+        for what, s, e, _ in self.rows:
+            if what.startswith("gearblocks") and s > 0 and e > 0:
+                methods.setdefault(what.rpartition(" ")[0], []).append((e, s))
+        if not methods or not error > 0:
             return float("nan")
-        errors, times = np.log(np.array(own).T)
-        return seconds / float(np.exp(np.interp(np.log(error), errors, times)))
+        own = (np.log(np.array(sorted(rows)).T) for rows in methods.values())
+        return seconds / min(float(np.exp(np.interp(np.log(error), e, s))) for e, s in own)
 
     def text(self) -> str:
         """The table in Markdown."""

@@ -17,8 +17,8 @@ def main() -> None:
     """Prints the table."""
     print(machine(), "\n")
     t: Array = PROBLEM.period * np.arange(1.0, PROBLEM.periods + 1.0)
-    known = reference(PROBLEM, t, peers.coordinates(PROBLEM))
-    result = Table(f"P2, {PROBLEM.periods} periods, one sample each (two references agree to {known.agreement:.0e})")
+    known = reference(PROBLEM, t)
+    result = Table(f"P2, {PROBLEM.periods} periods, one sample each ({known.words})")
     y = known.y
     attempt(result, "gearblocks", lambda: ours(PROBLEM, t, y, (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10), "dp8"))
     attempt(result, "hand-written C", lambda: peers.hand_written(PROBLEM, t, y, (1e-4, 1e-6, 1e-8, 1e-10)))

@@ -1,4 +1,4 @@
-"""Others' solvers on P1 and P2, each at several tolerances: rows of (what, CPU seconds, error, remark)."""
+"""Others' solvers on P1, P2 and P3, each at several tolerances: rows of (what, CPU seconds, error, remark)."""
 
 from __future__ import annotations
 
@@ -7,38 +7,40 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.cases import P1, P2, P4, Array
+from benchmarks.cases import P1, P2, P3, P4, Array, Problem
 from benchmarks.equations import casadi_rates, lambdified, numba_rates
 from benchmarks.measure import cpu_seconds, relative_error
-from benchmarks.native import solve
+from benchmarks.native import cvode, solve
 
 Row = tuple[str, float, float, str]
 
 
-def coordinates(problem: P1 | P2 | P4) -> slice:
-    """The relative coordinates within the state vector."""
-    return slice(0, {P1: 3, P2: 1}.get(type(problem), problem.start.size // 2))
-
-
-def states(problem: P1 | P2) -> int:
+def states(problem: P1 | P2 | P3) -> int:
     """Number of states without the padding of the C code."""
-    return 7 if isinstance(problem, P1) else 2
+    return {P1: 7, P2: 2, P3: 13}[type(problem)]
 
 
-def hand_written(problem: P1 | P2 | P4, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
+def hand_written(problem: Problem, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
     """The C of this folder: order 8, located corners."""
     for rtol in rtols:
         seconds, run = cpu_seconds(lambda rtol=rtol: solve(problem, t, rtol))  # type: ignore[misc]
         remark = f"{run.steps} steps, {run.rejected} rejected, {run.corners} corners, no ledger"
-        c = coordinates(problem)
-        yield f"hand-written C {rtol:.0e}", seconds, relative_error(run.y[:, c], reference[:, c]), remark
+        yield f"hand-written C {rtol:.0e}", seconds, relative_error(problem.relative(run.y), reference), remark
 
 
-def scipy_dop853(problem: P1 | P2, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
+def cvode_klu(problem: P3 | P4, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
+    """SUNDIALS' CVODE with a sparse analytic Jacobian and KLU, all in C."""
+    for rtol in rtols:
+        seconds, run = cpu_seconds(lambda rtol=rtol: cvode(problem, t, rtol))  # type: ignore[misc]
+        remark = f"{run.steps} steps, {run.failed} failed, {run.rates} calls, {run.jacobians} Jacobians"
+        yield f"CVODE + KLU {rtol:.0e}", seconds, relative_error(problem.relative(run.y), reference), remark
+
+
+def scipy_dop853(problem: P1 | P2 | P3, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
     """scipy's DOP853 with a right-hand side from sympy.lambdify."""
     from scipy.integrate import solve_ivp
 
-    n, c = states(problem), coordinates(problem)
+    n = states(problem)
     f = lambdified(problem)
     for rtol in rtols:
         options: dict[str, Any] = {"method": "DOP853", "rtol": rtol, "atol": rtol * problem.scale[:n], "t_eval": t}
@@ -48,16 +50,16 @@ def scipy_dop853(problem: P1 | P2, t: Array, reference: Array, rtols: tuple[floa
         yield (
             f"scipy DOP853 + lambdify {rtol:.0e}",
             seconds,
-            relative_error(run.y.T[:, c], reference[:, c]),
+            relative_error(problem.relative(run.y.T), reference),
             (f"{run.nfev} calls"),
         )
 
 
-def numbalsoda(problem: P1 | P2, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
+def numbalsoda(problem: P1 | P2 | P3, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
     """numbalsoda's LSODA and DOP853 with a right-hand side compiled by numba."""
     from numbalsoda import dop853, lsoda
 
-    n, c = states(problem), coordinates(problem)
+    n = states(problem)
     address = numba_rates(problem).address
     times = np.concatenate([[0.0], t])
     for name, solver in (("LSODA", lsoda), ("DOP853", dop853)):
@@ -67,18 +69,18 @@ def numbalsoda(problem: P1 | P2, t: Array, reference: Array, rtols: tuple[float,
             seconds, (y, fine) = cpu_seconds(
                 lambda options=options, solver=solver: solver(address, problem.start[:n], times, **options)  # type: ignore[misc]
             )
-            error = relative_error(y[1:, c], reference[:, c])
+            error = relative_error(problem.relative(y[1:]), reference)
             yield f"numbalsoda {name} {rtol:.0e}", seconds, error, "" if fine else "reports failure"
 
 
-def casadi(problem: P1 | P2, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
+def casadi(problem: P1 | P2 | P3, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
     """CVODES through casadi, backward differentiation formulas with its own Jacobian."""
     import casadi as ca
 
-    n, c = states(problem), coordinates(problem)
+    n = states(problem)
     model = casadi_rates(problem)
     for rtol in rtols:
         options = {"reltol": rtol, "abstol": 1e-3 * rtol, "max_num_steps": 100_000_000}
         integrator = ca.integrator("run", "cvodes", model, 0.0, t.tolist(), options)
         seconds, y = cpu_seconds(lambda: np.array(integrator(x0=problem.start[:n])["xf"]).T)  # noqa: B023
-        yield f"casadi CVODES {rtol:.0e}", seconds, relative_error(y[:, c], reference[:, c]), ""
+        yield f"casadi CVODES {rtol:.0e}", seconds, relative_error(problem.relative(y), reference), ""

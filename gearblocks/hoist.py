@@ -81,8 +81,21 @@ class Hoister:
             rest = [self._inside_timed(a) for a in expr.args if self.pool.level(a) != CONSTANT]
             whole = expr.func(*constant)
             return expr.func(whole if _is_plain(whole) else self._column(whole, CONSTANT), *rest)
-        inner = expr.func(*(self._inside_timed(a) if a.free_symbols else a for a in expr.args))
-        return self._column(inner, TIMED) if isinstance(inner, (sp.sin, sp.cos)) else inner
+        if isinstance(expr, (sp.sin, sp.cos)):
+            return self._wave(expr)
+        return expr.func(*(self._inside_timed(a) if a.free_symbols else a for a in expr.args))
+
+    def _wave(self, expr: Any) -> Any:
+        """The column of a sine or cosine of time. A constant phase that belongs to the instance is taken out by the
+        addition theorem, so that instances with other phases share one sine and one cosine."""
+        terms = sp.Add.make_args(sp.expand(expr.args[0]))
+        phase = sp.Add(*(a for a in terms if self.pool.level(a) == CONSTANT))
+        running = sp.Add(*(a for a in terms if self.pool.level(a) != CONSTANT))
+        if self._is_common(phase) or not self._is_common(running):
+            return self._column(expr.func(self._inside_timed(expr.args[0])), TIMED)
+        c, s = (self._column(f(self._inside_timed(running)), TIMED) for f in (sp.cos, sp.sin))
+        c0, s0 = (self._column(f(phase), CONSTANT) for f in (sp.cos, sp.sin))
+        return self._column(s * c0 + c * s0 if isinstance(expr, sp.sin) else c * c0 - s * s0, TIMED)
 
     def _split(self, expr: Any, moving: Callable[[Any], Any]) -> Any:
         groups: dict[int, list[Any]] = {CONSTANT: [], TIMED: [], MOVING: []}
@@ -97,18 +110,21 @@ class Hoister:
     def _column(self, expr: Any, level: int) -> Any:
         if (level, expr) not in self._known:
             symbol = sp.Symbol(f"column{len(self.columns)}", real=True)
-            shared = all(self.pool.slots[x].role not in ("own", "exact", "mobility") for x in expr.free_symbols)
-            shared = shared and all(self._is_shared(x) for x in expr.free_symbols)
+            shared = self._is_common(expr)
             self.pool.slots[symbol] = Slot("column", (level, shared))
             self.columns.append(HoistedColumn(symbol, expr, level, shared))
             self._known[level, expr] = symbol
         return self._known[level, expr]
 
+    def _is_common(self, expr: Any) -> bool:
+        """Whether no number of an instance stands in it."""
+        return all(self._is_shared(x) for x in expr.free_symbols)
+
     def _is_shared(self, symbol: Any) -> bool:
         slot = self.pool.slots[symbol]
         if slot.role == "column":
             return bool(slot.of[1])
-        return slot.role != "mode"
+        return slot.role not in ("own", "exact", "mobility", "mode")
 
 
 def _is_plain(expr: Any) -> bool:

@@ -16,6 +16,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks import declare as d
+from gearblocks.affine import in_coordinates
 from gearblocks.branches import Freezer, SurfaceOfKind
 from gearblocks.drives import Drive, drive_of, frozen_drive, is_constant_tie, linear_tie, motion_of
 from gearblocks.errors import ModelError
@@ -183,9 +184,9 @@ def _introduce_coordinates(law: Law, flanges: Mapping[str, Any], forces: Iterabl
             replace = solved
             law.forms.append(form)
             law.coordinates.append(u)
-    if replace:
-        _substitute(law, replace)
     law.replaced = replace
+    if replace:
+        _substitute(law)
 
 
 def _solve(form: Form, u: Any, flanges: Mapping[str, Any], replace: dict[Any, Any]) -> dict[Any, Any] | None:
@@ -220,9 +221,9 @@ def _constant_part(slope: Any, angles: set[Any]) -> Any:
     return sp.Add(*(term for term in sp.Add.make_args(slope) if not term.free_symbols & angles))
 
 
-def _substitute(law: Law, replace: Mapping[Any, Any]) -> None:
+def _substitute(law: Law) -> None:
     def new(expr: Any) -> Any:
-        return None if expr is None else sp.sympify(expr).xreplace(replace)
+        return None if expr is None else in_coordinates(law.pool, expr, law.replaced)
 
     law.forces = {n: new(e) for n, e in law.forces.items()}
     law.torques = {n: new(e) for n, e in law.torques.items()}
@@ -238,11 +239,11 @@ def _substitute(law: Law, replace: Mapping[Any, Any]) -> None:
 def _freeze(law: Law, declared: Iterable[d.Switch]) -> None:
     """Conditions of the dynamics become modes; outputs reuse these modes and locate nothing of their own."""
     freezer = Freezer(law.pool)
-    replace = law.replaced
-    freezer.declare(
-        d.Switch(x.name, sp.sympify(x.surface).xreplace(replace), sp.sympify(x.when).xreplace(replace), x.low, x.high)
-        for x in declared
-    )
+
+    def new(expr: Any) -> Any:
+        return in_coordinates(law.pool, expr, law.replaced)
+
+    freezer.declare(d.Switch(x.name, new(x.surface), new(x.when), x.low, x.high) for x in declared)
     law.forces = {n: freezer.freeze(e) for n, e in law.forces.items()}
     law.torques = {n: freezer.freeze(e) for n, e in law.torques.items()}
     law.rates = {n: freezer.freeze(e) for n, e in law.rates.items()}

@@ -36,9 +36,54 @@ static inline void gaps(const problem *p, const real *y, real *s) {
         s[i] = y[2 * i + 1];
 }
 
+#ifdef WITH_CVODE
+#include "cvode.h"
+
+static long nonzeros(const problem *p) {
+    return 8 * (long)p->inertias - 4;
+}
+
+static void jacobian(const problem *p, const double *side, double t, const double *y, sunindextype *start,
+                     sunindextype *row, double *value) {
+    const sunindextype n = (sunindextype)p->inertias;
+    const double per[2] = {1 / p->j_heavy, 1 / p->j_light};
+    sunindextype at = 0;
+    (void)t, (void)y;
+    for (sunindextype i = 0; i < n; i++) { /* twist i pulls on discs i and i + 1 */
+        const int mesh = i % 2 == 1 && i < n - 1;
+        const double k = !mesh ? p->k_shaft : side[i / 2] * side[i / 2] * p->k_mesh;
+        start[i] = at;
+        row[at] = i, value[at++] = 0;
+        row[at] = n + i, value[at++] = -per[i % 2] * k;
+        if (i < n - 1)
+            row[at] = n + i + 1, value[at++] = per[(i + 1) % 2] * k;
+    }
+    double before = 0;
+    for (sunindextype i = 0; i < n; i++) { /* speed i */
+        const double c = i % 2 == 1 && i < n - 1 ? p->c_mesh : p->c_shaft;
+        start[n + i] = at;
+        if (i > 0)
+            row[at] = i - 1, value[at++] = -1;
+        row[at] = i, value[at++] = 1;
+        if (i > 0)
+            row[at] = n + i - 1, value[at++] = per[(i - 1) % 2] * before;
+        row[at] = n + i, value[at++] = -per[i % 2] * (before + c);
+        if (i < n - 1)
+            row[at] = n + i + 1, value[at++] = per[(i + 1) % 2] * c;
+        before = c;
+    }
+    start[2 * n] = at;
+}
+
+int p4_cvode(const problem *p, const double *start, const double *scale, double rtol, int n_out, const double *t_out,
+             double *out, long *count) {
+    return by_cvode(p, start, scale, rtol, n_out, t_out, out, count);
+}
+#else
 #include "solve.h"
 
 int p4_solve(const problem *p, const double *start, const double *side, const double *scale, double first_step,
              double rtol, int n_out, const double *t_out, double *out, long *count) {
     return solve(p, start, side, scale, first_step, rtol, n_out, t_out, out, count);
 }
+#endif

@@ -22,6 +22,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.blocks",),
     ("gearblocks.nesting", "gearblocks.sliding"),
     ("gearblocks.graph",),
+    ("gearblocks.affine",),
     ("gearblocks.drives", "gearblocks.laws", "gearblocks.ties", "gearblocks.coordinates", "gearblocks.kinematics"),
     ("gearblocks.grouping", "gearblocks.assemble", "gearblocks.carrying", "gearblocks.equations"),
     ("gearblocks.methods", "gearblocks.hoist", "gearblocks.layout"),
