@@ -137,6 +137,9 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
 
 def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> None:
     starts = {s.name: i for i, s in enumerate(program.starts)}
+    followers = {f.name: f for f in program.followers}
+    initial = dict(initial)
+    asked = {followers[name]: initial.pop(name) for name in [*initial] if name in followers}
     given: dict[int, tuple[str, float]] = {}
     for name, value in initial.items():
         info = program.starts[resolve(name, starts, "initial value")]
@@ -147,6 +150,14 @@ def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> N
                 f"the initial values of '{before[0]}' and '{name}' contradict each other through their ties"
             )
         result[info.place] = number
+    for follower, value in asked.items():
+        follows = sum(f * result[i] for i, f in zip(follower.places, follower.factors, strict=True))
+        if abs(follows - value) > 1e-9 * max(abs(value), abs(follows)):
+            names = ", ".join(program.parameters[i].path for i in follower.places)
+            raise ParameterError(
+                f"initial: '{follower.name}' = {value!r} contradicts the {follows:.9g} that follows from {names} through "
+                f"its ties: give those"
+            )
 
 
 def checked(name: str, value: float, unit: str, lower: float | None, upper: float | None) -> float:

@@ -18,7 +18,7 @@ from gearblocks.laws import Law, derive, exact_value
 from gearblocks.rational import Exact, exact
 from gearblocks.ties import Groups, TieRow, merge
 
-__all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble"]
+__all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble", "expand_rows"]
 
 
 @dataclass(slots=True)
@@ -201,7 +201,7 @@ def _dynamics(law: Law) -> list[Any]:
 def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) -> None:
     follows = {f.group: f for f in assembly.followers}
     given = frozenset(g for g, f in follows.items() if f.drive is not None and not f.drive.by_speed)
-    expanded = _expanded(assembly)
+    expanded = expand_rows(assembly)
     elimination = Elimination(given)
     batches: dict[Any, Batch] = {}
     facts: dict[int, tuple[tuple[bool, ...], bool]] = {}
@@ -229,7 +229,7 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
     assembly.definitions = _ordered(rows, follows)
 
 
-def _expanded(assembly: Assembly) -> dict[int, Combination]:
+def expand_rows(assembly: Assembly) -> dict[int, Combination]:
     """The angles of groups that follow through rows, over groups that do not."""
     found: dict[int, Combination] = {}
     for f in assembly.followers:

@@ -139,7 +139,7 @@ class BatchCode:
             name = f"sense[{self.places.senses[of]}]"
         elif role == "mode":
             prologue[name := f"mode{of.number}"] = f"mode[{self.places.switches[of.number]} + e]"
-        elif role == "table":
+        elif role in ("table", "table2"):
             name = self.places.tables[symbol]
         elif role == "force":
             inner = {x: self._name(x, args, prologue, vector) for x in _by_name(self.forces[symbol])}

@@ -67,6 +67,10 @@ def make_program(train: Train) -> Program:
     check_user_blocks(train)
     try:
         return generate(assemble(train))
+    except OverflowError:
+        raise ModelError(
+            "the ties multiply to a ratio beyond 1e308 between two shafts; shorten the chain of gears"
+        ) from None
     except NotImplementedError as error:  # of sympy's printers
         raise ModelError(f"a law contains a function that the generated C does not know: {error}") from error
 
@@ -92,7 +96,7 @@ def _values(train: Train) -> tuple[dict[str, float], set[str]]:
         for path, value, _ in numbers_of(c.block, c.path + "."):
             if isinstance(value, (int, float)):
                 values[path] = float(value)
-            elif isinstance(value, Expr) and path.endswith((".phi0", ".w0")):
+            elif isinstance(value, Expr) and path.endswith((".phi0", ".w0", ".s0", ".v0")):
                 values[path] = evaluate(value, _parameter_value)
         _starts(c.path, c.block, values)
         for leaf in leaves_of(c.block):
@@ -120,20 +124,39 @@ def _check_against(program: Program, train: Train, names: set[str]) -> None:
     double = names & {q.name for q in program.outputs} if names else set()
     problems = [f"'{name}' names an input or Parameter and an output; rename the first" for name in sorted(double)]
     starts = {s.name: (s.place, s.factor) for s in program.starts}
-    given: dict[int, tuple[str, float, float]] = {}
+    given: dict[int, tuple[str, str, float, float]] = {}
     for c in train.components:
-        for field, output in (("phi0", "phi"), ("w0", "w")):
+        for field, output in (("phi0", "phi"), ("w0", "w"), ("s0", "s"), ("v0", "v")):
             value, place = _start_of(c.block, field), starts.get(f"{c.path}.{output}")
             if value is not None and place is not None:
                 scaled = value * place[1]
-                before = given.setdefault(place[0], (c.path, value, scaled))
-                if abs(before[2] - scaled) > 1e-12 * max(abs(before[2]), abs(scaled)):
+                before = given.setdefault(place[0], (c.path, field, value, scaled))
+                if abs(before[3] - scaled) > 1e-12 * max(abs(before[3]), abs(scaled)):
                     problems.append(
-                        f"'{before[0]}': {field} = {before[1]!r} and '{c.path}': {field} = {value!r} contradict each "
+                        f"'{before[0]}': {before[1]} = {before[2]!r} and '{c.path}': {field} = {value!r} contradict each "
                         f"other through their ties; give one of them"
                     )
+    problems += _followers_against(program, train)
     if problems:
         raise ModelError(problems)
+
+
+def _followers_against(program: Program, train: Train) -> Iterator[str]:
+    """Given start values of shafts that follow from others, against these."""
+    if not program.followers:
+        return
+    values, _ = _values(train)
+    blocks = {c.path: c.block for c in train.components}
+    for name, places, factors in program.followers:
+        path, _, output = name.rpartition(".")
+        value = _start_of(blocks[path], f"{output}0")
+        paths = [program.parameters[i].path for i in places]
+        terms = [f * values.get(p, 0.0) for p, f in zip(paths, factors, strict=True)]
+        if value is not None and abs(value - sum(terms)) > 1e-12 * (abs(value) + sum(map(abs, terms))):
+            yield (
+                f"'{path}': {output}0 = {value!r} contradicts the {sum(terms):.9g} that follows through its ties from "
+                f"{', '.join(paths)}; leave one of them out"
+            )
 
 
 def _start_of(block: Block, field: str) -> float | None:

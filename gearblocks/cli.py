@@ -295,7 +295,7 @@ def _report(result: Trajectory, shown: Sequence[str]) -> None:
 
 def _telling(result: Trajectory) -> tuple[str, ...]:
     """The outputs that tell most, at most a dozen: deflections and forces of elements, speeds of bodies."""
-    kinds = ("deflection", "twist", "force", "torque", "w")
+    kinds = ("deflection", "twist", "force", "torque", "w", "v")
     own = [name for name in result.names if name.count(".") == 1]
     chosen = [name for kind in kinds for name in own if name.endswith("." + kind)]
     return tuple(chosen[:12]) or result.names[:12]

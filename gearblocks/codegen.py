@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
 from importlib.resources import files
 from typing import Any
 
@@ -14,11 +13,14 @@ from gearblocks.batchcode import BatchCode, Places, Statement, identifier
 from gearblocks.generator import Band, Generator, Prediction
 from gearblocks.jacobian import linear_part
 from gearblocks.layout import column, lay_out, padded
+from gearblocks.maps import Table2
 from gearblocks.massless import hidden_rows, lay_out_massless
 from gearblocks.motions import check_mobility, drive_functions, lay_out_mass
 from gearblocks.printer import c_text
-from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, Quantity, StartInfo, SwitchInfo
+from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, SwitchInfo
+from gearblocks.quantities import flange_outputs, follower_infos, shown, start_infos, state_quantities
 from gearblocks.senses import Sense, order_senses, reads_angles
+from gearblocks.signals import Table
 from gearblocks.symbols import CONSTANT
 from gearblocks.views import view
 
@@ -38,7 +40,7 @@ def generate(assembly: Assembly) -> Program:
     g.senses = order_senses(g.senses, g.codes, g.assembly, set(in_law))
     g.lay.n_total = g.lay.n_padded + padded(g.tail - g.lay.n_padded)
     g.linear = linear_part(g)
-    _describe_outputs(g)
+    g.outputs += flange_outputs(g)
     return _program(g, _render(g, angles))
 
 
@@ -66,7 +68,7 @@ def _columns(g: Generator) -> None:
             senses={p: s.index for p, s in g.senses.items()},
         )
         places.tables = {
-            x: _table_name(g, slot.of) for x, slot in batch.law.pool.slots.items() if slot.role == "table"
+            x: _table_name(g, slot.of) for x, slot in batch.law.pool.slots.items() if slot.role in ("table", "table2")
         }  # fmt: skip
         code = BatchCode(g.lay, number, batch, places)
         for symbol, values in batch.exact.items():
@@ -83,8 +85,11 @@ def _columns(g: Generator) -> None:
         _hoisted(g, code)
 
 
-def _table_name(g: Generator, table: Any) -> str:
-    return g.tables.setdefault(table.digest(), (f"table_{len(g.tables)}", table))[0]  # type: ignore[no-any-return]
+def _table_name(g: Generator, table: Table | Table2) -> str:
+    if isinstance(table, Table2):
+        axes = [_table_name(g, axis) for axis in table.axes]
+        return g.maps.setdefault(table.digest(), (f"map_{len(g.maps)}", table, axes))[0]
+    return g.tables.setdefault(table.digest(), (f"table_{len(g.tables)}", table))[0]
 
 
 def _switches(g: Generator) -> None:
@@ -175,7 +180,7 @@ def _laws(g: Generator) -> None:
         shows = []
         for show, expr in code.shows:
             shows.append((f"out[{len(g.outputs)} + e]", "=", expr, False))
-            g.outputs += [Quantity(f"{path}.{show.name}", show.unit, show.words) for path in code.paths]
+            g.outputs += shown(g, code, show.name, show.unit, show.words)
         g.keep("shows", code.function("shows", shows))
         starts = [(f"y[{g.lay.state0[code.number, x]} + e]", "=", e, False) for x, e in code.starts.items()]
         g.keep("starts", code.function("starts", starts))
@@ -294,18 +299,6 @@ def _bodies(g: Generator, code: BatchCode) -> None:
 # -- outputs ----------------------------------------------------------------------------------------------------------
 
 
-def _describe_outputs(g: Generator) -> None:
-    """Outputs of the flanges and the coordinates for reading follow the outputs of the blocks."""
-    for name, unit, words in (
-        ("phi", "rad", "angle"), ("w", "rad/s", "speed"), ("tau", "N m", "torque of the block on the flange"),
-        ("power", "W", "power from the block into the flange"),
-    ):  # fmt: skip
-        for code in g.codes:
-            for flange in code.batch.flanges:
-                g.outputs += [Quantity(f"{path}.{flange}.{name}", unit, words) for path in code.paths]
-    g.outputs += [Quantity(c.name, c.unit, "relative coordinate") for c in g.assembly.train.coordinates]
-
-
 def _coordinate_outputs(g: Generator) -> list[str]:
     """C of the coordinates for reading, over sense[] and parameters."""
     from gearblocks.expression import to_sympy
@@ -326,47 +319,15 @@ def _coordinate_outputs(g: Generator) -> list[str]:
 
 def _program(g: Generator, source: str) -> Program:
     lay = g.lay
-    states: list[Quantity] = [Quantity("", "rad", "coordinate")] * lay.n
-    for code in g.codes:
-        for e in range(code.n):
-            for j in range(len(code.law.forms)):
-                if code.batch.used[j] and not code.batch.dependent[j]:
-                    i = code.batch.sources[j][e]
-                    states[i] = Quantity(f"{code.paths[e]}.coordinate", "rad", "relative angle")
-            for state in code.law.rates:
-                states[lay.state0[code.number, state] + e] = Quantity(f"{code.paths[e]}.{state}", "1", "state")
-    for i, start in enumerate(g.assembly.starts[: g.assembly.n_speeds]):
-        states[lay.v0 + i] = Quantity(f"{start.w0}.w", "rad/s", "speed")
-    in_law = lay.angle0 < lay.n
-    for i, group in enumerate(g.assembly.angles):
-        owner = g.assembly.starts[group].phi0
-        if in_law:
-            states[lay.angle0 + i] = Quantity(f"{owner}.phi", "rad", "angle")
-        else:
-            g.integrals.append(IntegralInfo(owner, "angle", lay.angle0 + i))
+    if lay.angle0 >= lay.n:
+        for i, group in enumerate(g.assembly.angles):
+            g.integrals.append(IntegralInfo(g.assembly.starts[group].phi0, "angle", lay.angle0 + i))
     return Program(
         g.assembly.train.name, source, key_of(source), tuple(lay.parameters),
-        tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(states), tuple(g.switches),
+        tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(state_quantities(g)), tuple(g.switches),
         tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
-        tuple(_start_infos(g)), g.assembly.structural,
+        tuple(start_infos(g)), g.assembly.structural, tuple(follower_infos(g)),
     )  # fmt: skip
-
-
-def _start_infos(g: Generator) -> Iterator[StartInfo]:
-    """Names under which start values can be given: angle and speed of every body, states of blocks."""
-    for code in g.codes:
-        for flange, _ in code.law.bodies:
-            for e, group in enumerate(code.batch.groups[flange]):
-                if group != HELD and group < len(g.assembly.starts):
-                    start, gain = g.assembly.starts[group], code.batch.gains[flange][e]
-                    path = code.paths[e]
-                    yield StartInfo(f"{path}.phi", g.lay.phi0[group], float(start.phi0_gain / gain))
-                    if group < g.assembly.n_speeds:
-                        yield StartInfo(f"{path}.w", g.lay.w0[group], float(start.w0_gain / gain))
-        for state in code.law.rates:
-            first = g.lay.state_start[code.number, state]
-            for e in range(code.n):
-                yield StartInfo(f"{code.paths[e]}.{state}", first + e, 1.0)
 
 
 def _render(g: Generator, angles: bool) -> str:

@@ -105,7 +105,11 @@ def _raised(error: Exception, block: d.Block, s: Symbols) -> str:
     line = next((f.lineno for f in reversed(frames) if f.filename == file), frames[-1].lineno)
     if isinstance(error, AttributeError) and isinstance(error.obj, (Symbols, FlangeSymbols)):
         of_flange = isinstance(error.obj, FlangeSymbols)
-        known = ["phi", "w", "alpha", "tau", "mobility"] if of_flange else [n for n in vars(s) if not n.startswith("_")]
+        known = (
+            ["phi", "w", "alpha", "tau", "mobility", "s", "v", "f"]
+            if of_flange
+            else [n for n in vars(s) if not n.startswith("_")]
+        )
         near = did_you_mean(str(error.name), known)
         return f"asks {'a flange' if of_flange else 's'} for '{error.name}'; it has {', '.join(known)}{near}"
     return f"raises {type(error).__name__}: {error} (line {line}; an optional field that is not given is None)"

@@ -32,7 +32,8 @@ class Field:
 
     role: "param" (a number, runs as a tunable value), "exact" (integers that enter ratios exactly), "option" (part of
     the structure), "signal", "effect". belongs_to: the effect that goes when this field is None ("compliance").
-    convert: turns a short form (a Table, say) into the effect that it stands for.
+    convert: turns a short form (a Table, say) into the effect that it stands for. over: the quantity of the block
+    ("twist") that an expression in the field may contain, and a Table in it is read at.
     """
 
     words: str
@@ -46,6 +47,7 @@ class Field:
     many: bool = False
     belongs_to: str | None = None
     convert: Callable[[Any], Any] | None = None
+    over: str | None = None
 
     @property
     def required(self) -> bool:
@@ -64,19 +66,26 @@ def param(
     return Field(words, unit, "param", default, gt, ge, lt, le, many, belongs_to)
 
 
-def exact(words: str, *, default: Any = _REQUIRED, many: bool = False) -> Any:
+def exact(words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False) -> Any:
     """A number that enters ratios exactly (tooth counts; a float stands for its exact binary fraction). Structural."""
-    return Field(words, "1", "exact", default, many=many)
+    return Field(words, unit, "exact", default, many=many)
 
 
-def option(words: str, *, default: Any = _REQUIRED) -> Any:
-    """A choice (text, truth or whole number) that decides the form of the law. Structural."""
-    return Field(words, "1", "option", default)
+def option(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, belongs_to: str | None = None
+) -> Any:
+    """A choice (text, truth, number) that decides the form of the law. Structural. many=True: a tuple of them."""
+    return Field(words, unit, "option", default, many=many, belongs_to=belongs_to)
 
 
-def signal(words: str, unit: str = "1", *, default: Any = _REQUIRED, belongs_to: str | None = None) -> Any:
-    """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense)."""
-    return Field(words, unit, "signal", default, belongs_to=belongs_to)
+def signal(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, belongs_to: str | None = None, over: str | None = None
+) -> Any:  # fmt: skip
+    """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense).
+
+    over: a quantity of the block that may stand in it too, see Symbols.local; a Table then goes over that quantity.
+    """
+    return Field(words, unit, "signal", default, belongs_to=belongs_to, over=over)
 
 
 def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None) -> Any:
@@ -86,11 +95,20 @@ def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | N
 
 @dataclass(frozen=True, slots=True)
 class Flange:
-    """A rotating connection point. ground: means the ground when nothing is connected; spare: may stay open."""
+    """A rotating connection point, or a sliding one.
+
+    ground: means the ground when nothing is connected; spare: may stay open. slider: True for positions [m], speeds
+    [m/s] and forces [N] in place of angles and torques; None for a flange that is what it is connected to.
+    """
 
     words: str
     ground: bool = False
     spare: bool = False
+    slider: bool | None = False
+
+    def __post_init__(self) -> None:
+        if self.slider not in (True, False, None):
+            raise ModelError(f"Flange '{self.words}': slider = {self.slider!r} must be True, False or None (both)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,8 +242,8 @@ class Parts:
 
 
 _TAKEN = {
-    "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics", "problems",
-    "rate_of", "slope", "states", "time", "without_effect",
+    "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics",
+    "problems", "rate_of", "reading", "slope", "states", "tabled", "time", "turned", "without_effect",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 
@@ -338,7 +356,8 @@ class Block(_Declared, ABC):
 
     In `physics`, s.<flange>.phi and .w are angle [rad] and speed [rad/s], s.<field> the symbol of a number or signal
     (None when absent), s.<effect> the symbols of an effect, s.<state> a state, s.time the time. In Shows also
-    s.<flange>.alpha [rad/s2] and s.<flange>.tau [N m], the torque that the block exerts on the flange.
+    s.<flange>.alpha [rad/s2] and s.<flange>.tau [N m], the torque that the block exerts on the flange. On a slider
+    s.<flange>.s, .v and .f are other names of phi, w and tau (in m, m/s and N).
     s.<flange>.mobility is 1/J of all inertia tied rigidly to the flange (0 at the ground).
     """
 

@@ -16,6 +16,7 @@ from gearblocks.graph import Coordinate, Train, Tree, field_paths, flatten, repl
 from gearblocks.handles import FlangeHandle, Handle
 from gearblocks.library import Model
 from gearblocks.rigid import released_angles
+from gearblocks.sliding import start_fields, unit_along
 
 if TYPE_CHECKING:
     from gearblocks.analysis import Label, Points, Section
@@ -239,8 +240,11 @@ class Drivetrain:
         stiffened = [name.rsplit(".", 1)[0] for name in other.dropped if name.endswith(".compliance")]
         for path in list(released_angles(flatten(other.tree(), complete=False), stiffened)) if stiffened else ():
             owner, name, _ = other._locate(path)
-            owner._parts[name] = owner._parts[name].changed(phi0=None)  # type: ignore[union-attr]
-            other.dropped += (f"{path}.phi0",)
+            body = owner._parts[name]
+            assert isinstance(body, Block)
+            start = start_fields(body)[0]
+            owner._parts[name] = body.changed(**{start: None})
+            other.dropped += (f"{path}.{start}",)
         return other
 
     # -- reading ------------------------------------------------------------------------------------------------------
@@ -264,7 +268,11 @@ class Drivetrain:
 
     def describe(self) -> str:
         """A table of all blocks with their values and effects."""
-        rows = [(path, type(block).__name__, _summary(block)) for path, _, _, block in self._walk()]
+        flat = flatten(self.tree(), complete=False).components if self._parts else ()
+        slides = {c.path: c.slides for c in flat}
+        rows = [
+            (path, type(block).__name__, _summary(block, slides.get(path, False))) for path, _, _, block in self._walk()
+        ]
         widths = [max((len(r[i]) for r in rows), default=0) for i in range(2)]
         head = f"{self.name}: {len(rows)} blocks, {len(self.effects())} effects"
         return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows)])
@@ -359,11 +367,11 @@ def stroboscopic(frequency: str) -> Section:
     return Section(frequency)
 
 
-def _summary(block: Block) -> str:
+def _summary(block: Block, slides: bool) -> str:
     parts = []
     for name, field in type(block).fields.items():
         value = block.__dict__[name]
         if value is not None and value != field.default:
-            unit = "" if field.unit == "1" else f" {field.unit}"
+            unit = "" if field.unit == "1" else f" {unit_along(field.unit, slides)}"
             parts.append(f"{name} = {value!r}{unit}" if not isinstance(value, _Declared) else f"{name}: {value!r}")
     return ", ".join(parts)

@@ -13,11 +13,14 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.assemble import HELD, Assembly, assemble
+from gearblocks.carrying import carry
+from gearblocks.drives import Drive, frozen_drive
 from gearblocks.errors import ModelError
 from gearblocks.expression import to_sympy
 from gearblocks.graph import GROUND, Component, Train, structure_of
 from gearblocks.laws import Law, derive
 from gearblocks.printer import latex_text, plain_text
+from gearblocks.sliding import flange_names, slider_names
 from gearblocks.symbols import ContactSide, DeadZone, clock
 
 _LETTERS = {
@@ -32,7 +35,8 @@ _LETTERS = {
 class Equations:
     """Equations of motion of a train: mass_matrix * v' = forcing, q' = v, and rates of the states of blocks.
 
-    q, v: angles [rad] and speeds [rad/s], one per shaft that turns by itself; states: states of blocks with their
+    q, v: angles [rad] and speeds [rad/s], one per shaft that turns by itself (a shaft without inertia has a row of zeros in
+    the mass matrix: its torques are in balance); states: states of blocks with their
     rates; definitions: symbols that stand for longer expressions (a mesh force N); parameters: all other symbols with
     their paths. forcing names the defined symbols; `expanded` has them put in.
     """
@@ -222,10 +226,13 @@ class _Writer:
     def __init__(self, assembly: Assembly) -> None:
         self.assembly = assembly
         self.laws: dict[Any, Law] = {}
-        owners = [start.phi0 for start in assembly.starts]
-        self.q = [sp.Symbol(f"phi_{_flat(name)}", real=True) for name in owners]
-        self.v = [sp.Symbol(f"w_{_flat(name)}", real=True) for name in owners]
+        sliders = slider_names(assembly.train.components)
+        names = [(*flange_names(start.phi0 in sliders), _flat(start.phi0)) for start in assembly.starts]
+        names += [(*flange_names(False), f"shaft{group}") for group in range(len(names), assembly.n_groups)]
+        self.q = [sp.Symbol(f"{angle}_{owner}", real=True) for angle, _, _, _, owner in names]
+        self.v = [sp.Symbol(f"{speed}_{owner}", real=True) for _, speed, _, _, owner in names]
         n = assembly.n_groups
+        self.drives: dict[tuple[int, int], Drive] = {}
         self.mass: list[Any] = [sp.Integer(0)] * n
         self.torque: list[Any] = [sp.Integer(0)] * n
         self.states: dict[Any, Any] = {}
@@ -234,6 +241,7 @@ class _Writer:
         self.shows: dict[str, Any] = {}
         self.deflections: dict[Any, Any] = {}
         self.inputs: set[Any] = set()
+        self.number = 0
         self.claimed: dict[str, Any] = {x.name: x for x in (*self.q, *self.v)}
 
     def write(self, c: Component) -> None:
@@ -255,6 +263,9 @@ class _Writer:
             group, gain = places[flange]
             if group != HELD:
                 self.mass[group] += sp.Rational(gain.numerator, gain.denominator) ** 2 * inertia.xreplace(replace)
+        for number, drive in enumerate(law.drives):
+            self.drives[self.number, number] = frozen_drive(drive, lambda e: sp.sympify(e).xreplace(replace))
+        self.number += 1
         for state, rate in law.rates.items():
             symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
             self.states[symbol] = rate.xreplace(replace)
@@ -303,14 +314,18 @@ class _Writer:
         offset = self.assembly.held_offset.get(node)
         if offset is None:
             return sp.Integer(0)
+        gain = self.assembly.group_of_node[node][1]
+        return sp.Rational(gain.numerator, gain.denominator) * self._offset(offset)
+
+    def _offset(self, offset: str) -> Any:
+        """The symbol of an angle that the ground holds, 0 where it is given as 0."""
         path, _, name = offset.rpartition(".")
         block = next(other.block for other in self.assembly.train.components if other.path == path)
         if getattr(block, name) == 0:
             return sp.Integer(0)
         symbol = self._claim(f"{name}_{_flat(path)}", ("own", path, name))
         self.parameters[symbol] = offset
-        gain = self.assembly.group_of_node[node][1]
-        return sp.Rational(gain.numerator, gain.denominator) * symbol
+        return symbol
 
     def _mobility(self, place: Any) -> Any:
         """1/J of a shaft as a symbol, defined when everything is added up."""
@@ -320,10 +335,17 @@ class _Writer:
 
     def finish(self) -> Equations:
         """The frozen equations."""
-        masses = {sp.Symbol(f"__J{i}"): m for i, m in enumerate(self.mass)}
-        torque = [self._sensed(e.xreplace(masses)) for e in self.torque]
-        definitions = {s: self._sensed(e.xreplace(masses)) for s, e in self.definitions.items()}
-        self.states = {s: self._sensed(e) for s, e in self.states.items()}
+        carried = carry(self.assembly, self.drives, self.q, self.v, self._offset)
+        mass, torque = carried.balance(self.mass, self.torque)
+        mobility = {
+            sp.Symbol(f"__J{i}"): m if self.assembly.plain else carried.inertia(mass, i) for i, m in enumerate(self.mass)
+        }  # fmt: skip
+        torque = [self._sensed(e.xreplace(mobility)) for e in torque]
+        definitions = {s: self._sensed(carried.put(e).xreplace(mobility)) for s, e in self.definitions.items()}
+        self.states = {s: self._sensed(carried.put(e)) for s, e in self.states.items()} | carried.paced
+        self.shows = {path: carried.put(e) for path, e in self.shows.items()}
+        self.deflections = {x: carried.put(e) for x, e in self.deflections.items()}
+        self.q, self.v = self.q[: carried.n], self.v[: carried.n]
         used: set[Any] = set()
         for e in [*torque, *self.states.values()]:
             used |= e.free_symbols
@@ -333,12 +355,10 @@ class _Writer:
                 kept[s] = definitions[s]
                 used |= definitions[s].free_symbols
         ordered = {s: kept[s] for s in definitions if s in kept}
-        parameters = {
-            s: p for s, p in self.parameters.items() if s in used or any(s in m.free_symbols for m in self.mass)
-        }
+        parameters = {s: p for s, p in self.parameters.items() if s in used or s in mass.free_symbols}
         everything = [*self.q, *self.v, *self.states, *ordered, *parameters]
         return Equations(
-            self.assembly.train.name, tuple(self.q), tuple(self.v), sp.diag(*self.mass), sp.Matrix(torque), self.states,
+            self.assembly.train.name, tuple(self.q), tuple(self.v), mass, sp.Matrix(torque), self.states,
             ordered, parameters, self._coordinates(), {s: _latex_name(s.name) for s in everything},
         )  # fmt: skip
 
@@ -353,7 +373,7 @@ class _Writer:
 
     def _coordinates(self) -> dict[Any, Any]:
         """Relative coordinates: the named ones where they are as many as needed and independent, else deflections."""
-        wanted = self.assembly.n_groups - len(self.assembly.angles)
+        wanted = self.assembly.n_groups - len(self.assembly.angles) if self.assembly.plain else 0
         named = {sp.Symbol(c.name, real=True): self._read(c.expr) for c in self.assembly.train.coordinates}
         named = {x: e for x, e in named.items() if not sp.sympify(e).free_symbols & set(self.v)}
         for candidate in (named, self.deflections):

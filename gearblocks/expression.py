@@ -21,13 +21,14 @@ FUNCTIONS = (
 )  # fmt: skip
 _INFIX = {"+": 1, "*": 2, "**": 4}
 _RELATIONS = ("<", "<=", ">", ">=")
+_LEAVES = ("parameter", "input", "table", "table2", "sense", "time", "local")
 
 
 class Expr:
     """One node: an operation and its arguments, or a leaf. Immutable; arithmetic builds new nodes.
 
-    op: "number", "time", "parameter", "input", "table", "sense", "local" (a block's own quantity), one of + * **,
-    a relation, or a function name.
+    op: "number", "time", "parameter", "input", "table", "table2" (of two quantities), "sense", "local" (a block's own
+    quantity), one of + * **, a relation, or a function name.
     """
 
     __slots__ = ("args", "op")
@@ -120,7 +121,7 @@ class Expr:
 
     def leaves(self) -> Iterator[Expr]:
         """Every leaf that is not a number, depth first, repeated where it is repeated."""
-        if self.op in ("parameter", "input", "table", "sense", "time", "local"):
+        if self.op in _LEAVES:
             yield self
         for a in self.args:
             if isinstance(a, Expr):
@@ -256,8 +257,8 @@ def _text(e: Expr, outer: int) -> str:
         return f"{e.op}({e.args[0].name!r})"
     if e.op in ("sense", "local"):
         return f"{e.op}({e.args[0]!r})"
-    if e.op == "table":
-        return f"table({e.args[0].digest()!r}, {_text(e.args[1], 0)})"
+    if e.op in ("table", "table2"):
+        return f"{e.op}({', '.join([repr(e.args[0].digest()), *(_text(a, 0) for a in e.args[1:])])})"
     if e.op in _INFIX:
         level = _INFIX[e.op]
         joined = (" + " if e.op == "+" else e.op).join(_text(a, level + (1 if e.op == "**" else 0)) for a in e.args)
@@ -274,7 +275,7 @@ def evaluate(e: Expr, values: Callable[[Expr], float]) -> float:
     """The number that e stands for when `values` gives a number for each leaf."""
     if e.op == "number":
         return float(e.args[0])
-    if e.op in ("time", "parameter", "input", "sense", "table", "local"):
+    if e.op in _LEAVES:
         return values(e)
     a = [evaluate(x, values) for x in e.args]
     if e.op == "+":
@@ -310,7 +311,7 @@ def leaf_symbol_class() -> Any:
         __slots__ = ("leaf",)
 
         def __new__(cls, leaf: Expr) -> LeafSymbol:
-            if leaf.op in ("time", "table"):
+            if leaf.op in ("time", "table", "table2"):
                 name = "t" if leaf.op == "time" else str(leaf)
             else:
                 name = leaf.args[0] if leaf.op in ("sense", "local") else leaf.args[0].name
@@ -334,7 +335,7 @@ def to_sympy(e: Expr, leaf: Callable[[Expr], Any] | None = None) -> Any:
     if e.op == "number":
         x = e.args[0]
         return sp.Integer(int(x)) if x == int(x) and abs(x) < 1e15 else sp.Float(x)
-    if e.op in ("time", "parameter", "input", "sense", "table", "local"):
+    if e.op in _LEAVES:
         return leaf(e) if leaf else leaf_symbol_class()(e)
     if e.op == "**" and next(e.leaves(), None) is None:
         _check_power(e)

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 from gearblocks.assemble import Assembly
 from gearblocks.batchcode import BatchCode, Function, Statement
 from gearblocks.layout import Column, Layout
+from gearblocks.maps import Table2
 from gearblocks.massless import Massless
 from gearblocks.motions import Motions
 from gearblocks.pattern import Pattern
 from gearblocks.program import EnergyInfo, IntegralInfo, Quantity, SwitchInfo
 from gearblocks.rational import Exact
 from gearblocks.senses import Sense
+from gearblocks.signals import Table
 
 
 @dataclass(slots=True)
@@ -94,7 +95,8 @@ class Generator:
     lay: Layout
     codes: list[BatchCode] = field(default_factory=list)
     senses: dict[str, Sense] = field(default_factory=dict)
-    tables: dict[str, Any] = field(default_factory=dict)
+    tables: dict[str, tuple[str, Table]] = field(default_factory=dict)
+    maps: dict[str, tuple[str, Table2, list[str]]] = field(default_factory=dict)
     n_par: int = 0
     n_time: int = 0
     shared: dict[tuple[int, str], str] = field(default_factory=dict)

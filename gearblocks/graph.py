@@ -16,8 +16,10 @@ from typing import Any, get_args
 from gearblocks.declare import Block, Effect, Field, _Declared
 from gearblocks.errors import ModelError, did_you_mean
 from gearblocks.expression import Expr, evaluate
+from gearblocks.maps import Table2
 from gearblocks.nesting import localised
 from gearblocks.signals import Input, Parameter, Table
+from gearblocks.sliding import sliders_of, sliding_nodes
 
 GROUND = -1
 """The node number of a flange that means the ground because nothing is connected to it."""
@@ -50,6 +52,8 @@ class Component:
     path: str
     block: Block
     nodes: tuple[int, ...]
+    sliders: frozenset[str] = frozenset()  # flanges that slide
+    slides: bool = False  # whether those slide that take both: units are then those of sliders
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,31 +122,27 @@ def _number(
     tree: Tree, blocks: list[tuple[str, Block]], flanges: dict[Any, int], joined: set[int], find: Any, complete: bool
 ) -> Train:
     """Numbers the nodes in the order of the components and refuses open ends."""
-    numbers: dict[int, int] = {}
-    components = []
-    problems = []
+    numbers, components, problems = dict[int, int](), [], []
     for path, block in blocks:
-        nodes = []
+        nodes, who = [], f"{type(block).__name__} '{path}'"
         for flange, spec in type(block).flanges.items():
             i = flanges[path, flange]
             if i not in joined and spec.ground:
                 nodes.append(GROUND)
                 continue
             if i not in joined and not spec.spare:
-                problems.append(
-                    f"flange '{flange}' of {type(block).__name__} '{path}' is open: connect it (to an Inertia, a Fixed, ...)"
-                )
+                problems.append(f"flange '{flange}' of {who} is open: connect it (to an Inertia, a Fixed, ...)")
             nodes.append(numbers.setdefault(find(i), len(numbers)))
         if len({n for n in nodes if n != GROUND}) < sum(n != GROUND for n in nodes) and len(nodes) > 1:
-            problems.append(
-                f"{type(block).__name__} '{path}' is connected to itself: two of its flanges share one node"
-            )
-        components.append(Component(path, block, tuple(nodes)))
-    if problems and complete:
-        raise ModelError(problems)
+            problems.append(f"{who} is connected to itself: two of its flanges share one node")
+        components.append((path, block, tuple(nodes)))
+    sliding, mixed = sliding_nodes(components, len(numbers))
+    if (problems or mixed) and complete:
+        raise ModelError(problems + mixed)
     if not components:
         raise ModelError(f"the drivetrain '{tree.name}' is empty: add blocks")
-    return Train(tree.name, tuple(components), len(numbers), tree.coordinates)
+    flat = tuple(Component(*c, *(sliders_of(c[1], c[2], sliding) if sliding else ())) for c in components)
+    return Train(tree.name, flat, len(numbers), tree.coordinates)
 
 
 # -- structure --------------------------------------------------------------------------------------------------------
@@ -177,7 +177,7 @@ def _structure(value: Any, field: Field, exact: bool) -> Any:
         return ("parameter", value.name, value.unit, *(["zero"] if zero else []))
     if isinstance(value, Input):
         return ("input", value.name, value.start, value.unit)
-    if isinstance(value, Table):
+    if isinstance(value, (Table, Table2)):
         return ("table", value.digest())
     if isinstance(value, Expr):
         leaves = sorted({repr(leaf.args[0]) for leaf in value.leaves() if leaf.op == "input"})
@@ -206,10 +206,10 @@ def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
     store = owner.__dict__
     for name, field in type(owner).fields.items():
         value = store[name]
-        if value is None or field.role == "option":
-            continue
         if isinstance(value, _Declared):
             yield from numbers_of(value, f"{prefix}{name}.")
+        elif value is None or field.role == "option":
+            continue
         elif isinstance(value, tuple):
             for i, v in enumerate(value):
                 yield f"{prefix}{name}[{i}]", v, field
@@ -251,6 +251,8 @@ def _field_problems(owner: _Declared, prefix: str) -> Iterator[str]:
         elif field.role == "option":
             if isinstance(field.default, bool) and not isinstance(value, bool):
                 yield f"{prefix}{name} = {value!r} must be True or False"
+            elif isinstance(value, _Declared):
+                yield from _field_problems(value, f"{prefix}{name}.")
         elif value is None:
             if field.default is not None and field.belongs_to is None:
                 yield f"{prefix}{name} = None ({field.words}): a value must be given"
@@ -297,6 +299,8 @@ def _problem(name: str, value: Any, field: Field) -> str:
         if problem or isinstance(value, (Input, Table)) or (isinstance(value, Expr) and not _is_constant(value)):
             return problem
         number, shown = _constant(value), f" ({value!r})" if isinstance(value, Parameter) else f" ('{value}')"
+    elif isinstance(value, Table2):
+        return f"{name} = {value!r} is no signal by itself: call it with two quantities, such as table(gb.sense('motor.w'), u)"
     elif isinstance(value, bool) or not isinstance(value, (int, float, Fraction if field.role == "exact" else int)):
         return (
             f"{name} = {value!r:.80} is no number{', Parameter, Input, Table or expression' * (field.role == 'signal')}"
@@ -329,14 +333,18 @@ def _constant(value: Parameter | Expr) -> float:
         return math.nan
 
 
+_KNOWN_BY = {"twist": "only the torque of a Shaft", "driver_angle": "only the k of a NonCircularGear"}
+
+
 def _signal_problem(name: str, value: Any, field: Field) -> str:
     if field.role == "exact":
         return f"{name} = {value!r:.80} enters a ratio: give a plain number, and another one with rig.set(...)"
     if isinstance(value, Expr) and value.op in ("<", "<=", ">", ">=", "And", "Or", "Not"):
         return f"{name} = '{value}' is a condition, not a value: give gb.piecewise((value, condition), (other, True))"
     if field.role == "signal":
-        local = isinstance(value, Expr) and name != "torque" and any(leaf.op == "local" for leaf in value.leaves())
-        return f"{name} = '{value}' contains gb.twist, which only the torque of a Shaft knows" if local else ""
+        leaves = value.leaves() if isinstance(value, Expr) else ()
+        local = next((x.args[0] for x in leaves if x.op == "local" and x.args[0] != field.over), None)
+        return "" if local is None else f"{name} = '{value}' contains gb.{local}, which {_KNOWN_BY[local]} knows"
     changing = not isinstance(value, (Expr, Parameter)) or (isinstance(value, Expr) and not _is_constant(value))
     return (
         f"{name} is a parameter: it takes a number, a gb.Parameter or an expression of Parameters" if changing else ""

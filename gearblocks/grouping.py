@@ -13,6 +13,7 @@ from gearblocks.kinematics import Driven, Follower, GroupRow, follow
 from gearblocks.laws import Law
 from gearblocks.rational import Exact, over
 from gearblocks.signals import Parameter
+from gearblocks.sliding import start_fields
 
 if TYPE_CHECKING:
     from gearblocks.assemble import Assembly
@@ -169,7 +170,7 @@ def _given_starts(assembly: Assembly, laws: list[Law]) -> dict[int, str]:
     found: dict[int, str] = {}
     for c, law in zip(assembly.train.components, laws, strict=True):
         for flange, _ in law.bodies:
-            if getattr(c.block, "phi0", None) is not None or getattr(c.block, "w0", None) is not None:
+            if any(getattr(c.block, name, None) is not None for name in start_fields(c.block)):
                 node = c.nodes[list(type(c.block).flanges).index(flange)]
                 found.setdefault(assembly.groups.find(node)[0], c.path)
     return found
@@ -197,15 +198,16 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
     for c, law in zip(assembly.train.components, laws, strict=True):
         for flange, _ in law.bodies:
             group, gain = assembly.group_of_node[c.nodes[list(type(c.block).flanges).index(flange)]]
-            for key, owners in found.items():
-                value = getattr(c.block, key, None)
+            for (key, owners), name in zip(found.items(), start_fields(c.block), strict=True):
+                value = getattr(c.block, name, None)
                 given = value is not None
                 if group == HELD and key == "w0" and isinstance(value, (int, float)) and value != 0:
-                    raise ModelError(f"'{c.path}': w0 = {value!r} rad/s, but a Fixed holds this shaft; leave w0 out")
+                    shown = f"{name} = {value!r} {'m/s' if flange in c.sliders else 'rad/s'}"
+                    raise ModelError(f"'{c.path}': {shown}, but a Fixed holds this shaft; leave {name} out")
                 if group != HELD and (group not in owners or (given and not owners[group][2])):
                     owners[group] = (c.path, gain, given)
     count = assembly.n_speeds + assembly.n_hidden + assembly.n_paced
-    if len(found["phi0"]) < count:
+    if any(group not in found["phi0"] for group in range(count)):
         for c in assembly.train.components:
             for name, node in zip(type(c.block).flanges, c.nodes, strict=True):
                 group, gain = assembly.group_of_node[node] if node >= 0 else (HELD, 1)

@@ -9,6 +9,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
+
 import gearblocks.blocks as catalogue
 import gearblocks.effects as effects
 from gearblocks.declare import Block, _Declared
@@ -16,6 +18,8 @@ from gearblocks.errors import GearblocksError, ModelError, StorageError, did_you
 from gearblocks.expression import FUNCTIONS, Expr, number
 from gearblocks.files import write_text
 from gearblocks.graph import Coordinate, Tree
+from gearblocks.maps import Table2
+from gearblocks.ratio_law import RatioLaw
 from gearblocks.signals import Input, Parameter, Table
 
 FORMAT = "gearblocks train 1"
@@ -80,10 +84,18 @@ def _value(path: str, value: Any, leaves: dict[str, Any]) -> Any:
         return [_value(path, v, leaves) for v in value]
     if isinstance(value, _Declared):
         return _owner(path, value, leaves)
+    if isinstance(value, RatioLaw):
+        return {
+            "ratio_law": value.recipe[0],
+            "values": [list(v) if isinstance(v, tuple) else v for v in value.recipe[1]],
+        }
     if isinstance(value, (Parameter, Input, Table)):
         return {"expression": _expr(value._expr_(), leaves)}
     if isinstance(value, Expr):
         return {"expression": _expr(value, leaves)}
+    if isinstance(value, Table2):
+        leaves[value.digest()] = _grid(value)
+        return {"table2": value.digest()}
     return {"fraction": [value.numerator, value.denominator]} if isinstance(value, Fraction) else value
 
 
@@ -98,17 +110,25 @@ def _expr(expr: Expr, leaves: dict[str, Any]) -> str:
         elif leaf.op == "table":
             t = leaf.args[0]
             leaves[t.digest()] = {"x": list(t.x), "y": list(t.y), "kind": t.kind, "periodic": t.periodic}
+        elif leaf.op == "table2":
+            leaves[leaf.args[0].digest()] = _grid(leaf.args[0])
     return str(expr)
+
+
+def _grid(table: Table2) -> dict[str, Any]:
+    return {**{name: np.asarray(getattr(table, name)).tolist() for name in "xyz"}, "kind": table.kind}
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------
 
 
-def _leaf(item: Mapping[str, Any]) -> Parameter | Input | Table:
+def _leaf(item: Mapping[str, Any]) -> Parameter | Input | Table | Table2:
     if "parameter" in item:
         return Parameter(item["parameter"], item["value"], item["unit"])
     if "input" in item:
         return Input(item["input"], item["start"], item["unit"])
+    if "z" in item:
+        return Table2(item["x"], item["y"], item["z"], item["kind"])
     return Table(item["x"], item["y"], item["kind"], item["periodic"])
 
 
@@ -165,6 +185,10 @@ def _read_value(path: str, value: Any, leaves: Mapping[str, Any]) -> Any:
     if isinstance(value, dict):
         if "fraction" in value:
             return Fraction(*value["fraction"])
+        if "table2" in value:
+            return _known(leaves, "table2", value["table2"])
+        if "ratio_law" in value:
+            return _read_ratio_law(value["ratio_law"], value["values"])
         if "expression" not in value:
             return _read_owner(path, value, leaves)
         expr = parse(value["expression"], leaves)
@@ -176,9 +200,26 @@ def _read_value(path: str, value: Any, leaves: Mapping[str, Any]) -> Any:
     return value
 
 
+def _read_ratio_law(how: str, values: list[Any]) -> RatioLaw:
+    if how not in ("segments", "ellipse", "from_function", "from_table"):
+        raise ModelError(f"there is no ratio law '{how}'")
+    if how == "from_function":
+        values = [parse(values[0], {}), *values[1:]]
+    made = getattr(RatioLaw, how)(*values)
+    assert isinstance(made, RatioLaw)
+    return made
+
+
 # -- expressions ------------------------------------------------------------------------------------------------------
 
-Leaves: TypeAlias = Mapping[str, Parameter | Input | Table]
+Leaves: TypeAlias = Mapping[str, Parameter | Input | Table | Table2]
+
+
+def _known(leaves: Leaves, kind: str, key: str) -> Parameter | Input | Table | Table2:
+    """The leaf of that name; GearblocksError where there is none of the kind."""
+    if type(leaves.get(key)).__name__.lower() != kind:
+        raise GearblocksError(f"the expression names the {kind} '{key}', which is not there")
+    return leaves[key]
 
 
 def parse(text: str, leaves: Leaves) -> Expr:
@@ -231,15 +272,18 @@ _COUNTS: dict[str, Sequence[int]] = {
 
 
 def _parse_call(name: str, args: list[ast.expr], leaves: Leaves) -> Expr:
-    if name in ("parameter", "input", "sense", "local", "table") and args and isinstance(args[0], ast.Constant):
+    if (
+        name in ("parameter", "input", "sense", "local", "table", "table2")
+        and args
+        and isinstance(args[0], ast.Constant)
+    ):
         key = str(args[0].value)
         if name in ("sense", "local"):
             return Expr(name, key)
-        if type(leaves.get(key)).__name__.lower() != name:
-            raise GearblocksError(f"the expression names the {name} '{key}', which is not there")
-        if len(args) != (2 if name == "table" else 1):
+        leaf = _known(leaves, name, key)
+        if len(args) != {"table": 2, "table2": 3}.get(name, 1):
             raise GearblocksError(f"'{name}' of '{key}' takes another number of values than {len(args)}")
-        return Expr(name, leaves[key], *(_parse(a, leaves) for a in args[1:]))
+        return Expr(name, leaf, *(_parse(a, leaves) for a in args[1:]))
     if name in FUNCTIONS:
         if not args or len(args) not in _COUNTS.get(name, (1,)) or (name == "Piecewise" and len(args) % 2):
             raise GearblocksError(f"'{name}' takes another number of values than {len(args)}")

@@ -20,7 +20,7 @@ from gearblocks.branches import Freezer, SurfaceOfKind
 from gearblocks.drives import Drive, drive_of, frozen_drive, is_constant_tie, linear_tie, motion_of
 from gearblocks.errors import ModelError
 from gearblocks.rational import Exact, exact, over
-from gearblocks.symbols import CONSTANT, MOVING, Pool, Symbols, TableAt, clock
+from gearblocks.symbols import CONSTANT, MOVING, Pool, Symbols, Table2At, TableAt, clock
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +135,8 @@ def _jumps_in_time(law: Law) -> bool:
     exchange."""
     slots = law.pool.slots
     modes = {x for x in law.stored.free_symbols if slots[x].role == "mode" and slots[x].of.level != MOVING}
-    smooth = {e.args[3] for e in law.stored.atoms(TableAt) if len(e.args) == 4 and slots[e.args[0]].of.kind != "step"}
+    smooth = {mode for e in law.stored.atoms(Table2At) for mode in e.args[5:]}
+    smooth |= {e.args[3] for e in law.stored.atoms(TableAt) if len(e.args) == 4 and slots[e.args[0]].of.kind != "step"}
     return bool(modes - smooth)
 
 
@@ -275,13 +276,18 @@ def vanishes(expr: Any, pool: Pool) -> bool:
     """Whether an expression is zero at a handful of fixed points (modes 0 or 1); expanding it would take far longer."""
     if expr == 0 or not expr.free_symbols:
         return bool(expr == 0)
-    if expr.has(TableAt):
-        return bool(sp.expand(expr) == 0)
+    # a table and its derivatives are as good as independent values
+    tables = sorted(expr.atoms(TableAt, Table2At), key=str)
+    values_of_tables = {x: sp.Symbol(f"table value {i}", real=True) for i, x in enumerate(tables)}
+    expr = expr.xreplace(values_of_tables)
+    free = set(values_of_tables.values())
     symbols = sorted(expr.free_symbols, key=lambda x: str(x.name))
     random = Random(20)
     for _ in range(4):
         point: dict[Any, float] = {
-            x: float(random.randint(0, 1)) if pool.slots[x].role == "mode" else random.uniform(0.2, 1.2)
+            x: float(random.randint(0, 1))
+            if x not in free and pool.slots[x].role == "mode"
+            else random.uniform(0.2, 1.2)
             for x in symbols
         }
         try:

@@ -12,6 +12,7 @@ from gearblocks.graph import leaves_of, numbers_of
 from gearblocks.program import ParameterInfo
 from gearblocks.rational import Exact
 from gearblocks.signals import Input, Parameter
+from gearblocks.sliding import field_along, slider_names, start_names, unit_along, words_along
 
 PAD = 8
 
@@ -110,7 +111,7 @@ def lay_out(assembly: Assembly, *, angles_in_law: bool) -> Layout:
 
 def is_start(batch: Batch, path: str) -> bool:
     """Whether an own number of a block is a start value."""
-    return bool(batch.law.bodies) and path in ("phi0", "w0")
+    return bool(batch.law.bodies) and path in ("phi0", "w0", "s0", "v0")
 
 
 def own_numbers(batch: Batch, assembly: Assembly) -> Iterator[tuple[str, Field, int, Any]]:
@@ -127,11 +128,12 @@ def _parameters(lay: Layout) -> None:
         columns: dict[str, list[tuple[str, Field]]] = {}
         for path, spec, e, _ in own_numbers(batch, lay.assembly):
             if not is_start(batch, path):
-                columns.setdefault(path, []).append((components[batch.components[e]].path, spec))
+                owner = components[batch.components[e]]
+                columns.setdefault(path, []).append((owner.path, field_along(spec, owner.slides)))
         for path, entries in columns.items():
             lay.own[b, path] = len(lay.parameters)
-            for owner, spec in entries:
-                _add(lay, f"{owner}.{path}", spec, tunable=True)
+            for name, spec in entries:
+                _add(lay, f"{name}.{path}", spec, tunable=True)
     for c in components:
         for leaf in leaves_of(c.block):
             if isinstance(leaf, Parameter):
@@ -176,13 +178,16 @@ def _add(lay: Layout, path: str, spec: Field, *, tunable: bool) -> int:
 def _start_values(lay: Layout) -> None:
     """Start angle and speed of every group, start of every state of a block."""
     blocks = {c.path: c.block for c in lay.assembly.train.components}
+    sliders = slider_names(lay.assembly.train.components)
     for group, start in enumerate(lay.assembly.starts):
-        wanted = [(start.phi0, "phi0", "rad", lay.phi0)]
+        wanted = [(start.phi0, 0, "rad", "start angle", lay.phi0)]
         if group < lay.assembly.n_speeds:
-            wanted.append((start.w0, "w0", "rad/s", lay.w0))
-        for path, name, unit, target in wanted:
+            wanted.append((start.w0, 1, "rad/s", "start speed", lay.w0))
+        for path, i, unit, words, target in wanted:
+            slides = path in sliders
+            name = start_names(slides)[i]
             given = getattr(blocks.get(path), name, None)
-            words = "start angle" if name == "phi0" else "start speed"
+            unit, words = unit_along(unit, slides), words_along(words, slides)
             if isinstance(given, Parameter):
                 target.append(lay.shared[given.name])
             else:
@@ -192,7 +197,7 @@ def _start_values(lay: Layout) -> None:
             lay.state_start[b, state] = len(lay.parameters)
             for index in batch.components:
                 c = lay.assembly.train.components[index]
-                unit = "1" if "." in state else type(c.block).states[state].unit
+                unit = "1" if "." in state else unit_along(type(c.block).states[state].unit, c.slides)
                 _add(lay, f"{c.path}.{state}", Field("start value", unit, "param"), tunable=False)
 
 

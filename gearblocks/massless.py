@@ -193,7 +193,7 @@ def _given(assembly: Assembly) -> set[int]:
     """Groups with a given start angle."""
     found = set()
     for c in assembly.train.components:
-        if getattr(c.block, "phi0", None) is not None:
+        if any(getattr(c.block, name, None) is not None for name in ("phi0", "s0")):
             found |= {assembly.group_of_node[node][0] for node in c.nodes if node >= 0}
     return found
 

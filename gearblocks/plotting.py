@@ -50,7 +50,16 @@ _STYLE: dict[str, Any] = {
 }
 _PREFIX = {-12: "p", -9: "n", -6: "\N{MICRO SIGN}", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _PREFIXED = ("m", "N", "s", "rad", "W", "J", "V", "A", "Pa", "Hz")
-_KINDS = {"m": "distance", "rad": "angle", "rad/s": "speed", "N": "force", "N m": "torque", "W": "power", "J": "energy"}
+_KINDS = {
+    "m": "distance",
+    "rad": "angle",
+    "rad/s": "speed",
+    "m/s": "speed",
+    "N": "force",
+    "N m": "torque",
+    "W": "power",
+    "J": "energy",
+}
 _MOST_SAMPLES = 200_000
 
 

@@ -8,7 +8,11 @@ from typing import Any
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
-_OWN_FUNCTIONS = {"sin": "gb_sin", "cos": "gb_cos"}  # the same bits on every platform, and vectorisable
+_OWN_FUNCTIONS = {
+    "sin": "gb_sin",
+    "cos": "gb_cos",
+    "atan": "gb_atan",
+}  # the same bits on every platform, and vectorisable
 
 
 class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
@@ -38,6 +42,20 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
         where = self._print(mode[0]) if mode else f"gb_table_segment(&{self._print(table)}, {self._print(x)})"
         return f"gb_table_value(&{self._print(table)}, {where}, {self._print(x)}, {int(order)})"
 
+    def _print_Table2At(self, expr: Any) -> str:
+        table, x, y, by_x, by_y, *modes = expr.args
+        name, at = self._print(table), [self._print(x), self._print(y)]
+        where = [self._print(m) for m in modes] or [
+            f"gb_table_segment({name}.{axis}, {text})" for axis, text in zip("xy", at, strict=True)
+        ]
+        return f"gb_table2_value(&{name}, {', '.join([*where, *at])}, {int(by_x)}, {int(by_y)})"
+
+    def _print_EllipseLead(self, expr: Any) -> str:
+        return str(self._print(expr.written_out()))
+
+    def _print_InverseInvolute(self, expr: Any) -> str:
+        return f"gb_inverse_involute({self._print(expr.args[0])})"
+
     def _print_Integer(self, expr: Any) -> str:
         return f"{int(expr)}.0"
 
@@ -65,14 +83,20 @@ def c_text(expr: Any, names: Mapping[Any, str]) -> str:
 
 def latex_text(expr: Any, names: Mapping[Any, str] | None = None) -> str:
     """LaTeX for an expression or equation."""
-    return str(sp.latex(expr, symbol_names=dict(names or {}), mul_symbol=r"\,"))
+    return str(sp.latex(_decimal(expr), symbol_names=dict(names or {}), mul_symbol=r"\,"))
 
 
 def plain_text(expr: Any) -> str:
     """One line of plain text for an expression or equation."""
     if isinstance(expr, sp.Equality):
-        return f"{sp.sstr(expr.lhs)} = {sp.sstr(expr.rhs)}"
-    return str(sp.sstr(expr))
+        return f"{sp.sstr(_decimal(expr.lhs))} = {sp.sstr(_decimal(expr.rhs))}"
+    return str(sp.sstr(_decimal(expr)))
+
+
+def _decimal(expr: Any) -> Any:
+    """The expression with decimals in place of long fractions: those stand for ratios given as decimal numbers."""
+    long = [x for x in sp.sympify(expr).atoms(sp.Rational) if x.q > 10**6]
+    return sp.sympify(expr).xreplace({x: sp.Float(float(x)) for x in long}) if long else expr
 
 
 __all__ = ["c_text", "latex_text", "plain_text"]

@@ -74,6 +74,14 @@ class StartInfo(NamedTuple):
     factor: float
 
 
+class FollowerInfo(NamedTuple):
+    """A start value that follows from others through ties: the sum of factors times parameters number `places`."""
+
+    name: str
+    places: tuple[int, ...]
+    factors: tuple[float, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Program:
     """C source of one `gb_model` with the meaning of its vectors.
@@ -97,6 +105,7 @@ class Program:
     n_total: int
     starts: tuple[StartInfo, ...] = ()
     structural: tuple[tuple[str, float], ...] = ()
+    followers: tuple[FollowerInfo, ...] = ()
 
     def to_bytes(self) -> bytes:
         """The program as bytes; its tables go column by column, which is much faster for long trains."""

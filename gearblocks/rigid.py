@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from gearblocks.graph import GROUND, Train
+from gearblocks.sliding import start_fields
 
 
 def released_angles(train: Train, stiffened: Collection[str]) -> Iterator[str]:
@@ -23,7 +24,7 @@ def released_angles(train: Train, stiffened: Collection[str]) -> Iterator[str]:
     touched: set[int] = set()
     for c in train.components:
         nodes = [n for n in c.nodes if n != GROUND]
-        if nodes and (c.path in stiffened or "phi0" in type(c.block).fields):
+        if nodes and (c.path in stiffened or start_fields(c.block)[0] in type(c.block).fields):
             for node in nodes[1:]:
                 parents[find(node)] = find(nodes[0])
             if c.path in stiffened:
@@ -31,7 +32,11 @@ def released_angles(train: Train, stiffened: Collection[str]) -> Iterator[str]:
     roots = {find(node) for node in touched}
     seen: set[int] = set()
     for c in train.components:
-        if len(c.nodes) == 2 and getattr(c.block, "phi0", None) is not None and (root := find(c.nodes[0])) in roots:
+        if (
+            len(c.nodes) == 2
+            and getattr(c.block, start_fields(c.block)[0], None) is not None
+            and (root := find(c.nodes[0])) in roots
+        ):
             if root in seen:
                 yield c.path
             seen.add(root)

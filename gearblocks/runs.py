@@ -208,7 +208,7 @@ class _Run:
         massless = [
             p.path
             for p, v in zip(program.parameters, self.sim.parameters, strict=True)
-            if p.path.endswith(".J") and v == 0
+            if p.path.endswith((".J", ".m")) and v == 0
         ]
         if code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and massless:
             remedy = f"{', '.join(massless[:3])} = 0: a shaft without any inertia is not available, give it some"

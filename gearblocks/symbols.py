@@ -11,15 +11,19 @@ import sympy as sp
 
 from gearblocks.declare import Rate, _Declared
 from gearblocks.expression import Expr, to_sympy
+from gearblocks.maps import Table2
+from gearblocks.ratio_curves import Ellipse, Pieces
+from gearblocks.ratio_law import RatioLaw
 from gearblocks.signals import Input, Parameter, Table
+from gearblocks.tooth_geometry import Functions, inverse_involute
 
 
 @dataclass(frozen=True, slots=True)
 class Slot:
     """What a symbol stands for.
 
-    role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table (time-driven),
-    phi, w, alpha, tau, state, coordinate, mode; in generated functions column, force, gain (of a flange on its group),
+    role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
+    w, alpha, tau, state, coordinate, mode; in generated functions column, force, gain (of a flange on its group),
     growth (rate of the torque on a flange), local (C text). of: flange, state, switch number, path, or the leaf itself.
     """
 
@@ -43,10 +47,36 @@ class TableAt(sp.Function):  # type: ignore[misc]  # sympy carries no types
 
     nargs = (3, 4)
 
+    def _sympystr(self, printer: Any) -> str:
+        return "{0}{2}({1})".format(*map(printer.doprint, self.args[:2]), "'" * int(self.args[2]))
+
     def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
         """The next derivative."""
         table, x, order, *mode = self.args
         return TableAt(table, x, order + 1, *mode)
+
+    def _latex(self, printer: Any) -> str:
+        return _table_latex(printer, self.args[1:2], self.args[2:3])
+
+
+class Table2At(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """A table over two quantities: Table2At(table symbol, x, y, orders of the derivatives by x, by y[, modes of both])."""
+
+    nargs = (5, 7)
+
+    def fdiff(self, argindex: int = 1) -> Any:
+        """The next derivative by x (argument 2) or y (argument 3)."""
+        table, x, y, by_x, by_y, *modes = self.args
+        return Table2At(table, x, y, by_x + (argindex == 2), by_y + (argindex == 3), *modes)
+
+    def _latex(self, printer: Any) -> str:
+        return _table_latex(printer, self.args[1:3], self.args[3:5])
+
+
+def _table_latex(printer: Any, quantities: Any, orders: Any) -> str:
+    """T(x, y), with the orders of its derivatives as an index where there are any."""
+    index = f"^{{({', '.join(str(n) for n in orders)})}}" if any(orders) else ""
+    return rf"T{index}\left({', '.join(printer.doprint(x) for x in quantities)}\right)"
 
 
 class DeadZone(sp.Function):  # type: ignore[misc]  # sympy carries no types
@@ -76,10 +106,55 @@ def dead_zone_branch(beyond: Any, order: Any) -> Any:
     return {-1: beyond**2 / 2, 0: beyond, 1: sp.Integer(1)}.get(int(order), sp.Integer(0))
 
 
+class EllipseLead(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """2 atan(e sin x/(1 - e cos x)): by how much the mate of an ellipse that turns about its focus runs ahead."""
+
+    nargs = 2
+
+    @classmethod
+    def eval(cls, x: Any, e: Any) -> Any:  # noqa: ARG003  sympy's signature
+        """0 at 0."""
+        return sp.Integer(0) if x == 0 else None
+
+    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
+        """The derivative by x, a rational function of cos x."""
+        x, e = self.args
+        return 2 * e * (sp.cos(x) - e) / (1 + e**2 - 2 * e * sp.cos(x))
+
+    def written_out(self) -> Any:
+        """The definition."""
+        x, e = self.args
+        return 2 * sp.atan(e * sp.sin(x) / (1 - e * sp.cos(x)))
+
+    def _eval_evalf(self, prec: int) -> Any:
+        return self.written_out()._eval_evalf(prec)
+
+    def _sympystr(self, printer: Any) -> str:
+        return str(printer.doprint(self.written_out()))
+
+    def _latex(self, printer: Any) -> str:
+        return str(printer.doprint(self.written_out()))
+
+
 class ContactSide(sp.Function):  # type: ignore[misc]  # sympy carries no types
     """-1 where x < -b, +1 where x > b, else 0."""
 
     nargs = 2
+
+
+class InverseInvolute(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """The angle a with tan(a) - a = y, for y >= 0."""
+
+    nargs = 1
+
+    @classmethod
+    def eval(cls, y: Any) -> Any:
+        """The number, where y is one."""
+        return sp.Float(inverse_involute(float(y))) if y.is_number else None
+
+
+SYMBOLS = Functions(sp.sqrt, sp.sin, sp.cos, sp.tan, sp.atan, InverseInvolute, sp.pi)
+"""What tooth geometry computes with in laws."""
 
 
 @lru_cache(maxsize=1)
@@ -118,9 +193,19 @@ class Pool:
             return self.symbol("input", leaf.args[0], leaf.args[0].name)
         if leaf.op == "sense":
             return self.symbol("sense", leaf.args[0], leaf.args[0])
-        assert leaf.op == "table", leaf.op
-        table = self.symbol("table", leaf.args[0], f"table_{leaf.args[0].digest()}")
-        return TableAt(table, to_sympy(leaf.args[1], self.leaf), sp.Integer(0))
+        assert leaf.op in ("table", "table2"), leaf.op
+        return self.table_at(leaf.args[0], *(to_sympy(x, self.leaf) for x in leaf.args[1:]))
+
+    def table_at(self, table: Table | Table2, *quantities: Any) -> Any:
+        """A table over its quantities."""
+        if isinstance(table, Table):
+            return TableAt(self.table(table), *quantities, sp.Integer(0))
+        symbol = self.symbol("table2", table, f"table_{table.digest()}")
+        return Table2At(symbol, *quantities, sp.Integer(0), sp.Integer(0))
+
+    def table(self, table: Table) -> Any:
+        """The symbol of a table."""
+        return self.symbol("table", table, f"table_{table.digest()}")
 
     def level(self, expr: Any) -> int:
         """CONSTANT, TIMED or MOVING: what can change the expression during a run."""
@@ -134,7 +219,7 @@ class Pool:
 def _level_of(slot: Slot) -> int:
     if slot.role == "column":
         return int(slot.of[0])
-    return CONSTANT if slot.role == "table" else LEVEL.get(slot.role, MOVING)
+    return CONSTANT if slot.role in ("table", "table2") else LEVEL.get(slot.role, MOVING)
 
 
 class FlangeSymbols:
@@ -153,6 +238,21 @@ class FlangeSymbols:
     def tau(self) -> Any:
         """Torque that the block exerts on the flange, for Shows."""
         return self._pool.symbol("tau", self._name, f"tau_{self._name}")
+
+    @property
+    def s(self) -> Any:
+        """Position of a slider [m]: phi by its other name."""
+        return self.phi
+
+    @property
+    def v(self) -> Any:
+        """Speed of a slider [m/s]: w by its other name."""
+        return self.w
+
+    @property
+    def f(self) -> Any:
+        """Force that the block exerts on a slider [N]: tau by its other name."""
+        return self.tau
 
     @property
     def mobility(self) -> Any:
@@ -205,16 +305,37 @@ class Symbols:
         self._pool.definitions[symbol] = sp.sympify(expr)
         return symbol
 
+    def turned(self, law: RatioLaw, x: Any) -> Any:
+        """F(x) of a ratio law: its mean ratio times x, exactly, and a periodic part."""
+        curve = law.curve
+        if sp.sympify(x).is_zero:
+            return sp.Integer(0)
+        if isinstance(curve, Ellipse):
+            ripple = EllipseLead(curve.n * x, sp.Float(curve.e)) / curve.n
+        elif isinstance(curve, Pieces):
+            table = self._pool.symbol("table", curve, f"ripple_{curve.digest()}")
+            ripple = TableAt(table, x, sp.Integer(0))
+        else:
+            ripple = curve.symbolic(x)
+        return sp.Rational(law.n1, law.n2) * x + ripple
+
     def local(self, field: str, **values: Any) -> Any:
-        """A field that is an expression of the block's own quantities, or a Table over the single one given."""
+        """A field that is an expression of the block's own quantities, or a Table or Table2 over those given, in order."""
         value = getattr(self._owner, field)
-        if isinstance(value, Table):
-            (quantity,) = values.values()
-            table = self._pool.symbol("table", value, f"table_{value.digest()}")
-            return TableAt(table, quantity, sp.Integer(0))
+        if isinstance(value, (Table, Table2)):
+            return self._pool.table_at(value, *values.values())
         if not isinstance(value, Expr):
             return getattr(self, field)
         return to_sympy(value, lambda leaf: values[leaf.args[0]] if leaf.op == "local" else self._pool.leaf(leaf))
+
+    def tabled(self, table: Table, x: Any) -> Any:
+        """A Table that a law makes itself, over a quantity. Tables with the same joints share one switch."""
+        return TableAt(self._pool.symbol("table", table, f"table_{table.digest()}"), x, sp.Integer(0))
+
+    @property
+    def reading(self) -> bool:
+        """Whether the law is derived for people: no tables that they cannot read."""
+        return self._pool.reading
 
     def slope(self, expr: Any, flange: FlangeSymbols) -> Any:
         """d expr / d phi of a flange; 0 at the ground."""

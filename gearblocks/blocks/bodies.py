@@ -31,9 +31,12 @@ class Inertia(Block):
 
 
 class Fixed(Block):
-    """The ground: holds its flange at the angle phi0. Output torque: what the ground exerts on the flange."""
+    """The ground: holds its flange at the angle phi0. Output torque: what the ground exerts on the flange.
 
-    flange = Flange("held flange")
+    On a slider phi0 is a position in m, and torque a force in N.
+    """
+
+    flange = Flange("held flange", slider=None)
     phi0: Value = param("angle at which the flange is held", "rad", default=0.0)
 
     def physics(self, s: Any) -> Iterator[Contribution]:

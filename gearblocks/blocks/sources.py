@@ -40,12 +40,14 @@ class Torque(Block):
 class Speed(Block):
     """Prescribed speed of the flange over the housing; output torque: the reaction that keeps it, on the flange.
 
+    On a slider w is a speed in m/s and torque a force in N.
+
     w must be continuous (a ramp may have corners, which are located). An Input takes filter=: the speed then follows it
     as x' = filter (w - x), from w at the start; so does a law that jumps.
     """
 
-    flange = Flange("driven flange")
-    housing = Flange("housing", ground=True)
+    flange = Flange("driven flange", slider=None)
+    housing = Flange("housing", ground=True, slider=None)
     w: Any = signal("prescribed speed", "rad/s")
     filter: Value | None = param("cut-off frequency of the filter", "rad/s", default=None, gt=0)
     filtered_speed = State("speed behind the filter", "rad/s")
@@ -64,12 +66,14 @@ class Speed(Block):
 class Angle(Block):
     """Prescribed angle of the flange over the housing; output torque: the reaction that keeps it, on the flange.
 
+    On a slider phi is a position in m and torque a force in N.
+
     phi must be smooth twice over. An Input takes filter=: the angle then follows it through a critically damped filter
     of second order, x'' = filter^2 (phi - x) - 2 filter x', from phi and rest at the start.
     """
 
-    flange = Flange("driven flange")
-    housing = Flange("housing", ground=True)
+    flange = Flange("driven flange", slider=None)
+    housing = Flange("housing", ground=True, slider=None)
     phi: Any = signal("prescribed angle", "rad")
     filter: Value | None = param("cut-off frequency of the filter", "rad/s", default=None, gt=0)
     filtered_angle = State("angle behind the filter", "rad")
@@ -88,13 +92,15 @@ class Angle(Block):
 
 
 class SpeedLoad(Block):
-    """A load that opposes rotation: tau = -sign(w) (c0 + c1 abs(w) + c2 w^2), coeffs = (c0, c1, c2).
+    """A load that opposes motion: tau = -sign(w) (c0 + c1 abs(w) + c2 w^2), coeffs = (c0, c1, c2).
+
+    On a slider w is its speed in m/s and tau a force in N.
 
     Valid while the shaft turns: at w = 0 the constant part c0 jumps from one sign to the other and does not hold the
     shaft at rest.
     """
 
-    flange = Flange("loaded flange")
+    flange = Flange("loaded flange", slider=None)
     coeffs: tuple[Value, Value, Value] = param("(c0, c1, c2)", "N m (rad/s)^-i", ge=0, many=True)
 
     def problems(self) -> Iterator[str]:

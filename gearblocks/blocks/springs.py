@@ -1,4 +1,4 @@
-"""Compliant elements on two flanges of one axis."""
+"""Compliant elements on two flanges of one axis, or on two sliders (k then in N/m, c in N s/m, half_gap in m)."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Shaft(Block):
     chain of that many springs with J lumped at their ends.
     """
 
-    a, b = Flange("left end"), Flange("right end")
+    a, b = Flange("left end", slider=None), Flange("right end", slider=None)
     k: Any = signal("torsional stiffness", "N m/rad", default=None, belongs_to="compliance")
-    torque: Any = signal("restoring torque over gb.twist", "N m", default=None, belongs_to="compliance")
+    torque: Any = signal("restoring torque over gb.twist", "N m", default=None, belongs_to="compliance", over="twist")
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     allow_negative: bool = option("admit k < 0", default=False)
@@ -91,7 +91,7 @@ class Shaft(Block):
 class Damper(Block):
     """Massless damper between two flanges: torque on b = -c w_rel."""
 
-    a, b = Flange("left end"), Flange("right end")
+    a, b = Flange("left end", slider=None), Flange("right end", slider=None)
     c: Value = param("torsional damping", "N m s/rad", ge=0)
 
     def physics(self, s: Any) -> Iterator[Contribution]:
@@ -107,7 +107,7 @@ class Damper(Block):
 class Lash(Block):
     """Torsional spring with a gap: twist = phi_b - phi_a, no torque while abs(twist) <= half_gap."""
 
-    a, b = Flange("left end"), Flange("right end")
+    a, b = Flange("left end", slider=None), Flange("right end", slider=None)
     k: Value | None = param("torsional stiffness in contact", "N m/rad", gt=0, belongs_to="compliance")
     half_gap: Value | None = param("half of the free play", "rad", ge=0, belongs_to="backlash")
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")

@@ -1,4 +1,4 @@
-/* Sine and cosine for the time columns of generated code: branch-free, so that a loop over lanes becomes vector
+/* Sine, cosine and arc tangent for generated code: branch-free, so that a loop over lanes becomes vector
  * code, and with the same bits in vector and scalar code (contraction must be off).
  *
  * Error below 1 ulp for |x| <= 1e6 and below 2 ulp for |x| <= 1e9. Beyond, the result is that of an argument within one
@@ -6,6 +6,8 @@
  */
 #ifndef GB_MATH_H
 #define GB_MATH_H
+
+#include <math.h>
 
 /* Whatever the compiler thinks of the size: a call in a loop over lanes would keep it from being vector code. */
 #define GB_MATH_INLINE static inline __attribute__((always_inline))
@@ -69,6 +71,41 @@ GB_MATH_INLINE double gb_cos(double x) {
     const double odd = r.quadrant < 0.0 ? s : -s;
     const double even = r.quadrant == 0.0 ? c : -c;
     return r.quadrant * r.quadrant == 1.0 ? odd : even;
+}
+
+/* Error below 2 ulp. atan a = base + atan t with t = a, (a - 1)/(a + 1) or -1/a and |t| <= tan(pi/8). */
+GB_MATH_INLINE double gb_atan(double x) {
+    const double a = x < 0.0 ? -x : x;
+    const int above = a > 0x1.a827999fcef32p-2, far = a > 0x1.3504f333f9de6p+1;
+    const double t = (far ? -1.0 : (above ? a - 1.0 : a)) / (far ? a : (above ? a + 1.0 : 1.0));
+    const double base = far ? 0x1.921fb54442d18p+0 : (above ? 0x1.921fb54442d18p-1 : 0.0);
+    const double rest = far ? 0x1.1a62633145c07p-54 : (above ? 0x1.1a62633145c07p-55 : 0.0);
+    const double z = t * t, z2 = z * z, z4 = z2 * z2;
+    const double c0 = -0x1.5555555555555p-2 + z * 0x1.9999999999953p-3;
+    const double c2 = -0x1.249249248d7eep-3 + z * 0x1.c71c71c304b64p-4;
+    const double c4 = -0x1.745d165df3ee7p-4 + z * 0x1.3b1392d9e64b0p-4;
+    const double c6 = -0x1.110e880a643d8p-4 + z * 0x1.e19a13b800ab6p-5;
+    const double c8 = -0x1.ac7a937cce153p-5 + z * 0x1.74ddd3c6187b4p-5;
+    const double c10 = -0x1.1b33b8784aa69p-5 + z * 0x1.0ad368c98424cp-6;
+    const double p = (c0 + z2 * c2) + z4 * ((c4 + z2 * c6) + z4 * (c8 + z2 * c10));
+    const double r = base + (t + (t * z * p + rest));
+    return x < 0.0 ? -r : r;
+}
+
+/* The angle a with tan(a) - a = y; NaN for y < 0. Newton from above: the function is convex. */
+static inline double gb_inverse_involute(double y) {
+    if (!(y > 0.0)) {
+        return y == 0.0 ? 0.0 : nan("");
+    }
+    double a = fmin(cbrt(3.0 * y), 1.5);
+    for (int i = 0; i < 40; i++) {
+        const double t = tan(a), step = (t - a - y) / (t * t);
+        a -= step;
+        if (fabs(step) <= 1e-16) {
+            break;
+        }
+    }
+    return a;
 }
 
 #endif

@@ -1,4 +1,5 @@
-/* Tables inside laws: points joined by lines, a spline, or held from the left.
+/* Tables inside laws: points joined by lines, a spline, held from the left, or polynomials of any degree between
+ * joints.
  *
  * The mode of a table is the number of the segment in use: -1 and n - 1 are the held ends, 0 .. n - 2 the segments
  * between; a periodic table counts on (whole periods times n - 1). A segment is continued smoothly past its joints.
@@ -8,8 +9,10 @@
 
 #include <math.h>
 
-enum { GB_TABLE_LINEAR = 1, GB_TABLE_STEP = 2, GB_TABLE_CUBIC = 3 };
+enum { GB_TABLE_LINEAR = 1, GB_TABLE_STEP = 2, GB_TABLE_CUBIC = 3, GB_TABLE_PIECES = 4 };
 
+/* y: values at the joints x and `second` their second derivatives. The kind GB_TABLE_PIECES + degree has polynomials: y
+ * holds degree + 1 coefficients per segment, over the local coordinate in [-1, 1], and there is no `second`. */
 typedef struct gb_table {
     int kind, n, periodic;
     const double *x, *y, *second;
@@ -65,6 +68,23 @@ static inline double gb_table_segment(const gb_table *table, double at) {
     return mode;
 }
 
+/* Value or derivative of a polynomial segment at the distance a beyond its lower joint. */
+static inline double gb_table_piece(const gb_table *table, int i, double a, int order) {
+    const int degree = table->kind - GB_TABLE_PIECES;
+    const double *c = table->y + i * (degree + 1);
+    const double half = 0.5 * (table->x[i + 1] - table->x[i]), v = (a - half) / half;
+    double sum = 0.0, scale = 1.0;
+    for (int j = degree; j >= order; j--) {
+        double factor = c[j];
+        for (int k = 0; k < order; k++)
+            factor *= (double)(j - k);
+        sum = sum * v + factor;
+    }
+    for (int k = 0; k < order; k++)
+        scale *= half;
+    return sum / scale;
+}
+
 /* Value (order 0) or derivative of the given order on the segment `mode`. */
 static inline double gb_table_value(const gb_table *table, double mode, double s, int order) {
     double shift;
@@ -72,6 +92,8 @@ static inline double gb_table_value(const gb_table *table, double mode, double s
     const int n = table->n;
     if (i < 0 || i >= n - 1)
         return order > 0 ? 0.0 : table->y[i < 0 ? 0 : n - 1];
+    if (table->kind >= GB_TABLE_PIECES)
+        return gb_table_piece(table, i, s - shift - table->x[i], order);
     const double *x = table->x + i, *y = table->y + i, *m = table->second + i;
     if (table->kind == GB_TABLE_STEP)
         return order > 0 ? 0.0 : y[0];
@@ -82,6 +104,35 @@ static inline double gb_table_value(const gb_table *table, double mode, double s
     if (order == 1)
         return b + a * (m[0] + 0.5 * a * d);
     return order == 2 ? m[0] + a * d : (order == 3 ? d : 0.0);
+}
+
+/* A table of two variables, lines or splines along both: values z and second derivatives at the points of a grid, row
+ * by row over x. Its modes are the segments on both axes (tables without values). */
+typedef struct gb_table2 {
+    const gb_table *x, *y;
+    const double *z, *xx, *yy, *xxyy;
+} gb_table2;
+
+/* Value or derivative along y at row i, of a quantity on the grid and its second derivative by y. */
+static inline double gb_table2_row(const gb_table2 *table, const double *z, const double *yy, int i, double mode,
+                                   double y, int order) {
+    const int n = table->y->n;
+    const gb_table row = {table->y->kind, n, 0, table->y->x, z + i * n, yy + i * n};
+    return gb_table_value(&row, mode, y, order);
+}
+
+/* Value or derivative of the given orders by x and y in the cell of both modes. */
+static inline double gb_table2_value(const gb_table2 *table, double mode_x, double mode_y, double x, double y, int by_x,
+                                     int by_y) {
+    const int n = table->x->n, i = (int)mode_x;
+    if (i < 0 || i >= n - 1)
+        return by_x > 0 ? 0.0 : gb_table2_row(table, table->z, table->yy, i < 0 ? 0 : n - 1, mode_y, y, by_y);
+    const double z[2] = {gb_table2_row(table, table->z, table->yy, i, mode_y, y, by_y),
+                         gb_table2_row(table, table->z, table->yy, i + 1, mode_y, y, by_y)};
+    const double xx[2] = {gb_table2_row(table, table->xx, table->xxyy, i, mode_y, y, by_y),
+                          gb_table2_row(table, table->xx, table->xxyy, i + 1, mode_y, y, by_y)};
+    const gb_table line = {table->x->kind, 2, 0, table->x->x + i, z, xx};
+    return gb_table_value(&line, 0.0, x, by_x);
 }
 
 /* Next instant > t at which rate * t + offset leaves segment `mode`; *after: the segment beyond. */

@@ -130,6 +130,16 @@ void check_math(void) {
     printf("  sine and cosine: %.3f ulp\n", worst);
     CHECK(worst < 1.0, "%g ulp", worst);
     CHECK(differ == 0, "%d values differ between lanes and scalars", differ);
+    worst = 0.0;
+    for (int i = 0; i < 40000; i++) {
+        seed = seed * 6364136223846793005u + 1442695040888963407u;
+        const double unit = (double)(seed >> 11) / 9007199254740992.0 - 0.5,
+                     one = i % 2 ? 8.0 * unit : exp(60.0 * unit);
+        worst = fmax(worst, ulps(gb_atan(one), atanl((long double)one)));
+    }
+    printf("  arc tangent: %.3f ulp\n", worst);
+    CHECK(worst < 2.0, "%g ulp", worst);
+    CHECK(gb_atan(HUGE_VAL) == acos(0.0) && gb_atan(-HUGE_VAL) == -acos(0.0) && isnan(gb_atan(NAN)), "at infinity");
     CHECK(gb_sin(0.0) == 0.0 && gb_cos(0.0) == 1.0, "at zero");
     CHECK(isnan(gb_cos(HUGE_VAL)) && isnan(gb_sin(-HUGE_VAL)), "at infinity");
 }

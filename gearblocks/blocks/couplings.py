@@ -1,0 +1,173 @@
+"""Torque converter, belt drive and universal joint."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from gearblocks.declare import (
+    Acts,
+    Block,
+    Contribution,
+    Effect,
+    Energy,
+    Flange,
+    Shows,
+    Tie,
+    effect,
+    exact,
+    option,
+    param,
+)
+from gearblocks.signals import Table, Value
+
+_REST = 1e-6  # rad/s: keeps the speed ratio of a torque converter defined at rest
+
+
+class TorqueConverter(Block):
+    """Hydrodynamic torque converter or coupling, quasi-static, with tables over the speed ratio nu = w_t/w_i.
+
+        impeller torque  T_i = capacity(nu) w_i abs(w_i),    turbine torque  T_t = ratio(nu) T_i
+
+    Speeds are against the housing (the ground when not connected), which takes the difference of the torques. Outside
+    the tables the end values are held, so capacity must reach 0 (free) or less (the turbine drives) at its upper end.
+    nu is taken as w_t w_i/(w_i^2 + 1e-12 rad2/s2). Tables by which the converter would give more power than it takes
+    are refused. torque: T_t.
+    """
+
+    impeller, turbine = Flange("impeller, the driving side"), Flange("turbine, the driven side")
+    housing = Flange("housing of the stator", ground=True)
+    capacity: Table = option("T_i/w_i^2 in N m s2/rad2 over the speed ratio")
+    ratio: Table = option("T_t/T_i over the speed ratio")
+
+    def problems(self) -> Iterator[str]:
+        """Tables that are none, that jump, or that create energy."""
+        wrong = [
+            f"{name} = {table!r:.80} must be a linear or cubic gb.Table over the speed ratio, not periodic"
+            for name, table in (("capacity", self.capacity), ("ratio", self.ratio))
+            if not isinstance(table, Table) or table.periodic or table.kind == "step"
+        ]
+        yield from wrong or self._gains()
+
+    def _gains(self) -> Iterator[str]:
+        """The speed ratio at which most power comes from nothing, looked for on a grid and far outside."""
+        joints = np.concatenate([self.capacity.x, self.ratio.x])
+        inside = np.linspace(joints.min(), joints.max(), 2001)
+        far = 10 * (np.ptp(joints) + np.abs(joints).max())
+        nu = np.unique(np.concatenate([joints, inside, [-far, far]]))
+        lost = _values(self.capacity, nu) * (1 - _values(self.ratio, nu) * nu)
+        worst = int(np.argmin(lost))
+        if lost[worst] < -1e-12 * np.abs(_values(self.capacity, nu)).max():
+            where = {far: "above the last point", -far: "below the first point"}.get(nu[worst], f"at {nu[worst]:.4g}")
+            yield (
+                f"the tables give more power than they take, most at a speed ratio {where}: "
+                "capacity (1 - ratio nu) must be >= 0 everywhere; let capacity end at 0 or below"
+            )
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """Torques on impeller, turbine and housing."""
+        import sympy as sp
+
+        w_i, w_t = s.impeller.w - s.housing.w, s.turbine.w - s.housing.w
+        nu = w_t * w_i / (w_i**2 + sp.Float(_REST**2))
+        taken = s.local("capacity", nu=nu) * w_i * sp.Abs(w_i)
+        given = s.local("ratio", nu=nu) * taken
+        yield Acts(s.impeller, -taken)
+        yield Acts(s.turbine, given)
+        yield Acts(s.housing, taken - given)
+        yield Energy(loss=taken * w_i - given * w_t)
+        yield Shows("torque", given, "N m", "torque on the turbine")
+        yield Shows("impeller_torque", taken, "N m", "torque that the impeller takes")
+        yield Shows("speed_ratio", nu, "1", "turbine over impeller speed")
+        yield Shows("loss_power", taken * w_i - given * w_t, "W", "power lost in the fluid")
+
+
+def _values(table: Table, x: Any) -> Any:
+    """The values of a table that is held outside its ends."""
+    at, y, m = np.asarray(table.x), np.asarray(table.y), table.second
+    x = np.clip(x, at[0], at[-1])
+    i = np.clip(np.searchsorted(at, x, side="right") - 1, 0, len(at) - 2)
+    h, a = at[i + 1] - at[i], x - at[i]
+    slope = (y[i + 1] - y[i]) / h - h * (2 * m[i] + m[i + 1]) / 6
+    return y[i] + a * (slope + a * (m[i] / 2 + a * (m[i + 1] - m[i]) / (6 * h)))
+
+
+class Creep(Effect):
+    """Elastic creep of a belt: torque through slip speed.
+
+        slip = (w_a - ratio w_b)/sqrt(w_a^2 + low_speed^2),    tau = stiffness slip, or less where limit is given
+
+    The belt runs onto each pulley with the strain of its tight or slack side, so the relative slip is the difference of
+    the two forces over the axial stiffness E A of the belt (Reynolds, On the efficiency of belts or straps as
+    communicators of work, 1874): stiffness = radius_a E A. limit: torque at which the belt slides as a whole,
+    approached as tau = stiffness slip / sqrt(1 + (stiffness slip/limit)^2). Below low_speed the law is a viscous one.
+    """
+
+    stiffness: Value = param("torque on a per relative slip", "N m", gt=0)
+    low_speed: Value = param("speed of a below which the slip is viscous", "rad/s", gt=0)
+    limit: Value | None = param("largest torque on a", "N m", default=None, gt=0)
+
+
+class BeltDrive(Block):
+    """Belt between two pulleys turning the same way: phi_a = ratio phi_b without slip (ratio = r_b/r_a), about the housing.
+
+    A rigid tie, or with slip=Creep(...) a torque through slip speed. A crossed belt has a negative ratio.
+    """
+
+    a, b = Flange("driving pulley"), Flange("driven pulley")
+    housing = Flange("frame", ground=True)
+    ratio: float = exact("phi_a/phi_b without slip")
+    slip: Creep | None = effect("elastic creep")
+
+    def problems(self) -> Iterator[str]:
+        """A ratio of zero."""
+        if self.ratio == 0:
+            yield "ratio = 0 must not be 0"
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """The tie, or the creep torque on both pulleys and the frame."""
+        import sympy as sp
+
+        if self.slip is None:
+            yield Tie((s.a.phi - s.housing.phi) - s.ratio * (s.b.phi - s.housing.phi))
+            yield Shows("torque", s.b.tau, "N m", "torque on flange b")
+            return
+        w_a = s.a.w - s.housing.w
+        sliding = w_a - s.ratio * (s.b.w - s.housing.w)
+        slip = sliding / sp.sqrt(w_a**2 + s.slip.low_speed**2)
+        tau = s.slip.stiffness * slip
+        if s.slip.limit is not None:
+            tau = tau / sp.sqrt(1 + (tau / s.slip.limit) ** 2)
+        yield Acts(s.a, -tau)
+        yield Acts(s.b, s.ratio * tau)
+        yield Acts(s.housing, (1 - s.ratio) * tau)
+        yield Energy(loss=tau * sliding)
+        yield Shows("torque", s.ratio * tau, "N m", "torque on flange b")
+        yield Shows("slip", slip, "1", "relative slip")
+        yield Shows("loss_power", tau * sliding, "W", "power lost by creep")
+
+
+class UniversalJoint(Block):
+    """Universal (Hooke's, Cardan) joint between two shafts that meet at an angle: tan phi_b = tan phi_a / cos(angle).
+
+        phi_b = phi_a + atan(q sin(2 phi)/(1 - q cos(2 phi))),    phi = phi_a + phase,  q = tan(angle/2)^2
+
+    w_b/w_a swings between cos(angle) and 1/cos(angle) twice a turn: cos(angle) where the fork of a lies across the plane
+    of both shafts (phi = 90 degrees), 1/cos(angle) where it lies in it. The same law over all turns, without jumps.
+    torque: on flange b.
+    """
+
+    a, b = Flange("driving fork"), Flange("driven fork")
+    angle: Value = param("angle between the shafts", "rad", gt=-1.5, lt=1.5)
+    phase: Value | None = param("position of the fork of a at phi_a = 0", "rad", default=None)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """The tie."""
+        import sympy as sp
+
+        q = sp.tan(s.angle / 2) ** 2
+        twice = 2 * (s.a.phi if s.phase is None else s.a.phi + s.phase)
+        yield Tie(s.b.phi - s.a.phi - sp.atan(q * sp.sin(twice) / (1 - q * sp.cos(twice))))
+        yield Shows("torque", s.b.tau, "N m", "torque on flange b")

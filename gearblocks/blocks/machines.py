@@ -1,0 +1,134 @@
+"""Engines, motors and brakes with maps and states of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from gearblocks.declare import Acts, Block, Contribution, Energy, Flange, Rate, Shows, State, option, param, signal
+from gearblocks.maps import Table2
+from gearblocks.signals import Value
+
+
+class EddyCurrentBrake(Block):
+    """A brake by eddy currents: tau = -2 excitation tau_nominal / (w_nominal/w + w/w_nominal), w against the housing.
+
+    The torque is largest, excitation tau_nominal, at w = w_nominal (Wouterse, Critical torque and speed of eddy
+    current brake, IEE Proceedings B 138, 1991); it is 0 at rest. excitation: 1 for the nominal field, in proportion to
+    the square of the field; it must not be negative. All power is lost.
+    """
+
+    flange = Flange("braked flange")
+    housing = Flange("housing", ground=True)
+    tau_nominal: Value = param("largest torque", "N m", ge=0)
+    w_nominal: Value = param("speed of the largest torque", "rad/s", gt=0)
+    excitation: Any = signal("factor on the torque", default=1.0)
+
+    def problems(self) -> Iterator[str]:
+        """An excitation that would drive."""
+        if isinstance(self.excitation, (int, float)) and self.excitation < 0:
+            yield f"excitation = {self.excitation!r} must be >= 0: a brake does not drive"
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """The torque against the motion, and its reaction."""
+        w = s.flange.w - s.housing.w
+        slope = 2 * s.excitation * s.tau_nominal * s.w_nominal / (w**2 + s.w_nominal**2)
+        yield Acts(s.flange, -slope * w)
+        yield Acts(s.housing, slope * w)
+        yield Energy(loss=slope * w**2)
+        yield Shows("torque", -slope * w, "N m", "torque on the flange")
+        yield Shows("loss_power", slope * w**2, "W", "power lost")
+
+
+class DCMotor(Block):
+    """DC machine with a constant field: L i' = u - R i - k w, torque k i, w against the housing.
+
+    The current i is a state, 0 at the start (another value: initial={"motor.i": ...}).
+    """
+
+    flange = Flange("shaft")
+    housing = Flange("housing", ground=True)
+    R: Value = param("resistance", "ohm", ge=0)
+    L: Value = param("inductance", "H", gt=0)
+    k: Value = param("torque constant, and voltage per speed", "N m/A")
+    u: Any = signal("terminal voltage", "V")
+    i = State("current", "A")
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """The circuit and the torque."""
+        torque = s.k * s.i
+        yield Acts(s.flange, torque)
+        yield Acts(s.housing, -torque)
+        yield Rate(s.i, (s.u - s.R * s.i - s.k * (s.flange.w - s.housing.w)) / s.L)
+        yield Energy(stored=s.L * s.i**2 / 2, loss=s.R * s.i**2)
+        yield Shows("torque", torque, "N m", "torque on the flange")
+        yield Shows("current", s.i, "A", "current")
+        yield Shows("electric_power", s.u * s.i, "W", "power from the terminals")
+
+
+class Engine(Block):
+    """A torque from a map over speed and throttle, its reaction on the housing.
+
+    torque_map: a Table2 with x the speed of the flange against the housing in rad/s, y the throttle (0 to 1, or what
+    the map uses), z the torque in N m, negative where the engine brakes. Outside, the map is held at its edge.
+    """
+
+    flange = Flange("shaft")
+    housing = Flange("housing", ground=True)
+    torque_map: Table2 = option("torque over speed in rad/s and throttle, a gb.Table2")
+    throttle: Any = signal("throttle, as in the map")
+
+    def problems(self) -> Iterator[str]:
+        """A map that is none."""
+        if not isinstance(self.torque_map, Table2):
+            yield f"torque_map = {self.torque_map!r:.80} must be a gb.Table2 over speed and throttle"
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """The torque of the map."""
+        torque = s.local("torque_map", speed=s.flange.w - s.housing.w, throttle=s.throttle)
+        yield Acts(s.flange, torque)
+        yield Acts(s.housing, -torque)
+        yield Shows("torque", torque, "N m", "torque on the flange")
+        yield Shows("throttle", s.throttle, "1", "throttle")
+
+
+class Governor(Block):
+    """Speed controller: output `command`, to be read with gb.sense("governor.command"); exerts no torque.
+
+        e = target - w,   u = bias + gain e + integral,   command = u held between lower and upper
+        integral' = integral_gain (e + (command - u)/gain)
+
+    Without integral_gain a speed droop remains. The last term keeps the integral from running away while the command is
+    at a limit (back-calculation: Åström and Hägglund, PID Controllers, 1995). With time_constant the command passes
+    an actuator: command' = (held u - command)/time_constant. Both states start at 0.
+    """
+
+    flange = Flange("sensed flange")
+    target: Any = signal("target speed", "rad/s")
+    gain: Value = param("command per speed error", "s/rad", gt=0)
+    integral_gain: Value | None = param("command per integrated speed error", "1/rad", default=None, ge=0)
+    time_constant: Value | None = param("time constant of the actuator", "s", default=None, gt=0)
+    bias: Value = param("command at the target speed", default=0.0)
+    lower: Value = param("least command", default=0.0)
+    upper: Value = param("largest command", default=1.0)
+    integral = State("integral part of the command")
+    actuator = State("command behind the actuator")
+
+    def problems(self) -> Iterator[str]:
+        """Limits that leave no room."""
+        if isinstance(self.lower, (int, float)) and isinstance(self.upper, (int, float)) and self.lower >= self.upper:
+            yield f"lower = {self.lower!r} must be < upper = {self.upper!r}"
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """The control law and its states."""
+        import sympy as sp
+
+        error = s.target - s.flange.w
+        wanted = s.bias + s.gain * error + (s.integral if self.integral_gain is not None else 0)
+        held = sp.Min(sp.Max(wanted, s.lower), s.upper)
+        if self.integral_gain is not None:
+            yield Rate(s.integral, s.integral_gain * (error + (held - wanted) / s.gain))
+        if self.time_constant is not None:
+            yield Rate(s.actuator, (held - s.actuator) / s.time_constant)
+        yield Shows("command", s.actuator if self.time_constant is not None else held, "1", "command")
+        yield Shows("error", error, "rad/s", "target - speed")

@@ -1,0 +1,175 @@
+"""Pairs of non-circular gears."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from typing import Any
+
+from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, theta_of
+from gearblocks.declare import (
+    Acts,
+    Block,
+    Contribution,
+    Flange,
+    Force,
+    Rate,
+    Shows,
+    Start,
+    State,
+    Tie,
+    effect,
+    option,
+    param,
+    signal,
+)
+from gearblocks.effects import Backlash, Harmonic, Profile, as_profile
+from gearblocks.expression import Expr
+from gearblocks.ratio_law import RatioLaw
+from gearblocks.signals import Input, Parameter, Signal, Table, Value
+
+_CORNERS = {"Abs", "sign", "Min", "Max", "Heaviside", "Piecewise"}
+
+
+class NonCircularGear(Block):
+    """Pair of non-circular gears a and b on a carrier c; without k a rigid tie.
+
+        theta = phi_a - phi_c + phase                            angle of gear 1 (the driver) over which the law is given
+        internal: q = F(theta) - F(phase at start) - (phi_b - phi_c) - e        torques of M: -m M on a, +M on b, (m-1) M on c
+        external: q = F(theta) - F(phase at start) + (phi_b - phi_c) - e        torques of M: -m M on a, -M on b, (1+m) M on c
+        M = k g(q) + c q',   m = F'(theta) = abs(w_b/w_a) at rest of the carrier;   rigid: q = 0 without e
+
+    `external` only says whether b turns against a. A phase that moves shifts the law, not the gears at the start (a sensed
+    output counts from 0). With filter, theta follows the phase as x'' = filter^2 (phase - x) - 2 filter x', from rest.
+    A stiffness k over the angle derives from a potential: a gets -k'(theta) G(q) besides, c the opposite. The joints of the
+    law are located. q' contains the rate of a phase that is an expression or table of time, or filtered; that of another
+    Input or sensed output counts as 0. Large absolute angles cost theta its last digits, and leave q as it is.
+    """
+
+    a, b = Flange("gear 1, the driver of the law"), Flange("gear 2")
+    carrier = Flange("carrier of both axes", ground=True)
+    law: RatioLaw = option("ratio law, a gb.RatioLaw")
+    external: bool = option("whether b turns against a")
+    phase: Signal | None = signal("added to the angle of gear 1", "rad", default=None)
+    filter: Value | None = param("cut-off frequency of a filter of the phase", "rad/s", default=None, gt=0)
+    filtered_phase = State("phase behind the filter", "rad")
+    filtered_rate = State("its rate", "rad/s")
+    start_angle = State("F of the phase at the start", "rad")
+    k: Signal | None = signal(
+        "stiffness about b: a number, or an expression of gb.driver_angle or a Table over it", "N m/rad", default=None,
+        belongs_to="compliance", over="driver_angle",
+    )  # fmt: skip
+    c: Value | None = param("damping about b", "N m s/rad", default=None, ge=0, belongs_to="damping")
+    damping_ratio: Value | None = param(
+        "damping ratio on the bodies beside, at the mean ratio", default=None, ge=0, belongs_to="damping"
+    )
+    backlash: Backlash | None = effect("dead zone of q, half_gap in rad about b")
+    contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
+    transmission_error: Harmonic | Profile | None = effect(
+        "no-load error e in rad about b, over turns of gear 1", convert=as_profile
+    )
+
+    def problems(self) -> Iterator[str]:
+        """What is no law, a phase that a rigid pair cannot follow, effects that need compliance."""
+        yield from damping_problems(self)
+        if not isinstance(self.law, RatioLaw):
+            yield f"law = {self.law!r:.80} must be a gb.RatioLaw, such as gb.RatioLaw.ellipse(e=0.3)"
+        if not isinstance(self.external, bool):
+            yield f"external = {self.external!r} must be True or False"
+        if isinstance(self.k, (int, float)) and self.k <= 0:
+            yield f"k = {self.k!r} N m/rad must be > 0"
+        if self.filter is not None and self.phase is None:
+            yield "filter is that of a phase; give one"
+        if self.damping_ratio is not None and not isinstance(self.k, (int, float, Parameter)):
+            yield "damping_ratio needs a k that does not change; give c"
+        if _senses(self.phase) and self.filter is not None:
+            yield f"phase = {self.phase!r:.80} is sensed and has no value yet when the filter starts; leave filter out"
+        if self.k is None:
+            if living := [n for n in self.effects() if n != "compliance"]:
+                yield f"{', '.join(living)} need compliance: give k"
+            if self.filter is None and (jerky := _corner(self.phase)) is not None:
+                yield (
+                    f"phase = {self.phase!r:.80} has no acceleration ({jerky}), which a rigid pair must follow: "
+                    "give a smooth expression of time or a cubic Table, filter=rad/s, or k"
+                )
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """The contact, or the tie."""
+        import sympy as sp
+
+        phase, at_start, moves = yield from self._phase(s)
+        theta = s.a.phi - s.carrier.phi + phase
+        turned = s.turned(self.law, theta) - at_start
+        sign = 1 if self.external else -1
+        q = turned + sign * (s.b.phi - s.carrier.phi)
+        m = s.slope(turned, s.a)
+        yield Shows("ratio", m, "1", "m, speed of b over that of a without its sign")
+        yield Shows("driver_angle", theta, "rad", "angle of gear 1 over which the law is given")
+        if self.k is None:
+            yield Tie(sign * q)
+            yield Shows("torque", s.b.tau, "N m", "torque on flange b")
+            return
+        if self.transmission_error is not None:
+            angle, rates = theta_of(self.transmission_error, s.transmission_error, theta, s.time)
+            yield from rates
+            error = self.transmission_error.value(s.transmission_error, angle)
+            rate = s.rate_of(q, moves) - s.rate_of(error, [*moves, *rates])
+            q -= error
+        else:
+            rate = s.rate_of(q, moves)
+        k = s.local("k", driver_angle=theta)
+        stiffness = s.named("k_t", k)
+        c = damping(s, k, sp.Rational(self.law.n1, self.law.n2) ** 2 * s.a.mobility + s.b.mobility)
+        law = Contact(q, rate, stiffness, c, self.backlash, s.backlash, self.contact_damping)
+        for item in contact(s, law):
+            yield item
+            if isinstance(item, Force):
+                yield Shows("moment", item.force, "N m", "M, positive where a drives b")
+                yield Shows("torque", -sign * item.force, "N m", "torque on flange b")
+        potential = q**2 / 2 if self.backlash is None else self.backlash.potential(s.backlash, q)
+        yield from (Acts(x, -slope * potential) for x in (s.a, s.carrier) if (slope := s.slope(k, x)) != 0)
+        yield Shows("deflection", q, "rad", "deflection about b")
+        yield Shows("deflection_rate", rate, "rad/s", "rate of the deflection")
+        yield Shows("stiffness", stiffness, "N m/rad", "stiffness about b")
+
+    def _phase(self, s: Any) -> Generator[Contribution, None, tuple[Any, Any, list[Rate]]]:
+        """(phase, F of the phase at the start, rates of the states in the phase)."""
+        import sympy as sp
+
+        if self.phase is None:
+            return sp.Integer(0), sp.Integer(0), []
+        if self.filter is None and s.is_constant("phase"):
+            return s.phase, s.turned(self.law, s.phase), []
+        if _senses(self.phase):
+            return s.phase, sp.Integer(0), []
+        yield Start(s.start_angle, s.turned(self.law, s.phase))
+        yield Rate(s.start_angle, sp.Integer(0))
+        if self.filter is None:
+            return s.phase, s.start_angle, []
+        x, speed = s.filtered_phase, s.filtered_rate
+        rates = [Rate(x, speed), Rate(speed, s.filter**2 * (s.phase - x) - 2 * s.filter * speed)]
+        yield Start(x, s.phase)
+        yield from rates
+        return x, s.start_angle, rates
+
+
+def _corner(phase: Any) -> str | None:
+    """Why a signal has no second derivative, or None."""
+    if isinstance(phase, Input):
+        return "an Input may jump"
+    if isinstance(phase, Table):
+        return None if phase.kind == "cubic" else f"a table of kind '{phase.kind}' has corners"
+    if isinstance(phase, Expr):
+        leaves = list(phase.leaves())
+        found = [_corner(leaf.args[0]) for leaf in leaves if leaf.op in ("input", "table")]
+        found += ["a sensed output has no known rate" for leaf in leaves if leaf.op == "sense"]
+        found += [f"{op} has corners" for op in sorted(_operations(phase) & _CORNERS)]
+        return next((reason for reason in found if reason), None)
+    return None
+
+
+def _senses(phase: Any) -> bool:
+    return isinstance(phase, Expr) and any(leaf.op == "sense" for leaf in phase.leaves())
+
+
+def _operations(e: Expr) -> set[str]:
+    return {e.op}.union(*(_operations(a) for a in e.args if isinstance(a, Expr)))

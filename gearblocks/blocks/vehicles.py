@@ -1,0 +1,118 @@
+"""The load of a vehicle on its driven wheels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from gearblocks.declare import (
+    Acts,
+    Block,
+    Body,
+    Contribution,
+    Effect,
+    Energy,
+    Flange,
+    Rate,
+    Shows,
+    State,
+    effect,
+    param,
+    signal,
+)
+from gearblocks.signals import Value
+
+GRAVITY = 9.80665  # m/s2, standard
+
+
+class TyreSlip(Effect):
+    """Longitudinal force of the tyres over their slip, in the form of Bakker, Nyborg and Pacejka (SAE 870421, 1987).
+
+        slip = (radius w - v)/sqrt(v^2 + low_speed^2),   F = D sin(C atan(stiffness slip/(C D))),   D = grip normal force
+
+    C: shape; 1 rises to D without falling again. Below low_speed the tyre is a viscous coupling.
+    """
+
+    stiffness: Value = param("force per slip at small slip", "N", gt=0)
+    grip: Value = param("largest force over normal force", gt=0)
+    low_speed: Value = param("speed below which the slip is viscous", "m/s", gt=0)
+    shape: Value = param("shape factor C", default=1.0, ge=1, le=2)
+
+
+class Vehicle(Block):
+    """A vehicle as its driven wheels feel it: mass, drag of the air, rolling resistance, slope. Forward is positive.
+
+        m v' = F - air_density drag_area/2 v abs(v) - rolling m g cos(grade) sign(v) - m g sin(grade)
+
+    F: force of the road on the tyres (output force). Without tyre the wheels roll: v = wheel_radius w, and the mass is
+    an inertia m wheel_radius^2 on the flange; with tyre=TyreSlip(...) v and s are states of the block (start values:
+    initial={"car.v": ...}). drag_area: drag coefficient times front area; grade: angle of the slope in rad, positive
+    uphill; both and rolling may be left out. Rolling resistance jumps at v = 0 and does not hold the vehicle at rest,
+    unless rolling_speed is given: sign(v) is then v/sqrt(v^2 + rolling_speed^2). Work on the slope counts as supplied.
+    """
+
+    flange = Flange("axle of the driven wheels")
+    mass: Value = param("mass", "kg", gt=0)
+    wheel_radius: Value = param("rolling radius of the wheels", "m", gt=0)
+    drag_area: Value | None = param("drag coefficient times front area", "m2", default=None, ge=0)
+    rolling: Value | None = param("rolling resistance over normal force", default=None, ge=0)
+    rolling_speed: Value | None = param("speed below which rolling resistance fades", "m/s", default=None, gt=0)
+    grade: Any = signal("angle of the slope", "rad", default=None)
+    air_density: Value = param("density of the air", "kg/m3", default=1.2, ge=0)
+    tyre: TyreSlip | None = effect("slip of the tyres")
+    v = State("speed of the vehicle", "m/s")
+    s = State("distance", "m")
+
+    def problems(self) -> Iterator[str]:
+        """A rolling speed without rolling resistance."""
+        if self.rolling_speed is not None and self.rolling is None:
+            yield "rolling_speed needs rolling, the coefficient of rolling resistance"
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """Resistance, and the tyres between wheels and road."""
+        rigid = self.tyre is None
+        wheel = s.wheel_radius * s.flange.w
+        v = wheel if rigid else s.v
+        resistance, climb, normal = self._forces(s, v)
+        force = -s.flange.tau / s.wheel_radius
+        if rigid:
+            yield Body(s.flange, s.mass * s.wheel_radius**2)
+            yield Acts(s.flange, -s.wheel_radius * (resistance + climb))
+            yield Energy(loss=resistance * v)
+        else:
+            force, slip = _grip(s.tyre, wheel, v, normal)
+            yield Acts(s.flange, -s.wheel_radius * force)
+            yield Rate(s.v, (force - resistance - climb) / s.mass)
+            yield Rate(s.s, v)
+            yield Energy(stored=s.mass * v**2 / 2, loss=force * (wheel - v) + resistance * v)
+            yield Shows("slip", slip, "1", "slip of the tyres")
+        yield Shows("v", v, "m/s", "speed")
+        yield Shows("s", s.wheel_radius * s.flange.phi if rigid else s.s, "m", "distance")
+        yield Shows("force", force, "N", "force of the road on the tyres")
+        yield Shows("resistance", resistance, "N", "drag and rolling resistance against the motion")
+
+    def _forces(self, s: Any, v: Any) -> tuple[Any, Any, Any]:
+        """Resistance against v, the part of the weight along the slope, and the normal force."""
+        import sympy as sp
+
+        weight = s.mass * sp.Float(GRAVITY)
+        climb: Any = sp.Integer(0)
+        normal = weight
+        if s.grade is not None:
+            climb, normal = weight * sp.sin(s.grade), weight * sp.cos(s.grade)
+        resistance: Any = sp.Integer(0)
+        if s.drag_area is not None:
+            resistance += s.air_density * s.drag_area * v * sp.Abs(v) / 2
+        if s.rolling is not None:
+            side = sp.sign(v) if s.rolling_speed is None else v / sp.sqrt(v**2 + s.rolling_speed**2)
+            resistance += s.rolling * normal * side
+        return resistance, climb, normal
+
+
+def _grip(tyre: Any, wheel: Any, v: Any, normal: Any) -> tuple[Any, Any]:
+    """Force on the tyres and their slip."""
+    import sympy as sp
+
+    slip = (wheel - v) / sp.sqrt(v**2 + tyre.low_speed**2)
+    most = tyre.grip * normal
+    return most * sp.sin(tyre.shape * sp.atan(tyre.stiffness * slip / (tyre.shape * most))), slip
