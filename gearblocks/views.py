@@ -206,15 +206,17 @@ def _linear(g: Generator) -> dict[str, Any]:
         "slopes": [_sense_call(f, call) for f, call in slopes],
         "changes": [_sense_call(f, call) for f, call in changes],
         "spread": sparse("spread", linear.spread),
-        "following": [sparse(name, rows) for name, rows in _following(linear.following).items()],
+        "following": [sparse(name, rows) for name, rows in _following(g, linear.following).items()],
     }
 
 
-def _following(f: Following | None) -> dict[str, list[dict[int, Exact]]]:
-    """The tables of groups that follow others."""
+def _following(g: Generator, f: Following | None) -> dict[str, list[dict[int, Exact]]]:
+    """The tables of groups that follow others; with tilts where laws read angles and drives move some."""
     if f is None:
         return {}
-    tables = {"speeds": f.speeds, "heavy": f.heavy, "turn": f.torques, "tilt": f.tilts, "state_tilt": f.state_tilts}
+    tables = {"speeds": f.speeds, "heavy": f.heavy, "turn": f.torques}
+    if g.assembly.driven and g.lay.angle0 < g.lay.n:
+        tables |= {"tilt": f.tilts, "state_tilt": f.state_tilts}
     return {**tables, "rise": f.growths} if f.by_rate else tables
 
 
