@@ -95,7 +95,7 @@ def _mesh(
     """A rigid mesh on the carrier."""
     mesh = rig.add(
         name,
-        gb.GearMesh(teeth=teeth, external=external, stiffness_variation=None, backlash=None, transmission_error=None),
+        gb.GearMesh(teeth=teeth, external=external, stiffness_variation=None, backlash=None),
     )
     rig.connect(pinion.b, mesh.pinion)
     rig.connect(mesh.wheel, wheel.a)

@@ -51,13 +51,13 @@ class GearMesh(Block):
     stiffness: str | None = option("'iso6336': the stiffness of the standard", default=None, belongs_to="compliance")
     c: Value | None = param("damping along the line of action", "N s/m", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
-    stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", convert=as_profile)
-    backlash: Backlash | None = effect("dead zone")
+    stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", default=None, convert=as_profile)
+    backlash: Backlash | None = effect("dead zone", default=None)
     contact_damping: Any = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
     transmission_error: Harmonic | Profile | None = effect(
-        "no-load transmission error e, subtracted from the deflection", convert=as_profile
+        "no-load transmission error e, subtracted from the deflection", default=None, convert=as_profile
     )
-    friction: ToothFriction | None = effect("friction of the teeth")
+    friction: ToothFriction | None = effect("friction of the teeth", default=None)
 
     # -- what is wrong ------------------------------------------------------------------------------------------------
 
