@@ -19,6 +19,7 @@ from gearblocks.blocks import (
     Lash,
     Mass,
     NonCircularGear,
+    PlanetaryGear,
     Rack,
     Shaft,
     Speed,
@@ -53,7 +54,7 @@ from gearblocks.declare import (
     signal,
 )  # fmt: skip
 from gearblocks.drivetrain import Drivetrain, build, classify, poincare, simulate, stroboscopic
-from gearblocks.effects import Backlash, Fourier, Harmonic, Profile, Square
+from gearblocks.effects import Backlash, Fourier, Harmonic, MeshLaw, Profile, Square, ToothFriction
 from gearblocks.errors import (
     CompileError,
     GearblocksError,
@@ -77,10 +78,10 @@ __all__ = [
     "Acts", "Angle", "Backlash", "BeltDrive", "Block", "Body", "CompileError", "Creep", "DCMotor", "Damper",
     "Differential", "Drivetrain", "EddyCurrentBrake", "Effect", "Energy", "Engine", "Fixed", "Flange", "Force",
     "Fourier", "GearMesh", "GearblocksError", "Governor", "Harmonic", "IdealGear", "IdealPlanetary", "Inertia", "Input",
-    "Lash", "Mass", "Model", "ModelError", "Motion", "NonCircularGear", "Parameter", "ParameterError", "Parts",
-    "Potential", "Profile", "Rack", "Rate", "RatioLaw", "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed",
-    "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Switch", "Table", "Table2", "Tie", "Torque",
-    "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "build", "classify",
-    "cos", "design_ratio", "driver_angle", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm",
-    "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "Lash", "Mass", "MeshLaw", "Model", "ModelError", "Motion", "NonCircularGear", "Parameter", "ParameterError",
+    "Parts", "PlanetaryGear", "Potential", "Profile", "Rack", "Rate", "RatioLaw", "RatioLawError", "Shaft", "Shows",
+    "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Switch", "Table", "Table2",
+    "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError",
+    "Vehicle", "build", "classify", "cos", "design_ratio", "driver_angle", "effect", "exact", "option", "param",
+    "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip

@@ -15,10 +15,10 @@ from gearblocks.graph import GROUND, Component, Train, numbers_of, structure_of
 from gearblocks.grouping import HELD, inertias, number_groups, start_values
 from gearblocks.kinematics import Driven, Follower
 from gearblocks.laws import Law, derive, exact_value
-from gearblocks.rational import Exact, exact, over
+from gearblocks.rational import Exact, exact
 from gearblocks.ties import Groups, TieRow, merge
 
-__all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble", "expand_rows", "speed_row"]
+__all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble", "expand_rows"]
 
 
 @dataclass(slots=True)
@@ -81,8 +81,6 @@ class Assembly:
     starts: list[StartValues] = field(default_factory=list)
     in_law: bool = False
     structural: tuple[tuple[str, float], ...] = ()
-    speed_rows: dict[int, dict[int, Exact]] = field(default_factory=dict)
-    moved: dict[int, Follower] = field(default_factory=dict)
 
     @property
     def plain(self) -> bool:
@@ -93,38 +91,6 @@ class Assembly:
     def driven(self) -> bool:
         """Whether angles follow by laws of their own."""
         return any(isinstance(row, Driven) for _, row in self.definitions)
-
-
-def speed_row(assembly: Assembly, group: int) -> dict[int, Exact]:
-    """Speed of a group over the speeds of free groups, by number (those of shafts without inertia behind the others).
-
-    NotImplementedError where it follows through gains that change with the state.
-    """
-    row = assembly.speed_rows.get(group)
-    if row is not None:
-        return row
-    if group < assembly.n_speeds + assembly.n_hidden:
-        row = {group: 1}
-    else:
-        follower = assembly.moved[group]
-        total = Combination()
-        for source, c in _constant_gains(assembly, follower).items():
-            total.add(Combination(dict(speed_row(assembly, source))), c)
-        row = total.groups
-    assembly.speed_rows[group] = row
-    return row
-
-
-def _constant_gains(assembly: Assembly, follower: Follower) -> dict[int, Exact]:
-    if follower.row is not None:
-        return follower.row.groups
-    drive = follower.drive
-    assert drive is not None
-    law = next(b.law for b in assembly.batches if drive.component in b.components)
-    gains = law.drives[drive.number].gains
-    if not all(gains[name].is_Rational for name in drive.factors):
-        raise NotImplementedError(f"'{drive.path}' moves a shaft by gains that change with the state")
-    return {group: over(int(gains[name].p), int(gains[name].q)) * c for name, (group, c) in drive.factors.items()}
 
 
 def assemble(train: Train) -> Assembly:
@@ -141,7 +107,6 @@ def assemble(train: Train) -> Assembly:
     structural |= bodies.zeros | {(path, 0.0) for path in groups.zeros}
     assembly.structural = tuple(sorted(structural))
     number_groups(assembly, laws, bodies)
-    assembly.moved = {f.group: f for f in assembly.followers}
     assembly.starts = start_values(assembly, laws)
     _coordinates(assembly, laws, known)
     return assembly

@@ -14,7 +14,11 @@ import sympy as sp
 
 from gearblocks.declare import Switch
 from gearblocks.errors import GearblocksError
+from gearblocks.signals import Table
 from gearblocks.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, Table2At, TableAt
+
+_COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
+"""Its segments are numbered by the whole part of what it is taken over."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,9 +84,11 @@ class Freezer:
         if isinstance(e, sp.Piecewise):
             return self._piecewise(e)
         if isinstance(e, (TableAt, Table2At)):
-            return self._table(e)
+            return e if len(e.args) in (4, 7) else self._table(e)
         if isinstance(e, (DeadZone, ContactSide)):
             return self._dead_zone(e)
+        if isinstance(e, sp.floor) and self.pool.level(e) != CONSTANT:
+            return self._floor(e)
         a = [self.freeze(x) for x in e.args]
         if isinstance(e, sp.Abs):
             return (2 * self._indicator(a[0]) - 1) * a[0]
@@ -161,22 +167,39 @@ class Freezer:
         return switch.symbol
 
     def _table(self, e: Any) -> Any:
-        """With the segment of each of its quantities as a mode, where these are located."""
+        """With the segment of each of its quantities as a mode, where these are located; a step needs no more than that."""
         n = 1 if isinstance(e, TableAt) else 2
         symbol, quantities, orders = e.args[0], [self.freeze(x) for x in e.args[1 : n + 1]], e.args[n + 1 : 2 * n + 1]
         axes = [symbol] if n == 1 else [self.pool.table(axis) for axis in self.pool.slots[symbol].of.axes]
         modes = [self._segment(axis, x) for axis, x in zip(axes, quantities, strict=True)]
-        return e.func(symbol, *quantities, *orders, *(modes if None not in modes else ()))
+        if None in modes:
+            return e.func(symbol, *quantities, *orders)
+        if n == 1 and self.pool.slots[symbol].of.kind == "step":
+            quantities = [sp.Integer(0)]
+        return e.func(symbol, *quantities, *orders, *modes)
 
-    def _segment(self, table: Any, x: Any) -> Any:
-        """The mode that is the segment of a table over x; None where nothing is located any more."""
+    def _segment(self, table: Any, x: Any, name: str = "table") -> Any:
+        """The mode that is the segment of a table over x, shared by all with the same joints; None where none is located."""
         for switch in self.switches:
-            if switch.table == table and switch.surface == x:
+            if switch.table is not None and switch.surface == x and self._same_joints(switch.table, table):
                 return switch.symbol
         smooth = not getattr(self.pool.slots[table].of, "joints", True)
         if not self.locating or smooth or self.pool.level(x) == CONSTANT:
             return None
-        return self._add("table", x, table).symbol
+        return self._add(name, x, table).symbol
+
+    def _same_joints(self, one: Any, other: Any) -> bool:
+        """Whether two tables have the same segments, so that one switch serves both."""
+        a, b = (self.pool.slots[x].of for x in (one, other))
+        if not (isinstance(a, Table) and isinstance(b, Table)):
+            return bool(a == b)
+        return a is b or (a.periodic == b.periodic and list(a.x) == list(b.x))
+
+    def _floor(self, e: Any) -> Any:
+        """The whole number below, as the mode of a table that counts."""
+        x = self.freeze(e.args[0])
+        mode = self._segment(self.pool.symbol("table", _COUNT, "table_count"), x, "count")
+        return sp.floor(x) if mode is None else mode
 
     def _add(self, name: str, surface: Any, table: Any = None) -> SurfaceOfKind:
         level = self.pool.level(surface)

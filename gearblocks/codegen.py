@@ -11,6 +11,7 @@ import sympy as sp
 from gearblocks.assemble import HELD, Assembly
 from gearblocks.batchcode import BatchCode, Places, Statement, identifier
 from gearblocks.generator import Band, Generator, Prediction
+from gearblocks.jacobian import linear_part
 from gearblocks.layout import column, lay_out, padded
 from gearblocks.maps import Table2
 from gearblocks.massless import hidden_rows, lay_out_massless
@@ -38,6 +39,7 @@ def generate(assembly: Assembly) -> Program:
     _laws(g)
     g.senses = order_senses(g.senses, g.codes, g.assembly, set(in_law))
     g.lay.n_total = g.lay.n_padded + padded(g.tail - g.lay.n_padded)
+    g.linear = linear_part(g)
     g.outputs += flange_outputs(g)
     return _program(g, _render(g, angles))
 
@@ -49,9 +51,12 @@ def _columns(g: Generator) -> None:
     """Hoists every law and places exact values, inverse masses, hoisted columns and switches."""
     hidden = hidden_rows(g.assembly) if g.assembly.n_hidden else {}
     at = len(g.lay.parameters)
-    g.inverse_mass = g.mass = at
+    g.inverse_mass = at
     at += g.assembly.n_groups
-    if not g.assembly.plain:
+    if g.assembly.plain:
+        g.mass = at
+        at += g.assembly.n_groups
+    else:
         at = lay_out_mass(g, at)
     for number, batch in enumerate(g.assembly.batches):
         own = {path: i for (b, path), i in g.lay.own.items() if b == number}
@@ -334,11 +339,15 @@ def _render(g: Generator, angles: bool) -> str:
 def _fill(name: str, values: dict[str, Any]) -> str:
     import jinja2
 
-    template = files("gearblocks").joinpath(f"c/{name}").read_text(encoding="utf-8")
     environment = jinja2.Environment(
-        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, undefined=jinja2.StrictUndefined
-    )
-    return environment.from_string(template).render(values)
+        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
+        loader=jinja2.FunctionLoader(_template),
+    )  # fmt: skip
+    return environment.get_template(name).render(values)
+
+
+def _template(name: str) -> str:
+    return files("gearblocks").joinpath(f"c/{name}").read_text(encoding="utf-8")
 
 
 def key_of(source: str) -> str:

@@ -71,9 +71,11 @@ def exact(words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool =
     return Field(words, unit, "exact", default, many=many)
 
 
-def option(words: str, *, default: Any = _REQUIRED) -> Any:
-    """A choice (text, truth or whole number) that decides the form of the law. Structural."""
-    return Field(words, "1", "option", default)
+def option(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, belongs_to: str | None = None
+) -> Any:
+    """A choice (text, truth, number) that decides the form of the law. Structural. many=True: a tuple of them."""
+    return Field(words, unit, "option", default, many=many, belongs_to=belongs_to)
 
 
 def signal(
@@ -241,7 +243,7 @@ class Parts:
 
 _TAKEN = {
     "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics",
-    "problems", "rate_of", "slope", "states", "time", "turned", "without_effect",
+    "problems", "rate_of", "reading", "slope", "states", "tabled", "time", "turned", "without_effect",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 

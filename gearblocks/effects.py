@@ -1,49 +1,15 @@
-"""Effects that meshes and other compliant elements may have: excitation, backlash."""
+"""Effects that meshes and other compliant elements may have: excitation here, those of contact from `gaps`."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.declare import Effect, State, option, param, signal
+from gearblocks.declare import Effect, State, effect, option, param, signal
+from gearblocks.gaps import Backlash
 from gearblocks.signals import Table, Value
 
-__all__ = ["Backlash", "Fourier", "Harmonic", "Profile", "Square"]
-
-
-class Backlash(Effect):
-    """Dead zone of half width `half_gap` about zero deflection, in the unit of the deflection (m, or rad for Lash).
-
-        g(x) = x - b (x > b),  0 (abs(x) <= b),  x + b (x < -b)            b = half_gap: HALF the backlash
-
-    The corners are exact and located.
-    """
-
-    half_gap: Value = param("half of the backlash", "m", ge=0)
-    law: str = option("form of the dead zone: 'exact'", default="exact")
-
-    def problems(self) -> Iterator[str]:
-        """Unknown laws."""
-        if self.law != "exact":
-            yield f"backlash.law = {self.law!r} is not available; give 'exact'"
-
-    def deflection(self, s: Any, x: Any) -> Any:
-        """g(x), the part of the deflection that loads the teeth."""
-        from gearblocks.symbols import DeadZone
-
-        return DeadZone(x, s.half_gap, 0)
-
-    def potential(self, s: Any, x: Any) -> Any:
-        """G(x), the integral of g."""
-        from gearblocks.symbols import DeadZone
-
-        return DeadZone(x, s.half_gap, -1)
-
-    def side(self, s: Any, x: Any) -> Any:
-        """-1 coast side, 0 no contact, +1 drive side."""
-        from gearblocks.symbols import ContactSide
-
-        return ContactSide(x, s.half_gap)
+__all__ = ["Backlash", "Fourier", "Harmonic", "MeshLaw", "Profile", "Square", "ToothFriction"]
 
 
 class Fourier(Effect):
@@ -132,3 +98,83 @@ class Square(Effect):
         share = s.contact_ratio - 1
         upper = sp.cos(theta - sp.pi * share) > sp.cos(sp.pi * share)
         return sp.Piecewise((2 * s.ripple * (1 - share), upper), (-2 * s.ripple * share, True))
+
+
+class ToothFriction(Effect):
+    """Coulomb friction of the teeth, mu times the mesh force.
+
+    direction="geometry": friction across the line of action, with the lever arms of the contact. A pair enters at theta = 0
+    at the start of the path of contact and travels one base pitch p_b per mesh cycle, xi = -g_f + p_b theta/(2 pi) from the
+    pitch point. The one or two pairs in contact share N equally (Vaishya and Singh 2003, J. Mech. Des. 125, 634-643,
+    doi 10.1115/1.1564063): together they are one equivalent pair with averaged arms. With rho_1 = r1 tan(a_w) + xi and
+    rho_2 = r2 tan(a_w) - xi (internal: -r2 tan(a_w) - xi), speeds relative to the carrier,
+
+        v = rho_1 w_1 + rho_2 w_2,    F = mu abs(N) sign(v) (its share),    torques -F rho_1, -F rho_2, F (rho_1 + rho_2)
+
+    v changes sign at the pitch point (up to the vibration); the power -F v is never positive. The gears turn: at rest
+    F jumps from one sign to the other and holds nothing, and the same at the pitch point where the pair vibrates hard
+    enough to stick there: the run then stops and names the mesh. [transition]: sign(v) becomes
+    v/sqrt(v^2 + transition^2), which passes through both. flank: the loaded one; with "coast" the pairs enter as theta
+    falls (gear 1 turns backwards and drives). Valid for transverse contact ratios from 1 to 2; a helical pair counts by
+    its transverse section. driven_by and phase as for `Fourier`.
+
+    direction="square_wave": N (1 + mu wave) along the line of action on both bodies, wave = +1 or -1 from a signal (the
+    form of papers; it may feed power in, which the ledger counts as supplied).
+    """
+
+    mu: Value = param("coefficient of friction", ge=0)
+    direction: str = option("'geometry' or 'square_wave'", default="geometry")
+    wave: Any = signal("direction of sliding, +1 or -1, for 'square_wave'", default=None)
+    driven_by: Any = signal("'angle', or the mesh frequency", "rad/s", default="angle")
+    phase: Any = param("phase added to theta", "rad", default=None)
+    flank: str = option("loaded flank: 'drive' or 'coast'", default="drive")
+    transition: Value | None = param("sliding speed where friction takes hold", "m/s", default=None, gt=0)
+    angle = State("integrated phase", "rad")
+
+    def problems(self) -> Iterator[str]:
+        """Directions that do not exist, and a missing wave."""
+        if self.direction not in ("geometry", "square_wave"):
+            yield f"friction.direction = {self.direction!r} must be 'geometry' or 'square_wave'"
+        if self.flank not in ("drive", "coast"):
+            yield f"friction.flank = {self.flank!r} must be 'drive' or 'coast'"
+        if (self.direction == "square_wave") != (self.wave is not None):
+            yield "friction: direction='square_wave' and wave=... (a signal of +1 and -1) belong together"
+
+
+class MeshLaw(Effect):
+    """What the meshes of a composite have beyond their teeth: compliance and what lives on it; the fields of GearMesh."""
+
+    face_width: Value | None = param("common face width", "m", default=None, gt=0)
+    profile_shift: tuple[Value, Value] | None = param(
+        "profile shifts (x1, x2) over the module", default=None, many=True
+    )
+    addendum: Value | None = param("addendum over the module; absent: 1", default=None, gt=0)
+    k: Value | None = param("mean stiffness along the line of action", "N/m", default=None, gt=0)
+    stiffness: str | None = option("'iso6336': the stiffness of the standard", default=None)
+    c: Value | None = param("damping along the line of action", "N s/m", default=None, ge=0)
+    damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0)
+    stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", convert=as_profile)
+    backlash: Backlash | None = effect("dead zone")
+    contact_damping: Any = option("damping and gap: as for GearMesh", default="clipped")
+    transmission_error: Harmonic | Profile | None = effect("no-load transmission error", convert=as_profile)
+    friction: ToothFriction | None = effect("friction of the teeth")
+
+    def values(self) -> dict[str, Any]:
+        """The fields by name, as a GearMesh takes them."""
+        return {name: self.__dict__[name] for name in type(self).fields}
+
+    def shifted(self, phase: float) -> MeshLaw:
+        """The same law with everything that is driven by the mesh cycle ahead by a phase [rad]."""
+        if phase == 0:
+            return self
+        moved = {}
+        for name, value in self.values().items():
+            if isinstance(value, Effect) and "phase" in type(value).fields and not _is_wave(value):
+                given = value.__dict__["phase"]
+                moved[name] = value.changed(phase=phase if given is None else given + phase)
+        return self.changed(**moved)  # type: ignore[no-any-return]
+
+
+def _is_wave(value: Effect) -> bool:
+    """Friction with a signal of its own, which no mesh phase moves."""
+    return isinstance(value, ToothFriction) and value.direction == "square_wave"

@@ -10,7 +10,9 @@ from gearblocks.layout import Column, Layout
 from gearblocks.maps import Table2
 from gearblocks.massless import Massless
 from gearblocks.motions import Motions
+from gearblocks.pattern import Pattern
 from gearblocks.program import EnergyInfo, IntegralInfo, Quantity, SwitchInfo
+from gearblocks.rational import Exact
 from gearblocks.senses import Sense
 from gearblocks.signals import Table
 
@@ -34,6 +36,55 @@ class Band:
 
     function: Function
     first: int
+
+
+@dataclass(slots=True)
+class SenseCode:
+    """The functions of one sensed output for implicit methods and the numbers of its instance: slopes, and change."""
+
+    slope: Function
+    slope_args: str
+    change: Function
+    change_args: str
+
+
+@dataclass(frozen=True, slots=True)
+class Following:
+    """Rows by group over unknowns: the speed of each, that of those with inertia, the equations that its torque and (with
+    by_rate) the rate of its torque belong to; and how defined angles change with those of groups and with y."""
+
+    speeds: list[dict[int, Exact]]
+    heavy: list[dict[int, Exact]]
+    torques: list[dict[int, Exact]]
+    growths: list[dict[int, Exact]]
+    by_rate: bool
+    tilts: list[dict[int, Exact]]
+    state_tilts: list[dict[int, Exact]]
+
+
+@dataclass(slots=True)
+class Linear:
+    """What implicit methods need. first_speed: the unknown of the first speed; n_kept: numbers that jacobian keeps.
+
+    following: where some groups follow others. spread: rows of the table that spreads entries; those of the inertias
+    begin at first_mass. senses: in the order of their calls.
+    """
+
+    pattern: Pattern
+    n_simple: int
+    first_speed: int
+    n_kept: int
+    n_slopes: int
+    following: Following | None = None
+    functions: dict[str, list[Function]] = field(default_factory=dict)
+    senses: list[SenseCode] = field(default_factory=list)
+    spread: list[dict[int, Exact]] = field(default_factory=list)
+    first_mass: int = 0
+
+    def keep(self, what: str, function: Function) -> None:
+        """Adds a function unless it does nothing."""
+        if function.body:
+            self.functions.setdefault(what, []).append(function)
 
 
 @dataclass
@@ -69,6 +120,7 @@ class Generator:
     mobile: list[int] = field(default_factory=list)
     supply0: int = 0
     tail: int = 0
+    linear: Linear | None = None
 
     def keep(self, what: str, function: Function) -> None:
         """Adds a function unless it does nothing."""

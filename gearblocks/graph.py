@@ -206,10 +206,10 @@ def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
     store = owner.__dict__
     for name, field in type(owner).fields.items():
         value = store[name]
-        if value is None or field.role == "option":
-            continue
         if isinstance(value, _Declared):
             yield from numbers_of(value, f"{prefix}{name}.")
+        elif value is None or field.role == "option":
+            continue
         elif isinstance(value, tuple):
             for i, v in enumerate(value):
                 yield f"{prefix}{name}[{i}]", v, field
@@ -251,6 +251,8 @@ def _field_problems(owner: _Declared, prefix: str) -> Iterator[str]:
         elif field.role == "option":
             if isinstance(field.default, bool) and not isinstance(value, bool):
                 yield f"{prefix}{name} = {value!r} must be True or False"
+            elif isinstance(value, _Declared):
+                yield from _field_problems(value, f"{prefix}{name}.")
         elif value is None:
             if field.default is not None and field.belongs_to is None:
                 yield f"{prefix}{name} = None ({field.words}): a value must be given"

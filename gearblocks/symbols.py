@@ -15,6 +15,7 @@ from gearblocks.maps import Table2
 from gearblocks.ratio_curves import Ellipse, Pieces
 from gearblocks.ratio_law import RatioLaw
 from gearblocks.signals import Input, Parameter, Table
+from gearblocks.tooth_geometry import Functions, inverse_involute
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +23,8 @@ class Slot:
     """What a symbol stands for.
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
-    w, alpha, tau, state, coordinate, mode. of: flange, state, switch number, path, or the leaf itself.
+    w, alpha, tau, state, coordinate, mode; in generated functions column, force, gain (of a flange on its group),
+    growth (rate of the torque on a flange), local (C text). of: flange, state, switch number, path, or the leaf itself.
     """
 
     role: str
@@ -138,6 +140,21 @@ class ContactSide(sp.Function):  # type: ignore[misc]  # sympy carries no types
     """-1 where x < -b, +1 where x > b, else 0."""
 
     nargs = 2
+
+
+class InverseInvolute(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """The angle a with tan(a) - a = y, for y >= 0."""
+
+    nargs = 1
+
+    @classmethod
+    def eval(cls, y: Any) -> Any:
+        """The number, where y is one."""
+        return sp.Float(inverse_involute(float(y))) if y.is_number else None
+
+
+SYMBOLS = Functions(sp.sqrt, sp.sin, sp.cos, sp.tan, sp.atan, InverseInvolute, sp.pi)
+"""What tooth geometry computes with in laws."""
 
 
 @lru_cache(maxsize=1)
@@ -310,6 +327,15 @@ class Symbols:
         if not isinstance(value, Expr):
             return getattr(self, field)
         return to_sympy(value, lambda leaf: values[leaf.args[0]] if leaf.op == "local" else self._pool.leaf(leaf))
+
+    def tabled(self, table: Table, x: Any) -> Any:
+        """A Table that a law makes itself, over a quantity. Tables with the same joints share one switch."""
+        return TableAt(self._pool.symbol("table", table, f"table_{table.digest()}"), x, sp.Integer(0))
+
+    @property
+    def reading(self) -> bool:
+        """Whether the law is derived for people: no tables that they cannot read."""
+        return self._pool.reading
 
     def slope(self, expr: Any, flange: FlangeSymbols) -> Any:
         """d expr / d phi of a flange; 0 at the ground."""

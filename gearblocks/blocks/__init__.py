@@ -2,9 +2,11 @@
 
 from gearblocks.blocks.bodies import Fixed, Inertia
 from gearblocks.blocks.couplings import BeltDrive, Creep, TorqueConverter, UniversalJoint
-from gearblocks.blocks.gears import Differential, GearMesh, IdealGear, IdealPlanetary
+from gearblocks.blocks.gears import Differential, IdealGear, IdealPlanetary
 from gearblocks.blocks.machines import DCMotor, EddyCurrentBrake, Engine, Governor
+from gearblocks.blocks.meshes import GearMesh
 from gearblocks.blocks.noncircular import NonCircularGear
+from gearblocks.blocks.planetary import PlanetaryGear
 from gearblocks.blocks.sliders import Force, Mass, Rack
 from gearblocks.blocks.sources import Angle, Speed, SpeedLoad, Torque
 from gearblocks.blocks.spline import SplineCoupling
@@ -30,6 +32,7 @@ __all__ = [
     "Lash",
     "Mass",
     "NonCircularGear",
+    "PlanetaryGear",
     "Rack",
     "Shaft",
     "Speed",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from gearblocks.declare import Contribution, Energy, Force, Rate, Shows, Switch
+from gearblocks.declare import Acts, Contribution, Energy, Force, Rate, Shows, Switch
 from gearblocks.effects import Backlash
 
 
@@ -40,6 +40,12 @@ def damping_problems(block: Any) -> Iterator[str]:
     if block.c is not None and block.damping_ratio is not None:
         yield "c and damping_ratio are both given; give one of them"
     choice = getattr(block, "contact_damping", "clipped")
+    gap = getattr(block, "backlash", None)
+    damped = block.c is not None or block.damping_ratio is not None
+    if damped and choice != "always" and gap is not None and gap.law == "polynomial":
+        yield f"contact_damping = {choice!r}: a polynomial has no gap to tell contact by; give contact_damping='always'"
+    elif damped and choice not in ("always", "clipped") and gap is not None and gap.law == "smooth":
+        yield f"contact_damping = {choice!r}: a smooth law has no gap to tell contact by; give 'clipped' or 'always'"
     if choice not in ("clipped", "clipped_force", "always"):
         yield f"contact_damping = {choice!r} must be 'clipped', 'clipped_force' or 'always'"
 
@@ -67,20 +73,26 @@ def contact(s: Any, law: Contact) -> Iterator[Contribution]:
 
     x, gap, symbols = law.x, law.gap, law.gap_symbols
     if gap is None:
-        g, potential, side = x, x**2 / 2, sp.Integer(1)
+        g, potential, side, pushing = x, x**2 / 2, sp.Integer(1), sp.Integer(1)
     else:
         g, potential, side = gap.deflection(symbols, x), gap.potential(symbols, x), gap.side(symbols, x)
+        pushing = gap.pushing_side(symbols, x)
+        if gap.law != "exact" or gap.gaps is not None:  # people read a long law better by its name
+            g, side, pushing = symbols.named("g", g), symbols.named("side", side), symbols.named("sign_g", pushing)
+        yield from gap.watches(symbols, x)
     elastic = law.k * g
     drag: Any = 0
     if law.c is not None:
         viscous = law.c * law.rate
         choice = "always" if gap is None else law.choice
-        drag = _DRAG[choice](elastic, viscous, side)
-        yield from _clip_switches(choice, elastic, viscous, side)
+        drag = _DRAG[choice](elastic, viscous, pushing)
+        yield from _clip_switches(choice, elastic, viscous, pushing)
         yield Shows("loss_power", drag * law.rate, "W", "power lost in the contact")
     yield Force(x, s.named("N", elastic + drag))
     yield Energy(stored=law.k * potential, loss=drag * law.rate if law.c is not None else None)
     yield Shows("contact", side, "1", "-1 coast side, 0 none, +1 drive side")
+    if gap is not None and gap.gaps is not None:
+        yield Shows("engaged_teeth", gap.engaged(symbols, x), "1", "teeth that carry load")
 
 
 def _clipped(elastic: Any, viscous: Any, side: Any) -> Any:
@@ -112,3 +124,58 @@ def _clip_switches(choice: str, elastic: Any, viscous: Any, side: Any) -> Iterat
         yield Switch("damping below k g", bound - viscous, when=side**2)
     elif choice == "clipped_force":
         yield Switch("pushing", (elastic + viscous) * side, when=side**2)
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A deflection along a line, without error: lever [m], its rate, k, c (or None), and the angle of the teeth that
+    drives excitations (rad of the mesh cycle)."""
+
+    lever: Any
+    speed: Any
+    k: Any
+    c: Any
+    angle: Any
+
+
+def mesh(block: Any, s: Any, line: Line) -> Iterator[Contribution]:
+    """What GearMesh and SplineCoupling share."""
+    import sympy as sp
+
+    error: Any = sp.Integer(0)
+    error_rate: Any = sp.Integer(0)
+    factor: Any = sp.Integer(1)
+    if block.stiffness_variation is not None:
+        theta, rates = theta_of(block.stiffness_variation, s.stiffness_variation, line.angle, s.time)
+        yield from rates
+        factor += block.stiffness_variation.value(s.stiffness_variation, theta)
+    excitation = getattr(block, "transmission_error", None)
+    if excitation is not None:
+        theta, rates = theta_of(excitation, s.transmission_error, line.angle, s.time)
+        yield from rates
+        error = excitation.value(s.transmission_error, theta)
+        error_rate = s.rate_of(error, rates)
+    x, rate = line.lever - error, line.speed - error_rate
+    stiffness = s.named("k_t", line.k * factor)
+    law = Contact(x, rate, stiffness, line.c, block.backlash, s.backlash, block.contact_damping)
+    for item in contact(s, law):
+        yield item
+        if isinstance(item, Force):
+            yield Shows("force", item.force, "N", "mesh force N, positive on the drive side")
+    if block.stiffness_variation is not None and block.stiffness_variation.driven_by == "angle":
+        yield from _parametric_torque(block, s, law, line.k * factor)
+    yield Shows("deflection", x, "m", "deflection along the line of action")
+    yield Shows("dynamic_transmission_error", x + error, "m", "deflection without the no-load error")
+    yield Shows("deflection_rate", rate, "m/s", "rate of the deflection")
+    yield Shows("stiffness", stiffness, "N/m", "stiffness with its variation")
+    yield Shows("mesh_phase", line.angle / (2 * sp.pi), "1", "mesh cycles turned")
+
+
+def _parametric_torque(block: Any, s: Any, law: Contact, k: Any) -> Iterator[Contribution]:
+    """-dk/dphi G(x) on every flange whose angle k depends on; k is written out (law.k may be a name for it)."""
+    potential = law.x**2 / 2 if law.gap is None else law.gap.potential(law.gap_symbols, law.x)
+    for name in type(block).flanges:
+        flange = getattr(s, name)
+        slope = s.slope(k, flange)
+        if slope != 0:
+            yield Acts(flange, -slope * potential)

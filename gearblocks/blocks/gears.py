@@ -1,15 +1,11 @@
-"""Ideal gears and gear meshes."""
+"""Ideal gears."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import isclose
 from typing import Any
 
-from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, theta_of
-from gearblocks.declare import Block, Contribution, Flange, Force, Shows, Tie, effect, exact, option, param
-from gearblocks.effects import Backlash, Fourier, Harmonic, Profile, Square, as_profile
-from gearblocks.signals import Value
+from gearblocks.declare import Block, Contribution, Flange, Shows, Tie, exact, option
 
 
 class IdealGear(Block):
@@ -89,133 +85,3 @@ def teeth_problems(block: Any) -> Iterator[str]:
         yield f"teeth = {teeth!r} must be two whole numbers > 0"
     if not isinstance(block.external, bool):
         yield f"external = {block.external!r} must be True or False"
-
-
-class GearMesh(Block):
-    """Mesh of two gears along the line of action; without k a rigid tie by the teeth.
-
-        external: x = r1 (phi_1 - phi_c) + r2 (phi_2 - phi_c) - e        internal: r1 (..) - r2 (..) - e
-        N = c x' + k(.) g(x),    torques -N dx/dphi on pinion (1), wheel (2) and carrier (c)
-
-    Base radii r1, r2 [m] from r_base, or module and pressure_angle (and helix_angle): r = m z cos(alpha_t)/(2 cos(beta)).
-    A variation over the ANGLE comes from a potential: the pinion gets - dk/dphi_1 G(x) besides, the carrier the
-    opposite; over a frequency it is the papers' parametric excitation, which does work on the train.
-    """
-
-    pinion, wheel = Flange("gear 1"), Flange("gear 2")
-    carrier = Flange("carrier of both axes", ground=True)
-    teeth: tuple[int, int] = exact("tooth counts (z1, z2)", many=True)
-    external: bool = option("whether the teeth are outside on both")
-    module: Value | None = param("normal module", "m", default=None, gt=0)
-    pressure_angle: Value | None = param("normal pressure angle", "rad", default=None, ge=0, lt=1.5)
-    helix_angle: Value | None = param("helix angle", "rad", default=None, gt=-1.5, lt=1.5)
-    r_base: tuple[Value, Value] | None = param("base radii (r1, r2)", "m", default=None, gt=0, many=True)
-    k: Value | None = param(
-        "mean stiffness along the line of action", "N/m", default=None, gt=0, belongs_to="compliance"
-    )
-    c: Value | None = param("damping along the line of action", "N s/m", default=None, ge=0, belongs_to="damping")
-    damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
-    stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", convert=as_profile)
-    backlash: Backlash | None = effect("dead zone")
-    contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
-    transmission_error: Harmonic | Profile | None = effect(
-        "no-load transmission error e, subtracted from the deflection", convert=as_profile
-    )
-
-    def problems(self) -> Iterator[str]:
-        """Geometry that is missing or contradicts the teeth."""
-        yield from teeth_problems(self)
-        yield from damping_problems(self)
-        if self.r_base is not None and (self.module is not None or self.pressure_angle is not None):
-            yield "r_base and module/pressure_angle are both given; give one of them"
-        elif self.r_base is not None:
-            yield from self._radius_problems()
-        elif self.k is not None and (self.module is None or self.pressure_angle is None):
-            yield "the base radii are unknown: give module and pressure_angle, or r_base=(r1, r2)"
-        if self.k is None and (living := [n for n in self.effects() if n != "compliance"]):
-            yield f"{', '.join(living)} need compliance: give k"
-
-    def _radius_problems(self) -> Iterator[str]:
-        assert self.r_base is not None
-        if len(self.r_base) != 2 or not all(isinstance(r, (int, float)) for r in self.r_base):
-            yield f"r_base = {self.r_base!r} must be two numbers in m"
-        elif not isclose(self.r_base[0] * self.teeth[1], self.r_base[1] * self.teeth[0], rel_tol=1e-9):
-            yield (
-                f"r_base = {self.r_base!r} is not in the ratio of teeth = {self.teeth!r} "
-                f"(r2/r1 = {self.r_base[1] / self.r_base[0]:.10g}, z2/z1 = {self.teeth[1] / self.teeth[0]:.10g})"
-            )
-
-    def _radius(self, s: Any) -> Any:
-        """Base radius of the pinion; that of the wheel follows from the teeth."""
-        import sympy as sp
-
-        if self.r_base is not None:
-            return s.r_base[0]
-        if self.module is None:
-            return None
-        if self.helix_angle is None:
-            return s.module * s.teeth[0] * sp.cos(s.pressure_angle) / 2
-        transverse = sp.atan(sp.tan(s.pressure_angle) / sp.cos(s.helix_angle))
-        return s.module * s.teeth[0] * sp.cos(transverse) / (2 * sp.cos(s.helix_angle))
-
-    def physics(self, s: Any) -> Iterator[Contribution]:
-        """Contact along the line of action, or the rigid tie."""
-        sign = 1 if self.external else -1
-        ratio = sign * s.teeth[1] / s.teeth[0]
-        turn = s.pinion.phi - s.carrier.phi
-        lever = turn + ratio * (s.wheel.phi - s.carrier.phi)
-        r1 = self._radius(s)
-        if self.k is None:
-            yield Tie(lever)
-            if r1 is not None:
-                yield Shows("force", -s.wheel.tau / (ratio * r1), "N", "mesh force along the line of action")
-            return
-        speed = (s.pinion.w - s.carrier.w) + ratio * (s.wheel.w - s.carrier.w)
-        r2 = r1 * s.teeth[1] / s.teeth[0]
-        c = damping(s, s.k, r1**2 * s.pinion.mobility + r2**2 * s.wheel.mobility)
-        yield from mesh(self, s, r1 * lever, r1 * speed, c, s.teeth[0] * turn)
-
-
-def mesh(block: Any, s: Any, lever: Any, speed: Any, c: Any, angle: Any) -> Iterator[Contribution]:
-    """What GearMesh and SplineCoupling share. lever, speed: deflection and rate without error; angle: of the teeth."""
-    import sympy as sp
-
-    error: Any = sp.Integer(0)
-    error_rate: Any = sp.Integer(0)
-    factor: Any = sp.Integer(1)
-    if block.stiffness_variation is not None:
-        theta, rates = theta_of(block.stiffness_variation, s.stiffness_variation, angle, s.time)
-        yield from rates
-        factor += block.stiffness_variation.value(s.stiffness_variation, theta)
-    excitation = getattr(block, "transmission_error", None)
-    if excitation is not None:
-        theta, rates = theta_of(excitation, s.transmission_error, angle, s.time)
-        yield from rates
-        error = excitation.value(s.transmission_error, theta)
-        error_rate = s.rate_of(error, rates)
-    x, rate = lever - error, speed - error_rate
-    stiffness = s.named("k_t", s.k * factor)
-    law = Contact(x, rate, stiffness, c, block.backlash, s.backlash, block.contact_damping)
-    for item in contact(s, law):
-        yield item
-        if isinstance(item, Force):
-            yield Shows("force", item.force, "N", "mesh force N, positive on the drive side")
-    if block.stiffness_variation is not None and block.stiffness_variation.driven_by == "angle":
-        yield from _parametric_torque(block, s, law, s.k * factor)
-    yield Shows("deflection", x, "m", "deflection along the line of action")
-    yield Shows("dynamic_transmission_error", x + error, "m", "deflection without the no-load error")
-    yield Shows("deflection_rate", rate, "m/s", "rate of the deflection")
-    yield Shows("stiffness", stiffness, "N/m", "stiffness with its variation")
-    yield Shows("mesh_phase", angle / (2 * sp.pi), "1", "mesh cycles turned")
-
-
-def _parametric_torque(block: Any, s: Any, law: Contact, k: Any) -> Iterator[Contribution]:
-    """-dk/dphi G(x) on every flange whose angle k depends on; k is written out (law.k may be a name for it)."""
-    from gearblocks.declare import Acts
-
-    potential = law.x**2 / 2 if law.gap is None else law.gap.potential(law.gap_symbols, law.x)
-    for name in type(block).flanges:
-        flange = getattr(s, name)
-        slope = s.slope(k, flange)
-        if slope != 0:
-            yield Acts(flange, -slope * potential)

@@ -7,6 +7,8 @@
 #ifndef GB_MATH_H
 #define GB_MATH_H
 
+#include <math.h>
+
 /* Whatever the compiler thinks of the size: a call in a loop over lanes would keep it from being vector code. */
 #define GB_MATH_INLINE static inline __attribute__((always_inline))
 
@@ -88,6 +90,22 @@ GB_MATH_INLINE double gb_atan(double x) {
     const double p = (c0 + z2 * c2) + z4 * ((c4 + z2 * c6) + z4 * (c8 + z2 * c10));
     const double r = base + (t + (t * z * p + rest));
     return x < 0.0 ? -r : r;
+}
+
+/* The angle a with tan(a) - a = y; NaN for y < 0. Newton from above: the function is convex. */
+static inline double gb_inverse_involute(double y) {
+    if (!(y > 0.0)) {
+        return y == 0.0 ? 0.0 : nan("");
+    }
+    double a = fmin(cbrt(3.0 * y), 1.5);
+    for (int i = 0; i < 40; i++) {
+        const double t = tan(a), step = (t - a - y) / (t * t);
+        a -= step;
+        if (fabs(step) <= 1e-16) {
+            break;
+        }
+    }
+    return a;
 }
 
 #endif
