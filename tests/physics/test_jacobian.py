@@ -163,6 +163,15 @@ def test_a_mesh_over_the_angle_with_a_carrier_that_turns():
     check(rig, angle=0.03)  # so that the phase of the teeth, 40 times the angle, moves little in a difference
 
 
+@pytest.mark.parametrize("external", [False, True], ids=["internal", "external"])
+def test_non_circular_pairs_with_a_stiffness_over_the_angle(external):
+    laws = (gb.RatioLaw.ellipse(0.3), gb.RatioLaw.segments(0.0887, 0.8143, 4.19))
+    stiff = 20 + 5 * gb.cos(2 * gb.driver_angle)
+    moves = 0.3 + gb.sin(gb.time)
+    gears = [gb.NonCircularGear(law=law, external=external, k=stiff, c=1.0, phase=moves) for law in laws]
+    check(between(*gears), angle=0.3)
+
+
 def test_springs_over_tables_and_expressions():
     table = gb.Table([-3.0, -1.0, 0.5, 2.0, 4.0], [-5.0, -1.0, 0.2, 3.0, 9.0], kind="cubic")
     law = 3 * gb.twist + 2 * gb.twist**3 + sp.sin(gb.twist)
