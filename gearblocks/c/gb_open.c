@@ -22,6 +22,11 @@ int gb_check_finite(gb_sim *sim, int code, const double *x, int count, int shift
     return GB_DONE;
 }
 
+void gb_set_method(gb_sim *sim, int method) {
+    sim->head->method = method;
+    sim->method = &gb_method_table[method];
+}
+
 /* The next `bytes` at cache line boundaries; a null base only counts. */
 static void *take(char *base, size_t *at, size_t bytes) {
     const size_t here = *at;
@@ -81,6 +86,15 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
     sim->u_one = doubles(base, &at, (long)GB_LANES * m->n_inputs);
     sim->tau = doubles(base, &at, (long)GB_LANES * m->n_time);
     sim->tau_one = doubles(base, &at, (long)GB_LANES * m->n_time);
+    if (m->pattern) {
+        double **const by_unknown[] = {&sim->diag, &sim->inverse, &sim->work, &sim->unknown};
+        for (size_t i = 0; i < sizeof by_unknown / sizeof by_unknown[0]; i++) {
+            *by_unknown[i] = doubles(base, &at, m->pattern->n);
+        }
+        sim->lower = doubles(base, &at, m->pattern->n_places);
+        sim->upper = doubles(base, &at, m->pattern->n_places);
+        sim->kept = doubles(base, &at, m->n_kept);
+    }
     sim->sources = take(base, &at, sizeof(gb_source) * (size_t)(m->n_inputs + 1));
     sim->moving = take(base, &at, sizeof(int) * (size_t)(m->n_inputs + 1));
     sim->log_capacity = 4L * m->n_switches + m->n_inputs + 64;
@@ -172,7 +186,7 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     memset(sim->scale, 0, states);
     memset(sim->noise, 0, states);
     memset(sim->weight, 0, states);
-    sim->method = &gb_method_table[options->method];
+    gb_set_method(sim, options->method);
     sim->n_log = sim->n_flushed = 0;
 }
 
@@ -180,6 +194,9 @@ int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0
     const gb_model *model = sim->model;
     if (options->method < 0 || options->method >= METHODS) {
         return gb_fail(sim, GB_ERR_STATE, options->method, t0, 0.0);
+    }
+    if (options->method == GB_RODAS && !model->pattern) {
+        return gb_fail(sim, GB_ERR_METHOD, options->method, t0, 0.0);
     }
     clear_run(sim, options, t0);
     int code = take_values(sim, t0);
@@ -241,7 +258,7 @@ int gb_restore(gb_sim *sim, const void *block) {
         return gb_fail(sim, GB_ERR_STATE, 0, sim->head->t1, (double)other.bytes);
     }
     memcpy(sim->head, block, sim->block_bytes);
-    sim->method = &gb_method_table[sim->head->options.method];
+    sim->method = &gb_method_table[sim->head->method];
     sim->n_log = sim->n_flushed = 0;
     gb_input_broadcast(sim);
     return GB_DONE;
@@ -249,11 +266,17 @@ int gb_restore(gb_sim *sim, const void *block) {
 
 void gb_get_stats(const gb_sim *sim, gb_stats *stats) {
     const gb_head *head = sim->head;
-    const gb_stats now = {head->t1,       head->options.step > 0.0 ? head->options.step : head->h_next,
-                          head->turnover, head->steps,
-                          head->rejected, head->rhs_calls,
-                          head->events};
+    const gb_stats now = {.t = head->t1,
+                          .step = head->options.step > 0.0 ? head->options.step : head->h_next,
+                          .turnover = head->turnover,
+                          .steps = head->steps,
+                          .rejected = head->rejected,
+                          .rhs_calls = head->rhs_calls,
+                          .events = head->events,
+                          .jacobians = head->jacobians,
+                          .method = head->method};
     *stats = now;
+    memcpy(stats->steps_by, head->steps_by, sizeof stats->steps_by);
 }
 
 void gb_get_report(const gb_sim *sim, gb_report *report) {
