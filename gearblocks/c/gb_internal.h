@@ -65,6 +65,7 @@ typedef struct gb_head {
     double turnover, turnover_segment;
     long long steps, rejected, rhs_calls, events, jacobians, noise_at;
     long long steps_by[GB_METHODS];
+    double t_weights; /* time for which the error weights were made */
     double h_noise; /* step size for which the noise was measured */
     long sample; /* samples of the present gb_run that are done */
     int started;
@@ -113,6 +114,8 @@ struct gb_sim {
     double *root, *side;
     double *diag, *inverse, *lower, *upper, *kept; /* the matrix of an implicit step */
     double *work, *unknown;
+    int *colour, *link, n_colours; /* by unknown; by simple state and colour: the unknown in its rate, or -1 */
+    double *gain;                  /* and its factor */
     double stiff_h; /* the step size it was made for */
     gb_source *sources;
     int *moving, n_moving; /* inputs that are no constants */
@@ -156,6 +159,8 @@ void gb_run_extra_stages(gb_sim *sim, double h);
 double gb_log_error(const gb_sim *sim, double h);
 
 /* gb_stiff.c: the same for implicit methods. */
+void gb_stiff_links(gb_sim *sim);
+void gb_stiff_floor(const gb_sim *sim, double h, double *floor);
 int gb_stiff_lanes(const gb_sim *sim, double from, double h, double *t);
 int gb_stiff_stages(gb_sim *sim, double h);
 void gb_stiff_tail(gb_sim *sim, double h);

@@ -1,6 +1,7 @@
 /* Memory, parameters, start, saved states. */
 #include "gb_combine.h"
 #include "gb_methods.h"
+#include "gb_sparse.h"
 
 #include <stdlib.h>
 
@@ -94,6 +95,11 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
         sim->lower = doubles(base, &at, m->pattern->n_places);
         sim->upper = doubles(base, &at, m->pattern->n_places);
         sim->kept = doubles(base, &at, m->n_kept);
+        sim->n_colours = gb_colour_count(m->pattern);
+        const size_t links = (size_t)sim->n_colours * (size_t)(m->n_simple + 1);
+        sim->colour = take(base, &at, sizeof(int) * (size_t)(m->pattern->n + 1));
+        sim->link = take(base, &at, sizeof(int) * links);
+        sim->gain = take(base, &at, sizeof(double) * links);
     }
     sim->sources = take(base, &at, sizeof(gb_source) * (size_t)(m->n_inputs + 1));
     sim->moving = take(base, &at, sizeof(int) * (size_t)(m->n_inputs + 1));
@@ -162,6 +168,7 @@ static int take_values(gb_sim *sim, double t) {
     if (code == GB_DONE) {
         model->prepare(sim->par);
         model->scales(sim->par, sim->scale);
+        gb_stiff_links(sim);
         gb_input_broadcast(sim);
         gb_input_find(sim, t, 0);
     }
@@ -260,6 +267,7 @@ int gb_restore(gb_sim *sim, const void *block) {
     memcpy(sim->head, block, sim->block_bytes);
     sim->method = &gb_method_table[sim->head->method];
     sim->n_log = sim->n_flushed = 0;
+    gb_stiff_links(sim);
     gb_input_broadcast(sim);
     return GB_DONE;
 }

@@ -97,3 +97,26 @@ void gb_solve(const gb_pattern *p, const double *inverse, const double *lower, c
         x[p->order[k]] = work[k];
     }
 }
+
+int gb_colour_count(const gb_pattern *p) {
+    int most = 0;
+    for (int k = 0; k < p->n; k++) {
+        const int count = p->start[k + 1] - p->start[k];
+        most = count > most ? count : most;
+    }
+    return most + 1;
+}
+
+/* Backwards through the elimination, so that all neighbours with a colour stand in the column. */
+void gb_colours(const gb_pattern *p, int *colour) {
+    for (int k = p->n - 1; k >= 0; k--) {
+        int mine = 0;
+        for (int place = p->start[k]; place < p->start[k + 1]; place++) {
+            if (colour[p->order[p->row[place]]] == mine) {
+                mine++;
+                place = p->start[k] - 1;
+            }
+        }
+        colour[p->order[k]] = mine;
+    }
+}

@@ -13,4 +13,10 @@ int gb_factor(const gb_pattern *pattern, double scale, const double *diag, doubl
 void gb_solve(const gb_pattern *pattern, const double *inverse, const double *lower, const double *upper,
               const double *b, double *work, double *x);
 
+/* How many colours gb_colours needs at most. */
+int gb_colour_count(const gb_pattern *pattern);
+
+/* Gives every unknown a colour, other than those of the unknowns that share an entry of S with it. */
+void gb_colours(const gb_pattern *pattern, int *colour);
+
 #endif

@@ -137,7 +137,8 @@ static double judge(gb_sim *sim, double h) {
         last_derivative(sim);
     }
     if (!(head->options.step > 0.0)) {
-        if (head->h_weights == 0.0 || h > 2.0 * head->h_weights || head->poor) {
+        const int old = implicit && head->t1 - head->t_start > 2.0 * (head->t_weights - head->t_start) + h;
+        if (head->h_weights == 0.0 || h > 2.0 * head->h_weights || head->poor || old) {
             gb_weights_refresh(sim, h, sim->tau, head->poor || head->steps == 0 ? sim->z : NULL);
         }
         error = gb_log_error(sim, h);

@@ -9,13 +9,61 @@
 /* Part of a step in which the rates are differenced in time: rounding and truncation are of equal weight there. */
 static const double SHARE = 1e-4;
 
+/* Which speeds enter the rate of each simple state, B of gb_model.h: for every colour of speeds one entry of each row. */
+void gb_stiff_links(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const gb_pattern *p = model->pattern;
+    double *mark = sim->work, *named = sim->inverse, *one = sim->z, *two = sim->z2;
+    if (!p) {
+        return;
+    }
+    gb_colours(p, sim->colour);
+    for (int c = 0; c < sim->n_colours; c++) {
+        int *link = sim->link + (size_t)c * (size_t)model->n_simple;
+        for (int u = 0; u < p->n; u++) {
+            mark[u] = sim->colour[u] == c ? 1.0 : 0.0;
+            named[u] = mark[u] * (u + 1);
+        }
+        model->simple_rates(sim->par, sim->kept, mark, one);
+        model->simple_rates(sim->par, sim->kept, named, two);
+        for (int i = 0; i < model->n_simple; i++) {
+            link[i] = one[i] != 0.0 ? (int)(two[i] / one[i] - 0.5) : -1;
+            sim->gain[(size_t)c * (size_t)model->n_simple + (size_t)i] = fabs(one[i]);
+        }
+    }
+    memset(sim->z, 0, sizeof(double) * (size_t)model->n_total);
+    memset(sim->z2, 0, sizeof(double) * (size_t)model->n_total);
+}
+
+/* The size below which a speed cannot matter yet: with it, the least of the coordinates that it drives would have come
+ * as far as it ever did within the time so far. floor: by entry of y, left alone where there is none. */
+void gb_stiff_floor(const gb_sim *sim, double h, double *floor) {
+    const gb_model *model = sim->model;
+    const double time = sim->head->t1 - sim->head->t_start + h;
+    for (int i = model->n_simple; i < model->n; i++) {
+        floor[i] = HUGE_VAL;
+    }
+    for (int c = 0; c < sim->n_colours; c++) {
+        const int *link = sim->link + (size_t)c * (size_t)model->n_simple;
+        const double *gain = sim->gain + (size_t)c * (size_t)model->n_simple;
+        for (int i = 0; i < model->n_simple; i++) {
+            const int at = model->n_simple + link[i];
+            if (link[i] >= 0 && at < model->n) {
+                const double size = gb_max(sim->peak[i], sim->scale[i]);
+                floor[at] = gb_min(floor[at], size / (gain[i] * time));
+            }
+        }
+    }
+}
+
 /* The instants of the difference in time, in the lanes behind those of the stages. */
 int gb_stiff_lanes(const gb_sim *sim, double from, double h, double *t) {
     if (sim->model->n_time == 0) {
         return 0;
     }
-    t[0] = from + SHARE * h;
-    t[1] = from + 2.0 * SHARE * h;
+    const double step = gb_max(SHARE * h, 1e4 * DBL_EPSILON * fabs(from));
+    t[0] = from + step;
+    t[1] = from + 2.0 * step;
     return 2;
 }
 
