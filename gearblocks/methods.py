@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from importlib.resources import files
 
-from gearblocks.rosenbrock import RODAS, RODAS4P, RODAS4P2, RODAS5P, Rosenbrock
+from gearblocks.rosenbrock import RODAS, Rosenbrock
 
 Weights = tuple[float, ...]
 
@@ -257,7 +257,7 @@ DP8 = Tableau(
     ),
 )
 
-METHODS: tuple[Tableau | Rosenbrock, ...] = (RK4, DP5, DP8, RODAS, RODAS4P, RODAS4P2, RODAS5P)  # the order of GB_RK4 .. GB_RODAS in gb_core.h
+METHODS: tuple[Tableau | Rosenbrock, ...] = (RK4, DP5, DP8, RODAS)  # the order of GB_RK4 .. GB_RODAS in gb_core.h
 
 
 @dataclass(frozen=True, slots=True)
