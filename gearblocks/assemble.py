@@ -75,6 +75,11 @@ class Assembly:
     structural: tuple[tuple[str, float], ...] = ()
 
 
+def speed_row(assembly: Assembly, group: int) -> dict[int, Exact]:  # noqa: ARG001  every group is independent
+    """The speed of a group as an exact combination of independent speeds."""
+    return {group: 1}
+
+
 def assemble(train: Train) -> Assembly:
     """Laws per kind, ties, groups, relative coordinates and batches of a train.
 

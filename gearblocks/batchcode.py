@@ -99,7 +99,8 @@ class BatchCode:
     ) -> tuple[dict[Any, str], list[Any], list[tuple[str, str]]]:
         """C names of all symbols in the expressions, the arguments they need and the constants to define.
 
-        vector: what coordinates and speeds are read from: "y", a "direction", or a "lane" of time columns (none).
+        vector: what coordinates and speeds are read from: "y", a "direction", speeds of groups alone ("speed"), or a
+        "lane" of time columns (none).
         """
         names: dict[Any, str] = {}
         args: dict[str, tuple[str, str, Column]] = {}
@@ -140,6 +141,10 @@ class BatchCode:
             prologue[name := f"force{of}"] = c_text(self.forces[symbol], inner)
         elif role == "mobility":
             name = self._mobility(of, args)
+        elif role == "gain":
+            name = self._gain(of, args).removesuffix(" * ") or "1.0"
+        elif role == "local":
+            name = of
         elif role == "time":
             name = "t[i]"
         else:
@@ -150,20 +155,20 @@ class BatchCode:
     def _coordinate(self, j: int, args: dict[str, Any], vector: str) -> str:
         key = f"q{j}"
         if self.batch.used and not self.batch.used[j]:
-            return self._from_angles(j, args)
+            return self._from_angles(j, args, vector)
         args[key] = ("int", key, column(f"{self.batch.name}_{key}", self.batch.sources[j]))
         if self.batch.dependent[j]:
             return f"{'loop_direction' if vector == 'direction' else 'loop'}[{key}]"
         return f"{vector}[{key}]"
 
-    def _from_angles(self, j: int, args: dict[str, Any]) -> str:
+    def _from_angles(self, j: int, args: dict[str, Any], vector: str) -> str:
         """A coordinate that no state carries, from absolute angles (outputs only)."""
         terms = []
         for flange, expr in self.law.forms[j].coefficients.items():
             values = [float(v) for v in self._exact_column(expr)]
             key = f"c{j}_{flange}"
             args[key] = ("double", key, column(f"{self.batch.name}_{key}", values))
-            terms.append(f"{key} * ({self._flange('phi', flange, args, 'y')})")
+            terms.append(f"{key} * ({self._flange('phi', flange, args, vector)})")
         return " + ".join(terms)
 
     def _exact_column(self, expr: Any) -> list[Any]:
@@ -176,10 +181,10 @@ class BatchCode:
         if groups[0] == HELD:
             return self._held_angle(flange, args) if role == "phi" and vector != "direction" else "0.0"
         gain = self._gain(flange, args)
-        if role == "phi":
+        if role == "phi" or vector == "speed":
             key = f"g_{flange}"
             args[key] = ("int", key, column(f"{self.batch.name}_{key}", groups))
-            return f"{gain}phi[{key}]"
+            return f"{gain}{'phi' if role == 'phi' else 'speed'}[{key}]"
         key = f"v_{flange}"
         args[key] = ("int", key, column(f"{self.batch.name}_{key}", speed_index(self.lay, self.batch, flange)))
         return f"{gain}{'dy' if role == 'alpha' else vector}[{key}]"

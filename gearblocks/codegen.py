@@ -12,6 +12,7 @@ import sympy as sp
 from gearblocks.assemble import HELD, Assembly
 from gearblocks.batchcode import BatchCode, Places, Statement, identifier
 from gearblocks.generator import Band, Generator, Prediction
+from gearblocks.jacobian import linear_part
 from gearblocks.layout import column, lay_out, padded
 from gearblocks.printer import c_text
 from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, Quantity, StartInfo, SwitchInfo
@@ -34,6 +35,7 @@ def generate(assembly: Assembly) -> Program:
     _laws(g)
     g.senses = order_senses(g.senses, g.codes, g.assembly, set(in_law))
     g.lay.n_total = g.lay.n_padded + padded(g.tail - g.lay.n_padded)
+    g.linear = linear_part(g)
     _describe_outputs(g)
     return _program(g, _render(g, angles))
 
@@ -45,7 +47,8 @@ def _columns(g: Generator) -> None:
     """Hoists every law and places exact values, inverse masses, hoisted columns and switches."""
     at = len(g.lay.parameters)
     g.inverse_mass = at
-    at += g.assembly.n_groups
+    g.mass = at + g.assembly.n_groups
+    at += 2 * g.assembly.n_groups
     for number, batch in enumerate(g.assembly.batches):
         own = {path: i for (b, path), i in g.lay.own.items() if b == number}
         places = Places(own, inverse_mass=g.inverse_mass, senses={p: s.index for p, s in g.senses.items()})
@@ -341,11 +344,15 @@ def _render(g: Generator, angles: bool) -> str:
 def _fill(name: str, values: dict[str, Any]) -> str:
     import jinja2
 
-    template = files("gearblocks").joinpath(f"c/{name}").read_text(encoding="utf-8")
     environment = jinja2.Environment(
-        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, undefined=jinja2.StrictUndefined
-    )
-    return environment.from_string(template).render(values)
+        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
+        loader=jinja2.FunctionLoader(_template),
+    )  # fmt: skip
+    return environment.get_template(name).render(values)
+
+
+def _template(name: str) -> str:
+    return files("gearblocks").joinpath(f"c/{name}").read_text(encoding="utf-8")
 
 
 def key_of(source: str) -> str:

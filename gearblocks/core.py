@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.errors import CompileError
+from gearblocks.pattern import Pattern
 from gearblocks.program import Program
+from gearblocks.stepmatrix import PROTOTYPES, StepMatrix, matrix_at, pattern_of, sizes_of
 
 Array = NDArray[np.float64]
 
@@ -33,6 +35,8 @@ class Code(IntEnum):
     ERR_STATE = -7
     ERR_MEMORY = -8
     ERR_CALLBACK = -9
+    ERR_SINGULAR = -10
+    ERR_METHOD = -11
 
 
 class Method(IntEnum):
@@ -41,6 +45,8 @@ class Method(IntEnum):
     RK4 = 0
     DP5 = 1
     DP8 = 2
+    RODAS = 3
+    AUTO = 4
 
 
 class Kind(IntEnum):
@@ -75,6 +81,12 @@ class Counters(ctypes.Structure):
         ("rejected", c_longlong),
         ("rhs_calls", c_longlong),
         ("events", c_longlong),
+        ("jacobians", c_longlong),
+        ("steps_by", c_longlong * int(Method.AUTO)),
+        ("method", c_int),
+        ("n_switches", c_int),
+        ("switch_method", c_int * 8),
+        ("switch_t", c_double * 8),
     ]
 
 
@@ -132,7 +144,7 @@ def open_shared(path: str) -> ctypes.CDLL:
     """Loads a shared object and gives its functions their types. Raises CompileError where it is none of ours."""
     try:
         handle = ctypes.CDLL(path)
-        for name, (result, arguments) in _PROTOTYPES.items():
+        for name, (result, arguments) in (_PROTOTYPES | PROTOTYPES).items():
             function = getattr(handle, name)
             function.restype, function.argtypes = result, arguments
     except (OSError, AttributeError) as error:
@@ -286,6 +298,34 @@ class Simulation:
         y = self._state_vector(y)
         _expect(self._shared.gb_rhs(self._sim, t, y.ctypes.data, dy.ctypes.data), "gb_rhs")
         return dy
+
+    def pattern(self) -> Pattern | None:
+        """The pattern of the matrix of implicit methods; None where the model has none."""
+        return pattern_of(self._shared, self._sim)
+
+    def linear_sizes(self) -> tuple[int, int, int]:
+        """Numbers of simple states, of hidden speeds, and of what the Jacobian keeps (zeros without a pattern)."""
+        return sizes_of(self._shared, self._sim)
+
+    def step_matrix(self, t: float, y: Array, g: float) -> StepMatrix:
+        """The matrix of a step at (t, y) with the present modes, g = gamma h."""
+        code, matrix = matrix_at(self._shared, self._sim, t, self._state_vector(y), g)
+        _expect(code, "gb_linear_matrix")
+        return matrix
+
+    def right_side(self, m: StepMatrix, r: Array) -> Array:
+        """E r_x + g dG/ds r_s of a vector over the n states; one number per unknown."""
+        r, out = np.ascontiguousarray(r, dtype=np.float64), np.empty(len(m.diag))
+        code = self._shared.gb_linear_side(self._sim, m.kept.ctypes.data, m.g, r.ctypes.data, out.ctypes.data)
+        _expect(code, "gb_linear_side")
+        return out
+
+    def simple_rates(self, m: StepMatrix, x: Array) -> Array:
+        """B x: rates of the simple states from the unknowns."""
+        x, out = np.ascontiguousarray(x, dtype=np.float64), np.empty(self.linear_sizes()[0])
+        code = self._shared.gb_linear_rates(self._sim, m.kept.ctypes.data, x.ctypes.data, out.ctypes.data)
+        _expect(code, "gb_linear_rates")
+        return out
 
     def save(self) -> bytes:
         """The whole changing state."""

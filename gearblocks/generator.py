@@ -8,7 +8,9 @@ from typing import Any
 from gearblocks.assemble import Assembly
 from gearblocks.batchcode import BatchCode, Function, Statement
 from gearblocks.layout import Column, Layout
+from gearblocks.pattern import Pattern
 from gearblocks.program import EnergyInfo, IntegralInfo, Quantity, SwitchInfo
+from gearblocks.rational import Exact
 from gearblocks.senses import Sense
 
 
@@ -31,6 +33,41 @@ class Band:
 
     function: Function
     first: int
+
+
+@dataclass(slots=True)
+class SenseCode:
+    """The functions of one sensed output for implicit methods and the numbers of its instance: slopes, and change."""
+
+    slope: Function
+    slope_args: str
+    change: Function
+    change_args: str
+
+
+@dataclass(slots=True)
+class Linear:
+    """What implicit methods need. first_speed: the unknown of the first speed; n_kept: numbers that jacobian keeps.
+
+    rows: speeds of groups over independent speeds, None where each group has its own. spread: rows of the table that
+    spreads entries; those of the inertias begin at first_mass. senses: in the order of their calls.
+    """
+
+    pattern: Pattern
+    n_simple: int
+    first_speed: int
+    n_kept: int
+    n_slopes: int
+    rows: list[dict[int, Exact]] | None = None
+    functions: dict[str, list[Function]] = field(default_factory=dict)
+    senses: list[SenseCode] = field(default_factory=list)
+    spread: list[dict[int, Exact]] = field(default_factory=list)
+    first_mass: int = 0
+
+    def keep(self, what: str, function: Function) -> None:
+        """Adds a function unless it does nothing."""
+        if function.body:
+            self.functions.setdefault(what, []).append(function)
 
 
 @dataclass
@@ -59,7 +96,9 @@ class Generator:
     n_affine: int = 0
     n_surfaces: int = 0
     inverse_mass: int = 0
+    mass: int = 0
     tail: int = 0
+    linear: Linear | None = None
 
     def keep(self, what: str, function: Function) -> None:
         """Adds a function unless it does nothing."""

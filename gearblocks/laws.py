@@ -269,11 +269,11 @@ def _balance(law: Law, flanges: Mapping[str, Any]) -> None:
         rest += sum(sp.diff(law.stored, f.phi) * f.w for f in flanges.values())
         for name, rate in law.rates.items():
             rest += sp.diff(law.stored, law.pool.symbol("state", name, name)) * rate
-    supplied = parametric + (0 if _vanishes(rest, law.pool) else rest)
+    supplied = parametric + (0 if vanishes(rest, law.pool) else rest)
     law.supplied = None if supplied == 0 else supplied
 
 
-def _vanishes(expr: Any, pool: Pool) -> bool:
+def vanishes(expr: Any, pool: Pool) -> bool:
     """Whether an expression is zero at a handful of fixed points (modes 0 or 1); expanding it would take far longer."""
     if expr == 0 or not expr.free_symbols:
         return bool(expr == 0)

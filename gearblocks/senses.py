@@ -13,10 +13,13 @@ from gearblocks.errors import ModelError, did_you_mean
 
 @dataclass(slots=True)
 class Sense:
-    """An output that a signal reads: its place in sense[], and the code that fills it."""
+    """An output that a signal reads: its place in sense[], where it is shown, and the code that fills it."""
 
     path: str
     index: int
+    batch: int = 0
+    instance: int = 0
+    expr: Any = None
     function: Function | None = None
     call: str = ""
 
@@ -68,6 +71,7 @@ def order_senses(
             if slot.role == "sense":
                 visit(slot.of, (*chain, path))
         sense = senses[path]
+        sense.batch, sense.instance, sense.expr = code.number, e, expr
         function = code.function(f"sense_{sense.index}", [(f"sense[{sense.index}]", "=", expr, False)])
         sense.function = function
         sense.call = ", ".join([str(e), *(c.at(e) for _, _, c in function.args)])

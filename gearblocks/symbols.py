@@ -19,7 +19,8 @@ class Slot:
     """What a symbol stands for.
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table (time-driven),
-    phi, w, alpha, tau, state, coordinate, mode. of: flange, state, switch number, path, or the leaf itself.
+    phi, w, alpha, tau, state, coordinate, mode; in generated functions column, force, gain (of a flange on its group),
+    local (C text). of: flange, state, switch number, path, or the leaf itself.
     """
 
     role: str

@@ -14,9 +14,10 @@ from gearblocks.rational import Exact, over
 
 _VECTORS = (
     "par", "mode", "tau", "y", "loop", "phi", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s",
-    "out", "energy", "scale", "lo", "hi",
+    "out", "energy", "scale", "lo", "hi", "kept", "diag", "lower", "upper", "slope", "change", "speed", "turn",
 )  # fmt: skip
 _INTEGERS = ("full", "i")
+_SCALARS = ("g",)
 _SMALL = 64  # states of a train whose derivatives stay in registers
 
 
@@ -43,16 +44,20 @@ class Sparse:
 def function_view(function: Function) -> FunctionView:
     """Gives a function the vectors that its text names."""
     text = " ".join([*(x for _, x in function.prologue), *(f"{s.lhs} {s.rhs}" for s in function.body)])
-    written = {s.lhs.split("[")[0] for s in function.body}
+    written = {word for s in function.body for word in re.findall(r"\w+", s.lhs.split("[")[0])}
     if any(s.op in ("call", "below", "above") for s in function.body):
         text += " mode lo hi"
         written |= {"lo", "hi"}
+    if any(s.op == "spread" for s in function.body):
+        text += " diag lower upper"
+        written |= {"diag", "lower", "upper"}
     words = set(re.findall(r"[A-Za-z_]\w*", text))
     if any(s.full for s in function.body):
         words.add("full")
     used = [
         (f"{'' if name in written else 'const '}double *restrict {name}", name) for name in _VECTORS if name in words
     ]
+    used += [(f"const double {name}", name) for name in _SCALARS if name in words]
     used += [(f"const int {name}", name) for name in _INTEGERS if name in words]
     args = [f"const {kind} {name}" for kind, name, _ in function.args]
     signature = ", ".join([*(kind for kind, _ in used), "const int e", *args])
@@ -75,7 +80,8 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
     """Everything the template names."""
     lay, assembly = g.lay, g.assembly
     combinations = [c for _, c in assembly.definitions]
-    functions = {what: [function_view(f) for f in functions] for what, functions in g.functions.items()}
+    implicit = g.linear.functions if g.linear is not None else {}
+    functions = {what: [function_view(f) for f in functions] for what, functions in (g.functions | implicit).items()}
     senses = [(function_view(s.function), s.call) for s in g.senses.values() if s.function is not None]
     return {
         "g": g,
@@ -83,6 +89,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "name": _c_string(assembly.train.name),
         "functions": functions,
         "all_functions": [f for group in functions.values() for f in group] + [f for f, _ in senses],
+        **_linear(g),
         "senses": [_sense_call(f, call) for f, call in senses],
         "law_senses": [_sense_call(f, call) for f, call in senses if int(f.name.split("_")[1]) in _law_senses(g)],
         "columns": list({c.name: c for f in _all(g) for c in f.tables}.values()),
@@ -112,7 +119,27 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
 def _all(g: Generator) -> list[Function]:
     """Every function of the program."""
     found = [f for functions in g.functions.values() for f in functions]
+    if g.linear is not None:
+        found += [f for functions in g.linear.functions.values() for f in functions]
+        found += [f for s in g.linear.senses for f in (s.slope, s.change)]
     return found + [s.function for s in g.senses.values() if s.function is not None]
+
+
+def _linear(g: Generator) -> dict[str, Any]:
+    """What the template of the implicit part names."""
+    linear = g.linear
+    if linear is None:
+        return {"linear": None}
+    slopes = [(function_view(s.slope), s.slope_args) for s in linear.senses]
+    changes = [(function_view(s.change), s.change_args) for s in linear.senses]
+    return {
+        "linear": linear,
+        "linear_functions": [f for f, _ in [*slopes, *changes]],
+        "slopes": [_sense_call(f, call) for f, call in slopes],
+        "changes": [_sense_call(f, call) for f, call in changes],
+        "spread": sparse("spread", linear.spread),
+        "speeds": sparse("speeds", linear.rows or []),
+    }
 
 
 def _sense_call(f: FunctionView, call: str) -> str:

@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 # From the ground up. A module may import from its own floor and from those above it in this list. A name stands for the
 # module and everything in it.
 FLOORS: tuple[tuple[str, ...], ...] = (
-    ("gearblocks.errors", "gearblocks.rational"),
+    ("gearblocks.errors", "gearblocks.rational", "gearblocks.pattern"),
     ("gearblocks.units", "gearblocks.files", "gearblocks.program", "gearblocks.cache", "gearblocks.compiler"),
     ("gearblocks.expression", "gearblocks.signals"),
     ("gearblocks.declare",),
@@ -23,8 +23,9 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.laws", "gearblocks.ties", "gearblocks.coordinates", "gearblocks.assemble", "gearblocks.equations"),
     ("gearblocks.rosenbrock", "gearblocks.hoist", "gearblocks.layout"),
     ("gearblocks.methods",),
-    ("gearblocks.batchcode", "gearblocks.senses", "gearblocks.generator", "gearblocks.views", "gearblocks.codegen"),
-    ("gearblocks.core", "gearblocks.library"),
+    ("gearblocks.batchcode", "gearblocks.senses", "gearblocks.generator"),
+    ("gearblocks.slopes", "gearblocks.jacobian", "gearblocks.views", "gearblocks.codegen"),
+    ("gearblocks.stepmatrix", "gearblocks.core", "gearblocks.library"),
     ("gearblocks.building",),
     ("gearblocks.records", "gearblocks.storage", "gearblocks.plotting", "gearblocks.trajectory"),
     ("gearblocks.arguments", "gearblocks.runs"),

@@ -1,0 +1,329 @@
+"""The matrix of implicit methods against differences of the right-hand side, modes frozen."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import gearblocks as gb
+from gearblocks import jacobian
+from gearblocks.building import make_program
+from gearblocks.core import Options, Simulation
+from gearblocks.library import compile_program
+from gearblocks.pattern import Pattern
+from gearblocks.scripts import make
+from gearblocks.stepmatrix import StepMatrix
+
+NEAR = 1e-9  # differences of fourth order with steps of 1e-3 of each state: 1e-12, times what terms cancel
+
+
+def dense(pattern: Pattern, linear: StepMatrix) -> np.ndarray:
+    """The matrix in full."""
+    full = np.diag(linear.diag)
+    for k, column in enumerate(pattern.order):
+        for place in range(pattern.start[k], pattern.start[k + 1]):
+            row = pattern.order[pattern.row[place]]
+            full[row, column], full[column, row] = linear.lower[place], linear.upper[place]
+    return full
+
+
+def solved(pattern: Pattern, linear: StepMatrix, b: np.ndarray) -> np.ndarray:
+    """The solution by L D U as gb_pattern describes it."""
+    n = len(pattern.order)
+    d, low, up = (linear.diag[list(pattern.order)], linear.lower.copy(), linear.upper.copy())
+    at = 0
+    for k in range(n):
+        places = range(pattern.start[k], pattern.start[k + 1])
+        for a, one in enumerate(places):
+            d[pattern.row[one]] -= low[one] * up[one] / d[k]
+            for other in places[a + 1 :]:
+                low[pattern.pair[at]] -= low[other] * up[one] / d[k]
+                up[pattern.pair[at]] -= low[one] * up[other] / d[k]
+                at += 1
+    assert at == len(pattern.pair)
+    x = b[list(pattern.order)].astype(float)
+    for k in range(n):
+        for place in range(pattern.start[k], pattern.start[k + 1]):
+            x[pattern.row[place]] -= low[place] * x[k] / d[k]
+    for k in reversed(range(n)):
+        for place in range(pattern.start[k], pattern.start[k + 1]):
+            x[k] -= up[place] * x[pattern.row[place]]
+        x[k] /= d[k]
+    out = np.empty(n)
+    out[list(pattern.order)] = x
+    return out
+
+
+def differences(sim: Simulation, t: float, y: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """d(dy)/dy by central differences of fourth order."""
+    n = len(size)
+    result = np.empty((n, n))
+    for j in range(n):
+        f = []
+        for k in (1, -1, 2, -2):
+            moved = y.copy()
+            moved[j] += k * 1e-3 * size[j]
+            f.append(sim.rhs(t, moved)[:n])
+        result[:, j] = (8 * (f[0] - f[1]) - (f[2] - f[3])) / (12e-3 * size[j])
+    return result
+
+
+def check(rig: gb.Drivetrain, angle: float = 1.0, speed: float = 1.0, state: float = 1.0) -> Pattern:
+    """Compares at random points of that size. g goes from small to large, so that each part of the matrix counts."""
+    model = gb.build(rig)
+    size = np.array([{"rad": angle, "rad/s": speed}.get(q.unit, state) for q in model.program.states])
+    random = np.random.default_rng(7)
+    with model.library.open() as sim:
+        pattern = sim.pattern()
+        assert pattern is not None
+        sim.parameters[:] = model.values
+        sim.inputs[:] = 1.3
+        for t in (0.0, 0.37, 2.9):
+            y = np.zeros(model.program.n_total)
+            y[: len(size)] = size * random.normal(size=len(size))
+            assert sim.start(Options(2, 1, 1e-6, 0.0, np.inf, np.inf), t, y) == 0
+            J = differences(sim, t, y, size)
+            for g in (1e-3 * angle / speed, angle / speed, 1e3 * angle / speed):
+                check_step(sim, pattern, sim.step_matrix(t, y, g), (J, sim.step_matrix(t, y, 0.0).diag, size), random)
+    return pattern
+
+
+def check_step(
+    sim: Simulation, pattern: Pattern, linear: StepMatrix, known: tuple, random: np.random.Generator
+) -> None:
+    """One step size: the matrix, the right side, the solution, the rates. known: derivatives, inertias, sizes."""
+    (J, E, size), g = known, linear.g
+    simple = len(size) - len(E)
+    A, K, B = E[:, None] * J[simple:, simple:], E[:, None] * J[simple:, :simple], J[:simple, simple:]
+    S = dense(pattern, linear)
+    parts = np.diag(E) + g * np.abs(A) + g**2 * np.abs(K) @ np.abs(B)
+    off = (np.diag(E) - g * A - g**2 * K @ B - S) * size[simple:]
+    assert (np.abs(off) / (parts * size[simple:]).max(axis=1, keepdims=True)).max() < NEAR
+    r = size * random.normal(size=len(size))
+    b = sim.right_side(linear, r)
+    weight = E * np.abs(r[simple:]) + g * np.abs(K) @ np.abs(r[:simple])
+    assert (np.abs(E * r[simple:] + g * K @ r[:simple] - b) / weight).max() < NEAR
+    x = solved(pattern, linear, b)
+    assert np.abs(S @ x - b).max() <= 1e-12 * (np.abs(S) @ np.abs(x)).max()  # rounding of a few dozen operations
+    assert np.allclose(x, np.linalg.solve(S, b), rtol=0, atol=1e-14 * np.linalg.cond(S) * np.abs(x).max())
+    rates = sim.simple_rates(linear, x)
+    assert np.allclose(rates, B @ x, rtol=0, atol=NEAR * (np.abs(B) @ np.abs(x)).max(initial=0.0))
+
+
+# -- laws -------------------------------------------------------------------------------------------------------------
+
+
+def between(*links: gb.Block, ends: tuple[gb.Block, ...] = ()) -> gb.Drivetrain:
+    """Inertias with these links in between, and blocks at the end of the chain."""
+    rig = gb.Drivetrain("chain")
+    parts = [rig.add("disc0", gb.Inertia(J=1.5))]
+    for i, link in enumerate(links):
+        parts += [rig.add(f"link{i}", link), rig.add(f"disc{i + 1}", gb.Inertia(J=1.0 + 0.5 * i))]
+    parts += [rig.add(f"end{i}", end) for i, end in enumerate(ends)]
+    rig.chain(*parts)
+    return rig
+
+
+def test_the_shipped_spline_coupling():
+    assert check(make("spline_coupling"), angle=1e-3, speed=0.1).is_tree
+
+
+def test_a_long_chain_to_the_ground_is_eliminated_from_both_ends():
+    links = [gb.Shaft(k=100.0 + i, c=0.1 * i) if i % 2 else gb.Lash(k=50.0, half_gap=0.3, c=0.2) for i in range(40)]
+    pattern = check(between(*links, ends=(gb.Shaft(k=3.0, c=1.0), gb.Fixed())))
+    assert pattern.is_tree
+    assert pattern.order[:4] == (0, 40, 1, 39)
+
+
+def test_damping_ratios_clipped_dampers_and_loads():
+    mesh = gb.GearMesh(
+        teeth=(20, 33), external=True, r_base=(0.2, 0.33), k=300.0, damping_ratio=0.1,
+        backlash=gb.Backlash(half_gap=0.05), contact_damping="clipped",
+        stiffness_variation=gb.Fourier(cos=(0.2,), sin=(0.1,), driven_by=3.0),
+        transmission_error=gb.Harmonic(cos=(0.02,), driven_by=gb.Input("speed", unit="rad/s") * 2),
+    )  # fmt: skip
+    pushing = gb.Lash(k=40.0, half_gap=0.2, damping_ratio=0.2, contact_damping="clipped_force")
+    check(between(gb.Shaft(k=50.0, damping_ratio=0.1), mesh, pushing, ends=(gb.SpeedLoad(coeffs=(1.0, 2.0, 3.0)),)))
+
+
+def test_a_mesh_over_the_angle_with_a_carrier_that_turns():
+    rig = gb.Drivetrain("epicyclic")
+    bodies = [rig.add(n, gb.Inertia(J=j)) for n, j in (("sun", 1.0), ("planet", 0.5), ("arm", 2.0), ("ring", 3.0))]
+    sun, planet, arm, ring = bodies
+    wave = gb.Fourier(cos=(0.2, 0.1), sin=(0.05,))
+    gap = gb.Backlash(half_gap=0.01)
+    inner = gb.GearMesh(
+        teeth=(20, 30), external=True, r_base=(0.2, 0.3), k=200.0, c=1.0, stiffness_variation=wave, backlash=gap,
+        transmission_error=gb.Harmonic(cos=(0.01,)), contact_damping="always",
+    )  # fmt: skip
+    outer = gb.GearMesh(teeth=(30, 80), external=False, r_base=(0.3, 0.8), k=150.0, c=2.0, stiffness_variation=wave)
+    for name, mesh, one, other in (("inner", inner, sun, planet), ("outer", outer, planet, ring)):
+        added = rig.add(name, mesh)
+        rig.connect(added.pinion, one.a)
+        rig.connect(added.wheel, other.a)
+        rig.connect(added.carrier, arm.a)
+    check(rig, angle=0.03)  # so that the phase of the teeth, 40 times the angle, moves little in a difference
+
+
+def test_springs_over_tables_and_expressions():
+    table = gb.Table([-3.0, -1.0, 0.5, 2.0, 4.0], [-5.0, -1.0, 0.2, 3.0, 9.0], kind="cubic")
+    law = 3 * gb.twist + 2 * gb.twist**3 + sp.sin(gb.twist)
+    stiff = gb.Shaft(k=10 + gb.sin(2 * gb.time) + gb.Input("k"))
+    check(between(gb.Shaft(torque=table, c=1.0), gb.Shaft(torque=law), stiff))
+
+
+# -- loops and ratios -------------------------------------------------------------------------------------------------
+
+
+def test_loops_fold_their_deflections_onto_the_coordinates():
+    rig = between(gb.Shaft(k=10.0), gb.Shaft(k=20.0, c=0.3), gb.Lash(k=15.0, half_gap=0.2, c=0.1))
+    handles = [gb.drivetrain.FlangeHandle(rig, f"disc{i}", "a") for i in range(4)]
+    for i, (a, b) in enumerate(((0, 2), (1, 3), (0, 3), (0, 3))):
+        cross = rig.add(f"cross{i}", gb.Shaft(k=5.0 + i, c=0.2))
+        rig.connect(cross.a, handles[a])
+        rig.connect(cross.b, handles[b])
+    pattern = check(rig)
+    assert not pattern.is_tree
+
+
+def test_ideal_gears_bring_their_ratios_in():
+    rig = gb.Drivetrain("ratios")
+    a, b, c, d = (rig.add(n, gb.Inertia(J=j)) for n, j in zip("abcd", (1.0, 0.3, 2.0, 0.7), strict=True))
+    gear, other = (
+        rig.add("gear", gb.IdealGear(teeth=(21, 44), external=True)),
+        rig.add("other", gb.IdealGear(ratio=2.5)),
+    )
+    one, two = rig.add("one", gb.Shaft(k=30.0, c=0.5)), rig.add("two", gb.Lash(k=20.0, half_gap=0.1))
+    rig.chain(a, gear, b, one, c, other, d)
+    rig.connect(two.a, d.b)
+    rig.connect(two.b, a.a)
+    check(rig)
+
+
+def test_a_spring_between_two_shafts_of_one_gear_and_a_spring_elsewhere():
+    """Both ends of `across` turn with the same group, at different speeds; the entry is one number on the diagonal."""
+    rig = gb.Drivetrain("across")
+    a, b, c = (rig.add(n, gb.Inertia(J=j)) for n, j in zip("abc", (1.0, 0.3, 2.0), strict=True))
+    gear, across, on = (
+        rig.add("gear", gb.IdealGear(ratio=3.0)),
+        rig.add("across", gb.Shaft(k=30.0, c=0.5)),
+        rig.add("on", gb.Shaft(k=20.0, c=0.4)),
+    )
+    rig.chain(a, gear, b, on, c)
+    rig.connect(across.a, a.a)
+    rig.connect(across.b, b.a)
+    check(rig)
+
+
+# -- states and feedback ----------------------------------------------------------------------------------------------
+
+
+class Motor(gb.Block):
+    """DC motor with its current as a state, saturating."""
+
+    shaft = gb.Flange("output shaft")
+    u = gb.signal("terminal voltage", "V")
+    i = gb.State("current", "A")
+
+    def physics(self, s):
+        yield gb.Acts(s.shaft, 0.7 * sp.tanh(s.i))
+        yield gb.Rate(s.i, (s.u - 2 * s.i - 0.7 * s.shaft.w) / 0.3)
+        yield gb.Shows("torque", 0.7 * sp.tanh(s.i), "N m")
+        yield gb.Shows("current", s.i, "A")
+        yield gb.Shows("limited", sp.Max(-1, sp.Min(s.i + s.shaft.w, 1)), "A")
+
+
+class Hysteresis(gb.Block):
+    """Bouc-Wen spring: k (a x + (1 - a) z), z' = v (1 - z^2 (b sign(v z) + c))."""
+
+    a, b = gb.Flange("left end"), gb.Flange("right end")
+    k: float = gb.param("stiffness", "N m/rad")
+    z = gb.State("hysteretic part")
+
+    def physics(self, s):
+        v = s.b.w - s.a.w
+        yield gb.Force(s.b.phi - s.a.phi, self_force := s.k * (0.4 * (s.b.phi - s.a.phi) + 0.6 * s.z))
+        yield gb.Rate(s.z, v * (1 - s.z**2 * (0.5 * sp.sign(v * s.z) + 0.3)))
+        yield gb.Shows("torque", self_force, "N m")
+
+
+def test_states_of_blocks_couple_with_their_shafts():
+    rig = between(Hysteresis(k=20.0), gb.Shaft(k=30.0, c=0.1), Hysteresis(k=5.0))
+    motor = rig.add("motor", Motor(u=12.0 * gb.sin(gb.time)))
+    rig.connect(motor.shaft, gb.drivetrain.FlangeHandle(rig, "disc0", "a"))
+    check(rig)
+
+
+FEEDBACKS = {
+    "speed": -3 * gb.sense("disc1.w"),
+    "angle": -2 * gb.sense("disc2.phi") + sp.sin(gb.sense("disc0.phi")),
+    "difference of speeds, squared": (gb.sense("disc0.w") - gb.sense("disc2.w")) ** 2 * gb.cos(gb.time),
+    "force": 0.3 * gb.sense("link1.torque") * gb.sense("link0.torque"),
+    "state": gb.sense("motor.current") * 1.7,
+    "in a row": gb.sense("relay.torque") ** 2 * gb.sense("disc2.w"),
+    "with a condition": sp.Piecewise(
+        (gb.sense("disc1.w") ** 2, gb.sense("disc0.w") > 0.1), (gb.sense("disc0.w"), True)
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FEEDBACKS)
+def test_what_is_sensed_adds_its_derivative(name):
+    rig = between(gb.Lash(k=20.0, half_gap=0.1, c=0.3), gb.Shaft(k=30.0, c=0.1), ends=(gb.Torque(tau=FEEDBACKS[name]),))
+    start = gb.drivetrain.FlangeHandle(rig, "disc0", "a")
+    motor, relay = rig.add("motor", Motor(u=2.0)), rig.add("relay", gb.Torque(tau=0.4 * gb.sense("link1.torque")))
+    rig.connect(start, motor.shaft)
+    rig.connect(start, relay.flange)
+    check(rig)
+
+
+def test_a_motor_that_is_fed_by_a_speed_control():
+    u = 3 * (gb.Parameter("target", 2.0, "rad/s") - gb.sense("disc2.w")) + gb.sense("disc1.phi") ** 2
+    rig = between(gb.Shaft(k=20.0), gb.Shaft(k=30.0, c=0.1))
+    motor = rig.add("motor", Motor(u=u))
+    rig.connect(motor.shaft, gb.drivetrain.FlangeHandle(rig, "disc0", "a"))
+    check(rig)
+
+
+def test_a_sensed_output_with_a_limit_of_its_own_has_the_slope_of_its_side():
+    tau = -2 * gb.sense("motor.limited") * gb.sense("disc1.w")
+    rig = between(gb.Shaft(k=20.0), ends=(gb.Torque(tau=tau),))
+    motor = rig.add("motor", Motor(u=1.0))
+    rig.connect(motor.shaft, gb.drivetrain.FlangeHandle(rig, "disc0", "a"))
+    check(rig)
+
+
+def test_groups_that_follow_others_are_folded_onto_these(monkeypatch):
+    """Speeds of groups 2 and 3 as combinations of 0 and 1 give A' S A with the matrix A of these combinations."""
+    rig = between(gb.Shaft(k=10.0, c=0.2), gb.Lash(k=20.0, half_gap=0.1, c=0.3), gb.Shaft(k=7.0, c=0.5))
+    motor = rig.add("motor", Motor(u=2.0 - gb.sense("disc2.w")))
+    rig.connect(motor.shaft, gb.drivetrain.FlangeHandle(rig, "disc3", "b"))
+    rows = ({0: 1}, {1: 1}, {0: Fraction(1, 2), 1: 3}, {1: -2})
+    A = np.eye(5)
+    for group, row in enumerate(rows):
+        A[1 + group] = 0.0
+        A[1 + group, [1 + i for i in row]] = [float(a) for a in row.values()]
+    plain = compile_program(make_program(rig.train()))
+    monkeypatch.setattr(jacobian, "speed_row", lambda assembly, group: rows[group])
+    folded = compile_program(make_program(rig.train()))
+    random = np.random.default_rng(3)
+    y, r, x, g = random.normal(size=plain.program.n_total), random.normal(size=8), random.normal(size=5), 0.1
+    found = []
+    for library in (plain, folded):
+        with library.open() as sim:
+            sim.parameters[:] = gb.build(rig).values
+            assert sim.start(Options(2, 1, 1e-6, 0.0, np.inf, np.inf), 0.0, y) == 0
+            linear, pattern = sim.step_matrix(0.0, y, g), sim.pattern()
+            assert pattern is not None
+            r_x = r.copy()
+            r_x[3:] = r[3:] if library is folded else A @ r[3:]
+            rates = sim.simple_rates(linear, x if library is folded else A @ x)
+            found.append((dense(pattern, linear), sim.right_side(linear, r_x), rates))
+    (S, b, rates), (S_folded, b_folded, rates_folded) = found
+    near = 1e-14 * np.abs(A.T @ np.abs(S) @ A).max()  # sums of a dozen terms
+    assert np.abs(S_folded - A.T @ S @ A).max() < near
+    assert np.abs(b_folded - A.T @ b).max() < 1e-13
+    assert np.abs(rates_folded - rates).max() < 1e-13

@@ -1,0 +1,64 @@
+"""Symbolic elimination: order, fill and places."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gearblocks.pattern import eliminate
+
+
+def test_a_chain_is_eliminated_from_both_ends_without_fill():
+    pattern = eliminate(6, [(i, i + 1) for i in range(5)])
+    assert pattern.order == (0, 5, 1, 4, 2, 3)
+    assert pattern.row == (2, 3, 4, 5, 5)
+    assert pattern.start == (0, 1, 2, 3, 4, 5, 5)
+    assert pattern.is_tree
+    assert pattern.pair == ()
+
+
+def test_a_star_loses_its_leaves_first():
+    assert eliminate(5, [(2, i) for i in (0, 1, 3, 4)]).order == (0, 1, 3, 4, 2)
+
+
+def test_unknowns_without_neighbours_have_empty_columns():
+    pattern = eliminate(3, [(2, 2)])
+    assert pattern.start == (0, 0, 0, 0)
+    assert eliminate(0, []).order == ()
+
+
+def test_a_ring_is_filled_by_less_than_one_entry_per_unknown():
+    pattern = eliminate(40, [(i, (i + 1) % 40) for i in range(40)])
+    assert len(pattern.row) == 2 * 40 - 3  # two entries per column but for the last two
+    assert not pattern.is_tree
+
+
+def test_a_pair_that_is_not_coupled_has_no_place():
+    pattern = eliminate(4, [(0, 1), (1, 2), (2, 3)])
+    assert pattern.place(1, 0) == pattern.place(0, 1) == 0
+    assert pattern.is_lower(1, 0) != pattern.is_lower(0, 1)
+    with pytest.raises(KeyError):
+        pattern.place(0, 3)
+
+
+@given(st.data())
+def test_every_product_of_the_elimination_finds_its_place(data):
+    """The filled pattern holds L and U of a random matrix, and the pairs are the places of all products, in turn."""
+    n = data.draw(st.integers(1, 12))
+    index = st.integers(0, n - 1)
+    coupled = data.draw(st.lists(st.tuples(index, index), max_size=30))
+    pattern = eliminate(n, coupled)
+    assert sorted(pattern.order) == list(range(n))
+    assert all(pattern.order[step] == i for i, step in enumerate(pattern.steps))
+    full = np.eye(n, dtype=bool)
+    for i, j in coupled:
+        full[pattern.steps[i], pattern.steps[j]] = full[pattern.steps[j], pattern.steps[i]] = True
+    pairs = []
+    for k in range(n):
+        rows = [i for i in range(k + 1, n) if full[i, k]]
+        assert list(pattern.row[pattern.start[k] : pattern.start[k + 1]]) == rows
+        for a, one in enumerate(rows):
+            for other in rows[a + 1 :]:
+                full[one, other] = full[other, one] = True
+                pairs.append((one, other))
+    assert list(pattern.pair) == [pattern.place(pattern.order[a], pattern.order[b]) for a, b in pairs]
