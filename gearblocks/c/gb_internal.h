@@ -70,6 +70,14 @@ typedef struct gb_head {
     long sample; /* samples of the present gb_run that are done */
     int started;
     int method; /* that of the next step */
+    /* GB_AUTO: */
+    int automatic, explicit_method;
+    int probing;           /* the step under way is a try of the implicit method */
+    int looks, gap;        /* how often it was considered of late, and how many steps there are between */
+    long long look_at, steps_look; /* the next look; steps, rejected ones too, at the last one */
+    double t_look, h_explicit;
+    int n_switches, switch_method[GB_KEPT];
+    double switch_t[GB_KEPT];
     int changed;    /* parameters or inputs were written */
     int have_k1;    /* k holds the derivative at the front */
     int have_dense; /* rows are complete in the first n states */
@@ -165,6 +173,11 @@ int gb_stiff_lanes(const gb_sim *sim, double from, double h, double *t);
 int gb_stiff_stages(gb_sim *sim, double h);
 void gb_stiff_tail(gb_sim *sim, double h);
 void gb_stiff_response(gb_sim *sim, double *change);
+
+/* gb_auto.c: the choice of the method. */
+void gb_auto_start(gb_sim *sim);
+int gb_auto_look(gb_sim *sim, double limit);
+void gb_auto_judge(gb_sim *sim, int accepted);
 
 /* gb_control.c: weights and step sizes. */
 void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial);

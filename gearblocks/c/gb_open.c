@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-enum { LINE = 64, METHODS = sizeof gb_method_table / sizeof gb_method_table[0] };
+enum { LINE = 64 };
 
 int gb_fail(gb_sim *sim, int code, int index, double t, double value) {
     const gb_report report = {code, index, t, value};
@@ -193,13 +193,14 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     memset(sim->scale, 0, states);
     memset(sim->noise, 0, states);
     memset(sim->weight, 0, states);
-    gb_set_method(sim, options->method);
+    gb_auto_start(sim);
+    gb_set_method(sim, options->method == GB_AUTO ? head->explicit_method : options->method);
     sim->n_log = sim->n_flushed = 0;
 }
 
 int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0) {
     const gb_model *model = sim->model;
-    if (options->method < 0 || options->method >= METHODS) {
+    if (options->method < 0 || options->method > GB_AUTO) {
         return gb_fail(sim, GB_ERR_STATE, options->method, t0, 0.0);
     }
     if (options->method == GB_RODAS && !model->pattern) {
@@ -282,9 +283,12 @@ void gb_get_stats(const gb_sim *sim, gb_stats *stats) {
                           .rhs_calls = head->rhs_calls,
                           .events = head->events,
                           .jacobians = head->jacobians,
-                          .method = head->method};
+                          .method = head->method,
+                          .n_switches = head->n_switches};
     *stats = now;
     memcpy(stats->steps_by, head->steps_by, sizeof stats->steps_by);
+    memcpy(stats->switch_method, head->switch_method, sizeof stats->switch_method);
+    memcpy(stats->switch_t, head->switch_t, sizeof stats->switch_t);
 }
 
 void gb_get_report(const gb_sim *sim, gb_report *report) {

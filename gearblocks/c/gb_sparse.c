@@ -98,6 +98,15 @@ void gb_solve(const gb_pattern *p, const double *inverse, const double *lower, c
     }
 }
 
+long gb_pair_count(const gb_pattern *p) {
+    long count = 0;
+    for (int k = 0; k < p->n; k++) {
+        const long entries = p->start[k + 1] - p->start[k];
+        count += entries * (entries - 1) / 2;
+    }
+    return count;
+}
+
 int gb_colour_count(const gb_pattern *p) {
     int most = 0;
     for (int k = 0; k < p->n; k++) {

@@ -13,6 +13,9 @@ int gb_factor(const gb_pattern *pattern, double scale, const double *diag, doubl
 void gb_solve(const gb_pattern *pattern, const double *inverse, const double *lower, const double *upper,
               const double *b, double *work, double *x);
 
+/* Number of updates that columns with several entries make. */
+long gb_pair_count(const gb_pattern *pattern);
+
 /* How many colours gb_colours needs at most. */
 int gb_colour_count(const gb_pattern *pattern);
 

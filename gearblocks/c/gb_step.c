@@ -231,6 +231,9 @@ int gb_step(gb_sim *sim, double stop) {
     if (!fixed && head->h_next == 0.0) {
         code = prepare_first(sim);
     }
+    if (code == GB_DONE) {
+        code = gb_auto_look(sim, limit);
+    }
     double h = gb_min(head->h_next, head->options.max_step);
     while (code == GB_DONE) {
         const double end = end_of_step(sim, h, limit);
@@ -241,10 +244,19 @@ int gb_step(gb_sim *sim, double stop) {
         }
         const double error = code == GB_DONE ? judge(sim, size) : NAN;
         if (error <= 0.0) {
+            if (head->probing) {
+                gb_auto_judge(sim, 1);
+            }
             propose(sim, error, size, h, rejected);
             return accept(sim, end);
         }
         head->rejected++;
+        if (head->probing) {
+            gb_auto_judge(sim, 0);
+            code = head->report.code = GB_DONE;
+            h = gb_min(head->h_next, head->options.max_step);
+            continue;
+        }
         rejected = 1;
         if (!(error > 0.0) && (fixed || ++tainted > 12)) {
             code = code == GB_DONE ? name_taint(sim) : code;
