@@ -303,6 +303,11 @@ class Simulation:
         """The pattern of the matrix of implicit methods; None where the model has none."""
         return pattern_of(self._shared, self._sim)
 
+    @property
+    def has_jacobian(self) -> bool:
+        """Whether the model has what implicit methods need."""
+        return bool(self._shared.gb_pattern_of(self._sim))
+
     def linear_sizes(self) -> tuple[int, int, int]:
         """Numbers of simple states, of hidden speeds, and of what the Jacobian keeps (zeros without a pattern)."""
         return sizes_of(self._shared, self._sim)
