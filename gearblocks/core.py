@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gearblocks.errors import CompileError
 from gearblocks.pattern import Pattern
 from gearblocks.program import Program
-from gearblocks.stepmatrix import PROTOTYPES, StepMatrix, matrix_at, pattern_of, sizes_of
+from gearblocks.stepmatrix import PROTOTYPES, StepMatrix, matrix_at, pattern_of, sizes_of, state_jacobian
 
 Array = NDArray[np.float64]
 
@@ -317,6 +317,13 @@ class Simulation:
         code, matrix = matrix_at(self._shared, self._sim, t, self._state_vector(y), g)
         _expect(code, "gb_linear_matrix")
         return matrix
+
+    def jacobian(self, t: float, y: Array) -> Any:
+        """d(dy)/dy of the n states with the present modes, a scipy.sparse CSC matrix. RuntimeError without a pattern."""
+        pattern, sizes = self.pattern(), self.linear_sizes()
+        if pattern is None:
+            raise RuntimeError(f"the model '{self._program.name}' has no Jacobian")
+        return state_jacobian(self, pattern, sizes[:2], lambda g: self.step_matrix(t, y, g))
 
     def right_side(self, m: StepMatrix, r: Array) -> Array:
         """E r_x + g dG/ds r_s of a vector over the n states; one number per unknown."""

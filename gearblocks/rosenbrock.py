@@ -129,8 +129,8 @@ class Rosenbrock:
             out.append("row i of a and of coupling must have i entries, d one per stage")
         elif any(len(table) != s for table in rows) or any(len(row) > s for row in self.dense):
             out.append("a and coupling must have one row per stage, dense rows one weight per stage")
-        elif self.rows < 3 or len(self.nodes) + 2 != self.rows and len(self.nodes) + 2 > 4:
-            out.append("dense output needs three rows or more, and at most two nodes")
+        elif self.rows != len(self.nodes) + 2 or self.rows not in (3, 4):
+            out.append("dense output needs three or four rows, and a node less than inner rows")
         return out
 
     def matrices(self) -> tuple[list[list[float]], list[list[float]], list[float]]:
@@ -153,9 +153,10 @@ class Rosenbrock:
         """Every tree up to the order and by how much its condition is missed, at the end or at theta in the step."""
         alpha, beta, b = self.matrices()
         if theta != 1.0:
-            weights, gammas = self.weights_at(theta), [
-                [x - y for x, y in zip(*rows, strict=True)] for rows in zip(beta, alpha, strict=True)
-            ]
+            weights, gammas = (
+                self.weights_at(theta),
+                [[x - y for x, y in zip(*rows, strict=True)] for rows in zip(beta, alpha, strict=True)],
+            )
             b = [math.fsum(weights[k] * gammas[k][j] for k in range(j, self.stages)) for j in range(self.stages)]
         for size in range(1, (order or self.order) + 1):
             for tree in trees(size):
@@ -234,6 +235,8 @@ def _elementary(tree: Tree, alpha: list[list[float]], beta: list[list[float]]) -
 def _rows(text: str) -> tuple[Weights, ...]:
     """Rows of numbers, parted by semicolons."""
     return tuple(tuple(map(float, row.split())) for row in text.split(";"))
+
+
 def _from_powers(first: Weights, second: Weights, third: Weights) -> tuple[Weights, ...]:
     """R2, R3, R4 from the published form y0 (1 - th) + th (y1 + (1 - th) (H1 + th (H2 + th H3)))."""
     return first, tuple(x + y for x, y in zip(second, third, strict=True)), tuple(-x for x in third)

@@ -52,7 +52,9 @@ def run_model(
     with model.library.open() as sim:
         sim.parameters[:] = parameter_vector(program, model.values, parameters or {}, initial)
         if options.method == Method.RODAS and not sim.has_jacobian:
-            raise ParameterError(f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'")
+            raise ParameterError(
+                f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
+            )
         set_inputs(sim, program, inputs or {})
         run = _Run(model, sim, samples, end, pick, progress, meta={
             "train": program.name, "method": Method(options.method).name.lower(), "rtol": rtol, "step": step,

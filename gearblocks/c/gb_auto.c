@@ -1,13 +1,14 @@
 /* GB_AUTO: which method takes the next step. Decides by counts and step sizes alone, never by a clock.
  *
  * While an explicit method runs, the fastest mode of the train is estimated now and then from the diagonal of the step
- * matrix. Where the steps of late are as long as stability lets them be, one implicit step is tried, so long that it
- * pays; if its error is within the tolerance, the implicit method stays. It goes when explicit steps at the limit of
- * stability would be cheaper. Every try that fails and every change back makes the next look come later. */
+ * matrix. Where the steps of late are near the limit of stability, or far below what even that mode asks for, a few
+ * implicit steps are tried; if they get long enough to pay, the implicit method stays. It goes when explicit steps at
+ * the limit of stability would be cheaper.
+ * Every try that fails and every change back makes the next look come later. */
 #include "gb_internal.h"
 #include "gb_sparse.h"
 
-enum { FIRST_LOOKS = 8, GAP = 16, LONGEST_GAP = 1024 };
+enum { FIRST_LOOKS = 8, GAP = 16, LONGEST_GAP = 1024, TRIAL = 4 };
 
 /* Step size times fastest rate at which explicit steps are at the limit of stability, and where a look is worth it. */
 static double stability(const gb_sim *sim) {
@@ -78,12 +79,40 @@ void gb_auto_start(gb_sim *sim) {
     head->t_look = head->t1;
 }
 
+/* The end of a trial, between two tries of a step: h is the step size that the control wants next. */
+static void decide(gb_sim *sim, double h) {
+    gb_head *head = sim->head;
+    head->trial = 0;
+    if (h >= head->h_pays) {
+        head->looks = 0;
+        head->gap = GAP;
+    } else {
+        head->n_switches--;
+        change_method(sim, head->explicit_method, head->h_explicit);
+        head->looks += FIRST_LOOKS / 2;
+        look_later(head, 4);
+    }
+}
+
+/* A step of a trial is rejected; h as above, and the step size to go on with. */
+double gb_auto_rejected(gb_sim *sim, double h) {
+    gb_head *head = sim->head;
+    if (head->trial > 1 && --head->trial == 1) {
+        decide(sim, h);
+        return sim->method->gamma > 0.0 ? h : head->h_next;
+    }
+    return h;
+}
+
 /* At the front, before a step that may reach up to `limit`. */
 int gb_auto_look(gb_sim *sim, double limit) {
     gb_head *head = sim->head;
     const long long count = head->steps + head->rejected - head->steps_look;
     const double span = head->t1 - head->t_look, mean = span / (double)(count > 0 ? count : 1);
-    if (!head->automatic || head->steps < head->look_at || head->probing || !(mean > 0.0)) {
+    if (head->trial > 1 && --head->trial == 1) {
+        decide(sim, head->h_next);
+    }
+    if (!head->automatic || head->steps < head->look_at || head->trial > 0 || !(mean > 0.0)) {
         return GB_DONE;
     }
     int code = gb_columns_at(sim, head->t1);
@@ -106,28 +135,15 @@ int gb_auto_look(gb_sim *sim, double limit) {
         }
         return GB_DONE;
     }
-    const double probe = 2.0 * cost * mean;
-    const int stiff = mean * rate > 0.15 * stability(sim) && limit - head->t1 > probe;
-    if (stiff) {
-        head->probing = 1;
-        head->h_explicit = head->h_next;
-        change_method(sim, GB_RODAS, probe);
-    }
     look_later(head, 2);
-    return GB_DONE;
-}
-
-/* The implicit step that was tried is accepted, or not. */
-void gb_auto_judge(gb_sim *sim, int accepted) {
-    gb_head *head = sim->head;
-    head->probing = 0;
-    if (accepted) {
-        head->looks = 0;
-        head->gap = GAP;
+    const double pace = mean * rate / stability(sim);
+    const int odd = pace > 0.15 || (pace < 0.02 && head->looks > 1);
+    if (odd && limit - head->t1 > TRIAL * cost * mean) {
+        head->trial = TRIAL + 1;
+        head->h_pays = 1.3 * cost * mean;
+        head->h_explicit = head->h_next;
+        change_method(sim, GB_RODAS, cost * mean);
         note(head);
-    } else {
-        change_method(sim, head->explicit_method, head->h_explicit);
-        head->looks += FIRST_LOOKS / 2;
-        look_later(head, 4);
     }
+    return GB_DONE;
 }

@@ -66,16 +66,16 @@ typedef struct gb_head {
     long long steps, rejected, rhs_calls, events, jacobians, noise_at;
     long long steps_by[GB_METHODS];
     double t_weights; /* time for which the error weights were made */
-    double h_noise; /* step size for which the noise was measured */
-    long sample; /* samples of the present gb_run that are done */
+    double h_noise;   /* step size for which the noise was measured */
+    long sample;      /* samples of the present gb_run that are done */
     int started;
     int method; /* that of the next step */
     /* GB_AUTO: */
     int automatic, explicit_method;
-    int probing;           /* the step under way is a try of the implicit method */
-    int looks, gap;        /* how often it was considered of late, and how many steps there are between */
+    int trial;                     /* > 1: tries of implicit steps until it is decided, less one */
+    int looks, gap;                /* how often it was considered of late, and how many steps there are between */
     long long look_at, steps_look; /* the next look; steps, rejected ones too, at the last one */
-    double t_look, h_explicit;
+    double t_look, h_explicit, h_pays;
     int n_switches, switch_method[GB_KEPT];
     double switch_t[GB_KEPT];
     int changed;    /* parameters or inputs were written */
@@ -124,7 +124,7 @@ struct gb_sim {
     double *work, *unknown;
     int *colour, *link, n_colours; /* by unknown; by simple state and colour: the unknown in its rate, or -1 */
     double *gain;                  /* and its factor */
-    double stiff_h; /* the step size it was made for */
+    double stiff_h;                /* the step size it was made for */
     gb_source *sources;
     int *moving, n_moving; /* inputs that are no constants */
     gb_event *log;
@@ -177,7 +177,7 @@ void gb_stiff_response(gb_sim *sim, double *change);
 /* gb_auto.c: the choice of the method. */
 void gb_auto_start(gb_sim *sim);
 int gb_auto_look(gb_sim *sim, double limit);
-void gb_auto_judge(gb_sim *sim, int accepted);
+double gb_auto_rejected(gb_sim *sim, double h);
 
 /* gb_control.c: weights and step sizes. */
 void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial);

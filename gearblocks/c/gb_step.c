@@ -244,26 +244,17 @@ int gb_step(gb_sim *sim, double stop) {
         }
         const double error = code == GB_DONE ? judge(sim, size) : NAN;
         if (error <= 0.0) {
-            if (head->probing) {
-                gb_auto_judge(sim, 1);
-            }
             propose(sim, error, size, h, rejected);
             return accept(sim, end);
         }
         head->rejected++;
-        if (head->probing) {
-            gb_auto_judge(sim, 0);
-            code = head->report.code = GB_DONE;
-            h = gb_min(head->h_next, head->options.max_step);
-            continue;
-        }
         rejected = 1;
         if (!(error > 0.0) && (fixed || ++tainted > 12)) {
             code = code == GB_DONE ? name_taint(sim) : code;
             break;
         }
         code = sim->head->report.code = GB_DONE;
-        h = size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1);
+        h = gb_auto_rejected(sim, size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1));
         if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->t1), head->h_largest) || h < 1e-200) {
             code = gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), head->t1, h);
         }

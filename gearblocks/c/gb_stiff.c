@@ -9,7 +9,8 @@
 /* Part of a step in which the rates are differenced in time: rounding and truncation are of equal weight there. */
 static const double SHARE = 1e-4;
 
-/* Which speeds enter the rate of each simple state, B of gb_model.h: for every colour of speeds one entry of each row. */
+/* Which speeds enter the rate of each simple state, B of gb_model.h: for every colour of speeds one entry of each row.
+ */
 void gb_stiff_links(gb_sim *sim) {
     const gb_model *model = sim->model;
     const gb_pattern *p = model->pattern;
@@ -108,8 +109,7 @@ static int factor(gb_sim *sim, double h) {
     sim->head->jacobians++;
     sim->stiff_h = h;
     const int bad = gb_factor(model->pattern, gamma, sim->diag, sim->lower, sim->upper, sim->inverse);
-    return bad < 0 ? GB_DONE
-                   : gb_fail(sim, GB_ERR_SINGULAR, model->n_simple + bad, sim->head->t1, sim->diag[bad]);
+    return bad < 0 ? GB_DONE : gb_fail(sim, GB_ERR_SINGULAR, model->n_simple + bad, sim->head->t1, sim->diag[bad]);
 }
 
 /* All stages of the step from y0, and the n new states in z. */

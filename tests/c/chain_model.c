@@ -1,5 +1,6 @@
-/* A stiff chain of n inertias, heavy and light ones in turn, shafts and meshes with gaps between them, a shaft to ground,
- * a swinging torque on the first: the form of a chain that generated code takes, with its tree pattern, by hand.
+/* A stiff chain of n inertias, heavy and light ones in turn, shafts and meshes with gaps between them, a shaft to
+ * ground, a swinging torque on the first: the form of a chain that generated code takes, with its tree pattern, by
+ * hand.
  *
  * States: twists q_i = phi_i - phi_(i+1), speeds w_i; tail: losses of the couplings, then the work of the torque. */
 #include "models.h"
