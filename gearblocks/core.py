@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gearblocks.errors import CompileError
 from gearblocks.pattern import Pattern
 from gearblocks.program import Program
-from gearblocks.stepmatrix import PROTOTYPES, StepMatrix, matrix_at, pattern_of, sizes_of
+from gearblocks.stepmatrix import PROTOTYPES, StepMatrix, matrix_at, pattern_of, sizes_of, state_jacobian
 
 Array = NDArray[np.float64]
 
@@ -35,6 +35,8 @@ class Code(IntEnum):
     ERR_STATE = -7
     ERR_MEMORY = -8
     ERR_CALLBACK = -9
+    ERR_SINGULAR = -10
+    ERR_METHOD = -11
 
 
 class Method(IntEnum):
@@ -43,6 +45,8 @@ class Method(IntEnum):
     RK4 = 0
     DP5 = 1
     DP8 = 2
+    RODAS = 3
+    AUTO = 4
 
 
 class Kind(IntEnum):
@@ -77,6 +81,12 @@ class Counters(ctypes.Structure):
         ("rejected", c_longlong),
         ("rhs_calls", c_longlong),
         ("events", c_longlong),
+        ("jacobians", c_longlong),
+        ("steps_by", c_longlong * int(Method.AUTO)),
+        ("method", c_int),
+        ("n_switches", c_int),
+        ("switch_method", c_int * 8),
+        ("switch_t", c_double * 8),
     ]
 
 
@@ -300,6 +310,11 @@ class Simulation:
         """The pattern of the matrix of implicit methods; None where the model has none."""
         return pattern_of(self._shared, self._sim)
 
+    @property
+    def has_jacobian(self) -> bool:
+        """Whether the model has what implicit methods need."""
+        return bool(self._shared.gb_pattern_of(self._sim))
+
     def linear_sizes(self) -> tuple[int, int, int]:
         """Numbers of simple states, of hidden speeds, and of what the Jacobian keeps (zeros without a pattern)."""
         return sizes_of(self._shared, self._sim)
@@ -309,6 +324,13 @@ class Simulation:
         code, matrix = matrix_at(self._shared, self._sim, t, self._state_vector(y), g)
         _expect(code, "gb_linear_matrix")
         return matrix
+
+    def jacobian(self, t: float, y: Array) -> Any:
+        """d(dy)/dy of the n states with the present modes, a scipy.sparse CSC matrix. RuntimeError without a pattern."""
+        pattern, sizes = self.pattern(), self.linear_sizes()
+        if pattern is None:
+            raise RuntimeError(f"the model '{self._program.name}' has no Jacobian")
+        return state_jacobian(self, pattern, sizes[:2], lambda g: self.step_matrix(t, y, g))
 
     def right_side(self, m: StepMatrix, r: Array) -> Array:
         """E r_x + g dG/ds r_s of a vector over the n states; one number per unknown."""

@@ -10,10 +10,13 @@ import math
 from dataclasses import dataclass
 from importlib.resources import files
 
+from gearblocks.rosenbrock import RODAS, Rosenbrock
+
 Weights = tuple[float, ...]
 
 MAX_STAGES = 16  # GB_STAGES in gb_internal.h
 MAX_ROWS = 8  # GB_ROWS in gb_internal.h
+SLOPE = MAX_STAGES - 2  # GB_SLOPE in gb_internal.h
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,7 +257,7 @@ DP8 = Tableau(
     ),
 )
 
-METHODS: tuple[Tableau, ...] = (RK4, DP5, DP8)  # the order of GB_RK4, GB_DP5, GB_DP8 in gb_core.h
+METHODS: tuple[Tableau | Rosenbrock, ...] = (RK4, DP5, DP8, RODAS)  # the order of GB_RK4 .. GB_RODAS in gb_core.h
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,10 +273,28 @@ def _sparse(row: Weights) -> _Sparse:
     return _Sparse(tuple(j for j, _ in entries), tuple(x for _, x in entries))
 
 
-def _full_stages(method: Tableau) -> tuple[int, ...]:
+def _tail_rows(method: Tableau | Rosenbrock) -> tuple[Weights, ...]:
+    """The dense rows of the tail; an implicit method has no stages in it and follows it by quadrature."""
+    return method.tail_weights() if isinstance(method, Rosenbrock) else method.dense_weights()
+
+
+def _full_stages(method: Tableau | Rosenbrock) -> tuple[int, ...]:
     """1 for every stage that a weight of the step or of dense output reads: there the tail is computed too."""
-    used = [_widen(method.b, method.all_stages), *method.dense_weights()]
+    used = list(_tail_rows(method))
+    if isinstance(method, Tableau):
+        used.append(_widen(method.b, method.all_stages))
     return tuple(int(any(row[j] != 0 for row in used)) for j in range(method.all_stages))
+
+
+def _coupling(method: Tableau | Rosenbrock) -> tuple[_Sparse, ...]:
+    """What enters the right side of each stage: the slope in time first, the latest stage last."""
+    if isinstance(method, Tableau):
+        return ()
+    rows = [_sparse(row) for row in method.coupling]
+    return tuple(
+        _Sparse((SLOPE, *row.index), (float(d), *row.value)) if d else row
+        for d, row in zip(method.d, rows, strict=True)
+    )
 
 
 def render_tables() -> str:
@@ -282,6 +303,8 @@ def render_tables() -> str:
 
     template = (files("gearblocks") / "c" / "gb_methods.h.jinja").read_text(encoding="utf-8")
     environment = jinja2.Environment(trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
-    environment.globals.update(sparse=_sparse, widen=_widen, full_stages=_full_stages)
+    environment.globals.update(
+        sparse=_sparse, widen=_widen, full_stages=_full_stages, tail_rows=_tail_rows, coupling=_coupling
+    )
     text = environment.from_string(template).render(methods=METHODS, width=MAX_STAGES)
     return text if text.endswith("\n") else text + "\n"

@@ -16,6 +16,7 @@ from gearblocks.arguments import (
     begin_of,
     is_static,
     method_options,
+    method_words,
     parameter_vector,
     picked_outputs,
     sample_times,
@@ -51,6 +52,10 @@ def run_model(
     pick = picked_outputs(program, outputs)
     with model.library.open() as sim:
         sim.parameters[:] = parameter_vector(program, model.values, parameters or {}, initial)
+        if options.method == Method.RODAS and not sim.has_jacobian:
+            raise ParameterError(
+                f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
+            )
         set_inputs(sim, program, inputs or {})
         run = _Run(model, sim, samples, end, pick, progress, meta={
             "train": program.name, "method": Method(options.method).name.lower(), "rtol": rtol, "step": step,
@@ -163,9 +168,11 @@ class _Run:
             y = self.last[1 : 1 + program.n_total].copy()
             modes = self.last[1 + program.n_total : 1 + program.n_total + len(program.switches)].copy()
             final = FinalState(float(self.last[0]), y, modes, program.key)
+        method, reason = method_words(counters, why)
+        self.meta["method"] = method
         stats = Stats(
-            steps=counters.steps, rejected=counters.rejected, rhs_calls=counters.rhs_calls, events=counters.events,
-            cpu_seconds=self.cpu, method=str(self.meta["method"]), why=why,
+            steps=counters.steps, rejected=counters.rejected, rhs_calls=counters.rhs_calls,
+            jacobians=counters.jacobians, events=counters.events, cpu_seconds=self.cpu, method=method, why=reason,
         )  # fmt: skip
         return Trajectory(
             t, (names, table), {n: program.outputs[i].unit for n, i in zip(names, self.pick, strict=True)},
@@ -263,6 +270,9 @@ _CAUSES: dict[Code, tuple[str, str]] = {
         "the element sticks here (as dry friction does at rest) and this law cannot hold it",
     ),
     Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
+    Code.ERR_SINGULAR: (
+        "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
+    ),
     Code.ERR_MEMORY: ("there is not enough memory", ""),
     Code.ERR_CALLBACK: ("the input function raised an exception", "see the exception above"),
 }  # fmt: skip

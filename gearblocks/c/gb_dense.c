@@ -28,8 +28,19 @@ static void further_rows(const gb_sim *sim, int from, int to) {
     }
 }
 
+/* The rows of an implicit method: sums of its stages, or of the rates at the nodes for the tail. */
+static void summed_rows(const gb_sim *sim, const gb_weights *rows, int from, int to) {
+    const int total = sim->model->n_total;
+    for (int m = 0; m < sim->method->rows; m++) {
+        gb_combine(&rows[m], sim->k, total, from, to, sim->zero, sim->head->h, sim->rows + (size_t)m * (size_t)total);
+    }
+}
+
 void gb_dense_hermite(gb_sim *sim) {
-    if (sim->head->have_dense == 0) {
+    if (sim->head->have_dense == 0 && sim->method->gamma > 0.0) {
+        summed_rows(sim, sim->method->d, 0, sim->model->n_padded);
+        sim->head->have_dense = 2;
+    } else if (sim->head->have_dense == 0) {
         hermite_rows(sim, 0, sim->model->n_padded);
         sim->head->have_dense = 1;
     }
@@ -43,6 +54,9 @@ int gb_dense_complete(gb_sim *sim) {
         return GB_DONE;
     }
     gb_dense_hermite(sim);
+    if (sim->head->have_dense == 2) {
+        return GB_DONE;
+    }
     gb_run_extra_stages(sim, sim->head->h);
     for (int j = method->stages + 1; j < method->all_stages; j++) {
         const double *k = sim->k + (size_t)j * (size_t)model->n_total;
@@ -63,8 +77,12 @@ int gb_dense_tail(gb_sim *sim) {
     if (gb_dense_complete(sim) != GB_DONE) {
         return sim->head->report.code;
     }
-    hermite_rows(sim, sim->model->n_padded, sim->model->n_total);
-    further_rows(sim, sim->model->n_padded, sim->model->n_total);
+    if (sim->method->gamma > 0.0) {
+        summed_rows(sim, sim->method->tail, sim->model->n_padded, sim->model->n_total);
+    } else {
+        hermite_rows(sim, sim->model->n_padded, sim->model->n_total);
+        further_rows(sim, sim->model->n_padded, sim->model->n_total);
+    }
     sim->head->have_tail = 1;
     return GB_DONE;
 }

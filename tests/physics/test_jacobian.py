@@ -81,6 +81,8 @@ def check(rig: gb.Drivetrain, angle: float = 1.0, speed: float = 1.0, state: flo
             y[: len(size)] = size * random.normal(size=len(size))
             assert sim.start(Options(2, 1, 1e-6, 0.0, np.inf, np.inf), t, y) == 0
             J = differences(sim, t, y, size)
+            off, row = np.abs(sim.jacobian(t, y).toarray() - J) * size, (np.abs(J) * size).max(axis=1, keepdims=True)
+            assert (off <= NEAR * row).all()
             for g in (1e-3 * angle / speed, angle / speed, 1e3 * angle / speed):
                 check_step(sim, pattern, sim.step_matrix(t, y, g), (J, sim.step_matrix(t, y, 0.0).diag, size), random)
     return pattern

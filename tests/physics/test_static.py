@@ -10,8 +10,8 @@ from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 
 import gearblocks as gb
-from benchmarks.cases import P1, P4
-from benchmarks.problems import p1, p4
+from benchmarks.cases import P1
+from benchmarks.problems import p1
 
 EXACT = 1e-12  # Newton's method ends at rounding; a few dozen operations follow
 SHORT = {"t_end": 1e-9, "outputs": "*"}
@@ -39,6 +39,16 @@ def _angles(train):
     return [f"{path}.phi0" for path, _, _, b in train._walk() if isinstance(b, gb.Inertia) and b.phi0 is not None]
 
 
+def _model(name):
+    spec = importlib.util.spec_from_file_location(
+        f"{name}_of_static", Path(__file__).parents[2] / "models" / f"{name}.py"
+    )
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    return module
+
+
 # -- against starts computed by hand ----------------------------------------------------------------------------------
 
 
@@ -50,19 +60,15 @@ def test_the_spline_problem_starts_where_it_was_computed_by_hand():
 
 
 def test_the_stiff_chain_starts_where_it_was_computed_by_hand():
-    problem = P4(n=200)
-    found = _at_rest(_without_angles(p4(problem)))
+    model = _model("stiff_chain")
+    problem = model.Numbers(n=200)
+    found = _at_rest(_without_angles(model.chain(problem)))
     twists = np.array([-found[f"link{i}.twist"] for i in range(problem.n)])
     assert np.abs(twists / problem.twists - 1).max() < EXACT
 
 
 def test_the_shipped_spline_coupling_starts_in_its_equilibrium():
-    path = Path(__file__).parents[2] / "models" / "spline_coupling.py"
-    spec = importlib.util.spec_from_file_location("spline_of_static", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    train = module.build()
+    train = _model("spline_coupling").build()
     by_hand, found = _at_rest(train, None), _at_rest(_without_angles(train))
     for name in ("x1", "x2", "x3"):
         assert found[name] == pytest.approx(by_hand[name], rel=EXACT)
