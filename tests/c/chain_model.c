@@ -38,7 +38,9 @@ static void prepare(double *par) {
     }
 }
 
-static void start(const double *par, double *y) {
+static void start(const double *par, const double *mode, const double *tau, double *y) {
+    (void)mode;
+    (void)tau;
     const int n = length_of(par);
     const double *k = column(par, STIFFNESS), *gap = column(par, GAP);
     for (int i = 0; i < n; i++) {

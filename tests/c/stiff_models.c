@@ -30,7 +30,9 @@ static void swing_times(const double *par, const double *mode, int lanes, const 
     }
 }
 
-static void pol_start(const double *par, double *y) {
+static void pol_start(const double *par, const double *mode, const double *tau, double *y) {
+    (void)mode;
+    (void)tau;
     (void)par;
     y[0] = 2.0;
     y[1] = -0.5;
@@ -93,7 +95,9 @@ const gb_model pol_model = {
 /* An inertia of 1, a hardening spring to a node without inertia, a damper from there to ground; a swinging torque.
  * States: the twist q and the speed w; hidden: the speed v of the node. q' = w - v, w' = cos(5 t) - F, 0 = F - d v,
  * F = q + q^3. */
-static void node_start(const double *par, double *y) {
+static void node_start(const double *par, const double *mode, const double *tau, double *y) {
+    (void)mode;
+    (void)tau;
     (void)par;
     y[0] = 1.0;
 }
