@@ -21,6 +21,7 @@ from gearblocks.declare import (
     Energy,
     Flange,
     Force,
+    Hold,
     Parts,
     Potential,
     Rate,
@@ -35,7 +36,7 @@ from gearblocks.declare import (
     signal,
 )  # fmt: skip
 from gearblocks.drivetrain import Drivetrain, build, classify, poincare, simulate, stroboscopic
-from gearblocks.effects import Backlash, Fourier, Harmonic, MeshLaw, Profile, Square, ToothFriction
+from gearblocks.effects import Backlash, Fourier, Harmonic, HuntCrossley, MeshLaw, Profile, Square, ToothFriction
 from gearblocks.errors import (
     CompileError,
     GearblocksError,
@@ -54,10 +55,10 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Acts", "Backlash", "Block", "Body", "CompileError", "Damper", "Drivetrain", "Effect", "Energy", "Fixed", "Flange",
-    "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "IdealGear", "Inertia", "Input", "Lash", "MeshLaw",
-    "Model", "ModelError", "Parameter", "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile", "Rate",
-    "Shaft", "Shows", "SimulationError", "SpeedLoad", "SplineCoupling", "Square", "State", "Switch", "Table", "Tie",
-    "ToothFriction", "Torque", "Trajectory", "UnknownNameError", "build", "classify", "cos", "effect", "exact",
-    "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time",
-    "twist",
+    "Force", "Fourier", "GearMesh", "GearblocksError", "Harmonic", "Hold", "HuntCrossley", "IdealGear", "Inertia",
+    "Input", "Lash", "MeshLaw", "Model", "ModelError", "Parameter", "ParameterError", "Parts", "PlanetaryGear",
+    "Potential", "Profile", "Rate", "Shaft", "Shows", "SimulationError", "SpeedLoad", "SplineCoupling", "Square",
+    "State", "Switch", "Table", "Tie", "ToothFriction", "Torque", "Trajectory", "UnknownNameError", "build", "classify",
+    "cos", "effect", "exact", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin",
+    "stroboscopic", "time", "twist",
 ]  # fmt: skip

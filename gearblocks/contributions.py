@@ -18,7 +18,8 @@ from gearblocks.symbols import CONSTANT, FlangeSymbols, Pool, Symbols
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _EXPRESSIONS: dict[type, tuple[str, ...]] = {
     d.Body: ("J",), d.Force: ("deflection", "force"), d.Potential: ("energy",), d.Acts: ("tau",), d.Tie: ("zero",),
-    d.Rate: ("expr",), d.Switch: ("surface", "when"), d.Shows: ("expr",), d.Energy: ("stored", "loss"),
+    d.Rate: ("expr",), d.Hold: ("value", "when"), d.Switch: ("surface", "when"), d.Shows: ("expr",),
+    d.Energy: ("stored", "loss"),
 }  # fmt: skip
 
 
@@ -141,7 +142,9 @@ class _Check:
                 yield f"J = {inertia} kg m2 must be >= 0"
         if isinstance(item, (d.Force, d.Potential, d.Tie)) and sound:
             yield self.angles(next(iter(getattr(item, f) for f in _EXPRESSIONS[type(item)])))
-        if isinstance(item, d.Rate) and not any(item.state is x for x in (*self.states.values(), *self.inner())):
+        if isinstance(item, (d.Rate, d.Hold)) and not any(
+            item.state is x for x in (*self.states.values(), *self.inner())
+        ):
             has = ", ".join(f"s.{name}" for name in self.states) or "none: declare one with gb.State('words', 'unit')"
             yield f"'{item.state}' is no state of the block; it has {has}"
         if isinstance(item, (d.Shows, d.Switch)) and not isinstance(item.name, str):
@@ -154,7 +157,7 @@ class _Check:
     def whole(self, items: list[Any]) -> Iterator[str]:
         """What is wrong with all contributions together."""
         for name, state in self.states.items():
-            rates = sum(isinstance(x, d.Rate) and x.state is state for x in items)
+            rates = sum(isinstance(x, (d.Rate, d.Hold)) and x.state is state for x in items)
             if rates != 1:
                 yield f"the state '{name}' has {rates} rates; yield one gb.Rate(s.{name}, ...)"
         shown = [x.name for x in items if isinstance(x, d.Shows)]

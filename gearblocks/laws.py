@@ -39,7 +39,7 @@ class Law:
     """What all instances of a kind share, in symbols (see Pool.slots for their meaning).
 
     forms: coordinates of the law; coordinates: their symbols. forces: symbols of generalised forces along linear forms
-    and what they are. torques: by flange, over the forces. ties: linear forms and constants.
+    and what they are. torques: by flange, over the forces. ties: linear forms and constants. holds: (state, value, when).
     """
 
     pool: Pool
@@ -50,6 +50,7 @@ class Law:
     forces: dict[Any, Any] = field(default_factory=dict)
     torques: dict[str, Any] = field(default_factory=dict)
     rates: dict[str, Any] = field(default_factory=dict)
+    holds: list[tuple[str, Any, Any]] = field(default_factory=list)
     stored: Any = None
     loss: Any = None
     supplied: Any = None
@@ -68,6 +69,7 @@ class _Contributions:
         self.acts: list[d.Acts] = []
         self.ties: list[d.Tie] = []
         self.rates: list[d.Rate] = []
+        self.holds: list[d.Hold] = []
         self.switches: list[d.Switch] = []
         self.shows: list[d.Shows] = []
         self.energies: list[d.Energy] = []
@@ -75,6 +77,7 @@ class _Contributions:
             d.Body: self.bodies, d.Force: self.forces, d.Potential: self.potentials, d.Acts: self.acts,
             d.Tie: self.ties,
             d.Rate: self.rates, d.Switch: self.switches, d.Shows: self.shows, d.Energy: self.energies,
+            d.Hold: self.holds,
         }  # fmt: skip
         for item in block.physics(s):
             if type(item) not in lists:
@@ -95,6 +98,8 @@ def derive(block: d.Block, grounded: frozenset[str], *, reading: bool = False) -
     law.ties = [tie for t in found.ties if (tie := _tie(block, flanges, sp.sympify(t.zero)))[0]]
     law.torques = _torques(law, flanges, found, reading)
     law.rates = {law.pool.slots[r.state].of: sp.sympify(r.expr) for r in found.rates}
+    law.holds = [(law.pool.slots[h.state].of, sp.sympify(h.value), sp.sympify(h.when)) for h in found.holds]
+    law.rates |= {state: sp.Integer(0) for state, _, _ in law.holds}
     stored = [sp.sympify(e.stored) for e in found.energies if e.stored is not None]
     losses = [sp.sympify(e.loss) for e in found.energies if e.loss is not None]
     law.stored = sp.Add(*stored) if stored and not _is_driven(law.pool, stored) else None
@@ -231,6 +236,7 @@ def _substitute(law: Law, replace: Mapping[Any, Any]) -> None:
     law.forces = {n: new(e) for n, e in law.forces.items()}
     law.torques = {n: new(e) for n, e in law.torques.items()}
     law.rates = {n: new(e) for n, e in law.rates.items()}
+    law.holds = [(state, new(value), new(when)) for state, value, when in law.holds]
     law.stored, law.loss = new(law.stored), new(law.loss)
     law.shows = [d.Shows(x.name, new(x.expr), x.unit, x.words) for x in law.shows]
 
@@ -252,6 +258,7 @@ def _freeze(law: Law, declared: Iterable[d.Switch]) -> None:
     law.stored = None if law.stored is None else freezer.freeze(law.stored)
     law.loss = None if law.loss is None else freezer.freeze(law.loss)
     freezer.locating = False
+    law.holds = [(state, freezer.freeze(value), freezer.freeze(when)) for state, value, when in law.holds]
     law.shows = [d.Shows(x.name, freezer.freeze(x.expr), x.unit, x.words) for x in law.shows]
     law.switches = freezer.switches
 

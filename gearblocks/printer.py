@@ -38,6 +38,9 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
         where = self._print(mode[0]) if mode else f"gb_table_segment(&{self._print(table)}, {self._print(x)})"
         return f"gb_table_value(&{self._print(table)}, {where}, {self._print(x)}, {int(order)})"
 
+    def _print_RestitutionDamping(self, expr: Any) -> str:
+        return f"gb_restitution_damping({self._print(expr.args[0])})"
+
     def _print_InverseInvolute(self, expr: Any) -> str:
         return f"gb_inverse_involute({self._print(expr.args[0])})"
 

@@ -13,8 +13,8 @@ from gearblocks.generator import Generator
 from gearblocks.rational import Exact, over
 
 _VECTORS = (
-    "par", "mode", "tau", "y", "loop", "phi", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s",
-    "out", "energy", "scale", "lo", "hi",
+    "par", "before", "mode", "tau", "y", "loop", "phi", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy",
+    "s", "out", "energy", "scale", "lo", "hi",
 )  # fmt: skip
 _INTEGERS = ("full", "i")
 _SMALL = 64  # states of a train whose derivatives stay in registers

@@ -104,6 +104,7 @@ struct gb_sim {
     double *t_one, *u_one, *tau_one;   /* lanes of single instants */
     double *s0, *s, *slopes, *samples; /* surfaces: at the start, at an instant, along rows, at the eighths */
     double *root, *side;
+    double *before; /* modes before an event */
     gb_source *sources;
     int *moving, n_moving; /* inputs that are no constants */
     gb_event *log;
