@@ -38,6 +38,7 @@ from gearblocks.declare import (
     Effect,
     Energy,
     Flange,
+    Hold,
     Motion,
     Parts,
     Potential,
@@ -54,7 +55,7 @@ from gearblocks.declare import (
     signal,
 )  # fmt: skip
 from gearblocks.drivetrain import Drivetrain, build, classify, poincare, simulate, stroboscopic
-from gearblocks.effects import Backlash, Fourier, Harmonic, MeshLaw, Profile, Square, ToothFriction
+from gearblocks.effects import Backlash, Fourier, Harmonic, HuntCrossley, MeshLaw, Profile, Square, ToothFriction
 from gearblocks.errors import (
     CompileError,
     GearblocksError,
@@ -80,13 +81,13 @@ __version__ = "0.1.0"
 __all__ = [
     "Acts", "Angle", "Backlash", "BeltDrive", "Block", "Body", "Campbell", "CompileError", "Creep", "DCMotor", "Damper",
     "Differential", "Drivetrain", "EddyCurrentBrake", "Effect", "Energy", "Engine", "Fixed", "Flange", "Force",
-    "Fourier", "FrequencyResponse", "GearMesh", "GearblocksError", "Governor", "Harmonic", "IdealGear",
-    "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "Mass", "MeshLaw", "Model", "ModelError", "Modes",
-    "Motion", "NonCircularGear", "Parameter", "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile",
-    "Rack", "Rate", "RatioLaw", "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad",
-    "SplineCoupling", "Square", "Start", "State", "Switch", "Table", "Table2", "Tie", "ToothFriction", "Torque",
-    "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "build", "campbell",
-    "classify", "cos", "design_ratio", "driver_angle", "effect", "exact", "frequency_response", "linearize", "modes",
-    "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time",
-    "twist",
+    "Fourier", "FrequencyResponse", "GearMesh", "GearblocksError", "Governor", "Harmonic", "Hold", "HuntCrossley",
+    "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "Mass", "MeshLaw", "Model",
+    "ModelError", "Modes", "Motion", "NonCircularGear", "Parameter", "ParameterError", "Parts", "PlanetaryGear",
+    "Potential", "Profile", "Rack", "Rate", "RatioLaw", "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed",
+    "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Switch", "Table", "Table2", "Tie", "ToothFriction",
+    "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "build",
+    "campbell", "classify", "cos", "design_ratio", "driver_angle", "effect", "exact", "frequency_response", "linearize",
+    "modes", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic",
+    "time", "twist",
 ]  # fmt: skip

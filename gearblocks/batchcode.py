@@ -139,6 +139,8 @@ class BatchCode:
             name = f"sense[{self.places.senses[of]}]"
         elif role == "mode":
             prologue[name := f"mode{of.number}"] = f"mode[{self.places.switches[of.number]} + e]"
+        elif role == "before":
+            prologue[name := f"before{of.number}"] = f"before[{self.places.switches[of.number]} + e]"
         elif role in ("table", "table2"):
             name = self.places.tables[symbol]
         elif role == "force":
@@ -294,10 +296,19 @@ class BatchCode:
         self.bands = [None if s.band is None else hoist(s.band) for s in law.switches]
         self.whens = [hoist(sp.sympify(s.when)) for s in law.switches]
         self.shows = [(x, hoist(x.expr)) for x in law.shows]
+        self.holds = [(state, hoist(self._held(*rest, state=state))) for state, *rest in law.holds]
         self.speeds = [self._coordinate_rate(j) for j in range(len(law.forms))]
         self.drives = [frozen_drive(x, hoist) for x in law.drives]
         self.starts = {n: hoist(e) for n, e in law.starts.items()}
         self.balance = balance_of(self, self.places.hidden) if self.places.hidden else Balance()
+
+    def _held(self, value: Any, when: Any, *, state: str) -> Any:
+        """What a held state is after an event: the value where `when` has just turned to 1, else as it was."""
+        pool = self.law.pool
+        modes = [x for x in when.free_symbols if pool.slots[x].role == "mode"]
+        before = {x: pool.symbol("before", pool.slots[x].of, f"before{pool.slots[x].of.number}") for x in modes}
+        starts = when * (1 - when.xreplace(before))
+        return starts * value + (1 - starts) * pool.symbol("state", state, state)
 
     def _coordinate_rate(self, j: int) -> Any:
         """Rate of a coordinate from the flange speeds."""

@@ -253,6 +253,8 @@ def _surfaces(g: Generator, code: BatchCode) -> None:
     for j in {int(lhs[7:-1]) for lhs, _, _, _ in scales}:
         function.args.append(("int", f"q{j}", column(f"{code.batch.name}_q{j}", code.batch.sources[j])))
     g.keep("scales", function)
+    held = [(f"y[{g.lay.state0[code.number, state]} + e]", "=", expr, False) for state, expr in code.holds]
+    g.keep("hold", code.function("hold", held))
     _bounds(g, code)
 
 

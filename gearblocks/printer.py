@@ -53,6 +53,9 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
     def _print_EllipseLead(self, expr: Any) -> str:
         return str(self._print(expr.written_out()))
 
+    def _print_RestitutionDamping(self, expr: Any) -> str:
+        return f"gb_restitution_damping({self._print(expr.args[0])})"
+
     def _print_InverseInvolute(self, expr: Any) -> str:
         return f"gb_inverse_involute({self._print(expr.args[0])})"
 

@@ -14,8 +14,8 @@ from gearblocks.rational import Exact, over
 from gearblocks.reactions import tie_tables
 
 _VECTORS = (
-    "par", "mode", "tau", "y", "loop", "phi", "gain", "bias", "surplus", "w", "alpha", "torque", "growth", "drag", "stiff",
-    "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo", "hi",
+    "par", "before", "mode", "tau", "y", "loop", "phi", "gain", "bias", "surplus", "w", "alpha", "torque", "growth", "drag",
+    "stiff", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo", "hi",
     "kept", "diag", "lower", "upper", "slope", "change", "speed", "turn", "rise",
 )  # fmt: skip
 _INTEGERS = ("full", "i")

@@ -122,7 +122,7 @@ class NonCircularGear(Block):
         k = s.local("k", driver_angle=theta)
         stiffness = s.named("k_t", k)
         c = damping(s, k, sp.Rational(self.law.n1, self.law.n2) ** 2 * s.a.mobility + s.b.mobility)
-        law = Contact(q, rate, stiffness, c, self.backlash, s.backlash, self.contact_damping)
+        law = Contact(q, rate, stiffness, c, self.backlash, s.backlash, self.contact_damping, s.contact_damping)
         for item in contact(s, law):
             if isinstance(item, Force) and self.friction is not None:
                 extra = s.friction.mu * s.friction.wave * item.force

@@ -184,9 +184,21 @@ static void recall_step(gb_sim *sim) {
     }
 }
 
+/* States that take a value as the modes change. */
+static int hold_states(gb_sim *sim) {
+    const int code = gb_columns_at(sim, sim->head->t1);
+    if (code == GB_DONE) {
+        sim->model->hold(sim->par, sim->before, sim->mode, sim->tau_one, sim->y);
+    }
+    return code;
+}
+
 /* Carries out what is due at the front. */
 int gb_apply_event(gb_sim *sim) {
     gb_head *head = sim->head;
+    if (sim->model->hold != NULL) {
+        memcpy(sim->before, sim->mode, sizeof(double) * (size_t)sim->model->n_switches);
+    }
     const uint64_t modes = head->modes;
     const size_t slot = (size_t)(modes % GB_MEMORY);
     head->remembered_modes[slot] = modes;
@@ -210,6 +222,9 @@ int gb_apply_event(gb_sim *sim) {
     }
     if (timed) {
         gb_refresh_breaks(sim, 0);
+    }
+    if (code == GB_DONE && sim->model->hold != NULL) {
+        code = hold_states(sim);
     }
     if (head->modes != modes) {
         recall_step(sim);

@@ -89,6 +89,10 @@ typedef struct gb_model {
     /* The mode of switch i where its quantity is s (>= a limit belongs to the upper mode). */
     double (*mode_at)(const double *par, int i, double s);
 
+    /* Changes the states of blocks that take a new value as the modes go from `before` to `mode` (NULL: there are
+     * none). */
+    void (*hold)(const double *par, const double *before, const double *mode, const double *tau, double *y);
+
     /* Quantity of time switch i (in [n_surfaces, n_switches)) at t, its modes as everywhere above. */
     double (*clock)(const double *par, int i, double t);
 

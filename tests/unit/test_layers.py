@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 # module and everything in it.
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.errors", "gearblocks.rational", "gearblocks.pattern"),
-    ("gearblocks.tooth_geometry", "gearblocks.dead_zone", "gearblocks.engagement"),
+    ("gearblocks.tooth_geometry", "gearblocks.dead_zone", "gearblocks.engagement", "gearblocks.impact"),
     ("gearblocks.units", "gearblocks.files", "gearblocks.program", "gearblocks.cache", "gearblocks.compiler"),
     ("gearblocks.expression", "gearblocks.signals", "gearblocks.maps"),
     ("gearblocks.ratio_curves", "gearblocks.ratio_law", "gearblocks.ratio_making", "gearblocks.pitch"),
