@@ -205,7 +205,12 @@ def _with_angles(point: Point, columns: Indices) -> Any:
 
 
 def _state_names(program: Program, columns: Indices) -> Iterator[str]:
-    riders = {x.place: f"{x.component}.phi" for x in program.integrals if x.part == "angle"}
+    outputs = {q.name for q in program.outputs}
+    riders = {
+        x.place: f"{x.component}.{'s' if f'{x.component}.s' in outputs else 'phi'}"
+        for x in program.integrals
+        if x.part == "angle"
+    }
     for i in columns:
         yield program.states[i].name if i < program.n else riders[int(i)]
 

@@ -26,7 +26,7 @@ Indices = NDArray[np.intp]
 
 _SHARE = 6e-6  # of the size of an unknown: its step, about the cube root of the rounding unit
 _FLOOR = 1e-3  # smallest size of an angle or state taken for its step
-_FLOOR_OF_SPEED = 1.0  # rad/s
+_FLOOR_OF_SPEED = 1.0  # rad/s or m/s
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,9 +79,10 @@ class Point:
 _HOLD = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
 
 
-def restarted(point: Point) -> None:
-    """Lets changed parameters take effect on the derived values."""
+def restarted(point: Point) -> Array:
+    """Lets changed parameters take effect on the derived values; the state, shafts without inertia in balance."""
     point.sim.start(_HOLD, point.t, point.y)
+    return point.sim.state()
 
 
 @contextmanager
@@ -109,7 +110,7 @@ def opened(sim: Simulation, program: Program, t: float, y0: Array | None = None)
 def steps_of(program: Program, y: Array) -> Array:
     """Size of the step of each entry of the state vector for differences."""
     floor = np.full(program.n_total, _FLOOR)
-    speeds = [i for i, s in enumerate(program.states) if s.unit == "rad/s"]
+    speeds = [i for i, s in enumerate(program.states) if s.words == "speed"]
     floor[speeds] = _FLOOR_OF_SPEED
     return np.asarray(_SHARE * np.maximum(np.abs(y), floor))
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from gearblocks.core import Array, Simulation
 from gearblocks.errors import ParameterError, SimulationError
-from gearblocks.probing import Indices, Point, dependents, derivative, disjoint, opened, steps_of
+from gearblocks.probing import Indices, Point, dependents, derivative, disjoint, opened, restarted, steps_of
 from gearblocks.program import Program
 
 if TYPE_CHECKING:
@@ -46,15 +46,22 @@ class Motion:
     N: csc_array
     M: csc_array
 
+    @property
+    def hidden(self) -> bool:
+        """Whether there are shafts without inertia, whose speeds are no states."""
+        return len(self.coordinates) + len(self.angles) > len(self.speeds)
+
+
+_KINDS = {"relative angle": "coordinate", "relative position": "coordinate", "position": "angle"}
+
 
 def kinds(program: Program) -> tuple[Indices, Indices, Indices, Indices]:
     """Places of coordinates, absolute angles, states of blocks and speeds in the state vector."""
-    found: dict[str, list[int]] = {"relative angle": [], "coordinate": [], "angle": [], "state": [], "speed": []}
-    for i, s in enumerate(program.states):
-        found[s.words].append(i)
-    angles = found["angle"] + [x.place for x in program.integrals if x.part == "angle"]
-    coordinates = sorted(found["relative angle"] + found["coordinate"])
-    groups = (coordinates, sorted(angles), found["state"], found["speed"])
+    found: dict[str, list[int]] = {"coordinate": [], "angle": [], "state": [], "speed": []}
+    for i, quantity in enumerate(program.states):
+        found[_KINDS.get(quantity.words, quantity.words)].append(i)
+    found["angle"] += [x.place for x in program.integrals if x.part == "angle"]
+    groups = (found["coordinate"], sorted(found["angle"]), found["state"], found["speed"])
     return tuple(np.array(g, dtype=np.intp) for g in groups)  # type: ignore[return-value]
 
 
@@ -70,12 +77,18 @@ def motion(point: Point) -> Motion:
     rows = np.concatenate([q, angles])
     S = derivative(lambda y: point.rates(y)[rows], still, v, ones)
     B = csc_array(S[: len(q)])
+    turning = np.asarray(abs(S[len(q) :]).sum(axis=1)).ravel() > 0  # angles that are prescribed do not follow speeds
+    angles = angles[turning]
+    S, rows = csc_array(S[np.concatenate([np.ones(len(q), bool), turning])]), np.concatenate([q, angles])
     M = _inertia(point, still, v)
-    if len(rows) == 0 or S.shape[0] != S.shape[1]:
-        return Motion(q, angles, z, v, B, csc_array((len(v), 0)), M)
-    right = vstack([csc_array((len(q), len(angles))), identity(len(angles))], format="csc")
-    N = csc_array(splu(S).solve(right.toarray()) if len(angles) else (len(v), 0))
-    return Motion(q, angles, z, v, B, N, M)
+    right = vstack([csc_array((len(q), len(angles))), identity(len(angles))], format="csc").toarray()
+    if len(rows) == 0 or len(angles) == 0:
+        N = np.zeros((len(v), 0))
+    elif len(rows) == len(v):
+        N = splu(S).solve(right)
+    else:  # more coordinates than speeds: shafts without inertia
+        N = np.linalg.lstsq(S.toarray(), right, rcond=None)[0]
+    return Motion(q, angles, z, v, B, csc_array(N), M)
 
 
 def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
@@ -124,19 +137,20 @@ def static_state(sim: Simulation, program: Program, t: float, *, means: bool, y0
 def equilibrium(point: Point) -> Point:
     """The equilibrium of the train held at a point, in the modes that fit it. Errors as `static_state`."""
     whole = motion(point)
-    if len(whole.coordinates) + len(whole.states) == 0:
-        return point
+    if len(whole.coordinates) + len(whole.states) == 0 or len(whole.speeds) + len(whole.states) == 0:
+        return point.at(y=restarted(point))
     _check_speeds(point, whole)
     return _Search(point, whole).run()
 
 
 def _check_speeds(point: Point, whole: Motion) -> None:
     v = point.y[whole.speeds]
-    if len(whole.coordinates) == 0:
+    if len(whole.coordinates) == 0 or whole.hidden:
         return
-    winding = whole.B @ v
+    winding = point.rates()[whole.coordinates]  # prescribed speeds among them
     worst = int(np.argmax(np.abs(winding)))
     largest = float(np.abs(v).max(initial=0.0)) * float(np.abs(whole.B.data).max(initial=0.0))
+    largest = max(largest, float(np.abs(winding - whole.B @ v).max()))
     if abs(winding[worst]) > 1e-9 * largest:
         name = point.program.states[whole.coordinates[worst]].name.rsplit(".", 1)[0]
         raise ParameterError(
@@ -151,7 +165,10 @@ class _Search:
     def __init__(self, point: Point, whole: Motion) -> None:
         self.point, self.whole = point, whole
         self.unknown = np.concatenate([whole.coordinates, whole.states])
-        self.rows = np.concatenate([whole.speeds, whole.states])
+        still = (
+            whole.coordinates if whole.hidden else whole.coordinates[:0]
+        )  # balance of shafts without inertia: q' = 0
+        self.rows = np.concatenate([whole.speeds, whole.states, still])
         self.n_v, self.n_q, self.n_z = len(whole.speeds), len(whole.coordinates), len(whole.states)
         self.weak = _WEAK
         self.patterns: dict[bytes, list[Indices]] = {}
@@ -170,7 +187,7 @@ class _Search:
             fit = self.point.at(y=y).settled()
             same = np.array_equal(fit.modes, self.point.modes)
             if same and (error <= _NEAR or (error <= _STUCK and error > 0.3 * last)):
-                return fit
+                return fit.at(y=restarted(fit)) if self.whole.hidden else fit
             lowest = _WEAKEST if error < 0.3 * last else _NOTHING  # a small load crosses a wide gap
             self.weak = max(self.weak / 10, lowest) if same else _WEAK
             last = error if same else np.inf
@@ -198,9 +215,9 @@ class _Search:
     def _residual(self, matrix: csc_array, idle: NDArray[np.bool_]) -> tuple[Array, float]:
         """Torques and rates of states of blocks that are left, and the largest of them relative to what acts.
 
-        idle: states of blocks that no unknown can stop (phases): they run on.
+        idle: rates that no unknown changes: phases, which run on, and shafts that are in balance anyway.
         """
-        whole, rates = self.whole, self.point.rates()
+        whole, rates = self.whole, self._rates(self.point.y)
         torque = whole.M @ rates[whole.speeds]
         rest = torque.copy()
         if whole.N.shape[1]:
@@ -209,9 +226,15 @@ class _Search:
         parts = abs(matrix) @ np.abs(self.point.y[self.unknown])
         largest = max(float(np.abs(torque).max(initial=0.0)), float(parts[: self.n_v].max(initial=0.0)))
         sizes = np.concatenate([np.full(self.n_v, largest), parts[self.n_v :]])
-        left = np.concatenate([rest, np.where(idle, 0.0, rates[whole.states])])
+        left = np.concatenate([rest, np.where(idle, 0.0, rates[self.rows[self.n_v :]])])
         relative = np.divide(np.abs(left), sizes, out=np.where(left == 0, 0.0, np.inf), where=sizes > 0)
         return left, float(relative.max(initial=0.0))
+
+    def _rates(self, y: Array) -> Array:
+        """Rates at a state, the angles of shafts without inertia put into balance."""
+        if self.whole.hidden:
+            y = restarted(self.point.at(y=y))
+        return self.point.rates(y)
 
     def _matrix(self) -> csc_array:
         """Derivatives of the residual by the unknowns."""
@@ -220,7 +243,7 @@ class _Search:
         point, steps, key = self.point, steps_of(self.point.program, self.point.y), self.point.modes.tobytes()
 
         def rates(y: Array) -> Array:
-            return np.asarray(point.rates(y)[self.rows])
+            return np.asarray(self._rates(y)[self.rows])
 
         if not all(map(len, self.patterns.get(key, [np.empty(0)]))):  # where nothing answers yet, look again
             self.patterns[key] = dependents(rates, point.y, self.unknown, steps)
@@ -235,13 +258,19 @@ class _Search:
         whole = self.whole
         springs = self.weak * self.springs
         weak = hstack([whole.B.T @ diags_array(-springs), csc_array((self.n_v, self.n_z))])
-        still = hstack([csc_array((self.n_z, self.n_q)), diags_array(-idle.astype(float))])
-        border = vstack([-(whole.M @ whole.N), csc_array((self.n_z, whole.N.shape[1]))])
-        full = csc_array(hstack([matrix + csc_array(vstack([weak, still])), border]))
+        still = hstack([csc_array((self.n_z, self.n_q)), diags_array(-idle[: self.n_z].astype(float))])
+        rest_rows = len(self.rows) - self.n_v - self.n_z
+        added = csc_array(vstack([weak, still, csc_array((rest_rows, self.n_q + self.n_z))]))
+        border = vstack([-(whole.M @ whole.N), csc_array((self.n_z + rest_rows, whole.N.shape[1]))])
+        full = csc_array(hstack([matrix + added, border]))
         scale = np.asarray(abs(full).max(axis=1).todense()).ravel()
         scale[scale == 0] = 1.0
+        scaled = csc_array(diags_array(1 / scale) @ full)
         try:
-            found = splu(csc_array(diags_array(1 / scale) @ full)).solve(-rest / scale)
+            if whole.hidden:
+                found = np.linalg.lstsq(scaled.toarray(), -rest / scale, rcond=1e-13)[0]
+            else:
+                found = splu(scaled).solve(-rest / scale)
         except RuntimeError as error:  # exactly singular: states of blocks that nothing ties down
             raise self._failure(np.zeros(0)) from error
         return found[: self.n_q + self.n_z], springs * found[: self.n_q]

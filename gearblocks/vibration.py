@@ -36,7 +36,7 @@ class Modes:
     shapes: motion of every body of `bodies`, shape (k, bodies), complex where damping shifts phases, largest entry 1.
     kinetic: share of the kinetic energy per body; strain: share of the strain energy per element of `elements` (mean
     over a cycle, rows sum to 1; 0 where the mode stores none). An element whose energy is driven by inputs or steps
-    keeps no account of it and does not appear. decays: rates of motions that do not swing [1/s].
+    keeps no account of it and does not appear. decays: rates of motions that neither swing nor stay [1/s].
     free: number of free rotations, known from the structure; bound: the largest eigenvalue that rounding gave in their
     place [rad/s], the measure of what 0 means here.
     """
@@ -121,7 +121,8 @@ def modes_at(point: Point, count: int | None = None) -> Modes:
     values, vectors = _eigen(A, count, 2 * turning.shape[1])
     values, vectors, bound = _without_free(values, vectors, turning.shape[1], _angle_is_state(point, whole))
     swinging = values.imag > _REAL * np.abs(values)
-    decays = np.sort(-values[np.abs(values.imag) <= _REAL * np.abs(values)].real)
+    decaying = ~swinging & (values.imag >= 0) & (np.abs(values) > _REAL * np.abs(values).max(initial=0.0))
+    decays = np.sort(-values[decaying & (np.abs(values.imag) <= _REAL * np.abs(values))].real)
     order = np.argsort(np.abs(values[swinging]), kind="stable")[:count]  # beside the free rotations
     free = np.zeros((point.program.n, turning.shape[1]))
     free[whole.speeds] = turning
@@ -154,7 +155,10 @@ def _free_rotations(point: Point, whole: Motion, A: csc_array) -> Array:
     if _angle_is_state(point, whole):
         answer[whole.angles] = 0.0
         turned = A[:, whole.angles].toarray()
-        answer, size = np.vstack([answer, turned]), np.vstack([size, np.full(turned.shape, abs(A).max())])
+        answer, size = (
+            np.vstack([answer, turned]),
+            np.vstack([size, np.full(turned.shape, abs(A).max() if A.nnz else 0.0)]),
+        )
     scaled = np.divide(answer, size, out=np.zeros_like(answer), where=size > 0)
     _, sizes, rows = np.linalg.svd(scaled, full_matrices=True)
     full = np.concatenate([sizes, np.zeros(rows.shape[0] - len(sizes))])
@@ -197,11 +201,12 @@ def body_speeds(program: Program) -> tuple[tuple[str, ...], list[int]]:
     found: dict[str, int] = {}
     for start in program.starts:
         body, _, what = start.name.rpartition(".")
-        if what == "w" and body not in found:
+        if what in ("w", "v") and body not in found:
             own = outputs.get(start.name)
             if own is None:
                 own = next(
-                    (i for name, i in outputs.items() if name.startswith(body + ".") and name.endswith(".w")), None
+                    (i for name, i in outputs.items() if name.startswith(body + ".") and name.endswith("." + what)),
+                    None,
                 )
             if own is not None:
                 found[body] = own

@@ -310,3 +310,65 @@ def test_a_contact_that_is_active_at_the_start_is_in_its_mode():
 def test_other_words_for_a_start_are_refused_with_the_near_one():
     with pytest.raises(gb.ParameterError, match="did you mean 'static'"):
         _at_rest(_free(), "statik")
+
+
+# -- shafts without inertia, prescribed motion, ties of three shafts, sliders ---------------------------------------
+
+
+@pytest.mark.parametrize("c", [None, 2.0])
+def test_springs_in_a_row_without_inertia_between_carry_the_load_together(c):
+    rig = gb.Drivetrain("in a row")
+    drive, body = rig.add("drive", gb.Torque(tau=3.0)), rig.add("body", gb.Inertia(J=1.0))
+    soft, stiff = rig.add("soft", gb.Shaft(k=1e3, c=c)), rig.add("stiff", gb.Shaft(k=4e3))
+    rig.chain(drive, body, soft, stiff, rig.add("ground", gb.Fixed()))
+    found = _at_rest(rig)
+    assert found["soft.twist"] == pytest.approx(-3e-3, rel=EXACT)
+    assert found["stiff.twist"] == pytest.approx(-7.5e-4, rel=EXACT)
+    # J s^2 = -K(s) with 1/K = 1/(k1 + c s) + 1/k2
+    roots = np.roots([c or 0.0, 5e3, 4e3 * (c or 0.0), 4e6])
+    assert gb.modes(rig).frequencies == pytest.approx([np.abs(roots[roots.imag > 0]).item()], rel=1e-9)
+
+
+def test_a_train_behind_a_prescribed_speed_turns_with_its_mean():
+    rig = gb.Drivetrain("prescribed")
+    rig.chain(
+        rig.add("speed", gb.Speed(w=10 + gb.sin(30 * gb.time))), rig.add("a", gb.Inertia(J=1.0)),
+        rig.add("shaft", gb.Shaft(k=1e3, c=1.0)), rig.add("b", gb.Inertia(J=1.0, w0=10.0)),
+        rig.add("load", gb.Torque(tau=-4.0)),
+    )  # fmt: skip
+    assert _at_rest(rig)["shaft.twist"] == pytest.approx(-4e-3, rel=EXACT)
+    assert gb.modes(rig).free == 0
+    with pytest.raises(gb.ParameterError, match="'shaft' would wind up at -10 rad/s"):
+        _at_rest(rig.set({"b.w0": None}))
+
+
+def test_a_planetary_set_shares_the_load_in_the_ratio_of_its_arms():
+    rig = gb.Drivetrain("set")
+    sun, carrier, ring = (rig.add(n, gb.Inertia(J=J)) for n, J in (("sun", 0.01), ("carrier", 0.05), ("ring", 0.1)))
+    planets = rig.add("planets", gb.IdealPlanetary(ratio=3.0))
+    for body, flange in ((sun, planets.sun), (carrier, planets.carrier), (ring, planets.ring)):
+        rig.connect(body.a, flange)
+    ground = rig.add("ground", gb.Fixed())
+    rig.chain(rig.add("drive", gb.Torque(tau=5.0)), sun)
+    rig.chain(ring, rig.add("hold", gb.Shaft(k=1e5)), ground)
+    rig.chain(carrier, rig.add("out", gb.Shaft(k=1e4)), ground)
+    found = _at_rest(rig)
+    assert abs(found["hold.torque"]) == pytest.approx(15.0, rel=EXACT)
+    assert abs(found["out.torque"]) == pytest.approx(20.0, rel=EXACT)
+
+
+def test_a_slider_settles_as_a_shaft_does():
+    rig = gb.Drivetrain("slider")
+    mass, spring = rig.add("mass", gb.Mass(m=2.0)), rig.add("spring", gb.Shaft(k=500.0))
+    rig.connect(mass.a, spring.a)
+    pinion, rack = rig.add("pinion", gb.Inertia(J=0.1)), rig.add("rack", gb.Rack(radius=0.5))
+    rig.connect(spring.b, rack.slider)
+    rig.connect(rack.flange, pinion.a)
+    rig.chain(pinion, rig.add("shaft", gb.Shaft(k=100.0)), rig.add("ground", gb.Fixed()))
+    rig.connect(rig.add("drive", gb.Torque(tau=6.0)).flange, pinion.a)
+    found = _at_rest(rig)
+    assert abs(found["shaft.twist"]) == pytest.approx(0.06, rel=EXACT)
+    swinging = gb.modes(rig)
+    M, K = np.diag([2.0, 0.1]), np.array([[500.0, -250.0], [-250.0, 125.0 + 100.0]])
+    assert swinging.frequencies == pytest.approx(np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(M, K)))), rel=1e-8)
+    assert set(swinging.bodies) == {"mass", "pinion"}
