@@ -86,7 +86,6 @@ def planetary(n: Numbers) -> gb.Drivetrain:
         return gb.GearMesh(
             teeth=teeth, r_base=radii, external=name == "sun", k=k, c=c, backlash=gb.Backlash(half_gap=n.half_gap),
             stiffness_variation=gb.Fourier(cos=(n.ripple,), driven_by=w, phase=phase), contact_damping="always",
-            transmission_error=None,
         )  # fmt: skip
 
     sun, ring = (

@@ -119,7 +119,7 @@ class BeltDrive(Block):
     a, b = Flange("driving pulley"), Flange("driven pulley")
     housing = Flange("frame", ground=True)
     ratio: float = exact("phi_a/phi_b without slip")
-    slip: Creep | None = effect("elastic creep")
+    slip: Creep | None = effect("elastic creep", default=None)
 
     def problems(self) -> Iterator[str]:
         """A ratio of zero."""

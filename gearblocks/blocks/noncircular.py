@@ -62,10 +62,10 @@ class NonCircularGear(Block):
     damping_ratio: Value | None = param(
         "damping ratio on the bodies beside, at the mean ratio", default=None, ge=0, belongs_to="damping"
     )
-    backlash: Backlash | None = effect("dead zone of q, half_gap in rad about b")
+    backlash: Backlash | None = effect("dead zone of q, half_gap in rad about b", default=None)
     contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
     transmission_error: Harmonic | Profile | None = effect(
-        "no-load error e in rad about b, over turns of gear 1", convert=as_profile
+        "no-load error e in rad about b, over turns of gear 1", default=None, convert=as_profile
     )
 
     def problems(self) -> Iterator[str]:

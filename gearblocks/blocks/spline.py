@@ -30,8 +30,8 @@ class SplineCoupling(Block):
     k: Value | None = param("mean stiffness of all teeth along the arc", "N/m", gt=0, belongs_to="compliance")
     c: Value | None = param("damping along the arc", "N s/m", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
-    stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", convert=as_profile)
-    backlash: Backlash | None = effect("dead zone along the arc")
+    stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", default=None, convert=as_profile)
+    backlash: Backlash | None = effect("dead zone along the arc", default=None)
     contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
 
     def problems(self) -> Iterator[str]:

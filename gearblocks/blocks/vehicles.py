@@ -59,7 +59,7 @@ class Vehicle(Block):
     rolling_speed: Value | None = param("speed below which rolling resistance fades", "m/s", default=None, gt=0)
     grade: Any = signal("angle of the slope", "rad", default=None)
     air_density: Value = param("density of the air", "kg/m3", default=1.2, ge=0)
-    tyre: TyreSlip | None = effect("slip of the tyres")
+    tyre: TyreSlip | None = effect("slip of the tyres", default=None)
     v = State("speed of the vehicle", "m/s")
     s = State("distance", "m")
 
