@@ -153,11 +153,13 @@ class MeshLaw(Effect):
     stiffness: str | None = option("'iso6336': the stiffness of the standard", default=None)
     c: Value | None = param("damping along the line of action", "N s/m", default=None, ge=0)
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0)
-    stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", convert=as_profile)
-    backlash: Backlash | None = effect("dead zone")
+    stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", default=None, convert=as_profile)
+    backlash: Backlash | None = effect("dead zone", default=None)
     contact_damping: str | HuntCrossley = option("damping and gap: as for GearMesh", default="clipped")
-    transmission_error: Harmonic | Profile | None = effect("no-load transmission error", convert=as_profile)
-    friction: ToothFriction | None = effect("friction of the teeth")
+    transmission_error: Harmonic | Profile | None = effect(
+        "no-load transmission error", default=None, convert=as_profile
+    )
+    friction: ToothFriction | None = effect("friction of the teeth", default=None)
 
     def values(self) -> dict[str, Any]:
         """The fields by name, as a GearMesh takes them."""

@@ -93,10 +93,7 @@ def _mesh(
     rig: gb.Drivetrain, name: str, pinion: Handle, wheel: Handle, carrier: Handle, teeth: tuple[int, int], *, external: bool
 ) -> None:  # fmt: skip
     """A rigid mesh on the carrier."""
-    mesh = rig.add(
-        name,
-        gb.GearMesh(teeth=teeth, external=external, stiffness_variation=None, backlash=None),
-    )
+    mesh = rig.add(name, gb.GearMesh(teeth=teeth, external=external))
     rig.connect(pinion.b, mesh.pinion)
     rig.connect(mesh.wheel, wheel.a)
     rig.connect(mesh.carrier, carrier.a)

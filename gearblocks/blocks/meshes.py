@@ -23,7 +23,10 @@ class GearMesh(Block):
 
     Base radii r1, r2 [m] from r_base, or module and pressure_angle (and helix_angle): r = m z cos(alpha_t)/(2 cos(beta)).
     A variation over the ANGLE comes from a potential: the pinion gets - dk/dphi_1 G(x) besides, the carrier the
-    opposite; over a frequency it is the papers' parametric excitation, which does work on the train.
+    opposite; over a frequency it is the papers' parametric excitation, which does work on the train: somebody unseen
+    keeps the excitation in step with time and pays for it. A free pair without damping keeps its energy in the first
+    form (to 1e-10 over 1000 mesh cycles); in the second it gains or loses some, and without bound where the mesh
+    frequency lies near the natural one or twice that. The same holds for a transmission error.
 
     stiffness="iso6336" gives k = c' (0.75 eps_alpha + 0.25) b after ISO 6336-1, method B, from the tooth numbers, module,
     pressure_angle, [helix_angle], face_width b, [profile_shift, addendum]: see
