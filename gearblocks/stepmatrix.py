@@ -163,4 +163,4 @@ def _rate_part(pattern: Pattern, matrix: Callable[[float], StepMatrix]) -> Any:
             else:
                 best[i] = np.where(noise < least[i], value, best[i])
                 least[i] = np.minimum(noise, least[i])
-    return _square(pattern, StepMatrix(0.0, *best, np.zeros(0)))
+    return _square(pattern, StepMatrix(0.0, best[0], best[1], best[2], np.zeros(0)))
