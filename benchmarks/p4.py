@@ -24,7 +24,9 @@ def table(n: int, swing: float = 0.5) -> Table:
     result = Table(
         f"P4, N = {n}, swing {swing:g}, {problem.t_end:g} s, 50 samples (two references agree to {known.agreement:.0e})"
     )
-    attempt(result, "gearblocks", lambda: ours(problem, t, y, (1e-5, 1e-8), "dp8"))
+    attempt(result, "gearblocks rodas", lambda: ours(problem, t, y, (1e-3, 3e-4, 1e-6), "rodas"))
+    attempt(result, "gearblocks auto", lambda: ours(problem, t, y, (1e-3, 1e-6), "auto"))
+    attempt(result, "gearblocks dp8", lambda: ours(problem, t, y, (1e-5, 1e-8), "dp8"))
     attempt(result, "hand-written C", lambda: peers.hand_written(problem, t, y, (1e-5, 1e-8)))
     attempt(result, "scipy Radau sparse", lambda: chain.radau(problem, t, y, (1e-4, 1e-6)))
     attempt(result, "casadi CVODES", lambda: chain.casadi(problem, t, y, (1e-6,)))
