@@ -16,7 +16,6 @@ Weights = tuple[float, ...]
 
 MAX_STAGES = 16  # GB_STAGES in gb_internal.h
 MAX_ROWS = 8  # GB_ROWS in gb_internal.h
-SLOPE = MAX_STAGES - 2  # GB_SLOPE in gb_internal.h
 
 
 @dataclass(frozen=True, slots=True)
@@ -278,23 +277,16 @@ def _tail_rows(method: Tableau | Rosenbrock) -> tuple[Weights, ...]:
     return method.tail_weights() if isinstance(method, Rosenbrock) else method.dense_weights()
 
 
+def _is_implicit(method: Tableau | Rosenbrock) -> bool:
+    return isinstance(method, Rosenbrock)
+
+
 def _full_stages(method: Tableau | Rosenbrock) -> tuple[int, ...]:
     """1 for every stage that a weight of the step or of dense output reads: there the tail is computed too."""
     used = list(_tail_rows(method))
     if isinstance(method, Tableau):
         used.append(_widen(method.b, method.all_stages))
     return tuple(int(any(row[j] != 0 for row in used)) for j in range(method.all_stages))
-
-
-def _coupling(method: Tableau | Rosenbrock) -> tuple[_Sparse, ...]:
-    """What enters the right side of each stage: the slope in time first, the latest stage last."""
-    if isinstance(method, Tableau):
-        return ()
-    rows = [_sparse(row) for row in method.coupling]
-    return tuple(
-        _Sparse((SLOPE, *row.index), (float(d), *row.value)) if d else row
-        for d, row in zip(method.d, rows, strict=True)
-    )
 
 
 def render_tables() -> str:
@@ -304,7 +296,7 @@ def render_tables() -> str:
     template = (files("gearblocks") / "c" / "gb_methods.h.jinja").read_text(encoding="utf-8")
     environment = jinja2.Environment(trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     environment.globals.update(
-        sparse=_sparse, widen=_widen, full_stages=_full_stages, tail_rows=_tail_rows, coupling=_coupling
+        zip=zip, sparse=_sparse, widen=_widen, full_stages=_full_stages, tail_rows=_tail_rows, implicit=_is_implicit
     )
     text = environment.from_string(template).render(methods=METHODS, width=MAX_STAGES)
     return text if text.endswith("\n") else text + "\n"

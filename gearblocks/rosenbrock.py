@@ -129,8 +129,8 @@ class Rosenbrock:
             out.append("row i of a and of coupling must have i entries, d one per stage")
         elif any(len(table) != s for table in rows) or any(len(row) > s for row in self.dense):
             out.append("a and coupling must have one row per stage, dense rows one weight per stage")
-        elif self.rows != len(self.nodes) + 2 or self.rows not in (3, 4):
-            out.append("dense output needs three or four rows, and a node less than inner rows")
+        elif self.rows != 4 or len(self.nodes) != 2:
+            out.append("dense output needs four rows, quadratures two nodes")
         return out
 
     def matrices(self) -> tuple[list[list[float]], list[list[float]], list[float]]:

@@ -11,7 +11,9 @@
 
 enum {
     GB_STAGES = 16, /* stages of a method, those of dense output included; one lane each */
-    GB_SLOPE = 14,  /* the slot of k that holds h df/dt in an implicit step */
+    GB_NODES = 2,   /* of the quadratures of an implicit method */
+    GB_SPARE = 12,  /* slots of k for the states at the nodes; the next one holds h df/dt */
+    GB_SLOPE = 14,
     GB_ROWS = 8,    /* rows of a dense polynomial */
     GB_EIGHTHS = 8, /* interior samples of a surface */
     GB_MEMORY = 64, /* remembered step sizes */
@@ -28,14 +30,17 @@ typedef struct gb_weights {
 typedef struct gb_method {
     int order, stages, all_stages, rows, n_errors, error_order;
     double beta, c[GB_STAGES];
-    int full[GB_STAGES];              /* the tail is needed at this stage */
-    gb_weights a[GB_STAGES];          /* row `stages` is b */
-    gb_weights e[2];                  /* error estimates */
-    gb_weights d[GB_ROWS];            /* dense rows; the first three are formed without them */
-    double dense[GB_ROWS][GB_STAGES]; /* those of the tail in full */
-    double gamma;                     /* 0: explicit */
-    gb_weights coupling[GB_STAGES];   /* what enters the right side of a stage */
-    gb_weights tail[GB_ROWS];         /* dense rows of the tail */
+    int full[GB_STAGES];                    /* the tail is needed at this stage */
+    gb_weights a[GB_STAGES];                /* row `stages` is b */
+    gb_weights e[2];                        /* error estimates */
+    gb_weights d[GB_ROWS];                  /* dense rows; the first three are formed without them */
+    double dense[GB_ROWS][GB_STAGES];       /* those of the tail in full */
+    double gamma;                           /* 0: explicit */
+    double slope[GB_STAGES];                /* weights of h df/dt */
+    double stage[GB_STAGES][2][GB_STAGES];  /* of the stages before: in the state, in the right side */
+    double points[1 + GB_NODES][GB_STAGES]; /* of the stages: the new state, the states at the nodes */
+    double inside[GB_NODES + 2][GB_STAGES]; /* dense rows in full */
+    gb_weights tail[GB_ROWS];               /* dense rows of the tail */
 } gb_method;
 
 typedef struct gb_source {

@@ -112,6 +112,24 @@ static int factor(gb_sim *sim, double h) {
     return bad < 0 ? GB_DONE : gb_fail(sim, GB_ERR_SINGULAR, model->n_simple + bad, sim->head->t1, sim->diag[bad]);
 }
 
+/* z2 = sum + f + the part of h df/dt in the right side of stage j. */
+static void add_slope(gb_sim *sim, int j, const double *sum, const double *f) {
+    const double weight = sim->method->slope[j];
+    const double *slope = sim->k + (size_t)GB_SLOPE * (size_t)sim->model->n_total;
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        gb_block *out = (gb_block *)(void *)(sim->z2 + b);
+        *out = *gb_block_at(sum + b) + *gb_block_at(f + b);
+        if (weight != 0.0) {
+            *out += weight * *gb_block_at(slope + b);
+        }
+    }
+}
+
+/* The states at a node of the quadrature. */
+static double *node(const gb_sim *sim, int i) {
+    return sim->k + (size_t)(GB_SPARE + i) * (size_t)sim->model->n_total;
+}
+
 /* All stages of the step from y0, and the n new states in z. */
 int gb_stiff_stages(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
@@ -122,17 +140,19 @@ int gb_stiff_stages(gb_sim *sim, double h) {
         return code;
     }
     slope_in_time(sim, h);
-    for (int j = 0; j < method->stages; j++) {
-        double *k = sim->k + (size_t)j * (size_t)total;
-        const double *f = j == 0 ? sim->k1 : k;
-        if (j > 0) {
-            gb_combine(&method->a[j], sim->k, total, 0, padded, sim->y0, h, sim->z);
-            model->rhs(sim->par, sim->mode, sim->tau + j, sim->z, k);
-        }
-        gb_combine(&method->coupling[j], sim->k, total, 0, padded, f, 1.0, sim->z2);
+    add_slope(sim, 0, sim->zero, sim->k1);
+    solve_stage(sim, sim->z2, sim->k);
+    for (int j = 1; j < method->stages; j++) {
+        const double *const from[] = {sim->y0, NULL}, sizes[] = {h, 1.0};
+        double *const out[] = {sim->z, sim->z2}, *k = sim->k + (size_t)j * (size_t)total;
+        gb_combine_all(2, method->stage[j], j, sim->k, total, padded, from, sizes, out);
+        model->rhs(sim->par, sim->mode, sim->tau + j, sim->z, k);
+        add_slope(sim, j, sim->z2, k);
         solve_stage(sim, sim->z2, k);
     }
-    gb_combine(&method->a[method->stages], sim->k, total, 0, padded, sim->y0, h, sim->z);
+    const double *const from[] = {sim->y0, sim->y0, sim->y0}, sizes[] = {h, h, h};
+    double *const out[] = {sim->z, node(sim, 0), node(sim, 1)};
+    gb_combine_all(1 + GB_NODES, method->points, method->stages, sim->k, total, padded, from, sizes, out);
     sim->head->rhs_calls += method->stages - 1;
     return GB_DONE;
 }
@@ -146,9 +166,9 @@ void gb_stiff_tail(gb_sim *sim, double h) {
         return;
     }
     gb_copy(sim->k + padded, sim->k1 + padded, total - padded);
-    for (int j = method->stages + 1; j < method->all_stages; j++) {
-        gb_combine(&method->a[j], sim->k, total, 0, padded, sim->y0, h, sim->z2);
-        model->rhs_full(sim->par, sim->mode, sim->tau + j, sim->z2, sim->k + (size_t)j * (size_t)total);
+    for (int i = 0; i < GB_NODES; i++) {
+        const int j = method->stages + 1 + i;
+        model->rhs_full(sim->par, sim->mode, sim->tau + j, node(sim, i), sim->k + (size_t)j * (size_t)total);
         sim->head->rhs_calls++;
     }
     gb_combine(&method->tail[0], sim->k, total, padded, total, sim->y0, h, sim->z);
