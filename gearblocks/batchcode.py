@@ -87,6 +87,10 @@ def _by_name(*exprs: Any) -> list[Any]:
     return sorted({x for e in exprs for x in sp.sympify(e).free_symbols}, key=lambda x: str(x.name))
 
 
+def _states(vector: str) -> str:
+    return "y" if vector == "whole" else vector
+
+
 class BatchCode:
     """Prints the expressions of one batch as functions."""
 
@@ -104,7 +108,8 @@ class BatchCode:
     ) -> tuple[dict[Any, str], list[Any], list[tuple[str, str]]]:
         """C names of all symbols in the expressions, the arguments they need and the constants to define.
 
-        vector: what coordinates and speeds are read from: "y", a "direction", or a "lane" of time columns (none).
+        vector: what coordinates and speeds are read from: "y" ("whole": with whole angles), a "direction", or a "lane" of
+        time columns (none).
         """
         names: dict[Any, str] = {}
         args: dict[str, tuple[str, str, Column]] = {}
@@ -133,7 +138,7 @@ class BatchCode:
         elif role == "tau":
             name = f"flange_tau[{self.places.tau[of]} + e]"
         elif role == "state":
-            prologue[name := f"z_{identifier(of)}"] = f"{vector}[{self.lay.state0[self.number, of]} + e]"
+            prologue[name := f"z_{identifier(of)}"] = f"{_states(vector)}[{self.lay.state0[self.number, of]} + e]"
         elif role == "sense":
             name = f"sense[{self.places.senses[of]}]"
         elif role == "mode":
@@ -155,20 +160,20 @@ class BatchCode:
     def _coordinate(self, j: int, args: dict[str, Any], vector: str) -> str:
         key = f"q{j}"
         if self.batch.used and not self.batch.used[j]:
-            return self._from_angles(j, args)
+            return self._from_angles(j, args, vector)
         args[key] = ("int", key, column(f"{self.batch.name}_{key}", self.batch.sources[j]))
         if self.batch.dependent[j]:
             return f"{'loop_direction' if vector == 'direction' else 'loop'}[{key}]"
-        return f"{vector}[{key}]"
+        return f"{_states(vector)}[{key}]"
 
-    def _from_angles(self, j: int, args: dict[str, Any]) -> str:
+    def _from_angles(self, j: int, args: dict[str, Any], vector: str) -> str:
         """A coordinate that no state carries, from absolute angles (outputs only)."""
         terms = []
         for flange, expr in self.law.forms[j].coefficients.items():
             values = [float(v) for v in self._exact_column(expr)]
             key = f"c{j}_{flange}"
             args[key] = ("double", key, column(f"{self.batch.name}_{key}", values))
-            terms.append(f"{key} * ({self._flange('phi', flange, args, 'y')})")
+            terms.append(f"{key} * ({self._flange('phi', flange, args, vector)})")
         return " + ".join(terms)
 
     def _exact_column(self, expr: Any) -> list[Any]:
@@ -184,11 +189,11 @@ class BatchCode:
         if role == "phi":
             key = f"g_{flange}"
             args[key] = ("int", key, column(f"{self.batch.name}_{key}", groups))
-            return f"{gain}phi[{key}]"
+            return f"{gain}{'whole' if vector == 'whole' else 'phi'}[{key}]"
         key = self.speed_key(flange, args)
         if not self.lay.assembly.plain:
             return f"{gain}{role}[{key}]"
-        return f"{gain}{'dy' if role == 'alpha' else vector}[{key}]"
+        return f"{gain}{'dy' if role == 'alpha' else _states(vector)}[{key}]"
 
     def speed_key(self, flange: str, args: dict[str, Any]) -> str:
         """The index of a flange's speed: in the state vector, or among all groups where some of them follow others."""

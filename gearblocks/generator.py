@@ -12,6 +12,7 @@ from gearblocks.massless import Massless
 from gearblocks.motions import Motions
 from gearblocks.program import EnergyInfo, IntegralInfo, Quantity, SwitchInfo
 from gearblocks.senses import Sense
+from gearblocks.turns import Turns
 
 
 @dataclass(slots=True)
@@ -41,6 +42,7 @@ class Generator:
 
     assembly: Assembly
     lay: Layout
+    turns: Turns = field(default_factory=Turns)
     codes: list[BatchCode] = field(default_factory=list)
     senses: dict[str, Sense] = field(default_factory=dict)
     tables: dict[str, Any] = field(default_factory=dict)

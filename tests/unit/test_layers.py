@@ -22,7 +22,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.graph",),
     ("gearblocks.drives", "gearblocks.laws", "gearblocks.ties", "gearblocks.coordinates", "gearblocks.kinematics"),
     ("gearblocks.grouping", "gearblocks.assemble", "gearblocks.carrying", "gearblocks.equations"),
-    ("gearblocks.methods", "gearblocks.hoist", "gearblocks.layout", "gearblocks.pattern"),
+    ("gearblocks.methods", "gearblocks.hoist", "gearblocks.layout", "gearblocks.pattern", "gearblocks.turns"),
     (
         "gearblocks.batchcode",
         "gearblocks.massless",
