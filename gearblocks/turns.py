@@ -253,13 +253,16 @@ class _Search:
             reading = self._reading(batch, e)
             if not any(reading.shifts.values()):
                 continue
-            key = (tuple(reading.values.items()), repr(sorted((str(x), sorted(f.items())) for x, f in reading.shifts.items())))
+            key = (
+                tuple(reading.values.items()),
+                repr(sorted((str(x), sorted(f.items())) for x, f in reading.shifts.items())),
+            )
             if key not in known:
                 known[key] = self._read(number, reading), self._read_shows(number, reading)
             law, shows = known[key]
             self._note_tables(number, e, law)
             path = self.assembly.train.components[batch.components[e]].path
-            for i, (show, shown) in enumerate(zip(batch.law.shows, shows, strict=True)):
+            for show, shown in zip(batch.law.shows, shows, strict=True):
                 if f"{path}.{show.name}" in self.sensed:
                     self._take(shown)
 

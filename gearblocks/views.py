@@ -15,8 +15,8 @@ from gearblocks.rational import Exact, over
 from gearblocks.reactions import tie_tables
 
 _VECTORS = (
-    "par", "mode", "tau", "y", "loop", "phi", "whole", "gain", "bias", "surplus", "w", "alpha", "torque", "growth", "drag", "stiff",
-    "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo", "hi",
+    "par", "mode", "tau", "y", "loop", "phi", "whole", "gain", "bias", "surplus", "w", "alpha", "torque", "growth", "drag",
+    "stiff", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo", "hi",
 )  # fmt: skip
 _INTEGERS = ("full", "i")
 _SMALL = 64  # states of a train whose derivatives stay in registers
@@ -153,10 +153,16 @@ def _counted(g: Generator) -> list[CountedView]:
         rows = [(group, Fraction(form[c])) for group, form in g.turns.forms.items() if form.get(c)]
         rows = [(group, r) for group, r in rows if group < len(g.assembly.starts)]
         switches = [g.codes[b].places.switches[i] + e for b, i, e, _ in item.steps]
-        starts = [(group, float(r.numerator), float(r.denominator)) for group, r in rows]
+        starts = [(group, *_parts(r)) for group, r in rows]
         found.append(CountedView(g.lay.angle0 + item.number, g.assembly.angles[item.number], item.turns, switches,
                                  [step for *_, step in item.steps], starts))  # fmt: skip
     return found
+
+
+def _parts(r: Fraction) -> tuple[float, float]:
+    """A ratio as two whole numbers that doubles hold, else as a rounded number over 1."""
+    small = max(abs(r.numerator), r.denominator) < 2**53
+    return (float(r.numerator), float(r.denominator)) if small else (float(r), 1.0)
 
 
 def _mobile(g: Generator) -> dict[str, list[int]]:

@@ -44,12 +44,12 @@ static inline double gb_whole_turns(double angle, double unit) {
     return unit * rint(angle / (gb_turn * unit));
 }
 
-/* angle - 2 pi turns times a/b: the whole turns apart from the rest of the division, which is exact below 2^53. */
-static inline double gb_less_turns(double angle, double turns, double a, double b) {
-    double lo = 0.0;
+/* hi + lo -= 2 pi turns a/b: the whole turns apart from the rest of the division, which is exact below 2^53. */
+static inline void gb_take_share(double *hi, double *lo, double turns, double a, double b) {
     const double whole = trunc(turns * a / b);
-    gb_take_turns(&angle, &lo, whole);
-    return angle + (lo - gb_turn * ((turns * a - whole * b) / b));
+    gb_take_turns(hi, lo, whole);
+    gb_add_two(hi, lo, -gb_turn * ((turns * a - whole * b) / b));
+    gb_settle_two(hi, lo);
 }
 
 #endif
