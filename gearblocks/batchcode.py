@@ -87,6 +87,10 @@ def _by_name(*exprs: Any) -> list[Any]:
     return sorted({x for e in exprs for x in sp.sympify(e).free_symbols}, key=lambda x: str(x.name))
 
 
+def _states(vector: str) -> str:
+    return "y" if vector == "whole" else vector
+
+
 class BatchCode:
     """Prints the expressions of one batch as functions."""
 
@@ -104,8 +108,8 @@ class BatchCode:
     ) -> tuple[dict[Any, str], list[Any], list[tuple[str, str]]]:
         """C names of all symbols in the expressions, the arguments they need and the constants to define.
 
-        vector: what coordinates and speeds are read from: "y", a "direction", speeds of groups alone ("speed"), or a
-        "lane" of time columns (none).
+        vector: what coordinates and speeds are read from: "y" ("whole": with whole angles), a "direction", speeds of
+        groups alone ("speed"), or a "lane" of time columns (none).
         """
         names: dict[Any, str] = {}
         args: dict[str, tuple[str, str, Column]] = {}
@@ -134,7 +138,7 @@ class BatchCode:
         elif role == "tau":
             name = f"flange_tau[{self.places.tau[of]} + e]"
         elif role == "state":
-            prologue[name := f"z_{identifier(of)}"] = f"{vector}[{self.lay.state0[self.number, of]} + e]"
+            prologue[name := f"z_{identifier(of)}"] = f"{_states(vector)}[{self.lay.state0[self.number, of]} + e]"
         elif role == "sense":
             name = f"sense[{self.places.senses[of]}]"
         elif role == "mode":
@@ -166,7 +170,7 @@ class BatchCode:
         args[key] = ("int", key, column(f"{self.batch.name}_{key}", self.batch.sources[j]))
         if self.batch.dependent[j]:
             return f"{'loop_direction' if vector == 'direction' else 'loop'}[{key}]"
-        return f"{vector}[{key}]"
+        return f"{_states(vector)}[{key}]"
 
     def _from_angles(self, j: int, args: dict[str, Any], vector: str) -> str:
         """A coordinate that no state carries, from absolute angles (outputs only)."""
@@ -191,11 +195,11 @@ class BatchCode:
         if role == "phi" or vector == "speed":
             key = f"g_{flange}"
             args[key] = ("int", key, column(f"{self.batch.name}_{key}", groups))
-            return f"{gain}{'phi' if role == 'phi' else 'speed'}[{key}]"
+            return f"{gain}{vector if role != 'phi' or vector == 'whole' else 'phi'}[{key}]"
         key = self.speed_key(flange, args)
         if not self.lay.assembly.plain:
             return f"{gain}{role}[{key}]"
-        return f"{gain}{'dy' if role == 'alpha' else vector}[{key}]"
+        return f"{gain}{'dy' if role == 'alpha' else _states(vector)}[{key}]"
 
     def speed_key(self, flange: str, args: dict[str, Any]) -> str:
         """The index of a flange's speed: in the state vector, or among all groups where some of them follow others."""

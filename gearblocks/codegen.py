@@ -23,6 +23,7 @@ from gearblocks.quantities import flange_outputs, follower_infos, shown, start_i
 from gearblocks.senses import Sense, order_senses, reads_angles
 from gearblocks.signals import Table
 from gearblocks.symbols import CONSTANT
+from gearblocks.turns import Turns, find_turns, located
 from gearblocks.views import view
 
 
@@ -33,12 +34,13 @@ def generate(assembly: Assembly) -> Program:
     } | {leaf.args[0] for c in assembly.train.coordinates for leaf in c.expr.leaves() if leaf.op == "sense"})  # fmt: skip
     in_law = [slot.of for b in assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"]
     angles = assembly.in_law or any(reads_angles(assembly, path) for path in in_law)
-    g = Generator(assembly, lay_out(assembly, angles_in_law=angles))
+    turns = find_turns(assembly, in_law) if angles else Turns()
+    g = Generator(assembly, lay_out(assembly, angles_in_law=angles, n_counted=len(turns.counted)), turns=turns)
     g.senses = {path: Sense(path, i) for i, path in enumerate(wanted)}
     g.tail = g.lay.tail
     _columns(g)
     _laws(g)
-    g.senses = order_senses(g.senses, g.codes, g.assembly, set(in_law))
+    g.senses = order_senses(g.senses, g.codes, g.assembly, set(in_law), g.turns.whole)
     g.lay.n_total = g.lay.n_padded + padded(g.tail - g.lay.n_padded)
     g.linear = linear_part(g)
     g.outputs += flange_outputs(g)
@@ -185,11 +187,13 @@ def _laws(g: Generator) -> None:
         targets = [(f"flange_tau[{code.places.tau[f]} + e]", "+=", e, False) for f, e in code.torques.items()]
         g.keep("torques", code.function("torques", targets))
         _bodies(g, code)
-        shows = []
-        for show, expr in code.shows:
-            shows.append((f"out[{len(g.outputs)} + e]", "=", expr, False))
+        shows: dict[bool, list[tuple[str, str, Any, bool]]] = {False: [], True: []}
+        for i, (show, expr) in enumerate(code.shows):
+            shows[(code.number, i) in g.turns.whole].append((f"out[{len(g.outputs)} + e]", "=", expr, False))
             g.outputs += shown(g, code, show.name, show.unit, show.words)
-        g.keep("shows", code.function("shows", shows))
+        g.keep("shows", code.function("shows", shows[False]))
+        apart = [(lhs, op, located(expr), full) for lhs, op, expr, full in shows[True]]
+        g.keep("shows", code.function("whole_shows", apart, vector="whole"))
         starts = [(f"y[{g.lay.state0[code.number, x]} + e]", "=", e, False) for x, e in code.starts.items()]
         g.keep("starts", code.function("starts", starts))
 

@@ -37,6 +37,9 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
     def _print_Heaviside(self, expr: Any) -> str:
         return f"(({self._print(expr.args[0])}) >= 0.0 ? 1.0 : 0.0)"
 
+    def _print_frac(self, expr: Any) -> str:
+        return f"gb_fraction({self._print(expr.args[0])})"
+
     def _print_TableAt(self, expr: Any) -> str:
         table, x, order, *mode = expr.args
         where = self._print(mode[0]) if mode else f"gb_table_segment(&{self._print(table)}, {self._print(x)})"

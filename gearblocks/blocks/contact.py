@@ -197,7 +197,7 @@ def mesh(block: Any, s: Any, line: Line) -> Iterator[Contribution]:
     yield Shows("dynamic_transmission_error", x + error, "m", "deflection without the no-load error")
     yield Shows("deflection_rate", rate, "m/s", "rate of the deflection")
     yield Shows("stiffness", stiffness, "N/m", "stiffness with its variation")
-    yield Shows("mesh_phase", line.angle / (2 * sp.pi), "1", "mesh cycles turned")
+    yield Shows("mesh_phase", sp.frac(line.angle / (2 * sp.pi)), "1", "position inside the mesh cycle, in [0, 1)")
 
 
 def _parametric_torque(block: Any, s: Any, law: Contact, k: Any) -> Iterator[Contribution]:

@@ -52,6 +52,9 @@ void gb_dense_hermite(gb_sim *sim) {
         sim->head->have_dense = 2;
     } else if (sim->head->have_dense == 0) {
         hermite_rows(sim, 0, sim->model->n_padded);
+        if (sim->model->n_counted > 0) {
+            gb_turns_rows(sim, 0, 3);
+        }
         sim->head->have_dense = 1;
     }
 }
@@ -75,6 +78,9 @@ int gb_dense_complete(gb_sim *sim) {
         }
     }
     further_rows(sim, 0, model->n_padded);
+    if (model->n_counted > 0) {
+        gb_turns_rows(sim, 3, method->rows);
+    }
     sim->head->have_dense = 2;
     return GB_DONE;
 }

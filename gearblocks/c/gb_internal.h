@@ -168,6 +168,12 @@ int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau);
 int gb_columns_at(gb_sim *sim, double t);
 int gb_first_derivative(gb_sim *sim, const double *tau);
 
+/* gb_turns.c: angles whose turns are counted. */
+double gb_turns_step(const gb_sim *sim, double h);
+void gb_turns_advance(gb_sim *sim);
+void gb_turns_rows(gb_sim *sim, int from, int to);
+int gb_turns_wrap(gb_sim *sim, int with_modes);
+
 /* gb_kernel.c: the sums and calls of a step. */
 void gb_run_stages(gb_sim *sim, double h);
 void gb_run_extra_stages(gb_sim *sim, double h);
@@ -214,6 +220,8 @@ void gb_refresh_breaks(gb_sim *sim, int all);
 void gb_time_modes(gb_sim *sim, int log);
 void gb_mark_time_events(gb_sim *sim);
 void gb_mark_modes(gb_sim *sim);
+int gb_surfaces_now(gb_sim *sim);
+void gb_set_mode(gb_sim *sim, int i, double mode, int log);
 void gb_log(gb_sim *sim, int index, int kind, double before, double after);
 
 #endif

@@ -12,6 +12,12 @@
 /* Whatever the compiler thinks of the size: a call in a loop over lanes would keep it from being vector code. */
 #define GB_MATH_INLINE static inline __attribute__((always_inline))
 
+/* x - floor(x), below 1 even where a tiny negative x would round up to it. */
+GB_MATH_INLINE double gb_fraction(double x) {
+    const double rest = x - floor(x);
+    return rest < 1.0 ? rest : 0.0;
+}
+
 /* x = n pi/2 + hi + lo with |hi| <= pi/4 in round-to-nearest; quadrant in {-2, -1, 0, 1, 2}, n modulo 4. */
 typedef struct gb_reduced {
     double hi, lo, quadrant;

@@ -223,6 +223,7 @@ int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0
         code = gb_check_finite(sim, GB_ERR_NAN_START, sim->y, model->n, 0, t0);
     }
     if (code == GB_DONE) {
+        gb_turns_wrap(sim, 0);
         gb_weights_grow(sim, sim->y);
         code = gb_modes_start(sim);
     }

@@ -88,6 +88,9 @@ static int accept(gb_sim *sim, double end) {
     } else {
         gb_copy(sim->y, sim->z, model->n_total);
         gb_copy(sim->k1, sim->k + (size_t)sim->method->stages * (size_t)model->n_total, model->n_total);
+        if (model->n_counted > 0) {
+            gb_turns_advance(sim);
+        }
         head->t1 = end;
         if (!head->options.locate) {
             gb_mark_modes(sim);
@@ -221,20 +224,23 @@ int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
     const double limit = gb_min(head->t_break, stop);
-    int rejected = 0, tainted = 0, code = GB_DONE;
+    int rejected = 0, tainted = 0, code = sim->model->n_counted > 0 ? gb_turns_wrap(sim, 1) : GB_DONE;
     gb_copy(sim->y0, sim->y, sim->model->n_total);
     head->have_dense = head->have_tail = 0;
     head->h = 0.0;
-    if (limit - head->t1 <= 4.0 * DBL_EPSILON * fabs(head->t1)) {
+    if (code == GB_DONE && limit - head->t1 <= 4.0 * DBL_EPSILON * fabs(head->t1)) {
         return jump(sim, limit);
     }
-    if (!fixed && head->h_next == 0.0) {
+    if (code == GB_DONE && !fixed && head->h_next == 0.0) {
         code = prepare_first(sim);
     }
     if (code == GB_DONE) {
         code = gb_auto_look(sim, limit);
     }
     double h = gb_min(head->h_next, head->options.max_step);
+    if (sim->model->n_counted > 0) {
+        h = gb_turns_step(sim, h);
+    }
     while (code == GB_DONE) {
         const double end = end_of_step(sim, h, limit);
         const double size = end - head->t1;

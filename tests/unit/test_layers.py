@@ -25,7 +25,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.affine",),
     ("gearblocks.drives", "gearblocks.laws", "gearblocks.ties", "gearblocks.coordinates", "gearblocks.kinematics"),
     ("gearblocks.grouping", "gearblocks.assemble", "gearblocks.carrying", "gearblocks.equations"),
-    ("gearblocks.rosenbrock", "gearblocks.hoist", "gearblocks.layout"),
+    ("gearblocks.rosenbrock", "gearblocks.hoist", "gearblocks.layout", "gearblocks.turns"),
     ("gearblocks.methods",),
     ("gearblocks.batchcode", "gearblocks.massless", "gearblocks.motions", "gearblocks.senses", "gearblocks.generator"),
     (
