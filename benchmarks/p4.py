@@ -34,8 +34,8 @@ def table(n: int, swing: float = 0.5) -> Table:
     result = Table(f"P4, N = {n}, swing {swing:g}, {problem.t_end:g} s, 50 samples ({reference.words})")
     if n <= 1000:
         attempt(result, "gearblocks dp8", lambda: ours(problem, t, y, (1e-5, 1e-8), "dp8"))
-    attempt(result, "gearblocks rodas", lambda: ours(problem, t, y, (1e-3, 1e-4, 1e-5, 1e-6, 1e-7), "rodas"))
-    attempt(result, "gearblocks auto", lambda: ours(problem, t, y, (1e-6,), "auto"))
+    attempt(result, "gearblocks rodas", lambda: ours(problem, t, y, (1e-3, 3e-4, 1e-4, 1e-6), "rodas"))
+    attempt(result, "gearblocks auto", lambda: ours(problem, t, y, (1e-3, 1e-6), "auto"))
     if n <= 1000:
         attempt(result, "hand-written C", lambda: peers.hand_written(problem, t, y, (1e-5, 1e-8)))
     if not hits or n <= 300:

@@ -38,6 +38,7 @@ from gearblocks.declare import (
     Effect,
     Energy,
     Flange,
+    Hold,
     Motion,
     Parts,
     Potential,
@@ -54,7 +55,7 @@ from gearblocks.declare import (
     signal,
 )  # fmt: skip
 from gearblocks.drivetrain import Drivetrain, build, classify, poincare, simulate, stroboscopic
-from gearblocks.effects import Backlash, Fourier, Harmonic, MeshLaw, Profile, Square, ToothFriction
+from gearblocks.effects import Backlash, Fourier, Harmonic, HuntCrossley, MeshLaw, Profile, Square, ToothFriction
 from gearblocks.errors import (
     CompileError,
     GearblocksError,
@@ -65,23 +66,28 @@ from gearblocks.errors import (
 )  # fmt: skip
 from gearblocks.expression import cos, piecewise, sin
 from gearblocks.library import Model
+from gearblocks.linear import FrequencyResponse, Linearization, frequency_response, linearize
 from gearblocks.maps import Table2
+from gearblocks.orders import Campbell, campbell
 from gearblocks.pitch import design_ratio
 from gearblocks.ratio_law import RatioLaw, RatioLawError, driver_angle
 from gearblocks.signals import Input, Parameter, Table, sense, time, twist
 from gearblocks.trajectory import Trajectory
 from gearblocks.units import rpm
+from gearblocks.vibration import Modes, modes
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "Acts", "Angle", "Backlash", "BeltDrive", "Block", "Body", "CompileError", "Creep", "DCMotor", "Damper",
+    "Acts", "Angle", "Backlash", "BeltDrive", "Block", "Body", "Campbell", "CompileError", "Creep", "DCMotor", "Damper",
     "Differential", "Drivetrain", "EddyCurrentBrake", "Effect", "Energy", "Engine", "Fixed", "Flange", "Force",
-    "Fourier", "GearMesh", "GearblocksError", "Governor", "Harmonic", "IdealGear", "IdealPlanetary", "Inertia", "Input",
-    "Lash", "Mass", "MeshLaw", "Model", "ModelError", "Motion", "NonCircularGear", "Parameter", "ParameterError",
-    "Parts", "PlanetaryGear", "Potential", "Profile", "Rack", "Rate", "RatioLaw", "RatioLawError", "Shaft", "Shows",
-    "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Switch", "Table", "Table2",
-    "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError",
-    "Vehicle", "build", "classify", "cos", "design_ratio", "driver_angle", "effect", "exact", "option", "param",
-    "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "Fourier", "FrequencyResponse", "GearMesh", "GearblocksError", "Governor", "Harmonic", "Hold", "HuntCrossley",
+    "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "Mass", "MeshLaw", "Model",
+    "ModelError", "Modes", "Motion", "NonCircularGear", "Parameter", "ParameterError", "Parts", "PlanetaryGear",
+    "Potential", "Profile", "Rack", "Rate", "RatioLaw", "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed",
+    "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Switch", "Table", "Table2", "Tie", "ToothFriction",
+    "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "build",
+    "campbell", "classify", "cos", "design_ratio", "driver_angle", "effect", "exact", "frequency_response", "linearize",
+    "modes", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic",
+    "time", "twist",
 ]  # fmt: skip

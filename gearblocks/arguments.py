@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearblocks.core import Array, Kind, Method, Options, Simulation
+from gearblocks.core import Array, Counters, Kind, Method, Options, Simulation
 from gearblocks.errors import ParameterError, UnknownNameError, by_name, did_you_mean
 from gearblocks.expression import finite_number
 from gearblocks.program import Program
@@ -17,7 +17,8 @@ from gearblocks.signals import Table
 from gearblocks.trajectory import Trajectory, matches
 
 InputSource: TypeAlias = "float | Table | Callable[[float], float]"
-METHODS = {"rk4": Method.RK4, "dp5": Method.DP5, "dp8": Method.DP8}
+STATIC = ("static", "static_at_start")
+METHODS = {"rk4": Method.RK4, "dp5": Method.DP5, "dp8": Method.DP8, "rodas": Method.RODAS}
 
 
 def begin_of(t_start: float | None, initial: Any) -> float:
@@ -68,9 +69,26 @@ def method_options(
         raise ParameterError("method 'rk4' has a fixed step: give step= in s, or take 'dp5' or 'dp8'")
     why = "chosen by the user"
     if method == "auto":
-        method = "dp8" if rtol <= 1e-4 else "dp5"
-        why = f"rtol = {rtol:g}: order 8 pays from 1e-4 down, order 5 above; no stiff method is available"
-    return Options(METHODS[method], int(locate), rtol, step or 0.0, max_step or math.inf, end), why
+        why = f"rtol = {rtol:g}: order 8 pays from 1e-4 down, order 5 above"
+    number = METHODS.get(method, Method.AUTO)
+    return Options(number, int(locate), rtol, step or 0.0, max_step or math.inf, end), why
+
+
+def method_words(counters: Counters, why: str) -> tuple[str, str]:
+    """The methods of a run, most steps first, and why: what was chosen, when the solver changed it and for what reason."""
+    taken = sorted((-counters.steps_by[m], m) for m in range(Method.AUTO) if counters.steps_by[m])
+    names = [Method(m).name.lower() for _, m in taken] or [Method(counters.method).name.lower()]
+    if counters.n_switches == 0:
+        return names[0], why
+    shown = min(counters.n_switches, len(counters.switch_t))
+    changes = [(Method(counters.switch_method[i]).name.lower(), counters.switch_t[i]) for i in range(shown)]
+    first = next((name for name in names if name != "rodas"), "dp8")
+    words = f"{why}; {first} to t = {changes[0][1]:.4g} s, then {changes[0][0]}"
+    words += "".join(f", from {t:.4g} s {name}" for name, t in changes[1:3])
+    if counters.n_switches > 3:
+        words += f", {counters.n_switches} changes in all"
+    counts = ", ".join(f"{-count} steps {Method(m).name.lower()}" for count, m in taken)
+    return "+".join(names), f"{words} ({counts}): stability, not accuracy, set the steps of {first} while it was stiff"
 
 
 def picked_outputs(program: Program, outputs: str | Sequence[str]) -> list[int]:
@@ -128,11 +146,17 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
         result[i] = checked(info.path, value, info.unit, info.lower, info.upper)
     if isinstance(initial, Mapping):
         _initial(program, result, initial)
-    elif not (initial is None or isinstance(initial, Trajectory)):
+    elif not (initial is None or isinstance(initial, Trajectory) or is_static(initial)):
         raise ParameterError(
-            f"initial = {initial!r:.80} is not available; give start values such as {{'motor.w': 100.0}}"
+            f"initial = {initial!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static' or "
+            f"'static_at_start'{did_you_mean(initial, STATIC)}"
         )
     return result
+
+
+def is_static(initial: Any) -> bool:
+    """Whether a start asks for the equilibrium."""
+    return isinstance(initial, str) and initial in STATIC
 
 
 def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> None:

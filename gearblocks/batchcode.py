@@ -87,6 +87,10 @@ def _by_name(*exprs: Any) -> list[Any]:
     return sorted({x for e in exprs for x in sp.sympify(e).free_symbols}, key=lambda x: str(x.name))
 
 
+def _states(vector: str) -> str:
+    return "y" if vector == "whole" else vector
+
+
 class BatchCode:
     """Prints the expressions of one batch as functions."""
 
@@ -104,8 +108,8 @@ class BatchCode:
     ) -> tuple[dict[Any, str], list[Any], list[tuple[str, str]]]:
         """C names of all symbols in the expressions, the arguments they need and the constants to define.
 
-        vector: what coordinates and speeds are read from: "y", a "direction", speeds of groups alone ("speed"), or a
-        "lane" of time columns (none).
+        vector: what coordinates and speeds are read from: "y" ("whole": with whole angles), a "direction", speeds of
+        groups alone ("speed"), or a "lane" of time columns (none).
         """
         names: dict[Any, str] = {}
         args: dict[str, tuple[str, str, Column]] = {}
@@ -134,11 +138,13 @@ class BatchCode:
         elif role == "tau":
             name = f"flange_tau[{self.places.tau[of]} + e]"
         elif role == "state":
-            prologue[name := f"z_{identifier(of)}"] = f"{vector}[{self.lay.state0[self.number, of]} + e]"
+            prologue[name := f"z_{identifier(of)}"] = f"{_states(vector)}[{self.lay.state0[self.number, of]} + e]"
         elif role == "sense":
             name = f"sense[{self.places.senses[of]}]"
         elif role == "mode":
             prologue[name := f"mode{of.number}"] = f"mode[{self.places.switches[of.number]} + e]"
+        elif role == "before":
+            prologue[name := f"before{of.number}"] = f"before[{self.places.switches[of.number]} + e]"
         elif role in ("table", "table2"):
             name = self.places.tables[symbol]
         elif role == "force":
@@ -164,7 +170,7 @@ class BatchCode:
         args[key] = ("int", key, column(f"{self.batch.name}_{key}", self.batch.sources[j]))
         if self.batch.dependent[j]:
             return f"{'loop_direction' if vector == 'direction' else 'loop'}[{key}]"
-        return f"{vector}[{key}]"
+        return f"{_states(vector)}[{key}]"
 
     def _from_angles(self, j: int, args: dict[str, Any], vector: str) -> str:
         """A coordinate that no state carries, from absolute angles (outputs only)."""
@@ -189,11 +195,11 @@ class BatchCode:
         if role == "phi" or vector == "speed":
             key = f"g_{flange}"
             args[key] = ("int", key, column(f"{self.batch.name}_{key}", groups))
-            return f"{gain}{'phi' if role == 'phi' else 'speed'}[{key}]"
+            return f"{gain}{vector if role != 'phi' or vector == 'whole' else 'phi'}[{key}]"
         key = self.speed_key(flange, args)
         if not self.lay.assembly.plain:
             return f"{gain}{role}[{key}]"
-        return f"{gain}{'dy' if role == 'alpha' else vector}[{key}]"
+        return f"{gain}{'dy' if role == 'alpha' else _states(vector)}[{key}]"
 
     def speed_key(self, flange: str, args: dict[str, Any]) -> str:
         """The index of a flange's speed: in the state vector, or among all groups where some of them follow others."""
@@ -294,10 +300,19 @@ class BatchCode:
         self.bands = [None if s.band is None else hoist(s.band) for s in law.switches]
         self.whens = [hoist(sp.sympify(s.when)) for s in law.switches]
         self.shows = [(x, hoist(x.expr)) for x in law.shows]
+        self.holds = [(state, hoist(self._held(*rest, state=state))) for state, *rest in law.holds]
         self.speeds = [self._coordinate_rate(j) for j in range(len(law.forms))]
         self.drives = [frozen_drive(x, hoist) for x in law.drives]
         self.starts = {n: hoist(e) for n, e in law.starts.items()}
         self.balance = balance_of(self, self.places.hidden) if self.places.hidden else Balance()
+
+    def _held(self, value: Any, when: Any, *, state: str) -> Any:
+        """What a held state is after an event: the value where `when` has just turned to 1, else as it was."""
+        pool = self.law.pool
+        modes = [x for x in when.free_symbols if pool.slots[x].role == "mode"]
+        before = {x: pool.symbol("before", pool.slots[x].of, f"before{pool.slots[x].of.number}") for x in modes}
+        starts = when * (1 - when.xreplace(before))
+        return starts * value + (1 - starts) * pool.symbol("state", state, state)
 
     def _coordinate_rate(self, j: int) -> Any:
         """Rate of a coordinate from the flange speeds."""
@@ -356,13 +371,17 @@ class BatchCode:
         phase = line[1] - sp.pi / 2 if isinstance(wave, sp.sin) else line[1]
         return size, line[0], phase, surface - waves[0]
 
+    def wave_of(self, i: int) -> tuple[Any, Any, Any, Any]:
+        """(size, rate, phase, offset) of a switch of sort "wave"."""
+        found = self._wave(self.law.switches[i].surface)
+        assert found is not None
+        return found
+
     def prediction(self, i: int) -> tuple[str, list[Any]]:
         """The C function that foretells time switch i, and its constant arguments."""
         switch = self.law.switches[i]
         if self.sorts[i] == "wave":
-            found = self._wave(switch.surface)
-            assert found is not None
-            return "gb_wave_next", [self.hoister.hoist(x) for x in found]
+            return "gb_wave_next", [self.hoister.hoist(x) for x in self.wave_of(i)]
         line = self._line(switch.surface)
         assert line is not None
         return ("gb_table_next" if switch.table is not None else "gb_line_next"), [self.hoister.hoist(x) for x in line]

@@ -85,7 +85,7 @@ def run(
     change: Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="A parameter.")] = None,
     without: Annotated[list[str] | None, typer.Option(metavar="PATTERN", help="Leave effects out.")] = None,
     rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-6,
-    method: Annotated[str, typer.Option(help="auto, rk4, dp5 or dp8.")] = "auto",
+    method: Annotated[str, typer.Option(help="auto, rk4, dp5, dp8 or rodas.")] = "auto",
     step: Annotated[float | None, typer.Option(help="Fixed step in s.")] = None,
     outputs: Annotated[list[str] | None, typer.Option(metavar="PATTERN", help="What to record.")] = None,
     out: Annotated[Path | None, typer.Option(help="Store the run: .csv, .nc or .json.")] = None,
@@ -151,7 +151,7 @@ def export(
     fmi: Annotated[str, typer.Option(help="Version of the standard.")] = "2.0",
     platform: Annotated[list[str] | None, typer.Option(help="Platform of a binary; repeatable.")] = None,
     rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-6,
-    method: Annotated[str, typer.Option(help="auto, rk4, dp5 or dp8.")] = "auto",
+    method: Annotated[str, typer.Option(help="auto, rk4, dp5, dp8 or rodas.")] = "auto",
     step: Annotated[float | None, typer.Option(help="Fixed step in s.")] = None,
 ) -> None:
     """Write a train as an FMU."""

@@ -15,6 +15,7 @@ from gearblocks.jacobian import linear_part
 from gearblocks.layout import column, lay_out, padded
 from gearblocks.maps import Table2
 from gearblocks.massless import hidden_rows, lay_out_massless
+from gearblocks.means import mean_of_column
 from gearblocks.motions import check_mobility, drive_functions, lay_out_mass
 from gearblocks.printer import c_text
 from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, SwitchInfo
@@ -22,6 +23,7 @@ from gearblocks.quantities import flange_outputs, follower_infos, shown, start_i
 from gearblocks.senses import Sense, order_senses, reads_angles
 from gearblocks.signals import Table
 from gearblocks.symbols import CONSTANT
+from gearblocks.turns import Turns, find_turns, located
 from gearblocks.views import view
 
 
@@ -32,12 +34,13 @@ def generate(assembly: Assembly) -> Program:
     } | {leaf.args[0] for c in assembly.train.coordinates for leaf in c.expr.leaves() if leaf.op == "sense"})  # fmt: skip
     in_law = [slot.of for b in assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"]
     angles = assembly.in_law or any(reads_angles(assembly, path) for path in in_law)
-    g = Generator(assembly, lay_out(assembly, angles_in_law=angles))
+    turns = find_turns(assembly, in_law) if angles else Turns()
+    g = Generator(assembly, lay_out(assembly, angles_in_law=angles, n_counted=len(turns.counted)), turns=turns)
     g.senses = {path: Sense(path, i) for i, path in enumerate(wanted)}
     g.tail = g.lay.tail
     _columns(g)
     _laws(g)
-    g.senses = order_senses(g.senses, g.codes, g.assembly, set(in_law))
+    g.senses = order_senses(g.senses, g.codes, g.assembly, set(in_law), g.turns.whole)
     g.lay.n_total = g.lay.n_padded + padded(g.tail - g.lay.n_padded)
     g.linear = linear_part(g)
     g.outputs += flange_outputs(g)
@@ -126,6 +129,7 @@ def _hoisted(g: Generator, code: BatchCode) -> None:
             code.gap_scale(i)
     prepare: list[tuple[str, str, Any, bool]] = []
     times: list[tuple[str, str, Any, bool]] = []
+    means: list[tuple[str, str, Any, bool]] = []
     for item in code.hoister.columns:
         constant = item.level == CONSTANT
         if item.shared:
@@ -134,6 +138,10 @@ def _hoisted(g: Generator, code: BatchCode) -> None:
             key = (item.level, text)
             if key not in g.shared:
                 g.shared[key] = _shared_column(g, constant, text)
+                if not constant:
+                    mean = mean_of_column(code, item)
+                    names, _, _ = code.names([mean], vector="lane")
+                    g.means_shared.append(Statement(g.times_shared[-1].lhs, "=", c_text(mean, names)))
             code.places.hoisted[item.symbol] = g.shared[key]
             continue
         if constant:
@@ -143,9 +151,11 @@ def _hoisted(g: Generator, code: BatchCode) -> None:
         else:
             code.places.hoisted[item.symbol] = f"tau[({g.n_time} + e) * GB_LANES]"
             times.append((f"tau[({g.n_time} + e) * GB_LANES + i]", "=", item.expr, False))
+            means.append((times[-1][0], "=", mean_of_column(code, item), False))
             g.n_time += code.n
     g.keep("prepare", code.function("prepare", prepare))
     g.keep("times", code.function("times", times, vector="lane"))
+    g.keep("means", code.function("means", means, vector="lane"))
 
 
 def _shared_column(g: Generator, constant: bool, text: str) -> str:
@@ -177,11 +187,13 @@ def _laws(g: Generator) -> None:
         targets = [(f"flange_tau[{code.places.tau[f]} + e]", "+=", e, False) for f, e in code.torques.items()]
         g.keep("torques", code.function("torques", targets))
         _bodies(g, code)
-        shows = []
-        for show, expr in code.shows:
-            shows.append((f"out[{len(g.outputs)} + e]", "=", expr, False))
+        shows: dict[bool, list[tuple[str, str, Any, bool]]] = {False: [], True: []}
+        for i, (show, expr) in enumerate(code.shows):
+            shows[(code.number, i) in g.turns.whole].append((f"out[{len(g.outputs)} + e]", "=", expr, False))
             g.outputs += shown(g, code, show.name, show.unit, show.words)
-        g.keep("shows", code.function("shows", shows))
+        g.keep("shows", code.function("shows", shows[False]))
+        apart = [(lhs, op, located(expr), full) for lhs, op, expr, full in shows[True]]
+        g.keep("shows", code.function("whole_shows", apart, vector="whole"))
         starts = [(f"y[{g.lay.state0[code.number, x]} + e]", "=", e, False) for x, e in code.starts.items()]
         g.keep("starts", code.function("starts", starts))
 
@@ -245,6 +257,8 @@ def _surfaces(g: Generator, code: BatchCode) -> None:
     for j in {int(lhs[7:-1]) for lhs, _, _, _ in scales}:
         function.args.append(("int", f"q{j}", column(f"{code.batch.name}_q{j}", code.batch.sources[j])))
     g.keep("scales", function)
+    held = [(f"y[{g.lay.state0[code.number, state]} + e]", "=", expr, False) for state, expr in code.holds]
+    g.keep("hold", code.function("hold", held))
     _bounds(g, code)
 
 

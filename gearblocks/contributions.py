@@ -18,7 +18,7 @@ from gearblocks.symbols import CONSTANT, FlangeSymbols, Pool, Symbols
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _EXPRESSIONS: dict[type, tuple[str, ...]] = {
     d.Body: ("J",), d.Force: ("deflection", "force"), d.Potential: ("energy",), d.Acts: ("tau",), d.Tie: ("zero",),
-    d.Motion: ("zero",), d.Start: ("value",),
+    d.Motion: ("zero",), d.Start: ("value",), d.Hold: ("value", "when"),
     d.Rate: ("expr",), d.Switch: ("surface", "when"), d.Shows: ("expr",), d.Energy: ("stored", "loss"),
 }  # fmt: skip
 
@@ -148,7 +148,7 @@ class _Check:
             yield self.angles(next(iter(getattr(item, f) for f in _EXPRESSIONS[type(item)])))
         if isinstance(item, (d.Tie, d.Motion)) and sound:
             yield self.tie(item)
-        if isinstance(item, (d.Rate, d.Start)) and not any(
+        if isinstance(item, (d.Rate, d.Start, d.Hold)) and not any(
             item.state is x for x in (*self.states.values(), *self.inner())
         ):
             has = ", ".join(f"s.{name}" for name in self.states) or "none: declare one with gb.State('words', 'unit')"
@@ -163,7 +163,7 @@ class _Check:
     def whole(self, items: list[Any]) -> Iterator[str]:
         """What is wrong with all contributions together."""
         for name, state in self.states.items():
-            rates = sum(isinstance(x, d.Rate) and x.state is state for x in items)
+            rates = sum(isinstance(x, (d.Rate, d.Hold)) and x.state is state for x in items)
             if rates != 1:
                 yield f"the state '{name}' has {rates} rates; yield one gb.Rate(s.{name}, ...)"
         shown = [x.name for x in items if isinstance(x, d.Shows)]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gearblocks.errors import CompileError
 from gearblocks.pattern import Pattern
 from gearblocks.program import Program
-from gearblocks.stepmatrix import PROTOTYPES, StepMatrix, matrix_at, pattern_of, sizes_of
+from gearblocks.stepmatrix import PROTOTYPES, StepMatrix, matrix_at, pattern_of, sizes_of, state_jacobian
 
 Array = NDArray[np.float64]
 
@@ -35,6 +35,8 @@ class Code(IntEnum):
     ERR_STATE = -7
     ERR_MEMORY = -8
     ERR_CALLBACK = -9
+    ERR_SINGULAR = -10
+    ERR_METHOD = -11
 
 
 class Method(IntEnum):
@@ -43,6 +45,8 @@ class Method(IntEnum):
     RK4 = 0
     DP5 = 1
     DP8 = 2
+    RODAS = 3
+    AUTO = 4
 
 
 class Kind(IntEnum):
@@ -77,6 +81,12 @@ class Counters(ctypes.Structure):
         ("rejected", c_longlong),
         ("rhs_calls", c_longlong),
         ("events", c_longlong),
+        ("jacobians", c_longlong),
+        ("steps_by", c_longlong * int(Method.AUTO)),
+        ("method", c_int),
+        ("n_switches", c_int),
+        ("switch_method", c_int * 8),
+        ("switch_t", c_double * 8),
     ]
 
 
@@ -97,6 +107,12 @@ class _Record(ctypes.Structure):
         ("n_events", c_long),
         ("event_capacity", c_long),
     ]
+
+
+class _Point(ctypes.Structure):
+    """gb_point."""
+
+    _fields_ = [("t", c_double), ("means", c_int), ("mode", c_void_p), ("input", c_void_p)]
 
 
 EVENT = np.dtype([("t", "f8"), ("before", "f8"), ("after", "f8"), ("index", "i4"), ("kind", "i4")], align=True)
@@ -122,6 +138,7 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(_Record), c_double)),
     "gb_evaluate": (c_int, (c_void_p, c_void_p, c_long, c_void_p, c_int, c_void_p, c_void_p)),
     "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
+    "gb_probe": (c_int, (c_void_p, POINTER(_Point), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),
     "gb_snapshot_size": (c_size_t, (c_void_p,)),
     "gb_save": (None, (c_void_p, c_void_p)),
     "gb_restore": (c_int, (c_void_p, c_void_p)),
@@ -293,6 +310,11 @@ class Simulation:
         """The pattern of the matrix of implicit methods; None where the model has none."""
         return pattern_of(self._shared, self._sim)
 
+    @property
+    def has_jacobian(self) -> bool:
+        """Whether the model has what implicit methods need."""
+        return bool(self._shared.gb_pattern_of(self._sim))
+
     def linear_sizes(self) -> tuple[int, int, int]:
         """Numbers of simple states, of hidden speeds, and of what the Jacobian keeps (zeros without a pattern)."""
         return sizes_of(self._shared, self._sim)
@@ -302,6 +324,13 @@ class Simulation:
         code, matrix = matrix_at(self._shared, self._sim, t, self._state_vector(y), g)
         _expect(code, "gb_linear_matrix")
         return matrix
+
+    def jacobian(self, t: float, y: Array) -> Any:
+        """d(dy)/dy of the n states with the present modes, a scipy.sparse CSC matrix. RuntimeError without a pattern."""
+        pattern, sizes = self.pattern(), self.linear_sizes()
+        if pattern is None:
+            raise RuntimeError(f"the model '{self._program.name}' has no Jacobian")
+        return state_jacobian(self, pattern, sizes[:2], lambda g: self.step_matrix(t, y, g))
 
     def right_side(self, m: StepMatrix, r: Array) -> Array:
         """E r_x + g dG/ds r_s of a vector over the n states; one number per unknown."""
@@ -316,6 +345,27 @@ class Simulation:
         code = self._shared.gb_linear_rates(self._sim, m.kept.ctypes.data, x.ctypes.data, out.ctypes.data)
         _expect(code, "gb_linear_rates")
         return out
+
+    def probe(
+        self, t: float, y: Array, modes: Array, wanted: str, *, inputs: Array | None = None, means: bool = False
+    ) -> Array:
+        """One thing at a point, the run untouched: "rates" (n_total), "outputs", "energies" or "modes" (those that fit).
+
+        modes: of all switches; inputs: values of all inputs (None: their sources at t); means: excitations of time alone
+        at their means. Only after `start`. Raises RuntimeError where an input fails.
+        """
+        program = self._program
+        lengths = {
+            "rates": program.n_total, "outputs": len(program.outputs), "energies": len(program.energies),
+            "modes": len(program.switches),
+        }  # fmt: skip
+        result = np.zeros(lengths[wanted])
+        y, modes = self._state_vector(y), np.ascontiguousarray(modes, dtype=np.float64)
+        values = None if inputs is None else np.ascontiguousarray(inputs, dtype=np.float64)
+        point = _Point(t, int(means), _address(modes), _address(values))
+        targets = [result.ctypes.data if name == wanted else None for name in lengths]
+        _expect(self._shared.gb_probe(self._sim, ctypes.byref(point), y.ctypes.data, *targets), "gb_probe")
+        return result
 
     def save(self) -> bytes:
         """The whole changing state."""

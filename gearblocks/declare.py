@@ -113,7 +113,7 @@ class Flange:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """A state of a block's own, integrated along. The block yields Rate(s.name, expression)."""
+    """A state of a block's own. The block yields Rate(s.name, expression), or Hold(s.name, value, when)."""
 
     words: str
     unit: str = "1"
@@ -193,6 +193,18 @@ class Rate:
 
 
 @dataclass(frozen=True, slots=True)
+class Hold:
+    """A state that stays as it is until `when` turns from 0 to 1 at an event; it then takes `value` of that instant.
+
+    when: an expression of conditions that the law has anyway (a contact, say), 0 or 1.
+    """
+
+    state: Any
+    value: Any
+    when: Any
+
+
+@dataclass(frozen=True, slots=True)
 class Switch:
     """A named located switch: mode `high` where surface >= 0, else `low`; watched only while `when` is not zero.
 
@@ -226,7 +238,7 @@ class Energy:
     loss: Any = None
 
 
-Contribution: TypeAlias = Body | Force | Potential | Acts | Tie | Motion | Rate | Start | Switch | Shows | Energy
+Contribution: TypeAlias = Body | Force | Potential | Acts | Tie | Motion | Rate | Start | Hold | Switch | Shows | Energy
 
 
 @dataclass(frozen=True)
@@ -363,7 +375,7 @@ class Block(_Declared, ABC):
 
     @abstractmethod
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """Yields Body, Force, Potential, Acts, Tie, Motion, Rate, Start, Switch, Shows and Energy."""
+        """Yields Body, Force, Potential, Acts, Tie, Motion, Rate, Start, Hold, Switch, Shows and Energy."""
 
     def parts(self) -> Parts | None:
         """The blocks that this one stands for, or None: it has physics of its own."""
@@ -374,7 +386,7 @@ class Block(_Declared, ABC):
         present: dict[str, Any] = {}
         for name, spec in type(self).fields.items():
             key = name if spec.role == "effect" else spec.belongs_to
-            if key and self.__dict__[name] is not None:
+            if key and self.__dict__[name] is not None and self.__dict__[name] != spec.default:
                 present.setdefault(key, self.__dict__[name])
         return present
 
@@ -383,7 +395,9 @@ class Block(_Declared, ABC):
         fields = type(self).fields
         gone = set(self.effects()) if name == "compliance" else {name}
         owners = {n: n if spec.role == "effect" else spec.belongs_to for n, spec in fields.items()}
-        dropped: dict[str, Any] = {n: None for n, owner in owners.items() if owner in gone}
+        dropped: dict[str, Any] = {
+            n: fields[n].default if fields[n].role == "option" else None for n, owner in owners.items() if owner in gone
+        }
         if name == "compliance" and "rigid" in fields:
             dropped["rigid"] = True
         changed = self.changed(**dropped)

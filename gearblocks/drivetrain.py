@@ -328,12 +328,14 @@ def simulate(train: Drivetrain | Model, *unnamed: Any, **arguments: Any) -> Traj
     """Runs a train or model.
 
     t_end: end of the run [s]; the samples are the accepted steps with both sides of each event. Or t: sample times [s].
-    t_start: start [s], default 0. method: "auto", "rk4" (needs step), "dp5", "dp8". rtol: tolerance relative to the
+    t_start: start [s], default 0. method: "auto", "rk4" (needs step), "dp5", "dp8", "rodas". rtol: tolerance relative to the
     largest value of each state so far. step: fixed step [s] for any method. max_step: longest step [s].
     locate: False changes modes at the ends of steps only, wherever the corners lie (to see what that costs in accuracy).
     inputs: by name a number, a `Table` over time, or a function of time (called per stage: slow; a Table is fast).
     parameters: other values by path ("mesh.k"), without recompiling. initial: start values by name ("motor.w",
-    "motor.phi", states of blocks), or an earlier run to continue. outputs: a pattern or several ("mesh.*").
+    "motor.phi", states of blocks), an earlier run to continue, "static" (the equilibrium with every excitation by time at
+    its mean, contact side from the load; speeds and absolute angles stay) or "static_at_start" (under everything as it is
+    at t_start). outputs: a pattern or several ("mesh.*").
     progress: called with the share done (0..1), five times a second at most; without it a run of more than two seconds
     says on a terminal how far it is.
 

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from gearblocks.declare import Effect, State, effect, option, param, signal
-from gearblocks.gaps import Backlash
+from gearblocks.gaps import Backlash, HuntCrossley
 from gearblocks.signals import Table, Value
 
-__all__ = ["Backlash", "Fourier", "Harmonic", "MeshLaw", "Profile", "Square", "ToothFriction"]
+__all__ = ["Backlash", "Fourier", "Harmonic", "HuntCrossley", "MeshLaw", "Profile", "Square", "ToothFriction"]
 
 
 class Fourier(Effect):
@@ -155,7 +155,7 @@ class MeshLaw(Effect):
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0)
     stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", default=None, convert=as_profile)
     backlash: Backlash | None = effect("dead zone", default=None)
-    contact_damping: Any = option("damping and gap: as for GearMesh", default="clipped")
+    contact_damping: str | HuntCrossley = option("damping and gap: as for GearMesh", default="clipped")
     transmission_error: Harmonic | Profile | None = effect(
         "no-load transmission error", default=None, convert=as_profile
     )

@@ -5,6 +5,7 @@ Angle form: J w' = sum of torques for every shaft. Relative form: the same in de
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -36,9 +37,9 @@ class Equations:
     """Equations of motion of a train: mass_matrix * v' = forcing, q' = v, and rates of the states of blocks.
 
     q, v: angles [rad] and speeds [rad/s], one per shaft that turns by itself (a shaft without inertia has a row of zeros in
-    the mass matrix: its torques are in balance); states: states of blocks with their
-    rates; definitions: symbols that stand for longer expressions (a mesh force N); parameters: all other symbols with
-    their paths. forcing names the defined symbols; `expanded` has them put in.
+    the mass matrix: its torques are in balance); states: states of blocks with their rates; held: states that take a
+    value at an event (a contact starts, say) and keep it; definitions: symbols that stand for longer expressions (a mesh
+    force N); parameters: all other symbols with their paths. forcing names the defined symbols; `expanded` has them put in.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Equations:
     parameters: Mapping[Any, str]
     coordinates: Mapping[Any, Any]
     symbol_names: Mapping[Any, str]
+    held: Mapping[Any, Any] = dataclasses.field(default_factory=dict)
 
     @property
     def expanded(self) -> Any:
@@ -134,6 +136,7 @@ class Equations:
         parts = [
             ("Angle form", self.angle_form()),
             ("States of blocks", rates),
+            ("taken at an event and held", [sp.Eq(s, e, evaluate=False) for s, e in self.held.items()]),
             ("where", [sp.Eq(s, e, evaluate=False) for s, e in self.definitions.items()]),
             ("Relative coordinates", meaning),
             ("Relative form", relative),
@@ -236,6 +239,7 @@ class _Writer:
         self.mass: list[Any] = [sp.Integer(0)] * n
         self.torque: list[Any] = [sp.Integer(0)] * n
         self.states: dict[Any, Any] = {}
+        self.held: dict[Any, Any] = {}
         self.definitions: dict[Any, Any] = {}
         self.parameters: dict[Any, str] = {}
         self.shows: dict[str, Any] = {}
@@ -269,6 +273,9 @@ class _Writer:
         for state, rate in law.rates.items():
             symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
             self.states[symbol] = rate.xreplace(replace)
+        for state, value, _when in law.holds:
+            symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
+            self.held[symbol] = value.xreplace(replace)
         for symbol, expr in law.pool.definitions.items():
             self.definitions[replace[symbol]] = expr.xreplace(replace)
         for show in law.shows:
@@ -360,6 +367,7 @@ class _Writer:
         return Equations(
             self.assembly.train.name, tuple(self.q), tuple(self.v), mass, sp.Matrix(torque), self.states,
             ordered, parameters, self._coordinates(), {s: _latex_name(s.name) for s in everything},
+            {s: self._sensed(e) for s, e in self.held.items()},
         )  # fmt: skip
 
     def _sensed(self, expr: Any) -> Any:

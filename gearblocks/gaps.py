@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Any
 
 from gearblocks.dead_zone import polynomial_fit
-from gearblocks.declare import Contribution, Effect, Switch, option, param
+from gearblocks.declare import Contribution, Effect, State, Switch, option, param
 from gearblocks.engagement import segments
 from gearblocks.signals import Value
 
@@ -182,3 +182,17 @@ class Backlash(Effect):
         assert self.gaps is not None
         joints, rows = segments(self.gaps, self.coast_gaps or self.gaps)
         return s.tabled(Table(joints, pick(rows), "step"), x)
+
+
+class HuntCrossley(Effect):
+    """Contact damping that grows with the deflection: N = k g (1 + chi g'), g' the rate into contact, never pulling.
+
+    chi = a/v0 with v0 the approach speed at the start of each contact, held as long as it lasts, and a from the
+    restitution e: a (1 + e) = ln((1 + a)/(1 - e a)), so that a free body is thrown back with exactly e v0 (Hunt and Crossley
+    1975, J. Appl. Mech. 42, 440-445; their a = 3 (1 - e)/2 is the limit for e near 1). Where N would pull it is 0. Takes
+    the place of c; needs a gap with exact corners. A run that begins in contact has no damping until the teeth have
+    parted once.
+    """
+
+    restitution: Value = param("speed after an impact over the speed before", gt=0, le=1)
+    slowness = State("1/v0 of the present contact", "s/m")

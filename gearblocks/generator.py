@@ -15,6 +15,7 @@ from gearblocks.program import EnergyInfo, IntegralInfo, Quantity, SwitchInfo
 from gearblocks.rational import Exact
 from gearblocks.senses import Sense
 from gearblocks.signals import Table
+from gearblocks.turns import Turns
 
 
 @dataclass(slots=True)
@@ -93,6 +94,7 @@ class Generator:
 
     assembly: Assembly
     lay: Layout
+    turns: Turns = field(default_factory=Turns)
     codes: list[BatchCode] = field(default_factory=list)
     senses: dict[str, Sense] = field(default_factory=dict)
     tables: dict[str, tuple[str, Table]] = field(default_factory=dict)
@@ -102,6 +104,7 @@ class Generator:
     shared: dict[tuple[int, str], str] = field(default_factory=dict)
     prepare_shared: list[Statement] = field(default_factory=list)
     times_shared: list[Statement] = field(default_factory=list)
+    means_shared: list[Statement] = field(default_factory=list)
     functions: dict[str, list[Function]] = field(default_factory=dict)
     outputs: list[Quantity] = field(default_factory=list)
     energies: list[EnergyInfo] = field(default_factory=list)

@@ -333,9 +333,6 @@ def _constant(value: Parameter | Expr) -> float:
         return math.nan
 
 
-_KNOWN_BY = {"twist": "only the torque of a Shaft", "driver_angle": "only the k of a NonCircularGear"}
-
-
 def _signal_problem(name: str, value: Any, field: Field) -> str:
     if field.role == "exact":
         return f"{name} = {value!r:.80} enters a ratio: give a plain number, and another one with rig.set(...)"
@@ -344,7 +341,10 @@ def _signal_problem(name: str, value: Any, field: Field) -> str:
     if field.role == "signal":
         leaves = value.leaves() if isinstance(value, Expr) else ()
         local = next((x.args[0] for x in leaves if x.op == "local" and x.args[0] != field.over), None)
-        return "" if local is None else f"{name} = '{value}' contains gb.{local}, which {_KNOWN_BY[local]} knows"
+        by = {"twist": "the torque of a Shaft", "driver_angle": "the k of a NonCircularGear"}.get(
+            str(local), "its block"
+        )
+        return "" if local is None else f"{name} = '{value}' contains gb.{local}, which only {by} knows"
     changing = not isinstance(value, (Expr, Parameter)) or (isinstance(value, Expr) and not _is_constant(value))
     return (
         f"{name} is a parameter: it takes a number, a gb.Parameter or an expression of Parameters" if changing else ""

@@ -41,7 +41,8 @@ class Law:
     """What all instances of a kind share, in symbols (see Pool.slots for their meaning).
 
     forms: coordinates of the law; coordinates: their symbols. forces: symbols of generalised forces along linear forms
-    and what they are. torques: by flange, over the forces. ties: linear forms and constants. starts: by state.
+    and what they are. torques: by flange, over the forces. ties: linear forms and constants. starts: by state. holds:
+    (state, value, when).
     """
 
     pool: Pool
@@ -54,6 +55,7 @@ class Law:
     forces: dict[Any, Any] = field(default_factory=dict)
     torques: dict[str, Any] = field(default_factory=dict)
     rates: dict[str, Any] = field(default_factory=dict)
+    holds: list[tuple[str, Any, Any]] = field(default_factory=list)
     stored: Any = None
     loss: Any = None
     supplied: Any = None
@@ -74,6 +76,7 @@ class _Contributions:
         self.motions: list[d.Motion] = []
         self.rates: list[d.Rate] = []
         self.starts: list[d.Start] = []
+        self.holds: list[d.Hold] = []
         self.switches: list[d.Switch] = []
         self.shows: list[d.Shows] = []
         self.energies: list[d.Energy] = []
@@ -81,6 +84,7 @@ class _Contributions:
             d.Body: self.bodies, d.Force: self.forces, d.Potential: self.potentials, d.Acts: self.acts,
             d.Tie: self.ties, d.Motion: self.motions, d.Start: self.starts,
             d.Rate: self.rates, d.Switch: self.switches, d.Shows: self.shows, d.Energy: self.energies,
+            d.Hold: self.holds,
         }  # fmt: skip
         for item in block.physics(s):
             if type(item) not in lists:
@@ -100,6 +104,8 @@ def derive(block: d.Block, grounded: frozenset[str], *, reading: bool = False) -
     law.bodies = [(_flange_name(flanges, b.flange), sp.sympify(b.J)) for b in found.bodies if b.flange.phi.is_Symbol]
     law.rates = {law.pool.slots[r.state].of: sp.sympify(r.expr) for r in found.rates}
     law.starts = {law.pool.slots[x.state].of: sp.sympify(x.value) for x in found.starts}
+    law.holds = [(law.pool.slots[h.state].of, sp.sympify(h.value), sp.sympify(h.when)) for h in found.holds]
+    law.rates |= {state: sp.Integer(0) for state, _, _ in law.holds}
     for zero in (sp.expand(sp.sympify(t.zero)) for t in found.ties):
         if is_constant_tie(law, flanges, zero):
             tie = linear_tie(flanges, zero)
@@ -229,6 +235,7 @@ def _substitute(law: Law) -> None:
     law.torques = {n: new(e) for n, e in law.torques.items()}
     law.rates = {n: new(e) for n, e in law.rates.items()}
     law.starts = {n: new(e) for n, e in law.starts.items()}
+    law.holds = [(state, new(value), new(when)) for state, value, when in law.holds]
     law.stored, law.loss = new(law.stored), new(law.loss)
     law.shows = [d.Shows(x.name, new(x.expr), x.unit, x.words) for x in law.shows]
 
@@ -252,6 +259,7 @@ def _freeze(law: Law, declared: Iterable[d.Switch]) -> None:
     law.stored = None if law.stored is None else freezer.freeze(law.stored)
     law.loss = None if law.loss is None else freezer.freeze(law.loss)
     freezer.locating = False
+    law.holds = [(state, freezer.freeze(value), freezer.freeze(when)) for state, value, when in law.holds]
     law.shows = [d.Shows(x.name, freezer.freeze(x.expr), x.unit, x.words) for x in law.shows]
     law.switches = freezer.switches
 
@@ -284,7 +292,8 @@ def vanishes(expr: Any, pool: Pool) -> bool:
     free = set(values_of_tables.values())
     symbols = sorted(expr.free_symbols, key=lambda x: str(x.name))
     random = Random(20)
-    for _ in range(4):
+    good = 0
+    for _ in range(40):
         point: dict[Any, float] = {
             x: float(random.randint(0, 1))
             if x not in free and pool.slots[x].role == "mode"
@@ -294,10 +303,13 @@ def vanishes(expr: Any, pool: Pool) -> bool:
         try:
             values = [_number(term, point) for term in sp.Add.make_args(expr)]
         except (TypeError, ValueError, ArithmeticError):  # the point lies outside of what the law is defined for
-            return bool(sp.expand(expr) == 0)
+            continue
         if abs(fsum(values)) > 1e-12 * max(abs(v) for v in values):
             return False
-    return True
+        good += 1
+        if good == 4:
+            return True
+    return good > 0 or bool(sp.expand(expr) == 0)
 
 
 def _number(expr: Any, known: dict[Any, float]) -> float:

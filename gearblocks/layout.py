@@ -86,8 +86,11 @@ class Layout:
     path_of: dict[str, int] = field(default_factory=dict)
 
 
-def lay_out(assembly: Assembly, *, angles_in_law: bool) -> Layout:
-    """State vector and parameter vector; the rest follows while code is generated."""
+def lay_out(assembly: Assembly, *, angles_in_law: bool, n_counted: int = 0) -> Layout:
+    """State vector and parameter vector; the rest follows while code is generated.
+
+    n_counted: angles whose turns are counted; each has a count and a carry at the start of the tail.
+    """
     lay = Layout(assembly)
     lay.n_coordinates = len(assembly.rows)
     at = lay.n_coordinates
@@ -101,7 +104,7 @@ def lay_out(assembly: Assembly, *, angles_in_law: bool) -> Layout:
     lay.v0 = at
     lay.n = at + assembly.n_speeds
     lay.n_padded = padded(lay.n + (1 if lay.n == 0 else 0))
-    lay.n_angles = 0 if angles_in_law else len(assembly.angles)
+    lay.n_angles = 2 * n_counted if angles_in_law else len(assembly.angles)
     if not angles_in_law:
         lay.angle0 = lay.n_padded
     lay.tail = lay.n_padded + lay.n_angles

@@ -27,7 +27,8 @@ SOURCES = Path(__file__).parent / "c"
 
 # Read before the model: the one function of it that can be seen from outside.
 _EXPORTS = '#include "gb_core.h"\nGB_API const gb_model *gb_get_model(void);\n'
-_HOT = ("gb_control.c", "gb_dense.c", "gb_kernel.c", "gb_step.c", "gb_watch.c")  # what every step runs through
+_HOT = ("gb_control.c", "gb_dense.c", "gb_kernel.c", "gb_sparse.c", "gb_step.c", "gb_stiff.c", "gb_watch.c")
+"""What every step runs through."""
 _COOL = ("-O2",)  # the rest of the core: a third quicker to compile
 _builds: dict[tuple[int, str], Future[tuple[Path, ...]]] = {}
 _lock = threading.Lock()
@@ -97,7 +98,8 @@ def core_files() -> dict[str, bytes]:
 @functools.cache
 def _core_snapshot() -> dict[str, bytes]:
     """What the core is made of, read once, so that what is compiled is what its key was taken from."""
-    paths = [*SOURCES.glob("gb_*.[ch]"), SOURCES / "gb_methods.h.jinja", SOURCES.parent / "methods.py"]
+    paths = [*SOURCES.glob("gb_*.[ch]"), SOURCES / "gb_methods.h.jinja"]
+    paths += [SOURCES.parent / name for name in ("methods.py", "rosenbrock.py")]
     return {path.name: path.read_bytes() for path in sorted(paths)}
 
 

@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass
 from importlib.resources import files
 
+from gearblocks.rosenbrock import RODAS, Rosenbrock
+
 Weights = tuple[float, ...]
 
 MAX_STAGES = 16  # GB_STAGES in gb_internal.h
@@ -254,7 +256,7 @@ DP8 = Tableau(
     ),
 )
 
-METHODS: tuple[Tableau, ...] = (RK4, DP5, DP8)  # the order of GB_RK4, GB_DP5, GB_DP8 in gb_core.h
+METHODS: tuple[Tableau | Rosenbrock, ...] = (RK4, DP5, DP8, RODAS)  # the order of GB_RK4 .. GB_RODAS in gb_core.h
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,9 +272,20 @@ def _sparse(row: Weights) -> _Sparse:
     return _Sparse(tuple(j for j, _ in entries), tuple(x for _, x in entries))
 
 
-def _full_stages(method: Tableau) -> tuple[int, ...]:
+def _tail_rows(method: Tableau | Rosenbrock) -> tuple[Weights, ...]:
+    """The dense rows of the tail; an implicit method has no stages in it and follows it by quadrature."""
+    return method.tail_weights() if isinstance(method, Rosenbrock) else method.dense_weights()
+
+
+def _is_implicit(method: Tableau | Rosenbrock) -> bool:
+    return isinstance(method, Rosenbrock)
+
+
+def _full_stages(method: Tableau | Rosenbrock) -> tuple[int, ...]:
     """1 for every stage that a weight of the step or of dense output reads: there the tail is computed too."""
-    used = [_widen(method.b, method.all_stages), *method.dense_weights()]
+    used = list(_tail_rows(method))
+    if isinstance(method, Tableau):
+        used.append(_widen(method.b, method.all_stages))
     return tuple(int(any(row[j] != 0 for row in used)) for j in range(method.all_stages))
 
 
@@ -282,6 +295,8 @@ def render_tables() -> str:
 
     template = (files("gearblocks") / "c" / "gb_methods.h.jinja").read_text(encoding="utf-8")
     environment = jinja2.Environment(trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
-    environment.globals.update(sparse=_sparse, widen=_widen, full_stages=_full_stages)
+    environment.globals.update(
+        zip=zip, sparse=_sparse, widen=_widen, full_stages=_full_stages, tail_rows=_tail_rows, implicit=_is_implicit
+    )
     text = environment.from_string(template).render(methods=METHODS, width=MAX_STAGES)
     return text if text.endswith("\n") else text + "\n"

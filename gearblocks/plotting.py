@@ -91,8 +91,8 @@ def over_time(
     panels: dict[str, list[Series]] = {}
     for item in series:
         panels.setdefault(item[0].rpartition(".")[2] if item[1] in NO_UNIT else item[1], []).append(item)
-    with _style():
-        figure, axes = _figure(path, rows=max(1, len(panels)), size=(7.2, 0.9 + 1.7 * max(1, len(panels))))
+    with style():
+        figure, axes = new_figure(path, rows=max(1, len(panels)), size=(7.2, 0.9 + 1.7 * max(1, len(panels))))
         clock, clock_unit = prefixed([t], "s")
         for axis, group in zip(axes, panels.values(), strict=False):
             factor, unit = prefixed([values for _, _, values in group], group[0][1])
@@ -105,7 +105,7 @@ def over_time(
         axes[-1].set_xlabel(f"time in {clock_unit}")
         if title:
             figure.suptitle(title, x=0.01, ha="left", fontsize=10)
-        return _done(figure, path)
+        return finished(figure, path)
 
 
 def planes(items: Sequence[Plane], *, path: str | os.PathLike[str] | None = None, columns: int = 2) -> Figure:
@@ -113,19 +113,19 @@ def planes(items: Sequence[Plane], *, path: str | os.PathLike[str] | None = None
     rows = math.ceil(len(items) / columns)
     x_scale = prefixed([values for item in items for values in _extent(item, 0)], items[0].x[1])
     y_scale = prefixed([values for item in items for values in _extent(item, 1)], items[0].y[1])
-    with _style():
-        figure, axes = _figure(path, rows=rows, columns=columns, size=(3.6 * columns, 3.1 * rows))
+    with style():
+        figure, axes = new_figure(path, rows=rows, columns=columns, size=(3.6 * columns, 3.1 * rows))
         for axis, item in zip(axes, items, strict=False):
             _plane(axis, item, x_scale, y_scale)
         for axis in axes[len(items) :]:
             axis.set_axis_off()
-        return _done(figure, path)
+        return finished(figure, path)
 
 
 def cost(curves: Sequence[Curve], *, title: str, error: str, path: str | os.PathLike[str] | None = None) -> Figure:
     """CPU time against the error reached, both logarithmic: down and to the left is better."""
-    with _style():
-        figure, (axis,) = _figure(path, size=(7.2, 4.4))
+    with style():
+        figure, (axis,) = new_figure(path, size=(7.2, 4.4))
         shown: dict[str, str] = {}
         for curve in curves:
             family = curve.label.split(",")[0]
@@ -146,7 +146,7 @@ def cost(curves: Sequence[Curve], *, title: str, error: str, path: str | os.Path
         axis.set_ylabel("CPU time in ms")
         axis.set_title(title)
         axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-        return _done(figure, path)
+        return finished(figure, path)
 
 
 def prefixed(arrays: Sequence[Array], unit: str) -> tuple[float, str]:
@@ -218,14 +218,15 @@ def _thinned(t: Array, values: Array) -> tuple[Array, Array]:
     return t[kept], values[kept]
 
 
-def _style() -> Any:
+def style() -> Any:
+    """The look of all pictures, as a context."""
     import matplotlib as mpl
 
     style: Any = _STYLE
     return mpl.rc_context(style)
 
 
-def _figure(
+def new_figure(
     path: str | os.PathLike[str] | None, *, size: tuple[float, float], rows: int = 1, columns: int = 1
 ) -> tuple[Figure, list[Axes]]:
     """A figure known to pyplot (shown by notebooks and `plt.show()`) only where it is not written to a file."""
@@ -241,7 +242,8 @@ def _figure(
     return figure, list(axes.flat)
 
 
-def _done(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
+def finished(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
+    """The figure, written to `path` where given. Raises StorageError."""
     if path is not None:
         known = figure.canvas.get_supported_filetypes()
         form = Path(path).suffix.lstrip(".").lower()

@@ -37,6 +37,9 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
     def _print_Heaviside(self, expr: Any) -> str:
         return f"(({self._print(expr.args[0])}) >= 0.0 ? 1.0 : 0.0)"
 
+    def _print_frac(self, expr: Any) -> str:
+        return f"gb_fraction({self._print(expr.args[0])})"
+
     def _print_TableAt(self, expr: Any) -> str:
         table, x, order, *mode = expr.args
         where = self._print(mode[0]) if mode else f"gb_table_segment(&{self._print(table)}, {self._print(x)})"
@@ -52,6 +55,9 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
 
     def _print_EllipseLead(self, expr: Any) -> str:
         return str(self._print(expr.written_out()))
+
+    def _print_RestitutionDamping(self, expr: Any) -> str:
+        return f"gb_restitution_damping({self._print(expr.args[0])})"
 
     def _print_InverseInvolute(self, expr: Any) -> str:
         return f"gb_inverse_involute({self._print(expr.args[0])})"

@@ -14,7 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from gearblocks.arguments import (
     InputSource,
     begin_of,
+    is_static,
     method_options,
+    method_words,
     parameter_vector,
     picked_outputs,
     sample_times,
@@ -50,12 +52,16 @@ def run_model(
     pick = picked_outputs(program, outputs)
     with model.library.open() as sim:
         sim.parameters[:] = parameter_vector(program, model.values, parameters or {}, initial)
+        if options.method == Method.RODAS and not sim.has_jacobian:
+            raise ParameterError(
+                f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
+            )
         set_inputs(sim, program, inputs or {})
         run = _Run(model, sim, samples, end, pick, progress, meta={
             "train": program.name, "method": Method(options.method).name.lower(), "rtol": rtol, "step": step,
             "parameters": {p.path: float(v) for p, v in zip(program.parameters, sim.parameters, strict=True)},
         })  # fmt: skip
-        y0 = start_state(program, initial)
+        y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)
         return run.go(options, begin, y0, why)
 
 
@@ -83,6 +89,15 @@ class _Run:
     largest: float = 0.0
     cpu: float = 0.0
     last: Array | None = None
+
+    def balanced(self, begin: float, initial: Any) -> Array:
+        """The state of the static equilibrium."""
+        from gearblocks.statics import static_state
+
+        try:
+            return static_state(self.sim, self.model.program, begin, means=initial == "static")
+        except RuntimeError:
+            raise self._failure(Code(self.sim.report.code), None) from self.sim.error
 
     def go(self, options: Options, begin: float, y0: Array | None, why: str) -> Trajectory:
         """Runs to the end, to an error or to Ctrl-C."""
@@ -153,9 +168,11 @@ class _Run:
             y = self.last[1 : 1 + program.n_total].copy()
             modes = self.last[1 + program.n_total : 1 + program.n_total + len(program.switches)].copy()
             final = FinalState(float(self.last[0]), y, modes, program.key)
+        method, reason = method_words(counters, why)
+        self.meta["method"] = method
         stats = Stats(
-            steps=counters.steps, rejected=counters.rejected, rhs_calls=counters.rhs_calls, events=counters.events,
-            cpu_seconds=self.cpu, method=str(self.meta["method"]), why=why,
+            steps=counters.steps, rejected=counters.rejected, rhs_calls=counters.rhs_calls,
+            jacobians=counters.jacobians, events=counters.events, cpu_seconds=self.cpu, method=method, why=reason,
         )  # fmt: skip
         return Trajectory(
             t, (names, table), {n: program.outputs[i].unit for n, i in zip(names, self.pick, strict=True)},
@@ -253,6 +270,9 @@ _CAUSES: dict[Code, tuple[str, str]] = {
         "the element sticks here (as dry friction does at rest) and this law cannot hold it",
     ),
     Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
+    Code.ERR_SINGULAR: (
+        "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
+    ),
     Code.ERR_MEMORY: ("there is not enough memory", ""),
     Code.ERR_CALLBACK: ("the input function raised an exception", "see the exception above"),
 }  # fmt: skip

@@ -9,6 +9,7 @@ from typing import Any
 from gearblocks.assemble import Assembly
 from gearblocks.batchcode import BatchCode, Function
 from gearblocks.errors import ModelError, did_you_mean
+from gearblocks.turns import located
 
 
 @dataclass(slots=True)
@@ -24,16 +25,16 @@ class Sense:
     call: str = ""
 
 
-def _shown(codes: Iterable[BatchCode], assembly: Assembly, path: str) -> tuple[BatchCode, int, Any]:
-    """(batch, instance, expression) of an output that a signal may read."""
+def _shown(codes: Iterable[BatchCode], assembly: Assembly, path: str) -> tuple[BatchCode, int, Any, int]:
+    """(batch, instance, expression, number) of an output that a signal may read."""
     known = []
     for code in codes:
         for e, index in enumerate(code.batch.components):
             prefix = assembly.train.components[index].path + "."
-            for show, expr in code.shows:
+            for i, (show, expr) in enumerate(code.shows):
                 known.append(prefix + show.name)
                 if path == known[-1]:
-                    return code, e, expr
+                    return code, e, expr, i
     raise ModelError(f"sense('{path}'): no block shows that output{did_you_mean(path, known)}")
 
 
@@ -50,9 +51,12 @@ def reads_angles(assembly: Assembly, path: str) -> bool:
 
 
 def order_senses(
-    senses: dict[str, Sense], codes: list[BatchCode], assembly: Assembly, in_law: set[str]
-) -> dict[str, Sense]:
-    """Functions of sensed outputs in an order in which each reads only earlier ones."""
+    senses: dict[str, Sense], codes: list[BatchCode], assembly: Assembly, in_law: set[str], whole: set[tuple[int, int]]
+) -> dict[str, Sense]:  # fmt: skip
+    """Functions of sensed outputs in an order in which each reads only earlier ones.
+
+    whole: (batch, output) that read whole angles, where the turns of angles are counted apart.
+    """
     done: dict[str, None] = {}
 
     def visit(path: str, chain: tuple[str, ...]) -> None:
@@ -61,7 +65,7 @@ def order_senses(
             raise ModelError(f"the signals form an algebraic loop: {loop}; put a state between them")
         if path in done:
             return
-        code, e, expr = _shown(codes, assembly, path)
+        code, e, expr, show = _shown(codes, assembly, path)
         slots = [code.law.pool.slots[x] for x in expr.free_symbols]
         if path in in_law and any(s.role in ("alpha", "tau") for s in slots):
             raise ModelError(
@@ -72,7 +76,9 @@ def order_senses(
                 visit(slot.of, (*chain, path))
         sense = senses[path]
         sense.batch, sense.instance, sense.expr = code.number, e, expr
-        function = code.function(f"sense_{sense.index}", [(f"sense[{sense.index}]", "=", expr, False)])
+        vector = "whole" if (code.number, show) in whole and path not in in_law else "y"
+        expr = located(expr) if vector == "whole" else expr
+        function = code.function(f"sense_{sense.index}", [(f"sense[{sense.index}]", "=", expr, False)], vector=vector)
         sense.function = function
         sense.call = ", ".join([str(e), *(c.at(e) for _, _, c in function.args)])
         done[path] = None

@@ -11,6 +11,7 @@ import sympy as sp
 
 from gearblocks.declare import Rate, _Declared
 from gearblocks.expression import Expr, to_sympy
+from gearblocks.impact import restitution_damping
 from gearblocks.maps import Table2
 from gearblocks.ratio_curves import Ellipse, Pieces
 from gearblocks.ratio_law import RatioLaw
@@ -151,6 +152,17 @@ class InverseInvolute(sp.Function):  # type: ignore[misc]  # sympy carries no ty
     def eval(cls, y: Any) -> Any:
         """The number, where y is one."""
         return sp.Float(inverse_involute(float(y))) if y.is_number else None
+
+
+class RestitutionDamping(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """What a restitution asks for; see `gearblocks.impact.restitution_damping`."""
+
+    nargs = 1
+
+    @classmethod
+    def eval(cls, e: Any) -> Any:
+        """The number, where e is one."""
+        return sp.Float(restitution_damping(float(e))) if e.is_number else None
 
 
 SYMBOLS = Functions(sp.sqrt, sp.sin, sp.cos, sp.tan, sp.atan, InverseInvolute, sp.pi)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 from gearblocks.batchcode import Function
@@ -14,9 +15,9 @@ from gearblocks.rational import Exact, over
 from gearblocks.reactions import tie_tables
 
 _VECTORS = (
-    "par", "mode", "tau", "y", "loop", "phi", "gain", "bias", "surplus", "w", "alpha", "torque", "growth", "drag", "stiff",
-    "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo", "hi",
-    "kept", "diag", "lower", "upper", "slope", "change", "speed", "turn", "rise",
+    "par", "before", "mode", "tau", "y", "loop", "phi", "whole", "gain", "bias", "surplus", "w", "alpha", "torque", "growth",
+    "drag", "stiff", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo",
+    "hi", "kept", "diag", "lower", "upper", "slope", "change", "speed", "turn", "rise",
 )  # fmt: skip
 _INTEGERS = ("full", "i")
 _SCALARS = ("g",)
@@ -41,6 +42,21 @@ class Sparse:
     start: list[int]
     index: list[int]
     value: list[str]
+
+
+@dataclass(frozen=True, slots=True)
+class CountedView:
+    """A counted angle: its state and group, the turns taken off at a time, the switches whose mode falls by `steps` then.
+
+    starts: (group, a, b) of every group with a start value, which turns a/b times as far.
+    """
+
+    state: int
+    group: int
+    turns: int
+    switches: list[int]
+    steps: list[int]
+    starts: list[tuple[int, float, float]]
 
 
 def function_view(function: Function) -> FunctionView:
@@ -123,12 +139,38 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "phi_gains": [repr(float(over(1, s.phi0_gain))) for s in assembly.starts],
         "w_gains": [repr(float(over(1, s.w0_gain))) for s in assembly.starts],
         "flanges": _turned(FlangeRow, _flanges(g)),
+        "counted": _counted(g),
+        "turned": sparse("turned", _counts(g)),
         "ties": tie_tables(g, _flange_numbers(g)),
         "n_flange_outputs": sum(code.n * len(code.batch.flanges) for code in g.codes),
         "first_flange_output": sum(code.n * len(code.law.shows) for code in g.codes),
         "inputs": list(lay.inputs),
         "numbers": lambda values: ", ".join(str(v) for v in values),
     }
+
+
+def _counts(g: Generator) -> list[dict[int, Exact]]:
+    """Turns of every group over the counts in the tail."""
+    return [{2 * c: r for c, r in g.turns.forms.get(i, {}).items()} for i in range(g.assembly.n_groups)]
+
+
+def _counted(g: Generator) -> list[CountedView]:
+    """Angles whose turns are counted."""
+    found = []
+    for c, item in enumerate(g.turns.counted):
+        rows = [(group, Fraction(form[c])) for group, form in g.turns.forms.items() if form.get(c)]
+        rows = [(group, r) for group, r in rows if group < len(g.assembly.starts)]
+        switches = [g.codes[b].places.switches[i] + e for b, i, e, _ in item.steps]
+        starts = [(group, *_parts(r)) for group, r in rows]
+        found.append(CountedView(g.lay.angle0 + item.number, g.assembly.angles[item.number], item.turns, switches,
+                                 [step for *_, step in item.steps], starts))  # fmt: skip
+    return found
+
+
+def _parts(r: Fraction) -> tuple[float, float]:
+    """A ratio as two whole numbers that doubles hold, else as a rounded number over 1."""
+    small = max(abs(r.numerator), r.denominator) < 2**53
+    return (float(r.numerator), float(r.denominator)) if small else (float(r), 1.0)
 
 
 def _mobile(g: Generator) -> dict[str, list[int]]:
@@ -206,15 +248,17 @@ def _linear(g: Generator) -> dict[str, Any]:
         "slopes": [_sense_call(f, call) for f, call in slopes],
         "changes": [_sense_call(f, call) for f, call in changes],
         "spread": sparse("spread", linear.spread),
-        "following": [sparse(name, rows) for name, rows in _following(linear.following).items()],
+        "following": [sparse(name, rows) for name, rows in _following(g, linear.following).items()],
     }
 
 
-def _following(f: Following | None) -> dict[str, list[dict[int, Exact]]]:
-    """The tables of groups that follow others."""
+def _following(g: Generator, f: Following | None) -> dict[str, list[dict[int, Exact]]]:
+    """The tables of groups that follow others; with tilts where laws read angles and drives move some."""
     if f is None:
         return {}
-    tables = {"speeds": f.speeds, "heavy": f.heavy, "turn": f.torques, "tilt": f.tilts, "state_tilt": f.state_tilts}
+    tables = {"speeds": f.speeds, "heavy": f.heavy, "turn": f.torques}
+    if g.assembly.driven and g.lay.angle0 < g.lay.n:
+        tables |= {"tilt": f.tilts, "state_tilt": f.state_tilts}
     return {**tables, "rise": f.growths} if f.by_rate else tables
 
 

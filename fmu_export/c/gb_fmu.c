@@ -70,6 +70,9 @@ int gb_fmu_solver_failed(gb_fmu *fmu, int code) {
     case GB_ERR_BRANCH:
         return gb_fmu_refuse(fmu, "no consistent mode of '%s' after an event at t = %.9g s",
                              switch_name(fmu, report.index), t);
+    case GB_ERR_SINGULAR:
+        return gb_fmu_refuse(fmu, "the matrix of a step has no inverse at t = %.9g s, in '%s'", t,
+                             state_name(fmu, report.index));
     case GB_ERR_MEMORY:
         return gb_fmu_refuse(fmu, "out of memory at t = %.9g s", t);
     default:

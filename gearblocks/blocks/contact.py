@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from gearblocks.declare import Acts, Contribution, Energy, Force, Rate, Shows, Switch
-from gearblocks.effects import Backlash
+from gearblocks.declare import Acts, Contribution, Energy, Force, Hold, Rate, Shows, Switch
+from gearblocks.effects import Backlash, HuntCrossley
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +23,8 @@ class Contact:
     c: Any
     gap: Backlash | None
     gap_symbols: Any
-    choice: str
+    choice: str | HuntCrossley
+    choice_symbols: Any
 
 
 def damping(s: Any, k: Any, compliance_of_bodies: Any) -> Any:
@@ -36,18 +37,29 @@ def damping(s: Any, k: Any, compliance_of_bodies: Any) -> Any:
 
 
 def damping_problems(block: Any) -> Iterator[str]:
-    """c and damping_ratio together, and choices of contact damping that do not exist."""
+    """c and damping_ratio together, and choices of contact damping that do not exist or do not fit the backlash."""
     if block.c is not None and block.damping_ratio is not None:
         yield "c and damping_ratio are both given; give one of them"
-    choice = getattr(block, "contact_damping", "clipped")
+    choice = block.contact_damping if "contact_damping" in type(block).fields else "clipped"
     gap = getattr(block, "backlash", None)
     damped = block.c is not None or block.damping_ratio is not None
-    if damped and choice != "always" and gap is not None and gap.law == "polynomial":
+    if isinstance(choice, HuntCrossley):
+        yield from _impact_problems(block, damped)
+    elif choice not in ("clipped", "clipped_force", "always"):
+        yield f"contact_damping = {choice!r} must be 'clipped', 'clipped_force', 'always' or gb.HuntCrossley(...)"
+    elif damped and choice != "always" and gap is not None and gap.law == "polynomial":
         yield f"contact_damping = {choice!r}: a polynomial has no gap to tell contact by; give contact_damping='always'"
-    elif damped and choice not in ("always", "clipped") and gap is not None and gap.law == "smooth":
+    elif damped and choice == "clipped_force" and gap is not None and gap.law == "smooth":
         yield f"contact_damping = {choice!r}: a smooth law has no gap to tell contact by; give 'clipped' or 'always'"
-    if choice not in ("clipped", "clipped_force", "always"):
-        yield f"contact_damping = {choice!r} must be 'clipped', 'clipped_force' or 'always'"
+
+
+def _impact_problems(block: Any, damped: bool) -> Iterator[str]:
+    """What impacts ask for: corners, and no other damping."""
+    gap = getattr(block, "backlash", None)
+    if damped:
+        yield "contact_damping=HuntCrossley(...) takes the place of c and damping_ratio; leave these out"
+    if getattr(block, "half_gap", None) is None and (gap is None or gap.law != "exact"):
+        yield "contact_damping=HuntCrossley(...) needs a contact that starts: give backlash with law='exact'"
 
 
 def theta_of(block_effect: Any, s: Any, mesh_angle: Any, time: Any) -> tuple[Any, list[Contribution]]:
@@ -82,14 +94,17 @@ def contact(s: Any, law: Contact) -> Iterator[Contribution]:
         yield from gap.watches(symbols, x)
     elastic = law.k * g
     drag: Any = 0
-    if law.c is not None:
+    if isinstance(law.choice, HuntCrossley):
+        drag = yield from _impact(law, elastic, pushing)
+    elif law.c is not None:
         viscous = law.c * law.rate
         choice = "always" if gap is None else law.choice
         drag = _DRAG[choice](elastic, viscous, pushing)
         yield from _clip_switches(choice, elastic, viscous, pushing)
+    if drag != 0:
         yield Shows("loss_power", drag * law.rate, "W", "power lost in the contact")
     yield Force(x, s.named("N", elastic + drag))
-    yield Energy(stored=law.k * potential, loss=drag * law.rate if law.c is not None else None)
+    yield Energy(stored=law.k * potential, loss=drag * law.rate if drag != 0 else None)
     yield Shows("contact", side, "1", "-1 coast side, 0 none, +1 drive side")
     if gap is not None and gap.gaps is not None:
         yield Shows("engaged_teeth", gap.engaged(symbols, x), "1", "teeth that carry load")
@@ -108,6 +123,20 @@ def _clipped_force(elastic: Any, viscous: Any, side: Any) -> Any:
 
     pushing = sp.Heaviside((elastic + viscous) * side, 1)
     return side**2 * (pushing * viscous - (1 - pushing) * elastic)
+
+
+def _impact(law: Contact, elastic: Any, side: Any) -> Generator[Contribution, None, Any]:
+    """The damping of Hunt and Crossley, and the approach speed that each contact keeps."""
+    import sympy as sp
+
+    from gearblocks.symbols import RestitutionDamping
+
+    inward, s = side * law.rate, law.choice_symbols
+    factor = 1 + RestitutionDamping(s.restitution) * s.slowness * inward
+    yield Switch("pushing", factor, when=side**2)
+    approaching = 1 - sp.Heaviside(-inward, 1)
+    yield Hold(s.slowness, approaching / (inward + 1 - approaching), side**2)
+    return elastic * (sp.Heaviside(factor, 1) * factor - 1)
 
 
 _DRAG: dict[str, Callable[[Any, Any, Any], Any]] = {
@@ -157,7 +186,7 @@ def mesh(block: Any, s: Any, line: Line) -> Iterator[Contribution]:
         error_rate = s.rate_of(error, rates)
     x, rate = line.lever - error, line.speed - error_rate
     stiffness = s.named("k_t", line.k * factor)
-    law = Contact(x, rate, stiffness, line.c, block.backlash, s.backlash, block.contact_damping)
+    law = Contact(x, rate, stiffness, line.c, block.backlash, s.backlash, block.contact_damping, s.contact_damping)
     for item in contact(s, law):
         yield item
         if isinstance(item, Force):
@@ -168,7 +197,7 @@ def mesh(block: Any, s: Any, line: Line) -> Iterator[Contribution]:
     yield Shows("dynamic_transmission_error", x + error, "m", "deflection without the no-load error")
     yield Shows("deflection_rate", rate, "m/s", "rate of the deflection")
     yield Shows("stiffness", stiffness, "N/m", "stiffness with its variation")
-    yield Shows("mesh_phase", line.angle / (2 * sp.pi), "1", "mesh cycles turned")
+    yield Shows("mesh_phase", sp.frac(line.angle / (2 * sp.pi)), "1", "position inside the mesh cycle, in [0, 1)")
 
 
 def _parametric_torque(block: Any, s: Any, law: Contact, k: Any) -> Iterator[Contribution]:

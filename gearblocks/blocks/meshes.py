@@ -10,7 +10,7 @@ from gearblocks.blocks.contact import Line, damping, damping_problems, mesh
 from gearblocks.blocks.gears import teeth_problems
 from gearblocks.blocks.rubbing import rub
 from gearblocks.declare import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
-from gearblocks.effects import Backlash, Fourier, Harmonic, Profile, Square, ToothFriction, as_profile
+from gearblocks.effects import Backlash, Fourier, Harmonic, HuntCrossley, Profile, Square, ToothFriction, as_profile
 from gearblocks.signals import Value
 from gearblocks.tooth_geometry import NUMBERS, ToothPair, contact_ratio_or_nan, iso_problems, mesh_stiffness
 
@@ -56,7 +56,9 @@ class GearMesh(Block):
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", default=None, convert=as_profile)
     backlash: Backlash | None = effect("dead zone", default=None)
-    contact_damping: Any = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
+    contact_damping: str | HuntCrossley = option(
+        "damping and gap: 'clipped', 'clipped_force', 'always' or HuntCrossley", default="clipped", belongs_to="damping"
+    )
     transmission_error: Harmonic | Profile | None = effect(
         "no-load transmission error e, subtracted from the deflection", default=None, convert=as_profile
     )

@@ -22,7 +22,7 @@ from gearblocks.declare import (
     param,
     signal,
 )
-from gearblocks.effects import Backlash, Harmonic, Profile, as_profile
+from gearblocks.effects import Backlash, Harmonic, Profile, ToothFriction, as_profile
 from gearblocks.expression import Expr
 from gearblocks.ratio_law import RatioLaw
 from gearblocks.signals import Input, Parameter, Signal, Table, Value
@@ -67,6 +67,7 @@ class NonCircularGear(Block):
     transmission_error: Harmonic | Profile | None = effect(
         "no-load error e in rad about b, over turns of gear 1", default=None, convert=as_profile
     )
+    friction: ToothFriction | None = effect("friction in the form of papers: M (1 + mu wave), direction='square_wave'")
 
     def problems(self) -> Iterator[str]:
         """What is no law, a phase that a rigid pair cannot follow, effects that need compliance."""
@@ -83,6 +84,8 @@ class NonCircularGear(Block):
             yield "damping_ratio needs a k that does not change; give c"
         if _senses(self.phase) and self.filter is not None:
             yield f"phase = {self.phase!r:.80} is sensed and has no value yet when the filter starts; leave filter out"
+        if self.friction is not None and self.friction.direction != "square_wave":
+            yield "friction: a ratio law knows no teeth to slide on; give direction='square_wave' and wave=..."
         if self.k is None:
             if living := [n for n in self.effects() if n != "compliance"]:
                 yield f"{', '.join(living)} need compliance: give k"
@@ -119,8 +122,12 @@ class NonCircularGear(Block):
         k = s.local("k", driver_angle=theta)
         stiffness = s.named("k_t", k)
         c = damping(s, k, sp.Rational(self.law.n1, self.law.n2) ** 2 * s.a.mobility + s.b.mobility)
-        law = Contact(q, rate, stiffness, c, self.backlash, s.backlash, self.contact_damping)
+        law = Contact(q, rate, stiffness, c, self.backlash, s.backlash, self.contact_damping, s.contact_damping)
         for item in contact(s, law):
+            if isinstance(item, Force) and self.friction is not None:
+                extra = s.friction.mu * s.friction.wave * item.force
+                yield Shows("friction_moment", extra, "N m", "part of M that is friction")
+                item = Force(item.deflection, item.force + extra)
             yield item
             if isinstance(item, Force):
                 yield Shows("moment", item.force, "N m", "M, positive where a drives b")

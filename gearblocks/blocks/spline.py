@@ -7,7 +7,7 @@ from typing import Any
 
 from gearblocks.blocks.contact import Line, damping, damping_problems, mesh
 from gearblocks.declare import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
-from gearblocks.effects import Backlash, Fourier, Profile, Square, as_profile
+from gearblocks.effects import Backlash, Fourier, HuntCrossley, Profile, Square, as_profile
 from gearblocks.signals import Value
 
 
@@ -32,7 +32,9 @@ class SplineCoupling(Block):
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", default=None, convert=as_profile)
     backlash: Backlash | None = effect("dead zone along the arc", default=None)
-    contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
+    contact_damping: str | HuntCrossley = option(
+        "damping and gap: 'clipped', 'clipped_force', 'always' or HuntCrossley", default="clipped", belongs_to="damping"
+    )
 
     def problems(self) -> Iterator[str]:
         """Contradicting fields."""

@@ -8,7 +8,7 @@ from typing import Any
 from gearblocks.blocks.bodies import Inertia
 from gearblocks.blocks.contact import Contact, contact, damping, damping_problems
 from gearblocks.declare import Block, Contribution, Energy, Flange, Force, Parts, Shows, Tie, option, param, signal
-from gearblocks.effects import Backlash
+from gearblocks.effects import Backlash, HuntCrossley
 from gearblocks.signals import Value
 
 
@@ -112,7 +112,9 @@ class Lash(Block):
     half_gap: Value | None = param("half of the free play", "rad", ge=0, belongs_to="backlash")
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
-    contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
+    contact_damping: str | HuntCrossley = option(
+        "damping and gap: 'clipped', 'clipped_force', 'always' or HuntCrossley", default="clipped", belongs_to="damping"
+    )
 
     def problems(self) -> Iterator[str]:
         """Contradicting fields."""
@@ -128,7 +130,7 @@ class Lash(Block):
             return
         c = damping(s, s.k, s.a.mobility + s.b.mobility)
         gap = None if self.half_gap is None else Backlash(half_gap=self.half_gap)
-        for item in contact(s, Contact(twist, rate, s.k, c, gap, s, self.contact_damping)):
+        for item in contact(s, Contact(twist, rate, s.k, c, gap, s, self.contact_damping, s.contact_damping)):
             yield item
             if isinstance(item, Force):
                 yield Shows("torque", -item.force, "N m", "torque on flange b")

@@ -26,6 +26,31 @@ GB_INLINE void gb_combine(const gb_weights *w, const double *k, int stride, int 
     }
 }
 
+/* out[m] = y[m] + h[m] sum_j w[m][j] k_j for `count` (a constant) sums over the same stages j < stages at once: what
+ * memory holds is read once. y[m] NULL: nothing is added. */
+GB_INLINE void gb_combine_all(int count, const double (*w)[GB_STAGES], int stages, const double *k, int stride, int to,
+                              const double *const *y, const double *h, double *const *out) {
+    for (int b = 0; b < to; b += GB_PAD) {
+        gb_block sum[GB_ROWS];
+        for (int m = 0; m < count; m++) {
+            sum[m] = w[m][0] * *gb_block_at(k + b);
+        }
+        for (int j = 1; j < stages; j++) {
+            const gb_block one = *gb_block_at(k + (size_t)j * (size_t)stride + b);
+            for (int m = 0; m < count; m++) {
+                sum[m] += w[m][j] * one;
+            }
+        }
+        for (int m = 0; m < count; m++) {
+            gb_block all = h[m] * sum[m];
+            if (y[m]) {
+                all += *gb_block_at(y[m] + b);
+            }
+            *(gb_block *)(void *)(out[m] + b) = all;
+        }
+    }
+}
+
 /* out = x, count being a multiple of GB_PAD. */
 static inline void gb_copy(double *out, const double *x, int count) {
     for (int b = 0; b < count; b += GB_PAD) {

@@ -13,6 +13,7 @@ static double rough_exp2(double x) {
 /* How far rounding moves each rate: the response to a change of the states in their last bits, of alternating sign. */
 static void measure_noise(gb_sim *sim, const double *tau) {
     const gb_model *model = sim->model;
+    const int implicit = sim->method->gamma > 0.0;
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
     for (int i = 0; i < model->n_padded; i++) {
         const double bit = 2.0 * DBL_EPSILON * sim->peak[i];
@@ -21,8 +22,14 @@ static void measure_noise(gb_sim *sim, const double *tau) {
     model->rhs(sim->par, sim->mode, tau, sim->z2, rate);
     sim->head->rhs_calls++;
     for (int i = 0; i < model->n; i++) {
-        const double noise = fabs(rate[i] - sim->k[i]);
-        sim->noise[i] = noise > sim->noise[i] ? noise : sim->noise[i];
+        rate[i] -= sim->k1[i];
+    }
+    if (implicit) {
+        gb_stiff_response(sim, rate);
+    }
+    for (int i = 0; i < model->n; i++) {
+        const double noise = fabs(rate[i]);
+        sim->noise[i] = noise > sim->noise[i] || implicit ? noise : sim->noise[i];
     }
 }
 
@@ -33,20 +40,29 @@ void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *
     gb_head *head = sim->head;
     const int n = sim->model->n, speeds = n - sim->model->n_speeds;
     const double floor_factor[2] = {1e-10, sim->model->n_speeds > 0 ? 1e-6 : 1e-10};
+    const int implicit = sim->method->gamma > 0.0;
     double largest[2] = {0.0, 0.0}; /* of coordinates and states of blocks, of speeds */
-    if (head->steps >= head->noise_at) {
+    if (head->steps >= head->noise_at || (implicit && h > 4.0 * head->h_noise)) {
         measure_noise(sim, tau);
+        head->h_noise = h;
         head->noise_at = 2 * head->steps + 1;
     }
     for (int i = 0; i < n; i++) {
         largest[i >= speeds] = gb_max(largest[i >= speeds], gb_max(sim->peak[i], trial ? fabs(trial[i]) : 0.0));
     }
+    double *floor = sim->z2;
+    if (implicit) {
+        gb_stiff_floor(sim, h, floor);
+    }
     head->poor = 0;
     for (int i = 0; i < n; i++) {
         const double least = floor_factor[i >= speeds] * largest[i >= speeds];
         double size = gb_max(gb_max(sim->peak[i], sim->scale[i]), least);
+        if (implicit && i >= sim->model->n_simple && floor[i] < HUGE_VAL) {
+            size = gb_max(size, floor[i]);
+        }
         if (head->steps == 0) {
-            size = gb_max(size, fabs(h * sim->k[i]));
+            size = gb_max(size, fabs(h * sim->k1[i]));
         }
         if (sim->peak[i] <= least) {
             head->poor = 1;
@@ -56,6 +72,7 @@ void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *
         sim->weight[i] = weight > 0.0 ? 1.0 / weight : 0.0;
     }
     head->h_weights = h;
+    head->t_weights = head->t1;
 }
 
 /* Takes the front into the sizes of the states. */

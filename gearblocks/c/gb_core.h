@@ -34,13 +34,16 @@ enum {
     GB_ERR_BRANCH = -6,    /* no consistent set of modes after an event; index: switch */
     GB_ERR_STATE = -7,     /* a saved state of another model or size */
     GB_ERR_MEMORY = -8,
-    GB_ERR_CALLBACK = -9 /* the input callback asked to stop; index: input */
+    GB_ERR_CALLBACK = -9,  /* the input callback asked to stop; index: input */
+    GB_ERR_SINGULAR = -10, /* the matrix of an implicit step has no inverse; index: state (from n on: hidden speed) */
+    GB_ERR_METHOD = -11    /* the model has no Jacobian for this method; index: method */
 };
 
-enum { GB_RK4 = 0, GB_DP5 = 1, GB_DP8 = 2 };
+/* GB_AUTO: order 8 (order 5 above a tolerance of 1e-4), and the implicit method while the train is stiff. */
+enum { GB_RK4 = 0, GB_DP5 = 1, GB_DP8 = 2, GB_RODAS = 3, GB_METHODS = 4, GB_AUTO = 4 };
 
 typedef struct gb_options {
-    int method;      /* GB_RK4, GB_DP5 or GB_DP8 */
+    int method;      /* GB_RK4 .. GB_AUTO */
     int locate;      /* 1: switches are located; 0: modes are refreshed at step ends only */
     double rtol;     /* relative tolerance of the step control */
     double step;     /* > 0: fixed steps on the grid t_start + i step (events in between), else adaptive */
@@ -54,12 +57,19 @@ enum { GB_CONSTANT = 0, GB_LINEAR = 1, GB_STEP = 2, GB_CUBIC = 3, GB_CALLBACK = 
 /* Value of input `index` at t; returns 0, or non-zero to stop the run with GB_ERR_CALLBACK. */
 typedef int (*gb_input_fn)(void *user, int index, double t, double *value);
 
+enum { GB_KEPT = 8 };
+
 /* Counters of a run. */
 typedef struct gb_stats {
     double t;        /* front of the solver */
     double step;     /* size of the next step */
     double turnover; /* sum over steps and ledger entries of abs(exchange) */
-    long long steps, rejected, rhs_calls, events;
+    long long steps, rejected, rhs_calls, events, jacobians;
+    long long steps_by[GB_METHODS]; /* steps of each method */
+    int method;                     /* that of the next step */
+    int n_switches;                 /* changes of the method by GB_AUTO; the first ones and the last one are kept */
+    int switch_method[GB_KEPT];
+    double switch_t[GB_KEPT];
 } gb_stats;
 
 typedef struct gb_report {
@@ -124,6 +134,18 @@ GB_API int gb_linear_matrix(gb_sim *sim, double t, const double *y, double g, do
                             double *upper, double *kept);
 GB_API int gb_linear_side(const gb_sim *sim, const double *kept, double g, const double *r, double *out);
 GB_API int gb_linear_rates(const gb_sim *sim, const double *kept, const double *x, double *out);
+/* A point to look at. mode: of all switches (length n_switches); input: values of all inputs, or NULL: as their sources
+ * have them at t; means: every excitation by time alone at its mean (gb_model.means). */
+typedef struct gb_point {
+    double t;
+    int means;
+    const double *mode, *input;
+} gb_point;
+
+/* The laws at a point, into what is not NULL: dy (length n_total), all outputs, all energies, and `fit`, the modes that
+ * fit state and time there. Needs gb_start for the values derived from parameters; changes nothing of the run. */
+GB_API int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, double *out, double *energy,
+                    double *fit);
 
 /* The whole changing state as one block. */
 GB_API size_t gb_snapshot_size(const gb_sim *sim);

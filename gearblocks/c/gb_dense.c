@@ -28,9 +28,33 @@ static void further_rows(const gb_sim *sim, int from, int to) {
     }
 }
 
+/* The rows of an implicit method: sums of its stages, or of the rates at the nodes for the tail. */
+static void summed_rows(const gb_sim *sim) {
+    const int total = sim->model->n_total;
+    const double h = sim->head->h, hs[] = {h, h, h, h}, *const none[] = {NULL, NULL, NULL, NULL};
+    double *const out[] = {sim->rows, sim->rows + total, sim->rows + (size_t)2 * (size_t)total,
+                           sim->rows + (size_t)3 * (size_t)total};
+    gb_combine_all(GB_NODES + 2, sim->method->inside, sim->method->stages, sim->k, total, sim->model->n_padded, none,
+                   hs, out);
+}
+
+static void summed_rows_of_tail(const gb_sim *sim) {
+    const gb_model *model = sim->model;
+    for (int m = 0; m < sim->method->rows; m++) {
+        gb_combine(&sim->method->tail[m], sim->k, model->n_total, model->n_padded, model->n_total, sim->zero,
+                   sim->head->h, sim->rows + (size_t)m * (size_t)model->n_total);
+    }
+}
+
 void gb_dense_hermite(gb_sim *sim) {
-    if (sim->head->have_dense == 0) {
+    if (sim->head->have_dense == 0 && sim->method->gamma > 0.0) {
+        summed_rows(sim);
+        sim->head->have_dense = 2;
+    } else if (sim->head->have_dense == 0) {
         hermite_rows(sim, 0, sim->model->n_padded);
+        if (sim->model->n_counted > 0) {
+            gb_turns_rows(sim, 0, 3);
+        }
         sim->head->have_dense = 1;
     }
 }
@@ -43,6 +67,9 @@ int gb_dense_complete(gb_sim *sim) {
         return GB_DONE;
     }
     gb_dense_hermite(sim);
+    if (sim->head->have_dense == 2) {
+        return GB_DONE;
+    }
     gb_run_extra_stages(sim, sim->head->h);
     for (int j = method->stages + 1; j < method->all_stages; j++) {
         const double *k = sim->k + (size_t)j * (size_t)model->n_total;
@@ -51,6 +78,9 @@ int gb_dense_complete(gb_sim *sim) {
         }
     }
     further_rows(sim, 0, model->n_padded);
+    if (model->n_counted > 0) {
+        gb_turns_rows(sim, 3, method->rows);
+    }
     sim->head->have_dense = 2;
     return GB_DONE;
 }
@@ -63,8 +93,12 @@ int gb_dense_tail(gb_sim *sim) {
     if (gb_dense_complete(sim) != GB_DONE) {
         return sim->head->report.code;
     }
-    hermite_rows(sim, sim->model->n_padded, sim->model->n_total);
-    further_rows(sim, sim->model->n_padded, sim->model->n_total);
+    if (sim->method->gamma > 0.0) {
+        summed_rows_of_tail(sim);
+    } else {
+        hermite_rows(sim, sim->model->n_padded, sim->model->n_total);
+        further_rows(sim, sim->model->n_padded, sim->model->n_total);
+    }
     sim->head->have_tail = 1;
     return GB_DONE;
 }

@@ -23,7 +23,7 @@ void gb_log(gb_sim *sim, int index, int kind, double before, double after) {
     }
 }
 
-static void set_mode(gb_sim *sim, int i, double mode, int log) {
+void gb_set_mode(gb_sim *sim, int i, double mode, int log) {
     if (log) {
         gb_log(sim, i, i >= sim->model->n_surfaces, sim->mode[i], mode);
     }
@@ -41,7 +41,7 @@ static int count_flip(gb_sim *sim, int i) {
 }
 
 /* The surfaces at the front, into s. */
-static int surfaces_now(gb_sim *sim) {
+int gb_surfaces_now(gb_sim *sim) {
     if (sim->model->n_surfaces > sim->model->n_affine) {
         const int code = gb_columns_at(sim, sim->head->t1);
         if (code != GB_DONE) {
@@ -71,14 +71,14 @@ int gb_settle(gb_sim *sim, int log) {
     }
     for (int round = 0; round < GB_FLIPS && model->n_surfaces > 0; round++) {
         int changed = 0;
-        code = surfaces_now(sim);
+        code = gb_surfaces_now(sim);
         for (int i = 0; i < model->n_surfaces && code == GB_DONE; i++) {
             if (beyond(sim, i)) {
                 const double mode = model->mode_at(sim->par, i, sim->s[i]);
                 if (mode == sim->mode[i]) {
                     return gb_fail(sim, GB_ERR_BRANCH, i, sim->head->t1, sim->s[i]);
                 }
-                set_mode(sim, i, mode, log);
+                gb_set_mode(sim, i, mode, log);
                 sim->on[i] = 0.0;
                 last = i;
                 changed = 1;
@@ -164,12 +164,12 @@ static int flip_due(gb_sim *sim) {
         }
         sim->due[i] = 0.0;
         if (fabs(due) == 1.0) {
-            set_mode(sim, i, far_side(sim, i, due), 1);
+            gb_set_mode(sim, i, far_side(sim, i, due), 1);
             sim->on[i] = -due;
             sim->head->sitting = 1;
             code = count_flip(sim, i);
         } else {
-            set_mode(sim, i, sim->next_mode[i], 1);
+            gb_set_mode(sim, i, sim->next_mode[i], 1);
         }
     }
     return code;
@@ -184,9 +184,21 @@ static void recall_step(gb_sim *sim) {
     }
 }
 
+/* States that take a value as the modes change. */
+static int hold_states(gb_sim *sim) {
+    const int code = gb_columns_at(sim, sim->head->t1);
+    if (code == GB_DONE) {
+        sim->model->hold(sim->par, sim->before, sim->mode, sim->tau_one, sim->y);
+    }
+    return code;
+}
+
 /* Carries out what is due at the front. */
 int gb_apply_event(gb_sim *sim) {
     gb_head *head = sim->head;
+    if (sim->model->hold != NULL) {
+        memcpy(sim->before, sim->mode, sizeof(double) * (size_t)sim->model->n_switches);
+    }
     const uint64_t modes = head->modes;
     const size_t slot = (size_t)(modes % GB_MEMORY);
     head->remembered_modes[slot] = modes;
@@ -211,6 +223,9 @@ int gb_apply_event(gb_sim *sim) {
     if (timed) {
         gb_refresh_breaks(sim, 0);
     }
+    if (code == GB_DONE && sim->model->hold != NULL) {
+        code = hold_states(sim);
+    }
     if (head->modes != modes) {
         recall_step(sim);
     }
@@ -234,7 +249,7 @@ static int start_on_limits(gb_sim *sim) {
         const double rounding = 64.0 * DBL_EPSILON * fabs(sim->s[i]) + DBL_MIN;
         const double side = fabs(sim->s[i] - sim->lo[i]) <= rounding ? -1.0 : fabs(sim->s[i] - sim->hi[i]) <= rounding;
         if (side != 0.0 && side * sim->slopes[i] > 0.0) {
-            set_mode(sim, i, far_side(sim, i, side), 0);
+            gb_set_mode(sim, i, far_side(sim, i, side), 0);
             sim->on[i] = -side;
             sim->head->sitting = 1;
         }
@@ -249,7 +264,7 @@ void gb_time_modes(gb_sim *sim, int log) {
     for (int i = model->n_surfaces; i < model->n_switches; i++) {
         const double mode = model->mode_at(sim->par, i, model->clock(sim->par, i, after));
         if (mode != sim->mode[i]) {
-            set_mode(sim, i, mode, log);
+            gb_set_mode(sim, i, mode, log);
         }
     }
     gb_refresh_breaks(sim, 1);
@@ -262,11 +277,11 @@ int gb_modes_start(gb_sim *sim) {
     gb_time_modes(sim, 0);
     for (int round = 0; round < GB_FLIPS && changed && model->n_surfaces > 0; round++) {
         changed = 0;
-        code = surfaces_now(sim);
+        code = gb_surfaces_now(sim);
         for (int i = 0; i < model->n_surfaces && code == GB_DONE; i++) {
             const double mode = model->mode_at(sim->par, i, sim->s[i]);
             if (mode != sim->mode[i]) {
-                set_mode(sim, i, mode, 0);
+                gb_set_mode(sim, i, mode, 0);
                 changed = 1;
                 last = i;
             }

@@ -11,6 +11,9 @@
 
 enum {
     GB_STAGES = 16, /* stages of a method, those of dense output included; one lane each */
+    GB_NODES = 2,   /* of the quadratures of an implicit method */
+    GB_SPARE = 12,  /* slots of k for the states at the nodes; the next one holds h df/dt */
+    GB_SLOPE = 14,
     GB_ROWS = 8,    /* rows of a dense polynomial */
     GB_EIGHTHS = 8, /* interior samples of a surface */
     GB_MEMORY = 64, /* remembered step sizes */
@@ -23,15 +26,21 @@ typedef struct gb_weights {
     double value[GB_STAGES];
 } gb_weights;
 
-/* A one-step method; see Tableau in methods.py. */
+/* A one-step method; see Tableau in methods.py and, for implicit ones (gamma > 0), Rosenbrock in rosenbrock.py. */
 typedef struct gb_method {
     int order, stages, all_stages, rows, n_errors, error_order;
     double beta, c[GB_STAGES];
-    int full[GB_STAGES];              /* the tail is needed at this stage */
-    gb_weights a[GB_STAGES];          /* row `stages` is b */
-    gb_weights e[2];                  /* error estimates */
-    gb_weights d[GB_ROWS];            /* dense rows; the first three are formed without them */
-    double dense[GB_ROWS][GB_STAGES]; /* the same in full */
+    int full[GB_STAGES];                    /* the tail is needed at this stage */
+    gb_weights a[GB_STAGES];                /* row `stages` is b */
+    gb_weights e[2];                        /* error estimates */
+    gb_weights d[GB_ROWS];                  /* dense rows; the first three are formed without them */
+    double dense[GB_ROWS][GB_STAGES];       /* those of the tail in full */
+    double gamma;                           /* 0: explicit */
+    double slope[GB_STAGES];                /* weights of h df/dt */
+    double stage[GB_STAGES][2][GB_STAGES];  /* of the stages before: in the state, in the right side */
+    double points[1 + GB_NODES][GB_STAGES]; /* of the stages: the new state, the states at the nodes */
+    double inside[GB_NODES + 2][GB_STAGES]; /* dense rows in full */
+    gb_weights tail[GB_ROWS];               /* dense rows of the tail */
 } gb_method;
 
 typedef struct gb_source {
@@ -59,9 +68,21 @@ typedef struct gb_head {
     double log_error; /* of the last accepted step, base 2 */
     double t_break;   /* the next announced instant: time switches and tables */
     double turnover, turnover_segment;
-    long long steps, rejected, rhs_calls, events, noise_at;
-    long sample; /* samples of the present gb_run that are done */
+    long long steps, rejected, rhs_calls, events, jacobians, noise_at;
+    long long steps_by[GB_METHODS];
+    double t_weights; /* time for which the error weights were made */
+    double h_noise;   /* step size for which the noise was measured */
+    long sample;      /* samples of the present gb_run that are done */
     int started;
+    int method; /* that of the next step */
+    /* GB_AUTO: */
+    int automatic, explicit_method;
+    int trial;                     /* > 1: tries of implicit steps until it is decided, less one */
+    int looks, gap;                /* how often it was considered of late, and how many steps there are between */
+    long long look_at, steps_look; /* the next look; steps, rejected ones too, at the last one */
+    double t_look, h_explicit, h_pays;
+    int n_switches, switch_method[GB_KEPT];
+    double switch_t[GB_KEPT];
     int changed;    /* parameters or inputs were written */
     int have_k1;    /* k holds the derivative at the front */
     int have_dense; /* rows are complete in the first n states */
@@ -100,10 +121,17 @@ struct gb_sim {
     double *k;                         /* derivatives by stage, each n_total long */
     double *z, *z2, *zero;             /* stage states, length n_total */
     double *z_out;                     /* all outputs of one row */
+    double *z_input;                   /* all inputs of one instant */
     double *t, *u, *tau;               /* lanes of a step */
     double *t_one, *u_one, *tau_one;   /* lanes of single instants */
     double *s0, *s, *slopes, *samples; /* surfaces: at the start, at an instant, along rows, at the eighths */
     double *root, *side;
+    double *diag, *inverse, *lower, *upper, *kept; /* the matrix of an implicit step */
+    double *work, *unknown;
+    int *colour, *link, n_colours; /* by unknown; by simple state and colour: the unknown in its rate, or -1 */
+    double *gain;                  /* and its factor */
+    double stiff_h;                /* the step size it was made for */
+    double *before; /* modes before an event */
     gb_source *sources;
     int *moving, n_moving; /* inputs that are no constants */
     gb_event *log;
@@ -126,6 +154,7 @@ static inline double gb_rounding(double t, double h) {
 int gb_fail(gb_sim *sim, int code, int index, double t, double value);
 int gb_check_finite(gb_sim *sim, int code, const double *x, int count, int shift, double t);
 int gb_apply_changes(gb_sim *sim);
+void gb_set_method(gb_sim *sim, int method);
 
 /* gb_input.c */
 void gb_input_find(gb_sim *sim, double t, int log);
@@ -139,10 +168,29 @@ int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau);
 int gb_columns_at(gb_sim *sim, double t);
 int gb_first_derivative(gb_sim *sim, const double *tau);
 
+/* gb_turns.c: angles whose turns are counted. */
+double gb_turns_step(const gb_sim *sim, double h);
+void gb_turns_advance(gb_sim *sim);
+void gb_turns_rows(gb_sim *sim, int from, int to);
+int gb_turns_wrap(gb_sim *sim, int with_modes);
+
 /* gb_kernel.c: the sums and calls of a step. */
 void gb_run_stages(gb_sim *sim, double h);
 void gb_run_extra_stages(gb_sim *sim, double h);
 double gb_log_error(const gb_sim *sim, double h);
+
+/* gb_stiff.c: the same for implicit methods. */
+void gb_stiff_links(gb_sim *sim);
+void gb_stiff_floor(const gb_sim *sim, double h, double *floor);
+int gb_stiff_lanes(const gb_sim *sim, double from, double h, double *t);
+int gb_stiff_stages(gb_sim *sim, double h);
+void gb_stiff_tail(gb_sim *sim, double h);
+void gb_stiff_response(gb_sim *sim, double *change);
+
+/* gb_auto.c: the choice of the method. */
+void gb_auto_start(gb_sim *sim);
+int gb_auto_look(gb_sim *sim, double limit);
+double gb_auto_rejected(gb_sim *sim, double h);
 
 /* gb_control.c: weights and step sizes. */
 void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial);
@@ -172,6 +220,8 @@ void gb_refresh_breaks(gb_sim *sim, int all);
 void gb_time_modes(gb_sim *sim, int log);
 void gb_mark_time_events(gb_sim *sim);
 void gb_mark_modes(gb_sim *sim);
+int gb_surfaces_now(gb_sim *sim);
+void gb_set_mode(gb_sim *sim, int i, double mode, int log);
 void gb_log(gb_sim *sim, int index, int kind, double before, double after);
 
 #endif

@@ -12,6 +12,12 @@
 /* Whatever the compiler thinks of the size: a call in a loop over lanes would keep it from being vector code. */
 #define GB_MATH_INLINE static inline __attribute__((always_inline))
 
+/* x - floor(x), below 1 even where a tiny negative x would round up to it. */
+GB_MATH_INLINE double gb_fraction(double x) {
+    const double rest = x - floor(x);
+    return rest < 1.0 ? rest : 0.0;
+}
+
 /* x = n pi/2 + hi + lo with |hi| <= pi/4 in round-to-nearest; quadrant in {-2, -1, 0, 1, 2}, n modulo 4. */
 typedef struct gb_reduced {
     double hi, lo, quadrant;
@@ -106,6 +112,30 @@ static inline double gb_inverse_involute(double y) {
         }
     }
     return a;
+}
+
+/* a = chi v0 of a force k x^n (1 + chi x') with restitution e: a (1 + e) = ln((1 + a)/(1 - e a)); NaN unless 0 < e
+ * <= 1. */
+static inline double gb_restitution_damping(double e) {
+    if (!(e > 0.0 && e <= 1.0)) {
+        return nan("");
+    }
+    if (1.0 - e < 1e-4) {
+        return 1.5 * (1.0 - e * e) / (1.0 + e * e * e);
+    }
+    double low = 0.0, high = 1.0; /* of u = e a */
+    for (int i = 0; i < 200; i++) {
+        const double u = 0.5 * (low + high);
+        if (u == low || u == high) {
+            break;
+        }
+        if (u * (1.0 + e) / e - log1p(u / e) + log1p(-u) > 0.0) {
+            low = u;
+        } else {
+            high = u;
+        }
+    }
+    return low / e;
 }
 
 #endif

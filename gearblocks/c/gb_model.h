@@ -33,6 +33,16 @@ typedef struct gb_pattern {
     const int *order, *start, *row, *pair;
 } gb_pattern;
 
+/* An angle among the states that no law can tell from itself less `turns` whole turns. The solver keeps it near zero;
+ * the angle is y[state] + carry + 2 pi count, with the count and the carry (below the last digit of y) in the tail.
+ * Each time `turns` are taken off, the mode of switches[j] (segments of periodic tables) falls by steps[j]. */
+typedef struct gb_counted {
+    int state, n_switches;
+    double turns;
+    const int *switches;
+    const double *steps;
+} gb_counted;
+
 typedef struct gb_model {
     const char *name;
     const char *key; /* hash of the canonical content */
@@ -41,7 +51,7 @@ typedef struct gb_model {
     int n_speeds;     /* the last of these are speeds (0: not known) */
     int n_padded;     /* n rounded up; the tail starts here */
     int n_tail;       /* riders and ledger integrals */
-    int n_angles;     /* the first entries of the tail that are angles; the others are energies */
+    int n_angles;     /* the first entries of the tail that are angles or their turns; the others are energies */
     int n_total;      /* n_padded + n_tail, rounded up: length of y */
     int n_parameters; /* tunable values: par[0 .. n_parameters) */
     int n_par;        /* with the values derived from them: length of par */
@@ -89,6 +99,10 @@ typedef struct gb_model {
     /* The mode of switch i where its quantity is s (>= a limit belongs to the upper mode). */
     double (*mode_at)(const double *par, int i, double s);
 
+    /* Changes the states of blocks that take a new value as the modes go from `before` to `mode` (NULL: there are
+     * none). */
+    void (*hold)(const double *par, const double *before, const double *mode, const double *tau, double *y);
+
     /* Quantity of time switch i (in [n_surfaces, n_switches)) at t, its modes as everywhere above. */
     double (*clock)(const double *par, int i, double t);
 
@@ -119,6 +133,12 @@ typedef struct gb_model {
                      double g, double *diag, double *lower, double *upper, double *kept);
     void (*right_side)(const double *par, const double *kept, double g, const double *r, double *out);
     void (*simple_rates)(const double *par, const double *kept, const double *x, double *out);
+
+    /* As times for one lane, with every excitation by time alone at its mean (NULL: as they are). */
+    void (*means)(const double *par, const double *mode, int lanes, const double *t, const double *u, double *tau);
+    /* Angles whose turns are counted. Entries 2 c and 2 c + 1 of the tail belong to counted angle c. */
+    int n_counted;
+    const gb_counted *counted;
 } gb_model;
 
 #endif

@@ -1,10 +1,11 @@
 /* Memory, parameters, start, saved states. */
 #include "gb_combine.h"
 #include "gb_methods.h"
+#include "gb_sparse.h"
 
 #include <stdlib.h>
 
-enum { LINE = 64, METHODS = sizeof gb_method_table / sizeof gb_method_table[0] };
+enum { LINE = 64 };
 
 int gb_fail(gb_sim *sim, int code, int index, double t, double value) {
     const gb_report report = {code, index, t, value};
@@ -20,6 +21,11 @@ int gb_check_finite(gb_sim *sim, int code, const double *x, int count, int shift
         }
     }
     return GB_DONE;
+}
+
+void gb_set_method(gb_sim *sim, int method) {
+    sim->head->method = method;
+    sim->method = &gb_method_table[method];
 }
 
 /* The next `bytes` at cache line boundaries; a null base only counts. */
@@ -73,14 +79,30 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
         *by_surface[i] = doubles(base, &at, m->n_surfaces);
     }
     sim->slopes = doubles(base, &at, (long)GB_ROWS * m->n_affine);
+    sim->before = doubles(base, &at, m->hold ? m->n_switches : 0);
     sim->samples = doubles(base, &at, (m->n_surfaces > m->n_affine ? (long)GB_STAGES : 0) * m->n_surfaces);
     sim->z_out = doubles(base, &at, m->n_outputs);
+    sim->z_input = doubles(base, &at, m->n_inputs);
     sim->t = doubles(base, &at, GB_LANES);
     sim->t_one = doubles(base, &at, GB_LANES);
     sim->u = doubles(base, &at, (long)GB_LANES * m->n_inputs);
     sim->u_one = doubles(base, &at, (long)GB_LANES * m->n_inputs);
     sim->tau = doubles(base, &at, (long)GB_LANES * m->n_time);
     sim->tau_one = doubles(base, &at, (long)GB_LANES * m->n_time);
+    if (m->pattern) {
+        double **const by_unknown[] = {&sim->diag, &sim->inverse, &sim->work, &sim->unknown};
+        for (size_t i = 0; i < sizeof by_unknown / sizeof by_unknown[0]; i++) {
+            *by_unknown[i] = doubles(base, &at, m->pattern->n);
+        }
+        sim->lower = doubles(base, &at, m->pattern->n_places);
+        sim->upper = doubles(base, &at, m->pattern->n_places);
+        sim->kept = doubles(base, &at, m->n_kept);
+        sim->n_colours = gb_colour_count(m->pattern);
+        const size_t links = (size_t)sim->n_colours * (size_t)(m->n_simple + 1);
+        sim->colour = take(base, &at, sizeof(int) * (size_t)(m->pattern->n + 1));
+        sim->link = take(base, &at, sizeof(int) * links);
+        sim->gain = take(base, &at, sizeof(double) * links);
+    }
     sim->sources = take(base, &at, sizeof(gb_source) * (size_t)(m->n_inputs + 1));
     sim->moving = take(base, &at, sizeof(int) * (size_t)(m->n_inputs + 1));
     sim->log_capacity = 4L * m->n_switches + m->n_inputs + 64;
@@ -148,6 +170,7 @@ static int take_values(gb_sim *sim, double t) {
     if (code == GB_DONE) {
         model->prepare(sim->par);
         model->scales(sim->par, sim->scale);
+        gb_stiff_links(sim);
         gb_input_broadcast(sim);
         gb_input_find(sim, t, 0);
     }
@@ -172,14 +195,18 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     memset(sim->scale, 0, states);
     memset(sim->noise, 0, states);
     memset(sim->weight, 0, states);
-    sim->method = &gb_method_table[options->method];
+    gb_auto_start(sim);
+    gb_set_method(sim, options->method == GB_AUTO ? head->explicit_method : options->method);
     sim->n_log = sim->n_flushed = 0;
 }
 
 int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0) {
     const gb_model *model = sim->model;
-    if (options->method < 0 || options->method >= METHODS) {
+    if (options->method < 0 || options->method > GB_AUTO) {
         return gb_fail(sim, GB_ERR_STATE, options->method, t0, 0.0);
+    }
+    if (options->method == GB_RODAS && !model->pattern) {
+        return gb_fail(sim, GB_ERR_METHOD, options->method, t0, 0.0);
     }
     clear_run(sim, options, t0);
     int code = take_values(sim, t0);
@@ -196,6 +223,7 @@ int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0
         code = gb_check_finite(sim, GB_ERR_NAN_START, sim->y, model->n, 0, t0);
     }
     if (code == GB_DONE) {
+        gb_turns_wrap(sim, 0);
         gb_weights_grow(sim, sim->y);
         code = gb_modes_start(sim);
     }
@@ -245,19 +273,29 @@ int gb_restore(gb_sim *sim, const void *block) {
         return gb_fail(sim, GB_ERR_STATE, 0, sim->head->t1, (double)other.bytes);
     }
     memcpy(sim->head, block, sim->block_bytes);
-    sim->method = &gb_method_table[sim->head->options.method];
+    sim->method = &gb_method_table[sim->head->method];
     sim->n_log = sim->n_flushed = 0;
+    gb_stiff_links(sim);
     gb_input_broadcast(sim);
     return GB_DONE;
 }
 
 void gb_get_stats(const gb_sim *sim, gb_stats *stats) {
     const gb_head *head = sim->head;
-    const gb_stats now = {head->t1,       head->options.step > 0.0 ? head->options.step : head->h_next,
-                          head->turnover, head->steps,
-                          head->rejected, head->rhs_calls,
-                          head->events};
+    const gb_stats now = {.t = head->t1,
+                          .step = head->options.step > 0.0 ? head->options.step : head->h_next,
+                          .turnover = head->turnover,
+                          .steps = head->steps,
+                          .rejected = head->rejected,
+                          .rhs_calls = head->rhs_calls,
+                          .events = head->events,
+                          .jacobians = head->jacobians,
+                          .method = head->method,
+                          .n_switches = head->n_switches};
     *stats = now;
+    memcpy(stats->steps_by, head->steps_by, sizeof stats->steps_by);
+    memcpy(stats->switch_method, head->switch_method, sizeof stats->switch_method);
+    memcpy(stats->switch_t, head->switch_t, sizeof stats->switch_t);
 }
 
 void gb_get_report(const gb_sim *sim, gb_report *report) {

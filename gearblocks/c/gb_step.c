@@ -88,6 +88,9 @@ static int accept(gb_sim *sim, double end) {
     } else {
         gb_copy(sim->y, sim->z, model->n_total);
         gb_copy(sim->k1, sim->k + (size_t)sim->method->stages * (size_t)model->n_total, model->n_total);
+        if (model->n_counted > 0) {
+            gb_turns_advance(sim);
+        }
         head->t1 = end;
         if (!head->options.locate) {
             gb_mark_modes(sim);
@@ -105,6 +108,7 @@ static int accept(gb_sim *sim, double end) {
     head->turnover += head->turnover_segment;
     head->h_largest = gb_max(head->h_largest, head->t1 - from);
     head->steps++;
+    head->steps_by[head->method]++;
     head->row_due |= head->t1 > from;
     return GB_DONE;
 }
@@ -130,22 +134,28 @@ static double judge(gb_sim *sim, double h) {
     const gb_weights *e = &method->e[0];
     const int early = e->index[e->count - 1] == method->stages;
     const double *k_new = sim->k + (size_t)method->stages * (size_t)model->n_total;
+    const int implicit = method->gamma > 0.0;
     double error = -100.0;
     if (early) {
         last_derivative(sim);
     }
     if (!(head->options.step > 0.0)) {
-        if (head->h_weights == 0.0 || h > 2.0 * head->h_weights || head->poor) {
+        const int old = implicit && head->t1 - head->t_start > 2.0 * (head->t_weights - head->t_start) + h;
+        if (head->h_weights == 0.0 || h > 2.0 * head->h_weights || head->poor || old) {
             gb_weights_refresh(sim, h, sim->tau, head->poor || head->steps == 0 ? sim->z : NULL);
         }
         error = gb_log_error(sim, h);
     }
-    error += gb_taint(sim->z, model->n_total);
+    error += gb_taint(sim->z, implicit ? model->n_padded : model->n_total);
     if (error <= 0.0) {
         if (!early) {
             last_derivative(sim);
         }
         error += gb_taint(k_new, model->n_total);
+        if (implicit) {
+            gb_stiff_tail(sim, h);
+            error += gb_taint(sim->z + model->n_padded, model->n_total - model->n_padded);
+        }
     }
     return error;
 }
@@ -169,12 +179,17 @@ static int try_step(gb_sim *sim, double end) {
     for (int j = 0; j < method->all_stages; j++) {
         sim->t[j] = method->c[j] == 1.0 ? end : from + method->c[j] * h;
     }
-    const int code = gb_columns(sim, method->all_stages, sim->t, sim->u, sim->tau);
+    const int implicit = method->gamma > 0.0;
+    const int more = implicit ? gb_stiff_lanes(sim, from, h, sim->t + method->all_stages) : 0;
+    const int code = gb_columns(sim, method->all_stages + more, sim->t, sim->u, sim->tau);
     if (code != GB_DONE) {
         return code;
     }
     if (!sim->head->have_k1 && gb_first_derivative(sim, sim->tau) != GB_DONE) {
         return sim->head->report.code;
+    }
+    if (implicit) {
+        return gb_stiff_stages(sim, h);
     }
     gb_copy(sim->k, sim->k1, sim->model->n_total);
     gb_run_stages(sim, h);
@@ -209,25 +224,31 @@ int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
     const double limit = gb_min(head->t_break, stop);
-    int rejected = 0, tainted = 0, code = GB_DONE;
+    int rejected = 0, tainted = 0, code = sim->model->n_counted > 0 ? gb_turns_wrap(sim, 1) : GB_DONE;
     gb_copy(sim->y0, sim->y, sim->model->n_total);
     head->have_dense = head->have_tail = 0;
     head->h = 0.0;
-    if (limit - head->t1 <= 4.0 * DBL_EPSILON * fabs(head->t1)) {
+    if (code == GB_DONE && limit - head->t1 <= 4.0 * DBL_EPSILON * fabs(head->t1)) {
         return jump(sim, limit);
     }
-    if (!fixed && head->h_next == 0.0) {
+    if (code == GB_DONE && !fixed && head->h_next == 0.0) {
         code = prepare_first(sim);
     }
+    if (code == GB_DONE) {
+        code = gb_auto_look(sim, limit);
+    }
     double h = gb_min(head->h_next, head->options.max_step);
+    if (sim->model->n_counted > 0) {
+        h = gb_turns_step(sim, h);
+    }
     while (code == GB_DONE) {
         const double end = end_of_step(sim, h, limit);
         const double size = end - head->t1;
         code = try_step(sim, end);
-        if (code != GB_DONE) {
+        if (code != GB_DONE && (code != GB_ERR_SINGULAR || fixed || tainted > 12)) {
             break;
         }
-        const double error = judge(sim, size);
+        const double error = code == GB_DONE ? judge(sim, size) : NAN;
         if (error <= 0.0) {
             propose(sim, error, size, h, rejected);
             return accept(sim, end);
@@ -235,10 +256,11 @@ int gb_step(gb_sim *sim, double stop) {
         head->rejected++;
         rejected = 1;
         if (!(error > 0.0) && (fixed || ++tainted > 12)) {
-            code = name_taint(sim);
+            code = code == GB_DONE ? name_taint(sim) : code;
             break;
         }
-        h = size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1);
+        code = sim->head->report.code = GB_DONE;
+        h = gb_auto_rejected(sim, size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1));
         if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->t1), head->h_largest) || h < 1e-200) {
             code = gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), head->t1, h);
         }

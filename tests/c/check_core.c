@@ -77,6 +77,7 @@ int main(void) {
     check_inputs();
     check_state();
     check_hard();
+    check_stiff();
     printf("%s: %d failed\n", failures ? "FAILED" : "ok", failures);
     return failures != 0;
 }

@@ -44,5 +44,6 @@ void check_inputs(void);
 void check_state(void);
 void check_hard(void);
 void check_math(void);
+void check_stiff(void);
 
 #endif

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import numpy as np
@@ -10,6 +12,7 @@ import pytest
 
 import fmu_export
 import gearblocks as gb
+from fmu_export.instance import Instance, Unpacked
 
 
 @pytest.fixture(scope="module")
@@ -75,3 +78,38 @@ def test_a_run_goes_on_inside_the_fmu(rig: gb.Drivetrain, tmp_path: Path) -> Non
     result = fmpy.simulate_fmu(str(path), stop_time=0.01, output_interval=1e-3)
     for name in ("mesh.deflection", "motor.phi", "wheel.w"):
         assert result[name][0] == before[name][-1], name
+
+
+CUBIC = gb.Table(np.linspace(0, 1, 7), (0.0, 0.2, 0.1, -0.1, -0.2, 0.05, 0.0), kind="cubic", periodic=True)
+
+
+@pytest.mark.parametrize("variation", [gb.Fourier(cos=(0.2,)), gb.Profile(table=CUBIC)])
+def test_turns_that_are_counted_apart_survive_saving_and_restoring(
+    tmp_path: Path, variation: Any, unpacker: Callable[[Path, Path], Unpacked]
+) -> None:
+    rig = gb.Drivetrain("pair")
+    mesh = gb.GearMesh(
+        teeth=(23, 41), r_base=(0.023, 0.041), external=True, k=1e4, damping_ratio=0.05, stiffness_variation=variation
+    )
+    rig.chain(rig.add("pinion", gb.Inertia(J=1e-3)), rig.add("mesh", mesh), rig.add("wheel", gb.Inertia(J=4e-3)))
+    start = {"pinion.w": 90.0, "wheel.w": -90.0 * 23 / 41 + 1.0}
+    path = fmu_export.export(rig, tmp_path / "pair.fmu", initial=start, t_end=2.0)
+    result = fmpy.simulate_fmu(str(path), stop_time=2.0, output_interval=0.01)
+    run = gb.simulate(rig, t=result["time"], initial=start)
+    assert run["pinion.phi"][-1] > 100
+    for name in result.dtype.names[1:]:
+        np.testing.assert_array_equal(result[name], run[name], err_msg=name)
+    refs = [v.valueReference for v in fmpy.read_model_description(str(path)).modelVariables if v.causality == "output"]
+    with Instance(unpacker(path, tmp_path / "unpacked")) as instance:
+        instance.start()
+        state, kept = None, []
+        for i in range(100):
+            if i == 37:
+                state = instance.fmu.getFMUstate()
+            instance.step(0.01 * i, 0.01)
+            kept.append(instance.get(refs))
+        instance.fmu.setFMUstate(state)
+        for i in range(37, 100):
+            instance.step(0.01 * i, 0.01)
+            assert instance.get(refs) == kept[i]
+        instance.fmu.freeFMUstate(state)

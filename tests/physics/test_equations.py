@@ -38,6 +38,21 @@ def _train(name):
         two = rig.add("two", gb.Lash(k=5.0, half_gap=0.2, c=0.3, contact_damping="clipped"))
         rig.chain(drive, a, one, b, two, c)
         rig.connect(one.carrier, c.b)
+    elif name == "teeth":
+        shape = {"module": 0.2, "pressure_angle": 0.35, "profile_shift": (0.3, 0.1), "helix_angle": 0.2}
+        one = rig.add("one", gb.GearMesh(
+            teeth=(20, 30), external=True, **shape, face_width=1e-8, stiffness="iso6336", damping_ratio=0.1,
+            backlash=gb.Backlash(half_gap=0.2, law="smooth", width=0.1), friction=gb.ToothFriction(mu=0.1, phase=0.2),
+        ))  # fmt: skip
+        gaps = gb.Backlash(gaps=(0.1, 0.3, 0.2), coast_gaps=(0.2, 0.4, 0.1))
+        two = rig.add("two", gb.SplineCoupling(teeth=3, radius=1.3, k=7.0, c=0.3, backlash=gaps))
+        fit = gb.Backlash(half_gap=0.4, law="polynomial", degree=7)
+        spare = gb.SplineCoupling(teeth=9, radius=0.7, k=2.0, c=0.2, backlash=fit, contact_damping="always")
+        rig.chain(drive, a, one, b, two, c)
+        rig.chain(c, rig.add("spare", spare), rig.add("wall", gb.Fixed()))
+        rub = gb.ToothFriction(mu=0.2, flank="coast", transition=0.3)
+        inner = gb.GearMesh(teeth=(20, 73), external=False, module=0.2, pressure_angle=0.35, k=3.0, friction=rub)
+        rig.chain(a, rig.add("inner", inner), c)
     elif name == "excited":
         one = rig.add("one", gb.GearMesh(
             **mesh, stiffness_variation=gb.Fourier(cos=(0.3,), driven_by=2 + gb.sin(gb.time)),
@@ -82,7 +97,7 @@ def _number(expr, known):
     return sp.Float(sp.N(value.replace(sp.Heaviside, lambda x, *_: sp.Integer(1 if x >= 0 else 0)), 30))
 
 
-@pytest.mark.parametrize("name", ["meshes", "internal", "excited", "rigid"])
+@pytest.mark.parametrize("name", ["meshes", "internal", "teeth", "excited", "rigid"])
 def test_the_c_computes_what_the_equations_say(name):
     rig = _train(name)
     model = gb.build(rig)

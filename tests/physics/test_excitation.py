@@ -193,6 +193,8 @@ def test_a_square_stiffness_over_the_angle_is_refused():
         _pair(stiffness_variation=gb.Square(ripple=0.1, contact_ratio=1.5, driven_by="angle"))
 
 
-def test_mesh_phase_counts_the_cycles_of_the_teeth(distance):
+def test_mesh_phase_is_the_position_inside_the_cycle_of_the_teeth(distance):
     run = gb.simulate(_pair(stiffness_variation=gb.Fourier(cos=(0.1,))), t=T, initial=START, rtol=1e-9)
-    assert distance(run["mesh.mesh_phase"], Z[0] * run["pinion.phi"] / (2 * np.pi)) < 1e-12
+    phase, cycles = run["mesh.mesh_phase"], Z[0] * run["pinion.phi"] / (2 * np.pi)
+    assert np.all((phase >= 0) & (phase < 1))
+    assert np.abs((cycles - phase + 0.5) % 1 - 0.5).max() < 1e-12  # 50 cycles, to rounding

@@ -81,6 +81,8 @@ def check(rig: gb.Drivetrain, angle: float = 1.0, speed: float = 1.0, state: flo
             y[: len(size)] = size * random.normal(size=len(size))
             assert sim.start(Options(2, 1, 1e-6, 0.0, np.inf, np.inf), t, y) == 0
             J = differences(sim, t, y, size)
+            off, row = np.abs(sim.jacobian(t, y).toarray() - J) * size, (np.abs(J) * size).max(axis=1, keepdims=True)
+            assert (off <= NEAR * row).all()
             for g in (1e-3 * angle / speed, angle / speed, 1e3 * angle / speed):
                 check_step(sim, pattern, sim.step_matrix(t, y, g), (J, sim.step_matrix(t, y, 0.0).diag, size), random)
     return pattern
@@ -161,6 +163,15 @@ def test_a_mesh_over_the_angle_with_a_carrier_that_turns():
         rig.connect(added.wheel, other.a)
         rig.connect(added.carrier, arm.a)
     check(rig, angle=0.03)  # so that the phase of the teeth, 40 times the angle, moves little in a difference
+
+
+@pytest.mark.parametrize("external", [False, True], ids=["internal", "external"])
+def test_non_circular_pairs_with_a_stiffness_over_the_angle(external):
+    laws = (gb.RatioLaw.ellipse(0.3), gb.RatioLaw.segments(0.0887, 0.8143, 4.19))
+    stiff = 20 + 5 * gb.cos(2 * gb.driver_angle)
+    moves = 0.3 + gb.sin(gb.time)
+    gears = [gb.NonCircularGear(law=law, external=external, k=stiff, c=1.0, phase=moves) for law in laws]
+    check(between(*gears), angle=0.3)
 
 
 def test_springs_over_tables_and_expressions():

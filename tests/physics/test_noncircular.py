@@ -265,3 +265,15 @@ def test_three_branches_of_non_circular_pairs_and_differentials_turn_evenly_in_t
         assert np.abs(run[f"out{j}.w"] - 262.0 * u).max() < 262 * 1e-12
         even += np.abs(run[f"out{j}.w"] / 262.0 - 0.175) < 1e-12
     assert even.min() >= 1  # zeta = 1.5: always one branch at least
+
+
+def test_friction_as_a_square_wave_raises_and_lowers_the_moment():
+    wave = gb.piecewise((1.0, gb.sin(300 * gb.time) >= 0), (-1.0, True))
+    friction = gb.ToothFriction(mu=0.1, direction="square_wave", wave=wave)
+    run = gb.simulate(_rig(ELLIPSE, friction=friction), t=T[1:], rtol=1e-10)
+    sign = np.where(np.sin(300 * T[1:]) >= 0, 1.0, -1.0)
+    assert np.abs(run["mesh.moment"] - 400 * run["mesh.deflection"] * (1 + 0.1 * sign)).max() < 1e-12
+    assert np.abs(run["mesh.b.tau"] - run["mesh.moment"]).max() < 1e-12
+    assert run.energy.residual < 1e-8
+    with pytest.raises(gb.ModelError, match="knows no teeth to slide on"):
+        _rig(ELLIPSE, friction=gb.ToothFriction(mu=0.1))

@@ -54,7 +54,7 @@ def _refused(model: Any, words: str, **arguments: Any) -> None:
         *(({"t_end": 1.0, "rtol": x}, "rtol = ") for x in (0, -1, NAN, 1, "1", None, 1e-20)),
         *(({"t_end": 1.0, "step": x}, "step = ") for x in (0, -1, NAN, INF, "x")),
         *(({"t_end": 1.0, "max_step": x}, "max_step = ") for x in (0, -1, NAN, "x")),
-        *(({"t_end": 1.0, "method": x}, "method = ") for x in ("rk5", "rodas", 4, None, ["dp5"])),
+        *(({"t_end": 1.0, "method": x}, "method = ") for x in ("rk5", "radau", 4, None, ["dp5"])),
         ({"t_end": 1.0, "method": "rk4"}, "give step="),
         *(({"t_end": 1.0, "locate": x}, "locate = ") for x in ("x", None, 2)),
         ({"t_end": 1.0, "progress": 3}, "progress = 3 must be a function"),

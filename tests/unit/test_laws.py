@@ -6,6 +6,10 @@ import gearblocks as gb
 from gearblocks.laws import derive
 
 MESH = {"teeth": (23, 41), "r_base": (0.03, 0.03 * 41 / 23), "external": True, "k": 2e8, "c": 300.0}
+TEETH = {
+    "teeth": (23, 73), "external": False, "module": 3e-3, "pressure_angle": 0.35, "stiffness": "iso6336",
+    "face_width": 0.02, "profile_shift": (0.2, 0.1),
+}  # fmt: skip
 GAP = gb.Backlash(half_gap=3e-5)
 PASSIVE = {
     "shaft": gb.Shaft(k=1e4, c=1.0),
@@ -18,6 +22,21 @@ PASSIVE = {
     **{
         f"lash, {choice}": gb.Lash(k=1e3, half_gap=0.1, c=2.0, contact_damping=choice)
         for choice in ("clipped", "clipped_force", "always")
+    },
+    "polynomial gap": gb.GearMesh(
+        **MESH, contact_damping="always", backlash=gb.Backlash(half_gap=3e-5, law="polynomial", degree=9)
+    ),
+    "smooth gap": gb.GearMesh(**MESH, backlash=gb.Backlash(half_gap=3e-5, law="smooth", width=1e-6)),
+    "a gap of every tooth": gb.SplineCoupling(
+        teeth=3, radius=0.03, k=1e8, c=10.0, backlash=gb.Backlash(gaps=(1e-5, 3e-5, 2e-5))
+    ),
+    "impacts": gb.Lash(k=1e3, half_gap=0.1, contact_damping=gb.HuntCrossley(restitution=0.5)),
+    **{
+        f"tooth friction, {flank}, {transition}": gb.GearMesh(
+            **TEETH, backlash=GAP, c=300.0, friction=gb.ToothFriction(mu=0.1, flank=flank, transition=transition)
+        )
+        for flank in ("drive", "coast")
+        for transition in (None, 0.1)
     },
 }
 
@@ -49,8 +68,9 @@ def test_a_passive_block_supplies_nothing(block):
         Leaky(c=1.0),
         gb.GearMesh(**MESH, stiffness_variation=gb.Fourier(cos=(0.2,), driven_by=500.0)),
         gb.Torque(tau=1.0),
+        gb.GearMesh(**MESH, friction=gb.ToothFriction(mu=0.1, direction="square_wave", wave=gb.sin(gb.time))),
     ],
-    ids=["wrong loss", "parametric", "source"],
+    ids=["wrong loss", "parametric", "source", "square wave"],
 )
 def test_what_the_energies_do_not_explain_is_supplied(block):
     assert _law(block).supplied is not None

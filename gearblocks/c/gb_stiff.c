@@ -1,0 +1,181 @@
+/* The stages of a Rosenbrock step. With y = [s | others], x = [others | hidden speeds], s' = B x and
+ * E x' = G(t, s, x) a stage (I - g J) K = gamma r, g = gamma h, is
+ *     S K_x = gamma (E r_x + g dG/ds r_s),    K_s = gamma r_s + g B K_x
+ * (see gb_model.h; the hidden rows of E and r are zero). The tail takes no part: it follows by quadrature.
+ */
+#include "gb_combine.h"
+#include "gb_sparse.h"
+
+/* Part of a step in which the rates are differenced in time: rounding and truncation are of equal weight there. */
+static const double SHARE = 1e-4;
+
+/* Which speeds enter the rate of each simple state, B of gb_model.h: for every colour of speeds one entry of each row.
+ */
+void gb_stiff_links(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const gb_pattern *p = model->pattern;
+    double *mark = sim->work, *named = sim->inverse, *one = sim->z, *two = sim->z2;
+    if (!p) {
+        return;
+    }
+    gb_colours(p, sim->colour);
+    for (int c = 0; c < sim->n_colours; c++) {
+        int *link = sim->link + (size_t)c * (size_t)model->n_simple;
+        for (int u = 0; u < p->n; u++) {
+            mark[u] = sim->colour[u] == c ? 1.0 : 0.0;
+            named[u] = mark[u] * (u + 1);
+        }
+        model->simple_rates(sim->par, sim->kept, mark, one);
+        model->simple_rates(sim->par, sim->kept, named, two);
+        for (int i = 0; i < model->n_simple; i++) {
+            link[i] = one[i] != 0.0 ? (int)(two[i] / one[i] - 0.5) : -1;
+            sim->gain[(size_t)c * (size_t)model->n_simple + (size_t)i] = fabs(one[i]);
+        }
+    }
+    memset(sim->z, 0, sizeof(double) * (size_t)model->n_total);
+    memset(sim->z2, 0, sizeof(double) * (size_t)model->n_total);
+}
+
+/* The size below which a speed cannot matter yet: with it, the least of the coordinates that it drives would have come
+ * as far as it ever did within the time so far. floor: by entry of y, left alone where there is none. */
+void gb_stiff_floor(const gb_sim *sim, double h, double *floor) {
+    const gb_model *model = sim->model;
+    const double time = sim->head->t1 - sim->head->t_start + h;
+    for (int i = model->n_simple; i < model->n; i++) {
+        floor[i] = HUGE_VAL;
+    }
+    for (int c = 0; c < sim->n_colours; c++) {
+        const int *link = sim->link + (size_t)c * (size_t)model->n_simple;
+        const double *gain = sim->gain + (size_t)c * (size_t)model->n_simple;
+        for (int i = 0; i < model->n_simple; i++) {
+            const int at = model->n_simple + link[i];
+            if (link[i] >= 0 && at < model->n) {
+                const double size = gb_max(sim->peak[i], sim->scale[i]);
+                floor[at] = gb_min(floor[at], size / (gain[i] * time));
+            }
+        }
+    }
+}
+
+/* The instants of the difference in time, in the lanes behind those of the stages. */
+int gb_stiff_lanes(const gb_sim *sim, double from, double h, double *t) {
+    if (sim->model->n_time == 0) {
+        return 0;
+    }
+    const double step = gb_max(SHARE * h, 1e4 * DBL_EPSILON * fabs(from));
+    t[0] = from + step;
+    t[1] = from + 2.0 * step;
+    return 2;
+}
+
+/* h df/dt at the front, from a difference of second order. */
+static void slope_in_time(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const int lane = sim->method->all_stages;
+    double *first = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total, *second = sim->z2;
+    if (model->n_time == 0) {
+        return;
+    }
+    const double one = sim->t[lane] - sim->t[0], two = sim->t[lane + 1] - sim->t[0];
+    const double a = h * two / (one * (two - one)), b = h * one / (two * (two - one));
+    model->rhs(sim->par, sim->mode, sim->tau + lane, sim->y0, first);
+    model->rhs(sim->par, sim->mode, sim->tau + lane + 1, sim->y0, second);
+    sim->head->rhs_calls += 2;
+    for (int i = 0; i < model->n_padded; i++) {
+        first[i] = a * (first[i] - sim->k1[i]) - b * (second[i] - sim->k1[i]);
+    }
+}
+
+/* out = gamma (I - g J)^-1 r, both of length n. */
+static void solve_stage(gb_sim *sim, const double *r, double *out) {
+    const gb_model *model = sim->model;
+    const double gamma = sim->method->gamma, g = gamma * sim->stiff_h;
+    double *x = sim->unknown;
+    model->right_side(sim->par, sim->kept, g, r, x);
+    gb_solve(model->pattern, sim->inverse, sim->lower, sim->upper, x, sim->work, x);
+    model->simple_rates(sim->par, sim->kept, x, out);
+    for (int i = 0; i < model->n_simple; i++) {
+        out[i] = gamma * r[i] + g * out[i];
+    }
+    memcpy(out + model->n_simple, x, sizeof(double) * (size_t)(model->n - model->n_simple));
+}
+
+/* The matrix of a step of size h from the front, factored. */
+static int factor(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const double gamma = sim->method->gamma;
+    model->jacobian(sim->par, sim->mode, sim->tau, sim->y0, sim->k1, gamma * h, sim->diag, sim->lower, sim->upper,
+                    sim->kept);
+    sim->head->jacobians++;
+    sim->stiff_h = h;
+    const int bad = gb_factor(model->pattern, gamma, sim->diag, sim->lower, sim->upper, sim->inverse);
+    return bad < 0 ? GB_DONE : gb_fail(sim, GB_ERR_SINGULAR, model->n_simple + bad, sim->head->t1, sim->diag[bad]);
+}
+
+/* z2 = sum + f + the part of h df/dt in the right side of stage j. */
+static void add_slope(gb_sim *sim, int j, const double *sum, const double *f) {
+    const double weight = sim->method->slope[j];
+    const double *slope = sim->k + (size_t)GB_SLOPE * (size_t)sim->model->n_total;
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        gb_block *out = (gb_block *)(void *)(sim->z2 + b);
+        *out = *gb_block_at(sum + b) + *gb_block_at(f + b);
+        if (weight != 0.0) {
+            *out += weight * *gb_block_at(slope + b);
+        }
+    }
+}
+
+/* The states at a node of the quadrature. */
+static double *node(const gb_sim *sim, int i) {
+    return sim->k + (size_t)(GB_SPARE + i) * (size_t)sim->model->n_total;
+}
+
+/* All stages of the step from y0, and the n new states in z. */
+int gb_stiff_stages(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const gb_method *method = sim->method;
+    const int total = model->n_total, padded = model->n_padded;
+    const int code = factor(sim, h);
+    if (code != GB_DONE) {
+        return code;
+    }
+    slope_in_time(sim, h);
+    add_slope(sim, 0, sim->zero, sim->k1);
+    solve_stage(sim, sim->z2, sim->k);
+    for (int j = 1; j < method->stages; j++) {
+        const double *const from[] = {sim->y0, NULL}, sizes[] = {h, 1.0};
+        double *const out[] = {sim->z, sim->z2}, *k = sim->k + (size_t)j * (size_t)total;
+        gb_combine_all(2, method->stage[j], j, sim->k, total, padded, from, sizes, out);
+        model->rhs(sim->par, sim->mode, sim->tau + j, sim->z, k);
+        add_slope(sim, j, sim->z2, k);
+        solve_stage(sim, sim->z2, k);
+    }
+    const double *const from[] = {sim->y0, sim->y0, sim->y0}, sizes[] = {h, h, h};
+    double *const out[] = {sim->z, node(sim, 0), node(sim, 1)};
+    gb_combine_all(1 + GB_NODES, method->points, method->stages, sim->k, total, padded, from, sizes, out);
+    sim->head->rhs_calls += method->stages - 1;
+    return GB_DONE;
+}
+
+/* The rates at the nodes of the quadrature, and the tail of z. */
+void gb_stiff_tail(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const gb_method *method = sim->method;
+    const int total = model->n_total, padded = model->n_padded;
+    if (model->n_tail == 0) {
+        return;
+    }
+    gb_copy(sim->k + padded, sim->k1 + padded, total - padded);
+    for (int i = 0; i < GB_NODES; i++) {
+        const int j = method->stages + 1 + i;
+        model->rhs_full(sim->par, sim->mode, sim->tau + j, node(sim, i), sim->k + (size_t)j * (size_t)total);
+        sim->head->rhs_calls++;
+    }
+    gb_combine(&method->tail[0], sim->k, total, padded, total, sim->y0, h, sim->z);
+}
+
+/* What a small change of the rates does to the states within a step, as a rate: stiff parts do not follow it. */
+void gb_stiff_response(gb_sim *sim, double *change) {
+    memcpy(sim->z2, change, sizeof(double) * (size_t)sim->model->n);
+    solve_stage(sim, sim->z2, change);
+}

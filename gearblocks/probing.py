@@ -1,0 +1,196 @@
+"""A model at one point: rates, outputs and energies in frozen modes, and their derivatives as sparse matrices.
+
+Derivatives are central differences. Which entry depends on which unknown is found first, by moving blocks of unknowns
+that are halved from round to round; columns that share no row are then moved together. A chain of any length takes a
+few hundred evaluations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.core import Array, Options, Simulation
+from gearblocks.errors import SimulationError
+from gearblocks.program import Program
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
+
+Indices = NDArray[np.intp]
+
+_SHARE = 6e-6  # of the size of an unknown: its step, about the cube root of the rounding unit
+_FLOOR = 1e-3  # smallest size of an angle or state taken for its step
+_FLOOR_OF_SPEED = 1.0  # rad/s or m/s
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A model held at (t, y) in frozen modes. means: excitations of time alone at their means; u: values of inputs."""
+
+    sim: Simulation
+    program: Program
+    t: float
+    y: Array
+    modes: Array
+    u: Array | None = None
+    means: bool = False
+
+    def at(self, **changes: Any) -> Point:
+        """The same with other values."""
+        return replace(self, **changes)
+
+    def _look(self, wanted: str, y: Array | None) -> Array:
+        where = self.y if y is None else y
+        return self.sim.probe(self.t, where, self.modes, wanted, inputs=self.u, means=self.means)
+
+    def rates(self, y: Array | None = None) -> Array:
+        """dy/dt, length n_total."""
+        return self._look("rates", y)
+
+    def outputs(self, y: Array | None = None) -> Array:
+        """All outputs."""
+        return self._look("outputs", y)
+
+    def energies(self, y: Array | None = None) -> Array:
+        """All energies."""
+        return self._look("energies", y)
+
+    def fitting_modes(self, y: Array | None = None) -> Array:
+        """The modes that the state asks for."""
+        return self._look("modes", y)
+
+    def settled(self) -> Point:
+        """The same with modes that fit state and time."""
+        modes = self.modes
+        for _ in range(20):  # GB_FLIPS: modes may depend on each other
+            fit = self.at(modes=modes).fitting_modes()
+            if np.array_equal(fit, modes):
+                break
+            modes = fit
+        return self.at(modes=modes)
+
+
+_HOLD = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
+
+
+def restarted(point: Point) -> Array:
+    """Lets changed parameters take effect on the derived values; the state, shafts without inertia in balance."""
+    point.sim.start(_HOLD, point.t, point.y)
+    return point.sim.state()
+
+
+@contextmanager
+def opened(sim: Simulation, program: Program, t: float, y0: Array | None = None) -> Iterator[Point]:
+    """A point at the start values of `sim` (parameters and inputs are set), or at y0, in the modes that fit.
+
+    Raises SimulationError where a rate is no number there, RuntimeError where the start itself fails (see sim.report).
+    """
+    code = sim.start(_HOLD, t, y0)
+    if code < 0:
+        raise RuntimeError(f"gb_start answered {code.name}")
+    point = Point(sim, program, t, sim.state(), np.zeros(len(program.switches))).settled()
+    bad = np.flatnonzero(~np.isfinite(point.rates()[: program.n]))
+    if len(bad):
+        raise SimulationError(
+            t, program.states[int(bad[0])].name.rsplit(".", 1)[0], "a derivative is NaN or infinite",
+            "look at the law and the values of this component, and at inertias of 0",
+        )  # fmt: skip
+    yield point
+
+
+# -- derivatives ------------------------------------------------------------------------------------------------------
+
+
+def steps_of(program: Program, y: Array) -> Array:
+    """Size of the step of each entry of the state vector for differences."""
+    floor = np.full(program.n_total, _FLOOR)
+    speeds = [i for i, s in enumerate(program.states) if s.words == "speed"]
+    floor[speeds] = _FLOOR_OF_SPEED
+    return np.asarray(_SHARE * np.maximum(np.abs(y), floor))
+
+
+def derivative(
+    function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array, pattern: list[Indices] | None = None
+) -> csc_array:
+    """d function / d y[columns] at y, shape (len(function), len(columns)).
+
+    steps: of all entries of y; pattern: what `dependents` found, where it is known.
+    """
+    from scipy.sparse import csc_array
+
+    pattern = dependents(function, y, columns, steps) if pattern is None else pattern
+    rows, places, values = [], [], []
+    for group in disjoint(pattern):
+        moved = columns[group]
+        up, down = y.copy(), y.copy()
+        up[moved] += steps[moved]
+        down[moved] -= steps[moved]
+        change = function(up) - function(down)
+        width = up - down
+        for j in group:
+            rows.append(pattern[j])
+            places.append(np.full(len(pattern[j]), j))
+            values.append(change[pattern[j]] / width[columns[j]])
+    shape = (len(function(y)), len(columns))
+    if not rows:
+        return csc_array(shape)
+    return csc_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(places))), shape=shape)
+
+
+def dependents(function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array) -> list[Indices]:
+    """Rows of function(y) that depend on each of y[columns]: blocks of columns are moved and halved; blocks without a
+    common row go together.
+
+    An entry that does not depend on what moved keeps every bit; moves of random size do not cancel each other.
+    """
+    base = function(y)
+    size = np.random.default_rng(1).uniform(1.0, 2.0, len(columns))
+
+    def changed(blocks: list[tuple[int, int]]) -> NDArray[np.bool_]:
+        moved = y.copy()
+        for start, end in blocks:
+            moved[columns[start:end]] += steps[columns[start:end]] * size[start:end]
+        return np.asarray(function(moved) != base)
+
+    blocks = [(0, len(columns))] if len(columns) else []
+    rows = [np.flatnonzero(changed([block])) for block in blocks]
+    while any(end - start > 1 for start, end in blocks):
+        halves = [((a, (a + b) // 2), ((a + b) // 2, b)) if b - a > 1 else ((a, b),) for a, b in blocks]
+        found: dict[tuple[int, int], Indices] = {}
+        for group in disjoint(rows):
+            for half in (0, 1):
+                moving = {b: halves[b][half] for b in group if half < len(halves[b])}
+                if moving:
+                    hit = changed(list(moving.values()))
+                    found.update((part, rows[b][hit[rows[b]]]) for b, part in moving.items())
+        blocks = [part for parts in halves for part in parts]
+        rows = [found[block] for block in blocks]
+    return rows
+
+
+def disjoint(rows: list[Indices]) -> list[list[int]]:
+    """Groups of numbers whose rows do not overlap, each number in the first group that has room."""
+    groups: list[list[int]] = []
+    last: dict[int, set[int]] = {}
+    for number, own in enumerate(rows):
+        taken = set().union(*(last.get(int(r), ()) for r in own)) if len(own) else set()
+        chosen = next(g for g in range(len(groups) + 1) if g not in taken)
+        if chosen == len(groups):
+            groups.append([])
+        groups[chosen].append(number)
+        for r in own:
+            last.setdefault(int(r), set()).add(chosen)
+    return groups
+
+
+def state_matrix(point: Point) -> csc_array:
+    """d(dy/dt)/dy of the first n states in frozen modes, shape (n, n), sparse."""
+    n = point.program.n
+    steps = steps_of(point.program, point.y)
+    return derivative(lambda y: point.rates(y)[:n], point.y, np.arange(n), steps)

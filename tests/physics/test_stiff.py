@@ -1,0 +1,118 @@
+"""Stiff trains: the implicit method and the choice of the method."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+from gearblocks.errors import ParameterError
+
+
+def chain(n: int = 20, swing: float = 0.2, stiffened: float = 1.0) -> gb.Drivetrain:
+    """Heavy and light inertias in turn, shafts and meshes in turn, a shaft to ground, in static equilibrium at 200 N m."""
+    twists = [8e-4 + 200 / (1.5e6 * stiffened) if i % 2 and i < n - 1 else 0.02 for i in range(n)]
+    angles = np.cumsum(twists[::-1])[::-1]
+    rig = gb.Drivetrain("stiff chain")
+    links = [rig.add("drive", gb.Torque(tau=200 * (1 + swing * gb.sin(125.66370614359172 * gb.time))))]
+    for i in range(n):
+        links.append(rig.add(f"disc{i}", gb.Inertia(J=1e-5 if i % 2 else 1e-2, phi0=float(angles[i]))))
+        if i % 2 and i < n - 1:
+            link = gb.Lash(k=1.5e6 * stiffened, c=0.387, half_gap=8e-4, contact_damping="always")
+        else:
+            link = gb.Shaft(k=1e4, c=1.0)
+        links.append(rig.add(f"link{i}", link))
+    links.append(rig.add("ground", gb.Fixed()))
+    rig.chain(*links)
+    return rig
+
+
+TIMES = np.linspace(0.0, 0.05, 26)[1:]
+
+
+def far_off(run: gb.Trajectory, reference: gb.Trajectory, n: int = 20) -> float:
+    """Largest error of a twist relative to its largest value."""
+    pairs = [(run[f"link{i}.twist"], reference[f"link{i}.twist"]) for i in range(n)]
+    return max(float(np.abs(a - b).max() / np.abs(b).max()) for a, b in pairs)
+
+
+@pytest.fixture(scope="module")
+def model() -> gb.library.Model:
+    return gb.build(chain())
+
+
+@pytest.fixture(scope="module")
+def reference(model: gb.library.Model) -> gb.Trajectory:
+    return gb.simulate(model, t=TIMES, method="dp8", rtol=1e-11)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
+def test_the_implicit_method_meets_its_tolerance_on_a_stiff_chain(model, reference, rtol):
+    run = gb.simulate(model, t=TIMES, method="rodas", rtol=rtol)
+    assert far_off(run, reference) < 3 * rtol  # errors of some dozens of steps add up
+    assert run.stats.jacobians == run.stats.steps + run.stats.rejected
+    assert run.stats.steps < reference.stats.steps / 4
+    assert run.energy.residual < rtol
+
+
+def test_auto_leaves_the_explicit_method_where_stability_sets_its_steps_and_says_so(model, reference):
+    run = gb.simulate(model, t=TIMES, rtol=1e-6)
+    assert far_off(run, reference) < 3e-6
+    assert run.stats.method == "rodas+dp8"
+    assert "then rodas" in run.stats.why and "stability" in run.stats.why
+    assert run.stats.steps < reference.stats.steps / 10
+
+
+def test_meshes_that_hit_both_sides_are_located_by_the_implicit_method_too():
+    model = gb.build(chain(swing=1.5))
+    one, other = (gb.simulate(model, t=TIMES, method=m, rtol=1e-9) for m in ("rodas", "dp8"))
+    assert len(one.events) == len(other.events) > 10
+    assert max(abs(a.t - b.t) for a, b in zip(one.events, other.events, strict=True)) < 1e-8
+    assert far_off(one, other) < 1e-7  # corners amplify
+
+
+def test_the_cost_does_not_grow_with_stiffness():
+    runs = {s: gb.simulate(chain(stiffened=s), t=TIMES, method="rodas", rtol=1e-6) for s in (1.0, 1e2, 1e4, 1e6)}
+    steps = [run.stats.steps for run in runs.values()]
+    assert max(steps) < 2 * min(steps)
+    shafts = [np.array([run[f"link{i}.twist"] for i in range(0, 20, 2)]) for run in runs.values()]
+    gaps = [float(np.abs(a - shafts[-1]).max()) for a in shafts[:-1]]
+    assert gaps[0] > 10 * gaps[1]  # towards the rigid mesh
+    assert gaps[2] < 1e-6
+
+
+def test_a_train_that_is_not_stiff_keeps_the_explicit_method_bit_for_bit():
+    rig = gb.Drivetrain("plain")
+    rig.chain(rig.add("a", gb.Inertia(J=1.0, w0=1.0)), rig.add("s", gb.Shaft(k=100.0)), rig.add("b", gb.Inertia(J=2.0)))
+    auto, dp8 = (gb.simulate(rig, t_end=20.0, rtol=1e-8, method=m) for m in ("auto", "dp8"))
+    assert auto.stats.method == "dp8"
+    assert auto.stats.steps == dp8.stats.steps
+    assert (auto["s.twist"] == dp8["s.twist"]).all()
+
+
+def test_fixed_steps_are_possible_and_of_order_five():
+    rig = gb.Drivetrain("driven")
+    drive = rig.add("drive", gb.Torque(tau=gb.sin(3 * gb.time)))
+    link = rig.add("link", gb.Shaft(torque=10 * gb.twist + 200 * gb.twist**3, c=0.1))
+    rig.chain(drive, rig.add("disc", gb.Inertia(J=1.0, w0=1.0)), link, rig.add("ground", gb.Fixed()))
+    t = np.array([0.5, 1.0, 2.0])
+    model = gb.build(rig)
+    exact = gb.simulate(model, t=t, method="dp8", rtol=1e-13)["link.twist"]
+    errors = [np.abs(gb.simulate(model, t=t, method="rodas", step=h)["link.twist"] - exact).max() for h in (0.02, 0.01)]
+    assert 4.6 < np.log2(errors[0] / errors[1]) < 5.6
+
+
+def test_an_input_function_is_differenced_in_time():
+    rig = gb.Drivetrain("input")
+    drive = rig.add("drive", gb.Torque(tau=gb.Input("tau", unit="N m")))
+    rig.chain(
+        drive, rig.add("disc", gb.Inertia(J=1.0)), rig.add("c", gb.Shaft(k=50.0, c=5.0)), rig.add("g", gb.Fixed())
+    )
+    given = {"tau": lambda t: np.cos(7 * t)}
+    one, other = (gb.simulate(rig, t=TIMES * 40, method=m, rtol=1e-9, inputs=given) for m in ("rodas", "dp8"))
+    assert np.abs(one["c.twist"] - other["c.twist"]).max() < 1e-9 * np.abs(other["c.twist"]).max() * 10
+
+
+def test_an_unknown_method_is_refused_with_the_possible_ones():
+    with pytest.raises(ParameterError, match="'rodas'"):
+        gb.simulate(chain(n=4), t_end=1.0, method="rodass")

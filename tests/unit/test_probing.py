@@ -1,0 +1,75 @@
+"""Derivatives of compiled laws: patterns found by moving, and a probe that leaves no trace."""
+
+import numpy as np
+import pytest
+import scipy.sparse
+
+import gearblocks as gb
+from benchmarks.problems import p1
+from gearblocks.core import Code, Method, Options
+from gearblocks.probing import dependents, derivative, disjoint, opened, state_matrix
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (7, 1), (1, 9), (40, 40), (30, 57)])
+def test_the_pattern_and_the_values_of_any_sparse_matrix_are_found(shape):
+    matrix = scipy.sparse.random_array(shape, density=0.1, rng=np.random.default_rng(3), format="csc")
+    y = np.random.default_rng(4).normal(size=shape[1])
+    columns, steps = np.arange(shape[1]), np.full(shape[1], 1e-3)
+    found = dependents(lambda x: matrix @ x, y, columns, steps)
+    for j in columns:
+        assert np.array_equal(found[j], np.flatnonzero(matrix[:, [j]].toarray()))
+    slope = derivative(lambda x: matrix @ x, y, columns, steps)
+    assert np.abs((slope - matrix).toarray()).max() < 1e-11  # rounding of numbers near 1 over steps of 1e-3
+
+
+def test_columns_with_a_row_in_common_are_kept_apart():
+    rows = [np.array(r) for r in ([0, 1], [1, 2], [3], [2], [], [0])]
+    groups = disjoint(rows)
+    assert sorted(j for group in groups for j in group) == list(range(6))
+    for group in groups:
+        taken = np.concatenate([rows[j] for j in group])
+        assert len(set(taken)) == len(taken)
+
+
+def test_a_long_chain_needs_few_evaluations():
+    calls = 0
+
+    def second_differences(x):
+        nonlocal calls
+        calls += 1
+        return np.diff(x, 2)
+
+    n = 4096
+    derivative(second_differences, np.zeros(n), np.arange(n), np.ones(n))
+    assert calls < 120  # 2 x 3 groups in each of 12 rounds, and the values
+
+
+def test_a_look_at_a_point_changes_nothing_of_a_run():
+    model = gb.build(p1())
+    with model.library.open() as sim:
+        sim.parameters[:] = model.values
+        assert sim.start(Options(Method.DP8, 1, 1e-9, 0.0, np.inf, np.inf), 0.0) == Code.DONE
+        sim.advance(1e-3)
+        before, y = sim.save(), sim.state()
+        for what in ("rates", "outputs", "energies", "modes"):
+            sim.probe(0.3, 1.1 * y, np.array([-1.0]), what, means=True)
+        assert sim.save() == before
+        sim.advance(2e-3)
+        looked_at = sim.state()
+    with model.library.open() as sim:
+        sim.parameters[:] = model.values
+        sim.start(Options(Method.DP8, 1, 1e-9, 0.0, np.inf, np.inf), 0.0)
+        sim.advance(1e-3)
+        sim.advance(2e-3)
+        assert np.array_equal(looked_at, sim.state())
+
+
+def test_at_their_means_time_no_longer_matters():
+    model = gb.build(p1())
+    with model.library.open() as sim:
+        sim.parameters[:] = model.values
+        with opened(sim, model.program, 0.0) as point:
+            later = point.at(t=1e-5)
+            assert not np.array_equal(point.rates(), later.rates())
+            assert np.array_equal(point.at(means=True).rates(), later.at(means=True).rates())
+            assert (state_matrix(point.at(means=True)) != state_matrix(later.at(means=True))).nnz == 0
