@@ -131,7 +131,7 @@ struct gb_sim {
     int *colour, *link, n_colours; /* by unknown; by simple state and colour: the unknown in its rate, or -1 */
     double *gain;                  /* and its factor */
     double stiff_h;                /* the step size it was made for */
-    double *before; /* modes before an event */
+    double *before;                /* modes before an event */
     gb_source *sources;
     int *moving, n_moving; /* inputs that are no constants */
     gb_event *log;

@@ -24,7 +24,11 @@ static int fill_columns(gb_sim *sim, double t, const double *u, const double *mo
         }
     }
     if (code == GB_DONE && model->n_time > 0) {
-        (means && model->means ? model->means : model->times)(sim->par, mode, 1, sim->t_one, sim->u_one, sim->tau_one);
+        const int mean = means && model->means;
+        (mean ? model->means : model->times)(sim->par, mode, 1, sim->t_one, sim->u_one, sim->tau_one);
+        if (!mean && model->times_late) {
+            model->times_late(sim->par, mode, 1, sim->t_one, sim->u_one, sim->tau_one);
+        }
     }
     return code;
 }
