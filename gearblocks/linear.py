@@ -29,8 +29,9 @@ from gearblocks.core import Array
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError, SimulationError, UnknownNameError, did_you_mean
 from gearblocks.library import Model
-from gearblocks.probing import Indices, Point, derivative, opened, restarted, state_matrix, steps_of
+from gearblocks.probing import Point, derivative, opened, restarted, state_matrix, steps_of
 from gearblocks.program import Program
+from gearblocks.sparsemaps import Indices
 from gearblocks.statics import equilibrium
 from gearblocks.trajectory import Trajectory
 
