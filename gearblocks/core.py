@@ -112,7 +112,7 @@ class _Record(ctypes.Structure):
 class _Point(ctypes.Structure):
     """gb_point."""
 
-    _fields_ = [("t", c_double), ("means", c_int), ("mode", c_void_p), ("input", c_void_p)]
+    _fields_ = [("t", c_double), ("means", c_int), ("mode", c_void_p), ("input", c_void_p), ("rate", c_void_p)]
 
 
 EVENT = np.dtype([("t", "f8"), ("before", "f8"), ("after", "f8"), ("index", "i4"), ("kind", "i4")], align=True)
@@ -334,7 +334,7 @@ class Simulation:
     ) -> StepMatrix:  # fmt: skip
         """The matrix of a step at (t, y), g = gamma h; modes, inputs and means as for `probe` (None: the present modes)."""
         modes, inputs = _doubles(modes), _doubles(inputs)
-        point = _Point(t, int(means), _address(modes), _address(inputs))
+        point = _Point(t, int(means), _address(modes), _address(inputs), None)
         code, matrix = matrix_at(self._shared, self._sim, point, self._state_vector(y), g)
         _expect(code, "gb_linear_matrix")
         return matrix
@@ -377,12 +377,14 @@ class Simulation:
         return out
 
     def probe(
-        self, t: float, y: Array, modes: Array | None, wanted: str, *, inputs: Array | None = None, means: bool = False
-    ) -> Array:
+        self, t: float, y: Array, modes: Array | None, wanted: str, *, inputs: Array | None = None, means: bool = False,
+        rates: Array | None = None,
+    ) -> Array:  # fmt: skip
         """One thing at a point, the run untouched: "rates" (n_total), "outputs", "energies" or "modes" (those that fit).
 
         modes: of all switches (None: the present ones); inputs: values of all inputs (None: their sources at t); means:
-        excitations of time alone at their means. Only after `start`. Raises RuntimeError where an input fails.
+        excitations of time alone at their means; rates: n_total of them that outputs take as given. Only after `start`.
+        Raises RuntimeError where an input fails.
         """
         program = self._program
         lengths = {
@@ -390,8 +392,8 @@ class Simulation:
             "modes": len(program.switches),
         }  # fmt: skip
         result = np.zeros(lengths[wanted])
-        y, modes, values = self._state_vector(y), _doubles(modes), _doubles(inputs)
-        point = _Point(t, int(means), _address(modes), _address(values))
+        y, modes, values, rates = self._state_vector(y), _doubles(modes), _doubles(inputs), _doubles(rates)
+        point = _Point(t, int(means), _address(modes), _address(values), _address(rates))
         targets = [result.ctypes.data if name == wanted else None for name in lengths]
         _expect(self._shared.gb_probe(self._sim, ctypes.byref(point), y.ctypes.data, *targets), "gb_probe")
         return result

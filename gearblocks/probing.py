@@ -44,17 +44,17 @@ class Point:
         """The same with other values."""
         return replace(self, **changes)
 
-    def _look(self, wanted: str, y: Array | None) -> Array:
+    def _look(self, wanted: str, y: Array | None, rates: Array | None = None) -> Array:
         where = self.y if y is None else y
-        return self.sim.probe(self.t, where, self.modes, wanted, inputs=self.u, means=self.means)
+        return self.sim.probe(self.t, where, self.modes, wanted, inputs=self.u, means=self.means, rates=rates)
 
     def rates(self, y: Array | None = None) -> Array:
         """dy/dt, length n_total."""
         return self._look("rates", y)
 
-    def outputs(self, y: Array | None = None) -> Array:
-        """All outputs."""
-        return self._look("outputs", y)
+    def outputs(self, y: Array | None = None, rates: Array | None = None) -> Array:
+        """All outputs; rates: taken as given (length n_total)."""
+        return self._look("outputs", y, rates)
 
     def energies(self, y: Array | None = None) -> Array:
         """All energies."""

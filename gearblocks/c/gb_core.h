@@ -128,11 +128,11 @@ GB_API int gb_rhs(gb_sim *sim, double t, const double *y, double *dy);
 
 /* A point to look at. mode: of all switches (length n_switches), or NULL: those of the sim; input: values of all
  * inputs, or NULL: as their sources have them at t; means: every excitation by time alone at its mean
- * (gb_model.means). */
+ * (gb_model.means); rate: rates (length n_total) that the outputs take as given, or NULL: those of the laws. */
 typedef struct gb_point {
     double t;
     int means;
-    const double *mode, *input;
+    const double *mode, *input, *rate;
 } gb_point;
 
 /* Linear parts, for tests and tools: see jacobian, right_side and simple_rates of gb_model, at a point. No

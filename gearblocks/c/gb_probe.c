@@ -40,11 +40,11 @@ int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, doubl
     }
     if (code == GB_DONE) {
         double *rate = dy ? dy : sim->z2;
-        if (dy || out) {
+        if (dy || (out && !at->rate)) {
             model->rhs_full(sim->par, mode, sim->tau_one, y, rate);
         }
         if (out) {
-            model->outputs(sim->par, mode, sim->tau_one, y, rate, out);
+            model->outputs(sim->par, mode, sim->tau_one, y, at->rate ? at->rate : rate, out);
         }
         if (energy) {
             model->energies(sim->par, mode, sim->tau_one, y, energy);
