@@ -88,16 +88,20 @@ class Linear(Protocol):
         """B x."""
 
 
-class Groups(NamedTuple):
-    """Columns that share no row: of the derivatives by simple states, and of the rates of simple states."""
+_FAR = 1e9
+"""g at which the right side shows its derivatives alone."""
 
-    by_simple: list[Indices]
+
+class Groups(NamedTuple):
+    """Columns that share no row: of what the right side makes of the states, and of the rates of simple states."""
+
+    side: list[Indices]
     rates: list[Indices]
 
 
-def guessed_groups(pattern: Pattern, simple_rates: Callable[[Array], Array], n_simple: int) -> Groups:
+def guessed_groups(pattern: Pattern, simple_rates: Callable[[Array], Array], n_simple: int, n_others: int) -> Groups:
     """Groups that the pattern suggests: unknowns in the rate of a simple state are coupled to each other and to all
-    equations in which that state stands."""
+    equations in which that state stands. Few other states stand in a deflection: those of a prescribed angle."""
     colour = _colours(pattern)
     rates: list[list[int]] = [[] for _ in range(max(colour, default=-1) + 1)]
     for unknown, c in enumerate(colour):
@@ -111,7 +115,8 @@ def guessed_groups(pattern: Pattern, simple_rates: Callable[[Array], Array], n_s
     B = B.tocsr()
     first = [int(B.indices[start]) if start < end else -1 for start, end in pairwise(B.indptr)]
     by_simple = disjoint([around[u] if u >= 0 else [-1 - i] for i, u in enumerate(first)])
-    return Groups([np.array(g, dtype=np.intp) for g in by_simple], served)
+    rest = n_simple + np.arange(n_others)
+    return Groups([*(np.array(g, dtype=np.intp) for g in by_simple), rest], served)
 
 
 def _colours(pattern: Pattern) -> list[int]:
@@ -132,32 +137,37 @@ def state_jacobian(
     groups of columns that served (for the next time).
 
     With y = [s | x] and hidden speeds w: E x' = G, s' = B [x, w], 0 = the hidden rows of G. sizes: numbers of simple
-    states and of hidden speeds; matrix: the matrix of a step for g. Raises ArithmeticError where a derivative is not
+    states and of hidden speeds; matrix: the matrix of a step for g. The right side holds what deflections make of simple
+    states and of prescribed angles among the others, the matrix the rest. Raises ArithmeticError where a derivative is not
     finite or the hidden speeds are not determined.
     """
     from scipy import sparse
 
     (n_simple, n_hidden), n = sizes, len(pattern.order)
-    k, one = n - n_hidden, matrix(1.0)
+    k = n - n_hidden
+    far, near = matrix(_FAR), matrix(0.0)
 
     def rates(x: Array) -> Array:
-        return sim.simple_rates(one, x)
+        return sim.simple_rates(near, x)
 
-    guess = groups or guessed_groups(pattern, rates, n_simple)
-    by_s, for_s = recovered(lambda r: sim.right_side(one, r), (n, n_simple), guess.by_simple, n_simple + k)
+    def slopes(r: Array) -> Array:
+        return (sim.right_side(far, r) - sim.right_side(near, r)) / _FAR
+
+    guess = groups or guessed_groups(pattern, rates, n_simple, k)
+    by_y, for_side = recovered(slopes, (n, n_simple + k), guess.side, n_simple + k)
     speeds, for_rates = recovered(rates, (n_simple, n), guess.rates, n)
     by_x = _rate_part(pattern, matrix)
-    rows = sparse.hstack([by_s, by_x[:, :k]], format="csc")
+    rows = by_y + sparse.hstack([sparse.csc_array((n, n_simple)), by_x[:, :k]], format="csc")
     simple = sparse.hstack([sparse.csc_array((n_simple, n_simple)), speeds[:, :k]], format="csc")
     if n_hidden:
         hidden = solved(by_x[k:, k:], rows[k:])
         rows, simple = rows[:k] - by_x[:k, k:] @ hidden, simple - speeds[:, k:] @ hidden
-    others = solved(whole(pattern, matrix(0.0))[:k, :k], rows)
+    others = solved(whole(pattern, near)[:k, :k], rows)
     full = sparse.csc_array(sparse.vstack([simple, others], format="csc"))
     full.eliminate_zeros()
     if not np.isfinite(full.data).all():
         raise ArithmeticError("a derivative is NaN or infinite")
-    return full, Groups(for_s, for_rates)
+    return full, Groups(for_side, for_rates)
 
 
 def whole(pattern: Pattern, m: StepMatrix) -> Any:
