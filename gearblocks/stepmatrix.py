@@ -88,10 +88,6 @@ class Linear(Protocol):
         """B x."""
 
 
-_FAR = 1e9
-"""g at which the right side shows its derivatives alone."""
-
-
 class Groups(NamedTuple):
     """Columns that share no row: of what the right side makes of the states, and of the rates of simple states."""
 
@@ -145,18 +141,19 @@ def state_jacobian(
 
     (n_simple, n_hidden), n = sizes, len(pattern.order)
     k = n - n_hidden
-    far, near = matrix(_FAR), matrix(0.0)
+    first, last = _decades(matrix)
+    far, near = matrix(10.0 ** (last + 6)), matrix(0.0)
 
     def rates(x: Array) -> Array:
         return sim.simple_rates(near, x)
 
     def slopes(r: Array) -> Array:
-        return (sim.right_side(far, r) - sim.right_side(near, r)) / _FAR
+        return (sim.right_side(far, r) - sim.right_side(near, r)) / far.g
 
     guess = groups or guessed_groups(pattern, rates, n_simple, k)
     by_y, for_side = recovered(slopes, (n, n_simple + k), guess.side, n_simple + k)
     speeds, for_rates = recovered(rates, (n_simple, n), guess.rates, n)
-    by_x = _rate_part(pattern, matrix)
+    by_x = _rate_part(pattern, matrix, first, last)
     rows = by_y + sparse.hstack([sparse.csc_array((n, n_simple)), by_x[:, :k]], format="csc")
     simple = sparse.hstack([sparse.csc_array((n_simple, n_simple)), speeds[:, :k]], format="csc")
     if n_hidden:
@@ -183,18 +180,26 @@ def whole(pattern: Pattern, m: StepMatrix) -> Any:
     return made
 
 
-def _rate_part(pattern: Pattern, matrix: Callable[[float], StepMatrix]) -> Any:
+def _decades(matrix: Callable[[float], StepMatrix]) -> tuple[int, int]:
+    """Powers of ten that enclose, of all unknowns with a stiffness, the g at which it is as large as the inertia."""
+    far = 1e30  # the stiffness shows alone, and nothing overflows
+    inertia = np.abs(matrix(0.0).diag)
+    stiffness = np.abs(matrix(far).diag / 2 + matrix(-far).diag / 2) / far**2
+    known = (inertia > 0) & (stiffness > 1e-60 * inertia)
+    if not known.any():
+        return -9, 0
+    found = np.log10(inertia[known] / stiffness[known]) / 2
+    return int(np.floor(found.min())), int(np.ceil(found.max()))
+
+
+def _rate_part(pattern: Pattern, matrix: Callable[[float], StepMatrix], first: int, last: int) -> Any:
     """dG/dx, the part of the matrix that is odd in g: each entry from the g that leaves the least rounding."""
-    best: list[Array] = []
-    least: list[Array] = []
-    for exponent in range(-9, 1):
+    best = [np.zeros_like(part) for part in matrix(0.0)[1:4]]
+    least = [np.full(len(part), np.inf) for part in best]
+    for exponent in (first - 6, *range(first, last + 1), last + 6):
         g = 10.0**exponent
         for i, (p, m) in enumerate(zip(matrix(g)[1:4], matrix(-g)[1:4], strict=True)):
-            value, noise = (m - p) / (2 * g), np.maximum(abs(p), abs(m)) / g
-            if exponent == -9:
-                best.append(value)
-                least.append(noise)
-            else:
-                best[i] = np.where(noise < least[i], value, best[i])
-                least[i] = np.minimum(noise, least[i])
+            noise = np.maximum(abs(p), abs(m)) / g
+            best[i] = np.where(noise < least[i], (m - p) / (2 * g), best[i])
+            least[i] = np.minimum(noise, least[i])
     return whole(pattern, StepMatrix(0.0, best[0], best[1], best[2], np.zeros(0)))
