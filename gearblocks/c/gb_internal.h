@@ -168,6 +168,9 @@ int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau);
 int gb_columns_at(gb_sim *sim, double t);
 int gb_first_derivative(gb_sim *sim, const double *tau);
 
+/* gb_probe.c */
+int gb_point_columns(gb_sim *sim, const gb_point *at);
+
 /* gb_turns.c: angles whose turns are counted. */
 double gb_turns_step(const gb_sim *sim, double h);
 void gb_turns_advance(gb_sim *sim);
