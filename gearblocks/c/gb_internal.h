@@ -80,6 +80,8 @@ typedef struct gb_head {
     int trial;                     /* > 1: tries of implicit steps until it is decided, less one */
     int looks, gap;                /* how often it was considered of late, and how many steps there are between */
     long long look_at, steps_look; /* the next look; steps, rejected ones too, at the last one */
+    int restless;      /* changes of the method of late */
+    long long calm_at; /* when one of them is forgotten */
     double t_look, h_explicit, h_pays;
     int n_switches, switch_method[GB_KEPT];
     double switch_t[GB_KEPT];
