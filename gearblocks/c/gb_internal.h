@@ -131,7 +131,7 @@ struct gb_sim {
     double *diag, *inverse, *lower, *upper, *kept; /* the matrix of an implicit step */
     double *work, *unknown;
     int *colour, *link, n_colours; /* by unknown; by simple state and colour: the unknown in its rate, or -1 */
-    double *gain;                  /* and its factor */
+    double *gain;                  /* and one over its factor */
     double stiff_h;                /* the step size it was made for */
     double *before; /* modes before an event */
     gb_source *sources;
