@@ -1,18 +1,52 @@
 /* L D U on a fixed pattern, without pivoting. Knows nothing of steps and models. */
 #include "gb_sparse.h"
 
-/* Every column has one entry at most, its parent. */
-static void factor_tree(const gb_pattern *restrict p, double *restrict pivot, double *restrict lower,
-                        double *restrict upper) {
-    const int *restrict start = p->start, *restrict row = p->row;
-    for (int k = 0; k < p->n; k++) {
-        const int place = start[k];
-        pivot[k] = 1.0 / pivot[k];
-        if (place < start[k + 1]) {
-            const double l = lower[place] * pivot[k];
-            pivot[row[place]] -= l * upper[place];
-            upper[place] *= pivot[k];
-            lower[place] = l;
+/* Two neighbouring entries. The same operations in the same order on every machine. */
+typedef double gb_pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double)), may_alias));
+
+static inline gb_pair pair_at(const double *x) {
+    return *(const gb_pair *)(const void *)x;
+}
+static inline void put(double *x, gb_pair value) {
+    *(gb_pair *)(void *)x = value;
+}
+
+/* Do four columns from k of a tree, whose entries begin at `place`, each have one entry, two rows on? A chain that is
+ * eliminated from both ends is made of these. */
+static inline int in_run(const gb_pattern *p, int k, int place) {
+    const int *row = p->row + place;
+    return k + 6 <= p->n && p->start[k + 4] == place + 4 &&
+           ((row[0] ^ (k + 2)) | (row[1] ^ (k + 3)) | (row[2] ^ (k + 4)) | (row[3] ^ (k + 5))) == 0;
+}
+
+/* Every column has one entry at most, its parent. Along runs only a division and a difference follow on each other. */
+static void factor_tree(const gb_pattern *p, double *restrict pivot, double *restrict lower, double *restrict upper) {
+    const int *start = p->start, *row = p->row;
+    const gb_pair one = {1.0, 1.0};
+    int k = 0;
+    while (k < p->n) {
+        int place = start[k];
+        if (in_run(p, k, place)) {
+            gb_pair last = pair_at(pivot + k);
+            do {
+                const gb_pair l = pair_at(lower + place), u = pair_at(upper + place), inverse = one / last;
+                last = pair_at(pivot + k + 2) - (l * u) / last;
+                put(pivot + k, inverse);
+                put(lower + place, l * inverse);
+                put(upper + place, u * inverse);
+                k += 2;
+                place += 2;
+            } while (in_run(p, k, place));
+            put(pivot + k, last);
+        } else {
+            pivot[k] = 1.0 / pivot[k];
+            if (place < start[k + 1]) {
+                const double l = lower[place] * pivot[k];
+                pivot[row[place]] -= l * upper[place];
+                upper[place] *= pivot[k];
+                lower[place] = l;
+            }
+            k++;
         }
     }
 }
@@ -52,25 +86,6 @@ int gb_factor(const gb_pattern *p, double scale, const double *diag, double *low
     return bad < 0 ? -1 : p->order[bad];
 }
 
-/* Two neighbouring entries. The same operations in the same order on every machine. */
-typedef double gb_pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double)), may_alias));
-
-static inline gb_pair pair_at(const double *x) {
-    return *(const gb_pair *)(const void *)x;
-}
-static inline void put(double *x, gb_pair value) {
-    *(gb_pair *)(void *)x = value;
-}
-
-/* Do four columns from k, whose entries begin at `place`, each have one entry, two rows on? A chain that is eliminated
- * from both ends is made of these. */
-static inline int in_run(const gb_pattern *p, int k, int place) {
-    const int *row = p->row + place;
-    return k + 6 <= p->n && p->start[k + 4] == place + 4 && p->start[k + 1] == place + 1 &&
-           p->start[k + 2] == place + 2 && p->start[k + 3] == place + 3 && row[0] == k + 2 && row[1] == k + 3 &&
-           row[2] == k + 4 && row[3] == k + 5;
-}
-
 /* In runs two links are taken at once, so that each waits for half as many results: w4 - l2 (w2 - l0 w0) as
  * (w4 - l2 w2) + (l2 l0) w0. */
 static void forward_tree(const gb_pattern *p, const double *restrict lower, double *restrict w) {
@@ -102,7 +117,7 @@ static void backward_tree(const gb_pattern *p, const double *restrict inverse, c
     int k = p->n - 1;
     while (k >= 0) {
         const int place = p->start[k];
-        if (k >= 3 && place >= 3 && in_run(p, k - 3, place - 3)) {
+        if (k >= 3 && p->start[k - 3] == place - 3 && in_run(p, k - 3, place - 3)) {
             gb_pair last = pair_at(w + k + 1);
             int at = place - 3;
             do {
@@ -118,7 +133,7 @@ static void backward_tree(const gb_pattern *p, const double *restrict inverse, c
                 x[order[k + 4]] = x2[1];
                 put(w + k + 3, x2);
                 at -= 4;
-            } while (k >= 3 && at >= 0 && in_run(p, k - 3, at));
+            } while (k >= 3 && p->start[k - 3] == at && in_run(p, k - 3, at));
         } else {
             w[k] *= inverse[k];
             if (place < p->start[k + 1]) {

@@ -115,12 +115,15 @@ static int factor(gb_sim *sim, double h) {
     return bad < 0 ? GB_DONE : gb_fail(sim, GB_ERR_SINGULAR, model->n_simple + bad, sim->head->t1, sim->diag[bad]);
 }
 
-/* The sums of stage j over those before it: z = y0 + h sum a K, and in z2 what its right side has beside the rates. */
-static void sum_stages(gb_sim *sim, int j, double h) {
-    const double *a = sim->method->stage[j][0], *c = sim->method->stage[j][1], *k = sim->k;
+/* The sums of stage j (a constant) over those before it: z = y0 + h sum a K, and in z2 what its right side has beside
+ * the rates. */
+GB_INLINE void sums_of(const gb_sim *sim, int j, double h) {
+    const double *a = sim->method->stage[j][0], *c = sim->method->stage[j][1], *k = sim->k, *y0 = sim->y0;
     const double weight = sim->model->n_time > 0 ? sim->method->slope[j] : 0.0;
     const size_t total = (size_t)sim->model->n_total;
-    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+    const int padded = sim->model->n_padded;
+    double *z = sim->z, *z2 = sim->z2;
+    for (int b = 0; b < padded; b += GB_PAD) {
         gb_block state = a[0] * *gb_block_at(k + b), side = c[0] * *gb_block_at(k + b);
         for (int i = 1; i < j; i++) {
             const gb_block one = *gb_block_at(k + (size_t)i * total + b);
@@ -130,8 +133,36 @@ static void sum_stages(gb_sim *sim, int j, double h) {
         if (weight != 0.0) {
             side += weight * *gb_block_at(k + GB_SLOPE * total + b);
         }
-        *(gb_block *)(void *)(sim->z + b) = *gb_block_at(sim->y0 + b) + h * state;
-        *(gb_block *)(void *)(sim->z2 + b) = side;
+        *(gb_block *)(void *)(z + b) = *gb_block_at(y0 + b) + h * state;
+        *(gb_block *)(void *)(z2 + b) = side;
+    }
+}
+
+static void sum_stages(const gb_sim *sim, int j, double h) {
+    switch (j) {
+    case 1:
+        sums_of(sim, 1, h);
+        break;
+    case 2:
+        sums_of(sim, 2, h);
+        break;
+    case 3:
+        sums_of(sim, 3, h);
+        break;
+    case 4:
+        sums_of(sim, 4, h);
+        break;
+    case 5:
+        sums_of(sim, 5, h);
+        break;
+    case 6:
+        sums_of(sim, 6, h);
+        break;
+    case 7:
+        sums_of(sim, 7, h);
+        break;
+    default:
+        sums_of(sim, j, h);
     }
 }
 
