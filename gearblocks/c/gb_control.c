@@ -52,23 +52,23 @@ static double largest_in(const double *restrict peak, const double *restrict tri
     return most[0];
 }
 
-/* What the weights of a range of states are made of. least: a part of the largest of their kind; floor, first, trial:
- * by state, sizes in their own right. */
+/* What the weights of a range of states are made of. least: a part of the largest of their kind; per_time: makes a size
+ * of sim->floor; first, trial: by state, sizes in their own right. */
 typedef struct gb_sizes {
-    double rtol, h, least;
-    const double *floor, *first, *trial;
+    double rtol, h, least, per_time;
+    const double *first, *trial;
 } gb_sizes;
 
 /* The weights in [from, to); whether a state there has no size yet, for which the trial counts. */
 static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
     const double *restrict peak = sim->peak, *restrict scale = sim->scale, *restrict noise = sim->noise;
-    const double *restrict floor = sizes->floor, *restrict first = sizes->first, *restrict trial = sizes->trial;
-    const double rtol = sizes->rtol, h = sizes->h, least = sizes->least;
+    const double *restrict floor = sim->floor, *restrict first = sizes->first, *restrict trial = sizes->trial;
+    const double rtol = sizes->rtol, h = sizes->h, least = sizes->least, per_time = sizes->per_time;
     double *restrict out = sim->weight;
     int poor = 0;
     for (int i = from; i < to; i++) {
-        const double known = gb_max(gb_max(peak[i], scale[i]), least), lowest = floor[i] < HUGE_VAL ? floor[i] : 0.0;
-        const double own = gb_max(gb_max(known, lowest), fabs(h * first[i]));
+        const double known = gb_max(gb_max(peak[i], scale[i]), gb_max(least, floor[i] * per_time));
+        const double own = gb_max(known, fabs(h * first[i]));
         const double size = peak[i] <= least ? gb_max(own, fabs(trial[i])) : own;
         const double weight = rtol * size + h * noise[i];
         poor |= peak[i] <= least;
@@ -89,11 +89,15 @@ void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *
         head->h_noise = h;
         head->noise_at = 2 * head->steps + 1;
     }
-    if (implicit) {
-        gb_stiff_floor(sim, h, sim->z2);
+    if (implicit && head->steps >= head->floor_at) {
+        gb_stiff_floor(sim);
+        head->floor_at = head->steps + head->steps / 4 + 1;
     }
-    gb_sizes sizes = {head->options.rtol, h, 0.0, implicit ? sim->z2 : sim->zero, head->steps == 0 ? sim->k1 : sim->zero,
-                      trial ? trial : sim->zero};
+    gb_sizes sizes = {.rtol = head->options.rtol,
+                      .h = h,
+                      .per_time = implicit ? 1.0 / (head->t1 - head->t_start + h) : 0.0,
+                      .first = head->steps == 0 ? sim->k1 : sim->zero,
+                      .trial = trial ? trial : sim->zero};
     sizes.least = 1e-10 * largest_in(sim->peak, sizes.trial, 0, speeds);
     head->poor = weigh(sim, &sizes, 0, speeds);
     sizes.least = 1e-6 * largest_in(sim->peak, sizes.trial, speeds, n);

@@ -36,24 +36,27 @@ void gb_stiff_links(gb_sim *sim) {
     memset(sim->z2, 0, sizeof(double) * (size_t)model->n_total);
 }
 
-/* The size below which a speed cannot matter yet: with it, the least of the coordinates that it drives would have come
- * as far as it ever did within the time so far. floor: by entry of y, 0 or infinite where there is none. */
-void gb_stiff_floor(const gb_sim *sim, double h, double *floor) {
+/* The least way of a coordinate that a speed drives, as far as it ever came, over the gain: by entry of y, 0 where
+ * there is none. Over the time so far it is a speed that cannot have mattered yet. Sizes grow, so that old values are
+ * safe. */
+void gb_stiff_floor(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const double per_time = 1.0 / (sim->head->t1 - sim->head->t_start + h);
+    double *restrict floor = sim->floor;
     for (int i = 0; i < model->n; i++) {
-        floor[i] = i < model->n_simple ? 0.0 : HUGE_VAL;
+        floor[i] = HUGE_VAL;
     }
     for (int c = 0; c < sim->n_colours; c++) {
-        const int *link = sim->link + (size_t)c * (size_t)model->n_simple;
-        const double *gain = sim->gain + (size_t)c * (size_t)model->n_simple;
+        const int *restrict link = sim->link + (size_t)c * (size_t)model->n_simple;
+        const double *restrict gain = sim->gain + (size_t)c * (size_t)model->n_simple;
         for (int i = 0; i < model->n_simple; i++) {
             const int at = model->n_simple + link[i];
             if (link[i] >= 0 && at < model->n) {
-                const double size = gb_max(sim->peak[i], sim->scale[i]) * gain[i];
-                floor[at] = gb_min(floor[at], size * per_time);
+                floor[at] = gb_min(floor[at], gb_max(sim->peak[i], sim->scale[i]) * gain[i]);
             }
         }
+    }
+    for (int i = 0; i < model->n; i++) {
+        floor[i] = floor[i] < HUGE_VAL ? floor[i] : 0.0;
     }
 }
 
