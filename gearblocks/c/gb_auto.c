@@ -22,7 +22,8 @@ static double stability(const gb_sim *sim) {
 static double implicit_cost(const gb_sim *sim) {
     const gb_pattern *p = sim->model->pattern;
     const double places = (double)p->n_places / (p->n + 1), pairs = (double)gb_pair_count(p) / (p->n + 1);
-    const double units = 12.0 + 8.0 * (0.5 + 0.7 * places) + 0.7 * pairs;
+    const double solve = p->tree ? 0.2 + 0.4 * places : 0.5 + 0.7 * places;
+    const double units = 12.0 + 8.0 * solve + 0.7 * pairs;
     return units / (sim->head->explicit_method == GB_DP8 ? 12.0 : 6.0);
 }
 
