@@ -1,6 +1,9 @@
 /* The stages of a step and their weighted sums, where most of the time goes. */
 #include "gb_combine.h"
 
+/* Tolerance of the ledger below which rounding of powers that cancel would decide. */
+static const double LEAST = 1e-12;
+
 /* All stages of the step from y0, and the new state z with its tail. */
 void gb_run_stages(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
@@ -55,6 +58,82 @@ static double rough_log2(double x) {
     memcpy(&m, &bits, sizeof m);
     const double f = m - 1.0;
     return exponent + f * (1.4234 + f * (-0.5877 + f * 0.1643));
+}
+
+/* How far the energies of the step just computed may be off, all together, without the factor h. */
+static double exchange_error(const gb_sim *sim, const gb_weights *e) {
+    const gb_model *model = sim->model;
+    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_tail;
+    double sum = 0.0;
+    for (int i = from; i < to; i++) {
+        double error = 0.0;
+        for (int j = 0; j < e->count; j++) {
+            error += e->value[j] * sim->k[(size_t)e->index[j] * (size_t)model->n_total + (size_t)i];
+        }
+        sum += fabs(error);
+    }
+    return sum;
+}
+
+/* How far the rates of the energies at the four points of an implicit step are from a straight line, as a share of the
+ * sum of their weights. */
+static double exchange_bend(const gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_tail;
+    const size_t total = (size_t)model->n_total, last = (size_t)sim->method->stages;
+    const double *first = sim->k1, *end = sim->k + last * total, *one = end + total, *two = one + total;
+    double sum = 0.0;
+    for (int i = from; i < to; i++) {
+        sum += fabs((first[i] - one[i]) + (end[i] - two[i]));
+    }
+    return sum / 12.0;
+}
+
+/* The exchange of the step just computed, and a small part of the turnover so far and of what is stored. */
+static double exchange_size(gb_sim *sim, int with_stored) {
+    const gb_model *model = sim->model;
+    gb_head *head = sim->head;
+    double step = 0.0;
+    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_tail; i++) {
+        step += fabs(sim->z[i] - sim->y0[i]);
+    }
+    if (with_stored) {
+        double stored = 0.0;
+        model->energies(sim->par, sim->mode, sim->tau + sim->method->stages, sim->z, sim->energy);
+        for (int i = 0; i < model->n_energies; i++) {
+            stored += fabs(sim->energy[i]);
+        }
+        head->stored = gb_max(head->stored, stored);
+    }
+    return step + 0.05 * (head->turnover + head->stored);
+}
+
+/* log2 of the error of the ledger in the step just computed, in units of the tolerance times its exchange. What is
+ * stored counts too, and is asked for only where it decides. */
+double gb_log_exchange_error(gb_sim *sim, double h) {
+    const gb_method *method = sim->method;
+    const int implicit = method->gamma > 0.0;
+    const double first = h * (implicit ? exchange_bend(sim) : exchange_error(sim, &method->e[0]));
+    const double second = !implicit && method->n_errors > 1 ? h * exchange_error(sim, &method->e[1]) : 0.0;
+    double found = -100.0;
+    for (int with_stored = 0; with_stored < 2; with_stored++) {
+        const double size = exchange_size(sim, with_stored), unit = gb_max(sim->head->options.rtol, LEAST) * size;
+        if (!(size > 0.0 && first > 1e-30 * size)) {
+            return -100.0;
+        }
+        if (implicit) { /* the rule is of order 6, a line of order 2 */
+            found = 3.0 * rough_log2(first / size) + rough_log2(size / unit);
+        } else {
+            found = rough_log2(first / unit);
+            if (method->n_errors > 1) {
+                found = 2.0 * found - 0.5 * rough_log2((first * first + 0.01 * second * second) / (unit * unit));
+            }
+        }
+        if (found <= 0.0) {
+            return found;
+        }
+    }
+    return found;
 }
 
 /* log2 of the largest error of a state in units of its weight. */
