@@ -75,18 +75,19 @@ static double exchange_error(const gb_sim *sim, const gb_weights *e) {
     return sum;
 }
 
-/* How far the rates of the energies at the four points of an implicit step are from a straight line, as a share of the
- * sum of their weights. */
-static double exchange_bend(const gb_sim *sim) {
+/* The second and third differences of the rates of the energies at the four points of an implicit step: for a power
+ * sin wt at most (wh)^2/60 and (wh)^3/450 of it, so that third and second powers exceed the error (wh)^6/1512000. */
+static void exchange_bend(const gb_sim *sim, double *second, double *third) {
     const gb_model *model = sim->model;
     const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_tail;
-    const size_t total = (size_t)model->n_total, last = (size_t)sim->method->stages;
-    const double *first = sim->k1, *end = sim->k + last * total, *one = end + total, *two = one + total;
-    double sum = 0.0;
+    const size_t total = (size_t)model->n_total;
+    const double *first = sim->k1, *end = sim->k + (size_t)sim->method->stages * total, *one = end + total,
+                 *two = one + total, root = sqrt(5.0);
+    *second = *third = 0.0;
     for (int i = from; i < to; i++) {
-        sum += fabs((first[i] - one[i]) + (end[i] - two[i]));
+        *second += fabs((first[i] - one[i]) + (end[i] - two[i])) / 12.0;
+        *third += fabs((end[i] - first[i]) - root * (two[i] - one[i])) / 15.0;
     }
-    return sum / 12.0;
 }
 
 /* The exchange of the step just computed, and a small part of the turnover so far and of what is stored. */
@@ -113,21 +114,25 @@ static double exchange_size(gb_sim *sim, int with_stored) {
 double gb_log_exchange_error(gb_sim *sim, double h) {
     const gb_method *method = sim->method;
     const int implicit = method->gamma > 0.0;
-    const double first = h * (implicit ? exchange_bend(sim) : exchange_error(sim, &method->e[0]));
-    const double second = !implicit && method->n_errors > 1 ? h * exchange_error(sim, &method->e[1]) : 0.0;
-    double found = -100.0;
+    double first, second = 0.0, found = -100.0;
+    if (implicit) {
+        exchange_bend(sim, &first, &second);
+    } else {
+        first = exchange_error(sim, &method->e[0]);
+        second = method->n_errors > 1 ? exchange_error(sim, &method->e[1]) : 0.0;
+    }
     for (int with_stored = 0; with_stored < 2; with_stored++) {
-        const double size = exchange_size(sim, with_stored), unit = gb_max(sim->head->options.rtol, LEAST) * size;
-        if (!(size > 0.0 && first > 1e-30 * size)) {
+        const double size = exchange_size(sim, with_stored) / h, unit = gb_max(sim->head->options.rtol, LEAST) * size;
+        if (!(size > 0.0 && first + second > 1e-30 * size)) {
             return -100.0;
         }
-        if (implicit) { /* the rule is of order 6, a line of order 2 */
-            found = 3.0 * rough_log2(first / size) + rough_log2(size / unit);
+        const double one = rough_log2(first + 1e-40 * size), two = rough_log2(second + 1e-40 * size);
+        if (implicit) {
+            found = gb_max(3.0 * one - 2.0 * rough_log2(size), 2.0 * two - rough_log2(size)) - rough_log2(unit);
+        } else if (method->n_errors == 1) {
+            found = one - rough_log2(unit);
         } else {
-            found = rough_log2(first / unit);
-            if (method->n_errors > 1) {
-                found = 2.0 * found - 0.5 * rough_log2((first * first + 0.01 * second * second) / (unit * unit));
-            }
+            found = 2.0 * one - 0.5 * rough_log2(first * first + 0.01 * second * second) - rough_log2(unit);
         }
         if (found <= 0.0) {
             return found;

@@ -2,7 +2,7 @@
 #include "gb_combine.h"
 
 /* log2 of the error of the states, in units of the tolerance, below which the ledger may need shorter steps. */
-static const double QUIET = -8.0;
+static const double QUIET = -14.0;
 
 /* Inputs and time columns at `lanes` instants; the last instant fills the lanes that are left. */
 int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau) {
