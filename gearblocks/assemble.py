@@ -14,7 +14,7 @@ from gearblocks.errors import ModelError
 from gearblocks.graph import GROUND, Component, Train, numbers_of, structure_of
 from gearblocks.grouping import HELD, inertias, number_groups, start_values
 from gearblocks.kinematics import Driven, Follower
-from gearblocks.laws import Law, derive, exact_value
+from gearblocks.laws import Law, check_senses, derive, exact_value
 from gearblocks.rational import Exact, exact
 from gearblocks.ties import Groups, TieRow, merge
 
@@ -129,6 +129,7 @@ def _laws(train: Train) -> list[Law]:
         key = (structure_of(c.block), _grounded(c))
         if key not in made:
             made[key] = derive(c.block, key[1])
+            check_senses(made[key], c.path)
         laws.append(made[key])
     return laws
 

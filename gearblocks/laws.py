@@ -292,6 +292,29 @@ def _balance(law: Law, flanges: Mapping[str, Any]) -> None:
     law.supplied = None if supplied == 0 else supplied
 
 
+def check_senses(law: Law, path: str) -> None:
+    """ModelError where the component at `path` needs a sensed output before there is one: at the start, or for a motion."""
+    slots = law.pool.slots
+
+    def sensed(*exprs: Any) -> str:
+        return next(
+            (slots[x].of for e in exprs if e is not None for x in e.free_symbols if slots[x].role == "sense"), ""
+        )
+
+    for x in law.drives:
+        if found := sensed(*x.gains.values(), x.bias, x.surplus, x.angle):
+            raise ModelError(
+                f"'{path}': the sensed output '{found}' cannot prescribe a rigid motion, not through a filter either: it may "
+                f"follow from the torques of that motion; prescribe an Input, or drive with a torque that depends on it"
+            )
+    for state, value in law.starts.items():
+        if found := sensed(value):
+            raise ModelError(
+                f"'{path}': the state '{state}' starts from the sensed output '{found}', which is not known before the "
+                f"start; give Start a number, a Parameter or an Input"
+            )
+
+
 def vanishes(expr: Any, pool: Pool) -> bool:
     """Whether an expression is zero at a handful of fixed points (modes 0 or 1); expanding it would take far longer."""
     if expr == 0 or not expr.free_symbols:

@@ -185,7 +185,7 @@ def _decades(matrix: Callable[[float], StepMatrix]) -> tuple[int, int]:
     far = 1e30  # the stiffness shows alone, and nothing overflows
     inertia = np.abs(matrix(0.0).diag)
     stiffness = np.abs(matrix(far).diag / 2 + matrix(-far).diag / 2) / far**2
-    known = (inertia > 0) & (stiffness > 1e-60 * inertia)
+    known = (inertia > 0) & (stiffness > 1e-55 * inertia)
     if not known.any():
         return -9, 0
     found = np.log10(inertia[known] / stiffness[known]) / 2

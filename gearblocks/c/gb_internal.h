@@ -67,7 +67,7 @@ typedef struct gb_head {
     double h_worked;  /* the last accepted size, or the proposed one if that is smaller */
     double log_error; /* of the last accepted step, base 2 */
     double t_break;   /* the next announced instant: time switches and tables */
-    double turnover, turnover_segment;
+    double turnover, turnover_segment, stored; /* stored: the largest that a look at it found */
     long long steps, rejected, rhs_calls, events, jacobians, noise_at;
     long long steps_by[GB_METHODS];
     long long floor_at; /* when the floors of the sizes are due */
@@ -123,6 +123,7 @@ struct gb_sim {
     /* Outside the block. */
     double *k;                         /* derivatives by stage, each n_total long */
     double *z, *z2, *zero;             /* stage states, length n_total */
+    double *energy;                    /* all energies of one instant */
     double *z_out;                     /* all outputs of one row */
     double *z_input;                   /* all inputs of one instant */
     double *t, *u, *tau;               /* lanes of a step */
@@ -184,6 +185,7 @@ int gb_turns_wrap(gb_sim *sim, int with_modes);
 void gb_run_stages(gb_sim *sim, double h);
 void gb_run_extra_stages(gb_sim *sim, double h);
 double gb_log_error(const gb_sim *sim, double h);
+double gb_log_exchange_error(gb_sim *sim, double h);
 
 /* gb_stiff.c: the same for implicit methods. */
 void gb_stiff_links(gb_sim *sim);

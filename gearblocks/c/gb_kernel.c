@@ -1,6 +1,9 @@
 /* The stages of a step and their weighted sums, where most of the time goes. */
 #include "gb_combine.h"
 
+/* Tolerance of the ledger below which rounding of powers that cancel would decide. */
+static const double LEAST = 1e-12;
+
 /* All stages of the step from y0, and the new state z with its tail. */
 void gb_run_stages(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
@@ -72,6 +75,87 @@ static double last_norm(const gb_sim *sim) {
         }
     }
     return largest_of(worst);
+}
+
+/* How far the energies of the step just computed may be off, all together, without the factor h. */
+static double exchange_error(const gb_sim *sim, const gb_weights *e) {
+    const gb_model *model = sim->model;
+    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_tail;
+    double sum = 0.0;
+    for (int i = from; i < to; i++) {
+        double error = 0.0;
+        for (int j = 0; j < e->count; j++) {
+            error += e->value[j] * sim->k[(size_t)e->index[j] * (size_t)model->n_total + (size_t)i];
+        }
+        sum += fabs(error);
+    }
+    return sum;
+}
+
+/* The second and third differences of the rates of the energies at the four points of an implicit step: for a power
+ * sin wt at most (wh)^2/60 and (wh)^3/450 of it, so that third and second powers exceed the error (wh)^6/1512000. */
+static void exchange_bend(const gb_sim *sim, double *second, double *third) {
+    const gb_model *model = sim->model;
+    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_tail;
+    const size_t total = (size_t)model->n_total;
+    const double *first = sim->k1, *end = sim->k + (size_t)sim->method->stages * total, *one = end + total,
+                 *two = one + total, root = sqrt(5.0);
+    *second = *third = 0.0;
+    for (int i = from; i < to; i++) {
+        *second += fabs((first[i] - one[i]) + (end[i] - two[i])) / 12.0;
+        *third += fabs((end[i] - first[i]) - root * (two[i] - one[i])) / 15.0;
+    }
+}
+
+/* The exchange of the step just computed, and a small part of the turnover so far and of what is stored. */
+static double exchange_size(gb_sim *sim, int with_stored) {
+    const gb_model *model = sim->model;
+    gb_head *head = sim->head;
+    double step = 0.0;
+    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_tail; i++) {
+        step += fabs(sim->z[i] - sim->y0[i]);
+    }
+    if (with_stored) {
+        double stored = 0.0;
+        model->energies(sim->par, sim->mode, sim->tau + sim->method->stages, sim->z, sim->energy);
+        for (int i = 0; i < model->n_energies; i++) {
+            stored += fabs(sim->energy[i]);
+        }
+        head->stored = gb_max(head->stored, stored);
+    }
+    return step + 0.05 * (head->turnover + head->stored);
+}
+
+/* log2 of the error of the ledger in the step just computed, in units of the tolerance times its exchange. What is
+ * stored counts too, and is asked for only where it decides. */
+double gb_log_exchange_error(gb_sim *sim, double h) {
+    const gb_method *method = sim->method;
+    const int implicit = method->gamma > 0.0;
+    double first, second = 0.0, found = -100.0;
+    if (implicit) {
+        exchange_bend(sim, &first, &second);
+    } else {
+        first = exchange_error(sim, &method->e[0]);
+        second = method->n_errors > 1 ? exchange_error(sim, &method->e[1]) : 0.0;
+    }
+    for (int with_stored = 0; with_stored < 2; with_stored++) {
+        const double size = exchange_size(sim, with_stored) / h, unit = gb_max(sim->head->options.rtol, LEAST) * size;
+        if (!(size > 0.0 && first + second > 1e-30 * size)) {
+            return -100.0;
+        }
+        const double one = rough_log2(first + 1e-40 * size), two = rough_log2(second + 1e-40 * size);
+        if (implicit) {
+            found = gb_max(3.0 * one - 2.0 * rough_log2(size), 2.0 * two - rough_log2(size)) - rough_log2(unit);
+        } else if (method->n_errors == 1) {
+            found = one - rough_log2(unit);
+        } else {
+            found = 2.0 * one - 0.5 * rough_log2(first * first + 0.01 * second * second) - rough_log2(unit);
+        }
+        if (found <= 0.0) {
+            return found;
+        }
+    }
+    return found;
 }
 
 /* log2 of the largest error of a state in units of its weight. */

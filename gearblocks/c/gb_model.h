@@ -51,6 +51,7 @@ typedef struct gb_model {
     int n_speeds;     /* the last of these are speeds (0: not known) */
     int n_padded;     /* n rounded up; the tail starts here */
     int n_tail;       /* riders and ledger integrals */
+    int paced;        /* time alone moves shafts: the states do not tell how long a step may be */
     int n_angles;     /* the first entries of the tail that are angles or their turns; the others are energies */
     int n_total;      /* n_padded + n_tail, rounded up: length of y */
     int n_parameters; /* tunable values: par[0 .. n_parameters) */

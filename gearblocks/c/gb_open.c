@@ -81,6 +81,7 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
     sim->slopes = doubles(base, &at, (long)GB_ROWS * m->n_affine);
     sim->before = doubles(base, &at, m->hold ? m->n_switches : 0);
     sim->samples = doubles(base, &at, (m->n_surfaces > m->n_affine ? (long)GB_STAGES : 0) * m->n_surfaces);
+    sim->energy = doubles(base, &at, m->n_energies);
     sim->z_out = doubles(base, &at, m->n_outputs);
     sim->z_input = doubles(base, &at, m->n_inputs);
     sim->t = doubles(base, &at, GB_LANES);

@@ -1,6 +1,9 @@
 /* One accepted step. Knows methods only as tables, and switches only through gb_watch. */
 #include "gb_combine.h"
 
+/* log2 of the error of the states, in units of the tolerance, below which the ledger may need shorter steps. */
+static const double QUIET = -14.0;
+
 /* Inputs and time columns at `lanes` instants; the last instant fills the lanes that are left. */
 int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau) {
     for (int l = lanes; l < GB_LANES; l++) {
@@ -155,6 +158,9 @@ static double judge(gb_sim *sim, double h) {
         if (implicit) {
             gb_stiff_tail(sim, h);
             error += gb_taint(sim->z + model->n_padded, model->n_total - model->n_padded);
+        }
+        if (error <= (model->paced ? 0.0 : QUIET) && !(head->options.step > 0.0) && model->n_tail > model->n_angles) {
+            error = gb_max(error, gb_log_exchange_error(sim, h));
         }
     }
     return error;
