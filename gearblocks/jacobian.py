@@ -41,9 +41,7 @@ def linear_part(g: Generator) -> Linear | None:
         matrix = Matrix(unknowns, senses)
         pattern = eliminate(unknowns.count, matrix.coupled(batches))
         linear = Linear(pattern, unknowns.n_simple, unknowns.first_speed, senses.kept, senses.n_slopes)
-        if isinstance(unknowns, Varying):
-            matrix.write_computed(unknowns, linear)
-        elif not unknowns.plain:
+        if isinstance(unknowns, Unknowns) and not unknowns.plain:
             linear.following = Following(
                 unknowns.speeds, unknowns.heavy, unknowns.torques, unknowns.growths, unknowns.by_rate, *unknowns.tilts()
             )
@@ -176,10 +174,12 @@ class Matrix:
         if not self.unknowns.plain:
             inertias = zip(self.unknowns.torques, self.unknowns.heavy, strict=True)
             self.spread += [self._entry(linear.pattern, *pair) for pair in inertias]
-        if self.op == "spread":
+        if isinstance(self.unknowns, Varying):
+            self._write_computed(self.unknowns, linear)
+        else:
             linear.spread = self.spread
 
-    def write_computed(self, unknowns: Varying, linear: Linear) -> None:
+    def _write_computed(self, unknowns: Varying, linear: Linear) -> None:
         """What groups with gains that change add, and the tables of their rows."""
         pattern, numbers = linear.pattern, unknowns.numbers
         for function in unknowns.functions:
