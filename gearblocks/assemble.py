@@ -204,8 +204,11 @@ def _dynamics(law: Law) -> list[Any]:
 
 def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) -> None:
     follows = {f.group: f for f in assembly.followers}
-    given = frozenset(g for g, f in follows.items() if f.drive is not None and not f.drive.by_speed)
     expanded = expand_rows(assembly)
+    given = {
+        g: [root for s in f.sources for root in (expanded[s].groups if s in expanded else (s,))]
+        for g, f in follows.items() if f.drive is not None and not f.drive.by_speed
+    }  # fmt: skip
     elimination = Elimination(given)
     batches: dict[Any, Batch] = {}
     facts: dict[int, tuple[tuple[bool, ...], bool]] = {}

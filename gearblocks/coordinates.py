@@ -6,7 +6,7 @@ closes a loop is an exact combination of them. Absolute angles remain only for g
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -42,11 +42,12 @@ def _accumulate(target: dict[_K, Exact], source: Mapping[_K, Exact], factor: Exa
 class Elimination:
     """Takes forms one by one; `definitions` say how each eliminated group angle follows from what is left.
 
-    given: groups whose angles follow otherwise (a prescribed angle): they are never eliminated.
+    given: groups whose angles follow otherwise (a prescribed angle), with those that they follow from: they are never
+    eliminated, and none of these is defined by them.
     """
 
-    def __init__(self, given: frozenset[int] = frozenset()) -> None:
-        self.given = given
+    def __init__(self, given: Mapping[int, Collection[int]] | None = None) -> None:
+        self.given = given or {}
         self.definitions: dict[int, Combination] = {}
         self._gains: dict[int, dict[int, Exact]] = {}
         self._tops: dict[int, int] = {}
@@ -58,13 +59,12 @@ class Elimination:
         left: dict[int, Exact] = {}
         for group, c in form.groups.items():
             _accumulate(left, self._roots(group), c)
-        if all(g in self.given for g in left):
+        free = left.keys() - self.given.keys() - self._upstream([g for g in left if g in self.given])
+        if not free:
             return self.expand(form)
         apart = self._join(list(form.groups))
-        raw = (
-            [g for g in form.groups if g in left and g not in self.definitions and g not in self.given] if apart else []
-        )
-        pivot = raw[-1] if raw else next(g for g in left if g not in self.given)
+        raw = [g for g in form.groups if g in free and g not in self.definitions] if apart else []
+        pivot = raw[-1] if raw else next(g for g in left if g in free)
         base = form if raw else self.expand(form)
         c = base.groups[pivot]
         definition = Combination({}, {self.n: over(1, c)}, {})
@@ -75,6 +75,16 @@ class Elimination:
         self.rows.append(dict(form.groups))
         self.n += 1
         return self.n - 1
+
+    def _upstream(self, driven: list[int]) -> set[int]:
+        """The groups that are not eliminated from which the angles of driven groups follow."""
+        found: set[int] = set()
+        stack = list(driven)
+        while stack:
+            new = {root for s in self.given.get(stack.pop(), ()) for root in self._roots(s)} - found
+            found |= new
+            stack += new
+        return found
 
     def _join(self, groups: list[int]) -> bool:
         """Notes that a form joins these groups. True when none of them was joined to another one before, so that none

@@ -460,7 +460,7 @@ def test_two_non_circular_pairs_and_a_differential():
             rig.connect(across.b, far.a)
     out = rig.add("out", gb.Inertia(J=2.0))
     rig.connect(set_.carrier, out.a)
-    load = rig.add("load", gb.Torque(tau=-0.4 * gb.sense("near0.w") * gb.sense("set.carrier.w") - gb.sense("out.phi")))
+    load = rig.add("load", gb.Torque(tau=-0.4 * gb.sense("near0.w") * gb.sense("out.w") - gb.sense("out.phi")))
     rig.connect(load.flange, out.a)
     check_whole(rig)
 
