@@ -41,7 +41,9 @@ def number_of(x: Any) -> Exact:
     return exact_value(x, {}) if x.is_Rational else exact(float(x))
 
 
-def drive_slopes(code: BatchCode, number: int, rows: Sequence[Driven], numbers: Numbers) -> tuple[DriveSlopes, Function]:
+def drive_slopes(
+    code: BatchCode, number: int, rows: Sequence[Driven], numbers: Numbers
+) -> tuple[DriveSlopes, Function]:
     """The derivatives of drive `number` of a batch, and the function that computes those that are no numbers.
 
     rows: the drive of each instance. NotImplementedError where there is no formula.

@@ -147,7 +147,9 @@ class Varying:
             return self.speeds[self.angles[place - self.lay.angle0]]
         if place not in self._rates:
             row = self.assembly.rows[place]
-            self._rates[place] = self.numbers.combine((self.numbers.constant(c), self.speeds[i]) for i, c in row.items())
+            self._rates[place] = self.numbers.combine(
+                (self.numbers.constant(c), self.speeds[i]) for i, c in row.items()
+            )
         return self._rates[place]
 
     def _state(self, place: int) -> Row:

@@ -415,7 +415,11 @@ def test_shafts_without_inertia_between_springs_are_in_balance_at_all_times():
 def in_a_row(*links: gb.Block) -> gb.Drivetrain:
     """Bodies with these links in between and springs to the ground at both ends."""
     rig = gb.Drivetrain("row")
-    parts = [rig.add("ground0", gb.Fixed()), rig.add("spring0", gb.Shaft(k=6.0, c=0.2)), rig.add("body0", gb.Inertia(J=1.0))]
+    parts = [
+        rig.add("ground0", gb.Fixed()),
+        rig.add("spring0", gb.Shaft(k=6.0, c=0.2)),
+        rig.add("body0", gb.Inertia(J=1.0)),
+    ]
     for i, link in enumerate(links):
         parts += [rig.add(f"link{i}", link), rig.add(f"body{i + 1}", gb.Inertia(J=0.5 + 0.3 * i))]
     parts += [rig.add("spring1", gb.Shaft(k=9.0, c=0.1)), rig.add("ground1", gb.Fixed())]
@@ -436,13 +440,19 @@ def test_a_rigid_non_circular_pair_between_springs(external):
 
 
 def test_a_universal_joint_between_springs():
-    rig = in_a_row(gb.Shaft(k=20.0, c=0.4), gb.UniversalJoint(angle=0.7, phase=0.2), gb.Shaft(k=30.0), gb.Shaft(k=9.0, c=0.1))
+    rig = in_a_row(
+        gb.Shaft(k=20.0, c=0.4), gb.UniversalJoint(angle=0.7, phase=0.2), gb.Shaft(k=30.0), gb.Shaft(k=9.0, c=0.1)
+    )
     assert check_whole(rig)[0] > 0  # of the springs, only those beside the driven fork are no simple states
 
 
 def test_universal_joints_with_springs_and_without_any_between_them():
     joint = gb.UniversalJoint(angle=0.5)
-    check_whole(in_a_row(joint, gb.UniversalJoint(angle=0.6, phase=0.3), gb.Shaft(k=12.0, c=0.3), joint, gb.IdealGear(ratio=-1.5)))
+    check_whole(
+        in_a_row(
+            joint, gb.UniversalJoint(angle=0.6, phase=0.3), gb.Shaft(k=12.0, c=0.3), joint, gb.IdealGear(ratio=-1.5)
+        )
+    )
 
 
 def test_two_non_circular_pairs_and_a_differential():
