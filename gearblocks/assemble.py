@@ -179,7 +179,7 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
             row: dict[int, Exact] = {}
             for flange, expr in coefficients.items():
                 node = c.nodes[names.index(flange)]
-                row[node] = row.get(node, 0) + exact_value(expr, values.values)
+                row[node] = row.get(node, 0) + _factor(c.path, flange, expr, values)
             offset, held = None, 0.0
             if constant != 0:
                 slot = law.pool.slots.get(-constant)
@@ -220,7 +220,7 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
         used, reads = facts[id(law)]
         assembly.in_law |= reads
         nodes = {n: node for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node != GROUND}
-        sources, dependent = _take(assembly, elimination, expanded, law, nodes, known[index], used)
+        sources, dependent = _take(c.path, assembly, elimination, expanded, law, nodes, known[index], used)
         held = frozenset(n for n, node in nodes.items() if assembly.group_of_node[node][0] == HELD)
         key = (id(law), held, dependent)
         if key not in batches:
@@ -294,8 +294,20 @@ def _ordered(
     return [(g, rows[g]) for g in done]
 
 
+def _factor(path: str, flange: str, expr: Any, values: ExactValues) -> Exact:
+    """The factor of a flange angle in a tie or deflection."""
+    try:
+        return exact_value(expr, values.values)
+    except ZeroDivisionError as error:
+        zeros = ", ".join(sorted(f"{x} = 0" for x, v in values.values.items() if v == 0 and x in expr.free_symbols))
+        raise ModelError(
+            f"'{path}': the factor of flange '{flange}', {expr}, has no value{f' with {zeros}' if zeros else ''}: a deflection "
+            f"is measured in the angle of its first flange; give that flange a factor that is not 0, or leave it out"
+        ) from error
+
+
 def _take(
-    assembly: Assembly, elimination: Elimination, expanded: dict[int, Combination], law: Law, nodes: dict[str, int],
+    path: str, assembly: Assembly, elimination: Elimination, expanded: dict[int, Combination], law: Law, nodes: dict[str, int],
     values: ExactValues, used: tuple[bool, ...],
 ) -> tuple[list[int], tuple[bool, ...]]:  # fmt: skip
     """Where each coordinate of one instance comes from."""
@@ -307,7 +319,7 @@ def _take(
             continue
         combination = Combination()
         for flange, expr in form.coefficients.items():
-            c = exact_value(expr, values.values)
+            c = _factor(path, flange, expr, values)
             node = nodes[flange]
             group, gain = assembly.group_of_node[node]
             if group == HELD:

@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from gearblocks.rational import Exact, over
 
+_ROUNDING = 1e-14  # of the sizes of what cancels
 _K = TypeVar("_K", int, str)
 
 
@@ -56,12 +57,12 @@ class Elimination:
 
     def take(self, form: Combination) -> int | Combination:
         """The number of a new coordinate, or what the form is a combination of."""
-        left: dict[int, Exact] = {}
-        for group, c in form.groups.items():
-            _accumulate(left, self._roots(group), c)
+        left = self._left(form)
         free = left.keys() - self.given.keys() - self._upstream([g for g in left if g in self.given])
         if not free:
-            return self.expand(form)
+            whole = self.expand(form)
+            whole.groups = {g: c for g, c in whole.groups.items() if g in left}
+            return whole
         apart = self._join(list(form.groups))
         raw = [g for g in form.groups if g in free and g not in self.definitions] if apart else []
         pivot = raw[-1] if raw else next(g for g in left if g in free)
@@ -85,6 +86,21 @@ class Elimination:
             found |= new
             stack += new
         return found
+
+    def _left(self, form: Combination) -> dict[int, Exact]:
+        """Factors of the form on the groups that are not eliminated. What floats leave where they cancel is nothing: three
+        times 120 degrees, in factors that are cosines, close the circle."""
+        left: dict[int, Exact] = {}
+        for group, c in form.groups.items():
+            _accumulate(left, self._roots(group), c)
+        if all(isinstance(c, int) for c in left.values()):
+            return left
+        sizes = dict.fromkeys(left, 0.0)
+        for group, c in form.groups.items():
+            for g, gain in self._roots(group).items():
+                if g in sizes:
+                    sizes[g] += abs(float(c) * float(gain))
+        return {g: c for g, c in left.items() if abs(float(c)) > _ROUNDING * sizes[g]}
 
     def _join(self, groups: list[int]) -> bool:
         """Notes that a form joins these groups. True when none of them was joined to another one before, so that none

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gearblocks.errors import CompileError
 from gearblocks.pattern import Pattern
 from gearblocks.program import Program
-from gearblocks.stepmatrix import PROTOTYPES, StepMatrix, matrix_at, pattern_of, sizes_of, state_jacobian
+from gearblocks.stepmatrix import PROTOTYPES, Groups, StepMatrix, matrix_at, pattern_of, sizes_of, state_jacobian, whole
 
 Array = NDArray[np.float64]
 
@@ -112,7 +112,7 @@ class _Record(ctypes.Structure):
 class _Point(ctypes.Structure):
     """gb_point."""
 
-    _fields_ = [("t", c_double), ("means", c_int), ("mode", c_void_p), ("input", c_void_p)]
+    _fields_ = [("t", c_double), ("means", c_int), ("mode", c_void_p), ("input", c_void_p), ("rate", c_void_p)]
 
 
 EVENT = np.dtype([("t", "f8"), ("before", "f8"), ("after", "f8"), ("index", "i4"), ("kind", "i4")], align=True)
@@ -187,6 +187,8 @@ class Simulation:
         if not self._sim:
             raise MemoryError(f"no memory for a simulation of '{program.name}'")
         self._kept: list[object] = []
+        self._pattern: Pattern | None = None
+        self._groups: Groups | None = None
         self.error: BaseException | None = None
         self.parameters = self._view("gb_parameters", len(program.parameters))
         self.inputs = self._view("gb_inputs", len(program.inputs))
@@ -308,7 +310,14 @@ class Simulation:
 
     def pattern(self) -> Pattern | None:
         """The pattern of the matrix of implicit methods; None where the model has none."""
-        return pattern_of(self._shared, self._sim)
+        self._pattern = self._pattern or pattern_of(self._shared, self._sim)
+        return self._pattern
+
+    def _needed_pattern(self) -> Pattern:
+        pattern = self.pattern()
+        if pattern is None:
+            raise RuntimeError(f"the model '{self._program.name}' has no Jacobian")
+        return pattern
 
     @property
     def has_jacobian(self) -> bool:
@@ -319,18 +328,39 @@ class Simulation:
         """Numbers of simple states, of hidden speeds, and of what the Jacobian keeps (zeros without a pattern)."""
         return sizes_of(self._shared, self._sim)
 
-    def step_matrix(self, t: float, y: Array, g: float) -> StepMatrix:
-        """The matrix of a step at (t, y) with the present modes, g = gamma h."""
-        code, matrix = matrix_at(self._shared, self._sim, t, self._state_vector(y), g)
+    def step_matrix(
+        self, t: float, y: Array, g: float, modes: Array | None = None, *, inputs: Array | None = None,
+        means: bool = False,
+    ) -> StepMatrix:  # fmt: skip
+        """The matrix of a step at (t, y), g = gamma h; modes, inputs and means as for `probe` (None: the present modes)."""
+        modes, inputs = _doubles(modes), _doubles(inputs)
+        point = _Point(t, int(means), _address(modes), _address(inputs), None)
+        code, matrix = matrix_at(self._shared, self._sim, point, self._state_vector(y), g)
         _expect(code, "gb_linear_matrix")
         return matrix
 
-    def jacobian(self, t: float, y: Array) -> Any:
-        """d(dy)/dy of the n states with the present modes, a scipy.sparse CSC matrix. RuntimeError without a pattern."""
-        pattern, sizes = self.pattern(), self.linear_sizes()
-        if pattern is None:
-            raise RuntimeError(f"the model '{self._program.name}' has no Jacobian")
-        return state_jacobian(self, pattern, sizes[:2], lambda g: self.step_matrix(t, y, g))
+    def jacobian(
+        self, t: float, y: Array, modes: Array | None = None, *, inputs: Array | None = None, means: bool = False
+    ) -> Any:
+        """d(dy)/dy of the n states, a scipy.sparse CSC array; arguments as for `step_matrix`.
+
+        Raises RuntimeError where the model has no pattern, ArithmeticError where a derivative has no bound or the speeds
+        of shafts without inertia are not determined.
+        """
+        pattern, sizes = self._needed_pattern(), self.linear_sizes()
+
+        def matrix(g: float) -> StepMatrix:
+            return self.step_matrix(t, y, g, modes, inputs=inputs, means=means)
+
+        made, self._groups = state_jacobian(self, pattern, sizes[:2], matrix, self._groups)
+        return made
+
+    def inertia(self, t: float, y: Array) -> Any:
+        """E of c/gb_model.h by the states that are not simple, a scipy.sparse CSC array: inertias of the speeds, 1 for
+        states of blocks. Raises RuntimeError as `jacobian`."""
+        pattern = self._needed_pattern()
+        last = len(pattern.order) - self.linear_sizes()[1]
+        return whole(pattern, self.step_matrix(t, y, 0.0))[:last, :last]
 
     def right_side(self, m: StepMatrix, r: Array) -> Array:
         """E r_x + g dG/ds r_s of a vector over the n states; one number per unknown."""
@@ -347,12 +377,14 @@ class Simulation:
         return out
 
     def probe(
-        self, t: float, y: Array, modes: Array, wanted: str, *, inputs: Array | None = None, means: bool = False
-    ) -> Array:
+        self, t: float, y: Array, modes: Array | None, wanted: str, *, inputs: Array | None = None, means: bool = False,
+        rates: Array | None = None,
+    ) -> Array:  # fmt: skip
         """One thing at a point, the run untouched: "rates" (n_total), "outputs", "energies" or "modes" (those that fit).
 
-        modes: of all switches; inputs: values of all inputs (None: their sources at t); means: excitations of time alone
-        at their means. Only after `start`. Raises RuntimeError where an input fails.
+        modes: of all switches (None: the present ones); inputs: values of all inputs (None: their sources at t); means:
+        excitations of time alone at their means; rates: n_total of them that outputs take as given. Only after `start`.
+        Raises RuntimeError where an input fails.
         """
         program = self._program
         lengths = {
@@ -360,9 +392,8 @@ class Simulation:
             "modes": len(program.switches),
         }  # fmt: skip
         result = np.zeros(lengths[wanted])
-        y, modes = self._state_vector(y), np.ascontiguousarray(modes, dtype=np.float64)
-        values = None if inputs is None else np.ascontiguousarray(inputs, dtype=np.float64)
-        point = _Point(t, int(means), _address(modes), _address(values))
+        y, modes, values, rates = self._state_vector(y), _doubles(modes), _doubles(inputs), _doubles(rates)
+        point = _Point(t, int(means), _address(modes), _address(values), _address(rates))
         targets = [result.ctypes.data if name == wanted else None for name in lengths]
         _expect(self._shared.gb_probe(self._sim, ctypes.byref(point), y.ctypes.data, *targets), "gb_probe")
         return result
@@ -409,6 +440,10 @@ class Simulation:
         if y.shape != (self._program.n_total,):
             raise ValueError(f"a state vector of length {self._program.n_total} is needed, not shape {y.shape}")
         return y
+
+
+def _doubles(values: Array | None) -> Array | None:
+    return None if values is None else np.ascontiguousarray(values, dtype=np.float64)
 
 
 def _address(values: Array | None) -> int | None:

@@ -57,7 +57,7 @@ def is_linear(g: Generator) -> bool:
     return len(g.assembly.steady) == g.assembly.n_groups
 
 
-def _single(rows: Sequence[Row]) -> list[int] | None:
+def _single(rows: Sequence[Any]) -> list[int] | None:
     """The unknowns themselves where no row combines or scales any."""
     found: list[int] = []
     for row in rows:
@@ -141,9 +141,8 @@ class Matrix:
 
     def coupled(self, batches: Sequence[Slopes]) -> Iterator[tuple[int, int]]:
         """Pairs of unknowns that share an entry."""
-        rows: list[Any] = [
-            pair for pair in zip(self.unknowns.torques, self.unknowns.heavy, strict=True) if len(pair[1]) > 1
-        ]
+        inertias: Iterator[Any] = zip(self.unknowns.torques, self.unknowns.heavy, strict=True)
+        rows: list[Any] = [pair for pair in inertias if len(pair[1]) > 1]
         if isinstance(self.unknowns, Varying):
             rows += self.unknowns.own()
         for slopes in batches:

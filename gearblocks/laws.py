@@ -26,7 +26,7 @@ from gearblocks.symbols import CONSTANT, MOVING, Pool, Symbols, Table2At, TableA
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """A linear form of flange angles with exact coefficients: sum of coefficient * phi; the first one is 1 or -1.
+    """A linear form of flange angles with exact coefficients: sum of coefficient * phi; one of them is 1 or -1.
 
     The deflection it comes from is scale times the form, plus what does not depend on the angles where `whole`.
     """
@@ -185,7 +185,7 @@ def _introduce_coordinates(law: Law, flanges: Mapping[str, Any], forces: Iterabl
         if form is None:
             continue
         u = law.pool.symbol("coordinate", len(law.forms), f"u{len(law.forms)}")
-        solved = _solve(form, u, flanges, replace)
+        solved = _solve(law.pool, form, u, flanges, replace)
         if solved is not None:
             replace = solved
             law.forms.append(form)
@@ -195,20 +195,24 @@ def _introduce_coordinates(law: Law, flanges: Mapping[str, Any], forces: Iterabl
         _substitute(law)
 
 
-def _solve(form: Form, u: Any, flanges: Mapping[str, Any], replace: dict[Any, Any]) -> dict[Any, Any] | None:
+def _solve(
+    pool: Pool, form: Form, u: Any, flanges: Mapping[str, Any], replace: dict[Any, Any]
+) -> dict[Any, Any] | None:  # fmt: skip
     """The replacements with one more angle expressed by the coordinate u, or None when the form adds nothing new."""
     expr = sum(c * flanges[n].phi for n, c in form.coefficients.items()).xreplace(replace)
     pivots = [f.phi for n in reversed(form.coefficients) if expr.has((f := flanges[n]).phi) and f.phi not in replace]
     if not pivots:
         return None
-    pivot = pivots[0]
-    slope = sp.diff(expr, pivot)
+    slopes = {x: sp.diff(expr, x) for x in pivots}
+    pivot = next((x for x in pivots if not _may_vanish(pool, slopes[x])), pivots[0])
+    slope = slopes[pivot]
     solved = (u - expr.xreplace({pivot: sp.Integer(0)})) / slope
     return {**{k: v.xreplace({pivot: solved}) for k, v in replace.items()}, pivot: solved}
 
 
 def _linear_form(pool: Pool, flanges: Mapping[str, Any], deflection: Any) -> Form | None:
-    """The part of a deflection linear in the angles, scaled so that its first coefficient is 1 or -1."""
+    """The part of a deflection linear in the angles, scaled so that one of its coefficients is 1 or -1: the first that is no
+    number of the block, which might be 0, else the first."""
     slopes = {n: sp.diff(deflection, f.phi) for n, f in flanges.items()}
     angles = {f.phi: 0 for f in flanges.values()}
     linear = {n: sp.expand(c) for n, c in slopes.items() if c != 0}
@@ -217,9 +221,16 @@ def _linear_form(pool: Pool, flanges: Mapping[str, Any], deflection: Any) -> For
     if not linear or any(pool.level(c) != CONSTANT for c in linear.values()):
         return None
     first = next(iter(linear.values()))
+    if _may_vanish(pool, first):
+        first = next((c for c in linear.values() if c.is_number), first)
     scale = -first if first.could_extract_minus_sign() else first
     whole = not any(c.free_symbols & set(angles) for c in slopes.values())
     return Form({n: sp.cancel(c / scale) for n, c in linear.items()}, scale, whole)
+
+
+def _may_vanish(pool: Pool, coefficient: Any) -> bool:
+    """Whether a number of the block in a coefficient may be 0."""
+    return any(pool.slots[x].of not in pool.nonzero for x in coefficient.free_symbols)
 
 
 def _constant_part(slope: Any, angles: set[Any]) -> Any:

@@ -29,8 +29,9 @@ from gearblocks.core import Array
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError, SimulationError, UnknownNameError, did_you_mean
 from gearblocks.library import Model
-from gearblocks.probing import Indices, Point, derivative, opened, restarted, state_matrix, steps_of
+from gearblocks.probing import Point, derivative, opened, restarted, state_matrix, steps_of
 from gearblocks.program import Program
+from gearblocks.sparsemaps import Indices
 from gearblocks.statics import equilibrium
 from gearblocks.trajectory import Trajectory
 
@@ -148,8 +149,9 @@ def linearize(
     program = model.program
     values = {n: v for n, v in inputs.items() if _is_input(program, n)} if isinstance(inputs, Mapping) else {}
     with held(model, at, t, parameters, values) as point:
-        columns, pick, C = _outputs(point, outputs)
+        columns, pick = _outputs(point, outputs)
         A = _with_angles(point, columns)
+        C = _output_matrix(point, columns, pick, A)
         names = [x.name for x in program.inputs] if inputs is None else list(inputs)
         B, D = _inputs(point, names, columns, pick)
         states = tuple(_state_names(program, columns))
@@ -178,14 +180,14 @@ def _words(point: Point, states: Sequence[str]) -> str:
     return f"{point.program.name}: {len(states)} states at t = {point.t:g} s{means}{sides}"
 
 
-def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[int], Any]:
-    """Places of the states, numbers of the outputs, and C; angles that ride along only where an output needs them."""
+def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[int]]:
+    """Places of the states and numbers of the outputs; angles that ride along only where an output needs them."""
     program = point.program
     patterns = [wanted] if isinstance(wanted, str) else list(wanted)
     numbers = dict.fromkeys(i for pattern in patterns for i in picked_outputs(program, pattern))
     pick = np.array(list(numbers), dtype=np.intp)
     riders = np.array([x.place for x in program.integrals if x.part == "angle"], dtype=np.intp)
-    columns, steps = np.arange(program.n), steps_of(program, point.y)
+    columns = np.arange(program.n)
     turned = point.y.copy()
     turned[riders] += 1.0
     needing = (point.outputs(turned) != point.outputs())[pick]
@@ -193,15 +195,28 @@ def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[i
         pick = pick[~needing]
     elif needing.any():
         columns = np.concatenate([columns, riders])
-    C = derivative(lambda y: point.outputs(y)[pick], point.y, columns, steps)
-    return columns, [int(i) for i in pick], C
+    return columns, [int(i) for i in pick]
+
+
+def _output_matrix(point: Point, columns: Indices, pick: list[int], A: Any) -> Any:
+    """C. Accelerations and reactions follow from the rates: their part is that of A, to the last digit."""
+    rates = point.rates()
+    ones = np.maximum(np.abs(rates), 1.0)
+    direct = derivative(lambda y: point.outputs(y, rates)[pick], point.y, columns, steps_of(point.program, point.y))
+    through = derivative(lambda dy: point.outputs(rates=dy)[pick], rates, columns, ones)
+    return direct + through @ A
 
 
 def _with_angles(point: Point, columns: Indices) -> Any:
-    """A over these entries of the state vector."""
-    if len(columns) == point.program.n:
-        return state_matrix(point)
-    return derivative(lambda y: point.rates(y)[columns], point.y, columns, steps_of(point.program, point.y))
+    """A over these entries of the state vector: the states, and angles that ride along, which move no state."""
+    from scipy.sparse import block_array, csc_array
+
+    n = point.program.n
+    A, riders = state_matrix(point), columns[n:]
+    if len(riders) == 0:
+        return A
+    turning = derivative(lambda y: point.rates(y)[riders], point.y, np.arange(n), steps_of(point.program, point.y))
+    return block_array([[A, None], [turning, csc_array((len(riders), len(riders)))]], format="csc")
 
 
 def _state_names(program: Program, columns: Indices) -> Iterator[str]:

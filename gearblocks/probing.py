@@ -8,7 +8,7 @@ few hundred evaluations.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 from gearblocks.core import Array, Options, Simulation
 from gearblocks.errors import SimulationError
 from gearblocks.program import Program
+from gearblocks.sparsemaps import Indices, disjoint
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
-
-Indices = NDArray[np.intp]
 
 _SHARE = 6e-6  # of the size of an unknown: its step, about the cube root of the rounding unit
 _FLOOR = 1e-3  # smallest size of an angle or state taken for its step
@@ -45,17 +44,17 @@ class Point:
         """The same with other values."""
         return replace(self, **changes)
 
-    def _look(self, wanted: str, y: Array | None) -> Array:
+    def _look(self, wanted: str, y: Array | None, rates: Array | None = None) -> Array:
         where = self.y if y is None else y
-        return self.sim.probe(self.t, where, self.modes, wanted, inputs=self.u, means=self.means)
+        return self.sim.probe(self.t, where, self.modes, wanted, inputs=self.u, means=self.means, rates=rates)
 
     def rates(self, y: Array | None = None) -> Array:
         """dy/dt, length n_total."""
         return self._look("rates", y)
 
-    def outputs(self, y: Array | None = None) -> Array:
-        """All outputs."""
-        return self._look("outputs", y)
+    def outputs(self, y: Array | None = None, rates: Array | None = None) -> Array:
+        """All outputs; rates: taken as given (length n_total)."""
+        return self._look("outputs", y, rates)
 
     def energies(self, y: Array | None = None) -> Array:
         """All energies."""
@@ -158,39 +157,47 @@ def dependents(function: Callable[[Array], Array], y: Array, columns: Indices, s
             moved[columns[start:end]] += steps[columns[start:end]] * size[start:end]
         return np.asarray(function(moved) != base)
 
+    found: list[Indices] = [np.empty(0, dtype=np.intp)] * len(columns)
     blocks = [(0, len(columns))] if len(columns) else []
     rows = [np.flatnonzero(changed([block])) for block in blocks]
-    while any(end - start > 1 for start, end in blocks):
-        halves = [((a, (a + b) // 2), ((a + b) // 2, b)) if b - a > 1 else ((a, b),) for a, b in blocks]
-        found: dict[tuple[int, int], Indices] = {}
-        for group in disjoint(rows):
-            for half in (0, 1):
-                moving = {b: halves[b][half] for b in group if half < len(halves[b])}
-                if moving:
-                    hit = changed(list(moving.values()))
-                    found.update((part, rows[b][hit[rows[b]]]) for b, part in moving.items())
-        blocks = [part for parts in halves for part in parts]
-        rows = [found[block] for block in blocks]
-    return rows
+    while blocks:
+        pending = []
+        for (a, b), own in zip(blocks, rows, strict=True):
+            if b - a == 1:
+                found[a] = own
+            elif len(own):
+                pending.append(((a, b), own))
+        blocks, rows = _halved(pending, changed)
+    return found
 
 
-def disjoint(rows: list[Indices]) -> list[list[int]]:
-    """Groups of numbers whose rows do not overlap, each number in the first group that has room."""
-    groups: list[list[int]] = []
-    last: dict[int, set[int]] = {}
-    for number, own in enumerate(rows):
-        taken = set().union(*(last.get(int(r), ()) for r in own)) if len(own) else set()
-        chosen = next(g for g in range(len(groups) + 1) if g not in taken)
-        if chosen == len(groups):
-            groups.append([])
-        groups[chosen].append(number)
-        for r in own:
-            last.setdefault(int(r), set()).add(chosen)
-    return groups
+def _halved(
+    blocks: list[tuple[tuple[int, int], Indices]], changed: Callable[[list[tuple[int, int]]], NDArray[np.bool_]]
+) -> tuple[list[tuple[int, int]], list[Indices]]:
+    """The halves of blocks of columns, and the rows that each of them changes."""
+    parts: list[tuple[int, int]] = []
+    rows: list[Indices] = []
+    for group in disjoint([own for _, own in blocks]):
+        for half in (0, 1):
+            moving = [((a, (a + b) // 2), ((a + b) // 2, b))[half] for a, b in (blocks[i][0] for i in group)]
+            hit = changed(moving)
+            parts += moving
+            rows += [own[hit[own]] for own in (blocks[i][1] for i in group)]
+    return parts, rows
 
 
 def state_matrix(point: Point) -> csc_array:
-    """d(dy/dt)/dy of the first n states in frozen modes, shape (n, n), sparse."""
+    """d(dy/dt)/dy of the first n states in frozen modes, shape (n, n), sparse: from the derivatives of the laws where they
+    exist, else from differences."""
+    if point.sim.has_jacobian:
+        with suppress(ArithmeticError):
+            A: csc_array = point.sim.jacobian(point.t, point.y, point.modes, inputs=point.u, means=point.means)
+            return A
+    return differenced_state_matrix(point)
+
+
+def differenced_state_matrix(point: Point) -> csc_array:
+    """The same from differences."""
     n = point.program.n
     steps = steps_of(point.program, point.y)
     return derivative(lambda y: point.rates(y)[:n], point.y, np.arange(n), steps)

@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 
 from gearblocks.core import Array, Simulation
 from gearblocks.errors import ParameterError, SimulationError
-from gearblocks.probing import Indices, Point, dependents, derivative, disjoint, opened, restarted, steps_of
+from gearblocks.probing import Point, dependents, derivative, opened, restarted, state_matrix, steps_of
 from gearblocks.program import Program
+from gearblocks.sparsemaps import Indices, disjoint
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -73,9 +74,8 @@ def motion(point: Point) -> Motion:
     q, angles, z, v = kinds(point.program)
     still = point.y.copy()
     still[v] = 0.0
-    ones = np.ones(point.program.n_total)  # the rates are linear in the speeds: any step is exact
     rows = np.concatenate([q, angles])
-    S = derivative(lambda y: point.rates(y)[rows], still, v, ones)
+    S = _rates_by_speed(point, still, rows, v)
     B = csc_array(S[: len(q)])
     turning = np.asarray(abs(S[len(q) :]).sum(axis=1)).ravel() > 0  # angles that are prescribed do not follow speeds
     angles = angles[turning]
@@ -91,10 +91,31 @@ def motion(point: Point) -> Motion:
     return Motion(q, angles, z, v, B, csc_array(N), M)
 
 
+def _knows_derivatives(point: Point) -> bool:
+    """Whether the laws have derivatives and every speed is a state."""
+    return point.sim.has_jacobian and point.sim.linear_sizes()[1] == 0
+
+
+def _rates_by_speed(point: Point, still: Array, rows: Indices, v: Indices) -> csc_array:
+    """Derivatives of the rates of coordinates and angles by the speeds; angles that ride along come last."""
+    from scipy.sparse import csc_array, vstack
+
+    ones = np.ones(point.program.n_total)  # the rates are linear in the speeds: any step is exact
+    n = point.program.n if _knows_derivatives(point) else 0
+    riders = rows[rows >= n]
+    beside = derivative(lambda y: point.rates(y)[riders], still, v, ones)
+    if n == 0:
+        return beside
+    return csc_array(vstack([state_matrix(point.at(y=still))[rows[rows < n]][:, v], beside]))
+
+
 def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
-    """Second derivatives of the kinetic energy by the speeds."""
+    """The inertia matrix of the speeds: where the laws do not give it, second derivatives of the kinetic energy."""
     from scipy.sparse import csc_array
 
+    if _knows_derivatives(point):
+        unknowns = v - point.sim.linear_sizes()[0]
+        return csc_array(point.sim.inertia(point.t, still)[unknowns][:, unknowns])
     kinetic = np.array([e.place for e in point.program.energies if e.part == "kinetic"], dtype=np.intp)
 
     def energy(y: Array) -> Array:
@@ -240,15 +261,22 @@ class _Search:
         """Derivatives of the residual by the unknowns."""
         from scipy.sparse import csc_array, vstack
 
-        point, steps, key = self.point, steps_of(self.point.program, self.point.y), self.point.modes.tobytes()
+        A = self._derivatives()
+        return csc_array(vstack([self.whole.M @ A[: self.n_v], A[self.n_v :]]))
+
+    def _derivatives(self) -> csc_array:
+        """Of the rates of speeds and states by the unknowns."""
+        point = self.point
+        if _knows_derivatives(point):
+            return state_matrix(point)[self.rows][:, self.unknown]
+        steps, key = steps_of(point.program, point.y), point.modes.tobytes()
 
         def rates(y: Array) -> Array:
             return np.asarray(self._rates(y)[self.rows])
 
         if not all(map(len, self.patterns.get(key, [np.empty(0)]))):  # where nothing answers yet, look again
             self.patterns[key] = dependents(rates, point.y, self.unknown, steps)
-        A = derivative(rates, point.y, self.unknown, steps, self.patterns.get(key))
-        return csc_array(vstack([self.whole.M @ A[: self.n_v], A[self.n_v :]]))
+        return derivative(rates, point.y, self.unknown, steps, self.patterns.get(key))
 
     def _step(self, matrix: csc_array, idle: NDArray[np.bool_], rest: Array) -> tuple[Array, Array]:
         """Change of the unknowns, and the torque that the weak springs carry."""

@@ -9,11 +9,9 @@ from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gearblocks.pattern import Pattern
-
-Array = NDArray[np.float64]
+from gearblocks.sparsemaps import Array, Indices, disjoint, recovered, solved
 
 
 class _Pattern(ctypes.Structure):
@@ -33,7 +31,7 @@ class _Pattern(ctypes.Structure):
 PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_pattern_of": (POINTER(_Pattern), (c_void_p,)),
     "gb_linear_sizes": (None, (c_void_p, POINTER(c_int), POINTER(c_int), POINTER(c_int))),
-    "gb_linear_matrix": (c_int, (c_void_p, c_double, c_void_p, c_double, *[c_void_p] * 4)),
+    "gb_linear_matrix": (c_int, (c_void_p, c_void_p, c_void_p, c_double, *[c_void_p] * 4)),
     "gb_linear_side": (c_int, (c_void_p, c_void_p, c_double, c_void_p, c_void_p)),
     "gb_linear_rates": (c_int, (c_void_p, c_void_p, c_void_p, c_void_p)),
 }
@@ -71,12 +69,12 @@ def sizes_of(shared: ctypes.CDLL, sim: int | None) -> tuple[int, int, int]:
     return sizes[0].value, sizes[1].value, sizes[2].value
 
 
-def matrix_at(shared: ctypes.CDLL, sim: int | None, t: float, y: Array, g: float) -> tuple[int, StepMatrix]:
-    """The answer of the call and the matrix at (t, y) with the present modes."""
+def matrix_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array, g: float) -> tuple[int, StepMatrix]:
+    """The answer of the call and the matrix at a point (gb_point)."""
     pattern = shared.gb_pattern_of(sim)
     n, places = (pattern.contents.n, pattern.contents.n_places) if pattern else (0, 0)
     made = StepMatrix(g, *(np.zeros(k) for k in (n, places, places, sizes_of(shared, sim)[2])))
-    code = shared.gb_linear_matrix(sim, t, y.ctypes.data, g, *(part.ctypes.data for part in made[1:]))
+    code = shared.gb_linear_matrix(sim, ctypes.byref(point), y.ctypes.data, g, *(part.ctypes.data for part in made[1:]))
     return code, made
 
 
@@ -90,77 +88,118 @@ class Linear(Protocol):
         """B x."""
 
 
-def state_jacobian(sim: Linear, pattern: Pattern, sizes: tuple[int, int], matrix: Callable[[float], StepMatrix]) -> Any:
-    """d(dy)/dy of the states as a scipy.sparse matrix (CSC), the speeds of nodes without inertia eliminated.
+class Groups(NamedTuple):
+    """Columns that share no row: of what the right side makes of the states, and of the rates of simple states."""
+
+    side: list[Indices]
+    rates: list[Indices]
+
+
+def guessed_groups(pattern: Pattern, simple_rates: Callable[[Array], Array], n_simple: int, n_others: int) -> Groups:
+    """Groups that the pattern suggests: unknowns in the rate of a simple state are coupled to each other and to all
+    equations in which that state stands. Few other states stand in a deflection: those of a prescribed angle."""
+    colour = _colours(pattern)
+    rates: list[list[int]] = [[] for _ in range(max(colour, default=-1) + 1)]
+    for unknown, c in enumerate(colour):
+        rates[c].append(unknown)
+    B, served = recovered(simple_rates, (n_simple, len(colour)), rates, len(colour))
+    around = [[i] for i in range(len(colour))]
+    for k, column in enumerate(pattern.order):
+        for row in pattern.row[pattern.start[k] : pattern.start[k + 1]]:
+            around[column].append(pattern.order[row])
+            around[pattern.order[row]].append(column)
+    B = B.tocsr()
+    first = [int(B.indices[start]) if start < end else -1 for start, end in pairwise(B.indptr)]
+    by_simple = disjoint([around[u] if u >= 0 else [-1 - i] for i, u in enumerate(first)])
+    rest = n_simple + np.arange(n_others)
+    return Groups([*(np.array(g, dtype=np.intp) for g in by_simple), rest], served)
+
+
+def _colours(pattern: Pattern) -> list[int]:
+    """Colours of the unknowns, coupled ones different: backwards through the elimination, as gb_colours."""
+    colour = [0] * len(pattern.order)
+    for k in reversed(range(len(pattern.order))):
+        used = 0
+        for row in pattern.row[pattern.start[k] : pattern.start[k + 1]]:
+            used |= 1 << colour[pattern.order[row]]
+        colour[pattern.order[k]] = (~used & (used + 1)).bit_length() - 1
+    return colour
+
+
+def state_jacobian(
+    sim: Linear, pattern: Pattern, sizes: tuple[int, int], matrix: Callable[[float], StepMatrix], groups: Groups | None
+) -> tuple[Any, Groups]:
+    """d(dy)/dy of the states as a scipy.sparse matrix (CSC), the speeds of nodes without inertia eliminated, and the
+    groups of columns that served (for the next time).
 
     With y = [s | x] and hidden speeds w: E x' = G, s' = B [x, w], 0 = the hidden rows of G. sizes: numbers of simple
-    states and of hidden speeds; matrix: the matrix of a step for g. The time grows as n^2 with a small factor.
+    states and of hidden speeds; matrix: the matrix of a step for g. The right side holds what deflections make of simple
+    states and of prescribed angles among the others, the matrix the rest. Raises ArithmeticError where a derivative is not
+    finite or the hidden speeds are not determined.
     """
     from scipy import sparse
-    from scipy.sparse.linalg import splu
 
     (n_simple, n_hidden), n = sizes, len(pattern.order)
-    k, one = n - n_hidden, matrix(1.0)
-    by_s = _columns(lambda unit: sim.right_side(one, unit), n_simple, n_simple + k, n)
-    speeds = _columns(lambda unit: sim.simple_rates(one, unit), n, n, n_simple)
-    by_x = _rate_part(pattern, matrix)
-    rows = sparse.hstack([by_s, by_x[:, :k]], format="csc")
-    simple = sparse.hstack([sparse.csc_matrix((n_simple, n_simple)), speeds[:, :k]], format="csc")
+    k = n - n_hidden
+    first, last = _decades(matrix)
+    far, near = matrix(10.0 ** (last + 6)), matrix(0.0)
+
+    def rates(x: Array) -> Array:
+        return sim.simple_rates(near, x)
+
+    def slopes(r: Array) -> Array:
+        return (sim.right_side(far, r) - sim.right_side(near, r)) / far.g
+
+    guess = groups or guessed_groups(pattern, rates, n_simple, k)
+    by_y, for_side = recovered(slopes, (n, n_simple + k), guess.side, n_simple + k)
+    speeds, for_rates = recovered(rates, (n_simple, n), guess.rates, n)
+    by_x = _rate_part(pattern, matrix, first, last)
+    rows = by_y + sparse.hstack([sparse.csc_array((n, n_simple)), by_x[:, :k]], format="csc")
+    simple = sparse.hstack([sparse.csc_array((n_simple, n_simple)), speeds[:, :k]], format="csc")
     if n_hidden:
-        hidden = sparse.csc_matrix(splu(by_x[k:, k:].tocsc()).solve(rows[k:].toarray()))
+        hidden = solved(by_x[k:, k:], rows[k:])
         rows, simple = rows[:k] - by_x[:k, k:] @ hidden, simple - speeds[:, k:] @ hidden
-    inertia = _square(pattern, matrix(0.0))[:k, :k].tocsc()
-    if inertia.nnz == k:
-        others = sparse.diags(1.0 / inertia.diagonal()) @ rows
-    else:
-        others = sparse.csc_matrix(splu(inertia).solve(rows.toarray()))
-    full = sparse.vstack([simple, others], format="csc")
+    others = solved(whole(pattern, near)[:k, :k], rows)
+    full = sparse.csc_array(sparse.vstack([simple, others], format="csc"))
     full.eliminate_zeros()
-    return full
+    if not np.isfinite(full.data).all():
+        raise ArithmeticError("a derivative is NaN or infinite")
+    return full, Groups(for_side, for_rates)
 
 
-def _columns(apply: Callable[[Array], Array], count: int, length: int, height: int) -> Any:
-    """The sparse matrix of a linear map: what it makes of the first `count` unit vectors."""
-    from scipy import sparse
-
-    unit, start = np.zeros(length), [0]
-    index: list[NDArray[np.intp]] = [np.zeros(0, dtype=np.intp)]
-    value: list[Array] = [np.zeros(0)]
-    for j in range(count):
-        unit[j] = 1.0
-        out = apply(unit)
-        unit[j] = 0.0
-        index.append(np.flatnonzero(out))
-        value.append(out[index[-1]])
-        start.append(start[-1] + len(index[-1]))
-    return sparse.csc_matrix((np.concatenate(value), np.concatenate(index), start), shape=(height, count))
-
-
-def _square(pattern: Pattern, m: StepMatrix) -> Any:
-    """The matrix by unknown."""
+def whole(pattern: Pattern, m: StepMatrix) -> Any:
+    """The matrix by unknown, a CSC array."""
     from scipy import sparse
 
     order, n = np.array(pattern.order, dtype=np.intp), len(pattern.order)
     column = order[np.repeat(np.arange(n), np.diff(pattern.start))]
     row = order[np.array(pattern.row, dtype=np.intp)]
     places = np.concatenate([order, row, column]), np.concatenate([order, column, row])
-    made = sparse.csc_matrix((np.concatenate([m.diag[order], m.lower, m.upper]), places), shape=(n, n))
+    made = sparse.csc_array((np.concatenate([m.diag[order], m.lower, m.upper]), places), shape=(n, n))
     made.eliminate_zeros()
     return made
 
 
-def _rate_part(pattern: Pattern, matrix: Callable[[float], StepMatrix]) -> Any:
+def _decades(matrix: Callable[[float], StepMatrix]) -> tuple[int, int]:
+    """Powers of ten that enclose, of all unknowns with a stiffness, the g at which it is as large as the inertia."""
+    far = 1e30  # the stiffness shows alone, and nothing overflows
+    inertia = np.abs(matrix(0.0).diag)
+    stiffness = np.abs(matrix(far).diag / 2 + matrix(-far).diag / 2) / far**2
+    known = (inertia > 0) & (stiffness > 1e-60 * inertia)
+    if not known.any():
+        return -9, 0
+    found = np.log10(inertia[known] / stiffness[known]) / 2
+    return int(np.floor(found.min())), int(np.ceil(found.max()))
+
+
+def _rate_part(pattern: Pattern, matrix: Callable[[float], StepMatrix], first: int, last: int) -> Any:
     """dG/dx, the part of the matrix that is odd in g: each entry from the g that leaves the least rounding."""
-    best: list[Array] = []
-    least: list[Array] = []
-    for exponent in range(-9, 1):
+    best = [np.zeros_like(part) for part in matrix(0.0)[1:4]]
+    least = [np.full(len(part), np.inf) for part in best]
+    for exponent in (first - 6, *range(first, last + 1), last + 6):
         g = 10.0**exponent
         for i, (p, m) in enumerate(zip(matrix(g)[1:4], matrix(-g)[1:4], strict=True)):
-            value, noise = (m - p) / (2 * g), np.maximum(abs(p), abs(m)) / g
-            if exponent == -9:
-                best.append(value)
-                least.append(noise)
-            else:
-                best[i] = np.where(noise < least[i], value, best[i])
-                least[i] = np.minimum(noise, least[i])
-    return _square(pattern, StepMatrix(0.0, best[0], best[1], best[2], np.zeros(0)))
+            noise = np.maximum(abs(p), abs(m)) / g
+            best[i] = np.where(noise < least[i], (m - p) / (2 * g), best[i])
+            least[i] = np.minimum(noise, least[i])
+    return whole(pattern, StepMatrix(0.0, best[0], best[1], best[2], np.zeros(0)))

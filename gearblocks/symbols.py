@@ -182,6 +182,8 @@ class Pool:
         self.reading = reading
         self.definitions: dict[Any, Any] = {}
         self.slots: dict[Any, Slot] = {clock(): Slot("time", None)}
+        self.nonzero: set[str] = set()
+        """Numbers of the block that its bounds keep from 0."""
         self._made: dict[Slot, Any] = {}
 
     def symbol(self, role: str, of: Any, text: str) -> Any:
@@ -291,6 +293,8 @@ class Symbols:
                 setattr(self, name, value)
             else:
                 setattr(self, name, self._value(name, field.role, value))
+                if field.role == "exact" or (field.gt is not None and field.gt >= 0):
+                    pool.nonzero.add(prefix + name)
 
     def _value(self, name: str, role: str, value: Any) -> Any:
         if isinstance(value, tuple):

@@ -126,21 +126,23 @@ GB_API int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *
 /* One evaluation of the right-hand side at (t, y, modes of the sim), for tests: dy has length n_total. */
 GB_API int gb_rhs(gb_sim *sim, double t, const double *y, double *dy);
 
-/* Linear parts, for tests and tools: see jacobian, right_side and simple_rates of gb_model, at (t, y, modes of the
- * sim). No pattern (NULL): the model has none, and the calls answer GB_ERR_STATE. */
-GB_API const gb_pattern *gb_pattern_of(const gb_sim *sim);
-GB_API void gb_linear_sizes(const gb_sim *sim, int *n_simple, int *n_hidden, int *n_kept);
-GB_API int gb_linear_matrix(gb_sim *sim, double t, const double *y, double g, double *diag, double *lower,
-                            double *upper, double *kept);
-GB_API int gb_linear_side(const gb_sim *sim, const double *kept, double g, const double *r, double *out);
-GB_API int gb_linear_rates(const gb_sim *sim, const double *kept, const double *x, double *out);
-/* A point to look at. mode: of all switches (length n_switches); input: values of all inputs, or NULL: as their sources
- * have them at t; means: every excitation by time alone at its mean (gb_model.means). */
+/* A point to look at. mode: of all switches (length n_switches), or NULL: those of the sim; input: values of all
+ * inputs, or NULL: as their sources have them at t; means: every excitation by time alone at its mean
+ * (gb_model.means); rate: rates (length n_total) that the outputs take as given, or NULL: those of the laws. */
 typedef struct gb_point {
     double t;
     int means;
-    const double *mode, *input;
+    const double *mode, *input, *rate;
 } gb_point;
+
+/* Linear parts, for tests and tools: see jacobian, right_side and simple_rates of gb_model, at a point. No
+ * pattern (NULL): the model has none, and the calls answer GB_ERR_STATE. */
+GB_API const gb_pattern *gb_pattern_of(const gb_sim *sim);
+GB_API void gb_linear_sizes(const gb_sim *sim, int *n_simple, int *n_hidden, int *n_kept);
+GB_API int gb_linear_matrix(gb_sim *sim, const gb_point *at, const double *y, double g, double *diag, double *lower,
+                            double *upper, double *kept);
+GB_API int gb_linear_side(const gb_sim *sim, const double *kept, double g, const double *r, double *out);
+GB_API int gb_linear_rates(const gb_sim *sim, const double *kept, const double *x, double *out);
 
 /* The laws at a point, into what is not NULL: dy (length n_total), all outputs, all energies, and `fit`, the modes that
  * fit state and time there. Needs gb_start for the values derived from parameters; changes nothing of the run. */

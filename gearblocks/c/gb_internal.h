@@ -131,7 +131,7 @@ struct gb_sim {
     int *colour, *link, n_colours; /* by unknown; by simple state and colour: the unknown in its rate, or -1 */
     double *gain;                  /* and its factor */
     double stiff_h;                /* the step size it was made for */
-    double *before; /* modes before an event */
+    double *before;                /* modes before an event */
     gb_source *sources;
     int *moving, n_moving; /* inputs that are no constants */
     gb_event *log;
@@ -167,6 +167,9 @@ int gb_step(gb_sim *sim, double stop);
 int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau);
 int gb_columns_at(gb_sim *sim, double t);
 int gb_first_derivative(gb_sim *sim, const double *tau);
+
+/* gb_probe.c */
+int gb_point_columns(gb_sim *sim, const gb_point *at);
 
 /* gb_turns.c: angles whose turns are counted. */
 double gb_turns_step(const gb_sim *sim, double h);

@@ -11,17 +11,19 @@ void gb_linear_sizes(const gb_sim *sim, int *n_simple, int *n_hidden, int *n_kep
     *n_kept = sim->model->n_kept;
 }
 
-int gb_linear_matrix(gb_sim *sim, double t, const double *y, double g, double *diag, double *lower, double *upper,
-                     double *kept) {
+int gb_linear_matrix(gb_sim *sim, const gb_point *at, const double *y, double g, double *diag, double *lower,
+                     double *upper, double *kept) {
     const gb_model *model = sim->model;
+    const double *mode = at->mode ? at->mode : sim->mode;
     if (!model->pattern) {
         return GB_ERR_STATE;
     }
-    const int code = gb_columns_at(sim, t);
+    const int code = gb_point_columns(sim, at);
     if (code == GB_DONE) {
-        model->rhs(sim->par, sim->mode, sim->tau_one, y, sim->z2);
-        model->jacobian(sim->par, sim->mode, sim->tau_one, y, sim->z2, g, diag, lower, upper, kept);
+        model->rhs(sim->par, mode, sim->tau_one, y, sim->z2);
+        model->jacobian(sim->par, mode, sim->tau_one, y, sim->z2, g, diag, lower, upper, kept);
     }
+    gb_input_broadcast(sim);
     return code;
 }
 

@@ -12,42 +12,48 @@ static void fit_modes(const gb_sim *sim, double t, double *fit) {
     }
 }
 
-/* Inputs and time columns of one instant; u NULL: the sources of the inputs at t. */
-static int fill_columns(gb_sim *sim, double t, const double *u, const double *mode, int means) {
+/* Inputs and time columns of a point, into tau_one. gb_input_broadcast puts the lanes of constant inputs right again.
+ */
+int gb_point_columns(gb_sim *sim, const gb_point *at) {
     const gb_model *model = sim->model;
-    const int code = u ? GB_DONE : gb_input_values(sim, t, sim->z_input);
-    const double *value = u ? u : sim->z_input;
+    const int code = at->input ? GB_DONE : gb_input_values(sim, at->t, sim->z_input);
+    const double *value = at->input ? at->input : sim->z_input, *mode = at->mode ? at->mode : sim->mode;
     for (int l = 0; l < GB_LANES; l++) {
-        sim->t_one[l] = t;
+        sim->t_one[l] = at->t;
         for (int i = 0; i < model->n_inputs; i++) {
             sim->u_one[i * GB_LANES + l] = value[i];
         }
     }
     if (code == GB_DONE && model->n_time > 0) {
-        (means && model->means ? model->means : model->times)(sim->par, mode, 1, sim->t_one, sim->u_one, sim->tau_one);
+        const int mean = at->means && model->means;
+        (mean ? model->means : model->times)(sim->par, mode, 1, sim->t_one, sim->u_one, sim->tau_one);
+        if (!mean && model->times_late) {
+            model->times_late(sim->par, mode, 1, sim->t_one, sim->u_one, sim->tau_one);
+        }
     }
     return code;
 }
 
 int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, double *out, double *energy, double *fit) {
     const gb_model *model = sim->model;
+    const double *mode = at->mode ? at->mode : sim->mode;
     int code = sim->head->started ? GB_DONE : gb_fail(sim, GB_ERR_STATE, 0, at->t, 0.0);
     if (code == GB_DONE) {
-        code = fill_columns(sim, at->t, at->input, at->mode, at->means);
+        code = gb_point_columns(sim, at);
     }
     if (code == GB_DONE) {
         double *rate = dy ? dy : sim->z2;
-        if (dy || out) {
-            model->rhs_full(sim->par, at->mode, sim->tau_one, y, rate);
+        if (dy || (out && !at->rate)) {
+            model->rhs_full(sim->par, mode, sim->tau_one, y, rate);
         }
         if (out) {
-            model->outputs(sim->par, at->mode, sim->tau_one, y, rate, out);
+            model->outputs(sim->par, mode, sim->tau_one, y, at->rate ? at->rate : rate, out);
         }
         if (energy) {
-            model->energies(sim->par, at->mode, sim->tau_one, y, energy);
+            model->energies(sim->par, mode, sim->tau_one, y, energy);
         }
         if (fit && model->n_switches > 0) {
-            model->surfaces(sim->par, at->mode, sim->tau_one, y, sim->s);
+            model->surfaces(sim->par, mode, sim->tau_one, y, sim->s);
             fit_modes(sim, at->t, fit);
         }
     }

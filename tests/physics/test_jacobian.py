@@ -335,6 +335,7 @@ def check_whole(rig: gb.Drivetrain) -> tuple[int, ...]:
             assert sim.start(Options(2, 1, 1e-6, 0.0, np.inf, np.inf), t, y) == 0
             y = sim.state()
             J = differences(sim, t, y, np.ones(n))
+            assert (np.abs(sim.jacobian(t, y).toarray() - J) <= NEAR * np.abs(J).max(axis=1, keepdims=True)).all()
             for g in (1e-3, 0.1, 10.0):
                 r = random.normal(size=n)
                 linear = sim.step_matrix(t, y, g)

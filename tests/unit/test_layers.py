@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 # From the ground up. A module may import from its own floor and from those above it in this list. A name stands for the
 # module and everything in it.
 FLOORS: tuple[tuple[str, ...], ...] = (
-    ("gearblocks.errors", "gearblocks.rational", "gearblocks.pattern"),
+    ("gearblocks.errors", "gearblocks.rational", "gearblocks.pattern", "gearblocks.sparsemaps"),
     ("gearblocks.tooth_geometry", "gearblocks.dead_zone", "gearblocks.engagement", "gearblocks.impact"),
     ("gearblocks.units", "gearblocks.files", "gearblocks.program", "gearblocks.cache", "gearblocks.compiler"),
     ("gearblocks.expression", "gearblocks.signals", "gearblocks.maps"),

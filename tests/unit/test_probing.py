@@ -7,7 +7,8 @@ import scipy.sparse
 import gearblocks as gb
 from benchmarks.problems import p1
 from gearblocks.core import Code, Method, Options
-from gearblocks.probing import dependents, derivative, disjoint, opened, state_matrix
+from gearblocks.probing import dependents, derivative, opened, state_matrix
+from gearblocks.sparsemaps import disjoint
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (7, 1), (1, 9), (40, 40), (30, 57)])
