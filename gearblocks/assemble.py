@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from gearblocks.coordinates import Combination, Elimination
+from gearblocks.drives import is_steady
 from gearblocks.errors import ModelError
 from gearblocks.graph import GROUND, Component, Train, numbers_of, structure_of
 from gearblocks.grouping import HELD, inertias, number_groups, start_values
@@ -59,7 +60,8 @@ class Assembly:
     Groups are numbered: those with a speed of their own (n_speeds), hidden ones without inertia (n_hidden), those whose
     speed alone is prescribed (n_paced), then the other followers. rows[i]: coordinate i as a form of group angles;
     dependents: combinations that close loops; angles: groups whose absolute angle is a state; definitions (in order, with
-    drives in between): how other group angles follow. in_law: a law reads angles.
+    drives in between): how other group angles follow. in_law: a law reads angles. steady: groups whose speeds are fixed
+    combinations; n_steady: coordinates at the front whose rates are.
     """
 
     train: Train
@@ -79,6 +81,8 @@ class Assembly:
     angles: list[int] = field(default_factory=list)
     definitions: list[tuple[int, Combination | Driven]] = field(default_factory=list)
     starts: list[StartValues] = field(default_factory=list)
+    steady: frozenset[int] = frozenset()
+    n_steady: int = 0
     in_law: bool = False
     structural: tuple[tuple[str, float], ...] = ()
 
@@ -201,8 +205,11 @@ def _dynamics(law: Law) -> list[Any]:
 
 def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) -> None:
     follows = {f.group: f for f in assembly.followers}
-    given = frozenset(g for g, f in follows.items() if f.drive is not None and not f.drive.by_speed)
     expanded = expand_rows(assembly)
+    given = {
+        g: [root for s in f.sources for root in (expanded[s].groups if s in expanded else (s,))]
+        for g, f in follows.items() if f.drive is not None and not f.drive.by_speed
+    }  # fmt: skip
     elimination = Elimination(given)
     batches: dict[Any, Batch] = {}
     facts: dict[int, tuple[tuple[bool, ...], bool]] = {}
@@ -224,10 +231,37 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
         _append(batches[key], assembly, index, nodes, sources, known[index])
     assembly.batches = list(batches.values())
     assembly.rows = elimination.rows
+    assembly.steady = _steady(assembly, laws)
+    _put_in_front(assembly, elimination.definitions.values())
     rows: dict[int, Combination | Driven] = dict(elimination.definitions)
     rows |= {g: f.row if f.row is not None else f.drive for g, f in follows.items() if f.row is not None or g in given}  # type: ignore[misc]
     assembly.angles = [g for g in range(assembly.n_groups) if g not in rows]
     assembly.definitions = _ordered(rows, follows)
+
+
+def _steady(assembly: Assembly, laws: list[Law]) -> frozenset[int]:
+    """Groups whose speeds are fixed combinations of the speeds and states (time aside)."""
+    moving: set[int] = set()
+    for f in assembly.followers:
+        if not moving.isdisjoint(f.sources) or (f.drive and not is_steady(laws[f.drive.component], f.drive.number)):
+            moving.add(f.group)
+    return frozenset(range(assembly.n_groups)) - moving
+
+
+def _put_in_front(assembly: Assembly, definitions: Iterable[Combination]) -> None:
+    """Renumbers the coordinates: those whose rates are fixed combinations of speeds come first."""
+    fixed = [assembly.steady.issuperset(row) for row in assembly.rows]
+    assembly.n_steady = sum(fixed)
+    order = sorted(range(len(fixed)), key=lambda j: not fixed[j])
+    place = {j: i for i, j in enumerate(order)}
+    assembly.rows = [assembly.rows[j] for j in order]
+    assembly.row_offsets = [assembly.row_offsets[j] for j in order]
+    for combination in (*definitions, *assembly.dependents):
+        combination.coordinates = {place[j]: c for j, c in combination.coordinates.items()}
+    for batch in assembly.batches:
+        for j, dependent in enumerate(batch.dependent):
+            if batch.used[j] and not dependent:
+                batch.sources[j] = [place[i] for i in batch.sources[j]]
 
 
 def expand_rows(assembly: Assembly) -> dict[int, Combination]:

@@ -6,7 +6,7 @@ closes a loop is an exact combination of them. Absolute angles remain only for g
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -43,11 +43,12 @@ def _accumulate(target: dict[_K, Exact], source: Mapping[_K, Exact], factor: Exa
 class Elimination:
     """Takes forms one by one; `definitions` say how each eliminated group angle follows from what is left.
 
-    given: groups whose angles follow otherwise (a prescribed angle): they are never eliminated.
+    given: groups whose angles follow otherwise (a prescribed angle), with those that they follow from: they are never
+    eliminated, and none of these is defined by them.
     """
 
-    def __init__(self, given: frozenset[int] = frozenset()) -> None:
-        self.given = given
+    def __init__(self, given: Mapping[int, Collection[int]] | None = None) -> None:
+        self.given = given or {}
         self.definitions: dict[int, Combination] = {}
         self._gains: dict[int, dict[int, Exact]] = {}
         self._tops: dict[int, int] = {}
@@ -57,15 +58,14 @@ class Elimination:
     def take(self, form: Combination) -> int | Combination:
         """The number of a new coordinate, or what the form is a combination of."""
         left = self._left(form)
-        if all(g in self.given for g in left):
+        free = left.keys() - self.given.keys() - self._upstream([g for g in left if g in self.given])
+        if not free:
             whole = self.expand(form)
             whole.groups = {g: c for g, c in whole.groups.items() if g in left}
             return whole
         apart = self._join(list(form.groups))
-        raw = (
-            [g for g in form.groups if g in left and g not in self.definitions and g not in self.given] if apart else []
-        )
-        pivot = raw[-1] if raw else next(g for g in left if g not in self.given)
+        raw = [g for g in form.groups if g in free and g not in self.definitions] if apart else []
+        pivot = raw[-1] if raw else next(g for g in left if g in free)
         base = form if raw else self.expand(form)
         c = base.groups[pivot]
         definition = Combination({}, {self.n: over(1, c)}, {})
@@ -76,6 +76,16 @@ class Elimination:
         self.rows.append(dict(form.groups))
         self.n += 1
         return self.n - 1
+
+    def _upstream(self, driven: list[int]) -> set[int]:
+        """The groups that are not eliminated from which the angles of driven groups follow."""
+        found: set[int] = set()
+        stack = list(driven)
+        while stack:
+            new = {root for s in self.given.get(stack.pop(), ()) for root in self._roots(s)} - found
+            found |= new
+            stack += new
+        return found
 
     def _left(self, form: Combination) -> dict[int, Exact]:
         """Factors of the form on the groups that are not eliminated. What floats leave where they cancel is nothing: three

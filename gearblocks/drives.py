@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.errors import ModelError
-from gearblocks.symbols import CONSTANT, Pool, TableAt, clock
+from gearblocks.symbols import CONSTANT, MOVING, Pool, TableAt, clock
 
 
 @dataclass(slots=True)
@@ -78,6 +78,15 @@ def frozen_drive(drive: Drive, freeze: Callable[[Any], Any]) -> Drive:
         drive.flange, {n: freeze(g) for n, g in drive.gains.items()}, freeze(drive.bias), freeze(drive.surplus),
         None if drive.angle is None else freeze(drive.angle),
     )  # fmt: skip
+
+
+def is_steady(law: Any, number: int) -> bool:
+    """Whether the gains of a drive are numbers, and what it adds to the speed is linear in states (time aside)."""
+    drive, pool = law.drives[number], law.pool
+    moving = [x for x in sp.sympify(drive.bias).free_symbols if pool.level(x) == MOVING]
+    return all(gain.is_number for gain in drive.gains.values()) and all(
+        pool.slots[x].role == "state" and sp.diff(drive.bias, x).is_number for x in moving
+    )
 
 
 def _pivot(kind: str, zero: Any, unknowns: Mapping[str, Any]) -> tuple[str, Any]:

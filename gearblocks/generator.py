@@ -64,11 +64,32 @@ class Following:
 
 
 @dataclass(slots=True)
+class Computed:
+    """Where rows are computed (varying.py): values that numbers start with, places of g and of gains (by number of the
+    gain), steps, rows of equations with inertia; entries of dG/ds as (unknown, simple state); B over unknowns.
+
+    first_surplus, first_carried, rates: further rows of the spreading table; carried: groups of the second.
+    """
+
+    start: list[float]
+    g: int
+    gains: list[tuple[int, int]]
+    steps: list[tuple[int, int, int]]
+    heavy: list[dict[int, int]]
+    entries: list[tuple[int, int]]
+    simple: list[dict[int, Exact]]
+    carried: list[int]
+    first_surplus: int = 0
+    first_carried: int = 0
+    rates: int = 0
+
+
+@dataclass(slots=True)
 class Linear:
     """What implicit methods need. first_speed: the unknown of the first speed; n_kept: numbers that jacobian keeps.
 
-    following: where some groups follow others. spread: rows of the table that spreads entries; those of the inertias
-    begin at first_mass. senses: in the order of their calls.
+    following: where some groups follow others; computed: where their gains change. spread, or then terms: rows of the
+    table that spreads entries; those of the inertias begin at first_mass. senses: in the order of their calls.
     """
 
     pattern: Pattern
@@ -77,9 +98,11 @@ class Linear:
     n_kept: int
     n_slopes: int
     following: Following | None = None
+    computed: Computed | None = None
     functions: dict[str, list[Function]] = field(default_factory=dict)
     senses: list[SenseCode] = field(default_factory=list)
     spread: list[dict[int, Exact]] = field(default_factory=list)
+    terms: list[list[tuple[int, int, int]]] = field(default_factory=list)
     first_mass: int = 0
 
     def keep(self, what: str, function: Function) -> None:

@@ -13,11 +13,12 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.batchcode import BatchCode, Function
-from gearblocks.generator import Following, Generator, Linear, SenseCode
+from gearblocks.generator import Computed, Following, Generator, Linear, SenseCode
 from gearblocks.layout import Column, column
 from gearblocks.pattern import Pattern, eliminate
 from gearblocks.slopes import Slopes, Target
 from gearblocks.unknowns import Row, Unknowns
+from gearblocks.varying import Varying
 
 Argument = tuple[str, str, Column]
 """An argument of a function, see Function.args."""
@@ -26,12 +27,12 @@ Argument = tuple[str, str, Column]
 def linear_part(g: Generator) -> Linear | None:
     """The functions of implicit methods and the pattern; None where a law has no derivative, or nothing moves."""
     try:
-        unknowns = Unknowns(g)
+        unknowns: Unknowns | Varying = Unknowns(g) if is_linear(g) else Varying(g)
         if unknowns.count == 0:
             return None
         batches, kept = [], 0
         for code in g.codes:
-            slopes = Slopes(code, kept, code.n)
+            slopes = Slopes(code, kept, code.n, direct=isinstance(unknowns, Varying))
             slopes.add_all(with_growths=unknowns.by_rate)
             batches.append(slopes)
             kept = slopes.kept_end
@@ -40,7 +41,7 @@ def linear_part(g: Generator) -> Linear | None:
         matrix = Matrix(unknowns, senses)
         pattern = eliminate(unknowns.count, matrix.coupled(batches))
         linear = Linear(pattern, unknowns.n_simple, unknowns.first_speed, senses.kept, senses.n_slopes)
-        if not unknowns.plain:
+        if isinstance(unknowns, Unknowns) and not unknowns.plain:
             linear.following = Following(
                 unknowns.speeds, unknowns.heavy, unknowns.torques, unknowns.growths, unknowns.by_rate, *unknowns.tilts()
             )
@@ -51,7 +52,12 @@ def linear_part(g: Generator) -> Linear | None:
     return linear
 
 
-def _single(rows: Sequence[Row]) -> list[int] | None:
+def is_linear(g: Generator) -> bool:
+    """Whether all groups move by fixed combinations of speeds and states."""
+    return len(g.assembly.steady) == g.assembly.n_groups
+
+
+def _single(rows: Sequence[Any]) -> list[int] | None:
     """The unknowns themselves where no row combines or scales any."""
     found: list[int] = []
     for row in rows:
@@ -67,11 +73,11 @@ def _single(rows: Sequence[Row]) -> list[int] | None:
 class SensedSlopes:
     """Slopes of the sensed outputs that laws depend on: b over unknowns of their own and of what they read in turn."""
 
-    def __init__(self, g: Generator, unknowns: Unknowns, kept: int) -> None:
+    def __init__(self, g: Generator, unknowns: Unknowns | Varying, kept: int) -> None:
         self.g, self.unknowns, self.kept = g, unknowns, kept
         self.n_slopes = 0
         self.first: dict[str, int] = {}
-        self.rows: dict[str, list[Row]] = {}
+        self.rows: dict[str, list[Any]] = {}
         self._parts: list[tuple[Slopes, int, int, list[Target], Any]] = []
 
     def find(self, wanted: set[str]) -> None:
@@ -90,7 +96,7 @@ class SensedSlopes:
     def _add(self, path: str) -> None:
         sense = self.g.senses[path]
         code = self.g.codes[sense.batch]
-        slopes = Slopes(code, self.kept, 1)
+        slopes = Slopes(code, self.kept, 1, direct=isinstance(self.unknowns, Varying))
         found = slopes.gradient(sense.expr)
         self.kept = slopes.kept_end
         self.first[path] = self.n_slopes
@@ -128,17 +134,21 @@ def _arguments(function: Function, e: int) -> str:
 class Matrix:
     """Where the entries of batches go."""
 
-    def __init__(self, unknowns: Unknowns, senses: SensedSlopes) -> None:
+    def __init__(self, unknowns: Unknowns | Varying, senses: SensedSlopes) -> None:
         self.unknowns, self.senses = unknowns, senses
-        self.spread: list[Row] = []
+        self.spread: list[Any] = []
+        self.op = "spread_terms" if isinstance(unknowns, Varying) else "spread"
 
     def coupled(self, batches: Sequence[Slopes]) -> Iterator[tuple[int, int]]:
         """Pairs of unknowns that share an entry."""
-        rows = [pair for pair in zip(self.unknowns.torques, self.unknowns.heavy, strict=True) if len(pair[1]) > 1]
+        inertias: Iterator[Any] = zip(self.unknowns.torques, self.unknowns.heavy, strict=True)
+        rows: list[Any] = [pair for pair in inertias if len(pair[1]) > 1]
+        if isinstance(self.unknowns, Varying):
+            rows += self.unknowns.own()
         for slopes in batches:
             for x, y in slopes.entries:
                 equations, columns = self.unknowns.equations(slopes.code, x), self.unknowns.columns(slopes.code, y)
-                one, other = _single(equations), _single(columns)
+                one, other = (None, None) if self.op != "spread" else (_single(equations), _single(columns))
                 if one is not None and other is not None:
                     yield from zip(one, other, strict=True)
                 else:
@@ -146,26 +156,50 @@ class Matrix:
             for fed in slopes.fed:
                 rows += product(self.unknowns.equations(slopes.code, fed.row), self.senses.rows[fed.path])
         for pair in rows:
-            yield from product(*pair)
+            yield from ((i, j) for i, j in product(*pair) if j >= 0)
 
     def write(self, linear: Linear, batches: Sequence[Slopes]) -> None:
         """The functions of all batches and the table that spreads."""
         for slopes in batches:
-            targets, args = self._direct(slopes, linear.pattern) or self._spread(slopes, linear.pattern)
+            targets, args = self._direct(slopes, linear.pattern) or (self._spread(slopes, linear.pattern), [])
             targets += self._sensed(slopes, linear.pattern)
             function = slopes.code.function("jacobian", [*slopes.statements, *targets])
             function.args += args
             linear.keep("jacobian", function)
-            linear.keep("right_side", self._side(slopes))
-            linear.keep("simple_rates", _simple_rates(slopes.code))
+            if self.op == "spread":
+                linear.keep("right_side", self._side(slopes))
+                linear.keep("simple_rates", _simple_rates(slopes.code))
         linear.first_mass = len(self.spread)
         if not self.unknowns.plain:
             inertias = zip(self.unknowns.torques, self.unknowns.heavy, strict=True)
             self.spread += [self._entry(linear.pattern, *pair) for pair in inertias]
-        linear.spread = self.spread
+        if isinstance(self.unknowns, Varying):
+            self._write_computed(self.unknowns, linear)
+        else:
+            linear.spread = self.spread
+
+    def _write_computed(self, unknowns: Varying, linear: Linear) -> None:
+        """What groups with gains that change add, and the tables of their rows."""
+        pattern, numbers = linear.pattern, unknowns.numbers
+        for function in unknowns.functions:
+            linear.keep("drive_slopes", function)
+        linear.computed = computed = Computed(
+            [float(x) for x in numbers.start], unknowns.g, unknowns.gains, numbers.steps, unknowns.heavy, [],
+            unknowns.simple(), [group for group, *_ in unknowns.carried],
+        )  # fmt: skip
+        computed.first_surplus = len(self.spread)
+        surplus = zip(unknowns.heavy, unknowns.accelerations, strict=True)
+        self.spread += [self._entry(pattern, *pair) for pair in surplus]
+        computed.first_carried = len(self.spread)
+        self.spread += [self._entry(pattern, row, other) for _, row, other in unknowns.carried]
+        computed.rates = len(self.spread)
+        self.spread.append([term for pair in unknowns.rates() for term in self._entry(pattern, *pair)])
+        linear.terms, computed.entries = self.spread, list(unknowns.kept)
 
     def _direct(self, slopes: Slopes, pattern: Pattern) -> tuple[list[Target], list[Argument]] | None:
         """Entries by columns of places, where every symbol is one unknown and no two are the same."""
+        if self.op != "spread":
+            return None
         places: dict[Any, list[int]] = {}
         for x in {x: None for pair in slopes.entries for x in pair}:
             if slopes.code.law.pool.slots[x].role == "growth":
@@ -202,14 +236,14 @@ class Matrix:
             targets += [(f"{parts[0]}[p{i}]", "+=", one, False), (f"{parts[1]}[p{i}]", "+=", other, False)]
         return targets, args
 
-    def _spread(self, slopes: Slopes, pattern: Pattern) -> tuple[list[Target], list[Argument]]:
+    def _spread(self, slopes: Slopes, pattern: Pattern) -> list[Target]:
         """Entries through the table."""
         targets: list[Target] = []
         for (x, y), value in slopes.entries.items():
-            targets.append((f"{len(self.spread)} + e", "spread", value, False))
+            targets.append((f"{len(self.spread)} + e", self.op, value, False))
             equations, columns = self.unknowns.equations(slopes.code, x), self.unknowns.columns(slopes.code, y)
             self.spread += [self._entry(pattern, a, b) for a, b in zip(equations, columns, strict=True)]
-        return targets, []
+        return targets
 
     def _sensed(self, slopes: Slopes, pattern: Pattern) -> list[Target]:
         """Entries that a sensed output brings: one per unknown that it depends on."""
@@ -218,18 +252,13 @@ class Matrix:
             rows = self.unknowns.equations(slopes.code, fed.row)
             for i, other in enumerate(self.senses.rows[fed.path]):
                 value = fed.value * slopes.local(f"slope[{self.senses.first[fed.path] + i}]")
-                targets.append((f"{len(self.spread)} + e", "spread", value, False))
+                targets.append((f"{len(self.spread)} + e", self.op, value, False))
                 self.spread += [self._entry(pattern, row, other) for row in rows]
         return targets
 
-    @staticmethod
-    def _entry(pattern: Pattern, row: Row, other: Row) -> Row:
-        """Where an entry between two combinations of unknowns goes: 3 place + 0 in diag, 1 in lower, 2 in upper."""
-        found: Row = {}
-        for (i, a), (j, b) in product(row.items(), other.items()):
-            key = 3 * i if i == j else 3 * pattern.place(i, j) + (1 if pattern.is_lower(i, j) else 2)
-            found[key] = found.get(key, 0) + a * b
-        return found
+    def _entry(self, pattern: Pattern, row: Any, other: Any) -> Any:
+        """Where an entry between two rows goes."""
+        return self.unknowns.entry(pattern, row, other)
 
     def _side(self, slopes: Slopes) -> Function:
         """What the batch adds to the right side: torques of groups, rates of states."""

@@ -44,11 +44,12 @@ class Slopes:
     """Derivatives of one batch: statements that compute them and what they add to the matrix.
 
     kept_at: the first of the numbers that it keeps (`width` of each kind); kept_end: the first after them.
-    entries: by (row, column) in symbols of unknowns. sides: what right_side does.
+    entries: by (row, column) in symbols of unknowns. sides: what right_side does. direct: whether coordinates and angles
+    stand for themselves (varying.py); else their rates stand for them.
     """
 
-    def __init__(self, code: BatchCode, kept_at: int, width: int) -> None:
-        self.code, self.width = code, width
+    def __init__(self, code: BatchCode, kept_at: int, width: int, *, direct: bool = False) -> None:
+        self.code, self.width, self.direct = code, width, direct
         self.kept_end = kept_at
         self.statements: list[Target] = []
         self.entries: dict[tuple[Any, Any], Any] = {}
@@ -79,10 +80,13 @@ class Slopes:
         """The derivatives of an expression of the batch. NotImplementedError where there is no formula."""
         found = Gradient()
         slots, g = self.code.law.pool.slots, self.g
-        for x, slope in self._partial(expr):
+        for x, slope in partial(self.code, expr):
             role = slots[x].role
-            if role in ("w", "state"):
+            if role in ("w", "state") or (self.direct and role != "sense"):
                 found.unknowns[x] = found.unknowns.get(x, 0) + g * slope
+                continue
+            if self.direct:
+                found.senses[slots[x].of] = slope
                 continue
             now, then = self.keep(slope)
             if role == "sense":
@@ -93,28 +97,6 @@ class Slopes:
                 found.unknowns[w] = found.unknowns.get(w, 0) + g**2 * c * now
             found.change += then * x
         return found
-
-    def _partial(self, expr: Any) -> Iterator[tuple[Any, Any]]:
-        """(symbol, derivative) of an expression over everything that moves, branches frozen."""
-        expr = sp.sympify(expr)
-        slots = self.code.law.pool.slots
-        steady = {h: sp.Dummy(real=True) for h in expr.atoms(sp.Heaviside)}
-        expr = expr.xreplace(steady)
-        for x in sorted(expr.free_symbols & slots.keys(), key=lambda x: str(x.name)):
-            role = slots[x].role
-            if role in ("alpha", "tau"):
-                raise NotImplementedError(f"no derivative by {x}")
-            if role not in ("w", "phi", "state", "coordinate", "sense") or self._is_held(x):
-                continue
-            slope = sp.diff(expr, x)
-            if slope.has(sp.Derivative, sp.Subs, sp.DiracDelta):
-                raise NotImplementedError(f"no formula for the derivative of {expr} by {x}")
-            if slope != 0:
-                yield x, slope.xreplace({dummy: h for h, dummy in steady.items()})
-
-    def _is_held(self, x: Any) -> bool:
-        slot = self.code.law.pool.slots[x]
-        return slot.role in ("w", "phi") and self.code.batch.groups[slot.of][0] == HELD
 
     def _rate_of(self, x: Any) -> Iterator[tuple[Any, Any]]:
         """(speed, coefficient) of the rate of a coordinate or an angle."""
@@ -168,7 +150,7 @@ class Slopes:
     def _gain(self, x: Any) -> Any:
         """The gain of an unknown on the unknown of its group, where it is not 1 throughout."""
         slot = self.code.law.pool.slots[x]
-        if slot.role == "state" or all(gain == 1 for gain in self.code.batch.gains[slot.of]):
+        if slot.role in ("state", "coordinate") or all(gain == 1 for gain in self.code.batch.gains[slot.of]):
             return sp.Integer(1)
         return self.code.law.pool.symbol("gain", slot.of, f"k_{slot.of}")
 
@@ -188,3 +170,27 @@ class Slopes:
             if not vanishes(left, self.code.law.pool):
                 return False
         return True
+
+
+def partial(code: BatchCode, expr: Any) -> Iterator[tuple[Any, Any]]:
+    """(symbol, derivative) of an expression of a batch over everything that moves, branches frozen.
+
+    NotImplementedError where there is no formula.
+    """
+    expr = sp.sympify(expr)
+    slots = code.law.pool.slots
+    steady = {h: sp.Dummy(real=True) for h in expr.atoms(sp.Heaviside)}
+    expr = expr.xreplace(steady)
+    for x in sorted(expr.free_symbols & slots.keys(), key=lambda x: str(x.name)):
+        slot = slots[x]
+        if slot.role in ("alpha", "tau"):
+            raise NotImplementedError(f"no derivative by {x}")
+        if slot.role not in ("w", "phi", "state", "coordinate", "sense"):
+            continue
+        if slot.role in ("w", "phi") and code.batch.groups[slot.of][0] == HELD:
+            continue
+        slope = sp.diff(expr, x)
+        if slope.has(sp.Derivative, sp.Subs, sp.DiracDelta):
+            raise NotImplementedError(f"no formula for the derivative of {expr} by {x}")
+        if slope != 0:
+            yield x, slope.xreplace({dummy: h for h, dummy in steady.items()})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import sympy as sp
@@ -11,6 +12,7 @@ from gearblocks.coordinates import Combination
 from gearblocks.generator import Generator
 from gearblocks.kinematics import Driven
 from gearblocks.laws import exact_value
+from gearblocks.pattern import Pattern
 from gearblocks.rational import Exact
 from gearblocks.symbols import MOVING
 
@@ -72,6 +74,15 @@ class Unknowns:
             first = self.lay.state0[code.number, slot.of] - self.n_simple
             return [{first + e: 1} for e in range(code.n)]
         return [of_group[group] for group in code.batch.groups[slot.of]]
+
+    @staticmethod
+    def entry(pattern: Pattern, row: Row, other: Row) -> Row:
+        """Where an entry between two combinations of unknowns goes: 3 place + 0 in diag, 1 in lower, 2 in upper."""
+        found: Row = {}
+        for (i, a), (j, b) in product(row.items(), other.items()):
+            key = 3 * i if i == j else 3 * pattern.place(i, j) + (1 if pattern.is_lower(i, j) else 2)
+            found[key] = found.get(key, 0) + a * b
+        return found
 
     def tilts(self) -> tuple[list[Row], list[Row]]:
         """How defined angles change with the angles of other groups and with the state vector, drives included."""

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 from gearblocks.batchcode import Function
@@ -18,6 +19,7 @@ _VECTORS = (
     "par", "before", "mode", "tau", "y", "loop", "phi", "whole", "gain", "bias", "surplus", "w", "alpha", "torque", "growth",
     "drag", "stiff", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo",
     "hi", "kept", "diag", "lower", "upper", "slope", "change", "speed", "turn", "rise",
+    "coef", "entry",
 )  # fmt: skip
 _INTEGERS = ("full", "i")
 _SCALARS = ("g",)
@@ -67,9 +69,12 @@ def function_view(function: Function) -> FunctionView:
     if any(s.op in ("call", "below", "above") for s in function.body):
         text += " mode lo hi"
         written |= {"lo", "hi"}
-    if any(s.op == "spread" for s in function.body):
+    if any(s.op in ("spread", "spread_terms") for s in function.body):
         text += " diag lower upper"
         written |= {"diag", "lower", "upper"}
+    if any(s.op == "spread_terms" for s in function.body):
+        text += " coef entry"
+        written.add("entry")
     words = set(re.findall(r"[A-Za-z_]\w*", text))
     if any(s.full for s in function.body):
         words.add("full")
@@ -257,10 +262,27 @@ def _linear(g: Generator) -> dict[str, Any]:
         "linear": linear,
         "linear_functions": [f for f, _ in [*slopes, *changes]],
         "slopes": [_sense_call(f, call) for f, call in slopes],
-        "changes": [_sense_call(f, call) for f, call in changes],
+        "changes": [_sense_call(f, call) for f, call in changes] if linear.computed is None else [],
         "spread": sparse("spread", linear.spread),
+        "terms": _terms(linear.terms),
+        "simple": sparse("simple", linear.computed.simple if linear.computed else []),
+        "heavy": _rows_of(linear.computed.heavy if linear.computed else []),
         "following": [sparse(name, rows) for name, rows in _following(g, linear.following).items()],
     }
+
+
+def _terms(rows: Sequence[Sequence[tuple[int, int, int]]]) -> dict[str, list[int]]:
+    """Rows of the table that spreads entries where numbers are computed."""
+    terms = [term for row in rows for term in row]
+    start = [0, *accumulate(len(row) for row in rows)]
+    return {"start": start} | {name: [term[i] for term in terms] for i, name in enumerate(("place", "one", "two"))}
+
+
+def _rows_of(rows: Sequence[Mapping[int, int]]) -> dict[str, list[int]]:
+    """Rows of places of numbers, by unknown."""
+    items = [item for row in rows for item in row.items()]
+    start = [0, *accumulate(len(row) for row in rows)]
+    return {"start": start, "index": [x for x, _ in items], "number": [number for _, number in items]}
 
 
 def _following(g: Generator, f: Following | None) -> dict[str, list[dict[int, Exact]]]:

@@ -389,16 +389,6 @@ def test_motions_behind_filters_follow_the_states_of_their_blocks():
     assert check_whole(rig)[1] == 0
 
 
-def test_a_nonlinear_motion_has_no_matrix():
-    rig = gb.Drivetrain("nonlinear")
-    body, angle = rig.add("a", gb.Inertia(J=1.0)), rig.add("angle", gb.Angle(phi=sp.sin(gb.Input("x")), filter=2.0))
-    shaft, drive = rig.add("shaft", gb.Shaft(k=2.0)), rig.add("drive", Cam())
-    rig.chain(angle, shaft, rig.add("b", gb.Inertia(J=1.0)), drive, body)
-    with gb.build(rig).library.open() as sim:
-        assert sim.pattern() is None
-        assert sim.linear_sizes() == (0, 0, 0)
-
-
 def test_shafts_without_inertia_that_are_damped_are_hidden_unknowns():
     rig = gb.Drivetrain("damped")
     a, b = rig.add("a", gb.Inertia(J=1.0)), rig.add("b", gb.Inertia(J=2.0))
@@ -418,3 +408,101 @@ def test_shafts_without_inertia_between_springs_are_in_balance_at_all_times():
     ]
     rig.chain(a, *(rig.add(f"s{i}", link) for i, link in enumerate(links)), b)
     assert check_whole(rig)[1] == 3
+
+
+# -- gains that change with the position ------------------------------------------------------------------------------
+
+
+def in_a_row(*links: gb.Block) -> gb.Drivetrain:
+    """Bodies with these links in between and springs to the ground at both ends."""
+    rig = gb.Drivetrain("row")
+    parts = [
+        rig.add("ground0", gb.Fixed()),
+        rig.add("spring0", gb.Shaft(k=6.0, c=0.2)),
+        rig.add("body0", gb.Inertia(J=1.0)),
+    ]
+    for i, link in enumerate(links):
+        parts += [rig.add(f"link{i}", link), rig.add(f"body{i + 1}", gb.Inertia(J=0.5 + 0.3 * i))]
+    parts += [rig.add("spring1", gb.Shaft(k=9.0, c=0.1)), rig.add("ground1", gb.Fixed())]
+    rig.chain(*parts)
+    return rig
+
+
+def test_a_cam_alone():
+    rig = gb.Drivetrain("cam")
+    rig.chain(rig.add("a", gb.Inertia(J=1.0)), rig.add("cam", Cam()), rig.add("b", gb.Inertia(J=2.0)))
+    check_whole(rig)
+
+
+@pytest.mark.parametrize("external", [False, True], ids=["internal", "external"])
+def test_a_rigid_non_circular_pair_between_springs(external):
+    gear = gb.NonCircularGear(law=gb.RatioLaw.ellipse(0.3), external=external, phase=0.4 + 0.3 * gb.sin(gb.time))
+    check_whole(in_a_row(gb.Shaft(k=20.0, c=0.4), gear, gb.Lash(k=15.0, half_gap=0.1, c=0.2)))
+
+
+def test_a_universal_joint_between_springs():
+    rig = in_a_row(
+        gb.Shaft(k=20.0, c=0.4), gb.UniversalJoint(angle=0.7, phase=0.2), gb.Shaft(k=30.0), gb.Shaft(k=9.0, c=0.1)
+    )
+    assert check_whole(rig)[0] > 0  # of the springs, only those beside the driven fork are no simple states
+
+
+def test_universal_joints_with_springs_and_without_any_between_them():
+    joint = gb.UniversalJoint(angle=0.5)
+    check_whole(
+        in_a_row(
+            joint, gb.UniversalJoint(angle=0.6, phase=0.3), gb.Shaft(k=12.0, c=0.3), joint, gb.IdealGear(ratio=-1.5)
+        )
+    )
+
+
+def test_two_non_circular_pairs_and_a_differential():
+    """Both side shafts of a differential through pairs with ratios that change, and springs across."""
+    rig = gb.Drivetrain("two pairs")
+    set_ = rig.add("set", gb.IdealPlanetary(ratio=-1.5))
+    for i, flange in enumerate((set_.sun, set_.ring)):
+        pair = rig.add(f"pair{i}", gb.NonCircularGear(law=gb.RatioLaw.ellipse(0.2 + 0.1 * i), external=bool(i)))
+        near, far = rig.add(f"near{i}", gb.Inertia(J=0.4 + 0.2 * i)), rig.add(f"far{i}", gb.Inertia(J=1.0 + i))
+        rig.chain(far, rig.add(f"shaft{i}", gb.Shaft(k=20.0 + i, c=0.3)), near, pair)
+        rig.connect(pair.b, flange)
+        if i:
+            across = rig.add("across", gb.Lash(k=9.0, half_gap=0.1, c=0.2))
+            rig.connect(across.a, flange)
+            rig.connect(across.b, far.a)
+    out = rig.add("out", gb.Inertia(J=2.0))
+    rig.connect(set_.carrier, out.a)
+    load = rig.add("load", gb.Torque(tau=-0.4 * gb.sense("near0.w") * gb.sense("out.w") - gb.sense("out.phi")))
+    rig.connect(load.flange, out.a)
+    check_whole(rig)
+
+
+class Crank(gb.Block):
+    """phi = sin(z), z' = 2 w - z: a motion that is nonlinear in a state, which follows a shaft in turn."""
+
+    a, b = gb.Flange("shaft that is read"), gb.Flange("shaft that is moved")
+    z = gb.State("position", "rad")
+
+    def physics(self, s):
+        yield gb.Tie(s.b.phi - sp.sin(s.z))
+        yield gb.Rate(s.z, 0.7 * sp.cos(s.z))
+
+
+def test_a_motion_that_is_nonlinear_in_a_state():
+    rig = in_a_row(gb.Shaft(k=20.0, c=0.4), gb.Shaft(k=30.0, c=0.1))
+    crank = rig.add("crank", Crank())
+    rig.connect(crank.b, gb.drivetrain.FlangeHandle(rig, "body1", "a"))
+    rig.connect(crank.a, gb.drivetrain.FlangeHandle(rig, "body0", "a"))
+    check_whole(rig)
+
+
+def test_a_cam_beside_a_damped_shaft_without_inertia_and_a_mesh_over_the_angle():
+    mesh = gb.GearMesh(
+        teeth=(3, 4), external=True, r_base=(0.3, 0.4), k=80.0, c=1.0, stiffness_variation=gb.Fourier(cos=(0.2,)),
+        transmission_error=gb.Harmonic(cos=(0.05,)),
+    )  # fmt: skip
+    rig = in_a_row(Cam(), mesh, Hysteresis(k=5.0), gb.UniversalJoint(angle=-0.4))
+    one, two = rig.add("one", gb.Shaft(k=6.0, c=0.3)), rig.add("two", gb.Shaft(k=5.0, c=0.2))
+    rig.connect(one.a, gb.drivetrain.FlangeHandle(rig, "body1", "a"))
+    rig.connect(one.b, two.a)
+    rig.connect(two.b, gb.drivetrain.FlangeHandle(rig, "body4", "a"))
+    assert check_whole(rig)[1] == 1

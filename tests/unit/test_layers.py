@@ -30,6 +30,9 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.batchcode", "gearblocks.massless", "gearblocks.motions", "gearblocks.senses", "gearblocks.generator"),
     (
         "gearblocks.slopes",
+        "gearblocks.rownumbers",
+        "gearblocks.driveslopes",
+        "gearblocks.varying",
         "gearblocks.unknowns",
         "gearblocks.jacobian",
         "gearblocks.means",
