@@ -3,8 +3,9 @@
  * While an explicit method runs, the fastest mode of the train is estimated now and then from the diagonal of the step
  * matrix. Where the steps of late are near the limit of stability, or far below what even that mode asks for, a few
  * implicit steps are tried; if they get long enough to pay, the implicit method stays. It goes when explicit steps at
- * the limit of stability would be cheaper.
- * Every try that fails and every change back makes the next look come later. */
+ * the limit of stability would be cheaper. What a change must pay grows with the changes of late, so that near
+ * break-even there are few of them. Where very many steps are still to come, a trial is made whatever the reason of
+ * their size. Every try that fails and every change back makes the next look come later. */
 #include "gb_internal.h"
 #include "gb_sparse.h"
 

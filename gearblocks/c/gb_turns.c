@@ -15,6 +15,16 @@ static double departure(const gb_sim *sim, const gb_weights *w, int i, double h)
     return h * sum;
 }
 
+/* h sum b K of an implicit method, whose stages are no rates. */
+static double change(const gb_sim *sim, int i) {
+    const gb_method *method = sim->method;
+    double sum = 0.0;
+    for (int j = 0; j < method->stages; j++) {
+        sum += method->points[0][j] * sim->k[(size_t)j * (size_t)sim->model->n_total + (size_t)i];
+    }
+    return sim->head->h * sum;
+}
+
 /* The largest step not above h that turns no counted angle too far. */
 double gb_turns_step(const gb_sim *sim, double h) {
     for (int c = 0; c < sim->model->n_counted; c++) {
@@ -36,10 +46,14 @@ void gb_turns_advance(gb_sim *sim) {
     for (int c = 0; c < model->n_counted; c++) {
         const int i = model->counted[c].state, rider = model->n_padded + 2 * c;
         double hi = sim->y0[i], lo = sim->y0[rider + 1], product, rest;
-        gb_multiply_two(sim->head->h, sim->k[i], &product, &rest);
-        gb_add_two(&hi, &lo, product);
-        gb_add_two(&hi, &lo, departure(sim, &sim->method->a[sim->method->stages], i, sim->head->h));
-        lo += rest;
+        if (sim->method->gamma > 0.0) {
+            gb_add_two(&hi, &lo, change(sim, i));
+        } else {
+            gb_multiply_two(sim->head->h, sim->k[i], &product, &rest);
+            gb_add_two(&hi, &lo, product);
+            gb_add_two(&hi, &lo, departure(sim, &sim->method->a[sim->method->stages], i, sim->head->h));
+            lo += rest;
+        }
         gb_settle_two(&hi, &lo);
         sim->y[i] = hi;
         sim->y[rider + 1] = lo;

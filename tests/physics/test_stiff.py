@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -81,6 +83,27 @@ def test_the_cost_does_not_grow_with_stiffness():
     assert gaps[2] < 1e-6
 
 
+@pytest.mark.parametrize("stiffened", [1e3, 1e6, 1e9, 1e12])
+def test_auto_finds_the_implicit_method_however_stiff_the_meshes_are(stiffened):
+    # a thousand steps are a few ms; for stability alone it would be 1e7 and more. At 1e12 a mesh deflects by less than the
+    # last digits of its gap, which shakes the explicit steps before the change
+    run, close = (gb.simulate(chain(stiffened=s), t=TIMES, rtol=1e-6) for s in (stiffened, 1e6))
+    assert run.stats.steps + run.stats.rejected < 1000
+    assert run.stats.method.startswith("rodas")
+    twists = [np.array([r[f"link{i}.twist"] for i in range(0, 20, 2)]) for r in (run, close)]
+    # the two tolerances, and the deflections of nine meshes, 1e-4 rad / stiffened each, beside a twist of 0.02 rad
+    assert np.abs(twists[0] - twists[1]).max() < 0.02 * (2e-6 + 0.1 / stiffened)
+
+
+def test_auto_meets_its_tolerance_where_meshes_hit_and_changes_the_method_a_few_times_only():
+    model, t = gb.build(chain(n=100, swing=1.5)), TIMES * 2
+    exact, run = (gb.simulate(model, t=t, method=m, rtol=r) for m, r in (("dp8", 1e-11), ("auto", 1e-6)))
+    assert len(run.events) == len(exact.events) > 300
+    assert far_off(run, exact, 100) < 1e-6
+    changes = re.search(r"(\d+) changes in all", run.stats.why)
+    assert changes is None or int(changes[1]) <= 12
+
+
 def test_a_train_that_is_not_stiff_keeps_the_explicit_method_bit_for_bit():
     rig = gb.Drivetrain("plain")
     rig.chain(rig.add("a", gb.Inertia(J=1.0, w0=1.0)), rig.add("s", gb.Shaft(k=100.0)), rig.add("b", gb.Inertia(J=2.0)))
@@ -111,6 +134,18 @@ def test_an_input_function_is_differenced_in_time():
     given = {"tau": lambda t: np.cos(7 * t)}
     one, other = (gb.simulate(rig, t=TIMES * 40, method=m, rtol=1e-9, inputs=given) for m in ("rodas", "dp8"))
     assert np.abs(one["c.twist"] - other["c.twist"]).max() < 1e-9 * np.abs(other["c.twist"]).max() * 10
+
+
+def test_angles_whose_turns_are_counted_go_on_through_implicit_steps():
+    rig = gb.Drivetrain("turning pair")
+    wave = gb.Fourier(cos=(0.2,))
+    mesh = gb.GearMesh(teeth=(20, 30), r_base=(0.02, 0.03), external=True, k=1e6, stiffness_variation=wave)
+    rig.chain(
+        rig.add("a", gb.Inertia(J=1e-3, w0=300.0)), rig.add("m", mesh), rig.add("b", gb.Inertia(J=4e-3, w0=-201.0))
+    )
+    one, other = (gb.simulate(rig, t=TIMES, method=m, rtol=1e-9) for m in ("rodas", "dp8"))
+    for name, allowed in (("a.phi", 1e-9), ("m.deflection", 1e-6)):  # some hundred steps; swings add their phases up
+        assert np.abs(one[name] - other[name]).max() < allowed * np.abs(other[name]).max()
 
 
 def test_an_unknown_method_is_refused_with_the_possible_ones():
