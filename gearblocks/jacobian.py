@@ -17,7 +17,7 @@ from gearblocks.generator import Computed, Following, Generator, Linear, SenseCo
 from gearblocks.layout import Column, column
 from gearblocks.pattern import Pattern, eliminate
 from gearblocks.slopes import Slopes, Target
-from gearblocks.unknowns import Row, Unknowns
+from gearblocks.unknowns import Unknowns
 from gearblocks.varying import Varying
 
 Argument = tuple[str, str, Column]
