@@ -81,12 +81,13 @@ def frozen_drive(drive: Drive, freeze: Callable[[Any], Any]) -> Drive:
 
 
 def is_steady(law: Any, number: int) -> bool:
-    """Whether the gains of a drive are numbers, and what it adds to the speed is linear in states (time aside)."""
+    """Whether the gains of a drive are numbers, and what it adds to speed and angle is linear in states (time aside)."""
     drive, pool = law.drives[number], law.pool
-    moving = [x for x in sp.sympify(drive.bias).free_symbols if pool.level(x) == MOVING]
-    return all(gain.is_number for gain in drive.gains.values()) and all(
-        pool.slots[x].role == "state" and sp.diff(drive.bias, x).is_number for x in moving
-    )
+    if not all(gain.is_number for gain in drive.gains.values()):
+        return False
+    added = [sp.sympify(drive.bias), sp.Integer(0) if drive.angle is None else sp.sympify(drive.angle)]
+    moving = [(e, x) for e in added for x in e.free_symbols if pool.level(x) == MOVING and pool.slots[x].role != "phi"]
+    return all(pool.slots[x].role == "state" and sp.diff(e, x).is_number for e, x in moving)
 
 
 def _pivot(kind: str, zero: Any, unknowns: Mapping[str, Any]) -> tuple[str, Any]:

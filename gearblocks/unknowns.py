@@ -14,7 +14,6 @@ from gearblocks.kinematics import Driven
 from gearblocks.laws import exact_value
 from gearblocks.pattern import Pattern
 from gearblocks.rational import Exact
-from gearblocks.symbols import MOVING
 
 Row = dict[int, Exact]
 """Something of a group as a combination of unknowns."""
@@ -25,7 +24,7 @@ class Unknowns:
 
     n_simple: states before them; first_speed: the unknown of the first speed. speeds: of each group (what time alone
     moves is left aside); torques, growths: where the torque on a group counts, and the rate of it (shafts that springs
-    alone hold); heavy: speeds of the groups with inertia. NotImplementedError for nonlinear motions.
+    alone hold); heavy: speeds of the groups with inertia.
     """
 
     def __init__(self, g: Generator) -> None:
@@ -106,8 +105,6 @@ class _Drive:
         drive = code.law.drives[driven.number]
         total = Combination()
         for flange, (group, factor) in driven.factors.items():
-            if not drive.gains[flange].is_number:
-                raise NotImplementedError(f"the gain of '{driven.path}' changes with the position")
             total.add(Combination({group: factor}), exact_value(drive.gains[flange], {}))
         self.groups = total.groups
         e = code.batch.components.index(driven.component)
@@ -116,15 +113,10 @@ class _Drive:
 
 
 def _states(g: Generator, code: BatchCode, expr: Any, e: int, scale: Exact) -> Row:
-    """The factors of the states of instance e in an expression, by place in y. NotImplementedError for nonlinear ones."""
-    found: Row = {}
-    pool = code.law.pool
-    for x in sorted(sp.sympify(expr).free_symbols, key=lambda x: str(x.name)):
-        slope = sp.diff(expr, x)
-        role = pool.slots[x].role
-        if pool.level(x) != MOVING or role == "phi":  # gains over angles are known to be numbers
-            continue
-        if role != "state" or not slope.is_number:
-            raise NotImplementedError(f"the motion that '{code.paths[e]}' prescribes is no linear one")
-        found[g.lay.state0[code.number, pool.slots[x].of] + e] = exact_value(slope, {}) * scale
-    return found
+    """The factors of the states of instance e in an expression that is linear in them, by place in y."""
+    slots = code.law.pool.slots
+    states = [x for x in sp.sympify(expr).free_symbols if slots[x].role == "state"]
+    return {
+        g.lay.state0[code.number, slots[x].of] + e: exact_value(sp.diff(expr, x), {}) * scale
+        for x in sorted(states, key=lambda x: str(x.name))
+    }

@@ -40,15 +40,16 @@ class Varying:
 
     def __init__(self, g: Generator) -> None:
         assembly, lay = g.assembly, g.lay
-        if g.massless is not None and not all(g.massless.damped):
-            raise NotImplementedError("shafts without inertia between springs alone, and gains that change")
-        self.assembly, self.lay, self.plain, self.by_rate = assembly, lay, False, False
+        self.assembly, self.lay, self.plain = assembly, lay, False
         self.angles = assembly.angles if lay.angle0 < lay.n else []
         self.n_simple = assembly.n_steady
         if self.n_simple == lay.n_coordinates and assembly.steady.issuperset(self.angles):
             self.n_simple += len(self.angles)
         self.first_speed = lay.v0 - self.n_simple
         self.count = lay.n + assembly.n_hidden - self.n_simple
+        damped = g.massless.damped if g.massless is not None else []
+        held = {self.first_speed + assembly.n_speeds + i for i, by_damper in enumerate(damped) if not by_damper}
+        self.by_rate = bool(held)
         self.numbers = Numbers()
         self.one, self.zero, self.g = self.numbers.constant(1), self.numbers.constant(0), self.numbers.place()
         self.functions: list[Function] = []
@@ -60,12 +61,13 @@ class Varying:
         self._rates: dict[int, Row] = {}
         self._loops: dict[int, Row] = {}
         self._drives = _drives(self, g)
-        self._follow()
+        self._follow(held)
 
     # -- rows of groups -----------------------------------------------------------------------------------------------
 
-    def _follow(self) -> None:
-        """Gains on the speeds, speeds and accelerations of all groups, those of constant gains first."""
+    def _follow(self, held: set[int]) -> None:
+        """Gains on the speeds, speeds and accelerations of all groups, those of constant gains first. held: shafts between
+        springs alone, whose equation is the rate of the balance (no drive moves with one)."""
         a, n = self.assembly, self.assembly.n_groups
         free = range(a.n_speeds + a.n_hidden)
         self.torques: list[Row] = [{self.first_speed + i: self.one} if i in free else {} for i in range(n)]
@@ -73,6 +75,8 @@ class Varying:
         self.accelerations: list[Row] = [{} for _ in range(n)]
         for f in a.followers:
             self.torques[f.group] = self.numbers.combine((c, self.torques[s]) for s, c in self._gains(f))
+        self.growths = [{x: c for x, c in row.items() if x in held} for row in self.torques]
+        self.torques = [{x: c for x, c in row.items() if x not in held} for row in self.torques]
         for f in a.followers:
             if f.group in a.steady:
                 self.speeds[f.group] = self._speed(f)
@@ -179,9 +183,12 @@ class Varying:
         return [self.speeds[group] for group in batch.groups[slot.of]]
 
     def equations(self, code: BatchCode, x: Any) -> list[Row]:
-        """The equations that the torque on a flange or the rate of a state belongs to."""
+        """The equations that the torque on a flange, its rate of change or the rate of a state belongs to."""
         slot = code.law.pool.slots[x]
-        return self.columns(code, x) if slot.role == "state" else [self.torques[i] for i in code.batch.groups[slot.of]]
+        if slot.role == "state":
+            return self.columns(code, x)
+        rows = self.growths if slot.role == "growth" else self.torques
+        return [rows[i] for i in code.batch.groups[slot.of]]
 
     def rates(self) -> Iterator[tuple[Row, Row]]:
         """(equation, row) of every coordinate and angle that is no simple state."""

@@ -124,11 +124,12 @@ typedef struct gb_model {
     void (*settle)(const double *par, const double *mode, const double *tau, double *y, int starting);
 
     /* For implicit methods (pattern NULL: there are none). The states are [ simple | others ]: the n_simple first ones
-     * are coordinates and angles whose rates are fixed combinations of the others, y_s' = B x. The unknowns are
+     * are coordinates and angles whose rates are fixed combinations of the others, y_s' = B x (where gains change with
+     * the position, coordinates can be among the others, and E depends on the states). The unknowns are
      * x = [ y[n_simple .. n) | n_hidden speeds of shafts without inertia ], pattern->n in number.
      * With E x' = G(t, y) (E: inertia of the shafts, 1 for states of blocks, 0 for hidden speeds) the matrix of a step
-     * is S = E - g dG/dx - g^2 dG/ds B + g dE-terms,   g = gamma h. jacobian: fills diag (length pattern->n, by
-     * unknown), lower and upper (by place, factors not yet computed) and `kept` (length n_kept: what the next two
+     * is S = E - g dG/dx - g^2 dG/ds B,   g = gamma h, where d is that of G - E x' at fixed x'. jacobian: fills diag
+     * (length pattern->n, by unknown), lower and upper (by place, factors not yet computed) and `kept` (length n_kept: what the next two
      * need). dy: the rates at the same point. right_side: out = E r_x + g dG/ds r_s for a right side r of length n
      * (hidden speeds: their rows alone). simple_rates: out[0 .. n_simple) = B x. */
     int n_simple, n_hidden, n_kept;

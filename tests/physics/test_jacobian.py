@@ -506,3 +506,39 @@ def test_a_cam_beside_a_damped_shaft_without_inertia_and_a_mesh_over_the_angle()
     rig.connect(one.b, two.a)
     rig.connect(two.b, gb.drivetrain.FlangeHandle(rig, "body4", "a"))
     assert check_whole(rig)[1] == 1
+
+
+def test_a_pair_on_a_carrier_that_turns_with_a_phase_behind_a_filter():
+    rig = gb.Drivetrain("carrier")
+    law = gb.RatioLaw.segments(0.0887, 0.8143, 4.19)
+    pair = rig.add("pair", gb.NonCircularGear(law=law, external=True, phase=gb.Input("phase"), filter=3.0))
+    one, two, arm = (rig.add(n, gb.Inertia(J=j)) for n, j in (("one", 1.0), ("two", 0.5), ("arm", 2.0)))
+    rig.connect(pair.a, one.a)
+    rig.connect(pair.b, two.a)
+    rig.connect(pair.carrier, arm.a)
+    rig.chain(one, rig.add("across", gb.Shaft(k=5.0, c=0.1)), two, rig.add("beside", gb.Shaft(k=7.0)), arm)
+    check_whole(rig)
+
+
+def test_a_cam_beside_a_shaft_in_balance_between_springs_alone():
+    rig = in_a_row(Cam(), gb.Shaft(k=4.0))
+    one, two = rig.add("one", gb.Shaft(k=6.0)), rig.add("two", gb.Shaft(k=5.0))
+    rig.connect(one.a, gb.drivetrain.FlangeHandle(rig, "body1", "a"))
+    rig.connect(one.b, two.a)
+    rig.connect(two.b, gb.drivetrain.FlangeHandle(rig, "body0", "a"))
+    assert check_whole(rig)[1] == 1
+
+
+class Variator(gb.Block):
+    """phi_b = u phi_a with a ratio that moves."""
+
+    a, b = gb.Flange("driving side"), gb.Flange("driven side")
+    u = gb.signal("ratio", "1")
+
+    def physics(self, s):
+        yield gb.Tie(s.b.phi - s.u * s.a.phi)
+
+
+def test_gains_that_change_with_time_and_many_joints():
+    joints = [link for i in range(9) for link in (gb.UniversalJoint(angle=0.2 + 0.03 * i), gb.Shaft(k=5.0 + i, c=0.1))]
+    check_whole(in_a_row(gb.Shaft(k=5.0), Variator(u=2 + 0.3 * gb.sin(gb.time)), *joints))

@@ -280,3 +280,26 @@ def test_every_tool_draws_a_picture(tmp_path):
     gb.campbell(rig, "motor.w", gb.rpm(np.linspace(10, 3000, 5))).plot(tmp_path / "campbell.svg")
     gb.frequency_response(_mass(), "tau", "shaft.*", [1.0, 10.0, 100.0]).plot(tmp_path / "bode.pdf")
     assert sorted(p.suffix for p in tmp_path.iterdir()) == [".pdf", ".png", ".svg"]
+
+
+@pytest.mark.parametrize("at", [0.0, 0.4, 1.2])
+def test_modes_at_a_position_of_a_universal_joint(at):
+    """A body on a spring on either side of the joint, and torques in balance: with the ratio m = dphi_b/dphi_a,
+    (J_a + J_b m^2) x'' + (k_a + k_b m^2 - tau dm/dphi_a) x = 0."""
+    angle, tau, J, k = 0.8, 40.0, (2.0, 0.5), (500.0, 900.0)
+    inner = 1 - np.sin(angle) ** 2 * np.cos(at) ** 2  # of tan phi_b = tan phi_a / cos(angle)
+    m = np.cos(angle) / inner
+    bend = -np.cos(angle) * np.sin(angle) ** 2 * np.sin(2 * at) / inner**2
+    rig = gb.Drivetrain("joint")
+    a, b = rig.add("a", gb.Inertia(J=J[0], phi0=at)), rig.add("b", gb.Inertia(J=J[1]))
+    rig.chain(rig.add("back", gb.Torque(tau=-m * tau)), a, rig.add("joint", gb.UniversalJoint(angle=angle)), b)
+    rig.connect(rig.add("load", gb.Torque(tau=tau)).flange, b.b)
+    for name, body, stiffness, phi in (
+        ("one", a, k[0], at),
+        ("two", b, k[1], np.arctan2(np.sin(at) / np.cos(angle), np.cos(at))),
+    ):
+        rig.chain(body, rig.add(name, gb.Shaft(k=stiffness)), rig.add(f"{name}_ground", gb.Fixed(phi0=phi)))
+    found = gb.modes(rig, at=None)
+    true = np.sqrt((k[0] + k[1] * m**2 - tau * bend) / (J[0] + J[1] * m**2))
+    assert found.frequencies == pytest.approx([true], rel=1e-12)  # from the derivatives of the laws: rounding alone
+    assert found.damping == pytest.approx([0.0], abs=1e-12)

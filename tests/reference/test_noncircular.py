@@ -197,6 +197,29 @@ def test_a_rigid_pair_moves_as_in_the_reference():
     assert run.energy.residual < 1e-10
 
 
+def test_implicit_steps_move_a_rigid_pair_as_in_the_reference():
+    table = np.array(_json("noncircular_rigid.json")["t_table"], dtype=float)
+    model = gb.build(_pair(BENCH))
+    runs = [gb.simulate(model, t=table[:, 0], method=m, rtol=r) for m, r in (("rodas", 1e-11), ("dp8", 1e-12))]
+    for i, name in enumerate(("one.phi", "one.w", "two.phi", "two.w"), 1):
+        size = np.abs(table[:, i]).max()
+        assert np.abs(runs[0][name] - table[:, i]).max() < 1e-10 * size, name
+        assert np.abs(runs[0][name] - runs[1][name]).max() < 1e-9 * size, name
+    assert runs[0].energy.residual < 1e-10
+
+
+def test_implicit_steps_of_a_rigid_pair_are_of_order_five():
+    """A wrong term in the matrix would cost the order."""
+    table = np.array(_json("noncircular_rigid.json")["t_table"], dtype=float)
+    model = gb.build(_pair(gb.RatioLaw.ellipse(0.3)))
+    true = gb.simulate(model, t=table[:, 0], method="dp8", rtol=1e-13)
+    steps = [table[-1, 0] / n for n in (400, 800)]
+    runs = [gb.simulate(model, t=table[:, 0], method="rodas", step=h) for h in steps]
+    for name in ("one.phi", "one.w", "two.phi", "two.w"):
+        errors = [np.abs(run[name] - true[name]).max() for run in runs]
+        assert 4.7 < np.log2(errors[0] / errors[1]) < 5.3, name
+
+
 def test_a_compliant_pair_moves_as_in_the_reference():
     true = _json("noncircular_compliant.json")
     table = np.array(true["table"], dtype=float)
