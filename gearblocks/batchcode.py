@@ -240,6 +240,29 @@ class BatchCode:
         gain = self._gain(flange, args)
         return f"({gain}{gain}par[{self.places.inverse_mass} + {key}])"
 
+    def moving_columns(self, sensed: set[str]) -> set[Any]:
+        """Columns that the motion needs; the others are read by outputs and energies alone. sensed: names of outputs."""
+        drives = [e for x in self.drives for e in (*x.gains.values(), x.bias, x.surplus, x.angle)]
+        balance = (*self.balance.torques.values(), *self.balance.growths.values())
+        exprs = [
+            *self.forces.values(), *self.torques.values(), *self.rates.values(), self.loss, self.supplied, *self.surfaces,
+            *self.bands, *self.whens, *self.speeds, *drives, *balance, *self.balance.drags.values(),
+            *self.balance.stiffnesses.values(), *self.starts.values(), *(e for _, e in self.holds),
+            *(e for x, e in self.shows if x.name in sensed), *(e for i in range(len(self.sorts)) for e in self._watched(i)),
+        ]  # fmt: skip
+        found = {x for e in exprs if e is not None for x in sp.sympify(e).free_symbols}
+        for c in reversed(self.hoister.columns):
+            if c.symbol in found:
+                found |= c.expr.free_symbols
+        return found
+
+    def _watched(self, i: int) -> list[Any]:
+        """What the location of switch i reads besides its surface."""
+        if self.sorts[i] in ("line", "wave"):
+            return self.prediction(i)[1]
+        scale = self.gap_scale(i) if self.sorts[i] == "affine" else None
+        return [self.direction_of(i), *([] if scale is None else [scale[1]])] if self.sorts[i] == "affine" else []
+
     def mobile_groups(self) -> list[tuple[int, str]]:
         """(group, path) of every shaft whose mobility the law reads."""
         used = {x for c in self.hoister.columns for x in c.expr.free_symbols}

@@ -128,10 +128,11 @@ def _hoisted(g: Generator, code: BatchCode) -> None:
             code.direction_of(i)
             code.gap_scale(i)
     prepare: list[tuple[str, str, Any, bool]] = []
-    times: list[tuple[str, str, Any, bool]] = []
+    times: dict[bool, list[tuple[str, str, Any, bool]]] = {False: [], True: []}
     means: list[tuple[str, str, Any, bool]] = []
+    moving = code.moving_columns({path.rpartition(".")[2] for path in g.senses})
     for item in code.hoister.columns:
-        constant = item.level == CONSTANT
+        constant, late = item.level == CONSTANT, item.symbol not in moving
         if item.shared:
             names, _, _ = code.names([item.expr], vector="lane")
             text = c_text(item.expr, names)
@@ -143,6 +144,8 @@ def _hoisted(g: Generator, code: BatchCode) -> None:
                     names, _, _ = code.names([mean], vector="lane")
                     g.means_shared.append(Statement(g.times_shared[-1].lhs, "=", c_text(mean, names)))
             code.places.hoisted[item.symbol] = g.shared[key]
+            if not late:
+                g.early.add(g.shared[key])
             continue
         if constant:
             code.places.hoisted[item.symbol] = f"par[{g.n_par} + e]"
@@ -150,11 +153,13 @@ def _hoisted(g: Generator, code: BatchCode) -> None:
             g.n_par += code.n
         else:
             code.places.hoisted[item.symbol] = f"tau[({g.n_time} + e) * GB_LANES]"
-            times.append((f"tau[({g.n_time} + e) * GB_LANES + i]", "=", item.expr, False))
-            means.append((times[-1][0], "=", mean_of_column(code, item), False))
+            place = f"tau[({g.n_time} + e) * GB_LANES + i]"
+            times[late].append((place, "=", item.expr, False))
+            means.append((place, "=", mean_of_column(code, item), False))
             g.n_time += code.n
     g.keep("prepare", code.function("prepare", prepare))
-    g.keep("times", code.function("times", times, vector="lane"))
+    g.keep("times", code.function("times", times[False], vector="lane"))
+    g.keep("times_late", code.function("times_late", times[True], vector="lane"))
     g.keep("means", code.function("means", means, vector="lane"))
 
 

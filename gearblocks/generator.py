@@ -104,6 +104,7 @@ class Generator:
     shared: dict[tuple[int, str], str] = field(default_factory=dict)
     prepare_shared: list[Statement] = field(default_factory=list)
     times_shared: list[Statement] = field(default_factory=list)
+    early: set[str] = field(default_factory=set)
     means_shared: list[Statement] = field(default_factory=list)
     functions: dict[str, list[Function]] = field(default_factory=dict)
     outputs: list[Quantity] = field(default_factory=list)
@@ -124,6 +125,10 @@ class Generator:
     supply0: int = 0
     tail: int = 0
     linear: Linear | None = None
+
+    def shared_times(self, late: bool) -> list[Statement]:
+        """Shared columns of time: those of the rates, or those that only outputs and energies read."""
+        return [s for s in self.times_shared if (f"{s.lhs[:-5]}]" in self.early) is not late]
 
     def keep(self, what: str, function: Function) -> None:
         """Adds a function unless it does nothing."""

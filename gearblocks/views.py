@@ -21,6 +21,7 @@ _VECTORS = (
 )  # fmt: skip
 _INTEGERS = ("full", "i")
 _SCALARS = ("g",)
+_FEW = 16  # loops that are written out
 _SMALL = 64  # states of a train whose derivatives stay in registers
 
 
@@ -116,6 +117,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "signs": any(s.op == "call" and s.lhs.startswith("sign") for f in _all(g) for s in f.body),
         "small": lay.n_total <= _SMALL,
         "plain": assembly.plain,
+        "late_times": bool(g.shared_times(late=True) or g.functions.get("times_late")),
         "motion": g.motion,
         "follower_groups": [f.group for f in assembly.followers],
         "mobile": _mobile(g),
@@ -129,6 +131,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "loops_read_angles": any(c.groups for c in assembly.dependents),
         "loop_groups": sparse("loop_group", [c.groups for c in assembly.dependents]),
         "loops": sparse("loop", [c.coordinates for c in assembly.dependents]),
+        "loop_texts": _loop_texts(assembly.dependents),
         "loop_offsets": sparse("loop_offset", [_offsets(g, c) for c in assembly.dependents]),
         "rows": sparse("row", assembly.rows),
         "row_offsets": sparse("row_offset", [_paths(g, offsets) for offsets in assembly.row_offsets]),
@@ -183,6 +186,14 @@ def _mobile(g: Generator) -> dict[str, list[int]]:
         tables["entry"] += row.values()
         tables["start"].append(len(tables["index"]))
     return tables
+
+
+def _loop_texts(loops: Sequence[Combination]) -> list[str]:
+    """Few loops over coordinates alone, written out: rows of a table would not be unrolled."""
+    if len(loops) > _FEW or any(c.groups or c.offsets for c in loops):
+        return []
+    rows = [sorted(c.coordinates.items()) for c in loops]
+    return [" + ".join(f"{float(c)!r} * y[{i}]" for i, c in row) or "0.0" for row in rows]
 
 
 def _drive_calls(g: Generator, angles: Sequence[FunctionView]) -> dict[int, str]:

@@ -8,7 +8,10 @@
 #include "gb_internal.h"
 #include "gb_sparse.h"
 
-enum { FIRST_LOOKS = 8, GAP = 16, LONGEST_GAP = 1024, TRIAL = 4 };
+enum { FIRST_LOOKS = 8, GAP = 16, LONGEST_GAP = 1024, TRIAL = 4, CALM = 256 };
+
+/* So many steps still to come at the present pace that a trial is worth its cost whatever the reason of the pace. */
+static const double MANY_STEPS = 2e4;
 
 /* Step size times fastest rate at which explicit steps are at the limit of stability, and where a look is worth it. */
 static double stability(const gb_sim *sim) {
@@ -19,7 +22,8 @@ static double stability(const gb_sim *sim) {
 static double implicit_cost(const gb_sim *sim) {
     const gb_pattern *p = sim->model->pattern;
     const double places = (double)p->n_places / (p->n + 1), pairs = (double)gb_pair_count(p) / (p->n + 1);
-    const double units = 12.0 + 8.0 * (0.5 + 0.7 * places) + 0.7 * pairs;
+    const double solve = p->tree ? 0.2 + 0.4 * places : 0.5 + 0.7 * places;
+    const double units = 12.0 + 8.0 * solve + 0.7 * pairs;
     return units / (sim->head->explicit_method == GB_DP8 ? 12.0 : 6.0);
 }
 
@@ -54,11 +58,18 @@ static void change_method(gb_sim *sim, int method, double h) {
     head->h_next = h;
 }
 
+/* By how much a change must pay: more after every change of late, so that near break-even there are few. */
+static double margin(const gb_head *head) {
+    return 1.3 * gb_min(1.0 + 0.25 * head->restless, 2.5);
+}
+
 static void note(gb_head *head) {
     const int at = head->n_switches < GB_KEPT ? head->n_switches : GB_KEPT - 1;
     head->switch_method[at] = head->method;
     head->switch_t[at] = head->t1;
     head->n_switches++;
+    head->restless++;
+    head->calm_at = head->steps + CALM;
 }
 
 static void look_later(gb_head *head, int factor) {
@@ -88,6 +99,7 @@ static void decide(gb_sim *sim, double h) {
         head->gap = GAP;
     } else {
         head->n_switches--;
+        head->restless--;
         change_method(sim, head->explicit_method, head->h_explicit);
         head->looks += FIRST_LOOKS / 2;
         look_later(head, 4);
@@ -125,9 +137,13 @@ int gb_auto_look(gb_sim *sim, double limit) {
     const double rate = fastest_rate(sim, mean), cost = implicit_cost(sim);
     head->jacobians += 3;
     head->looks++;
+    if (head->restless > 0 && head->steps >= head->calm_at) {
+        head->restless--;
+        head->calm_at = head->steps + CALM;
+    }
     if (sim->method->gamma > 0.0) {
         const double explicit_steps = gb_max(span * rate / stability(sim), (double)count);
-        const int back = explicit_steps < 0.8 * cost * (double)count;
+        const int back = margin(head) * explicit_steps < cost * (double)count;
         look_later(head, back ? 4 : 2);
         if (back) {
             change_method(sim, head->explicit_method, gb_min(head->h_next, stability(sim) / rate));
@@ -138,9 +154,10 @@ int gb_auto_look(gb_sim *sim, double limit) {
     look_later(head, 2);
     const double pace = mean * rate / stability(sim);
     const int odd = pace > 0.15 || (pace < 0.02 && head->looks > 1);
-    if (odd && limit - head->t1 > TRIAL * cost * mean) {
+    const int slow = head->looks > FIRST_LOOKS && limit - head->t1 > MANY_STEPS * mean;
+    if ((odd || slow) && limit - head->t1 > TRIAL * cost * mean) {
         head->trial = TRIAL + 1;
-        head->h_pays = 1.3 * cost * mean;
+        head->h_pays = margin(head) * cost * mean;
         head->h_explicit = head->h_next;
         change_method(sim, GB_RODAS, cost * mean);
         note(head);

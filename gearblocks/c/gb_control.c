@@ -33,55 +33,88 @@ static void measure_noise(gb_sim *sim, const double *tau) {
     }
 }
 
+/* The largest of peak and abs(trial) in [from, to). */
+static double largest_in(const double *restrict peak, const double *restrict trial, int from, int to) {
+    double most[GB_PAD] = {0.0};
+    int i = from;
+    for (; i + GB_PAD <= to; i += GB_PAD) {
+        for (int l = 0; l < GB_PAD; l++) {
+            const double size = fabs(trial[i + l]), larger = size > peak[i + l] ? size : peak[i + l];
+            most[l] = larger > most[l] ? larger : most[l];
+        }
+    }
+    for (; i < to; i++) {
+        most[0] = gb_max(most[0], gb_max(peak[i], fabs(trial[i])));
+    }
+    for (int l = 1; l < GB_PAD; l++) {
+        most[0] = gb_max(most[0], most[l]);
+    }
+    return most[0];
+}
+
+/* What the weights of a range of states are made of. least: a part of the largest of their kind; per_time: makes a size
+ * of sim->floor; first, trial: by state, sizes in their own right. */
+typedef struct gb_sizes {
+    double rtol, h, least, per_time;
+    const double *first, *trial;
+} gb_sizes;
+
+/* The weights in [from, to); whether a state there has no size yet, for which the trial counts. */
+static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
+    const double *restrict peak = sim->peak, *restrict scale = sim->scale, *restrict noise = sim->noise;
+    const double *restrict floor = sim->floor, *restrict first = sizes->first, *restrict trial = sizes->trial;
+    const double rtol = sizes->rtol, h = sizes->h, least = sizes->least, per_time = sizes->per_time;
+    double *restrict out = sim->weight;
+    int poor = 0;
+    for (int i = from; i < to; i++) {
+        const double known = gb_max(gb_max(peak[i], scale[i]), gb_max(least, floor[i] * per_time));
+        const double own = gb_max(known, fabs(h * first[i]));
+        const double size = peak[i] <= least ? gb_max(own, fabs(trial[i])) : own;
+        const double weight = rtol * size + h * noise[i];
+        poor |= peak[i] <= least;
+        out[i] = weight > 0.0 ? 1.0 / weight : 0.0;
+    }
+    return poor;
+}
+
 /* 1 / (rtol size + h noise). The size of a state is its largest value so far, its natural scale where the train knows
  * one, and before the first step what its rate gives; never less than a small part of the largest of its kind (a front
  * that runs along a chain is not followed into its last digit). `trial` counts too where a state has no size at all. */
 void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial) {
     gb_head *head = sim->head;
     const int n = sim->model->n, speeds = n - sim->model->n_speeds;
-    const double floor_factor[2] = {1e-10, sim->model->n_speeds > 0 ? 1e-6 : 1e-10};
     const int implicit = sim->method->gamma > 0.0;
-    double largest[2] = {0.0, 0.0}; /* of coordinates and states of blocks, of speeds */
     if (head->steps >= head->noise_at || (implicit && h > 4.0 * head->h_noise)) {
         measure_noise(sim, tau);
         head->h_noise = h;
         head->noise_at = 2 * head->steps + 1;
     }
-    for (int i = 0; i < n; i++) {
-        largest[i >= speeds] = gb_max(largest[i >= speeds], gb_max(sim->peak[i], trial ? fabs(trial[i]) : 0.0));
+    if (implicit && head->steps >= head->floor_at) {
+        gb_stiff_floor(sim);
+        head->floor_at = head->steps + head->steps / 4 + 1;
     }
-    double *floor = sim->z2;
-    if (implicit) {
-        gb_stiff_floor(sim, h, floor);
-    }
-    head->poor = 0;
-    for (int i = 0; i < n; i++) {
-        const double least = floor_factor[i >= speeds] * largest[i >= speeds];
-        double size = gb_max(gb_max(sim->peak[i], sim->scale[i]), least);
-        if (implicit && i >= sim->model->n_simple && floor[i] < HUGE_VAL) {
-            size = gb_max(size, floor[i]);
-        }
-        if (head->steps == 0) {
-            size = gb_max(size, fabs(h * sim->k1[i]));
-        }
-        if (sim->peak[i] <= least) {
-            head->poor = 1;
-            size = trial ? gb_max(size, fabs(trial[i])) : size;
-        }
-        const double weight = head->options.rtol * size + h * sim->noise[i];
-        sim->weight[i] = weight > 0.0 ? 1.0 / weight : 0.0;
-    }
+    gb_sizes sizes = {.rtol = head->options.rtol,
+                      .h = h,
+                      .per_time = implicit ? 1.0 / (head->t1 - head->t_start + h) : 0.0,
+                      .first = head->steps == 0 ? sim->k1 : sim->zero,
+                      .trial = trial ? trial : sim->zero};
+    sizes.least = 1e-10 * largest_in(sim->peak, sizes.trial, 0, speeds);
+    head->poor = weigh(sim, &sizes, 0, speeds);
+    sizes.least = 1e-6 * largest_in(sim->peak, sizes.trial, speeds, n);
+    head->poor |= weigh(sim, &sizes, speeds, n);
     head->h_weights = h;
     head->t_weights = head->t1;
 }
 
-/* Takes the front into the sizes of the states. */
+/* Takes the front into the sizes of the states. The weights of an implicit method are
+ * kept until a size is by a tenth beyond what they were made for: the tolerance lags behind on the safe side. */
 void gb_weights_grow(gb_sim *sim, const double *y) {
+    const double slack = sim->method->gamma > 0.0 ? sim->head->options.rtol / 1.1 : HUGE_VAL;
     double grown = 0.0;
     for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
         for (int l = b; l < b + GB_PAD; l++) {
             const double size = fabs(y[l]), peak = sim->peak[l];
-            grown = size > peak ? 1.0 : grown;
+            grown = size > peak && !(size * slack * sim->weight[l] <= 1.0) ? 1.0 : grown;
             sim->peak[l] = size > peak ? size : peak;
         }
     }

@@ -70,9 +70,10 @@ typedef struct gb_head {
     double turnover, turnover_segment, stored; /* stored: the largest that a look at it found */
     long long steps, rejected, rhs_calls, events, jacobians, noise_at;
     long long steps_by[GB_METHODS];
-    double t_weights; /* time for which the error weights were made */
-    double h_noise;   /* step size for which the noise was measured */
-    long sample;      /* samples of the present gb_run that are done */
+    long long floor_at; /* when the floors of the sizes are due */
+    double t_weights;   /* time for which the error weights were made */
+    double h_noise;     /* step size for which the noise was measured */
+    long sample;        /* samples of the present gb_run that are done */
     int started;
     int method; /* that of the next step */
     /* GB_AUTO: */
@@ -80,6 +81,8 @@ typedef struct gb_head {
     int trial;                     /* > 1: tries of implicit steps until it is decided, less one */
     int looks, gap;                /* how often it was considered of late, and how many steps there are between */
     long long look_at, steps_look; /* the next look; steps, rejected ones too, at the last one */
+    int restless;                  /* changes of the method of late */
+    long long calm_at;             /* when one of them is forgotten */
     double t_look, h_explicit, h_pays;
     int n_switches, switch_method[GB_KEPT];
     double switch_t[GB_KEPT];
@@ -113,7 +116,7 @@ struct gb_sim {
     double *next_time;         /* time switches: when they leave their mode (into next_mode) */
     double *flip_time, *flips; /* the last flip, and how many without progress */
     /* by state: */
-    double *peak, *scale, *noise, *weight, *y0, *y;
+    double *peak, *scale, *noise, *weight, *floor, *y0, *y;
     double *k1;   /* the derivative at the front */
     double *rows; /* dense rows, each n_total long; the block ends here */
 
@@ -130,9 +133,9 @@ struct gb_sim {
     double *diag, *inverse, *lower, *upper, *kept; /* the matrix of an implicit step */
     double *work, *unknown;
     int *colour, *link, n_colours; /* by unknown; by simple state and colour: the unknown in its rate, or -1 */
-    double *gain;                  /* and its factor */
+    double *gain;                  /* and one over its factor */
     double stiff_h;                /* the step size it was made for */
-    double *before; /* modes before an event */
+    double *before;                /* modes before an event */
     gb_source *sources;
     int *moving, n_moving; /* inputs that are no constants */
     gb_event *log;
@@ -186,7 +189,7 @@ double gb_log_exchange_error(gb_sim *sim, double h);
 
 /* gb_stiff.c: the same for implicit methods. */
 void gb_stiff_links(gb_sim *sim);
-void gb_stiff_floor(const gb_sim *sim, double h, double *floor);
+void gb_stiff_floor(gb_sim *sim);
 int gb_stiff_lanes(const gb_sim *sim, double from, double h, double *t);
 int gb_stiff_stages(gb_sim *sim, double h);
 void gb_stiff_tail(gb_sim *sim, double h);

@@ -29,6 +29,15 @@ void gb_run_extra_stages(gb_sim *sim, double h) {
     }
 }
 
+static double largest_of(double *worst) {
+    for (int half = GB_PAD / 2; half > 0; half /= 2) {
+        for (int l = 0; l < half; l++) {
+            worst[l] = gb_max(worst[l], worst[l + half]);
+        }
+    }
+    return worst[0];
+}
+
 /* max |sum_j e_j k_j| weight over the states, without the factor h. */
 static double error_norm(const gb_sim *sim, const gb_weights *e) {
     double worst[GB_PAD] = {0.0};
@@ -40,12 +49,7 @@ static double error_norm(const gb_sim *sim, const gb_weights *e) {
             worst[l] = ratio > worst[l] ? ratio : worst[l];
         }
     }
-    for (int half = GB_PAD / 2; half > 0; half /= 2) {
-        for (int l = 0; l < half; l++) {
-            worst[l] = gb_max(worst[l], worst[l + half]);
-        }
-    }
-    return worst[0];
+    return largest_of(worst);
 }
 
 /* log2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
@@ -141,10 +145,23 @@ double gb_log_exchange_error(gb_sim *sim, double h) {
     return found;
 }
 
+/* The same where the estimate is the last stage. */
+static double last_norm(const gb_sim *sim) {
+    const double *k = sim->k + (size_t)(sim->method->stages - 1) * (size_t)sim->model->n_total;
+    double worst[GB_PAD] = {0.0};
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        for (int l = 0; l < GB_PAD; l++) {
+            const double ratio = fabs(k[b + l]) * sim->weight[b + l];
+            worst[l] = ratio > worst[l] ? ratio : worst[l];
+        }
+    }
+    return largest_of(worst);
+}
+
 /* log2 of the largest error of a state in units of its weight. */
 double gb_log_error(const gb_sim *sim, double h) {
     const gb_method *method = sim->method;
-    const double first = h * error_norm(sim, &method->e[0]);
+    const double first = h * (method->gamma > 0.0 ? last_norm(sim) : error_norm(sim, &method->e[0]));
     if (!(first > 1e-30)) {
         return -100.0;
     }

@@ -82,6 +82,9 @@ typedef struct gb_model {
      * t and u always hold GB_LANES valid entries (the last instant repeats): computing all is allowed. */
     void (*times)(const double *par, const double *mode, int lanes, const double *t, const double *u, double *tau);
 
+    /* The same for columns that outputs and energies alone read, after times (NULL: there are none). */
+    void (*times_late)(const double *par, const double *mode, int lanes, const double *t, const double *u, double *tau);
+
     /* dy/dt of the n states. tau points at the lane of this instant: column j is tau[j * GB_LANES]. */
     void (*rhs)(const double *par, const double *mode, const double *tau, const double *y, double *dy);
 

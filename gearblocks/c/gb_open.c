@@ -46,7 +46,7 @@ static size_t lay_block(gb_sim *sim, char *base) {
     sim->head = take(base, &at, sizeof(gb_head));
     double **const by_switch[] = {&sim->mode,      &sim->lo,        &sim->hi,        &sim->on,   &sim->due,
                                   &sim->next_mode, &sim->next_time, &sim->flip_time, &sim->flips};
-    double **const by_state[] = {&sim->peak, &sim->scale, &sim->noise, &sim->weight};
+    double **const by_state[] = {&sim->peak, &sim->scale, &sim->noise, &sim->weight, &sim->floor};
     double **const whole[] = {&sim->y0, &sim->y, &sim->k1};
     sim->par = doubles(base, &at, m->n_par > m->n_parameters ? m->n_par : m->n_parameters);
     sim->input = doubles(base, &at, m->n_inputs);
@@ -196,6 +196,7 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     memset(sim->scale, 0, states);
     memset(sim->noise, 0, states);
     memset(sim->weight, 0, states);
+    memset(sim->floor, 0, states);
     gb_auto_start(sim);
     gb_set_method(sim, options->method == GB_AUTO ? head->explicit_method : options->method);
     sim->n_log = sim->n_flushed = 0;
@@ -250,6 +251,7 @@ int gb_apply_changes(gb_sim *sim) {
     head->h = 0.0;
     head->have_dense = head->have_tail = head->have_k1 = head->changed = 0;
     head->h_weights = 0.0;
+    head->floor_at = 0;
     head->log_error = 0.0;
     head->report.code = GB_DONE;
     int code = take_values(sim, head->t1);

@@ -25,8 +25,11 @@ int gb_point_columns(gb_sim *sim, const gb_point *at) {
         }
     }
     if (code == GB_DONE && model->n_time > 0) {
-        (at->means && model->means ? model->means : model->times)(sim->par, mode, 1, sim->t_one, sim->u_one,
-                                                                  sim->tau_one);
+        const int mean = at->means && model->means;
+        (mean ? model->means : model->times)(sim->par, mode, 1, sim->t_one, sim->u_one, sim->tau_one);
+        if (!mean && model->times_late) {
+            model->times_late(sim->par, mode, 1, sim->t_one, sim->u_one, sim->tau_one);
+        }
     }
     return code;
 }

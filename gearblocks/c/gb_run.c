@@ -63,6 +63,9 @@ static int here(gb_sim *sim) {
     }
     if (code == GB_DONE) {
         sim->model->rhs_full(sim->par, sim->mode, sim->tau_one, sim->z, sim->z2);
+        if (sim->model->times_late) {
+            sim->model->times_late(sim->par, sim->mode, 1, sim->t_one, sim->u_one, sim->tau_one);
+        }
     }
     return code;
 }
@@ -210,6 +213,9 @@ int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, i
         }
         if (m->n_time > 0) {
             m->times(sim->par, mode, count, sim->t_one, sim->u_one, sim->tau_one);
+            if (m->times_late) {
+                m->times_late(sim->par, mode, count, sim->t_one, sim->u_one, sim->tau_one);
+            }
         }
         for (int l = 0; l < count; l++, r++) {
             const double *y = rows + (size_t)r * length + 1, *tau = sim->tau_one + l;

@@ -29,31 +29,34 @@ void gb_stiff_links(gb_sim *sim) {
         model->simple_rates(sim->par, sim->kept, named, two);
         for (int i = 0; i < model->n_simple; i++) {
             link[i] = one[i] != 0.0 ? (int)(two[i] / one[i] - 0.5) : -1;
-            sim->gain[(size_t)c * (size_t)model->n_simple + (size_t)i] = fabs(one[i]);
+            sim->gain[(size_t)c * (size_t)model->n_simple + (size_t)i] = 1.0 / fabs(one[i]);
         }
     }
     memset(sim->z, 0, sizeof(double) * (size_t)model->n_total);
     memset(sim->z2, 0, sizeof(double) * (size_t)model->n_total);
 }
 
-/* The size below which a speed cannot matter yet: with it, the least of the coordinates that it drives would have come
- * as far as it ever did within the time so far. floor: by entry of y, left alone where there is none. */
-void gb_stiff_floor(const gb_sim *sim, double h, double *floor) {
+/* The least way of a coordinate that a speed drives, as far as it ever came, over the gain: by entry of y, 0 where
+ * there is none. Over the time so far it is a speed that cannot have mattered yet. Sizes grow, so that old values are
+ * safe. */
+void gb_stiff_floor(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const double time = sim->head->t1 - sim->head->t_start + h;
-    for (int i = model->n_simple; i < model->n; i++) {
+    double *restrict floor = sim->floor;
+    for (int i = 0; i < model->n; i++) {
         floor[i] = HUGE_VAL;
     }
     for (int c = 0; c < sim->n_colours; c++) {
-        const int *link = sim->link + (size_t)c * (size_t)model->n_simple;
-        const double *gain = sim->gain + (size_t)c * (size_t)model->n_simple;
+        const int *restrict link = sim->link + (size_t)c * (size_t)model->n_simple;
+        const double *restrict gain = sim->gain + (size_t)c * (size_t)model->n_simple;
         for (int i = 0; i < model->n_simple; i++) {
             const int at = model->n_simple + link[i];
             if (link[i] >= 0 && at < model->n) {
-                const double size = gb_max(sim->peak[i], sim->scale[i]);
-                floor[at] = gb_min(floor[at], size / (gain[i] * time));
+                floor[at] = gb_min(floor[at], gb_max(sim->peak[i], sim->scale[i]) * gain[i]);
             }
         }
+    }
+    for (int i = 0; i < model->n; i++) {
+        floor[i] = floor[i] < HUGE_VAL ? floor[i] : 0.0;
     }
 }
 
@@ -86,18 +89,21 @@ static void slope_in_time(gb_sim *sim, double h) {
     }
 }
 
-/* out = gamma (I - g J)^-1 r, both of length n. */
-static void solve_stage(gb_sim *sim, const double *r, double *out) {
+/* k = gamma (I - g J)^-1 k, in the first n entries. */
+static void solve_stage(gb_sim *sim, double *k) {
     const gb_model *model = sim->model;
+    const int simple = model->n_simple;
     const double gamma = sim->method->gamma, g = gamma * sim->stiff_h;
-    double *x = sim->unknown;
-    model->right_side(sim->par, sim->kept, g, r, x);
-    gb_solve(model->pattern, sim->inverse, sim->lower, sim->upper, x, sim->work, x);
-    model->simple_rates(sim->par, sim->kept, x, out);
-    for (int i = 0; i < model->n_simple; i++) {
-        out[i] = gamma * r[i] + g * out[i];
+    double *x = model->n_hidden > 0 ? sim->unknown : k + simple, *rates = sim->z2;
+    model->right_side(sim->par, sim->kept, g, k, sim->unknown);
+    gb_solve(model->pattern, sim->inverse, sim->lower, sim->upper, sim->unknown, sim->work, x);
+    model->simple_rates(sim->par, sim->kept, x, rates);
+    for (int i = 0; i < simple; i++) {
+        k[i] = gamma * k[i] + g * rates[i];
     }
-    memcpy(out + model->n_simple, x, sizeof(double) * (size_t)(model->n - model->n_simple));
+    if (model->n_hidden > 0) {
+        memcpy(k + simple, x, sizeof(double) * (size_t)(model->n - simple));
+    }
 }
 
 /* The matrix of a step of size h from the front, factored. */
@@ -112,16 +118,61 @@ static int factor(gb_sim *sim, double h) {
     return bad < 0 ? GB_DONE : gb_fail(sim, GB_ERR_SINGULAR, model->n_simple + bad, sim->head->t1, sim->diag[bad]);
 }
 
-/* z2 = sum + f + the part of h df/dt in the right side of stage j. */
-static void add_slope(gb_sim *sim, int j, const double *sum, const double *f) {
-    const double weight = sim->method->slope[j];
-    const double *slope = sim->k + (size_t)GB_SLOPE * (size_t)sim->model->n_total;
-    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
-        gb_block *out = (gb_block *)(void *)(sim->z2 + b);
-        *out = *gb_block_at(sum + b) + *gb_block_at(f + b);
-        if (weight != 0.0) {
-            *out += weight * *gb_block_at(slope + b);
+/* The sums of stage j (a constant) over those before it: z = y0 + h sum a K, and in z2 what its right side has beside
+ * the rates. */
+GB_INLINE void sums_of(const gb_sim *sim, int j, double h) {
+    const double *a = sim->method->stage[j][0], *c = sim->method->stage[j][1], *k = sim->k, *y0 = sim->y0;
+    const double weight = sim->model->n_time > 0 ? sim->method->slope[j] : 0.0;
+    const size_t total = (size_t)sim->model->n_total;
+    const int padded = sim->model->n_padded;
+    double *z = sim->z, *z2 = sim->z2;
+    for (int b = 0; b < padded; b += GB_PAD) {
+        gb_block state = a[0] * *gb_block_at(k + b), side = c[0] * *gb_block_at(k + b);
+        for (int i = 1; i < j; i++) {
+            const gb_block one = *gb_block_at(k + (size_t)i * total + b);
+            state += a[i] * one;
+            side += c[i] * one;
         }
+        if (weight != 0.0) {
+            side += weight * *gb_block_at(k + GB_SLOPE * total + b);
+        }
+        *(gb_block *)(void *)(z + b) = *gb_block_at(y0 + b) + h * state;
+        *(gb_block *)(void *)(z2 + b) = side;
+    }
+}
+
+static void sum_stages(const gb_sim *sim, int j, double h) {
+    switch (j) {
+    case 1:
+        sums_of(sim, 1, h);
+        break;
+    case 2:
+        sums_of(sim, 2, h);
+        break;
+    case 3:
+        sums_of(sim, 3, h);
+        break;
+    case 4:
+        sums_of(sim, 4, h);
+        break;
+    case 5:
+        sums_of(sim, 5, h);
+        break;
+    case 6:
+        sums_of(sim, 6, h);
+        break;
+    case 7:
+        sums_of(sim, 7, h);
+        break;
+    default:
+        sums_of(sim, j, h);
+    }
+}
+
+/* k = f + weight more. */
+static void add(const gb_sim *sim, const double *f, double weight, const double *more, double *k) {
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        *(gb_block *)(void *)(k + b) = *gb_block_at(f + b) + weight * *gb_block_at(more + b);
     }
 }
 
@@ -140,15 +191,18 @@ int gb_stiff_stages(gb_sim *sim, double h) {
         return code;
     }
     slope_in_time(sim, h);
-    add_slope(sim, 0, sim->zero, sim->k1);
-    solve_stage(sim, sim->z2, sim->k);
+    if (model->n_time > 0) {
+        add(sim, sim->k1, method->slope[0], sim->k + (size_t)GB_SLOPE * (size_t)total, sim->k);
+    } else {
+        gb_copy(sim->k, sim->k1, padded);
+    }
+    solve_stage(sim, sim->k);
     for (int j = 1; j < method->stages; j++) {
-        const double *const from[] = {sim->y0, NULL}, sizes[] = {h, 1.0};
-        double *const out[] = {sim->z, sim->z2}, *k = sim->k + (size_t)j * (size_t)total;
-        gb_combine_all(2, method->stage[j], j, sim->k, total, padded, from, sizes, out);
+        double *k = sim->k + (size_t)j * (size_t)total;
+        sum_stages(sim, j, h);
         model->rhs(sim->par, sim->mode, sim->tau + j, sim->z, k);
-        add_slope(sim, j, sim->z2, k);
-        solve_stage(sim, sim->z2, k);
+        add(sim, k, 1.0, sim->z2, k);
+        solve_stage(sim, k);
     }
     const double *const from[] = {sim->y0, sim->y0, sim->y0}, sizes[] = {h, h, h};
     double *const out[] = {sim->z, node(sim, 0), node(sim, 1)};
@@ -176,6 +230,5 @@ void gb_stiff_tail(gb_sim *sim, double h) {
 
 /* What a small change of the rates does to the states within a step, as a rate: stiff parts do not follow it. */
 void gb_stiff_response(gb_sim *sim, double *change) {
-    memcpy(sim->z2, change, sizeof(double) * (size_t)sim->model->n);
-    solve_stage(sim, sim->z2, change);
+    solve_stage(sim, change);
 }

@@ -178,7 +178,10 @@ static void watch_affine(gb_sim *sim, int i, double tolerance) {
 static int is_far(const gb_sim *sim, int i) {
     const int n = sim->model->n_affine;
     const double s0 = sim->s0[i], r0 = sim->slopes[i], r1 = sim->slopes[n + i], r2 = sim->slopes[2 * n + i];
-    const double margin = 0.25 * (fabs(r1) + fabs(r2)), lo = sim->lo[i] + margin, hi = sim->hi[i] - margin;
+    const double bend = 0.25 * (fabs(r1) + fabs(r2)), lo = sim->lo[i] + bend, hi = sim->hi[i] - bend;
+    if (gb_min(s0, s0 + r0) > lo + bend && gb_max(s0, s0 + r0) < hi - bend && sim->on[i] == 0.0) {
+        return 1; /* so far from the chord does no point of the cubic lie */
+    }
     double outside = s0 < lo || s0 > hi || sim->on[i] != 0.0 ? 1.0 : 0.0;
     for (int l = 0; l < GB_EIGHTHS; l++) {
         const double up = eighths[l], s = s0 + up * (r0 + (1.0 - up) * (r1 + up * r2));

@@ -142,6 +142,42 @@ static void check_factors(void) {
     CHECK(gb_factor(&p, 1.0, diag, lower, upper, inverse) == 2, "the first pivot is zero");
 }
 
+/* A tree that is mostly a chain eliminated from both ends, its matrix not symmetric, the order backwards: `leaves` hang
+ * on its middle, so that the runs are broken there. */
+static void check_runs(int n, int leaves) {
+    int order[64], start[65], row[64];
+    double diag[64], lower[64], upper[64], inverse[64], work[64], x[64], b[64], l0[64], u0[64];
+    const gb_pattern p = {n, n - 1, 1, order, start, row, NULL};
+    for (int k = 0; k < n; k++) {
+        order[k] = n - 1 - k;
+        start[k] = k;
+        row[k] = k < leaves ? n / 2 + k % 3 : k + 2 < n ? k + 2 : n - 1;
+        l0[k] = lower[k] = 1.0 / (1.0 + k % 5);
+        u0[k] = upper[k] = -0.5 - 0.1 * (k % 7);
+        diag[order[k]] = 3.0 + k % 4;
+    }
+    start[n] = n - 1;
+    start[n - 1] = n - 1;
+    for (int k = 0; k < n; k++) {
+        b[order[k]] = diag[order[k]] * (k + 1.0);
+    }
+    for (int k = 0; k + 1 < n; k++) {
+        b[order[row[k]]] += lower[k] * (k + 1.0);
+        b[order[k]] += upper[k] * (row[k] + 1.0);
+    }
+    CHECK(gb_factor(&p, 2.0, diag, lower, upper, inverse) == -1, "singular");
+    gb_solve(&p, inverse, lower, upper, b, work, x);
+    for (int k = 0; k < n; k++) {
+        CHECK(fabs(x[order[k]] - 2.0 * (k + 1.0)) < 1e-12 * n, "%d of %d: %.17g", k, n, x[order[k]]);
+    }
+    gb_solve(&p, inverse, lower, upper, b, work, b);
+    CHECK(memcmp(b, x, sizeof(double) * (size_t)n) == 0, "not in place");
+    for (int k = 0; k + 1 < n; k++) {
+        const double pivot = 2.0 / inverse[k];
+        CHECK(fabs(lower[k] * pivot - l0[k]) < 1e-14 && fabs(upper[k] * pivot - u0[k]) < 1e-14, "factor %d", k);
+    }
+}
+
 /* Saved in the middle of a run that changed its method, restored into another: equal bits. */
 static void check_snapshot(void) {
     gb_model *model = open_chain(LENGTH);
@@ -170,6 +206,9 @@ static void check_snapshot(void) {
 void check_stiff(void) {
     const double stiff[] = {1.0, 1e2, 1e4, 1e6}, damping[] = {1e-1, 1e-3, 1e-5, 1e-7};
     check_factors();
+    for (int n = 8; n < 64; n++) {
+        check_runs(n, n % 4);
+    }
     check_order(&pol_model, 1.0, 0.1, 8, 5.0);
     check_order(&pol_model, 30.0, 0.02, 8, 5.0);
     check_order(&node_model, 1.0, 0.1, 8, 5.0);

@@ -143,7 +143,7 @@ def test_teeth_with_their_own_gaps_move_as_derived_by_hand(reference, distance):
 
 
 def test_the_sample_of_the_reference_rests_where_its_closed_form_says():
-    path = Path(__file__).parents[3] / "shared" / "reference" / "spline" / "engaged_teeth.json"
+    path = Path(__file__).parents[1] / "data" / "spline_engaged_teeth.json"
     case = json.loads(path.read_text())
     drive, coast = ([b * 1e-6 for b in case[f"gap_{side}_um"]] for side in ("drive", "coast"))
     rig = gb.Drivetrain("sample")

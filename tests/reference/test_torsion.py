@@ -8,15 +8,14 @@ import pytest
 
 import gearblocks as gb
 
-DATA = Path(__file__).parents[2].parent / "shared" / "reference" / "torsion"
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="the reference data lie beside the checkout")
+DATA = Path(__file__).parents[1] / "data"
 
 NEAR = 1e-5  # the tables have two decimals of frequencies above 700 Hz, or more digits than that
 ZERO = 1e-3  # rad/s: what rounding may leave of a free rotation, beside frequencies of 500 to 80,000 rad/s
 
 
 def _table(name):
-    return json.loads((DATA / name).read_text(encoding="utf-8"))
+    return json.loads((DATA / f"torsion_{name}").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("case", ["ot_shaft", "friswell_9_7_1"])

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from gearblocks.dead_zone import polynomial_fit
 from gearblocks.engagement import deflection_at, engaged_teeth, force_at, segments, start_forces
 
-REFERENCE = Path(__file__).parents[3] / "shared" / "reference"
-CASE = json.loads((REFERENCE / "spline" / "engaged_teeth.json").read_text())
+DATA = Path(__file__).parents[1] / "data"
+CASE = json.loads((DATA / "spline_engaged_teeth.json").read_text())
 GAPS = [b * 1e-6 for b in CASE["gap_drive_um"]]
 KT, R = CASE["kt"], CASE["r2"]
 
@@ -85,7 +85,7 @@ def test_the_segments_tell_the_load_of_all_teeth_and_its_integral(
     assert abs(engaged[i]) * x * x / 2 - total[i] * x + squares[i] / 2 == pytest.approx(stored, rel=1e-10, abs=1e-20)
 
 
-FITS = json.loads((REFERENCE / "noncircular_planetary" / "backlash_fits.json").read_text())
+FITS = json.loads((DATA / "noncircular_backlash_fits.json").read_text())
 
 
 @pytest.mark.parametrize("degree", [5, 7, 9])

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from gearblocks.tooth_geometry import ToothPair, inverse_involute, iso_problems, mesh_stiffness, single_stiffness
 
-REFERENCE = Path(__file__).parents[3] / "shared" / "reference"
+DATA = Path(__file__).parents[1] / "data"
 ANGLE = math.radians(20)
 
 
@@ -75,7 +75,7 @@ def test_a_helix_acts_through_the_transverse_section() -> None:
 
 def test_the_flexibility_of_a_tooth_pair_is_that_of_the_reference() -> None:
     """The reference has no factor of the basic rack: an addendum of 0.95 modules and 20 degrees make it 1."""
-    with (REFERENCE / "noncircular_planetary" / "stiffness.csv").open() as file:
+    with (DATA / "noncircular_stiffness.csv").open() as file:
         for row in csv.DictReader(file):
             pair = ToothPair(float(row["Ze1"]), float(row["Ze2"]), 4e-3, ANGLE, addendum=0.95)
             # the tooth numbers are printed with 12 digits
