@@ -1,8 +1,8 @@
 """A model at one point: rates, outputs and energies in frozen modes, and their derivatives as sparse matrices.
 
-Derivatives are central differences. Which entry depends on which unknown is found first, by moving blocks of unknowns
-that are halved from round to round; columns that share no row are then moved together. A chain of any length takes a
-few hundred evaluations.
+Derivatives of the rates are those of the laws where they exist. All others are central differences: which entry depends on
+which unknown is found first, by moving blocks of unknowns that are halved from round to round; columns that share no row
+are then moved together. A chain of any length takes a few hundred evaluations.
 """
 
 from __future__ import annotations

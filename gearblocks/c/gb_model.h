@@ -129,9 +129,9 @@ typedef struct gb_model {
      * x = [ y[n_simple .. n) | n_hidden speeds of shafts without inertia ], pattern->n in number.
      * With E x' = G(t, y) (E: inertia of the shafts, 1 for states of blocks, 0 for hidden speeds) the matrix of a step
      * is S = E - g dG/dx - g^2 dG/ds B,   g = gamma h, where d is that of G - E x' at fixed x'. jacobian: fills diag
-     * (length pattern->n, by unknown), lower and upper (by place, factors not yet computed) and `kept` (length n_kept: what the next two
-     * need). dy: the rates at the same point. right_side: out = E r_x + g dG/ds r_s for a right side r of length n
-     * (hidden speeds: their rows alone). simple_rates: out[0 .. n_simple) = B x. */
+     * (length pattern->n, by unknown), lower and upper (by place, factors not yet computed) and `kept` (length n_kept:
+     * what the next two need). dy: the rates at the same point. right_side: out = E r_x + g dG/ds r_s for a right side
+     * r of length n (hidden speeds: their rows alone). simple_rates: out[0 .. n_simple) = B x. */
     int n_simple, n_hidden, n_kept;
     const gb_pattern *pattern;
     void (*jacobian)(const double *par, const double *mode, const double *tau, const double *y, const double *dy,

@@ -101,3 +101,37 @@ def test_the_ledger_closes_to_the_tolerance_with_jumps_of_torque_and_stiffness(m
     for rtol in (1e-6, 1e-10):
         run = gb.simulate(rig, t=[2.0], rtol=rtol, method=method)
         assert run.energy.residual <= 10 * rtol
+
+
+def _shaken(*, beside):
+    """A body that a prescribed speed shakes; beside it nothing, a body that coasts, or one on a slow spring."""
+    rig = gb.Drivetrain("shaken")
+    rig.chain(rig.add("speed", gb.Speed(w=10 + 5 * gb.sin(30 * gb.time))), rig.add("body", gb.Inertia(J=0.3)))
+    if beside != "nothing":
+        other = rig.add("other", gb.Inertia(J=0.5, w0=3.0))
+        if beside == "slow":
+            rig.chain(other, rig.add("spring", gb.Shaft(k=1.0, c=0.01)), rig.add("ground", gb.Fixed()))
+    return rig
+
+
+@pytest.mark.parametrize("beside", ["nothing", "coasting", "slow"])
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
+def test_the_ledger_closes_where_time_alone_moves_a_body(method, beside):
+    if beside == "nothing" and method == "rodas":
+        return  # without a state there is no matrix
+    model = gb.build(_shaken(beside=beside))
+    for rtol in (1e-4, 1e-6, 1e-9):
+        run = gb.simulate(model, t_end=2.0, rtol=rtol, method=method)
+        assert run.energy.residual < 10 * rtol, rtol  # a few dozen steps, each within its share
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+def test_torques_that_balance_are_followed_in_the_ledger_though_nothing_accelerates(method):
+    rig = gb.Drivetrain("balanced")
+    tau, w = 5 * gb.sin(300 * gb.time) ** 2, 2.0
+    one, two = rig.add("one", gb.Torque(tau=tau)), rig.add("two", gb.Torque(tau=-tau))
+    rig.chain(one, two, rig.add("body", gb.Inertia(J=1.0, w0=w)))
+    for rtol in (1e-4, 1e-8):
+        run = gb.simulate(rig, t_end=1.0, rtol=rtol, method=method)
+        given = w * 2.5 * (1 - np.sin(600) / 600)
+        assert run.energy.supplied["one"] == pytest.approx(given, rel=10 * rtol)

@@ -141,3 +141,35 @@ def test_a_sense_of_what_does_not_exist_names_the_near_ones():
     rig.chain(drive, body)
     with pytest.raises(gb.ModelError, match=r"body\.w"):
         gb.build(rig)
+
+
+class Lag(gb.Block):
+    """A torque that follows a signal, from its value at the start."""
+
+    shaft = gb.Flange("where the torque acts")
+    u = gb.signal("signal", "N m")
+    x = gb.State("torque", "N m")
+
+    def physics(self, s):
+        yield gb.Start(s.x, s.u)
+        yield gb.Rate(s.x, s.u - s.x)
+        yield gb.Acts(s.shaft, s.x)
+
+
+def test_a_state_cannot_start_from_what_is_sensed():
+    rig = gb.Drivetrain("lag")
+    rig.connect(rig.add("body", gb.Inertia(J=1.0)).a, rig.add("lag", Lag(u=gb.sense("body.w"))).shaft)
+    with pytest.raises(gb.ModelError, match=r"'lag': the state 'x' starts from the sensed output 'body\.w'"):
+        gb.build(rig)
+
+
+@pytest.mark.parametrize("filter", [None, 3.0])
+@pytest.mark.parametrize("source", ["speed", "angle"])
+def test_what_is_sensed_cannot_prescribe_a_motion(source, filter):
+    rig = gb.Drivetrain("led")
+    rig.add("leader", gb.Inertia(J=1.0))
+    sensed = gb.sense("leader.w")
+    motion = gb.Speed(w=sensed, filter=filter) if source == "speed" else gb.Angle(phi=sensed, filter=filter)
+    rig.chain(rig.add("motion", motion), rig.add("body", gb.Inertia(J=1.0)))
+    with pytest.raises(gb.ModelError, match=r"sensed output .*leader\.w.* cannot prescribe a rigid motion"):
+        gb.build(rig)

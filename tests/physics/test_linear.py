@@ -303,3 +303,55 @@ def test_modes_at_a_position_of_a_universal_joint(at):
     true = np.sqrt((k[0] + k[1] * m**2 - tau * bend) / (J[0] + J[1] * m**2))
     assert found.frequencies == pytest.approx([true], rel=1e-12)  # from the derivatives of the laws: rounding alone
     assert found.damping == pytest.approx([0.0], abs=1e-12)
+
+
+# -- prescribed motions, shafts without inertia ------------------------------------------------------------------------
+
+
+def test_a_body_that_a_filtered_speed_shakes_answers_as_the_formula_says():
+    J, k, c, cut = 0.5, 200.0, 1.5, 50.0
+    rig = gb.Drivetrain("shaken")
+    base = rig.add("base", gb.Speed(w=gb.Input("u", start=2.0), filter=cut))
+    rig.chain(base, rig.add("shaft", gb.Shaft(k=k, c=c)), rig.add("body", gb.Inertia(J=J, w0=2.0)))
+    w = np.logspace(0, 3, 7)
+    s = 1j * w
+    for at in (None, "static"):
+        found = gb.frequency_response(rig, "u", "body.w", w, at=at)["body.w"]
+        true = (k + c * s) / (J * s**2 + c * s + k) * cut / (s + cut)
+        assert np.abs(found / true - 1).max() < 1e-9  # the input's column is a difference
+        matrices = gb.linearize(rig, at, outputs=["shaft.twist"])
+        assert matrices.states == ("shaft.coordinate", "base.filtered_speed", "body.w")
+        true = [[0, -1, 1], [0, -cut, 0], [-k / J, c / J, -c / J]]
+        assert np.abs(matrices.A - np.array(true)).max() < 1e-12 * k / J
+
+
+def test_a_support_that_time_moves_carries_like_the_ground():
+    J, k, c = 0.5, 200.0, 1.5
+    w = np.logspace(0, 3, 7)
+    for phi in (0.1 * gb.sin(30 * gb.time), 0.0):
+        rig = gb.Drivetrain("rocked")
+        load = rig.add("load", gb.Torque(tau=gb.Input("T")))
+        base, body = rig.add("base", gb.Angle(phi=phi)), rig.add("body", gb.Inertia(J=J))
+        rig.chain(base, rig.add("shaft", gb.Shaft(k=k, c=c)), body, load)
+        found = gb.frequency_response(rig, "T", "body.phi", w)["body.phi"]
+        assert np.abs(found * (k + 1j * c * w - J * w**2) - 1).max() < 1e-9
+        assert gb.modes(rig, None).frequencies == pytest.approx([np.sqrt(k / J)], rel=1e-12)
+
+
+@pytest.mark.parametrize("c", [None, 1.5])
+def test_a_node_without_inertia_between_two_shafts_puts_them_in_series(c):
+    J, k = 0.5, 200.0
+    rig = gb.Drivetrain("series")
+    load, body = rig.add("load", gb.Torque(tau=gb.Input("T"))), rig.add("body", gb.Inertia(J=J))
+    soft, hard = rig.add("soft", gb.Shaft(k=k)), rig.add("hard", gb.Shaft(k=3 * k, c=c))
+    rig.chain(load, body, soft, hard, rig.add("ground", gb.Fixed()))
+    w = np.logspace(0, 3, 7)
+    series = 1 / (1 / k + 1 / (3 * k + (c or 0.0) * 1j * w))
+    for at in (None, "static"):
+        found = gb.frequency_response(rig, "T", ["body.phi", "soft.twist"], w, at=at)
+        assert np.abs(found["body.phi"] * (series - J * w**2) - 1).max() < 1e-9
+        assert np.abs(-found["soft.twist"] * k / series * (series - J * w**2) - 1).max() < 1e-9
+    swing = gb.modes(rig)
+    assert len(swing.decays) == (0 if c is None else 1)
+    roots = np.roots([J * (c or 0.0), J * 4 * k, k * (c or 0.0), 3 * k**2])  # J s^2 (4 k + c s) + k (3 k + c s)
+    assert np.abs(swing.eigenvalues[0] - roots).min() < 1e-9 * swing.frequencies[0]

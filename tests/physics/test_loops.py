@@ -1,6 +1,7 @@
 """Compliant elements that close loops: deflections that follow from others, against full coordinates."""
 
 import numpy as np
+import pytest
 
 import gearblocks as gb
 
@@ -103,3 +104,57 @@ def test_a_loop_through_the_ground_starts_where_the_angles_are(distance):
     rest = (60 * -0.1 + 40 * 0.7) / 100
     assert distance(run["body.phi"], rest + (0.2 - rest) * np.cos(10 * t)) < 1e-9
     assert np.allclose(run["two.twist"], 0.7 - run["body.phi"], atol=1e-14)
+
+
+class Lever(gb.Block):
+    """A spring along p phi_a + q phi_b + r phi_c."""
+
+    a, b, c = gb.Flange("one"), gb.Flange("two"), gb.Flange("three")
+    p: float = gb.param("factor of a", "1")
+    q: float = gb.param("factor of b", "1")
+    r: float | None = gb.param("factor of c, else -1", "1", default=None)
+    k: float = gb.param("stiffness", "N m/rad")
+
+    def physics(self, s):
+        u = s.p * s.a.phi + s.q * s.b.phi + (-1 if self.r is None else s.r) * s.c.phi
+        yield gb.Force(u, s.k * u)
+        yield gb.Energy(stored=s.k * u**2 / 2)
+
+
+def _on_a_lever(shafts=(), **factors):
+    """Inertias of 1, 2 and 3 on a lever, shafts of these stiffnesses between neighbours."""
+    rig = gb.Drivetrain("lever")
+    lever = rig.add("lever", Lever(k=10.0, **factors))
+    bodies = [rig.add(f"j{i}", gb.Inertia(J=1.0 + i)) for i in range(3)]
+    for body, flange in zip(bodies, (lever.a, lever.b, lever.c), strict=True):
+        rig.connect(body.a, flange)
+    for i, k in enumerate(shafts):
+        rig.chain(bodies[i], rig.add(f"shaft{i}", gb.Shaft(k=k)), bodies[i + 1])
+    return rig
+
+
+def test_cosines_that_close_the_circle_leave_a_train_free_to_turn():
+    # three times 120 degrees: in floats the factors add up to -2e-16
+    model = gb.build(_on_a_lever((5.0, 7.0), p=1.0, q=np.cos(2 * np.pi / 3), r=np.cos(4 * np.pi / 3)))
+    assert sum(q.words == "relative angle" for q in model.program.states) == 2
+    assert gb.modes(model).free == 1
+    run = gb.simulate(model, t_end=3.0, rtol=1e-10, initial={"j0.w": 1.0})
+    momentum = sum(J * run[f"j{i}.w"] for i, J in enumerate((1.0, 2.0, 3.0)))
+    turned = sum(J * run[f"j{i}.phi"] for i, J in enumerate((1.0, 2.0, 3.0)))
+    assert np.abs(momentum - 1.0).max() < 1e-12
+    assert np.abs(turned - run.t).max() < 1e-9
+
+
+@pytest.mark.parametrize(("p", "q"), [(0.5, 0.5), (0.0, 1.0), (1.0, 0.0), (0.0, 0.0)])
+def test_a_factor_of_a_deflection_may_be_nothing(p, q):
+    w = gb.simulate(_on_a_lever(p=p, q=q), t=[0.7], rtol=1e-10, initial={"j2.w": 1.0})
+    rate = 10.0 * (p**2 / 1 + q**2 / 2 + 1 / 3)  # the only mode swings along the deflection
+    swing = (1 - np.cos(np.sqrt(rate) * 0.7)) * 10.0 / rate
+    assert w["j0.w"][0] == pytest.approx(p * swing, abs=1e-9)
+    assert w["j1.w"][0] == pytest.approx(q / 2 * swing, abs=1e-9)
+    assert w["j2.w"][0] == pytest.approx(1 - swing / 3, abs=1e-9)
+
+
+def test_a_deflection_measured_in_a_flange_that_has_no_part_in_it_is_refused():
+    with pytest.raises(gb.ModelError, match=r"'lever': the factor of flange 'b', q/p, has no value with p = 0"):
+        gb.build(_on_a_lever(p=0.0, q=1.0, r=2.0))

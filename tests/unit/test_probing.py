@@ -5,10 +5,11 @@ import pytest
 import scipy.sparse
 
 import gearblocks as gb
-from benchmarks.problems import p1
+from benchmarks.cases import P4
+from benchmarks.problems import p1, train
 from gearblocks.core import Code, Method, Options
-from gearblocks.probing import dependents, derivative, opened, state_matrix
-from gearblocks.sparsemaps import disjoint
+from gearblocks.probing import dependents, derivative, differenced_state_matrix, opened, state_matrix
+from gearblocks.sparsemaps import disjoint, recovered, solved
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (7, 1), (1, 9), (40, 40), (30, 57)])
@@ -74,3 +75,56 @@ def test_at_their_means_time_no_longer_matters():
             assert not np.array_equal(point.rates(), later.rates())
             assert np.array_equal(point.at(means=True).rates(), later.at(means=True).rates())
             assert (state_matrix(point.at(means=True)) != state_matrix(later.at(means=True))).nnz == 0
+
+
+@pytest.mark.parametrize("groups", ["one", "right", "wrong"])
+def test_a_linear_map_gives_its_matrix_whatever_groups_are_supposed(groups):
+    matrix = scipy.sparse.random_array((60, 40), density=0.05, rng=np.random.default_rng(5), format="csc")
+    rows = [matrix[:, [j]].nonzero()[0] for j in range(40)]
+    supposed = {"one": [range(40)], "right": disjoint(rows), "wrong": [range(0, 40, 2), range(1, 40, 2)]}[groups]
+    found, served = recovered(lambda x: matrix @ x[:40], (60, 40), [list(g) for g in supposed], 43)
+    assert np.abs((found - matrix).toarray()).max() < 1e-15  # one product and one quotient of numbers below 1
+    assert sorted(int(j) for g in served for j in g) == list(range(40))
+    for group in served:
+        taken = np.concatenate([rows[j] for j in group])
+        assert len(set(taken)) == len(taken)
+
+
+def test_columns_that_cancel_each_other_are_told_apart():
+    matrix = scipy.sparse.csc_array(np.array([[1.0, -1.0, 0.0], [2.0, 2.0, 5.0]]))
+    found, _ = recovered(lambda x: matrix @ x, (2, 3), [[0, 1, 2]], 3)
+    assert np.array_equal(found.toarray(), matrix.toarray())
+
+
+def test_a_map_without_bounds_is_refused():
+    with pytest.raises(ArithmeticError, match="NaN or infinite"):
+        recovered(lambda x: np.full(2, np.inf), (2, 2), [[0, 1]], 2)
+
+
+@pytest.mark.parametrize("sizes", [(1, 1, 1), (3, 1, 4, 2, 3), (90,)])
+def test_systems_of_blocks_are_solved_block_by_block(sizes):
+    random = np.random.default_rng(6)
+    blocks = scipy.sparse.block_diag([random.normal(size=(n, n)) + 9 * np.eye(n) for n in sizes], format="csc")
+    mixed = random.permutation(sum(sizes))
+    square = scipy.sparse.csc_array(blocks)[mixed][:, mixed]
+    right = scipy.sparse.random_array((sum(sizes), 7), density=0.4, rng=random, format="csc")
+    assert np.abs((square @ solved(square, right) - right).toarray()).max() < 1e-12  # condition below 100
+
+
+def test_a_block_without_an_inverse_is_refused():
+    square = scipy.sparse.csc_array(np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+    with pytest.raises(ArithmeticError):
+        solved(square, scipy.sparse.csc_array(np.eye(3)))
+
+
+@pytest.mark.parametrize("means", [False, True])
+@pytest.mark.parametrize("problem", [P4(n=40), P4(n=41)], ids=["even", "odd"])
+def test_the_derivatives_of_the_laws_are_those_that_differences_find(problem, means):
+    model = gb.build(train(problem))
+    with model.library.open() as sim:
+        sim.parameters[:] = model.values
+        with opened(sim, model.program, 0.01) as point:
+            held = point.at(means=means, modes=np.where(np.arange(len(point.modes)) % 3 == 0, 0.0, point.modes))
+            exact, found = state_matrix(held), differenced_state_matrix(held)
+            largest = abs(exact).max(axis=1).toarray()
+            assert (np.abs((exact - found).toarray()) <= 1e-8 * largest.reshape(-1, 1)).all()
