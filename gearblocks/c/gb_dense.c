@@ -49,6 +49,9 @@ static void summed_rows_of_tail(const gb_sim *sim) {
 void gb_dense_hermite(gb_sim *sim) {
     if (sim->head->have_dense == 0 && sim->method->gamma > 0.0) {
         summed_rows(sim);
+        if (sim->model->n_counted > 0) {
+            gb_turns_rows(sim, 0, sim->method->rows);
+        }
         sim->head->have_dense = 2;
     } else if (sim->head->have_dense == 0) {
         hermite_rows(sim, 0, sim->model->n_padded);

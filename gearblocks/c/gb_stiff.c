@@ -220,6 +220,10 @@ void gb_stiff_tail(gb_sim *sim, double h) {
         return;
     }
     gb_copy(sim->k + padded, sim->k1 + padded, total - padded);
+    for (int c = 0; c < model->n_counted; c++) {
+        const int i = model->counted[c].state;
+        sim->k[i] = sim->k1[i];
+    }
     for (int i = 0; i < GB_NODES; i++) {
         const int j = method->stages + 1 + i;
         model->rhs_full(sim->par, sim->mode, sim->tau + j, node(sim, i), sim->k + (size_t)j * (size_t)total);

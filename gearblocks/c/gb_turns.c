@@ -15,14 +15,13 @@ static double departure(const gb_sim *sim, const gb_weights *w, int i, double h)
     return h * sum;
 }
 
-/* h sum b K of an implicit method, whose stages are no rates. */
-static double change(const gb_sim *sim, int i) {
-    const gb_method *method = sim->method;
-    double sum = 0.0;
-    for (int j = 0; j < method->stages; j++) {
-        sum += method->points[0][j] * sim->k[(size_t)j * (size_t)sim->model->n_total + (size_t)i];
+/* The weights of the rates in row `row` of a step (the first: in its end). The angles of an implicit step follow from
+ * the rates at the nodes of its quadratures (gb_stiff_tail puts the first one in place): its stages are no rates. */
+static const gb_weights *weights_of(const gb_method *method, int row) {
+    if (method->gamma > 0.0) {
+        return &method->tail[row];
     }
-    return sim->head->h * sum;
+    return row < 3 ? &method->a[method->stages] : &method->d[row];
 }
 
 /* The largest step not above h that turns no counted angle too far. */
@@ -46,14 +45,10 @@ void gb_turns_advance(gb_sim *sim) {
     for (int c = 0; c < model->n_counted; c++) {
         const int i = model->counted[c].state, rider = model->n_padded + 2 * c;
         double hi = sim->y0[i], lo = sim->y0[rider + 1], product, rest;
-        if (sim->method->gamma > 0.0) {
-            gb_add_two(&hi, &lo, change(sim, i));
-        } else {
-            gb_multiply_two(sim->head->h, sim->k[i], &product, &rest);
-            gb_add_two(&hi, &lo, product);
-            gb_add_two(&hi, &lo, departure(sim, &sim->method->a[sim->method->stages], i, sim->head->h));
-            lo += rest;
-        }
+        gb_multiply_two(sim->head->h, sim->k[i], &product, &rest);
+        gb_add_two(&hi, &lo, product);
+        gb_add_two(&hi, &lo, departure(sim, weights_of(sim->method, 0), i, sim->head->h));
+        lo += rest;
         gb_settle_two(&hi, &lo);
         sim->y[i] = hi;
         sim->y[rider + 1] = lo;
@@ -70,7 +65,11 @@ void gb_turns_rows(gb_sim *sim, int from, int to) {
         const int i = model->counted[c].state;
         double *row = sim->rows + i;
         for (int m = from; m < to; m++) {
-            const double bend = departure(sim, m < 3 ? &method->a[method->stages] : &method->d[m], i, h);
+            const double bend = departure(sim, weights_of(method, m), i, h);
+            if (method->gamma > 0.0) {
+                row[(size_t)m * total] = m == 0 ? h * sim->k[i] + bend : bend;
+                continue;
+            }
             const double gain = h * (sim->k[i] - sim->k[(size_t)method->stages * total + (size_t)i]);
             row[(size_t)m * total] =
                 m == 0 ? h * sim->k[i] + bend : (m == 1 ? -bend : (m == 2 ? 2.0 * bend + gain : bend));
