@@ -131,6 +131,7 @@ static double exchange_size(gb_sim *sim, int with_stored) {
 double gb_log_exchange_error(gb_sim *sim, double h) {
     const gb_method *method = sim->method;
     const int implicit = method->gamma > 0.0;
+    const double rtol = gb_max(sim->head->options.rtol, LEAST);
     double first, second = 0.0, found = -100.0;
     if (implicit) {
         exchange_bend(sim, &first, &second);
@@ -139,17 +140,16 @@ double gb_log_exchange_error(gb_sim *sim, double h) {
         second = method->n_errors > 1 ? exchange_error(sim, &method->e[1]) : 0.0;
     }
     for (int with_stored = 0; with_stored < 2; with_stored++) {
-        const double size = exchange_size(sim, with_stored) / h, unit = gb_max(sim->head->options.rtol, LEAST) * size;
-        if (!(size > 0.0 && first + second > 1e-30 * size)) {
+        const double size = exchange_size(sim, with_stored) / h, one = first / size, two = second / size;
+        if (!(size > 0.0 && one + two > 1e-30)) {
             return -100.0;
         }
-        const double one = rough_log2(first + 1e-40 * size), two = rough_log2(second + 1e-40 * size);
         if (implicit) {
-            found = gb_max(3.0 * one - 2.0 * rough_log2(size), 2.0 * two - rough_log2(size)) - rough_log2(unit);
+            found = rough_log2(gb_max(one * one * one, two * two) / rtol + 1e-30);
         } else if (method->n_errors == 1) {
-            found = one - rough_log2(unit);
+            found = rough_log2(one / rtol);
         } else {
-            found = 2.0 * one - 0.5 * rough_log2(first * first + 0.01 * second * second) - rough_log2(unit);
+            found = rough_log2(one * one / sqrt(one * one + 0.01 * two * two) / rtol + 1e-30);
         }
         if (found <= 0.0) {
             return found;
