@@ -13,7 +13,7 @@ from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
 from gearblocks.library import Model
 from gearblocks.linear import DENSE, Complex, Place, held
-from gearblocks.probing import Point, state_matrix
+from gearblocks.probing import Point, state_matrix, steps_of
 from gearblocks.program import Program
 from gearblocks.statics import Motion, motion
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 _FEW = 20  # modes of a long train where none are asked for
 _ROUNDING = 1e-10  # of a damping ratio
+_RESISTS = 1e-8  # a smaller answer to a rotation, relative to its terms, is rounding: differences leave about 1e-10
+_LEFT = 64 * np.finfo(float).eps  # of the terms, in a difference
 _REAL = 1e-9  # a smaller imaginary part, relative to the eigenvalue, is rounding
 
 
@@ -152,6 +154,9 @@ def _free_rotations(point: Point, whole: Motion, A: csc_array) -> Array:
         return N
     v = whole.speeds
     answer, size = A[:, v] @ N, abs(A[:, v]) @ np.abs(N)
+    y = point.y[: A.shape[0]]
+    steps = steps_of(point.program, point.y)[v]  # a difference over a step leaves the rounding of all terms of its row
+    size += (_LEFT / _RESISTS) * (abs(A) @ np.abs(y) / steps.min())[:, None]
     if _angle_is_state(point, whole):
         answer[whole.angles] = 0.0
         turned = A[:, whole.angles].toarray()
@@ -162,7 +167,7 @@ def _free_rotations(point: Point, whole: Motion, A: csc_array) -> Array:
     scaled = np.divide(answer, size, out=np.zeros_like(answer), where=size > 0)
     _, sizes, rows = np.linalg.svd(scaled, full_matrices=True)
     full = np.concatenate([sizes, np.zeros(rows.shape[0] - len(sizes))])
-    kept = rows[full <= 1e-8].T  # differences leave about 1e-10
+    kept = rows[full <= _RESISTS].T
     if kept.shape[1] == N.shape[1]:
         return N
     return np.asarray(N @ kept)
