@@ -35,13 +35,9 @@ double gb_turns_step(const gb_sim *sim, double h) {
     return h;
 }
 
-/* The front after a whole step: y0 + (h k1 + departure) in two doubles, the lower one carried on. Implicit methods
- * have no such form: their front stands as it is. */
+/* The front after a whole step: y0 + (h k1 + departure) in two doubles, the lower one carried on. */
 void gb_turns_advance(gb_sim *sim) {
     const gb_model *model = sim->model;
-    if (sim->method->gamma > 0.0) {
-        return;
-    }
     for (int c = 0; c < model->n_counted; c++) {
         const int i = model->counted[c].state, rider = model->n_padded + 2 * c;
         double hi = sim->y0[i], lo = sim->y0[rider + 1], product, rest;

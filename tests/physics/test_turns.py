@@ -223,9 +223,9 @@ def test_an_implicit_method_counts_turns_as_an_explicit_one_does() -> None:
     ends = {}
     for method in ("dp8", "rodas", "auto"):
         spin = {"pinion.w": 5000.0, "wheel.w": -5000.0 * 23 / 41, "pinion.phi": 1e-3}
-        run = gb.simulate(rig, t_end=0.02, rtol=1e-9, method=method, initial=spin)
+        run = gb.simulate(rig, t_end=0.02, rtol=1e-11, method=method, initial=spin)
         assert run["pinion.phi"][-1] > 90.0
         ends[method] = run["pinion.phi"][-1], run["mesh.mesh_phase"][-1], run["mesh.force"][-1]
         assert run.energy.residual < 1e-9
     for method in ("rodas", "auto"):
-        assert ends[method] == pytest.approx(ends["dp8"], rel=1e-6), method
+        assert ends[method] == pytest.approx(ends["dp8"], rel=1e-8), method  # the swing of the mesh is undamped
