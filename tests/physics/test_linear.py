@@ -174,6 +174,33 @@ def test_motions_that_do_not_swing_are_decays():
     assert heavy.decays == pytest.approx([(100 - root) / 2, (100 + root) / 2], rel=1e-7)  # a difference of near numbers
 
 
+def test_a_damper_takes_one_free_rotation_only_however_the_free_ones_mix():
+    # a differential with every shaft free, a damper (and a spring beside it) between two of the four bodies
+    rig = gb.Drivetrain("free differential")
+    split = rig.add("split", gb.Differential(ratio=3.7))
+    case, left, right, end = (
+        rig.add(n, gb.Inertia(J=j, w0=w))
+        for n, j, w in (("case", 2.8, None), ("left", 2.4, 0.3), ("right", 0.8, -0.7), ("end", 2.9, 0.2))
+    )
+    rig.connect(split.carrier, case.a)
+    rig.connect(split.left, left.a)
+    rig.connect(split.right, right.a)
+    mesh = rig.add(
+        "mesh", gb.GearMesh(teeth=(30, 24), external=True, r_base=(0.05, 0.04), k=8e4)
+    )  # its carrier is the left shaft
+    rig.connect(mesh.pinion, right.b)
+    rig.connect(mesh.wheel, end.a)
+    rig.connect(mesh.carrier, left.b)
+    drag = rig.add("drag", gb.Damper(c=1.3))
+    rig.connect(drag.a, right.b)
+    rig.connect(drag.b, end.b)
+    # three degrees of freedom, one strained by the mesh; of the two others the damper hinders one
+    modes = gb.modes(rig, at=None)
+    assert modes.free == 1
+    assert len(modes) == 2
+    assert len(modes.decays) == 1
+
+
 def test_a_free_train_whose_law_reads_its_angle_turns_freely_too():
     class Spring(gb.Block):
         a, b = gb.Flange("left end"), gb.Flange("right end")

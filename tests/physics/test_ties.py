@@ -157,6 +157,49 @@ def test_a_prescribed_angle_is_kept_exactly() -> None:
     assert abs(run.energy.residual) < 1e-10
 
 
+@pytest.mark.parametrize("beside", ["parallel", "through a third", "driving to ground", "driven to ground"])
+def test_an_angle_between_two_turning_shafts_lets_springs_go_any_way_beside_it(beside: str) -> None:
+    rig = gb.Drivetrain("two shafts")
+    i, j, spring = rig.add("i", gb.Inertia(J=1.0)), rig.add("j", gb.Inertia(J=2.0)), rig.add("s", gb.Shaft(k=10.0))
+    angle, ground = rig.add("angle", gb.Angle(phi=gb.sin(gb.time))), rig.add("ground", gb.Fixed())
+    rig.connect(angle.flange, j.a)
+    rig.connect(angle.housing, i.a)
+    rig.connect(spring.a, j.b if beside == "driven to ground" else i.b)
+    if beside == "parallel":
+        rig.connect(spring.b, j.b)
+        rig.connect(ground.flange, rig.add("loose", gb.Inertia(J=1.0)).a)
+    elif beside == "through a third":
+        second, third = rig.add("s2", gb.Shaft(k=10.0)), rig.add("third", gb.Inertia(J=1.0))
+        rig.connect(spring.b, third.a)
+        rig.connect(third.b, second.a)
+        rig.connect(second.b, j.b)
+        rig.connect(ground.flange, rig.add("loose", gb.Inertia(J=1.0)).a)
+    else:
+        rig.connect(spring.b, ground.flange)
+    run = gb.simulate(rig, t_end=1.0, rtol=1e-10)
+    assert run["j.phi"] - run["i.phi"] == pytest.approx(np.sin(run.t), abs=1e-12)  # an exact tie: rounding alone
+    assert run.energy.residual < 1e-9  # ten times the tolerance
+    if beside in ("parallel", "through a third"):  # nothing from outside: the angular momentum stays (rtol)
+        momentum = run["i.w"] + 2 * run["j.w"] + (run["third.w"] if "third.w" in run else 0.0)
+        assert momentum == pytest.approx(momentum[0], abs=1e-8)
+
+
+def test_angles_that_are_all_prescribed_or_held_leave_the_implicit_method_its_tables() -> None:
+    rig = gb.Drivetrain("held ring")
+    planet, angle = rig.add("planet", gb.IdealPlanetary(ratio=-1.7)), rig.add("angle", gb.Angle(phi=gb.sin(gb.time)))
+    sun, ring, carrier = (rig.add(n, gb.Inertia(J=2.0)) for n in ("sun", "ring", "carrier"))
+    spring, ground = rig.add("spring", gb.Shaft(k=100.0)), rig.add("ground", gb.Fixed())
+    load, last = rig.add("load_spring", gb.Shaft(k=50.0)), rig.add("last", gb.Inertia(J=0.5))
+    rig.connect(planet.sun, sun.a, spring.a, load.a)
+    rig.connect(planet.ring, ring.a, ground.flange)
+    rig.connect(planet.carrier, carrier.a, spring.b, angle.flange)
+    rig.connect(load.b, last.a)
+    run = gb.simulate(rig, t_end=1.0, rtol=1e-9, method="rodas")
+    assert run["sun.phi"] == pytest.approx(-0.7 * np.sin(run.t), abs=1e-12)  # sun = (1 + ratio) carrier: rounding
+    other = gb.simulate(rig, t=run.t, rtol=1e-10, method="dp8")
+    assert run["last.phi"] == pytest.approx(other["last.phi"], abs=1e-7)  # the tolerance of rodas over its steps
+
+
 def test_an_input_as_a_prescribed_motion_needs_a_filter() -> None:
     for kind, signal in ((gb.Speed, "w"), (gb.Angle, "phi")):
         value = gb.Input("wish", start=2.0, unit="1")
