@@ -65,9 +65,11 @@ def motion_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> Dri
     if any(g.free_symbols for g in gains.values()):
         raise ModelError(f"{kind}: the prescribed speed '{zero}' is not linear in the flange speeds")
     bias = speed.xreplace({f.w: sp.Integer(0) for f in flanges.values()})
-    if bias.has(sp.Piecewise, sp.Heaviside, sp.sign):
+    steps = any(law.pool.slots[table.args[0]].of.kind == "step" for table in bias.atoms(TableAt))
+    if steps or bias.has(sp.Piecewise, sp.Heaviside, sp.sign):
         raise ModelError(
-            f"{kind}: the prescribed speed '{bias}' jumps, which no finite torque can do; give a ramp or a smooth law"
+            f"{kind}: the prescribed speed '{bias}' jumps or may jump, which no finite torque can do; give a ramp as a "
+            "linear Table, a smooth law, or filter=rad/s"
         )
     return Drive(name, gains, bias, _rate(law, kind, bias, {}))
 

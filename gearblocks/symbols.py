@@ -65,6 +65,11 @@ class Table2At(sp.Function):  # type: ignore[misc]  # sympy carries no types
 
     nargs = (5, 7)
 
+    def _sympystr(self, printer: Any) -> str:
+        name, x, y = map(printer.doprint, self.args[:3])
+        orders = tuple(int(n) for n in self.args[3:5])
+        return f"{name}{f'^{orders}' if any(orders) else ''}({x}, {y})"
+
     def fdiff(self, argindex: int = 1) -> Any:
         """The next derivative by x (argument 2) or y (argument 3)."""
         table, x, y, by_x, by_y, *modes = self.args

@@ -64,7 +64,7 @@ class Force(Block):
 
     def __new__(cls, *values: Any, **named: Any) -> Any:
         """The block, or the contribution of a law."""
-        if cls is Force and (values or {"deflection", "force"} & set(named)):
+        if cls is Force and (len(values) > 1 or {"deflection", "force"} & set(named)):
             return declare.Force(*values, **named)
         return super().__new__(cls)
 

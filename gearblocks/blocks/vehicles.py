@@ -64,7 +64,9 @@ class Vehicle(Block):
     s = State("distance", "m")
 
     def problems(self) -> Iterator[str]:
-        """A rolling speed without rolling resistance."""
+        """A slope that no road has, and a rolling speed without rolling resistance."""
+        if isinstance(self.grade, (int, float)) and abs(self.grade) >= 1.5:
+            yield f"grade = {self.grade!r} rad must be within +-1.5: it is an angle in rad"
         if self.rolling_speed is not None and self.rolling is None:
             yield "rolling_speed needs rolling, the coefficient of rolling resistance"
 

@@ -408,6 +408,7 @@ def _car(**changed: object) -> gb.Block:
         (lambda: _car(mass=0), "mass = 0.0 kg must be > 0"),
         (lambda: _car(drag_area=-1.0), "drag_area = -1.0 m2 must be >= 0"),
         (lambda: _car(grade=NAN), "grade = nan rad must be a finite number"),
+        (lambda: _car(grade=5), "grade = 5 rad must be within +-1.5"),
         (lambda: _car(rolling_speed=0.1), "rolling_speed needs rolling"),
         (
             lambda: _car(tyre=gb.TyreSlip(stiffness=1.0, grip=1.0, low_speed=1.0, shape=3)),

@@ -1,5 +1,6 @@
 """Tables of two variables in laws: cells, splines, edges, energy, and what is refused."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -105,3 +106,9 @@ def test_a_map_alone_is_no_signal() -> None:
     rig = gb.Drivetrain("bare")
     with pytest.raises(gb.ModelError, match=r"tau = Table2.*call it with two quantities"):
         rig.add("drive", gb.Torque(tau=gb.Table2(W, U, Z)))
+
+
+def test_a_map_reads_as_a_function_of_its_quantities_in_the_equations() -> None:
+    rig = gb.Drivetrain("rig")
+    rig.chain(rig.add("motor", gb.Engine(torque_map=gb.Table2(W, U, Z), throttle=0.5)), rig.add("a", gb.Inertia(J=1.0)))
+    assert re.search(r"J_a\*w_a' = table_\w+\(w_a, throttle_motor\)", str(rig.equations()))

@@ -203,6 +203,7 @@ def test_start_values_that_contradict_through_a_rack_are_refused() -> None:
         (lambda: gb.Rack(radius=gb.Parameter("r", 1.0)), "enters a ratio: give a plain number"),
         (lambda: gb.Force(f=NAN), "f = nan N must be a finite number"),
         (lambda: gb.Force(), "Force needs f"),
+        (lambda: gb.Force(3.0), "Force: 3.0 is given without a name"),
         (lambda: gb.Force(g=1.0), "Force has no field 'g'"),
     ],
 )
