@@ -65,7 +65,8 @@ class Equations:
         slips = {r.slip: r.sliding for r in given if r.slip != r.sliding}
         definitions = {**{s: e.xreplace(shown) for s, e in self.definitions.items()}, **torques, **slips}
         made = dataclasses.replace(
-            self, definitions=definitions, forcing=self.forcing.xreplace(shown), rubs=tuple(r for r in self.rubs if r not in given),
+            self, definitions=definitions, forcing=self.forcing.xreplace(shown),
+            rubs=tuple(r for r in self.rubs if r not in given),
             states={s: e.xreplace(shown) for s, e in self.states.items()},
         )  # fmt: skip
         stuck = [r for r, mode in given.items() if r.torque_in(mode) is None]
