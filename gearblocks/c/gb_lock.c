@@ -394,6 +394,16 @@ static int keep_solution(gb_sim *sim, int known) {
     return other;
 }
 
+/* All lossy ties that could be at rest are. */
+static int all_rest(const gb_sim *sim) {
+    int rest = 1;
+    for (int i = 0; i < sim->model->n_locks; i++) {
+        const int could = sim->model->locks[i].kind == GB_LOSS && sim->base_state[i] == CANDIDATE;
+        rest = rest && (!could || sim->lock_state[i] == CANDIDATE);
+    }
+    return rest;
+}
+
 /* Every combination of options of the lossy ties; the one that holds true is taken. */
 static int weigh_lossy(gb_sim *sim) {
     const gb_model *model = sim->model;
@@ -430,6 +440,9 @@ static int weigh_lossy(gb_sim *sim) {
             return gb_fail(sim, GB_ERR_LOSS, model->locks[last].slip, sim->head->t1, 2.0);
         }
         more = 0;
+        if (wanted && all_rest(sim)) {
+            break; /* nothing begins to slide that can stay at rest */
+        }
         for (int i = 0; i < model->n_locks && !more; i++) {
             if (model->locks[i].kind == GB_LOSS) {
                 sim->option[i] = (sim->option[i] + 1) % 5;
