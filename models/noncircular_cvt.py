@@ -16,6 +16,7 @@ branch 0.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import gearblocks as gb
 
@@ -81,7 +82,7 @@ def _window(j: int, delta: float) -> tuple[float, float, float]:
     return pitch * j, pitch * j + X - delta, X - delta - pitch
 
 
-def _ramp(j: int, delta: float, angle: gb.Signal) -> gb.Signal:
+def _ramp(j: int, delta: float, angle: Any) -> Any:
     """Share of the capacity: up in the second quarter of the overlap, down in the third one of the next.
 
     A ramp over u = 0 .. 1 is 3 u^2 - 2 u^3.
@@ -93,7 +94,7 @@ def _ramp(j: int, delta: float, angle: gb.Signal) -> gb.Signal:
     return 3 * u**2 - 2 * u**3
 
 
-def _dog(j: int, delta: float, angle: gb.Signal) -> gb.Block:
+def _dog(j: int, delta: float, angle: Any) -> gb.Block:
     """A dog that is in until its window ends, when the next one goes in."""
     ends = [math.tau * i / BRANCHES + X - delta for i in range(-1, BRANCHES)]
     turns = gb.Table(ends, [float(i == j) for i in range(BRANCHES)] + [float(j == 0)], kind="step", periodic=True)
