@@ -1,8 +1,9 @@
 """Eight examples of the Modelica Standard Library's rotational mechanics, composed anew from blocks.
 
 Modelica.Mechanics.Rotational.Examples (Modelica Association, BSD-3-Clause): First, FirstGrounded, ElasticBearing,
-RollingWheel, CoupledClutches, OneWayClutch, SimpleGearShift and LossyGearDemo1, with the numbers of that library and its names of components, so that its published results can be laid
-beside a run. Our `flange.tau` is what a block does to the flange, the library's is the opposite.
+RollingWheel, CoupledClutches, OneWayClutch, SimpleGearShift and LossyGearDemo1, with the numbers of that library and its
+names of components, so that its published results can be laid beside a run. Our `flange.tau` is what a block does to
+the flange, the library's is the opposite.
 """
 
 from __future__ import annotations
