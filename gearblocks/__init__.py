@@ -88,8 +88,8 @@ __all__ = [
     "ModelError", "Modes", "Motion", "NonCircularGear", "Parameter", "ParameterError", "Parts", "PlanetaryGear",
     "Potential", "Profile", "Rack", "Rate", "RatioLaw", "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed",
     "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Stick", "Stop", "Switch", "Table", "Table2", "Tie",
-    "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "build",
-    "campbell", "classify", "cos", "design_ratio", "driver_angle", "effect", "exact", "frequency_response", "linearize",
-    "modes", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic",
-    "time", "twist",
+    "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle",
+    "build", "campbell", "classify", "cos", "design_ratio", "driver_angle", "effect", "exact", "frequency_response",
+    "linearize", "modes", "option", "param", "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin",
+    "stroboscopic", "time", "twist",
 ]  # fmt: skip
