@@ -79,13 +79,15 @@ def option(
 
 
 def signal(
-    words: str, unit: str = "1", *, default: Any = _REQUIRED, belongs_to: str | None = None, over: str | None = None
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, ge: float | None = None, belongs_to: str | None = None,
+    over: str | None = None,
 ) -> Any:  # fmt: skip
     """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense).
 
-    over: a quantity of the block that may stand in it too, see Symbols.local; a Table then goes over that quantity.
+    ge: the least value of a number or Parameter; what varies is not judged. over: a quantity of the block that may stand
+    in it too, see Symbols.local; a Table then goes over that quantity.
     """
-    return Field(words, unit, "signal", default, belongs_to=belongs_to, over=over)
+    return Field(words, unit, "signal", default, ge=ge, belongs_to=belongs_to, over=over)
 
 
 def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None) -> Any:

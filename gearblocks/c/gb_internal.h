@@ -242,7 +242,7 @@ int gb_project(gb_sim *sim);
 void gb_size_locks(gb_sim *sim);
 
 /* gb_event.c */
-int gb_modes_start(gb_sim *sim);
+int gb_modes_start(gb_sim *sim, int fresh);
 int gb_count_flip(gb_sim *sim, int i);
 void gb_rehash(gb_sim *sim);
 int gb_settle(gb_sim *sim, int log);

@@ -529,6 +529,16 @@ static int has_lossy(const gb_sim *sim) {
     return found;
 }
 
+/* A capacity that comes down to zero at a corner and stays there crosses nothing: its lock is free all the same. */
+static void free_the_idle(gb_sim *sim) {
+    for (int i = 0; i < sim->model->n_locks; i++) {
+        const int free = sim->model->locks[i].free;
+        if (free >= 0 && sim->mode[free] < 0.5 && !does_rub(sim, i)) {
+            gb_set_mode(sim, free, 1.0, 0);
+        }
+    }
+}
+
 /* Decides about all locks at the front. */
 int gb_settle_locks(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
@@ -551,6 +561,7 @@ int gb_settle_locks(gb_sim *sim, int log) {
         }
     }
     model->limits(sim->par, sim->mode, sim->tau_one, sim->y, sim->limit);
+    free_the_idle(sim);
     slips_now(sim);
     code = impact(sim);
     int impacted = 0;

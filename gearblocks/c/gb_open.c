@@ -265,7 +265,7 @@ int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0
     if (code == GB_DONE) {
         gb_turns_wrap(sim, 0);
         gb_weights_grow(sim, sim->y);
-        code = gb_modes_start(sim);
+        code = gb_modes_start(sim, y0 == NULL);
     }
     sim->head->started = code == GB_DONE;
     return code;
