@@ -83,6 +83,24 @@ static int may_dip(double before, double here, double after) {
     return here <= before && here <= after && here < 0.5 * drop;
 }
 
+/* A surface that sits on its limit and is beyond it at b, by -fb: it may have moved inside first. Between 0 and b that
+ * is looked for ever closer to the start; the root is the return, or 0 where the surface was never inside. */
+static int return_root(gb_sim *sim, int i, double side, double b, double fb, double tolerance, double *root) {
+    const double rounding = 64.0 * DBL_EPSILON * fabs(sim->s0[i]);
+    int code = GB_DONE;
+    *root = 0.0;
+    for (double a = 0.0625 * b; fb < -rounding && a > tolerance && code == GB_DONE; a *= 0.0625) {
+        code = surfaces_at(sim, a, sim->s);
+        const double fa = distance(sim, i, side, sim->s[i]);
+        if (code == GB_DONE && fa > rounding) {
+            return true_root(sim, i, side, a, b, fa, fb, tolerance, root);
+        }
+        b = a;
+        fb = fa;
+    }
+    return code;
+}
+
 /* When surface i leaves through its limit `side`. */
 static int first_through(gb_sim *sim, int i, double side, double tolerance, double *first) {
     const int n = sim->model->n_surfaces;
@@ -99,8 +117,7 @@ static int first_through(gb_sim *sim, int i, double side, double tolerance, doub
     for (int l = 1; l < POINTS; l++) {
         if (f[l] < (sitting ? -rounding : 0.0)) {
             if (sitting && l == 1) {
-                *first = 0.0;
-                return GB_DONE;
+                return return_root(sim, i, side, places[l], f[l], tolerance, first);
             }
             return true_root(sim, i, side, places[l - 1], places[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
         }
