@@ -202,6 +202,23 @@ def test_angles_that_are_all_prescribed_or_held_leave_the_implicit_method_its_ta
     assert run["last.phi"] == pytest.approx(other["last.phi"], abs=1e-7)  # the tolerance of rodas over its steps
 
 
+@pytest.mark.parametrize("method", ["rodas", "dp8"])
+def test_a_dashpot_drawn_through_a_spring_follows_a_prescribed_angle_late(method: str) -> None:
+    """No shaft has a speed of its own: phi' = (k/d) (sin t - phi) is all that is left."""
+    rig = gb.Drivetrain("no speeds")
+    angle, disc = rig.add("angle", gb.Angle(phi=gb.sin(gb.time))), rig.add("disc", gb.Inertia(J=2.0))
+    stay, spring = rig.add("stay", gb.Shaft(k=100.0)), rig.add("spring", gb.Shaft(k=50.0))
+    late, dashpot = rig.add("late", gb.Inertia(J=0.0, phi0=0.0)), rig.add("dashpot", gb.Damper(c=10.0))
+    ground = rig.add("ground", gb.Fixed())
+    rig.connect(angle.flange, disc.a, stay.a, spring.a)
+    rig.connect(spring.b, late.a, dashpot.a)
+    rig.connect(stay.b, dashpot.b, ground.flange)
+    run = gb.simulate(rig, t_end=2.0, rtol=1e-9, method=method)
+    exact = 5 / 26 * (5 * np.sin(run.t) - np.cos(run.t) + np.exp(-5 * run.t))
+    assert run["late.phi"] == pytest.approx(exact, abs=1e-7)  # the tolerance over the steps
+    assert run["stay.torque"] == pytest.approx(100 * np.sin(run.t), abs=1e-9)  # 100 N m, to rounding
+
+
 def test_an_input_as_a_prescribed_motion_needs_a_filter() -> None:
     for kind, signal in ((gb.Speed, "w"), (gb.Angle, "phi")):
         value = gb.Input("wish", start=2.0, unit="1")
