@@ -68,6 +68,7 @@ def _columns(g: Generator) -> None:
             inverse_mass=g.inverse_mass,
             mass=g.mass,
             hidden=hidden,
+            floats=g.assembly.floats,
             senses={p: s.index for p, s in g.senses.items()},
         )
         places.tables = {

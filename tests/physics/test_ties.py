@@ -300,6 +300,36 @@ def test_a_damper_at_a_shaft_without_inertia_makes_a_state_of_first_order() -> N
     assert np.isnan(run["node.alpha"]).all()  # a shaft without inertia has no equation for it
 
 
+@pytest.mark.parametrize("method", ["dp8", "rodas"])
+@pytest.mark.parametrize("geared", [False, True])
+def test_shafts_without_inertia_that_are_damped_against_each_other_hang_on_a_spring(method: str, geared: bool) -> None:
+    """The torque reaches the disc at once; the damped shaft between follows c x' + k x = tau from k x = tau(0)."""
+    rig = gb.Drivetrain("hanging")
+    disc, spring = rig.add("disc", gb.Inertia(J=1.0)), rig.add("spring", gb.Shaft(k=100.0))
+    damped, drive = (
+        rig.add("damped", gb.Shaft(k=200.0, c=10.0)),
+        rig.add("drive", gb.Torque(tau=1 + sp.sin(3 * gb.time))),
+    )
+    ratio = 2.0 if geared else 1.0
+    rig.connect(disc.a, spring.a)
+    if geared:  # the torque on the disc's side is twice as large
+        gear = rig.add("gear", gb.IdealGear(ratio=2.0))
+        rig.connect(spring.b, gear.b)
+        rig.connect(gear.a, damped.a)
+    else:
+        rig.connect(spring.b, damped.a)
+    rig.connect(damped.b, drive.flange)
+    t = np.linspace(0, 2, 41)
+    run = gb.simulate(rig, t=t, rtol=1e-10, method=method)
+    tau, k, c = 1 + np.sin(3 * t), 200.0, 10.0
+    a, b = k / (k**2 + 9 * c**2), -3 * c / (k**2 + 9 * c**2)
+    twist = 1 / k + a * np.sin(3 * t) + b * np.cos(3 * t) - b * np.exp(-k / c * t)
+    assert run["damped.twist"] == pytest.approx(twist, abs=1e-9)  # of 0.01 rad, the tolerance over its steps
+    assert run["spring.twist"] == pytest.approx(ratio * tau / 100, abs=1e-11)  # at once, to rounding
+    assert run["disc.w"] == pytest.approx(ratio * (t + (1 - np.cos(3 * t)) / 3), abs=1e-8)
+    assert abs(run.energy.residual) < 1e-9
+
+
 def test_an_inertia_of_zero_is_part_of_the_structure() -> None:
     model = gb.build(_split(2, 0.5, empty=True))
     with pytest.raises(gb.ParameterError, match=r"disc0\.J"):

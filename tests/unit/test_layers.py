@@ -24,6 +24,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.graph",),
     ("gearblocks.affine",),
     ("gearblocks.drives", "gearblocks.laws", "gearblocks.ties", "gearblocks.coordinates", "gearblocks.kinematics"),
+    ("gearblocks.floating",),
     ("gearblocks.grouping", "gearblocks.assemble", "gearblocks.carrying", "gearblocks.equations"),
     ("gearblocks.rosenbrock", "gearblocks.hoist", "gearblocks.layout", "gearblocks.turns"),
     ("gearblocks.methods",),
