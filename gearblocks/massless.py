@@ -180,8 +180,8 @@ def lay_out_massless(g: Generator) -> None:
         not (sp.sympify(e).free_symbols & {x for x, s in g.codes[n].law.pool.slots.items() if s.role == "w"})
         for n, balance in balances.items() for e in (*balance.drags.values(), *balance.stiffnesses.values())
     )  # fmt: skip
-    given = _given(assembly)
-    free = [assembly.n_speeds + i not in given for i in range(assembly.n_hidden)]
+    given = _given(assembly, rows)
+    free = [i not in given or not damped[i] for i in range(assembly.n_hidden)]  # given_starts.py checks the second
     g.massless = Massless(rows, assembly.floats, damped, free, eliminate(assembly.n_hidden, pairs), affine, _shifts(g))
     for code in g.codes:
         _functions(g, code)
@@ -193,12 +193,13 @@ def _numbers(code: BatchCode, rows: HiddenRows, f: str, other: str) -> list[tupl
     return [ab for a, b in pairs if a in rows and b in rows for ab in product(rows[a], rows[b])]
 
 
-def _given(assembly: Assembly) -> set[int]:
-    """Groups with a given start angle."""
-    found = set()
+def _given(assembly: Assembly, rows: HiddenRows) -> set[int]:
+    """Hidden shafts with a given start angle, or with one that such an angle follows from."""
+    found: set[int] = set()
     for c in assembly.train.components:
         if any(getattr(c.block, name, None) is not None for name in ("phi0", "s0")):
-            found |= {assembly.group_of_node[node][0] for node in c.nodes if node >= 0}
+            for node in c.nodes:
+                found.update(rows.get(assembly.group_of_node[node][0], ()) if node >= 0 else ())
     return found
 
 

@@ -43,6 +43,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gearblocks.codegen",
     ),
     ("gearblocks.stepmatrix", "gearblocks.core", "gearblocks.library"),
+    ("gearblocks.given_starts",),
     ("gearblocks.building",),
     ("gearblocks.probing", "gearblocks.statics"),
     ("gearblocks.records", "gearblocks.storage", "gearblocks.plotting", "gearblocks.trajectory"),
