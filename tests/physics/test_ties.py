@@ -219,6 +219,25 @@ def test_a_dashpot_drawn_through_a_spring_follows_a_prescribed_angle_late(method
     assert run["stay.torque"] == pytest.approx(100 * np.sin(run.t), abs=1e-9)  # 100 N m, to rounding
 
 
+@pytest.mark.parametrize("method", ["auto", "dp8", "rodas", "rk4"])
+def test_a_train_whose_every_motion_is_prescribed_or_held_runs_by_every_method(method: str) -> None:
+    step = {"step": 0.01} if method == "rk4" else {"rtol": 1e-10}
+    rig = gb.Drivetrain("told")
+    drive, disc = rig.add("drive", gb.Speed(w=2 + gb.sin(gb.time))), rig.add("disc", gb.Inertia(J=2.0))
+    shaft, wall = rig.add("shaft", gb.Shaft(k=10.0)), rig.add("wall", gb.Fixed())
+    rig.connect(drive.flange, disc.a, shaft.a)
+    rig.connect(shaft.b, wall.flange)
+    run = gb.simulate(rig, t_end=1.0, method=method, **step)
+    turned = 2 * run.t + 1 - np.cos(run.t)
+    assert run["drive.torque"] == pytest.approx(2 * np.cos(run.t) + 10 * turned, abs=1e-7)  # of 40 N m, the tolerance
+    assert run.energy.residual < 1e-8
+    alone = gb.Drivetrain("held")
+    disc, wall = alone.add("disc", gb.Inertia(J=2.0)), alone.add("wall", gb.Fixed())
+    alone.connect(disc.a, wall.flange)
+    assert gb.simulate(alone, t_end=1.0, method=method, **step)["disc.w"].max() == 0.0
+    assert gb.modes(rig, at=None).free == gb.modes(alone, at=None).free == 0
+
+
 def test_an_input_as_a_prescribed_motion_needs_a_filter() -> None:
     for kind, signal in ((gb.Speed, "w"), (gb.Angle, "phi")):
         value = gb.Input("wish", start=2.0, unit="1")
