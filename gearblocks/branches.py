@@ -15,6 +15,7 @@ import sympy as sp
 from gearblocks.declare import Switch
 from gearblocks.errors import GearblocksError
 from gearblocks.signals import Table
+from gearblocks.sticks import StickOfKind
 from gearblocks.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, Table2At, TableAt
 
 _COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
@@ -34,7 +35,8 @@ class SurfaceOfKind:
     """One switch of a kind, with its name and the values in the events.
 
     Its mode is the sign of the surface (0 or 1), the segment of a `table` over it, or its side of a `band` about zero
-    of that half width (-1, 0, 1).
+    of that half width (-1, 0, 1). lock: what it watches of a stick: "slip", "gap", "hold" or "free"; the solver then
+    decides about its mode together with those of all other sticks ("free" apart: 1 where nothing rubs).
     """
 
     name: str
@@ -46,11 +48,12 @@ class SurfaceOfKind:
     high: float = 1.0
     table: Any = None
     band: Any = None
+    lock: str | None = None
 
     @property
     def is_sign(self) -> bool:
         """Whether the mode is the sign of the surface."""
-        return self.table is None and self.band is None
+        return self.table is None and self.band is None and self.lock is None
 
 
 @dataclass
@@ -71,6 +74,23 @@ class Freezer:
                     switch.low, switch.high = float(item.low), float(item.high)
                     if item.when != 1:
                         switch.when = self.freeze(sp.sympify(item.when))
+
+    def watch(self, stick: StickOfKind) -> None:
+        """The switches of a stick: its slip (or gap), its held force, and whether it is engaged."""
+        for what, surface in (
+            ("gap" if stick.is_stop else "slip", stick.gap if stick.is_stop else stick.slip),
+            ("hold", sp.Integer(0)),
+        ):
+            stick.switches[what] = len(self.switches)
+            mode = Mode(len(self.switches), MOVING)
+            symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
+            self.switches.append(SurfaceOfKind(stick.name, surface, symbol, MOVING, lock=what))
+        if self.pool.level(stick.engaged) == CONSTANT:
+            return
+        mode = Mode(len(self.switches), level := self.pool.level(stick.engaged))
+        stick.switches["engaged"] = mode.number
+        symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
+        self.switches.append(SurfaceOfKind(stick.name, -stick.engaged, symbol, level, lock="free"))
 
     def freeze(self, expr: Any) -> Any:
         """expr with every condition replaced."""

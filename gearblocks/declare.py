@@ -225,6 +225,40 @@ class Switch:
 
 
 @dataclass(frozen=True, slots=True)
+class Stick:
+    """Friction that can stick, or a lock, along a slip: linear in the flange speeds with constant factors.
+
+    A force > 0 drives the slip up: every flange gets the torque force * d slip / d w. While stuck the slip is exactly 0
+    and the held force stays in [-limit, limit], or in limit = (lower, upper) (sympy.oo: without limit); while it slides,
+    the force against the slip is `sliding` (default: limit; a pair: while slip > 0, while slip < 0), which may contain
+    sympy.Abs(slip). engaged <= 0: free. An unlimited lock closes on a speed difference by a plastic impact; `impulse`: a
+    state of the block that keeps it [N m s]. Loss, events and modes come by themselves, see Symbols.stick.
+    """
+
+    name: str
+    slip: Any
+    limit: Any
+    sliding: Any = None
+    engaged: Any = 1
+    impulse: Any = None
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A rigid unilateral contact: the gap, linear in the flange angles with constant factors, stays >= 0.
+
+    It closes by an impact with Newton's restitution (rate after = -restitution * rate before) and stays closed while it
+    is pressed. impulse: a state of the block that keeps the last impulse [N m s]; impacts: one that counts them.
+    """
+
+    name: str
+    gap: Any
+    restitution: Any
+    impulse: Any = None
+    impacts: Any = None
+
+
+@dataclass(frozen=True, slots=True)
 class Shows:
     """An output of the block."""
 
@@ -242,7 +276,9 @@ class Energy:
     loss: Any = None
 
 
-Contribution: TypeAlias = Body | Force | Potential | Acts | Tie | Motion | Rate | Start | Hold | Switch | Shows | Energy
+Contribution: TypeAlias = (
+    Body | Force | Potential | Acts | Tie | Motion | Rate | Start | Hold | Switch | Stick | Stop | Shows | Energy
+)
 
 
 @dataclass(frozen=True)
@@ -259,7 +295,7 @@ class Parts:
 
 _TAKEN = {
     "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics",
-    "problems", "rate_of", "reading", "slope", "states", "tabled", "time", "turned", "without_effect",
+    "problems", "rate_of", "reading", "slope", "states", "stick", "tabled", "time", "turned", "without_effect",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 
@@ -379,7 +415,7 @@ class Block(_Declared, ABC):
 
     @abstractmethod
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """Yields Body, Force, Potential, Acts, Tie, Motion, Rate, Start, Hold, Switch, Shows and Energy."""
+        """Yields Body, Force, Potential, Acts, Tie, Motion, Rate, Start, Hold, Switch, Stick, Stop, Shows and Energy."""
 
     def parts(self) -> Parts | None:
         """The blocks that this one stands for, or None: it has physics of its own."""

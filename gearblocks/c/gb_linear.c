@@ -20,6 +20,7 @@ int gb_linear_matrix(gb_sim *sim, const gb_point *at, const double *y, double g,
     }
     const int code = gb_point_columns(sim, at);
     if (code == GB_DONE) {
+        mode = at->mode ? gb_full_modes(sim, mode, sim->tau_one, y) : mode;
         model->rhs(sim->par, mode, sim->tau_one, y, sim->z2);
         model->jacobian(sim->par, mode, sim->tau_one, y, sim->z2, g, diag, lower, upper, kept);
     }

@@ -102,6 +102,9 @@ static int accept(gb_sim *sim, double end) {
             gb_mark_time_events(sim);
         }
     }
+    if (!head->pending && gb_project(sim)) {
+        head->have_k1 = 0;
+    }
     if (head->sitting && head->t1 - from > 10.0 * gb_rounding(from, head->h)) {
         memset(sim->on, 0, sizeof(double) * (size_t)model->n_surfaces);
         head->sitting = 0;

@@ -17,7 +17,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.expression", "gearblocks.signals", "gearblocks.maps"),
     ("gearblocks.ratio_curves", "gearblocks.ratio_law", "gearblocks.ratio_making", "gearblocks.pitch"),
     ("gearblocks.declare",),
-    ("gearblocks.symbols", "gearblocks.branches", "gearblocks.contributions", "gearblocks.printer"),
+    ("gearblocks.symbols", "gearblocks.branches", "gearblocks.contributions", "gearblocks.sticks", "gearblocks.printer"),
     ("gearblocks.gaps", "gearblocks.effects"),
     ("gearblocks.blocks",),
     ("gearblocks.nesting", "gearblocks.sliding"),
