@@ -72,8 +72,9 @@ class Meter:
 
     def simulate(self, train: gb.Drivetrain | gb.Model, **arguments: Any) -> Trajectory:
         """gb.simulate, counted; a run stopped by Ctrl-C stops the case."""
+        model = gb.build(train)
         try:
-            run = gb.simulate(train, progress=_Patience(), **arguments)
+            run = gb.simulate(model, progress=_Patience(), **arguments)
         except SimulationError as error:
             if isinstance(error.trajectory, Trajectory):
                 self._add(error.trajectory)

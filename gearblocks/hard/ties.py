@@ -50,8 +50,8 @@ def _shortest(alpha: float) -> Any:
 
 
 def contradicting_loop(_meter: Meter) -> Iterator[Check]:
-    """Ratios of 2 and 2.000001 in a ring let nothing move."""
-    yield refusal(lambda: gb.build(_loop(2.000001)), "down", "up", "contradict", "2.000001")
+    """Ratios of 2 and 2.000001 in a ring let nothing move; around the loop one turn asks for 1 and for 1.0000005."""
+    yield refusal(lambda: gb.build(_loop(2.000001)), "down", "up", "contradict", "1.0000005")
 
 
 def prescribed_motion(meter: Meter) -> Iterator[Check]:

@@ -50,6 +50,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.json_form", "gearblocks.rigid", "gearblocks.handles", "gearblocks.drivetrain"),
     ("gearblocks.linear", "gearblocks.vibration", "gearblocks.orders", "gearblocks.linear_pictures"),
     ("gearblocks",),
+    ("gearblocks.hard",),
     ("fmu_export",),
     ("gearblocks.scripts", "gearblocks.report", "gearblocks.demo", "gearblocks.cli", "gearblocks.__main__"),
 )
