@@ -179,7 +179,9 @@ def check(fmu: Annotated[Path, typer.Argument(metavar="X.fmu", help="The FMU to 
 
 @app.command()
 def hard(
-    case: Annotated[list[str] | None, typer.Argument(metavar="[CASE]...", help="Names such as H07; without: all.")] = None,
+    case: Annotated[
+        list[str] | None, typer.Argument(metavar="[CASE]...", help="Names such as H07; without: all.")
+    ] = None,
 ) -> None:
     """The hard-case suite: each case, what is promised, what is measured, what it costs; scipy's solvers beside it."""
     from gearblocks.hard import suite, table

@@ -83,8 +83,8 @@ def redundant_brakes(meter: Meter) -> Iterator[Check]:
     yield count("calls", meter.rhs_calls, CALLS)
 
 
-def _planetary(sun: Any, **brakes: Any) -> gb.Drivetrain:
-    """w_s + 2 w_r = 3 w_c with J = 0.1, 1, 0.5 on sun, carrier, ring, the torque `sun` and brakes by member."""
+def _planetary(drive: Any, **brakes: Any) -> gb.Drivetrain:
+    """w_s + 2 w_r = 3 w_c with J = 0.1, 1, 0.5 on sun, carrier, ring, the torque `drive` on the sun and brakes by member."""
     rig = gb.Drivetrain("planetary")
     gear = rig.add("gear", gb.IdealPlanetary(ratio=2.0))
     for member, J in (("sun", 0.1), ("carrier", 1.0), ("ring", 0.5)):
@@ -92,7 +92,7 @@ def _planetary(sun: Any, **brakes: Any) -> gb.Drivetrain:
         rig.connect(body.a, getattr(gear, member))
         if member in brakes:
             rig.connect(rig.add(f"{member}_brake", gb.Brake(capacity=brakes[member])).a, body.a)
-    rig.connect(rig.add("torque", gb.Torque(tau=sun)).flange, gear.sun)
+    rig.connect(rig.add("torque", gb.Torque(tau=drive)).flange, gear.sun)
     return rig
 
 
@@ -137,7 +137,9 @@ def always_zero(meter: Meter) -> Iterator[Check]:
     run = meter.simulate(rig, t_end=10.0)
     yield count("capacity 0: events", len(run.events), 1)
     yield below("w off by", largest(run["one.w"] - 1.0) + largest(run["two.w"]), 1e-12)
-    rig = line("zero gap", ("one", gb.Inertia(J=1.0)), ("lash", gb.Lash(k=1.0, half_gap=0.0)), ("two", gb.Inertia(J=1.0)))
+    rig = line(
+        "zero gap", ("one", gb.Inertia(J=1.0)), ("lash", gb.Lash(k=1.0, half_gap=0.0)), ("two", gb.Inertia(J=1.0))
+    )
     run = meter.simulate(rig, t_end=10.0)
     yield count("twist 0: events", len(run.events), 1)
     yield below("angle", largest(run["one.phi"]) + largest(run["two.phi"]), 1e-12)
@@ -156,7 +158,9 @@ def events_at_samples(meter: Meter) -> Iterator[Check]:
     switched = [event for event in run.events if event.kind != "time"]
     yield fact(f"{len(switched)} changes of mode", len({(e.t, e.component) for e in switched}) == len(switched))
     sampled = meter.simulate(rig, t=[0.0, 1.0, 2.0, 3.0])
-    yield fact(f"{len(sampled.events)} events on samples, {len(run.events)} else", len(sampled.events) == len(run.events))
+    yield fact(
+        f"{len(sampled.events)} events on samples, {len(run.events)} else", len(sampled.events) == len(run.events)
+    )
     exact = 10.0 - 3.0 * 1.0 + 5.0 * 1.0 - 3.0 * 1.0
     yield below("w off by", max(abs(x["body.w"][-1] - exact) for x in (run, sampled)), 1e-9)
 
