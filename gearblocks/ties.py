@@ -76,7 +76,7 @@ def _measure_by_fastest(groups: Groups) -> None:
     fastest: dict[int, tuple[int, Exact]] = {}
     found = [groups.find(node) for node in range(len(groups.parents))]
     for node, (root, gain) in enumerate(found):
-        most = fastest[root][1] if root in fastest else 1
+        most: Exact = fastest[root][1] if root in fastest else 1
         if abs(gain) > abs(most) and root not in groups.grounded:
             fastest[root] = node, gain
     for node, (root, gain) in enumerate(found):
