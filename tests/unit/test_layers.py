@@ -17,7 +17,13 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.expression", "gearblocks.signals", "gearblocks.maps"),
     ("gearblocks.ratio_curves", "gearblocks.ratio_law", "gearblocks.ratio_making", "gearblocks.pitch"),
     ("gearblocks.declare",),
-    ("gearblocks.symbols", "gearblocks.branches", "gearblocks.contributions", "gearblocks.sticks", "gearblocks.printer"),
+    (
+        "gearblocks.symbols",
+        "gearblocks.branches",
+        "gearblocks.contributions",
+        "gearblocks.sticks",
+        "gearblocks.printer",
+    ),
     ("gearblocks.gaps", "gearblocks.effects"),
     ("gearblocks.blocks",),
     ("gearblocks.nesting", "gearblocks.sliding"),
@@ -52,6 +58,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.json_form", "gearblocks.rigid", "gearblocks.handles", "gearblocks.drivetrain"),
     ("gearblocks.linear", "gearblocks.vibration", "gearblocks.orders", "gearblocks.linear_pictures"),
     ("gearblocks",),
+    ("gearblocks.hard",),
     ("fmu_export",),
     ("gearblocks.scripts", "gearblocks.report", "gearblocks.demo", "gearblocks.cli", "gearblocks.__main__"),
 )
