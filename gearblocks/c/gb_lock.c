@@ -521,6 +521,14 @@ static void look_back(gb_sim *sim) {
     model->holding(sim->par, sim->mode, sim->tau_one, sim->y, sim->lock_other, sim->lock_force);
 }
 
+static int has_lossy(const gb_sim *sim) {
+    int found = 0;
+    for (int i = 0; i < sim->model->n_locks; i++) {
+        found = found || sim->model->locks[i].kind == GB_LOSS;
+    }
+    return found;
+}
+
 /* A capacity that comes down to zero at a corner and stays there crosses nothing: its lock is free all the same. */
 static void free_the_idle(gb_sim *sim) {
     for (int i = 0; i < sim->model->n_locks; i++) {
@@ -529,14 +537,6 @@ static void free_the_idle(gb_sim *sim) {
             gb_set_mode(sim, free, 1.0, 0);
         }
     }
-}
-
-static int has_lossy(const gb_sim *sim) {
-    int found = 0;
-    for (int i = 0; i < sim->model->n_locks; i++) {
-        found = found || sim->model->locks[i].kind == GB_LOSS;
-    }
-    return found;
 }
 
 /* Decides about all locks at the front. */
