@@ -148,9 +148,15 @@ def draw(run: gb.Trajectory, path: str) -> None:
     axes[2].set_ylabel("torque in N m (half shafts: /10)")
     for row, name in enumerate(names):
         mode = run[f"{name}.mode"]
-        for value, colour, words in ((0, "tab:green", "stuck"), (1, "tab:orange", "slips"), (-1, "tab:red", "slips back")):
+        for value, colour, words in (
+            (0, "tab:green", "stuck"),
+            (1, "tab:orange", "slips"),
+            (-1, "tab:red", "slips back"),
+        ):
             where = (mode == value).astype(float)
-            axes[3].fill_between(run.t, row, row + 0.8 * where, step="post", color=colour, lw=0, label=words * (row == 0))
+            axes[3].fill_between(
+                run.t, row, row + 0.8 * where, step="post", color=colour, lw=0, label=words * (row == 0)
+            )
     axes[3].set_yticks([i + 0.4 for i in range(4)], [name.upper() for name in names])
     axes[3].set_xlabel("time in s")
     for axis in axes:

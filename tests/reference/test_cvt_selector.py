@@ -72,7 +72,9 @@ def test_clutches_engage_stick_and_slip_when_those_of_the_reference_do():
     run = gb.simulate(cvt.build(), t_end=0.1, rtol=1e-12)
     # the reference does not write down that a slipping clutch is let go
     ours = [e for e in _branch_events(run) if e[3] != FREE]
-    assert [(_kind(before, after), j, -after) for _, j, before, after in ours] == [(kind, j, m) for _, kind, j, m in true]
+    assert [(_kind(before, after), j, -after) for _, j, before, after in ours] == [
+        (kind, j, m) for _, kind, j, m in true
+    ]
     assert np.abs(np.array([e[0] for e in ours]) - [e[0] for e in true]).max() < 1e-9
 
 
