@@ -53,8 +53,8 @@ class Controller(gb.Block):
 
     Shift i moves its state x from 0 to 1 in shift_time while the wheels turn faster than up[i] + up_throttle[i] throttle,
     and back while they are slower than down[i] + down_throttle[i] throttle; in between it finishes what is more than half
-    done and takes back the rest. On the way the element that opens fades out over x = 0 .. 0.4, the one that closes comes in over x = 0.1 .. 1; below 0
-    they are free. c1, c2, b1, b2: shares of the capacities. gear: 1 + the sum of the states.
+    done and takes back the rest. On the way the element that opens fades out over x = 0 .. 0.4, the one that closes comes
+    in over x = 0.1 .. 1; below 0 they are free. c1, c2, b1, b2: shares of the capacities. gear: 1 + the sum of the states.
     """
 
     flange = gb.Flange("wheels, whose speed is sensed")

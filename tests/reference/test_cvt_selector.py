@@ -101,5 +101,5 @@ def test_geared_neutral_holds_the_output_and_goes_on():
     assert np.abs(run["branch_0.w"][before]).max() < 1e-12
     # a branch gives by LOAD/K_SHAFT = 2 mrad where it takes over, in three change-overs a turn of the input
     takeovers = sum(after == 0 for _, _, _, after in _branch_events(run))
-    assert 12 <= takeovers
+    assert takeovers >= 12
     assert np.abs(run["output.phi"]).max() < 0.1
