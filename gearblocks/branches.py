@@ -100,7 +100,7 @@ class Freezer:
 
     def _freeze(self, e: Any) -> Any:
         if e.is_Atom:
-            return e
+            return sp.Integer(e == sp.true) if e.is_Boolean and not e.is_Symbol else e
         if isinstance(e, sp.Piecewise):
             return self._piecewise(e)
         if isinstance(e, (TableAt, Table2At)):
@@ -132,6 +132,8 @@ class Freezer:
             return 1 - sp.Mul(*(1 - x for x in a))
         if isinstance(e, sp.Not):
             return 1 - a[0]
+        if isinstance(e, sp.ITE):
+            return a[0] * a[1] + (1 - a[0]) * a[2]
         return e.func(*a)
 
     def _piecewise(self, e: Any) -> Any:
