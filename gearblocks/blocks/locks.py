@@ -57,11 +57,11 @@ class OneWayClutch(Block):
         least: Any = sp.Integer(0)
         if self.capacity is None:
             least = sp.Float(_LEAST) * s.geometry * s.force_max * s.local("mu", slip=sp.Integer(0))
-        open_ = found.engaged <= 0
+            yield Switch("break-away", found.limit - least)
+        on = 1 - sp.Heaviside(-found.engaged, 1)
         yield Switch("engagement", -found.engaged, low=1.0, high=0.0)
-        lower = -sp.Piecewise((least, open_), (found.limit, True))
-        forward = sp.Piecewise((0, open_), (found.sliding, True))
-        yield from rubs(s, slip, s.b.phi - s.a.phi, Hold(sp.Integer(1), forward, (lower, sp.oo)))
+        lower = -on * found.limit if self.capacity is not None else -sp.Max(found.limit, least)
+        yield from rubs(s, slip, s.b.phi - s.a.phi, Hold(sp.Integer(1), on * found.sliding, (lower, sp.oo)))
 
 
 class Freewheel(Block):
