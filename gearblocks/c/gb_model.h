@@ -138,6 +138,7 @@ typedef struct gb_model {
      * numbers per lock (least and largest held force, sizes of the force against forward and backward slip, engagement;
      * of a stop the third is its restitution); holding: held forces, and by how much they exceed their limits. */
     int n_locks, n_memory;
+    int steady_locks; /* their rows do not change with the position, and time moves none of them */
     const gb_lock *locks;
     const struct gb_lock_rows *lock_rows;
     void (*slips)(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
