@@ -117,7 +117,7 @@ class Synchronizer(Block):
         a o---|cone||dog|---o b        w_rel = w_b - w_a, phi_rel = phi_b - phi_a, torque: on b
 
     Fields of the cone as of `Clutch`. engaged > 0 asks for the teeth: they are blocked as long as the cone slips or is
-    free, go in at the instant the cone sticks, without an impact, and stay in until engaged <= 0, whatever the cone does
+    free, go in without an impact once the cone sticks, and stay in until engaged <= 0, whatever the cone does
     then. The cone must be pressed (capacity or engagement > 0) for them to go in, at equal speeds too. locked: 1 while
     the teeth are in. mode: 0 one speed, +1 the cone slips with w_rel > 0, -1 with w_rel < 0, 2 free.
     """
