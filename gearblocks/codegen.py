@@ -237,6 +237,8 @@ def _rates(g: Generator, code: BatchCode) -> None:
     for part, entry in (("loss", code.loss), ("supplied", code.supplied)):
         if entry is not None:
             targets.append((f"dy[{g.tail} + e]", "=", entry, True))
+            if part == "loss" and code.late_loss is not None:
+                g.keep("late_rates", code.function("late_rates", [(f"dy[{g.tail} + e]", "+=", code.late_loss, True)]))
             g.integrals += [IntegralInfo(code.paths[e], part, g.tail + e) for e in range(code.n)]
             g.tail += code.n
     function = code.function("rates", targets, extra=[f for f in code.torques if f not in held])
@@ -278,7 +280,7 @@ def _bounds(g: Generator, code: BatchCode) -> None:
     targets = []
     for i, switch in enumerate(code.law.switches):
         at = f"{code.places.switches[i]} + e"
-        if switch.lock in ("slip", "gap", "hold"):
+        if switch.lock in ("slip", "gap", "sign", "hold"):
             continue
         if switch.table is not None:
             targets.append((f"table_bounds(&{code.places.tables[switch.table]}, {at}", "call", code.whens[i], False))

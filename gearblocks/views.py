@@ -20,7 +20,7 @@ _VECTORS = (
     "par", "before", "mode", "tau", "y", "loop", "phi", "whole", "gain", "bias", "surplus", "w", "alpha", "torque", "growth",
     "drag", "stiff", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo",
     "hi", "kept", "diag", "lower", "upper", "slope", "change", "speed", "turn", "rise",
-    "coef", "entry", "held", "limit",
+    "coef", "entry", "held", "limit", "skew",
 )  # fmt: skip
 _INTEGERS = ("full", "i")
 _SCALARS = ("g",)

@@ -146,6 +146,8 @@ struct gb_sim {
     double *slip, *slip_rounding, *lock_size, *limit, *response, *lock_matrix, *lock_right, *lock_lo, *lock_hi,
         *lock_force;
     double *lock_other, *lock_old, *lock_before, *lock_bare, *lock_mode, *shrink, *other_mode;
+    double *base_mode, *base_sign, *best_mode, *best_rate;
+    int lock_count, *base_state, *best_state, *option;
     int *lock_index, *lock_state, *was_shared, *released, *struck;
     double *grip, *grip_answer, *grip_inverse; /* rows of what holds, what an implicit step answers to them */
     gb_source *sources;
@@ -240,7 +242,7 @@ int gb_project(gb_sim *sim);
 void gb_size_locks(gb_sim *sim);
 
 /* gb_event.c */
-int gb_modes_start(gb_sim *sim);
+int gb_modes_start(gb_sim *sim, int fresh);
 int gb_count_flip(gb_sim *sim, int i);
 void gb_rehash(gb_sim *sim);
 int gb_settle(gb_sim *sim, int log);
