@@ -13,9 +13,8 @@ from gearblocks.assemble import HELD, Batch
 from gearblocks.drives import frozen_drive
 from gearblocks.hoist import Hoister
 from gearblocks.layout import Column, Layout, column, speed_index
-from gearblocks.massless import Balance, balance_of
+from gearblocks.massless import Balance, HiddenRows, balance_of
 from gearblocks.printer import c_text
-from gearblocks.rational import Exact
 from gearblocks.symbols import CONSTANT, MOVING, TIMED, clock
 
 _OF_STICKS = ("lower", "upper", "forward", "backward", "engaged", "restitution", "share")
@@ -74,7 +73,8 @@ class Places:
     switches: list[int] = field(default_factory=list)
     inverse_mass: int = 0
     mass: int = 0
-    hidden: dict[int, tuple[int, Exact]] = field(default_factory=dict)
+    hidden: HiddenRows = field(default_factory=dict)
+    floats: frozenset[int] = frozenset()
     tau: dict[str, int] = field(default_factory=dict)
     senses: Mapping[str, int] = field(default_factory=dict)
     tables: Mapping[Any, str] = field(default_factory=dict)
@@ -350,7 +350,7 @@ class BatchCode:
         for name, stick in law.sticks.items():
             self.stick_values[name] |= {f"loss_{i}": hoist(x) for i, x in enumerate(stick.losses or ())}
         self.late_loss = None if law.late_loss is None else hoist(law.late_loss)
-        self.balance = balance_of(self, self.places.hidden) if self.places.hidden else Balance()
+        self.balance = balance_of(self, self.places.hidden, self.places.floats) if self.places.hidden else Balance()
 
     def _held(self, value: Any, when: Any, *, state: str) -> Any:
         """What a held state is after an event: the value where `when` has just turned to 1, else as it was."""

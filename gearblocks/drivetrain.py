@@ -344,6 +344,8 @@ def simulate(train: Drivetrain | Model, *unnamed: Any, **arguments: Any) -> Traj
     "motor.phi", states of blocks), an earlier run to continue, "static" (the equilibrium with every excitation by time at
     its mean, contact side from the load; speeds and absolute angles stay) or "static_at_start" (under everything as it is
     at t_start). outputs: a pattern or several ("mesh.*").
+    residual: the run stops where its energy residual (run.energy.residual), looked at between samples about every 50 ms of
+    CPU time and at the end, exceeds this.
     progress: called with the share done (0..1), five times a second at most; without it a run of more than two seconds
     says on a terminal how far it is.
 

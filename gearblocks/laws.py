@@ -386,6 +386,8 @@ def _number(expr: Any, known: dict[Any, float]) -> float:
         value = float(_number(expr.args[0], known) >= 0)
     else:
         value = float(expr.func(*(sp.Float(_number(a, known)) for a in expr.args)))
+    if isinstance(value, complex):
+        raise ValueError(f"{expr} is no real number")
     known[expr] = value
     return value
 

@@ -67,7 +67,22 @@ def merge(n_nodes: int, rows: list[TieRow]) -> Groups:
             break
         waiting = left
     groups.waiting = waiting
+    _measure_by_fastest(groups)
     return groups
+
+
+def _measure_by_fastest(groups: Groups) -> None:
+    """Makes the fastest shaft of a group its root: the scale of its state does not depend on the order of the ties."""
+    fastest: dict[int, tuple[int, Exact]] = {}
+    found = [groups.find(node) for node in range(len(groups.parents))]
+    for node, (root, gain) in enumerate(found):
+        most: Exact = fastest[root][1] if root in fastest else 1
+        if abs(gain) > abs(most) and root not in groups.grounded:
+            fastest[root] = node, gain
+    for node, (root, gain) in enumerate(found):
+        if root in fastest:
+            first, most = fastest[root]
+            groups.parents[node], groups.gains[node] = first, over(gain, most)
 
 
 def _joined(groups: Groups, row: TieRow) -> bool:

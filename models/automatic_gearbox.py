@@ -36,8 +36,9 @@ ENGINE = gb.Table2(
     [0.0, 1.0],
     [[90, 90], [25, 130], [-12, 145], [-18, 190], [-24, 215], [-30, 210], [-40, 180], [-50, -50]],  # N m
 )
-CAPACITY = gb.Table([0.0, 0.5, 0.8, 0.9, 1.0, 1.15], [3.8e-3, 3.7e-3, 2.8e-3, 1.9e-3, 0.0, -2.0e-3])
-TORQUE_RATIO = gb.Table([0.0, 0.86], [2.0, 1.0])
+CAPACITY = gb.Table([-0.5, 0.5, 0.8, 0.9, 1.0, 1.15], [3.9e-3, 3.7e-3, 2.8e-3, 1.9e-3, 0.0, -2.0e-3])
+TORQUE_RATIO = gb.Table([-0.5, 0.86], [2.6, 1.0])
+"""Over the speed ratio, without a corner at 0, where the turbine stands still."""
 THROTTLE = gb.Table(
     [0.0, 1.0, 2.0, 17.0, 18.0, 29.0, 30.0, 38.0, 39.0, 43.0, 43.5, 47.0, 48.0],
     [0.0, 0.0, 0.6, 0.6, 0.0, 0.0, 0.7, 0.7, 0.2, 0.2, 0.95, 0.95, 0.0],
@@ -53,8 +54,8 @@ class Controller(gb.Block):
 
     Shift i moves its state x from 0 to 1 in shift_time while the wheels turn faster than up[i] + up_throttle[i] throttle,
     and back while they are slower than down[i] + down_throttle[i] throttle; in between it finishes what is more than half
-    done and takes back the rest. On the way the element that opens fades out over x = 0 .. 0.4, the one that closes comes in over x = 0.1 .. 1; below 0
-    they are free. c1, c2, b1, b2: shares of the capacities. gear: 1 + the sum of the states.
+    done and takes back the rest. On the way the element that opens fades out over x = 0 .. 0.4, the one that closes comes
+    in over x = 0.1 .. 1; below 0 they are free. c1, c2, b1, b2: shares of the capacities. gear: 1 + the sum of the states.
     """
 
     flange = gb.Flange("wheels, whose speed is sensed")
@@ -148,9 +149,15 @@ def draw(run: gb.Trajectory, path: str) -> None:
     axes[2].set_ylabel("torque in N m (half shafts: /10)")
     for row, name in enumerate(names):
         mode = run[f"{name}.mode"]
-        for value, colour, words in ((0, "tab:green", "stuck"), (1, "tab:orange", "slips"), (-1, "tab:red", "slips back")):
+        for value, colour, words in (
+            (0, "tab:green", "stuck"),
+            (1, "tab:orange", "slips"),
+            (-1, "tab:red", "slips back"),
+        ):
             where = (mode == value).astype(float)
-            axes[3].fill_between(run.t, row, row + 0.8 * where, step="post", color=colour, lw=0, label=words * (row == 0))
+            axes[3].fill_between(
+                run.t, row, row + 0.8 * where, step="post", color=colour, lw=0, label=words * (row == 0)
+            )
     axes[3].set_yticks([i + 0.4 for i in range(4)], [name.upper() for name in names])
     axes[3].set_xlabel("time in s")
     for axis in axes:

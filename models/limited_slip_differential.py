@@ -73,9 +73,7 @@ def _axle(*, locking: bool) -> gb.Drivetrain:
     wheels = []
     for side, grip in zip(("left", "right"), grips, strict=True):
         wheel = rig.add(f"wheel_{side}", gb.Inertia(J=1.1))
-        tyre = rig.add(
-            f"tyre_{side}", Tyre(radius=RADIUS, normal=MASS * GRAVITY / 4, stiffness=5.0e4, grip=grip)
-        )
+        tyre = rig.add(f"tyre_{side}", Tyre(radius=RADIUS, normal=MASS * GRAVITY / 4, stiffness=5.0e4, grip=grip))
         rig.connect(getattr(differential, side), wheel.a)
         rig.connect(wheel.b, tyre.wheel)
         rig.connect(tyre.road, car.a)

@@ -113,18 +113,15 @@ static int settle_with_locks(gb_sim *sim, int log) {
     return code;
 }
 
-/* Shafts without inertia into balance, then the modes once more. */
+/* Shafts without inertia into balance, and the modes that belong to it. */
 static int balance(gb_sim *sim, int starting) {
-    int code = GB_DONE;
-    if (sim->model->settle) {
-        code = gb_columns_at(sim, sim->head->t1);
-        if (code == GB_DONE) {
-            sim->model->settle(sim->par, sim->mode, sim->tau_one, sim->y, starting);
-            code = gb_settle(sim, !starting);
-        }
-        if (code == GB_DONE) {
-            sim->model->settle(sim->par, sim->mode, sim->tau_one, sim->y, starting);
-        }
+    int code = sim->model->settle ? gb_columns_at(sim, sim->head->t1) : GB_DONE;
+    uint64_t modes = ~sim->head->modes;
+    for (int round = 0; round < GB_FLIPS && sim->model->settle && code == GB_DONE && modes != sim->head->modes;
+         round++) {
+        modes = sim->head->modes;
+        sim->model->settle(sim->par, sim->mode, sim->tau_one, sim->y, starting);
+        code = gb_settle(sim, !starting);
     }
     return code;
 }

@@ -163,6 +163,14 @@ static inline double gb_min(double a, double b) {
     return a < b ? a : b;
 }
 
+/* How far beyond a limit switch i may go by rounding. A state that comes to rest on the limit of a continuous law moves
+ * by the rounding of rates that cancel: each flip without progress of time doubles it, until the next that stands
+ * alone. */
+static inline double gb_limit_rounding(const gb_sim *sim, int i, double limit) {
+    return ldexp(64.0 * DBL_EPSILON * (fabs(sim->s0[i]) + fabs(limit)),
+                 sim->flips[i] > 1.0 ? (int)sim->flips[i] - 1 : 0);
+}
+
 /* How finely an instant can be told near t in a step of size h. */
 static inline double gb_rounding(double t, double h) {
     return 100.0 * DBL_EPSILON * (fabs(t) + fabs(h));

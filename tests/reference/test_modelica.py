@@ -98,6 +98,22 @@ def _changes(times, modes):
     return [(t, now) for t, now, before in zip(times[1:], modes[1:], modes, strict=False) if now != before]
 
 
+def _lasting(changes):
+    """Without modes that last less than 10 us and lead back to the one before.
+
+    The one-way clutch breaks away 1.6 us after the torque of the drive turns at 7/6 s (where half of it reaches the
+    1.5e-4 N m that an open one holds). A period later the drive is back at that speed, so that the sides meet
+    at 1.5 s - 1.6 us and part again at 1.5 s + 1.6 us. Their slip would be 2.4e-10 rad/s; the reference does not see it.
+    """
+    kept = []
+    for t, modes in changes:
+        if len(kept) > 1 and t - kept[-1][0] < 1e-5 and modes == kept[-2][1]:
+            kept.pop()
+        else:
+            kept.append((t, modes))
+    return kept
+
+
 @pytest.mark.parametrize(("make", "data", "parts", "count"), RUBBING, ids=lambda x: getattr(x, "__name__", ""))
 def test_modes_change_when_those_of_the_reference_do(make, data, parts, count):
     log = json.loads((DATA / "modelica_modes.json").read_text(encoding="utf8"))[data]
@@ -106,7 +122,7 @@ def test_modes_change_when_those_of_the_reference_do(make, data, parts, count):
     run = gb.simulate(make(), t_end=end, rtol=1e-9)
     rows = list(zip(*(run[f"{part}.mode"].tolist() for part in parts), strict=True))
     last = [i for i, t in enumerate(run.t) if i + 1 == len(run.t) or run.t[i + 1] > t]  # the end of each instant
-    ours = _changes([run.t[i] for i in last], [rows[i] for i in last])
+    ours = _lasting(_changes([run.t[i] for i in last], [rows[i] for i in last]))
     assert len(true) == count
     assert [modes for _, modes in ours] == [modes for _, modes in true]
     # at rtol 1e-9 speeds are right to some 1e-8 of slips that change by 10 rad/s2
