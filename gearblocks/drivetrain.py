@@ -237,7 +237,10 @@ class Drivetrain:
             owner._parts[name] = block
         after = other.effects()
         other.dropped = tuple(name for name in before if name not in after)
-        stiffened = [name.rsplit(".", 1)[0] for name in other.dropped if name.endswith(".compliance")]
+        gone = {name.rpartition(".")[::2] for name in other.dropped}  # a rigid impact is no tie as long as it has a gap
+        stiffened = [
+            p for p, effect in sorted(gone) if effect in ("compliance", "backlash") and not _gives_way(p, after)
+        ]
         for path in list(released_angles(flatten(other.tree(), complete=False), stiffened)) if stiffened else ():
             owner, name, _ = other._locate(path)
             body = owner._parts[name]
@@ -303,6 +306,11 @@ class Drivetrain:
         for c in tree.coordinates:
             train.coordinate(c.name, c.expr, c.unit)
         return train
+
+
+def _gives_way(path: str, effects: Mapping[str, Any]) -> bool:
+    """Whether the shafts of an element turn on their own, by its effects."""
+    return f"{path}.compliance" in effects or f"{path}.backlash" in effects
 
 
 def _part_problems(path: str, part: Any) -> Iterator[str]:

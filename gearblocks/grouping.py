@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from gearblocks.coordinates import Combination
 from gearblocks.errors import ModelError
 from gearblocks.expression import Expr, evaluate
+from gearblocks.floating import Known, Shafts, floating
 from gearblocks.graph import Component, Train, numbers_of
-from gearblocks.kinematics import Driven, Follower, GroupRow, follow
+from gearblocks.kinematics import Driven, Follower, GroupRow, Kinematics, follow
 from gearblocks.laws import Law
 from gearblocks.rational import Exact, over
 from gearblocks.signals import Parameter
@@ -71,8 +73,9 @@ def _is_zero(c: Component, law: Law, inertia: Any, zeros: set[tuple[str, float]]
 # -- numbers of groups ------------------------------------------------------------------------------------------------
 
 
-def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies) -> None:
-    """Numbers the groups that turn and finds how followers follow."""
+def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Sequence[Known] | None) -> None:
+    """Numbers the groups that turn and finds how followers follow. known: exact values by component, or None: shafts that
+    are damped only against each other stay as they are."""
     groups, train = assembly.groups, assembly.train
     roots = dict.fromkeys(groups.find(node)[0] for node in (*bodies.present, *bodies.empty, *range(train.n_nodes)))
     turning = [r for r in roots if r not in groups.grounded]
@@ -93,12 +96,17 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies) -> None:
             inert.update(f.sources)
     speeds = [r for r in turning if r not in moved and r in inert]
     hidden = [r for r in turning if r not in moved and r not in inert]
+    along = _along(assembly, laws, known, hidden, kinematics, given) if known is not None else {}
+    hidden = [along.get(r, r) for r in hidden]
     paced = [f.group for f in kinematics.followers if f.drive is not None and f.drive.by_speed]
     others = [f.group for f in kinematics.followers if f.group not in set(paced)]
     number = {r: i for i, r in enumerate((*speeds, *hidden, *paced, *others))}
     assembly.n_groups, assembly.n_speeds = len(number), len(speeds)
     assembly.n_hidden, assembly.n_paced = len(hidden), len(paced)
     assembly.massive = frozenset(number[r] for r in massive if r in number)
+    assembly.floating = {number[part]: number[r] for r, part in along.items()}
+    stand = {g for f in kinematics.followers[: len(along)] for g in f.sources if g < train.n_nodes}
+    assembly.floats = frozenset(number[g] - len(speeds) for g in stand)
     assembly.followers = [_renumbered(f, number) for f in kinematics.followers]
     for node in range(train.n_nodes):
         root, gain = groups.find(node)
@@ -106,6 +114,24 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies) -> None:
         if root in groups.grounded:
             assembly.held_offset[node] = groups.grounded[root]
     _check_given(assembly, given, number)
+
+
+def _along(
+    assembly: Assembly, laws: list[Law], known: Sequence[Known], hidden: list[int], kinematics: Kinematics,
+    given: Mapping[int, str],
+) -> dict[int, int]:  # fmt: skip
+    """Makes followers of the shafts that turn along with others at no damper's cost; by root: the number of its part."""
+    shafts = Shafts(assembly.groups, hidden, kinematics.followers)
+    rows = floating(shafts, assembly.train.components, laws, known)
+    bound = {g for r, row in rows.items() for g in (r, *row)} & given.keys()
+    if bound:
+        raise ModelError(
+            f"the shaft of '{given[min(bound)]}' has no inertia and is damped only against others without: springs give its "
+            f"angle; leave its start value out, or give it J > 0"
+        )
+    parts = {r: assembly.train.n_nodes + r for r in rows}
+    kinematics.followers[:0] = [Follower(r, Combination({**row, parts[r]: 1})) for r, row in rows.items()]
+    return parts
 
 
 def _renumbered(f: Follower, number: dict[int, int]) -> Follower:
@@ -214,4 +240,7 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
                 if group != HELD:
                     for owners in found.values():
                         owners.setdefault(group, (f"{c.path}.{name}", gain, False))
+    for part, whole in assembly.floating.items():  # a part is named as its shaft
+        for owners in found.values():
+            owners[part] = owners[whole]
     return [StartValues(*found["phi0"][g][:2], *found["w0"][g][:2]) for g in range(count)]

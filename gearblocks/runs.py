@@ -212,6 +212,10 @@ class _Run:
                     found.append(Event(float(event["t"]), name, "time", float(before), float(after)))
                     continue
                 switch = program.switches[i]
+                if event["kind"] == 2:
+                    speeds = float(event["before"]), float(event["after"])
+                    found.append(Event(float(event["t"]), switch.component, "impact", *speeds))
+                    continue
                 before, after = (_shown(switch.low, switch.high, float(event[k])) for k in ("before", "after"))
                 found.append(Event(float(event["t"]), switch.component, switch.kind, before, after))
         return found
@@ -287,6 +291,11 @@ _CAUSES: dict[Code, tuple[str, str]] = {
         "the element sticks here (as dry friction does at rest) and this law cannot hold it",
     ),
     Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
+    Code.ERR_LOSS: (
+        "no motion, or more than one, agrees with its losses: it jams, or locks itself against a load that drives it",
+        "with these inertias the efficiency (below 0, or far below 1 at a large ratio) allows no single acceleration; "
+        "give it a compliant shaft beside, more inertia, or a better efficiency",
+    ),
     Code.ERR_SINGULAR: (
         "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
     ),
@@ -299,7 +308,7 @@ def _place(program: Program, code: Code, index: int) -> str:
     """The component or input that a code's index means."""
     if code in (Code.ERR_NAN_INPUT, Code.ERR_CALLBACK):
         return program.inputs[index].name if 0 <= index < len(program.inputs) else ""
-    if code in (Code.ERR_CHATTER, Code.ERR_BRANCH):
+    if code in (Code.ERR_CHATTER, Code.ERR_BRANCH, Code.ERR_LOSS):
         if not 0 <= index < len(program.switches):
             return ""
         switch = program.switches[index]
