@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -182,7 +183,7 @@ def tolerance_ladder(meter: Meter) -> Iterator[Check]:
         errors.append(largest([run["body.phi"][-1] - exact[0], run["body.w"][-1] - exact[1]]))
     worst = max(error / rtol for error, rtol in zip(errors, ladder, strict=True) if rtol >= 1e-10)
     yield below("error/rtol", worst, 100.0)
-    rise = max(after / before for before, after in zip(errors[:-1], errors[1:], strict=True))
+    rise = max(after / before for before, after in pairwise(errors))
     yield below(f"{' '.join(f'{e:.0e}' for e in errors)}: next/last", rise, 2.0)
 
 

@@ -139,7 +139,9 @@ def test_torques_that_balance_are_followed_in_the_ledger_though_nothing_accelera
 
 def test_a_run_that_loses_more_energy_than_is_asked_for_stops_and_says_so():
     rig = gb.Drivetrain("pendulum")
-    rig.chain(rig.add("body", gb.Inertia(J=1.0, phi0=1.0)), rig.add("shaft", gb.Shaft(k=1.0)), rig.add("wall", gb.Fixed()))
+    rig.chain(
+        rig.add("body", gb.Inertia(J=1.0, phi0=1.0)), rig.add("shaft", gb.Shaft(k=1.0)), rig.add("wall", gb.Fixed())
+    )
     t = np.linspace(0.0, 1e7, 100_001)
     with pytest.raises(gb.SimulationError, match=r"energy residual is .* above the 1e-06 asked for") as stop:
         gb.simulate(rig, t=t, residual=1e-6)
