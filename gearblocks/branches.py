@@ -35,7 +35,8 @@ class SurfaceOfKind:
     """One switch of a kind, with its name and the values in the events.
 
     Its mode is the sign of the surface (0 or 1), the segment of a `table` over it, or its side of a `band` about zero
-    of that half width (-1, 0, 1). lock: what it watches of a stick: "slip", "gap", "sign" (of a force), "hold" or "free"; the solver then
+    of that half width (-1, 0, 1). lock: what it watches of a stick: "slip", "gap", "sign" (of a force), "hold" or
+    "free"; the solver then
     decides about its mode together with those of all other sticks ("free" apart: 1 where nothing rubs).
     """
 

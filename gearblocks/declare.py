@@ -295,7 +295,21 @@ class Energy:
 
 
 Contribution: TypeAlias = (
-    Body | Force | Potential | Acts | Tie | Motion | Rate | Start | Hold | Switch | Stick | Stop | LossyTie | Shows | Energy
+    Body
+    | Force
+    | Potential
+    | Acts
+    | Tie
+    | Motion
+    | Rate
+    | Start
+    | Hold
+    | Switch
+    | Stick
+    | Stop
+    | LossyTie
+    | Shows
+    | Energy
 )
 
 
@@ -433,7 +447,7 @@ class Block(_Declared, ABC):
 
     @abstractmethod
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """Yields Body, Force, Potential, Acts, Tie, Motion, Rate, Start, Hold, Switch, Stick, Stop, LossyTie, Shows and Energy."""
+        """Yields contributions: what it does to its flanges and shows, see Contribution."""
 
     def parts(self) -> Parts | None:
         """The blocks that this one stands for, or None: it has physics of its own."""

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from gearblocks.assemble import HELD
 from gearblocks.batchcode import Statement
 from gearblocks.errors import ModelError
-from gearblocks.layout import Column
 from gearblocks.laws import exact_value
+from gearblocks.layout import Column
 
 if TYPE_CHECKING:
     from gearblocks.batchcode import BatchCode, Function
@@ -116,8 +116,8 @@ def _check_inertia(g: Generator, path: str, flange: str, group: int) -> None:
         group = reached.pop()
         if a.n_speeds <= group < a.n_speeds + a.n_hidden:
             raise ModelError(
-                f"'{path}': friction that can stick, or a stop, acts at '{flange}' on a shaft without inertia, whose speed it could "
-                f"not change by itself; put an Inertia there"
+                f"'{path}': friction that can stick, or a stop, acts at '{flange}' on a shaft without inertia, which it "
+                f"could not hold by itself; put an Inertia there"
             )
         reached.update(follows[group].sources if group in follows else ())
 

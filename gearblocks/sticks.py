@@ -48,7 +48,16 @@ class StickOfKind:
 
     def expressions(self) -> list[Any]:
         """Everything that the solver evaluates at an event."""
-        found = [self.lower, self.upper, self.forward, self.backward, self.engaged, self.gap, self.restitution, self.share]
+        found = [
+            self.lower,
+            self.upper,
+            self.forward,
+            self.backward,
+            self.engaged,
+            self.gap,
+            self.restitution,
+            self.share,
+        ]
         return [x for x in (*found, *(self.losses or ())) if x is not None]
 
     def changed(self, new: Callable[[Any], Any]) -> None:
@@ -63,7 +72,15 @@ class StickOfKind:
     @property
     def kind(self) -> str:
         """friction, stop, tie (of a LossyTie) or loss."""
-        return "stop" if self.gap is not None else "tie" if self.share is not None else "loss" if self.losses else "friction"
+        return (
+            "stop"
+            if self.gap is not None
+            else "tie"
+            if self.share is not None
+            else "loss"
+            if self.losses
+            else "friction"
+        )
 
 
 def sticks_of(pool: Pool, flanges: Mapping[str, Any], items: list[Any]) -> dict[str, StickOfKind]:

@@ -5,6 +5,7 @@ from gearblocks.blocks.couplings import BeltDrive, Creep, TorqueConverter, Unive
 from gearblocks.blocks.friction import BearingFriction, Brake, Clutch, Stribeck
 from gearblocks.blocks.gears import Differential, IdealGear, IdealPlanetary
 from gearblocks.blocks.locks import DogClutch, Freewheel, OneWayClutch, Synchronizer
+from gearblocks.blocks.lossy import LossyGear, Worm
 from gearblocks.blocks.machines import DCMotor, EddyCurrentBrake, Engine, Governor
 from gearblocks.blocks.meshes import GearMesh
 from gearblocks.blocks.noncircular import NonCircularGear
@@ -39,6 +40,7 @@ __all__ = [
     "IdealPlanetary",
     "Inertia",
     "Lash",
+    "LossyGear",
     "Mass",
     "NonCircularGear",
     "OneWayClutch",
@@ -55,4 +57,5 @@ __all__ = [
     "TyreSlip",
     "UniversalJoint",
     "Vehicle",
+    "Worm",
 ]
