@@ -61,7 +61,8 @@ class Assembly:
     speed alone is prescribed (n_paced), then the other followers. rows[i]: coordinate i as a form of group angles;
     dependents: combinations that close loops; angles: groups whose absolute angle is a state; definitions (in order, with
     drives in between): how other group angles follow. in_law: a law reads angles. steady: groups whose speeds are fixed
-    combinations; n_steady: coordinates at the front whose rates are.
+    combinations; n_steady: coordinates at the front whose rates are. floating: hidden groups that are a part of another
+    (floating.py), with that other; floats: numbers of the hidden ones that stand for several.
     """
 
     train: Train
@@ -73,6 +74,8 @@ class Assembly:
     n_speeds: int = 0
     n_hidden: int = 0
     n_paced: int = 0
+    floating: dict[int, int] = field(default_factory=dict)
+    floats: frozenset[int] = frozenset()
     followers: list[Follower] = field(default_factory=list)
     massive: frozenset[int] = frozenset()
     rows: list[dict[int, Exact]] = field(default_factory=list)
@@ -97,10 +100,10 @@ class Assembly:
         return any(isinstance(row, Driven) for _, row in self.definitions)
 
 
-def assemble(train: Train) -> Assembly:
+def assemble(train: Train, *, reading: bool = False) -> Assembly:
     """Laws per kind, ties, groups, relative coordinates and batches of a train.
 
-    Raises ModelError for contradicting ties.
+    reading: for people, every shaft as it is. Raises ModelError for contradicting ties.
     """
     laws = _laws(train)
     known = _exact_values(train, laws)
@@ -110,7 +113,7 @@ def assemble(train: Train) -> Assembly:
     bodies = inertias(train, laws)
     structural |= bodies.zeros | {(path, 0.0) for path in groups.zeros}
     assembly.structural = tuple(sorted(structural))
-    number_groups(assembly, laws, bodies)
+    number_groups(assembly, laws, bodies, None if reading else known)
     assembly.starts = start_values(assembly, laws)
     _coordinates(assembly, laws, known)
     return assembly

@@ -13,12 +13,11 @@ from gearblocks.assemble import HELD, Batch
 from gearblocks.drives import frozen_drive
 from gearblocks.hoist import Hoister
 from gearblocks.layout import Column, Layout, column, speed_index
-from gearblocks.massless import Balance, balance_of
+from gearblocks.massless import Balance, HiddenRows, balance_of
 from gearblocks.printer import c_text
-from gearblocks.rational import Exact
 from gearblocks.symbols import CONSTANT, MOVING, TIMED, clock
 
-_OF_STICKS = ("lower", "upper", "forward", "backward", "engaged", "restitution")
+_OF_STICKS = ("lower", "upper", "forward", "backward", "engaged", "restitution", "share")
 
 UNROLLED = 8
 """Batches of at most this many instances are called one by one, with numbers in place of table columns."""
@@ -74,7 +73,8 @@ class Places:
     switches: list[int] = field(default_factory=list)
     inverse_mass: int = 0
     mass: int = 0
-    hidden: dict[int, tuple[int, Exact]] = field(default_factory=dict)
+    hidden: HiddenRows = field(default_factory=dict)
+    floats: frozenset[int] = frozenset()
     tau: dict[str, int] = field(default_factory=dict)
     senses: Mapping[str, int] = field(default_factory=dict)
     tables: Mapping[Any, str] = field(default_factory=dict)
@@ -173,7 +173,7 @@ class BatchCode:
     def _lock_mode(self, role: str, stick: str, prologue: dict[str, str]) -> str:
         """The direction of a stick, or whether it is stuck, from its modes."""
         switches = self.law.sticks[stick].switches
-        number = switches["hold"] if role == "stuck" else switches.get("slip", switches.get("gap", -1))
+        number = switches["hold"] if role == "stuck" else next(iter(switches.values()))
         name = f"{role}_{identifier(stick)}"
         prologue[name] = f"mode[{self.places.switches[number]} + e]"
         return name
@@ -263,7 +263,7 @@ class BatchCode:
             *self.forces.values(), *self.torques.values(), *self.rates.values(), self.loss, self.supplied, *self.surfaces,
             *self.bands, *self.whens, *self.speeds, *drives, *balance, *self.balance.drags.values(),
             *self.balance.stiffnesses.values(), *self.starts.values(), *(e for _, e in self.holds),
-            *(e for values in self.stick_values.values() for e in values.values()),
+            self.late_loss, *(e for values in self.stick_values.values() for e in values.values()),
             *(e for x, e in self.shows if x.name in sensed), *(e for i in range(len(self.sorts)) for e in self._watched(i)),
         ]  # fmt: skip
         found = {x for e in exprs if e is not None for x in sp.sympify(e).free_symbols}
@@ -347,7 +347,10 @@ class BatchCode:
             name: {k: hoist(v) for k in _OF_STICKS if (v := getattr(stick, k)) is not None}
             for name, stick in law.sticks.items()
         }
-        self.balance = balance_of(self, self.places.hidden) if self.places.hidden else Balance()
+        for name, stick in law.sticks.items():
+            self.stick_values[name] |= {f"loss_{i}": hoist(x) for i, x in enumerate(stick.losses or ())}
+        self.late_loss = None if law.late_loss is None else hoist(law.late_loss)
+        self.balance = balance_of(self, self.places.hidden, self.places.floats) if self.places.hidden else Balance()
 
     def _held(self, value: Any, when: Any, *, state: str) -> Any:
         """What a held state is after an event: the value where `when` has just turned to 1, else as it was."""
@@ -368,7 +371,7 @@ class BatchCode:
     def _sort(self, i: int) -> str:
         """How switch i is watched: "affine" or "general" over the state, "line" or "wave" predicted over time."""
         switch = self.law.switches[i]
-        if switch.lock == "hold":
+        if switch.lock in ("hold", "sign"):
             return "general_lock"
         if switch.lock == "slip":
             return "general_lock" if any(f.drive is not None for f in self.lay.assembly.followers) else "affine_lock"

@@ -35,7 +35,8 @@ class SurfaceOfKind:
     """One switch of a kind, with its name and the values in the events.
 
     Its mode is the sign of the surface (0 or 1), the segment of a `table` over it, or its side of a `band` about zero
-    of that half width (-1, 0, 1). lock: what it watches of a stick: "slip", "gap", "hold" or "free"; the solver then
+    of that half width (-1, 0, 1). lock: what it watches of a stick: "slip", "gap", "sign" (of a force), "hold" or
+    "free"; the solver then
     decides about its mode together with those of all other sticks ("free" apart: 1 where nothing rubs).
     """
 
@@ -77,14 +78,13 @@ class Freezer:
 
     def watch(self, stick: StickOfKind) -> None:
         """The switches of a stick: its slip (or gap), its held force, and whether it is engaged."""
-        for what, surface in (
-            ("gap" if stick.is_stop else "slip", stick.gap if stick.is_stop else stick.slip),
-            ("hold", sp.Integer(0)),
-        ):
+        first = {"stop": "gap", "tie": "sign"}.get(stick.kind, "slip")
+        name = "" if stick.kind in ("tie", "loss") else stick.name
+        for what, surface in ((first, stick.gap if stick.is_stop else stick.slip), ("hold", sp.Integer(0))):
             stick.switches[what] = len(self.switches)
             mode = Mode(len(self.switches), MOVING)
             symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
-            self.switches.append(SurfaceOfKind(stick.name, surface, symbol, MOVING, lock=what))
+            self.switches.append(SurfaceOfKind(name, surface, symbol, MOVING, lock=what))
         if self.pool.level(stick.engaged) == CONSTANT:
             return
         mode = Mode(len(self.switches), level := self.pool.level(stick.engaged))
@@ -100,7 +100,7 @@ class Freezer:
 
     def _freeze(self, e: Any) -> Any:
         if e.is_Atom:
-            return e
+            return sp.Integer(e == sp.true) if e.is_Boolean and not e.is_Symbol else e
         if isinstance(e, sp.Piecewise):
             return self._piecewise(e)
         if isinstance(e, (TableAt, Table2At)):
@@ -132,6 +132,8 @@ class Freezer:
             return 1 - sp.Mul(*(1 - x for x in a))
         if isinstance(e, sp.Not):
             return 1 - a[0]
+        if isinstance(e, sp.ITE):
+            return a[0] * a[1] + (1 - a[0]) * a[2]
         return e.func(*a)
 
     def _piecewise(self, e: Any) -> Any:

@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 
 from gearblocks.cache import digest, user_cache
-from gearblocks.declare import Block, _Declared
+from gearblocks.declare import _Declared
 from gearblocks.errors import ModelError
 from gearblocks.expression import Expr, evaluate
+from gearblocks.given_starts import contradictions, follow, follow_moved, parameter_value
 from gearblocks.graph import GROUND, Train, leaves_of, numbers_of, structural_text, structure_of
 from gearblocks.library import Model, compile_program, start_core_build
 from gearblocks.program import Program
@@ -53,10 +54,12 @@ def _build(train: Train) -> Model:
         start_core_build()
         program = make_program(train)
         cache.write("programs", key, program.to_bytes())
-    _check_against(program, train, names)
+    _check_against(program, train, values, names)
     start = np.array([values.get(p.path, 0.0) for p in program.parameters])
     start.setflags(write=False)
-    return Model(program, compile_program(program), start)
+    model = Model(program, compile_program(program), start)
+    follow_moved(model, train)
+    return model
 
 
 def make_program(train: Train) -> Program:
@@ -97,7 +100,7 @@ def _values(train: Train) -> tuple[dict[str, float], set[str]]:
             if isinstance(value, (int, float)):
                 values[path] = float(value)
             elif isinstance(value, Expr) and path.endswith((".phi0", ".w0", ".s0", ".v0")):
-                values[path] = evaluate(value, _parameter_value)
+                values[path] = evaluate(value, parameter_value)
         _starts(c.path, c.block, values)
         for leaf in leaves_of(c.block):
             if shared.setdefault(leaf.name, leaf) != leaf:
@@ -119,59 +122,15 @@ def _two_meanings(one: Parameter | Input, other: Parameter | Input) -> str:
     return f"the name '{one.name}' stands for {one!r} and for {other!r}; use one object, or two names"
 
 
-def _check_against(program: Program, train: Train, names: set[str]) -> None:
-    """Start values that contradict each other through ties, and names that are outputs too."""
+def _check_against(program: Program, train: Train, values: dict[str, float], names: set[str]) -> None:
+    """Start values that contradict each other through ties, and names that are outputs too. `values` gets start values that
+    follow."""
     double = names & {q.name for q in program.outputs} if names else set()
     problems = [f"'{name}' names an input or Parameter and an output; rename the first" for name in sorted(double)]
-    starts = {s.name: (s.place, s.factor) for s in program.starts}
-    given: dict[int, tuple[str, str, float, float]] = {}
-    for c in train.components:
-        for field, output in (("phi0", "phi"), ("w0", "w"), ("s0", "s"), ("v0", "v")):
-            value, place = _start_of(c.block, field), starts.get(f"{c.path}.{output}")
-            if value is not None and place is not None:
-                scaled = value * place[1]
-                before = given.setdefault(place[0], (c.path, field, value, scaled))
-                if abs(before[3] - scaled) > 1e-12 * max(abs(before[3]), abs(scaled)):
-                    problems.append(
-                        f"'{before[0]}': {before[1]} = {before[2]!r} and '{c.path}': {field} = {value!r} contradict each "
-                        f"other through their ties; give one of them"
-                    )
-    problems += _followers_against(program, train)
+    problems += contradictions(program, train)
+    problems += follow(program, train, values)
     if problems:
         raise ModelError(problems)
-
-
-def _followers_against(program: Program, train: Train) -> Iterator[str]:
-    """Given start values of shafts that follow from others, against these."""
-    if not program.followers:
-        return
-    values, _ = _values(train)
-    blocks = {c.path: c.block for c in train.components}
-    for name, places, factors in program.followers:
-        path, _, output = name.rpartition(".")
-        value = _start_of(blocks[path], f"{output}0")
-        paths = [program.parameters[i].path for i in places]
-        terms = [f * values.get(p, 0.0) for p, f in zip(paths, factors, strict=True)]
-        if value is not None and abs(value - sum(terms)) > 1e-12 * (abs(value) + sum(map(abs, terms))):
-            yield (
-                f"'{path}': {output}0 = {value!r} contradicts the {sum(terms):.9g} that follows through its ties from "
-                f"{', '.join(paths)}; leave one of them out"
-            )
-
-
-def _start_of(block: Block, field: str) -> float | None:
-    """The number of a start value that is given."""
-    value = getattr(block, field, None)
-    if isinstance(value, Expr):
-        return evaluate(value, _parameter_value)
-    value = getattr(value, "value", value)
-    return float(value) if isinstance(value, (int, float)) else None
-
-
-def _parameter_value(leaf: Expr) -> float:
-    if leaf.op != "parameter":
-        raise ModelError(f"a start value cannot depend on '{leaf}'; use numbers and Parameters")
-    return float(leaf.args[0].value)
 
 
 def _starts(path: str, owner: _Declared, values: dict[str, float], prefix: str = "") -> None:

@@ -20,7 +20,7 @@ from gearblocks.means import mean_of_column
 from gearblocks.motions import check_mobility, drive_functions, lay_out_mass
 from gearblocks.printer import c_text
 from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, SwitchInfo
-from gearblocks.quantities import flange_outputs, follower_infos, shown, start_infos, state_quantities
+from gearblocks.quantities import flange_outputs, follower_infos, moved_infos, shown, start_infos, state_quantities
 from gearblocks.senses import Sense, order_senses, reads_angles
 from gearblocks.signals import Table
 from gearblocks.symbols import CONSTANT
@@ -70,6 +70,7 @@ def _columns(g: Generator) -> None:
             inverse_mass=g.inverse_mass,
             mass=g.mass,
             hidden=hidden,
+            floats=g.assembly.floats,
             senses={p: s.index for p, s in g.senses.items()},
         )
         places.tables = {
@@ -237,6 +238,8 @@ def _rates(g: Generator, code: BatchCode) -> None:
     for part, entry in (("loss", code.loss), ("supplied", code.supplied)):
         if entry is not None:
             targets.append((f"dy[{g.tail} + e]", "=", entry, True))
+            if part == "loss" and code.late_loss is not None:
+                g.keep("late_rates", code.function("late_rates", [(f"dy[{g.tail} + e]", "+=", code.late_loss, True)]))
             g.integrals += [IntegralInfo(code.paths[e], part, g.tail + e) for e in range(code.n)]
             g.tail += code.n
     function = code.function("rates", targets, extra=[f for f in code.torques if f not in held])
@@ -278,7 +281,7 @@ def _bounds(g: Generator, code: BatchCode) -> None:
     targets = []
     for i, switch in enumerate(code.law.switches):
         at = f"{code.places.switches[i]} + e"
-        if switch.lock in ("slip", "gap", "hold"):
+        if switch.lock in ("slip", "gap", "sign", "hold"):
             continue
         if switch.table is not None:
             targets.append((f"table_bounds(&{code.places.tables[switch.table]}, {at}", "call", code.whens[i], False))
@@ -354,6 +357,7 @@ def _program(g: Generator, source: str) -> Program:
         tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(state_quantities(g)), tuple(g.switches),
         tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
         tuple(start_infos(g)), g.assembly.structural, tuple(follower_infos(g)),
+        tuple(moved_infos(g)),
     )  # fmt: skip
 
 

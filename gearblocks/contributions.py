@@ -19,7 +19,7 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 _EXPRESSIONS: dict[type, tuple[str, ...]] = {
     d.Body: ("J",), d.Force: ("deflection", "force"), d.Potential: ("energy",), d.Acts: ("tau",), d.Tie: ("zero",),
     d.Motion: ("zero",), d.Start: ("value",), d.Hold: ("value", "when"),
-    d.Stick: ("slip", "engaged"), d.Stop: ("gap", "restitution"),
+    d.LossyTie: ("tie", "slip"), d.Stick: ("slip", "engaged"), d.Stop: ("gap", "restitution"),
     d.Rate: ("expr",), d.Switch: ("surface", "when"), d.Shows: ("expr",), d.Energy: ("stored", "loss"),
 }  # fmt: skip
 
@@ -156,6 +156,10 @@ class _Check:
             yield f"'{item.state}' is no state of the block; it has {has}"
         if isinstance(item, (d.Stick, d.Stop)):
             yield from self.stick(item, sound)
+        if isinstance(item, d.LossyTie):
+            yield from (p for x in (*item.driving, *item.coasting) if (p := self.expression(x, False, False)))
+            for slip in (item.tie, item.slip) if sound else ():
+                yield from self.stick(d.Stick("", slip, 0), True)
         if isinstance(item, (d.Shows, d.Switch, d.Stick, d.Stop)) and not isinstance(item.name, str):
             yield f"its name {item.name!r} must be text"
         elif isinstance(item, d.Shows) and not _WORD.fullmatch(item.name):

@@ -39,6 +39,7 @@ class Code(IntEnum):
     ERR_CALLBACK = -9
     ERR_SINGULAR = -10
     ERR_METHOD = -11
+    ERR_LOSS = -12
 
 
 class Method(IntEnum):

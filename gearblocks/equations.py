@@ -30,7 +30,7 @@ _OF_RUBS = {"friction": "T", "slip": "w_rel", "direction": "direction", "stuck":
 
 def write_equations(train: Train) -> Equations:
     """The equations of a train; laws are derived once per kind and written out for every component."""
-    assembly = assemble(train)
+    assembly = assemble(train, reading=True)
     writer = _Writer(assembly)
     for c in train.components:
         writer.write(c)

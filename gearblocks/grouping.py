@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from gearblocks.coordinates import Combination
+from gearblocks.drives import Drive
 from gearblocks.errors import ModelError
 from gearblocks.expression import Expr, evaluate
+from gearblocks.floating import Known, Shafts, floating
 from gearblocks.graph import Component, Train, numbers_of
-from gearblocks.kinematics import Driven, Follower, GroupRow, follow
-from gearblocks.laws import Law
-from gearblocks.rational import Exact, over
+from gearblocks.kinematics import Driven, Follower, GroupRow, Kinematics, follow
+from gearblocks.laws import Law, exact_value
+from gearblocks.rational import Exact, exact, over
 from gearblocks.signals import Parameter
 from gearblocks.sliding import start_fields
 
@@ -71,8 +74,9 @@ def _is_zero(c: Component, law: Law, inertia: Any, zeros: set[tuple[str, float]]
 # -- numbers of groups ------------------------------------------------------------------------------------------------
 
 
-def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies) -> None:
-    """Numbers the groups that turn and finds how followers follow."""
+def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Sequence[Known] | None) -> None:
+    """Numbers the groups that turn and finds how followers follow. known: exact values by component, or None: shafts that
+    are damped only against each other stay as they are."""
     groups, train = assembly.groups, assembly.train
     roots = dict.fromkeys(groups.find(node)[0] for node in (*bodies.present, *bodies.empty, *range(train.n_nodes)))
     turning = [r for r in roots if r not in groups.grounded]
@@ -85,7 +89,7 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies) -> None:
         if new:
             groups.used.append(row)
         else:
-            groups.redundant.append(row.component)
+            groups.spare.append(row)
     moved = kinematics.moved
     inert = set(massive)
     for f in reversed(kinematics.followers):
@@ -93,12 +97,17 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies) -> None:
             inert.update(f.sources)
     speeds = [r for r in turning if r not in moved and r in inert]
     hidden = [r for r in turning if r not in moved and r not in inert]
+    along = _along(assembly, laws, known, hidden, kinematics, given) if known is not None else {}
+    hidden = [along.get(r, r) for r in hidden]
     paced = [f.group for f in kinematics.followers if f.drive is not None and f.drive.by_speed]
     others = [f.group for f in kinematics.followers if f.group not in set(paced)]
     number = {r: i for i, r in enumerate((*speeds, *hidden, *paced, *others))}
     assembly.n_groups, assembly.n_speeds = len(number), len(speeds)
     assembly.n_hidden, assembly.n_paced = len(hidden), len(paced)
     assembly.massive = frozenset(number[r] for r in massive if r in number)
+    assembly.floating = {number[part]: number[r] for r, part in along.items()}
+    stand = {g for f in kinematics.followers[: len(along)] for g in f.sources if g < train.n_nodes}
+    assembly.floats = frozenset(number[g] - len(speeds) for g in stand)
     assembly.followers = [_renumbered(f, number) for f in kinematics.followers]
     for node in range(train.n_nodes):
         root, gain = groups.find(node)
@@ -108,6 +117,24 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies) -> None:
     _check_given(assembly, given, number)
 
 
+def _along(
+    assembly: Assembly, laws: list[Law], known: Sequence[Known], hidden: list[int], kinematics: Kinematics,
+    given: Mapping[int, str],
+) -> dict[int, int]:  # fmt: skip
+    """Makes followers of the shafts that turn along with others at no damper's cost; by root: the number of its part."""
+    shafts = Shafts(assembly.groups, hidden, kinematics.followers)
+    rows = floating(shafts, assembly.train.components, laws, known)
+    bound = {g for r, row in rows.items() for g in (r, *row)} & given.keys()
+    if bound:
+        raise ModelError(
+            f"the shaft of '{given[min(bound)]}' has no inertia and is damped only against others without: springs give its "
+            f"angle; leave its start value out, or give it J > 0"
+        )
+    parts = {r: assembly.train.n_nodes + r for r in rows}
+    kinematics.followers[:0] = [Follower(r, Combination({**row, parts[r]: 1})) for r, row in rows.items()]
+    return parts
+
+
 def _renumbered(f: Follower, number: dict[int, int]) -> Follower:
     if f.row is not None:
         f.row.groups = {number[g]: c for g, c in f.row.groups.items()}
@@ -115,9 +142,7 @@ def _renumbered(f: Follower, number: dict[int, int]) -> Follower:
     assert f.drive is not None
     d = f.drive
     factors = {name: (number[g], c) for name, (g, c) in d.factors.items()}
-    return Follower(
-        number[f.group], None, Driven(d.component, d.number, d.path, number[d.group], d.scale, factors, d.by_speed)
-    )
+    return Follower(number[f.group], None, replace(d, group=number[d.group], factors=factors))
 
 
 def _rows(assembly: Assembly) -> Iterable[GroupRow]:
@@ -159,7 +184,20 @@ def _drives(assembly: Assembly, laws: list[Law]) -> Iterable[Driven]:
                 source, its = groups.find(nodes[flange])
                 if source not in groups.grounded:
                     factors[flange] = source, its * scale
-            yield Driven(index, number, c.path, root, scale, factors, drive.angle is None)
+            own = _own_share(drive, root, factors)
+            scale = over(scale, 1 - own)
+            factors = {f: (g, over(x, 1 - own)) for f, (g, x) in factors.items() if g != root or not own}
+            yield Driven(index, number, c.path, root, scale, factors, drive.angle is None, own != 0)
+
+
+def _own_share(drive: Drive, root: int, factors: Mapping[str, tuple[int, Exact]]) -> Exact:
+    """What a drive carries back to the group that it drives, through other flanges tied to it: 0 where that is nothing,
+    all of it, or no number."""
+    tied = [f for f, (group, _) in factors.items() if group == root]
+    if not all(drive.gains[f].is_number for f in tied):
+        return 0
+    own = sum(exact_value(drive.gains[f], {}) * factors[f][1] for f in tied)
+    return 0 if own == 1 else own
 
 
 # -- start values -----------------------------------------------------------------------------------------------------
@@ -185,6 +223,36 @@ def _check_given(assembly: Assembly, given: dict[int, str], number: dict[int, in
             raise ModelError(
                 f"'{path}' has a start value, but '{drive.path}' prescribes its motion; leave the start value out"
             )
+
+
+def _through_lossy_ties(assembly: Assembly, laws: list[Law], owners: dict[int, tuple[str, Exact, bool]]) -> None:
+    """Shafts beside a lossy tie start as the other side does, where only that one is given."""
+    pairs = [pair for c, law in zip(assembly.train.components, laws, strict=True) for pair in _lossy_pairs(assembly, c, law)]
+    changed = True
+    while changed:
+        changed = False
+        for (one, a), (two, b) in (*pairs, *((y, x) for x, y in pairs)):
+            if owners[one][2] and not owners[two][2]:
+                path, gain, _ = owners[one]
+                owners[two] = (path, gain * over(-b, a), True)
+                changed = True
+
+
+def _lossy_pairs(assembly: Assembly, c: Component, law: Law) -> Iterable[tuple[tuple[int, Exact], tuple[int, Exact]]]:
+    """The two groups of a lossy tie with their factors in it."""
+    tie = law.sticks.get("tie")
+    if tie is None or tie.share is None:
+        return
+    numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
+    nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
+    row: dict[int, Exact] = {}
+    for flange, expr in tie.push.items():
+        values = {x: exact(numbers[law.pool.slots[x].of]) for x in expr.free_symbols}
+        group, gain = assembly.group_of_node[nodes[flange]] if nodes[flange] >= 0 else (HELD, 1)
+        row[group] = row.get(group, 0) + exact_value(expr, values) * gain
+    moving = [(g, v) for g, v in row.items() if g != HELD and v]
+    if len(moving) == 2:
+        yield moving[0], moving[1]
 
 
 def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
@@ -214,4 +282,9 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
                 if group != HELD:
                     for owners in found.values():
                         owners.setdefault(group, (f"{c.path}.{name}", gain, False))
+    for owners in found.values():
+        _through_lossy_ties(assembly, laws, owners)
+    for part, whole in assembly.floating.items():  # a part is named as its shaft
+        for owners in found.values():
+            owners[part] = owners[whole]
     return [StartValues(*found["phi0"][g][:2], *found["w0"][g][:2]) for g in range(count)]

@@ -25,11 +25,9 @@ Argument = tuple[str, str, Column]
 
 
 def linear_part(g: Generator) -> Linear | None:
-    """The functions of implicit methods and the pattern; None where a law has no derivative, or nothing moves."""
+    """The functions of implicit methods and the pattern; None where a law has no derivative."""
     try:
         unknowns: Unknowns | Varying = Unknowns(g) if is_linear(g) else Varying(g)
-        if unknowns.count == 0:
-            return None
         batches, kept = [], 0
         for code in g.codes:
             slopes = Slopes(code, kept, code.n, direct=isinstance(unknowns, Varying))

@@ -21,7 +21,7 @@ from gearblocks.branches import Freezer, SurfaceOfKind
 from gearblocks.drives import Drive, drive_of, frozen_drive, is_constant_tie, linear_tie, motion_of
 from gearblocks.errors import ModelError
 from gearblocks.rational import Exact, exact, over
-from gearblocks.sticks import StickOfKind, along, sliding_force, sticks_of
+from gearblocks.sticks import StickOfKind, along, carried_loss, sliding_force, sticks_of
 from gearblocks.symbols import CONSTANT, MOVING, Pool, Symbols, Table2At, TableAt, clock
 
 
@@ -62,6 +62,7 @@ class Law:
     supplied: Any = None
     switches: list[SurfaceOfKind] = field(default_factory=list)
     sticks: dict[str, StickOfKind] = field(default_factory=dict)
+    late_loss: Any = None
     shows: list[d.Shows] = field(default_factory=list)
     replaced: dict[Any, Any] = field(default_factory=dict)
 
@@ -82,6 +83,7 @@ class _Contributions:
         self.switches: list[d.Switch] = []
         self.sticks: list[d.Stick] = []
         self.stops: list[d.Stop] = []
+        self.lossy: list[d.LossyTie] = []
         self.shows: list[d.Shows] = []
         self.energies: list[d.Energy] = []
         lists: dict[type, list[Any]] = {
@@ -89,6 +91,7 @@ class _Contributions:
             d.Tie: self.ties, d.Motion: self.motions, d.Start: self.starts,
             d.Rate: self.rates, d.Switch: self.switches, d.Shows: self.shows, d.Energy: self.energies,
             d.Hold: self.holds, d.Stick: self.sticks, d.Stop: self.stops,
+            d.LossyTie: self.lossy,
         }  # fmt: skip
         for item in block.physics(s):
             if type(item) not in lists:
@@ -117,7 +120,7 @@ def derive(block: d.Block, grounded: frozenset[str], *, reading: bool = False) -
         else:
             law.drives.append(drive_of(law, type(block).__name__, flanges, zero))
     law.drives += [motion_of(law, type(block).__name__, flanges, sp.expand(m.zero)) for m in found.motions]
-    law.sticks = sticks_of(law.pool, flanges, [*found.sticks, *found.stops])
+    law.sticks = sticks_of(law.pool, flanges, [*found.sticks, *found.stops, *found.lossy])
     law.rates |= {x: sp.Integer(0) for k in law.sticks.values() for x in (k.impulse, k.impacts) if x is not None}
     law.torques = _torques(law, flanges, found, reading)
     stored = [sp.sympify(e.stored) for e in found.energies if e.stored is not None]
@@ -212,7 +215,8 @@ def _solve(
     pool: Pool, form: Form, u: Any, flanges: Mapping[str, Any], replace: dict[Any, Any]
 ) -> dict[Any, Any] | None:  # fmt: skip
     """The replacements with one more angle expressed by the coordinate u, or None when the form adds nothing new."""
-    expr = sum(c * flanges[n].phi for n, c in form.coefficients.items()).xreplace(replace)
+    expr = sum(c * flanges[n].phi for n, c in form.coefficients.items())
+    expr = sp.expand(expr.xreplace(replace)) if replace else expr
     pivots = [f.phi for n in reversed(form.coefficients) if expr.has((f := flanges[n]).phi) and f.phi not in replace]
     if not pivots:
         return None
@@ -287,6 +291,7 @@ def _freeze(law: Law, declared: Iterable[d.Switch]) -> None:
     for stick in law.sticks.values():
         stick.changed(freezer.freeze)
         freezer.watch(stick)
+    law.late_loss = carried_loss(law.pool, law.sticks)
     freezer.locating = False
     law.holds = [(state, freezer.freeze(value), freezer.freeze(when)) for state, value, when in law.holds]
     law.shows = [d.Shows(x.name, freezer.freeze(x.expr), x.unit, x.words) for x in law.shows]
@@ -382,6 +387,8 @@ def _number(expr: Any, known: dict[Any, float]) -> float:
         value = float(_number(expr.args[0], known) >= 0)
     else:
         value = float(expr.func(*(sp.Float(_number(a, known)) for a in expr.args)))
+    if isinstance(value, complex):
+        raise ValueError(f"{expr} is no real number")
     known[expr] = value
     return value
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from gearblocks.assemble import HELD
 from gearblocks.batchcode import Statement
 from gearblocks.errors import ModelError
-from gearblocks.layout import Column
 from gearblocks.laws import exact_value
+from gearblocks.layout import Column
 
 if TYPE_CHECKING:
     from gearblocks.batchcode import BatchCode, Function
@@ -37,6 +37,12 @@ class Lock:
     impulse: int = -1
     impacts: int = -1
     loss: int = -1
+    partner: int = -1
+
+    @property
+    def kind(self) -> str:
+        """Name of its kind in C."""
+        return f"GB_{self.stick.kind.upper()}"
 
 
 @dataclass(slots=True)
@@ -50,6 +56,7 @@ class Locks:
     speeds: list[int] = field(default_factory=list)
     dynamic: bool = False
     paced: bool = False
+    lossy: bool = False
     matrix0: int = 0
 
     @property
@@ -68,6 +75,7 @@ def lay_out_locks(g: Generator, at: int) -> int:
             locks.locks += [Lock(path, stick, row) for path, row in _rows_of(g, number, stick)]
     if not locks.locks:
         return at
+    locks.lossy = any(x.stick.share is not None for x in locks.locks)
     locks.dynamic = g.motion is not None and g.motion.dynamic
     locks.paced = g.motion is not None and g.motion.paced
     locks.rows = [_over_speeds(g, x.row) for x in locks.locks]
@@ -108,8 +116,8 @@ def _check_inertia(g: Generator, path: str, flange: str, group: int) -> None:
         group = reached.pop()
         if a.n_speeds <= group < a.n_speeds + a.n_hidden:
             raise ModelError(
-                f"'{path}': friction that can stick, or a stop, acts at '{flange}' on a shaft without inertia, whose speed it could "
-                f"not change by itself; put an Inertia there"
+                f"'{path}': friction that can stick, or a stop, acts at '{flange}' on a shaft without inertia, which it "
+                f"could not hold by itself; put an Inertia there"
             )
         reached.update(follows[group].sources if group in follows else ())
 
@@ -134,7 +142,11 @@ def lock_functions(g: Generator, code: BatchCode) -> None:
     unlimited: list[Statement] = []
     for name, stick in code.law.sticks.items():
         first = g.locks.first[code.number, name]
-        for k, key in enumerate(("lower", "upper", "forward", "backward", "engaged")):
+        if stick.share is not None:
+            skew: Function = code.function("skews", [(f"skew[{first} + e]", "=", values[name]["share"], False)])
+            g.keep("skews", skew)
+        keys = [f"loss_{i}" for i in range(4)] if stick.losses else ["lower", "upper", "forward", "backward"]
+        for k, key in enumerate((*keys, "engaged")):
             place = f"limit[{VALUES} * ({first} + e) + {k}]"
             source = "restitution" if stick.is_stop and key == "forward" else key
             if source in values[name]:
@@ -143,6 +155,8 @@ def lock_functions(g: Generator, code: BatchCode) -> None:
                 unlimited.append(Statement(place, "=", "-HUGE_VAL" if key == "lower" else "HUGE_VAL"))
         for e in range(code.n):
             _place(g, code, g.locks.locks[first + e], stick, e)
+            if stick.partner is not None:
+                g.locks.locks[first + e].partner = g.locks.first[code.number, stick.partner] + e
     function: Function = code.function("limits", targets)
     function.body += unlimited
     g.keep("limits", function)
@@ -155,11 +169,16 @@ def held_torques(code: BatchCode) -> Iterator[tuple[str, Any]]:
         for flange, c in stick.push.items():
             if flange in code.batch.groups:
                 yield flange, c * held
+        if stick.share is not None and stick.partner is not None:
+            share = code.stick_values[stick.name]["share"]
+            for flange, c in code.law.sticks[stick.partner].push.items():
+                if flange in code.batch.groups:
+                    yield flange, -c * share * held
 
 
 def _place(g: Generator, code: BatchCode, lock: Lock, stick: StickOfKind, e: int) -> None:
     switches = {what: code.places.switches[number] + e for what, number in stick.switches.items()}
-    lock.slip = switches["gap" if stick.is_stop else "slip"]
+    lock.slip = next(iter(switches.values()))
     lock.hold, lock.free = switches["hold"], switches.get("engaged", -1)
     for key in ("impulse", "impacts"):
         state = getattr(stick, key)

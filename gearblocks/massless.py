@@ -7,6 +7,7 @@ it, dT/dt = 0 gives it, and its angle is put into balance at the start and after
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
     from gearblocks.assemble import Assembly
     from gearblocks.batchcode import BatchCode, Function
     from gearblocks.generator import Generator
+
+
+HiddenRows = dict[int, dict[int, Exact]]
+"""By group: factors of its speed on those of hidden shafts, by their number."""
 
 
 @dataclass(slots=True)
@@ -40,12 +45,13 @@ class Balance:
 
 @dataclass(slots=True)
 class Massless:
-    """Hidden shafts by number: damped or not; free_start: whether the angle at the start is one of balance.
-
-    pattern: of their coupling; affine: whether one step solves for the speeds. shifts: by state, what an angle moves it.
+    """Hidden shafts by number. floats: those that stand for several; damped: or not; free_start: whether the angle at the
+    start is one of balance. pattern: of their coupling; affine: whether one step solves for the speeds. shifts: by state,
+    what an angle moves it.
     """
 
-    rows: dict[int, tuple[int, Exact]]
+    rows: HiddenRows
+    floats: frozenset[int]
     damped: list[bool]
     free_start: list[bool]
     pattern: Pattern
@@ -77,31 +83,26 @@ class Massless:
         return rows
 
 
-def hidden_rows(assembly: Assembly) -> dict[int, tuple[int, Exact]]:
-    """(hidden shaft, factor) of every group that moves with one. ModelError where several move one group."""
+def hidden_rows(assembly: Assembly) -> HiddenRows:
+    """Factors on the hidden shafts by every group that moves with one. ModelError for a drive that does."""
     first, last = assembly.n_speeds, assembly.n_speeds + assembly.n_hidden
-    found: dict[int, tuple[int, Exact]] = {group: (group - first, 1) for group in range(first, last)}
+    found: HiddenRows = {group: {group - first: 1} for group in range(first, last)}
     for f in assembly.followers:
         touched = [s for s in f.sources if s in found]
         if touched and f.drive is not None:
             raise ModelError(
                 f"'{f.drive.path}' moves with a shaft that has no inertia; give that shaft an Inertia with J > 0"
             )
-        if len(touched) > 1:
-            raise ModelError(
-                f"a rigid tie joins several shafts without inertia: {_names(assembly, touched)}; give one of them J > 0"
-            )
         if touched and f.row is not None:
-            number, factor = found[touched[0]]
-            found[f.group] = number, factor * f.row.groups[touched[0]]
+            row: dict[int, Exact] = {}
+            for source in touched:
+                for number, c in found[source].items():
+                    row[number] = row.get(number, 0) + f.row.groups[source] * c
+            found[f.group] = {number: c for number, c in row.items() if c}
     return found
 
 
-def _names(assembly: Assembly, groups: list[int]) -> str:
-    return " and ".join(f"'{assembly.starts[g].phi0}'" for g in groups if g < len(assembly.starts))
-
-
-def balance_of(code: BatchCode, rows: dict[int, tuple[int, Exact]]) -> Balance:
+def balance_of(code: BatchCode, rows: HiddenRows, floats: frozenset[int]) -> Balance:
     """The balance of a batch, hoisted; empty where none of its flanges is at such a shaft."""
     law, hoist = code.law, code.hoister.hoist
     at = [f for f in code.batch.flanges if any(group in rows for group in code.batch.groups[f])]
@@ -111,7 +112,8 @@ def balance_of(code: BatchCode, rows: dict[int, tuple[int, Exact]]) -> Balance:
         if f not in law.torques or code.batch.groups[f][0] == HELD:
             continue
         torque = law.torques[f].xreplace(law.forces)
-        growth = _rate(code, torque)
+        alone = all(floats.isdisjoint(rows.get(group, ())) for group in code.batch.groups[f])
+        growth = _rate(code, torque, damped=alone)
         result.torques[f], result.growths[f] = hoist(torque), hoist(growth)
         for other, w in speeds.items():
             drag, stiffness = sp.diff(torque, w), _stiffness(code, torque, other)
@@ -131,12 +133,14 @@ def _stiffness(code: BatchCode, torque: Any, flange: str) -> Any:
     return total
 
 
-def _rate(code: BatchCode, torque: Any) -> Any:
-    """Rate of change of a torque that does not depend on speeds; 0 where it does (then it is not needed)."""
+def _rate(code: BatchCode, torque: Any, *, damped: bool) -> Any:
+    """Rate of change of a torque. What dampers add to it is left aside: where springs alone give the speed of several
+    shafts, it cancels, and a shaft that is `damped` needs no rate (0)."""
     law = code.law
-    roles = {law.pool.slots[x].role for x in torque.free_symbols}
-    if "w" in roles:
+    speeds = [x for x in torque.free_symbols if law.pool.slots[x].role == "w"]
+    if speeds and damped:
         return sp.Integer(0)
+    torque = torque.xreplace(dict.fromkeys(speeds, sp.Integer(0)))
     total = sp.diff(torque, clock())
     for form, u in zip(law.forms, law.coordinates, strict=True):
         slope = sp.diff(torque, u)
@@ -163,7 +167,7 @@ def lay_out_massless(g: Generator) -> None:
             for (f, other), _ in entries.items():
                 for a, b in _numbers(code, rows, f, other):
                     pairs.add((a, b))
-                    if a == b:
+                    if a == b and (marks is held or a not in assembly.floats):
                         marks[a] = True
     for i in range(assembly.n_hidden):
         if not damped[i] and not held[i]:
@@ -176,36 +180,37 @@ def lay_out_massless(g: Generator) -> None:
         not (sp.sympify(e).free_symbols & {x for x, s in g.codes[n].law.pool.slots.items() if s.role == "w"})
         for n, balance in balances.items() for e in (*balance.drags.values(), *balance.stiffnesses.values())
     )  # fmt: skip
-    given = _given(assembly)
-    free = [assembly.n_speeds + i not in given for i in range(assembly.n_hidden)]
-    g.massless = Massless(rows, damped, free, eliminate(assembly.n_hidden, pairs), affine, _shifts(g))
+    given = _given(assembly, rows)
+    free = [i not in given or not damped[i] for i in range(assembly.n_hidden)]  # given_starts.py checks the second
+    g.massless = Massless(rows, assembly.floats, damped, free, eliminate(assembly.n_hidden, pairs), affine, _shifts(g))
     for code in g.codes:
         _functions(g, code)
 
 
-def _numbers(code: BatchCode, rows: dict[int, tuple[int, Exact]], f: str, other: str) -> list[tuple[int, int]]:
-    """The pairs of hidden shafts that two flanges of the instances are at."""
+def _numbers(code: BatchCode, rows: HiddenRows, f: str, other: str) -> list[tuple[int, int]]:
+    """The pairs of hidden shafts that two flanges of the instances move with."""
     pairs = zip(code.batch.groups[f], code.batch.groups[other], strict=True)
-    return [(rows[a][0], rows[b][0]) for a, b in pairs if a in rows and b in rows]
+    return [ab for a, b in pairs if a in rows and b in rows for ab in product(rows[a], rows[b])]
 
 
-def _given(assembly: Assembly) -> set[int]:
-    """Groups with a given start angle."""
-    found = set()
+def _given(assembly: Assembly, rows: HiddenRows) -> set[int]:
+    """Hidden shafts with a given start angle, or with one that such an angle follows from."""
+    found: set[int] = set()
     for c in assembly.train.components:
         if any(getattr(c.block, name, None) is not None for name in ("phi0", "s0")):
-            found |= {assembly.group_of_node[node][0] for node in c.nodes if node >= 0}
+            for node in c.nodes:
+                found.update(rows.get(assembly.group_of_node[node][0], ()) if node >= 0 else ())
     return found
 
 
-def _refuse_inputs(g: Generator, rows: dict[int, tuple[int, Exact]], damped: list[bool]) -> None:
+def _refuse_inputs(g: Generator, rows: HiddenRows, damped: list[bool]) -> None:
     """A shaft that only springs hold cannot take the torque of an Input, whose rate nobody knows."""
     for code in g.codes:
         for f, torque in code.balance.torques.items():
             inner = {x for c in code.hoister.columns for x in c.expr.free_symbols if c.symbol in torque.free_symbols}
             roles = {code.law.pool.slots[x].role for x in inner | torque.free_symbols}
             for e, group in enumerate(code.batch.groups[f]):
-                if group in rows and not damped[rows[group][0]] and roles & {"input", "sense"}:
+                if not all(damped[i] for i in rows.get(group, ())) and roles & {"input", "sense"}:
                     raise ModelError(
                         f"'{code.paths[e]}': an Input or sensed signal acts on a shaft without inertia and damping; give the "
                         f"shaft one of them"
@@ -249,20 +254,30 @@ def _functions(g: Generator, code: BatchCode) -> None:
 def _slopes(code: BatchCode, massless: Massless, what: str, entries: dict[tuple[str, str], Any]) -> Function:
     targets, args = [], []
     for i, ((f, other), e) in enumerate(entries.items()):
-        slots, factors = [], []
-        for k, (a, b) in enumerate(zip(code.batch.groups[f], code.batch.groups[other], strict=True)):
-            inside = a in massless.rows and b in massless.rows
-            slots.append(massless.entry(massless.rows[a][0], massless.rows[b][0]) if inside else massless.n_entries - 1)
-            gain = code.batch.gains[f][k] * code.batch.gains[other][k]
-            factors.append(float(gain * massless.rows[a][1] * massless.rows[b][1]) if inside else 0.0)
-        name = f"{code.batch.name}_{what}{i}"
-        args += [
-            ("int", f"at{i}", column(f"{name}_at", slots)),
-            ("double", f"by{i}", Column(f"{name}_by", tuple(factors))),
-        ]
-        targets.append((f"{what}[at{i}]", "+=", e, False))
+        terms = _terms(code, massless, what, f, other)
+        for j in range(max(map(len, terms))):
+            here = [own[j] if j < len(own) else (massless.n_entries - 1, 0.0) for own in terms]
+            name = f"{code.batch.name}_{what}{i}_{j}"
+            args += [
+                ("int", f"at{i}_{j}", column(f"{name}_at", [place for place, _ in here])),
+                ("double", f"by{i}_{j}", Column(f"{name}_by", tuple(factor for _, factor in here))),
+            ]
+            targets.append((f"{what}[at{i}_{j}]", "+=", e, False))
     function = code.function(f"massless_{what}", targets)
     function.args += args
-    for i, statement in enumerate(function.body):
-        statement.rhs = f"by{i} * ({statement.rhs})"
+    for statement in function.body:
+        statement.rhs = f"by{statement.lhs[len(what) + 3 : -1]} * ({statement.rhs})"
     return function
+
+
+def _terms(code: BatchCode, massless: Massless, what: str, f: str, other: str) -> list[list[tuple[int, float]]]:
+    """(entry, factor) by instance of what a slope adds. Dampers add nothing where springs alone give a speed."""
+    found: list[list[tuple[int, float]]] = []
+    for k, (a, b) in enumerate(zip(code.batch.groups[f], code.batch.groups[other], strict=True)):
+        gain = code.batch.gains[f][k] * code.batch.gains[other][k]
+        pairs = product(massless.rows.get(a, {}).items(), massless.rows.get(b, {}).items())
+        found.append([
+            (massless.entry(one, two), float(gain * x * y))
+            for (one, x), (two, y) in pairs if what == "stiff" or not massless.floats & {one, two}
+        ])  # fmt: skip
+    return found

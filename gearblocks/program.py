@@ -82,6 +82,14 @@ class FollowerInfo(NamedTuple):
     factors: tuple[float, ...]
 
 
+class MovedInfo(NamedTuple):
+    """A start value of a shaft that something else moves: its name, the output that tells, and what does it, in words."""
+
+    name: str
+    output: str
+    by: str
+
+
 @dataclass(frozen=True, slots=True)
 class Program:
     """C source of one `gb_model` with the meaning of its vectors.
@@ -106,6 +114,7 @@ class Program:
     starts: tuple[StartInfo, ...] = ()
     structural: tuple[tuple[str, float], ...] = ()
     followers: tuple[FollowerInfo, ...] = ()
+    moved: tuple[MovedInfo, ...] = ()
 
     def to_bytes(self) -> bytes:
         """The program as bytes; its tables go column by column, which is much faster for long trains."""

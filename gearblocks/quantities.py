@@ -8,7 +8,7 @@ from gearblocks.assemble import HELD, expand_rows
 from gearblocks.batchcode import BatchCode
 from gearblocks.generator import Generator
 from gearblocks.graph import Component
-from gearblocks.program import FollowerInfo, Quantity, StartInfo
+from gearblocks.program import FollowerInfo, MovedInfo, Quantity, StartInfo
 from gearblocks.sliding import flange_names, slider_names, unit_along, words_along
 
 
@@ -100,3 +100,37 @@ def follower_infos(g: Generator) -> Iterator[FollowerInfo]:
                 if all(s < a.n_speeds for s in row.groups):
                     w = {lay.w0[s]: float(gain * x / a.starts[s].w0_gain) for s, x in row.groups.items()}
                     yield FollowerInfo(f"{c.path}.{speed}", tuple(w), tuple(w.values()))
+
+
+def moved_infos(g: Generator) -> Iterator[MovedInfo]:
+    """Start values of bodies on shafts that drives move, or whose speed or angle a balance of torques gives."""
+    causes = _causes(g)
+    for code in g.codes:
+        for flange, _ in code.law.bodies:
+            for c, group in zip(components_of(g, code), code.batch.groups[flange], strict=True):
+                found = causes.get(group, {})
+                names = flange_names(flange in c.sliders)
+                if "speed" in found:
+                    yield MovedInfo(f"{c.path}.{names[1]}", f"{c.path}.{flange}.{names[1]}", found["speed"])
+                if "angle" in found:
+                    yield MovedInfo(f"{c.path}.{names[0]}", f"{c.path}.{flange}.{names[0]}", found["angle"])
+
+
+def _causes(g: Generator) -> dict[int, dict[str, str]]:
+    """By group: what moves its speed and its angle, in words."""
+    a, massless = g.assembly, g.massless
+    found: dict[int, dict[str, str]] = {}
+    for i in range(a.n_hidden):
+        words = "the balance of torques at this shaft without inertia holds"
+        held = massless is not None and not massless.damped[i]
+        found[a.n_speeds + i] = {"speed": words} | ({"angle": words} if held else {})
+    for f in a.followers:
+        causes: dict[str, str] = {}
+        for source in f.sources:
+            causes |= found.get(source, {})
+        if f.drive is not None:
+            words = f"'{f.drive.path}' moves"
+            causes = {"speed": words} | ({} if f.drive.by_speed else {"angle": words})
+        if causes:
+            found[f.group] = causes
+    return found

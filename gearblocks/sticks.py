@@ -19,7 +19,9 @@ class StickOfKind:
 
     push: by flange, d slip / d w. lower, upper: of the held force (None: without limit). forward, backward: sizes of the
     force against the slip. of a Stop: gap and restitution. switches: numbers of its switches in the law by what they
-    watch: "slip" (or "gap"), "hold", "engaged". impulse, impacts: names of states.
+    watch: "slip" (or "gap", or "sign"), "hold", "engaged". impulse, impacts: names of states. of a LossyTie: the tie has
+    `share`, the part of its force that its partner loses while it slides; the loss has `losses` (share and rest driving, then
+    coasting).
     """
 
     name: str
@@ -34,6 +36,9 @@ class StickOfKind:
     restitution: Any = sp.S.Zero
     impulse: str | None = None
     impacts: str | None = None
+    losses: tuple[Any, ...] | None = None
+    share: Any = None
+    partner: str | None = None
     switches: dict[str, int] = field(default_factory=dict)
 
     @property
@@ -43,20 +48,89 @@ class StickOfKind:
 
     def expressions(self) -> list[Any]:
         """Everything that the solver evaluates at an event."""
-        found = [self.lower, self.upper, self.forward, self.backward, self.engaged, self.gap, self.restitution]
-        return [x for x in found if x is not None]
+        found = [
+            self.lower,
+            self.upper,
+            self.forward,
+            self.backward,
+            self.engaged,
+            self.gap,
+            self.restitution,
+            self.share,
+        ]
+        return [x for x in (*found, *(self.losses or ())) if x is not None]
 
     def changed(self, new: Callable[[Any], Any]) -> None:
         """Replaces every expression by new(expression)."""
-        for name in ("lower", "upper", "forward", "backward", "engaged", "gap", "restitution"):
+        for name in ("lower", "upper", "forward", "backward", "engaged", "gap", "restitution", "share"):
             value = getattr(self, name)
             if value is not None:
                 setattr(self, name, new(value))
+        if self.losses is not None:
+            self.losses = tuple(new(x) for x in self.losses)
+
+    @property
+    def kind(self) -> str:
+        """friction, stop, tie (of a LossyTie) or loss."""
+        return (
+            "stop"
+            if self.gap is not None
+            else "tie"
+            if self.share is not None
+            else "loss"
+            if self.losses
+            else "friction"
+        )
 
 
-def sticks_of(pool: Pool, flanges: Mapping[str, Any], items: list[d.Stick | d.Stop]) -> dict[str, StickOfKind]:
-    """The sticks and stops that a block yields, by name."""
-    return {x.name: _stick(pool, flanges, x) if isinstance(x, d.Stick) else _stop(pool, flanges, x) for x in items}
+def sticks_of(pool: Pool, flanges: Mapping[str, Any], items: list[Any]) -> dict[str, StickOfKind]:
+    """The sticks, stops and lossy ties that a block yields, by name."""
+    found: dict[str, StickOfKind] = {}
+    for x in items:
+        if isinstance(x, d.LossyTie):
+            found |= {"tie": _tie(pool, flanges, x), "loss": _loss(pool, flanges, x)}
+        else:
+            found[x.name] = _stick(pool, flanges, x) if isinstance(x, d.Stick) else _stop(pool, flanges, x)
+    return found
+
+
+def _directions(pool: Pool) -> tuple[Any, Any]:
+    """Direction of the loss, and sign of the force of the tie."""
+    return pool.symbol("direction", "loss", "dir_loss"), pool.symbol("direction", "tie", "dir_tie")
+
+
+def _either(pool: Pool, driving: Any, coasting: Any) -> Any:
+    """What holds for the present directions."""
+    direction, sign = _directions(pool)
+    same = (1 + direction * sign) / 2
+    return same * sp.sympify(driving) + (1 - same) * sp.sympify(coasting)
+
+
+def _tie(pool: Pool, flanges: Mapping[str, Any], item: d.LossyTie) -> StickOfKind:
+    slip = sp.expand(sp.sympify(item.tie))
+    push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
+    direction, _ = _directions(pool)
+    made = StickOfKind("tie", slip, push, partner="loss")
+    made.share = direction**2 * _either(pool, item.driving[0], item.coasting[0])
+    made.changed(lambda e: _along(e, sp.expand(item.slip), direction))
+    return made
+
+
+def _loss(pool: Pool, flanges: Mapping[str, Any], item: d.LossyTie) -> StickOfKind:
+    slip = sp.expand(sp.sympify(item.slip))
+    push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
+    size = _either(pool, item.driving[1], item.coasting[1])
+    made = StickOfKind("loss", slip, push, forward=size, backward=size, partner="tie")
+    made.losses = tuple(sp.sympify(x) for x in (*item.driving, *item.coasting))
+    made.changed(lambda e: _along(e, slip, _directions(pool)[0]))
+    return made
+
+
+def carried_loss(pool: Pool, sticks: Mapping[str, StickOfKind]) -> Any:
+    """Power that a lossy tie loses in proportion to its force, or None."""
+    if "tie" not in sticks or sticks["tie"].share is None:
+        return None
+    return sticks["tie"].share * pool.symbol("held", "tie", "held_tie") * sticks["loss"].slip
 
 
 def _state(pool: Pool, state: Any) -> str | None:

@@ -156,17 +156,18 @@ def _free_rotations(point: Point, whole: Motion, A: csc_array) -> Array:
     if N.shape[1] == 0:
         return N
     v = whole.speeds
-    answer, size = A[:, v] @ N, abs(A[:, v]) @ np.abs(N)
-    y = point.y[: A.shape[0]]
-    steps = steps_of(point.program, point.y)[v]  # a difference over a step leaves the rounding of all terms of its row
-    size += (_LEFT / _RESISTS) * (abs(A) @ np.abs(y) / steps.min())[:, None]
+    y, steps = np.abs(point.y[: A.shape[0]]), steps_of(point.program, point.y)[v]
+    # by rows: what columns have in common must stay; a difference over a step leaves the rounding of all terms of its row
+    rounding = _LEFT / _RESISTS * (abs(A) @ y) / steps.min()
+    answer, size = A[:, v] @ N, (abs(A[:, v]) @ np.abs(N)).max(axis=1) + rounding
+    answer[whole.coordinates] = whole.B @ N  # known without differences
+    size[whole.coordinates] = (abs(whole.B) @ np.abs(N)).max(initial=0.0)
     if _angle_is_state(point, whole):
         answer[whole.angles] = 0.0
         turned = A[:, whole.angles].toarray()
-        answer, size = (
-            np.vstack([answer, turned]),
-            np.vstack([size, np.full(turned.shape, abs(A).max() if A.nnz else 0.0)]),
-        )
+        answer = np.vstack([answer, turned])
+        size = np.concatenate([size, np.full(len(turned), abs(A).max() if A.nnz else 0.0)])
+    size = size[:, None]
     scaled = np.divide(answer, size, out=np.zeros_like(answer), where=size > 0)
     _, sizes, rows = np.linalg.svd(scaled, full_matrices=True)
     full = np.concatenate([sizes, np.zeros(rows.shape[0] - len(sizes))])

@@ -20,7 +20,7 @@ _VECTORS = (
     "par", "before", "mode", "tau", "y", "loop", "phi", "whole", "gain", "bias", "surplus", "w", "alpha", "torque", "growth",
     "drag", "stiff", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo",
     "hi", "kept", "diag", "lower", "upper", "slope", "change", "speed", "turn", "rise",
-    "coef", "entry", "held", "limit",
+    "coef", "entry", "held", "limit", "skew",
 )  # fmt: skip
 _INTEGERS = ("full", "i")
 _SCALARS = ("g",)
@@ -114,7 +114,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "name": _c_string(assembly.train.name),
         "functions": functions,
         "all_functions": [f for group in functions.values() for f in group] + [f for f, _ in senses],
-        **_linear(g),
+        **_linear(g, angles_in_law),
         "senses": [_sense_call(f, call) for f, call in senses],
         "law_senses": [_sense_call(f, call) for f, call in senses if int(f.name.split("_")[1]) in _law_senses(g)],
         "columns": list({c.name: c for f in _all(g) for c in f.tables}.values()),
@@ -222,7 +222,8 @@ def _drive_calls(g: Generator, angles: Sequence[FunctionView]) -> dict[int, str]
         (groups,) = (c for _, name, c in view.function.args if name.startswith("into"))
         for i, f in enumerate(followers):
             if f.drive is not None and f.group in groups.values:
-                calls[f.group] = _sense_call(view, g.motion.calls[i] if g.motion else "")
+                call = _sense_call(view, g.motion.calls[i] if g.motion else "")
+                calls[f.group] = f"phi[{f.group}] = 0.0, {call}" if f.drive.rides else call  # it reads its own angle
     return calls
 
 
@@ -264,11 +265,12 @@ def _all(g: Generator) -> list[Function]:
     return found + [s.function for s in g.senses.values() if s.function is not None]
 
 
-def _linear(g: Generator) -> dict[str, Any]:
+def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
     """What the template of the implicit part names."""
     linear = g.linear
     if linear is None:
         return {"linear": None}
+    tilted = angles_in_law and g.assembly.driven
     slopes = [(function_view(s.slope), s.slope_args) for s in linear.senses]
     changes = [(function_view(s.change), s.change_args) for s in linear.senses]
     return {
@@ -280,7 +282,7 @@ def _linear(g: Generator) -> dict[str, Any]:
         "terms": _terms(linear.terms),
         "simple": sparse("simple", linear.computed.simple if linear.computed else []),
         "heavy": _rows_of(linear.computed.heavy if linear.computed else []),
-        "following": [sparse(name, rows) for name, rows in _following(g, linear.following).items()],
+        "following": [sparse(name, rows) for name, rows in _following(linear.following, tilted).items()],
     }
 
 
@@ -298,12 +300,12 @@ def _rows_of(rows: Sequence[Mapping[int, int]]) -> dict[str, list[int]]:
     return {"start": start, "index": [x for x, _ in items], "number": [number for _, number in items]}
 
 
-def _following(g: Generator, f: Following | None) -> dict[str, list[dict[int, Exact]]]:
-    """The tables of groups that follow others; with tilts where laws read angles and drives move some."""
+def _following(f: Following | None, tilted: bool) -> dict[str, list[dict[int, Exact]]]:
+    """The tables of groups that follow others; tilted: laws read angles, and drives move some."""
     if f is None:
         return {}
     tables = {"speeds": f.speeds, "heavy": f.heavy, "turn": f.torques}
-    if g.assembly.driven and g.lay.angle0 < g.lay.n:
+    if tilted:
         tables |= {"tilt": f.tilts, "state_tilt": f.state_tilts}
     return {**tables, "rise": f.growths} if f.by_rate else tables
 

@@ -113,18 +113,15 @@ static int settle_with_locks(gb_sim *sim, int log) {
     return code;
 }
 
-/* Shafts without inertia into balance, then the modes once more. */
+/* Shafts without inertia into balance, and the modes that belong to it. */
 static int balance(gb_sim *sim, int starting) {
-    int code = GB_DONE;
-    if (sim->model->settle) {
-        code = gb_columns_at(sim, sim->head->t1);
-        if (code == GB_DONE) {
-            sim->model->settle(sim->par, sim->mode, sim->tau_one, sim->y, starting);
-            code = gb_settle(sim, !starting);
-        }
-        if (code == GB_DONE) {
-            sim->model->settle(sim->par, sim->mode, sim->tau_one, sim->y, starting);
-        }
+    int code = sim->model->settle ? gb_columns_at(sim, sim->head->t1) : GB_DONE;
+    uint64_t modes = ~sim->head->modes;
+    for (int round = 0; round < GB_FLIPS && sim->model->settle && code == GB_DONE && modes != sim->head->modes;
+         round++) {
+        modes = sim->head->modes;
+        sim->model->settle(sim->par, sim->mode, sim->tau_one, sim->y, starting);
+        code = gb_settle(sim, !starting);
     }
     return code;
 }
@@ -302,12 +299,11 @@ void gb_time_modes(gb_sim *sim, int log) {
     gb_refresh_breaks(sim, 1);
 }
 
-/* Modes at the start: those of time just after it, then those of the state until they agree with each other. */
-int gb_modes_start(gb_sim *sim) {
+/* Modes of the state's switches until they agree with each other. */
+static int modes_of_state(gb_sim *sim) {
     const gb_model *model = sim->model;
-    int code = GB_DONE, changed = 1, last = 0;
-    gb_time_modes(sim, 0);
-    for (int round = 0; round < GB_FLIPS && changed && model->n_surfaces > 0; round++) {
+    int code = GB_DONE, changed = model->n_surfaces > 0, last = 0;
+    for (int round = 0; round < GB_FLIPS && changed; round++) {
         changed = 0;
         code = gb_surfaces_now(sim);
         for (int i = 0; i < model->n_surfaces && code == GB_DONE; i++) {
@@ -319,8 +315,35 @@ int gb_modes_start(gb_sim *sim) {
             }
         }
     }
-    if (code != GB_DONE || (changed && model->n_surfaces > 0)) {
-        return code != GB_DONE ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->t1, sim->s[last]);
+    return code == GB_DONE && changed ? gb_fail(sim, GB_ERR_BRANCH, last, sim->head->t1, sim->s[last]) : code;
+}
+
+/* Start values are worked out with modes (a ratio law on its segment), and modes with start values: until both stay. */
+static int start_with_modes(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const size_t size = sizeof(double) * (size_t)model->n_total;
+    int code = modes_of_state(sim);
+    for (int round = 0; round < GB_FLIPS && code == GB_DONE; round++) {
+        memcpy(sim->z, sim->y, size);
+        code = gb_columns_at(sim, sim->head->t1);
+        model->start(sim->par, sim->mode, sim->tau_one, sim->y);
+        gb_turns_wrap(sim, 0);
+        if (code != GB_DONE || memcmp(sim->z, sim->y, size) == 0) {
+            break;
+        }
+        gb_weights_grow(sim, sim->y);
+        code = modes_of_state(sim);
+    }
+    return code;
+}
+
+/* Modes at the start: those of time just after it, then those of the state. fresh: its values are those of model->start. */
+int gb_modes_start(gb_sim *sim, int fresh) {
+    const gb_model *model = sim->model;
+    gb_time_modes(sim, 0);
+    int code = fresh && model->n_surfaces > 0 ? start_with_modes(sim) : modes_of_state(sim);
+    if (code != GB_DONE) {
+        return code;
     }
     code = gb_settle(sim, 0);
     if (code == GB_DONE) {

@@ -146,6 +146,10 @@ struct gb_sim {
     double *slip, *slip_rounding, *lock_size, *limit, *response, *lock_matrix, *lock_right, *lock_lo, *lock_hi,
         *lock_force;
     double *lock_other, *lock_old, *lock_before, *lock_bare, *lock_mode, *shrink, *other_mode;
+    double *base_mode, *base_sign, *best_mode, *best_rate;
+    const double *look; /* the state by which it is decided */
+    double fastest;     /* of the accelerations when nothing is held */
+    int lock_count, *base_state, *best_state, *option;
     int *lock_index, *lock_state, *was_shared, *released, *struck;
     double *grip, *grip_answer, *grip_inverse; /* rows of what holds, what an implicit step answers to them */
     gb_source *sources;
@@ -159,6 +163,14 @@ static inline double gb_max(double a, double b) {
 }
 static inline double gb_min(double a, double b) {
     return a < b ? a : b;
+}
+
+/* How far beyond a limit switch i may go by rounding. A state that comes to rest on the limit of a continuous law moves
+ * by the rounding of rates that cancel: each flip without progress of time doubles it, until the next that stands
+ * alone. */
+static inline double gb_limit_rounding(const gb_sim *sim, int i, double limit) {
+    return ldexp(64.0 * DBL_EPSILON * (fabs(sim->s0[i]) + fabs(limit)),
+                 sim->flips[i] > 1.0 ? (int)sim->flips[i] - 1 : 0);
 }
 
 /* How finely an instant can be told near t in a step of size h. */
@@ -236,11 +248,11 @@ int gb_watch_general(gb_sim *sim);
 int gb_settle_locks(gb_sim *sim, int log);
 void gb_remember(gb_sim *sim, double *mode, const double *tau, const double *y);
 const double *gb_full_modes(gb_sim *sim, const double *mode, const double *tau, const double *y);
-int gb_project(gb_sim *sim);
+int gb_project(gb_sim *sim, const double *tau);
 void gb_size_locks(gb_sim *sim);
 
 /* gb_event.c */
-int gb_modes_start(gb_sim *sim);
+int gb_modes_start(gb_sim *sim, int fresh);
 int gb_count_flip(gb_sim *sim, int i);
 void gb_rehash(gb_sim *sim);
 int gb_settle(gb_sim *sim, int log);

@@ -323,6 +323,26 @@ static inline int gb_lock_box(int n, const double *A, const double *b, const dou
     return 1;
 }
 
+/* Columns of lossy ties: of their force the partner takes the part skew[j] away again. */
+static inline void gb_lock_skew(int n, const int *partner, const double *skew, double *matrix) {
+    for (int j = 0; j < n; j++) {
+        for (int i = 0; i < n && skew[j] != 0.0; i++) {
+            matrix[i * n + j] -= skew[j] * matrix[i * n + partner[j]];
+        }
+    }
+}
+
+/* By how much a lossy tie at rest leaves the range between its losses in either direction. limit: share and rest of the
+ * force lost driving, then coasting; carried: the force of the tie, held: that of the loss. With the force f = carried
+ * + held that leaves the tie, sliding asks for carried = (f + rest)/(1 - share) driving, (f - rest)/(1 - share)
+ * coasting; taken over f, the range holds for ties that lock themselves too. */
+static inline double gb_lock_loss_excess(const double *limit, double carried, double held) {
+    const double f = carried + held, side = f >= 0.0 ? 1.0 : -1.0;
+    const double driving = (f + side * limit[1]) / (1.0 - limit[0]),
+                 coasting = (f - side * limit[3]) / (1.0 - limit[2]);
+    return fmax(side * (carried - driving), side * (coasting - carried));
+}
+
 /* By how much the force of each stuck lock exceeds its limits, < 0 inside; -1 for all others. Locks that share a load
  * share it by minimum norm within their limits, and exceed them together once there is no such split. */
 static inline void gb_lock_share(int n, const double *memory, const double *matrix, const int *stuck,

@@ -43,13 +43,15 @@ typedef struct gb_counted {
     const double *steps;
 } gb_counted;
 
-/* Friction that can stick, or a lock (is_stop 0), or a stop. Its slip is a form of the speeds; its switches: slip
- * (mode: the direction in which it slides, 0 when stuck or free; of a stop its gap), hold (mode 1 while stuck or
- * closed; quantity: by how much the held force exceeds its limits) and free (mode 1 where it does not rub; -1: tell by
- * its limits). impulse, impacts: states that keep the last impulse and count (-1: none); loss: entry of y that counts
- * what impacts lose. */
+/* Friction that can stick, or a lock; a stop; a lossy tie and, as its partner, its loss. Its slip is a form of the
+ * speeds; its switches: slip (mode: the direction in which it slides, 0 when stuck or free; of a stop its gap; of a tie
+ * the sign of its force), hold (mode 1 while stuck or closed; quantity: by how much the held force exceeds its limits)
+ * and free (mode 1 where it does not rub; -1: tell by its limits). impulse, impacts: states that keep the last impulse
+ * and count (-1: none); loss: entry of y that counts what impacts lose. */
+enum { GB_FRICTION, GB_STOP, GB_TIE, GB_LOSS };
+
 typedef struct gb_lock {
-    int is_stop, slip, hold, free, impulse, impacts, loss;
+    int kind, partner, slip, hold, free, impulse, impacts, loss;
 } gb_lock;
 
 struct gb_lock_rows;
@@ -133,7 +135,8 @@ typedef struct gb_model {
 
     /* What sticks (n_locks 0: nothing does). Behind the modes lie n_memory doubles that `remember` fills from them and
      * that every function with `mode` reads: which rows hold, see gb_lock.h. slips: of all locks, with dy their rates;
-     * pulls: n_locks x n_locks, slip acceleration i per force j; grip: the row of one of them over the speeds; push:
+     * pulls: n_locks x n_locks, slip acceleration i per force j; grip: the row of one of them over the speeds
+     * (with `force` what its force does to them); push:
      * adds what impulses along the slips do to the speeds of y; project: removes slips of what sticks; limits: five
      * numbers per lock (least and largest held force, sizes of the force against forward and backward slip, engagement;
      * of a stop the third is its restitution); holding: held forces, and by how much they exceed their limits. */
@@ -143,9 +146,10 @@ typedef struct gb_model {
     const struct gb_lock_rows *lock_rows;
     void (*slips)(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
                   double *slip);
-    void (*pulls)(const double *par, const double *mode, const double *tau, const double *y, double *matrix);
+    void (*pulls)(const double *par, const double *mode, const double *tau, const double *y, int lossy, double *matrix);
     void (*push)(const double *par, const double *mode, const double *tau, const double *impulse, double *y);
-    void (*grip)(const double *par, const double *mode, const double *tau, const double *y, int i, double *row);
+    void (*grip)(const double *par, const double *mode, const double *tau, const double *y, int i, int force,
+                 double *row);
     void (*remember)(const double *par, double *mode, const double *tau, const double *y);
     void (*project)(const double *par, const double *mode, const double *tau, double *y);
     void (*limits)(const double *par, const double *mode, const double *tau, const double *y, double *limit);

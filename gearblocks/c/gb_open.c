@@ -69,12 +69,13 @@ static size_t lay_block(gb_sim *sim, char *base) {
 static void lay_locks(gb_sim *sim, char *base, size_t *at) {
     const gb_model *m = sim->model;
     const long n = m->n_locks;
-    double **const by_lock[] = {&sim->slip,     &sim->slip_rounding, &sim->lock_size,  &sim->lock_right,
-                                &sim->lock_lo,  &sim->lock_hi,       &sim->lock_force, &sim->lock_other,
-                                &sim->lock_old, &sim->lock_before,   &sim->lock_bare,  &sim->lock_mode,
-                                &sim->shrink};
+    double **const by_lock[] = {
+        &sim->slip,       &sim->slip_rounding, &sim->lock_size, &sim->lock_right,  &sim->lock_lo,   &sim->lock_hi,
+        &sim->lock_force, &sim->lock_other,    &sim->lock_old,  &sim->lock_before, &sim->lock_bare, &sim->lock_mode,
+        &sim->shrink,     &sim->base_mode,     &sim->base_sign, &sim->best_mode,   &sim->best_rate};
     double **const by_pair[] = {&sim->response, &sim->lock_matrix, &sim->grip_inverse};
-    int **const marks[] = {&sim->lock_index, &sim->lock_state, &sim->was_shared, &sim->released, &sim->struck};
+    int **const marks[] = {&sim->lock_index, &sim->lock_state, &sim->was_shared, &sim->released,
+                           &sim->struck,     &sim->base_state, &sim->best_state, &sim->option};
     for (size_t i = 0; i < sizeof by_lock / sizeof by_lock[0]; i++) {
         *by_lock[i] = doubles(base, at, n);
     }
@@ -264,7 +265,7 @@ int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0
     if (code == GB_DONE) {
         gb_turns_wrap(sim, 0);
         gb_weights_grow(sim, sim->y);
-        code = gb_modes_start(sim);
+        code = gb_modes_start(sim, y0 == NULL);
     }
     sim->head->started = code == GB_DONE;
     return code;

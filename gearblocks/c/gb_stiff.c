@@ -116,9 +116,9 @@ static void factor_holding(gb_sim *sim) {
     for (int j = 0; j < n; j++) {
         double *row = sim->grip + (size_t)j * (size_t)model->n_speeds;
         double *answer = sim->grip_answer + (size_t)j * (size_t)size;
-        model->grip(sim->par, sim->mode, sim->tau, sim->y0, holding(sim, j), row);
+        model->grip(sim->par, sim->mode, sim->tau, sim->y0, holding(sim, j), 0, row);
         memset(sim->unknown, 0, sizeof(double) * (size_t)size);
-        memcpy(sim->unknown + first, row, sizeof(double) * (size_t)model->n_speeds);
+        model->grip(sim->par, sim->mode, sim->tau, sim->y0, holding(sim, j), 1, sim->unknown + first);
         gb_solve(model->pattern, sim->inverse, sim->lower, sim->upper, sim->unknown, sim->work, answer);
     }
     for (int i = 0; i < n; i++) {

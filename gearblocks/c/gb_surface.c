@@ -19,7 +19,7 @@ static int surfaces_at(gb_sim *sim, double theta, double *s) {
 /* Distance of surface i to its limit `side`; from its start value where it sits on the limit. */
 static double distance(const gb_sim *sim, int i, double side, double s) {
     const double limit = side < 0.0 ? sim->lo[i] : sim->hi[i];
-    const double rounding = 64.0 * DBL_EPSILON * (fabs(sim->s0[i]) + fabs(limit));
+    const double rounding = gb_limit_rounding(sim, i, limit);
     const double start = side * (limit - sim->s0[i]);
     const double from = sim->on[i] == side || start <= rounding ? sim->s0[i] : limit;
     return side * (from - s);
@@ -83,6 +83,24 @@ static int may_dip(double before, double here, double after) {
     return here <= before && here <= after && here < 0.5 * drop;
 }
 
+/* A surface that sits on its limit and is beyond it at b, by -fb: it may have moved inside first. Between 0 and b that
+ * is looked for ever closer to the start; the root is the return, or 0 where the surface was never inside. */
+static int return_root(gb_sim *sim, int i, double side, double b, double fb, double tolerance, double *root) {
+    const double rounding = gb_limit_rounding(sim, i, 0.0);
+    int code = GB_DONE;
+    *root = 0.0;
+    for (double a = 0.0625 * b; fb < -rounding && a > tolerance && code == GB_DONE; a *= 0.0625) {
+        code = surfaces_at(sim, a, sim->s);
+        const double fa = distance(sim, i, side, sim->s[i]);
+        if (code == GB_DONE && fa > rounding) {
+            return true_root(sim, i, side, a, b, fa, fb, tolerance, root);
+        }
+        b = a;
+        fb = fa;
+    }
+    return code;
+}
+
 /* When surface i leaves through its limit `side`. */
 static int first_through(gb_sim *sim, int i, double side, double tolerance, double *first) {
     const int n = sim->model->n_surfaces;
@@ -95,12 +113,11 @@ static int first_through(gb_sim *sim, int i, double side, double tolerance, doub
         f[l] = distance(sim, i, side, sim->samples[(size_t)l * (size_t)n + (size_t)i]);
     }
     const int sitting = f[0] == 0.0;
-    const double rounding = 64.0 * DBL_EPSILON * fabs(sim->s0[i]);
+    const double rounding = gb_limit_rounding(sim, i, 0.0);
     for (int l = 1; l < POINTS; l++) {
         if (f[l] < (sitting ? -rounding : 0.0)) {
             if (sitting && l == 1) {
-                *first = 0.0;
-                return GB_DONE;
+                return return_root(sim, i, side, places[l], f[l], tolerance, first);
             }
             return true_root(sim, i, side, places[l - 1], places[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
         }

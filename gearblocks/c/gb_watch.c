@@ -154,11 +154,11 @@ static double first_through(gb_sim *sim, int i, double side, const double *p, co
     if (fabs(limit) >= HUGE_VAL) {
         return 2.0;
     }
-    const double rounding = 64.0 * DBL_EPSILON * (fabs(s) + fabs(limit));
+    const double rounding = gb_limit_rounding(sim, i, limit);
     g.start = side < 0.0 ? s - limit : limit - s;
     g.sitting = sim->on[i] == side || g.start <= rounding;
     gauge_fill(&g, p, d, &at);
-    if (g.sitting && at.value[0] < 0.0 && !moves_away(&at, rounding)) {
+    if (g.sitting && (at.value[0] < 0.0 || sim->flips[i] > 1.0) && !moves_away(&at, rounding)) {
         return 2.0;
     }
     return gauge_first(&g, &at, tolerance);

@@ -217,3 +217,37 @@ def test_a_law_of_backlash_survives_the_round_trip_through_a_file(gap, tmp_path)
     rig = _rig(gap)
     rig.to_json(tmp_path / "rig.json")
     assert gb.Drivetrain.from_json(tmp_path / "rig.json")["spline"] == rig["spline"]
+
+
+@pytest.mark.parametrize("method", ["dp8", "dp5", "rodas"])
+@pytest.mark.parametrize("c", [0.3, 0.7, 1.1, 1.5])
+def test_a_shaft_without_inertia_creeps_to_the_edge_of_its_gap_and_rests_there(method, c):
+    """There both rates of the deflection are 0 to rounding: flips that rounding alone asks for end by themselves."""
+    rig = gb.Drivetrain("rest")
+    disc, drive = rig.add("disc", gb.Inertia(J=1.0, w0=2.0)), rig.add("drive", gb.Torque(tau=10 * gb.sin(7 * gb.time)))
+    lash = rig.add("lash", gb.Lash(k=150.0, c=c, half_gap=0.02, contact_damping="always"))
+    node = rig.add("node", gb.Inertia(J=0.0, phi0=0.1))
+    rig.connect(drive.flange, disc.a)
+    rig.connect(disc.b, lash.a)
+    rig.connect(lash.b, node.a)
+    run = gb.simulate(rig, t=np.linspace(0, 3, 61), rtol=1e-9, method=method)
+    creep = 0.02 + 0.08 * np.exp(-150.0 / c * run.t)
+    assert run["lash.twist"] == pytest.approx(creep, abs=1e-9)  # the tolerance
+
+
+def test_a_shaft_without_inertia_between_gaps_starts_where_its_contacts_balance():
+    """One contact opens as the shaft moves, which lets it on into a third: balance and sides are found together."""
+    rig = gb.Drivetrain("three gaps")
+    node, ground = rig.add("node", gb.Inertia(J=0.0)), rig.add("ground", gb.Fixed())
+    pusher, opener = rig.add("pusher", gb.Inertia(J=1.0, phi0=0.1)), rig.add("opener", gb.Inertia(J=1.0, phi0=0.1))
+    gaps = {"pushing": 0.02, "opening": 0.05, "stopping": 0.07}
+    lashes = {n: rig.add(n, gb.Lash(k=100.0, c=1.0, half_gap=gap, contact_damping="always")) for n, gap in gaps.items()}
+    rig.connect(node.a, *(lash.b for lash in lashes.values()))
+    rig.connect(pusher.a, lashes["pushing"].a)
+    rig.connect(opener.a, lashes["opening"].a)
+    rig.connect(ground.flange, lashes["stopping"].a)
+    run = gb.simulate(rig, t_end=0.01)
+    # 100 (0.1 - 0.02 - phi) = 100 (phi - 0.07); a digit lost by each of the Newton steps from 0
+    assert run["node.phi"][0] == pytest.approx(0.075, abs=1e-14)
+    assert [run[f"{n}.contact"][0] for n in gaps] == [-1, 0, 1]
+    assert run.energy.residual < 1e-9

@@ -201,6 +201,23 @@ def test_a_damper_takes_one_free_rotation_only_however_the_free_ones_mix():
     assert len(modes.decays) == 1
 
 
+def test_a_mesh_strained_by_every_free_rotation_takes_one_of_them_however_stiff_it_is():
+    rig = gb.Drivetrain("mesh on a differential")
+    mesh = rig.add("mesh", gb.GearMesh(teeth=(54, 43), external=True, r_base=(0.054, 0.043), k=4.7e4, c=82.0))
+    fork, planet = rig.add("fork", gb.Differential(ratio=3.7)), rig.add("planet", gb.IdealPlanetary(ratio=1.5))
+    J = {"a": 0.79, "b": 1.94, "c": 0.72, "d": 2.81, "e": 2.37, "f": 2.85}
+    a, b, c, d, e, f = (rig.add(name, gb.Inertia(J=J[name])) for name in J)
+    damper = rig.add("damper", gb.Damper(c=1.54))
+    rig.connect(a.a, mesh.pinion, damper.a, fork.right, planet.carrier)
+    rig.connect(f.a, mesh.wheel, damper.b)
+    rig.connect(e.a, mesh.carrier, fork.left)
+    rig.connect(d.a, fork.carrier)
+    rig.connect(b.a, planet.sun)
+    rig.connect(c.a, planet.ring)
+    # four degrees of freedom, two of them free: the mesh strains one, the damper hinders one more
+    assert gb.modes(rig, at=None).free == 2
+
+
 def test_a_free_train_whose_law_reads_its_angle_turns_freely_too():
     class Spring(gb.Block):
         a, b = gb.Flange("left end"), gb.Flange("right end")

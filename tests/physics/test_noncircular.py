@@ -277,3 +277,14 @@ def test_friction_as_a_square_wave_raises_and_lowers_the_moment():
     assert run.energy.residual < 1e-8
     with pytest.raises(gb.ModelError, match="knows no teeth to slide on"):
         _rig(ELLIPSE, friction=gb.ToothFriction(mu=0.1))
+
+
+@pytest.mark.parametrize("method", ["auto", "dp8", "rodas"])
+def test_a_pair_that_dips_into_its_gap_for_less_than_a_step_goes_on(method):
+    """Left at -q', the flank is met again after 2 q'/q'': far sooner than the steps that the free flight allows."""
+    rig = _rig(ELLIPSE, external=True, k=1e4, c=1.0, backlash=gb.Backlash(half_gap=1e-3), load=0.0)
+    rig = rig.set({"one.J": 0.1, "two.J": 0.05, "drive.tau": 1.0, "one.w0": 0.0, "two.w0": 0.0})
+    run = gb.simulate(rig, t_end=1.0, rtol=1e-9, method=method)
+    assert {-1.0, 0.0, 1.0} == set(run["mesh.contact"])
+    assert run.energy.residual < 1e-8
+    assert np.abs(run["mesh.deflection"]).max() < 3e-3

@@ -98,6 +98,30 @@ def test_a_closed_loop_of_fifty_gear_pairs_is_found_redundant_exactly() -> None:
         gb.build(_ring_of_gears(50, last=(46, 25)))
 
 
+def test_equal_gear_pairs_side_by_side_share_the_torque_equally() -> None:
+    rig = gb.Drivetrain("side by side")
+    one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=2.0))
+    for i in range(3):
+        gear = rig.add(f"gear{i}", gb.IdealGear(ratio=-2.0))
+        rig.connect(one.b, gear.a)
+        rig.connect(two.a, gear.b)
+    rig.connect(rig.add("drive", gb.Torque(tau=9.0)).flange, one.a)
+    run = gb.simulate(rig, t_end=1.0)
+    alpha = 9.0 / (1.0 + 2.0 / 4)
+    for i in range(3):
+        assert run[f"gear{i}.a.tau"][-1] == pytest.approx((alpha - 9.0) / 3, rel=1e-14)
+        assert run[f"gear{i}.torque"][-1] == pytest.approx(2.0 * -alpha / 2 / 3, rel=1e-14)
+
+
+def test_a_shaft_that_two_walls_hold_loads_both_alike() -> None:
+    rig = gb.Drivetrain("two walls")
+    body = rig.add("body", gb.Inertia(J=1.0))
+    left, right = rig.add("left", gb.Fixed()), rig.add("right", gb.Fixed())
+    rig.connect(rig.add("drive", gb.Torque(tau=4.0)).flange, body.a, left.flange, right.flange)
+    run = gb.simulate(rig, t_end=1.0)
+    assert run["left.torque"][-1] == run["right.torque"][-1] == -2.0
+
+
 def test_two_planetaries_that_share_two_shafts_have_one_degree_of_freedom_less_each() -> None:
     """A Simpson set: common sun; carrier of the first tied to the ring of the second."""
     rig = gb.Drivetrain("simpson")
@@ -202,6 +226,74 @@ def test_angles_that_are_all_prescribed_or_held_leave_the_implicit_method_its_ta
     assert run["last.phi"] == pytest.approx(other["last.phi"], abs=1e-7)  # the tolerance of rodas over its steps
 
 
+@pytest.mark.parametrize("method", ["rodas", "dp8"])
+def test_a_dashpot_drawn_through_a_spring_follows_a_prescribed_angle_late(method: str) -> None:
+    """No shaft has a speed of its own: phi' = (k/d) (sin t - phi) is all that is left."""
+    rig = gb.Drivetrain("no speeds")
+    angle, disc = rig.add("angle", gb.Angle(phi=gb.sin(gb.time))), rig.add("disc", gb.Inertia(J=2.0))
+    stay, spring = rig.add("stay", gb.Shaft(k=100.0)), rig.add("spring", gb.Shaft(k=50.0))
+    late, dashpot = rig.add("late", gb.Inertia(J=0.0, phi0=0.0)), rig.add("dashpot", gb.Damper(c=10.0))
+    ground = rig.add("ground", gb.Fixed())
+    rig.connect(angle.flange, disc.a, stay.a, spring.a)
+    rig.connect(spring.b, late.a, dashpot.a)
+    rig.connect(stay.b, dashpot.b, ground.flange)
+    run = gb.simulate(rig, t_end=2.0, rtol=1e-9, method=method)
+    exact = 5 / 26 * (5 * np.sin(run.t) - np.cos(run.t) + np.exp(-5 * run.t))
+    assert run["late.phi"] == pytest.approx(exact, abs=1e-7)  # the tolerance over the steps
+    assert run["stay.torque"] == pytest.approx(100 * np.sin(run.t), abs=1e-9)  # 100 N m, to rounding
+
+
+@pytest.mark.parametrize("method", ["auto", "dp8", "rodas", "rk4"])
+def test_a_train_whose_every_motion_is_prescribed_or_held_runs_by_every_method(method: str) -> None:
+    step = {"step": 0.01} if method == "rk4" else {"rtol": 1e-10}
+    rig = gb.Drivetrain("told")
+    drive, disc = rig.add("drive", gb.Speed(w=2 + gb.sin(gb.time))), rig.add("disc", gb.Inertia(J=2.0))
+    shaft, wall = rig.add("shaft", gb.Shaft(k=10.0)), rig.add("wall", gb.Fixed())
+    rig.connect(drive.flange, disc.a, shaft.a)
+    rig.connect(shaft.b, wall.flange)
+    run = gb.simulate(rig, t_end=1.0, method=method, **step)
+    turned = 2 * run.t + 1 - np.cos(run.t)
+    assert run["drive.torque"] == pytest.approx(2 * np.cos(run.t) + 10 * turned, abs=1e-7)  # of 40 N m, the tolerance
+    assert run.energy.residual < 1e-8
+    alone = gb.Drivetrain("held")
+    disc, wall = alone.add("disc", gb.Inertia(J=2.0)), alone.add("wall", gb.Fixed())
+    alone.connect(disc.a, wall.flange)
+    assert gb.simulate(alone, t_end=1.0, method=method, **step)["disc.w"].max() == 0.0
+    assert gb.modes(rig, at=None).free == gb.modes(alone, at=None).free == 0
+
+
+@pytest.mark.parametrize("by_angle", [False, True])
+def test_a_motor_that_stands_on_a_shaft_geared_to_its_own_turns_both(by_angle: bool) -> None:
+    """w_a - w_b = w and w_b = w_a/3 give w_a = 3/2 w; the torque of the motor turns both discs."""
+    rig = gb.Drivetrain("riding motor")
+    motor = gb.Angle(phi=gb.sin(gb.time)) if by_angle else gb.Speed(w=gb.cos(gb.time))
+    drive, gear = rig.add("drive", motor), rig.add("gear", gb.IdealGear(ratio=3.0))
+    a, b, spring = rig.add("a", gb.Inertia(J=1.0)), rig.add("b", gb.Inertia(J=9.0)), rig.add("s", gb.Shaft(k=36.0))
+    ground = rig.add("ground", gb.Fixed())
+    rig.connect(drive.flange, gear.a, a.a)
+    rig.connect(drive.housing, gear.b, b.a)
+    rig.connect(gear.housing, ground.flange)
+    rig.connect(b.b, spring.a)
+    rig.connect(spring.b, rig.add("wall", gb.Fixed()).flange)
+    for method in ("dp8", "rodas"):
+        run = gb.simulate(rig, t_end=1.0, rtol=1e-10, method=method)
+        assert run["a.w"] == pytest.approx(1.5 * np.cos(run.t), abs=1e-14)  # to rounding
+        assert run["b.w"] == pytest.approx(0.5 * np.cos(run.t), abs=1e-14)
+        # power: tau w = (J_a + J_b/9) w_a' w_a + k phi_b w_b, with w = 2/3 w_a = 2 w_b
+        torque = 1.5 * 2.0 * 1.5 * -np.sin(run.t) + 0.5 * 36.0 * 0.5 * np.sin(run.t)
+        assert run["drive.torque"] == pytest.approx(torque, abs=1e-8)  # the tolerance over the steps
+        assert run.energy.residual < 1e-9
+
+
+def test_a_motor_between_shafts_that_turn_as_one_is_refused() -> None:
+    rig = gb.Drivetrain("locked motor")
+    drive, a = rig.add("drive", gb.Speed(w=1.0)), rig.add("a", gb.Inertia(J=1.0))
+    rig.connect(drive.flange, a.a)
+    rig.connect(drive.housing, a.b)
+    with pytest.raises(gb.ModelError, match="'drive' prescribes a motion between shafts that are tied rigidly"):
+        gb.build(rig)
+
+
 def test_an_input_as_a_prescribed_motion_needs_a_filter() -> None:
     for kind, signal in ((gb.Speed, "w"), (gb.Angle, "phi")):
         value = gb.Input("wish", start=2.0, unit="1")
@@ -281,6 +373,87 @@ def test_a_damper_at_a_shaft_without_inertia_makes_a_state_of_first_order() -> N
     assert np.abs(run["node.phi"] - 0.1 * np.exp(-5.0 * run.t)).max() < 1e-10
     assert abs(run.energy.residual) < 1e-9
     assert np.isnan(run["node.alpha"]).all()  # a shaft without inertia has no equation for it
+
+
+@pytest.mark.parametrize("method", ["dp8", "rodas"])
+@pytest.mark.parametrize("geared", [False, True])
+def test_shafts_without_inertia_that_are_damped_against_each_other_hang_on_a_spring(method: str, geared: bool) -> None:
+    """The torque reaches the disc at once; the damped shaft between follows c x' + k x = tau from k x = tau(0)."""
+    rig = gb.Drivetrain("hanging")
+    disc, spring = rig.add("disc", gb.Inertia(J=1.0)), rig.add("spring", gb.Shaft(k=100.0))
+    damped, drive = (
+        rig.add("damped", gb.Shaft(k=200.0, c=10.0)),
+        rig.add("drive", gb.Torque(tau=1 + sp.sin(3 * gb.time))),
+    )
+    ratio = 2.0 if geared else 1.0
+    rig.connect(disc.a, spring.a)
+    if geared:  # the torque on the disc's side is twice as large
+        gear = rig.add("gear", gb.IdealGear(ratio=2.0))
+        rig.connect(spring.b, gear.b)
+        rig.connect(gear.a, damped.a)
+    else:
+        rig.connect(spring.b, damped.a)
+    rig.connect(damped.b, drive.flange)
+    t = np.linspace(0, 2, 41)
+    run = gb.simulate(rig, t=t, rtol=1e-10, method=method)
+    tau, k, c = 1 + np.sin(3 * t), 200.0, 10.0
+    a, b = k / (k**2 + 9 * c**2), -3 * c / (k**2 + 9 * c**2)
+    twist = 1 / k + a * np.sin(3 * t) + b * np.cos(3 * t) - b * np.exp(-k / c * t)
+    assert run["damped.twist"] == pytest.approx(twist, abs=1e-9)  # of 0.01 rad, the tolerance over its steps
+    assert run["spring.twist"] == pytest.approx(ratio * tau / 100, abs=1e-11)  # at once, to rounding
+    assert run["disc.w"] == pytest.approx(ratio * (t + (1 - np.cos(3 * t)) / 3), abs=1e-8)
+    assert abs(run.energy.residual) < 1e-9
+
+
+def _paced(**start: float) -> gb.Drivetrain:
+    rig = gb.Drivetrain("paced")
+    drive, disc = rig.add("drive", gb.Speed(w=2.0 + gb.sin(gb.time))), rig.add("disc", gb.Inertia(J=2.0, **start))
+    rig.connect(drive.flange, disc.a)
+    return rig
+
+
+def test_a_start_speed_that_a_prescribed_speed_contradicts_is_refused() -> None:
+    with pytest.raises(gb.ModelError, match=r"'disc': w0 = 0.3, but 'drive' moves it: 2 at t = 0; leave w0 out"):
+        gb.build(_paced(w0=0.3))
+    run = gb.simulate(_paced(w0=2.0, phi0=0.5), t_end=0.1)
+    assert (run["disc.w"][0], run["disc.phi"][0]) == (2.0, 0.5)
+
+
+def test_the_angle_that_springs_give_a_shaft_without_inertia_cannot_be_given_otherwise() -> None:
+    rig = gb.Drivetrain("row")
+    one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=1.0, phi0=0.3))
+    left, right = rig.add("left", gb.Shaft(k=100.0)), rig.add("right", gb.Shaft(k=200.0))
+    node = rig.add("node", gb.Inertia(J=0.0, phi0=0.1))
+    rig.chain(one, left, node, right, two)
+    with pytest.raises(
+        gb.ModelError, match=r"'node': phi0 = 0.1, but the balance of torques .* holds it: 0.2 at t = 0"
+    ):
+        gb.build(rig)
+    assert gb.simulate(rig.set({"node.phi0": 0.2}), t_end=0.01)["node.phi"][0] == pytest.approx(0.2, abs=1e-15)
+
+
+def test_start_values_that_nobody_gives_follow_from_given_ones_through_ties_and_prescribed_speeds() -> None:
+    """Sun and ring turn as given; the carrier, driven 3 rad/s faster than the arm, takes the arm along."""
+    rig = gb.Drivetrain("arm")
+    planet, drive = rig.add("planet", gb.IdealPlanetary(ratio=2.0)), rig.add("drive", gb.Speed(w=3.0))
+    sun, ring = (
+        rig.add("sun", gb.Inertia(J=1.0, phi0=0.3, w0=4.0)),
+        rig.add("ring", gb.Inertia(J=1.0, phi0=0.9, w0=7.0)),
+    )
+    carrier, arm = rig.add("carrier", gb.Inertia(J=0.0)), rig.add("arm", gb.Inertia(J=0.0))
+    rig.connect(planet.sun, sun.a)
+    rig.connect(planet.ring, ring.a)
+    rig.connect(planet.carrier, carrier.a, drive.flange)
+    rig.connect(drive.housing, arm.a)
+    run = gb.simulate(rig, t_end=0.1)
+    start = {
+        name: run[name][0] for name in ("sun.w", "ring.w", "carrier.w", "arm.w", "sun.phi", "ring.phi", "carrier.phi")
+    }
+    assert start == pytest.approx({  # carrier = (sun + 2 ring)/3; to rounding
+        "sun.w": 4.0, "ring.w": 7.0, "carrier.w": 6.0, "arm.w": 3.0, "sun.phi": 0.3, "ring.phi": 0.9, "carrier.phi": 0.7,
+    }, abs=1e-14)  # fmt: skip
+    with pytest.raises(gb.ModelError, match=r"w0 = 4\.0, but 'drive' moves it"):
+        gb.build(rig.set({"arm.w0": 5.0}))
 
 
 def test_an_inertia_of_zero_is_part_of_the_structure() -> None:

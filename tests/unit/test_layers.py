@@ -31,6 +31,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.graph",),
     ("gearblocks.affine",),
     ("gearblocks.drives", "gearblocks.laws", "gearblocks.ties", "gearblocks.coordinates", "gearblocks.kinematics"),
+    ("gearblocks.floating",),
     ("gearblocks.grouping", "gearblocks.assemble", "gearblocks.carrying", "gearblocks.equations"),
     ("gearblocks.rosenbrock", "gearblocks.hoist", "gearblocks.layout", "gearblocks.turns"),
     ("gearblocks.methods",),
@@ -49,6 +50,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gearblocks.codegen",
     ),
     ("gearblocks.stepmatrix", "gearblocks.lockview", "gearblocks.core", "gearblocks.library"),
+    ("gearblocks.given_starts",),
     ("gearblocks.building",),
     ("gearblocks.holding",),
     ("gearblocks.probing", "gearblocks.standing", "gearblocks.statics"),
@@ -59,6 +61,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.reduction",),
     ("gearblocks.linear", "gearblocks.vibration", "gearblocks.orders", "gearblocks.linear_pictures"),
     ("gearblocks",),
+    ("gearblocks.hard",),
     ("fmu_export",),
     ("gearblocks.scripts", "gearblocks.report", "gearblocks.demo", "gearblocks.cli", "gearblocks.__main__"),
 )
