@@ -75,6 +75,11 @@ class LocksOf(NamedTuple):
     steady: bool
     n_speeds: int
 
+    @property
+    def plain(self) -> bool:
+        """Whether the derivatives of the laws and the rows tell all: no losses that depend on what is held."""
+        return self.steady and not any(place.kind is LockKind.TIE for place in self.places)
+
 
 def locks_of(shared: ctypes.CDLL, sim: int | None) -> LocksOf:
     """The locks of a model."""

@@ -90,7 +90,7 @@ def function_view(function: Function) -> FunctionView:
     return FunctionView(function.name, signature, function, [prefix + call for call in function.calls])
 
 
-def sparse(name: str, rows: Sequence[Mapping[int, Exact]]) -> Sparse:
+def sparse(name: str, rows: Sequence[Mapping[int, Exact]] | Sequence[Mapping[int, float]]) -> Sparse:
     """Rows of exact numbers, sorted by column."""
     start, index, value = [0], [], []
     for row in rows:

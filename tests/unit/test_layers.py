@@ -35,7 +35,14 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.grouping", "gearblocks.assemble", "gearblocks.carrying", "gearblocks.equations"),
     ("gearblocks.rosenbrock", "gearblocks.hoist", "gearblocks.layout", "gearblocks.turns"),
     ("gearblocks.methods",),
-    ("gearblocks.batchcode", "gearblocks.massless", "gearblocks.motions", "gearblocks.senses", "gearblocks.generator"),
+    (
+        "gearblocks.batchcode",
+        "gearblocks.locks",
+        "gearblocks.massless",
+        "gearblocks.motions",
+        "gearblocks.senses",
+        "gearblocks.generator",
+    ),
     (
         "gearblocks.slopes",
         "gearblocks.rownumbers",
