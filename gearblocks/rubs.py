@@ -142,7 +142,9 @@ class Rub:
             law = sp.Eq(self.torque, torque, evaluate=False)
             yield Sentence((f"{words}, ", turns, " and ", relation(self.tie, zero, evaluate=False), ": ", law))
         still = sp.Eq(self.slip, zero, evaluate=False)
-        yield Sentence(("stuck, ", still, ": ", self.torque, " is what keeps it at rest, between its values in either direction"))
+        yield Sentence(
+            ("stuck, ", still, ": ", self.torque, " is what keeps it at rest, between its values in either direction")
+        )
 
     def _of_stop(self) -> Iterator[Any]:
         zero = sp.Integer(0)

@@ -47,7 +47,9 @@ def judged(found: Point) -> Point | None:
     if not places:
         return None
     locks, modes = found.locks(), found.modes.copy()
-    met = [i for i, x in enumerate(places) if x.is_stop and not modes[x.hold] and locks.slip[i] < -_reach(found, locks, i)]
+    met = [
+        i for i, x in enumerate(places) if x.is_stop and not modes[x.hold] and locks.slip[i] < -_reach(found, locks, i)
+    ]
     if met:
         deepest = min(met, key=lambda i: locks.slip[i])
         modes[places[deepest].hold] = 1.0
