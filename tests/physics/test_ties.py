@@ -98,6 +98,30 @@ def test_a_closed_loop_of_fifty_gear_pairs_is_found_redundant_exactly() -> None:
         gb.build(_ring_of_gears(50, last=(46, 25)))
 
 
+def test_equal_gear_pairs_side_by_side_share_the_torque_equally() -> None:
+    rig = gb.Drivetrain("side by side")
+    one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=2.0))
+    for i in range(3):
+        gear = rig.add(f"gear{i}", gb.IdealGear(ratio=-2.0))
+        rig.connect(one.b, gear.a)
+        rig.connect(two.a, gear.b)
+    rig.connect(rig.add("drive", gb.Torque(tau=9.0)).flange, one.a)
+    run = gb.simulate(rig, t_end=1.0)
+    alpha = 9.0 / (1.0 + 2.0 / 4)
+    for i in range(3):
+        assert run[f"gear{i}.a.tau"][-1] == pytest.approx((alpha - 9.0) / 3, rel=1e-14)
+        assert run[f"gear{i}.torque"][-1] == pytest.approx(2.0 * -alpha / 2 / 3, rel=1e-14)
+
+
+def test_a_shaft_that_two_walls_hold_loads_both_alike() -> None:
+    rig = gb.Drivetrain("two walls")
+    body = rig.add("body", gb.Inertia(J=1.0))
+    left, right = rig.add("left", gb.Fixed()), rig.add("right", gb.Fixed())
+    rig.connect(rig.add("drive", gb.Torque(tau=4.0)).flange, body.a, left.flange, right.flange)
+    run = gb.simulate(rig, t_end=1.0)
+    assert run["left.torque"][-1] == run["right.torque"][-1] == -2.0
+
+
 def test_two_planetaries_that_share_two_shafts_have_one_degree_of_freedom_less_each() -> None:
     """A Simpson set: common sun; carrier of the first tied to the ring of the second."""
     rig = gb.Drivetrain("simpson")
@@ -236,6 +260,38 @@ def test_a_train_whose_every_motion_is_prescribed_or_held_runs_by_every_method(m
     alone.connect(disc.a, wall.flange)
     assert gb.simulate(alone, t_end=1.0, method=method, **step)["disc.w"].max() == 0.0
     assert gb.modes(rig, at=None).free == gb.modes(alone, at=None).free == 0
+
+
+@pytest.mark.parametrize("by_angle", [False, True])
+def test_a_motor_that_stands_on_a_shaft_geared_to_its_own_turns_both(by_angle: bool) -> None:
+    """w_a - w_b = w and w_b = w_a/3 give w_a = 3/2 w; the torque of the motor turns both discs."""
+    rig = gb.Drivetrain("riding motor")
+    motor = gb.Angle(phi=gb.sin(gb.time)) if by_angle else gb.Speed(w=gb.cos(gb.time))
+    drive, gear = rig.add("drive", motor), rig.add("gear", gb.IdealGear(ratio=3.0))
+    a, b, spring = rig.add("a", gb.Inertia(J=1.0)), rig.add("b", gb.Inertia(J=9.0)), rig.add("s", gb.Shaft(k=36.0))
+    ground = rig.add("ground", gb.Fixed())
+    rig.connect(drive.flange, gear.a, a.a)
+    rig.connect(drive.housing, gear.b, b.a)
+    rig.connect(gear.housing, ground.flange)
+    rig.connect(b.b, spring.a)
+    rig.connect(spring.b, rig.add("wall", gb.Fixed()).flange)
+    for method in ("dp8", "rodas"):
+        run = gb.simulate(rig, t_end=1.0, rtol=1e-10, method=method)
+        assert run["a.w"] == pytest.approx(1.5 * np.cos(run.t), abs=1e-14)  # to rounding
+        assert run["b.w"] == pytest.approx(0.5 * np.cos(run.t), abs=1e-14)
+        # power: tau w = (J_a + J_b/9) w_a' w_a + k phi_b w_b, with w = 2/3 w_a = 2 w_b
+        torque = 1.5 * 2.0 * 1.5 * -np.sin(run.t) + 0.5 * 36.0 * 0.5 * np.sin(run.t)
+        assert run["drive.torque"] == pytest.approx(torque, abs=1e-8)  # the tolerance over the steps
+        assert run.energy.residual < 1e-9
+
+
+def test_a_motor_between_shafts_that_turn_as_one_is_refused() -> None:
+    rig = gb.Drivetrain("locked motor")
+    drive, a = rig.add("drive", gb.Speed(w=1.0)), rig.add("a", gb.Inertia(J=1.0))
+    rig.connect(drive.flange, a.a)
+    rig.connect(drive.housing, a.b)
+    with pytest.raises(gb.ModelError, match="'drive' prescribes a motion between shafts that are tied rigidly"):
+        gb.build(rig)
 
 
 def test_an_input_as_a_prescribed_motion_needs_a_filter() -> None:
@@ -396,7 +452,7 @@ def test_start_values_that_nobody_gives_follow_from_given_ones_through_ties_and_
     assert start == pytest.approx({  # carrier = (sun + 2 ring)/3; to rounding
         "sun.w": 4.0, "ring.w": 7.0, "carrier.w": 6.0, "arm.w": 3.0, "sun.phi": 0.3, "ring.phi": 0.9, "carrier.phi": 0.7,
     }, abs=1e-14)  # fmt: skip
-    with pytest.raises(gb.ModelError, match="w0 = 4.0, but 'drive' moves it"):
+    with pytest.raises(gb.ModelError, match=r"w0 = 4\.0, but 'drive' moves it"):
         gb.build(rig.set({"arm.w0": 5.0}))
 
 
