@@ -99,8 +99,9 @@ def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | N
 class Flange:
     """A rotating connection point, or a sliding one.
 
-    ground: means the ground when nothing is connected; spare: may stay open. slider: True for positions [m], speeds
-    [m/s] and forces [N] in place of angles and torques; None for a flange that is what it is connected to.
+    ground: means the ground when nothing is connected; spare: may stay open; both: is the ground then, but a chain passes
+    through it. slider: True for positions [m], speeds [m/s] and forces [N] in place of angles and torques; None for a
+    flange that is what it is connected to.
     """
 
     words: str

@@ -122,7 +122,7 @@ class Drivetrain:
         if isinstance(part._part, Drivetrain):
             main = list(part.flanges)
         else:
-            main = [n for n, f in type(part._part).flanges.items() if not f.ground]
+            main = [n for n, f in type(part._part).flanges.items() if not f.ground or f.spare]
         if not 1 <= len(main) <= 2:
             raise ModelError(
                 f"'{part._name}' has {len(main)} flanges ({', '.join(main)}), so a chain cannot pass through it: use connect"

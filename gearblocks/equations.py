@@ -300,6 +300,9 @@ class _Writer:
             if role in ("own", "exact"):
                 self.parameters[symbol] = f"{c.path}.{of}"
             return symbol
+        if role in ("direction", "stuck", "held"):
+            stem = "dir" if role == "direction" else role
+            return self._claim(f"{stem}_{_flat(c.path)}{_flat('_' + of) if of else ''}", (role, c.path, of))
         if role in ("shared", "input"):
             symbol = self._claim(text, (role, of.name))
             self.parameters[symbol] = of.name

@@ -88,7 +88,7 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Se
         if new:
             groups.used.append(row)
         else:
-            groups.redundant.append(row.component)
+            groups.spare.append(row)
     moved = kinematics.moved
     inert = set(massive)
     for f in reversed(kinematics.followers):

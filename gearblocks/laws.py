@@ -214,7 +214,8 @@ def _solve(
     pool: Pool, form: Form, u: Any, flanges: Mapping[str, Any], replace: dict[Any, Any]
 ) -> dict[Any, Any] | None:  # fmt: skip
     """The replacements with one more angle expressed by the coordinate u, or None when the form adds nothing new."""
-    expr = sum(c * flanges[n].phi for n, c in form.coefficients.items()).xreplace(replace)
+    expr = sum(c * flanges[n].phi for n, c in form.coefficients.items())
+    expr = sp.expand(expr.xreplace(replace)) if replace else expr
     pivots = [f.phi for n in reversed(form.coefficients) if expr.has((f := flanges[n]).phi) and f.phi not in replace]
     if not pivots:
         return None

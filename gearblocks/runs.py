@@ -218,7 +218,7 @@ class _Run:
                     continue
                 before, after = (_shown(switch.low, switch.high, float(event[k])) for k in ("before", "after"))
                 found.append(Event(float(event["t"]), switch.component, switch.kind, before, after))
-        return found
+        return _net(found)
 
     def _energy(self, first: tuple[Array, Array], final: FinalState | None) -> EnergyLedger:
         program = self.model.program
@@ -273,6 +273,20 @@ class _Line:
         """Clears the line."""
         if self._open:
             sys.stderr.write("\r" + " " * 79 + "\r")
+
+
+def _net(events: list[Event]) -> list[Event]:
+    """Changes of one component that follow on each other at one instant as one, or none where it ends as it began."""
+    found: list[Event] = []
+    for e in events:
+        last = found[-1] if found else None
+        if last and (last.t, last.component, last.kind, last.after) == (e.t, e.component, "state", e.before):
+            found.pop()
+            if last.before != e.after:
+                found.append(e._replace(before=last.before))
+        else:
+            found.append(e)
+    return found
 
 
 def _shown(low: float, high: float, mode: float) -> float:

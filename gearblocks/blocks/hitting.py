@@ -36,11 +36,12 @@ def without(block: Any, name: str, changed: Block) -> Block:
     return changed
 
 
-def impact(block: Any, s: Any, x: Any) -> Generator[Contribution, None, Any]:
-    """The stops at both ends of the gap about x = 0, and the force N against x: > 0 on the drive side."""
+def impact(block: Any, s: Any, angle: Any, radius: Any) -> Generator[Contribution, None, Any]:
+    """The stops at both ends of the gap about zero deflection radius * angle, and the force against it: > 0 on the drive
+    side. The angle has exact factors, which the stops need."""
     lower, upper = (-s.half_gap, s.half_gap) if _gap_field(block) == "half_gap" else block.backlash.ends(s.backlash)
-    limits = Limits(x, lower, upper, s.contact_damping.restitution)
+    limits = Limits(angle, lower / radius, upper / radius, s.contact_damping.restitution)
     yield from stops(limits)
     force, contact = pressing(s, limits)
     yield Shows("contact", contact, "1", "-1 coast side, 0 none, +1 drive side")
-    return -force
+    return -force / radius

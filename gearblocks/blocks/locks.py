@@ -57,11 +57,11 @@ class OneWayClutch(Block):
         least: Any = sp.Integer(0)
         if self.capacity is None:
             least = sp.Float(_LEAST) * s.geometry * s.force_max * s.local("mu", slip=sp.Integer(0))
-        open_ = found.engaged <= 0
+            yield Switch("break-away", found.limit - least)
+        on = 1 - sp.Heaviside(-found.engaged, 1)
         yield Switch("engagement", -found.engaged, low=1.0, high=0.0)
-        lower = -sp.Piecewise((least, open_), (found.limit, True))
-        forward = sp.Piecewise((0, open_), (found.sliding, True))
-        yield from rubs(s, slip, s.b.phi - s.a.phi, Hold(sp.Integer(1), forward, (lower, sp.oo)))
+        lower = -on * found.limit if self.capacity is not None else -sp.Max(found.limit, least)
+        yield from rubs(s, slip, s.b.phi - s.a.phi, Hold(sp.Integer(1), on * found.sliding, (lower, sp.oo)))
 
 
 class Freewheel(Block):
@@ -117,7 +117,7 @@ class Synchronizer(Block):
         a o---|cone||dog|---o b        w_rel = w_b - w_a, phi_rel = phi_b - phi_a, torque: on b
 
     Fields of the cone as of `Clutch`. engaged > 0 asks for the teeth: they are blocked as long as the cone slips or is
-    free, go in at the instant the cone sticks, without an impact, and stay in until engaged <= 0, whatever the cone does
+    free, go in without an impact once the cone sticks, and stay in until engaged <= 0, whatever the cone does
     then. The cone must be pressed (capacity or engagement > 0) for them to go in, at equal speeds too. locked: 1 while
     the teeth are in. mode: 0 one speed, +1 the cone slips with w_rel > 0, -1 with w_rel < 0, 2 free.
     """

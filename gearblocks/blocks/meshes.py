@@ -173,10 +173,9 @@ class GearMesh(Block):
         turn, back = s.pinion.phi - s.carrier.phi, s.wheel.phi - s.carrier.phi
         r1 = self._radius(s)
         if hits(self):
-            x = r1 * (turn + ratio * back)
-            force = yield from impact(self, s, x)
+            force = yield from impact(self, s, turn + ratio * back, r1)
             yield Shows("force", force, "N", "mesh force N, positive on the drive side")
-            yield Shows("deflection", x, "m", "deflection along the line of action")
+            yield Shows("deflection", r1 * (turn + ratio * back), "m", "deflection along the line of action")
             return
         if not self.is_compliant:
             yield Tie(turn + ratio * back)

@@ -57,7 +57,7 @@ class SplineCoupling(Block):
         """Contact along the arc of the pitch circle, the rigid tie or rigid impacts."""
         turn = s.a.phi - s.b.phi
         if hits(self):
-            force = yield from impact(self, s, s.radius * turn)
+            force = yield from impact(self, s, turn, s.radius)
             yield Shows("force", force, "N", "force along the arc, positive on the drive side")
             yield Shows("deflection", s.radius * turn, "m", "deflection along the arc")
             return

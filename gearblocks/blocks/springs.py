@@ -173,7 +173,7 @@ class Lash(Block):
         twist, rate = s.b.phi - s.a.phi, s.b.w - s.a.w
         yield Shows("twist", twist, "rad", "phi_b - phi_a")
         if hits(self):
-            force = yield from impact(self, s, twist)
+            force = yield from impact(self, s, twist, 1)
             yield Shows("torque", -force, "N m", "torque on flange b")
             return
         if self.k is None:

@@ -44,7 +44,8 @@ class HardStop(Block):
         a o---[ | ]---o b        phi_rel = phi_b - phi_a, torque: on b
 
     With b left open it stands on the ground and limits phi_rel = phi_a; torque is then that on a. On sliders the limits
-    are positions in m. One of lower and upper may be left out.
+    are positions in m. One of lower and upper may be left out. In a chain it passes through to b; at the end of one b is the
+    ground.
 
     An impact turns the closing speed v into -restitution v at that instant (Newton); where several contacts close at
     once, their impulses solve one linear complementarity problem. Bounces that follow each other without end in a finite
@@ -54,7 +55,7 @@ class HardStop(Block):
     """
 
     a = Flange("stopped shaft", slider=None)
-    b = Flange("other shaft, or the ground", ground=True, slider=None)
+    b = Flange("other shaft, or the ground", ground=True, spare=True, slider=None)
     lower: Value | None = param("least relative angle", "rad", default=None)
     upper: Value | None = param("largest relative angle", "rad", default=None)
     restitution: Value = param("speed after an impact over the speed before", ge=0, le=1)

@@ -147,6 +147,8 @@ struct gb_sim {
         *lock_force;
     double *lock_other, *lock_old, *lock_before, *lock_bare, *lock_mode, *shrink, *other_mode;
     double *base_mode, *base_sign, *best_mode, *best_rate;
+    const double *look; /* the state by which it is decided */
+    double fastest;     /* of the accelerations when nothing is held */
     int lock_count, *base_state, *best_state, *option;
     int *lock_index, *lock_state, *was_shared, *released, *struck;
     double *grip, *grip_answer, *grip_inverse; /* rows of what holds, what an implicit step answers to them */

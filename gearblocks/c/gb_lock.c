@@ -229,11 +229,15 @@ static int bare_accelerations(gb_sim *sim) {
         sim->mode[model->locks[i].hold] = 0.0;
     }
     sim->mode[model->n_switches] = 0.0;
-    model->rhs(sim->par, sim->mode, sim->tau_one, sim->y, sim->z2);
+    model->rhs(sim->par, sim->mode, sim->tau_one, sim->look, sim->z2);
     sim->head->rhs_calls++;
     const int code = gb_check_finite(sim, GB_ERR_NAN_RATE, sim->z2, model->n, 0, sim->head->t1);
     if (code == GB_DONE) {
-        model->slips(sim->par, sim->mode, sim->tau_one, sim->y, sim->z2, sim->lock_bare);
+        model->slips(sim->par, sim->mode, sim->tau_one, sim->look, sim->z2, sim->lock_bare);
+        sim->fastest = 0.0;
+        for (int k = model->n - model->n_speeds; k < model->n; k++) {
+            sim->fastest = gb_max(sim->fastest, fabs(sim->z2[k]));
+        }
     }
     return code;
 }
@@ -260,6 +264,11 @@ static void release_due(gb_sim *sim) {
         sim->mode[lock->slip] = lock->kind == GB_STOP ? 0.0 : upper ? -1.0 : 1.0;
         sim->released[i] = 1;
     }
+}
+
+/* What cannot be told from zero in a slip acceleration whose terms add up to `size`. */
+static double rate_rounding(const gb_sim *sim, int i, double size) {
+    return gb_max(1e-10 * size, 256.0 * DBL_EPSILON * sim->lock_size[i] * sim->fastest);
 }
 
 /* The candidates against each other: forces within their limits that keep them from slipping. Those that slip all the
@@ -295,7 +304,7 @@ static int decide(gb_sim *sim, int *code) {
             w += sim->lock_matrix[i * count + j] * x[j];
             size += fabs(sim->lock_matrix[i * count + j] * x[j]);
         }
-        if (fabs(w) > 1e-10 * size && (x[i] <= lo[i] || x[i] >= hi[i])) {
+        if (fabs(w) > rate_rounding(sim, index[i], size) && (x[i] <= lo[i] || x[i] >= hi[i])) {
             sim->lock_state[index[i]] = lock->kind == GB_STOP ? OPEN : SLIDES;
             sim->mode[lock->slip] = lock->kind == GB_STOP ? 0.0 : w > 0.0 ? 1.0 : -1.0;
             sim->shrink[index[i]] = 0.0;
@@ -312,7 +321,7 @@ static int weigh(gb_sim *sim) {
     for (int round = 0; code == GB_DONE && round <= sim->model->n_locks; round++) {
         code = bare_accelerations(sim);
         if (code == GB_DONE) {
-            sim->model->pulls(sim->par, sim->mode, sim->tau_one, sim->y, 1, sim->response);
+            sim->model->pulls(sim->par, sim->mode, sim->tau_one, sim->look, 1, sim->response);
             if (decide(sim, &code) == 0) {
                 break;
             }
@@ -373,8 +382,10 @@ static int holds_true(gb_sim *sim, int i) {
         sim->mode[tie->slip] = carried >= 0.0 ? 1.0 : -1.0;
         return excess <= 1e-10 * (fabs(held) + fabs(carried));
     }
-    const int fits = sim->mode[tie->slip] * carried >= -1e-12 * (fabs(sim->lock_old[loss->partner]) + fabs(carried));
-    return fits && (sim->base_state[i] != CANDIDATE || sim->mode[loss->slip] * rate >= -1e-10 * size);
+    const int j = loss->partner;
+    const double response = fabs(sim->response[j * sim->model->n_locks + j]);
+    const int fits = sim->mode[tie->slip] * carried * response >= -rate_rounding(sim, j, 0.0);
+    return fits && (sim->base_state[i] != CANDIDATE || sim->mode[loss->slip] * rate >= -rate_rounding(sim, i, size));
 }
 
 /* Keeps the modes and slip accelerations of a solution; 1: another one was kept before. */
@@ -384,7 +395,8 @@ static int keep_solution(gb_sim *sim, int known) {
     for (int i = 0; i < model->n_locks; i++) {
         double size;
         const double rate = weighed_rate(sim, i, &size);
-        other = other || (known && fabs(rate - sim->best_rate[i]) > 1e-8 * (size + fabs(sim->best_rate[i])));
+        other = other ||
+                (known && fabs(rate - sim->best_rate[i]) > 1e3 * rate_rounding(sim, i, size + fabs(sim->best_rate[i])));
         if (!known) {
             sim->best_rate[i] = rate;
             sim->best_state[i] = sim->lock_state[i];
@@ -518,7 +530,7 @@ static void look_back(gb_sim *sim) {
         sim->shrink[i] = 0.0;
         sim->released[i] = sim->struck[i] = 0;
     }
-    model->holding(sim->par, sim->mode, sim->tau_one, sim->y, sim->lock_other, sim->lock_force);
+    model->holding(sim->par, sim->mode, sim->tau_one, sim->look, sim->lock_other, sim->lock_force);
 }
 
 static int has_lossy(const gb_sim *sim) {
@@ -539,6 +551,35 @@ static void free_the_idle(gb_sim *sim) {
     }
 }
 
+/* A lock that flips again at once stands where forces and limits vanish together: what comes next is told by a look a
+ * little ahead, further at every try. Puts the state there into `look`, and its time columns into tau_one. */
+static int look_ahead(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const gb_head *head = sim->head;
+    double flips = 0.0;
+    for (int i = 0; i < model->n_locks; i++) {
+        const gb_lock *lock = &model->locks[i];
+        const int due = sim->due[lock->hold] != 0.0 || sim->due[lock->slip] != 0.0;
+        const int stands = head->t1 - sim->flip_time[lock->hold] <= 10.0 * gb_rounding(head->t1, head->h);
+        flips = due && stands ? gb_max(flips, sim->flips[lock->hold]) : flips;
+    }
+    sim->look = sim->y;
+    if (flips == 0.0) {
+        return GB_DONE;
+    }
+    const double ahead = ldexp(gb_rounding(head->t1, head->h), 2 * (int)flips);
+    const int code = gb_columns_at(sim, head->t1 + ahead);
+    if (code == GB_DONE) {
+        model->rhs(sim->par, sim->mode, sim->tau_one, sim->y, sim->z2);
+        memcpy(sim->z, sim->y, sizeof(double) * (size_t)model->n_total);
+        for (int i = 0; i < model->n; i++) {
+            sim->z[i] += ahead * sim->z2[i];
+        }
+        sim->look = sim->z;
+    }
+    return code;
+}
+
 /* Decides about all locks at the front. */
 int gb_settle_locks(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
@@ -548,6 +589,10 @@ int gb_settle_locks(gb_sim *sim, int log) {
     int code = gb_surfaces_now(sim);
     if (code == GB_DONE) {
         code = gb_columns_at(sim, sim->head->t1);
+    }
+    if (code == GB_DONE) {
+        gb_project(sim);
+        code = look_ahead(sim);
     }
     if (code != GB_DONE) {
         return code;
@@ -560,7 +605,7 @@ int gb_settle_locks(gb_sim *sim, int log) {
             sim->mode[model->locks[i].slip] = 0.0;
         }
     }
-    model->limits(sim->par, sim->mode, sim->tau_one, sim->y, sim->limit);
+    model->limits(sim->par, sim->mode, sim->tau_one, sim->look, sim->limit);
     free_the_idle(sim);
     slips_now(sim);
     code = impact(sim);
@@ -569,11 +614,14 @@ int gb_settle_locks(gb_sim *sim, int log) {
         impacted = impacted || sim->struck[i];
     }
     sort_by_slip(sim, impacted);
-    model->limits(sim->par, sim->mode, sim->tau_one, sim->y, sim->limit);
+    model->limits(sim->par, sim->mode, sim->tau_one, sim->look, sim->limit);
     memcpy(sim->lock_other, held, sizeof(double) * (size_t)model->n_locks);
     release_due(sim);
     if (code == GB_DONE) {
         code = has_lossy(sim) ? weigh_lossy(sim) : weigh(sim);
+    }
+    if (sim->look != sim->y && code == GB_DONE) {
+        code = gb_columns_at(sim, sim->head->t1);
     }
     take_modes(sim);
     gb_remember(sim, sim->mode, sim->tau_one, sim->y);

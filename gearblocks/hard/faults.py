@@ -83,12 +83,22 @@ def _with(make: Callable[[], Any]) -> gb.Model:
 
 
 def self_locking_worm(meter: Meter) -> Iterator[Check]:
-    """A worm that no load can turn, turning: J2 + ratio^2 J1/eta2 = -4 < 0 has no acceleration for a load that drives,
-    and two for one that brakes (Painleve)."""
-    for load in (1.0, -1.0):
-        rig = line(
-            "worm",
-            ("screw", gb.Inertia(J=1e-3)), ("worm", gb.LossyGear(ratio=30.0, efficiency=(0.3, -0.2))),
-            ("wheel", gb.Inertia(J=0.5, w0=1.0)), ("load", gb.Torque(tau=load)),
-        )  # fmt: skip
-        yield refusal(partial(meter.simulate, rig, t_end=1.0), "worm")
+    """A worm that its wheel cannot drive, turning: J2 + ratio^2 J1/eta2 = -4 < 0.
+
+    A load along the motion has no acceleration, one against it has two, load/(J2 + ratio^2 J1 eta1) and load/-4 (Painleve);
+    both are refused where they begin, in either direction.
+    """
+    for direction in (1.0, -1.0):
+        for words, load in (("no acceleration", direction), ("two accelerations", -direction)):
+            rig = line(
+                "worm",
+                ("screw", gb.Inertia(J=1e-3)), ("worm", gb.LossyGear(ratio=30.0, efficiency=(0.3, -0.2))),
+                ("wheel", gb.Inertia(J=0.5, w0=direction)), ("load", gb.Torque(tau=load)),
+            )  # fmt: skip
+            case = f"w = {direction:+g}, load {load:+g}, {words}"
+            try:
+                run = meter.simulate(rig, t_end=0.1)
+            except SimulationError as error:
+                yield fact(f"{case}: refused: {error}", error.component == "worm" and error.time == 0.0)
+            else:
+                yield fact(f"{case}: goes on with {run['wheel.alpha'][0]:.4g} rad/s2", False)
