@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from ctypes import POINTER, c_int, c_void_p
+from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,17 +15,31 @@ Array = NDArray[np.float64]
 PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_locks_of": (c_int, (c_void_p, POINTER(c_int), POINTER(c_int), c_void_p)),
     "gb_modes": (c_int, (c_void_p, c_void_p)),
-    "gb_locks_at": (c_int, (c_void_p,) * 8),
+    "gb_locks_at": (c_int, (c_void_p,) * 9),
 }
 
 
-class LockPlace(NamedTuple):
-    """Whether a lock is a stop, and its switches: slip (of a stop its gap), hold, and free (-1: none)."""
+class LockKind(IntEnum):
+    """What a lock is: friction or an unlimited lock; a stop; a tie with losses; its loss."""
 
-    is_stop: bool
+    FRICTION = 0
+    STOP = 1
+    TIE = 2
+    LOSS = 3
+
+
+class LockPlace(NamedTuple):
+    """Kind of a lock, and its switches: slip (of a stop its gap, of a tie the sign of its force), hold, free (-1: none)."""
+
+    kind: LockKind
     slip: int
     hold: int
     free: int
+
+    @property
+    def is_stop(self) -> bool:
+        """Whether it is a unilateral contact."""
+        return self.kind is LockKind.STOP
 
     def shown(self, modes: Array) -> float:
         """The mode as events show it: 0 stuck, 1 forward, -1 backward, 2 free; of a stop 1 closed, 0 open."""
@@ -41,11 +56,12 @@ class LockPlace(NamedTuple):
 
 
 class Locks(NamedTuple):
-    """All locks at a point: rows over the speeds, shape (locks, speeds); limits: least and largest held force, sizes of the
-    force against forward and backward slip, engagement; held forces, by how much they exceed their limits; slips (of
-    stops: gaps)."""
+    """All locks at a point: rows over the speeds, shape (locks, speeds), and what a force does to these; limits: least and
+    largest held force, sizes of the force against forward and backward slip, engagement; held forces, by how much they
+    exceed their limits; slips (of stops: gaps)."""
 
     rows: Array
+    pushes: Array
     limits: Array
     held: Array
     excess: Array
@@ -66,7 +82,7 @@ def locks_of(shared: ctypes.CDLL, sim: int | None) -> LocksOf:
     count = shared.gb_locks_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), None)
     table = np.zeros((count, 4), dtype=np.intc)
     shared.gb_locks_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), table.ctypes.data)
-    places = tuple(LockPlace(bool(p[0]), int(p[1]), int(p[2]), int(p[3])) for p in table)
+    places = tuple(LockPlace(LockKind(p[0]), int(p[1]), int(p[2]), int(p[3])) for p in table)
     return LocksOf(places, bool(steady.value), n_speeds.value)
 
 
@@ -74,6 +90,6 @@ def locks_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array) -> tupl
     """The answer of the call and the locks at a point (gb_point)."""
     places, _, n_speeds = locks_of(shared, sim)
     n = len(places)
-    made = Locks(np.zeros((n, n_speeds)), np.zeros((n, 5)), *(np.zeros(n) for _ in range(3)))
+    made = Locks(np.zeros((n, n_speeds)), np.zeros((n, n_speeds)), np.zeros((n, 5)), *(np.zeros(n) for _ in range(3)))
     code = shared.gb_locks_at(sim, ctypes.byref(point), y.ctypes.data, *(part.ctypes.data for part in made))
     return code, made

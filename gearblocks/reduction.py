@@ -8,10 +8,10 @@ from typing import Any, final
 import numpy as np
 
 from gearblocks.core import Array
-from gearblocks.holding import Rows, null_space, reduced
+from gearblocks.holding import Rows, reduced
 from gearblocks.probing import Point, derivative, steps_of
 from gearblocks.sparsemaps import Indices
-from gearblocks.statics import Motion, motion
+from gearblocks.statics import Motion, fixed_combinations, motion
 
 
 @final
@@ -49,7 +49,8 @@ def reduction(point: Point, n: int) -> Reduction | None:
 
 def _conditions(point: Point, held: Rows, whole: Motion, n: int) -> Rows:
     """Speeds and positions that follow from others."""
-    places, fixed = _fixed(point, held, whole)
+    angles = whole.angles[whole.angles < point.program.n]  # the first ones: others ride along
+    places, fixed = np.concatenate([whole.coordinates, angles]), fixed_combinations(whole, held, len(angles))
     still = np.zeros((len(fixed), n))
     still[:, places] = fixed
     positions = reduced(still)
@@ -60,26 +61,6 @@ def _conditions(point: Point, held: Rows, whole: Motion, n: int) -> Rows:
     speeds -= speeds[:, positions.pivots] @ positions.W
     pivots = np.concatenate([positions.pivots, whole.speeds[held.pivots]])
     return Rows(np.vstack([positions.W, speeds]), pivots, np.arange(len(pivots)), np.eye(len(pivots)))
-
-
-def _fixed(point: Point, held: Rows, whole: Motion) -> tuple[Indices, Array]:
-    """Combinations of positions among the states that what holds keeps constant: their places, and one row each."""
-    from scipy.sparse import csc_array, vstack
-    from scipy.sparse.linalg import splu
-
-    angles = whole.angles[whole.angles < point.program.n]
-    places = np.concatenate([whole.coordinates, angles])
-    S = csc_array(vstack([whole.B, whole.E]).T)
-    if S.shape[0] == S.shape[1]:
-        combined = splu(S).solve(held.W.T.copy())
-        rest, combined = combined[len(places) :], combined[: len(places)]
-        terms = np.full(len(rest), np.abs(held.W).max())
-    else:
-        S = S[:, : len(places)].toarray()
-        combined = np.linalg.lstsq(S, held.W.T, rcond=None)[0]
-        rest, terms = held.W.T - S @ combined, np.full(len(S), np.abs(held.W).max())
-    free = null_space(rest, terms)
-    return places, (combined @ free).T
 
 
 def _beside(point: Point, held: Rows, whole: Motion) -> Array:

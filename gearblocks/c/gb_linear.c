@@ -61,8 +61,8 @@ int gb_modes(const gb_sim *sim, double *mode) {
     return sim->head->started ? GB_DONE : GB_ERR_STATE;
 }
 
-int gb_locks_at(gb_sim *sim, const gb_point *at, const double *y, double *rows, double *limit, double *held,
-                double *excess, double *slip) {
+int gb_locks_at(gb_sim *sim, const gb_point *at, const double *y, double *rows, double *pushes, double *limit,
+                double *held, double *excess, double *slip) {
     const gb_model *model = sim->model;
     const int code = gb_point_columns(sim, at);
     if (code == GB_DONE && model->n_locks > 0) {

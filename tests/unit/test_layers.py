@@ -60,7 +60,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.given_starts",),
     ("gearblocks.building",),
     ("gearblocks.holding",),
-    ("gearblocks.probing", "gearblocks.statics"),
+    ("gearblocks.probing", "gearblocks.standing", "gearblocks.statics"),
     ("gearblocks.records", "gearblocks.storage", "gearblocks.plotting", "gearblocks.trajectory"),
     ("gearblocks.arguments", "gearblocks.runs"),
     ("gearblocks.scene", "gearblocks.analysis", "gearblocks.cost"),
