@@ -45,7 +45,9 @@ def judged(found: Point) -> Point | None:
     if not places:
         return None
     locks, modes = found.locks(), found.modes.copy()
-    met = [i for i, x in enumerate(places) if x.is_stop and not modes[x.hold] and locks.slip[i] < -_reach(found, locks, i)]
+    met = [
+        i for i, x in enumerate(places) if x.is_stop and not modes[x.hold] and locks.slip[i] < -_reach(found, locks, i)
+    ]
     if met:
         deepest = min(met, key=lambda i: locks.slip[i])
         modes[places[deepest].hold] = 1.0
@@ -95,6 +97,7 @@ def _too_weak(point: Point, i: int, locks: Locks) -> SimulationError:
     limit = locks.limits[i, 1 if locks.held[i] > 0 else 0]
     return SimulationError(
         point.t, component,
-        f"there is no static equilibrium: it would have to carry {abs(locks.held[i]):.6g} to stay stuck, and holds {abs(limit):.6g}",
+        f"there is no static equilibrium: to stay stuck it would have to carry {abs(locks.held[i]):.6g}, and it holds "
+        f"{abs(limit):.6g}",
         "raise its capacity, lower the load, or let it start with a slip",
     )  # fmt: skip
