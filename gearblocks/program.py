@@ -83,11 +83,13 @@ class FollowerInfo(NamedTuple):
 
 
 class MovedInfo(NamedTuple):
-    """A start value of a shaft that something else moves: its name, the output that tells, and what does it, in words."""
+    """A start value of a shaft that something else moves: its name, the output that tells, and what does it, in words; tied:
+    rigidly, so that others follow from it."""
 
     name: str
     output: str
     by: str
+    tied: bool
 
 
 @dataclass(frozen=True, slots=True)
