@@ -98,6 +98,7 @@ class Program:
 
     n, n_padded, n_total: lengths of the state vector as in c/gb_model.h.
     structural: values of parameters that the structure rests on (ratios); another value needs another program.
+    unknown: names of outputs that are NaN: accelerations of shafts without inertia.
     """
 
     name: str
@@ -117,6 +118,7 @@ class Program:
     structural: tuple[tuple[str, float], ...] = ()
     followers: tuple[FollowerInfo, ...] = ()
     moved: tuple[MovedInfo, ...] = ()
+    unknown: tuple[tuple[str], ...] = ()
 
     def to_bytes(self) -> bytes:
         """The program as bytes; its tables go column by column, which is much faster for long trains."""

@@ -134,3 +134,15 @@ def _causes(g: Generator) -> dict[int, dict[str, tuple[str, bool]]]:
         if causes:
             found[f.group] = causes
     return found
+
+
+def unknown_outputs(g: Generator) -> Iterator[tuple[str]]:
+    """Outputs that read the acceleration of a shaft without inertia, which no equation gives."""
+    hidden = g.massless.rows if g.massless is not None else {}
+    for code in g.codes if hidden else ():
+        slots = code.law.pool.slots
+        for show, expr in code.shows:
+            read = {slots[x].of for x in expr.free_symbols if x in slots and slots[x].role == "alpha"}
+            for e, c in enumerate(components_of(g, code)):
+                if any(code.batch.groups[f][e] in hidden for f in read if f in code.batch.groups):
+                    yield (f"{c.path}.{show.name}",)
