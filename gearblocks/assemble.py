@@ -156,6 +156,7 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
         if id(law) not in wanted:
             exprs = [x for form in law.forms for x in form.coefficients.values()]
             exprs += [x for coefficients, _ in law.ties for x in coefficients.values()]
+            exprs += [x for stick in law.sticks.values() for x in stick.push.values()]
             symbols = {x for e in exprs for x in e.free_symbols}
             symbols |= {x for x, slot in law.pool.slots.items() if slot.role == "exact"}
             wanted[id(law)] = sorted(((x, law.pool.slots[x]) for x in symbols), key=lambda pair: str(pair[0].name))
@@ -203,6 +204,7 @@ def _dynamics(law: Law) -> list[Any]:
     """Every expression that a run evaluates at each stage."""
     exprs = [*law.forces.values(), *law.torques.values(), *law.rates.values(), *(s.surface for s in law.switches)]
     exprs += [e for x in law.drives for e in (*x.gains.values(), x.bias, x.surplus)]
+    exprs += [e for x in law.sticks.values() for e in x.expressions()]
     return exprs + [e for e in (law.stored, law.loss, law.supplied) if e is not None]
 
 

@@ -17,6 +17,8 @@ from gearblocks.massless import Balance, HiddenRows, balance_of
 from gearblocks.printer import c_text
 from gearblocks.symbols import CONSTANT, MOVING, TIMED, clock
 
+_OF_STICKS = ("lower", "upper", "forward", "backward", "engaged", "restitution", "share")
+
 UNROLLED = 8
 """Batches of at most this many instances are called one by one, with numbers in place of table columns."""
 
@@ -67,6 +69,7 @@ class Places:
     exact: dict[Any, int] = field(default_factory=dict)
     hoisted: dict[Any, str] = field(default_factory=dict)
     modes: int = 0
+    locks: dict[str, int] = field(default_factory=dict)
     switches: list[int] = field(default_factory=list)
     inverse_mass: int = 0
     mass: int = 0
@@ -143,6 +146,10 @@ class BatchCode:
             name = f"sense[{self.places.senses[of]}]"
         elif role == "mode":
             prologue[name := f"mode{of.number}"] = f"mode[{self.places.switches[of.number]} + e]"
+        elif role in ("direction", "stuck"):
+            name = self._lock_mode(role, of, prologue)
+        elif role == "held":
+            name = f"held[{self.places.locks[of]} + e]"
         elif role == "before":
             prologue[name := f"before{of.number}"] = f"before[{self.places.switches[of.number]} + e]"
         elif role in ("table", "table2"):
@@ -161,6 +168,14 @@ class BatchCode:
         else:
             assert role == "input", role
             name = f"u[{list(self.lay.inputs).index(of.name)} * GB_LANES + i]"
+        return name
+
+    def _lock_mode(self, role: str, stick: str, prologue: dict[str, str]) -> str:
+        """The direction of a stick, or whether it is stuck, from its modes."""
+        switches = self.law.sticks[stick].switches
+        number = switches["hold"] if role == "stuck" else next(iter(switches.values()))
+        name = f"{role}_{identifier(stick)}"
+        prologue[name] = f"mode[{self.places.switches[number]} + e]"
         return name
 
     def _coordinate(self, j: int, args: dict[str, Any], vector: str) -> str:
@@ -248,6 +263,7 @@ class BatchCode:
             *self.forces.values(), *self.torques.values(), *self.rates.values(), self.loss, self.supplied, *self.surfaces,
             *self.bands, *self.whens, *self.speeds, *drives, *balance, *self.balance.drags.values(),
             *self.balance.stiffnesses.values(), *self.starts.values(), *(e for _, e in self.holds),
+            self.late_loss, *(e for values in self.stick_values.values() for e in values.values()),
             *(e for x, e in self.shows if x.name in sensed), *(e for i in range(len(self.sorts)) for e in self._watched(i)),
         ]  # fmt: skip
         found = {x for e in exprs if e is not None for x in sp.sympify(e).free_symbols}
@@ -327,6 +343,13 @@ class BatchCode:
         self.speeds = [self._coordinate_rate(j) for j in range(len(law.forms))]
         self.drives = [frozen_drive(x, hoist) for x in law.drives]
         self.starts = {n: hoist(e) for n, e in law.starts.items()}
+        self.stick_values = {
+            name: {k: hoist(v) for k in _OF_STICKS if (v := getattr(stick, k)) is not None}
+            for name, stick in law.sticks.items()
+        }
+        for name, stick in law.sticks.items():
+            self.stick_values[name] |= {f"loss_{i}": hoist(x) for i, x in enumerate(stick.losses or ())}
+        self.late_loss = None if law.late_loss is None else hoist(law.late_loss)
         self.balance = balance_of(self, self.places.hidden, self.places.floats) if self.places.hidden else Balance()
 
     def _held(self, value: Any, when: Any, *, state: str) -> Any:
@@ -348,6 +371,10 @@ class BatchCode:
     def _sort(self, i: int) -> str:
         """How switch i is watched: "affine" or "general" over the state, "line" or "wave" predicted over time."""
         switch = self.law.switches[i]
+        if switch.lock in ("hold", "sign"):
+            return "general_lock"
+        if switch.lock == "slip":
+            return "general_lock" if any(f.drive is not None for f in self.lay.assembly.followers) else "affine_lock"
         roles = {x: self.law.pool.slots[x].role for x in switch.surface.free_symbols}
         if switch.level == TIMED and set(roles.values()) <= {"own", "exact", "shared", "mobility", "time"}:
             if switch.band is None and self._line(switch.surface) is not None:

@@ -15,6 +15,7 @@ import sympy as sp
 from gearblocks.declare import Switch
 from gearblocks.errors import GearblocksError
 from gearblocks.signals import Table
+from gearblocks.sticks import StickOfKind
 from gearblocks.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, Table2At, TableAt
 
 _COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
@@ -34,7 +35,9 @@ class SurfaceOfKind:
     """One switch of a kind, with its name and the values in the events.
 
     Its mode is the sign of the surface (0 or 1), the segment of a `table` over it, or its side of a `band` about zero
-    of that half width (-1, 0, 1).
+    of that half width (-1, 0, 1). lock: what it watches of a stick: "slip", "gap", "sign" (of a force), "hold" or
+    "free"; the solver then
+    decides about its mode together with those of all other sticks ("free" apart: 1 where nothing rubs).
     """
 
     name: str
@@ -46,11 +49,12 @@ class SurfaceOfKind:
     high: float = 1.0
     table: Any = None
     band: Any = None
+    lock: str | None = None
 
     @property
     def is_sign(self) -> bool:
         """Whether the mode is the sign of the surface."""
-        return self.table is None and self.band is None
+        return self.table is None and self.band is None and self.lock is None
 
 
 @dataclass
@@ -72,6 +76,22 @@ class Freezer:
                     if item.when != 1:
                         switch.when = self.freeze(sp.sympify(item.when))
 
+    def watch(self, stick: StickOfKind) -> None:
+        """The switches of a stick: its slip (or gap), its held force, and whether it is engaged."""
+        first = {"stop": "gap", "tie": "sign"}.get(stick.kind, "slip")
+        name = "" if stick.kind in ("tie", "loss") else stick.name
+        for what, surface in ((first, stick.gap if stick.is_stop else stick.slip), ("hold", sp.Integer(0))):
+            stick.switches[what] = len(self.switches)
+            mode = Mode(len(self.switches), MOVING)
+            symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
+            self.switches.append(SurfaceOfKind(name, surface, symbol, MOVING, lock=what))
+        if self.pool.level(stick.engaged) == CONSTANT:
+            return
+        mode = Mode(len(self.switches), level := self.pool.level(stick.engaged))
+        stick.switches["engaged"] = mode.number
+        symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
+        self.switches.append(SurfaceOfKind(stick.name, -stick.engaged, symbol, level, lock="free"))
+
     def freeze(self, expr: Any) -> Any:
         """expr with every condition replaced."""
         if expr not in self._memo:
@@ -80,7 +100,7 @@ class Freezer:
 
     def _freeze(self, e: Any) -> Any:
         if e.is_Atom:
-            return e
+            return sp.Integer(e == sp.true) if e.is_Boolean and not e.is_Symbol else e
         if isinstance(e, sp.Piecewise):
             return self._piecewise(e)
         if isinstance(e, (TableAt, Table2At)):
@@ -112,6 +132,8 @@ class Freezer:
             return 1 - sp.Mul(*(1 - x for x in a))
         if isinstance(e, sp.Not):
             return 1 - a[0]
+        if isinstance(e, sp.ITE):
+            return a[0] * a[1] + (1 - a[0]) * a[2]
         return e.func(*a)
 
     def _piecewise(self, e: Any) -> Any:

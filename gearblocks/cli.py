@@ -1,4 +1,4 @@
-"""The shell: demo, list, run, equations, export, check.
+"""The shell: demo, list, run, equations, export, check, hard.
 
 Exit status: 0 done; 1 it ran and the answer is no; 2 bad input. Errors are one message on standard error.
 """
@@ -174,6 +174,19 @@ def check(fmu: Annotated[Path, typer.Argument(metavar="X.fmu", help="The FMU to 
     report = fmu_export.check(fmu)
     typer.echo(str(report))
     if not report.ok:
+        raise typer.Exit(NO)
+
+
+@app.command()
+def hard(
+    case: Annotated[
+        list[str] | None, typer.Argument(metavar="[CASE]...", help="Names such as H07; without: all.")
+    ] = None,
+) -> None:
+    """The hard-case suite: each case, what is promised, what is measured, what it costs; scipy's solvers beside it."""
+    from gearblocks.hard import suite, table
+
+    if not table.run(suite.cases(case or ())):
         raise typer.Exit(NO)
 
 

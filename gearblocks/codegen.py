@@ -13,6 +13,7 @@ from gearblocks.batchcode import BatchCode, Places, Statement, identifier
 from gearblocks.generator import Band, Generator, Prediction
 from gearblocks.jacobian import linear_part
 from gearblocks.layout import column, lay_out, padded
+from gearblocks.locks import held_torques, lay_out_locks, lock_functions, loss_places
 from gearblocks.maps import Table2
 from gearblocks.massless import hidden_rows, lay_out_massless
 from gearblocks.means import mean_of_column
@@ -69,6 +70,7 @@ def _columns(g: Generator) -> None:
         at += g.assembly.n_groups
     else:
         at = lay_out_mass(g, at)
+    at = lay_out_locks(g, at)
     for number, batch in enumerate(g.assembly.batches):
         own = {path: i for (b, path), i in g.lay.own.items() if b == number}
         places = Places(
@@ -82,6 +84,7 @@ def _columns(g: Generator) -> None:
         places.tables = {
             x: _table_name(g, slot.of) for x, slot in batch.law.pool.slots.items() if slot.role in ("table", "table2")
         }  # fmt: skip
+        places.locks = {name: g.locks.first[number, name] for name in batch.law.sticks}
         code = BatchCode(g.lay, number, batch, places)
         for symbol, values in batch.exact.items():
             if batch.law.pool.slots[symbol].role == "exact":
@@ -107,7 +110,7 @@ def _table_name(g: Generator, table: Table | Table2) -> str:
 def _switches(g: Generator) -> None:
     """Affine surfaces first, then general ones, then those of time alone."""
     at = 0
-    for wanted in (("affine",), ("general",), ("line", "wave")):
+    for wanted in (("affine", "affine_lock"), ("general", "general_lock"), ("line", "wave")):
         for code in g.codes:
             if not code.places.switches:
                 code.places.switches = [-1] * len(code.law.switches)
@@ -119,9 +122,9 @@ def _switches(g: Generator) -> None:
                         owner = f"{code.paths[e]}.{switch.name}".rstrip(".")
                         g.switches.append(SwitchInfo(owner, switch.name, kind, switch.low, switch.high))
                     at += code.n
-        if wanted == ("affine",):
+        if "affine" in wanted:
             g.n_affine = at
-        elif wanted == ("general",):
+        elif "general" in wanted:
             g.n_surfaces = at
 
 
@@ -197,8 +200,10 @@ def _laws(g: Generator) -> None:
             code.places.tau[flange] = flange_tau
             flange_tau += code.n
     _supplies(g)
+    loss_places(g)
     for code in g.codes:
         targets = [(f"flange_tau[{code.places.tau[f]} + e]", "+=", e, False) for f, e in code.torques.items()]
+        targets += [(f"flange_tau[{code.places.tau[f]} + e]", "+=", e, False) for f, e in held_torques(code)]
         g.keep("torques", code.function("torques", targets))
         _bodies(g, code)
         shows: dict[bool, list[tuple[str, str, Any, bool]]] = {False: [], True: []}
@@ -241,6 +246,8 @@ def _rates(g: Generator, code: BatchCode) -> None:
     for part, entry in (("loss", code.loss), ("supplied", code.supplied)):
         if entry is not None:
             targets.append((f"dy[{g.tail} + e]", "=", entry, True))
+            if part == "loss" and code.late_loss is not None:
+                g.keep("late_rates", code.function("late_rates", [(f"dy[{g.tail} + e]", "+=", code.late_loss, True)]))
             g.integrals += [IntegralInfo(code.paths[e], part, g.tail + e) for e in range(code.n)]
             g.tail += code.n
     function = code.function("rates", targets, extra=[f for f in code.torques if f not in held])
@@ -273,6 +280,7 @@ def _surfaces(g: Generator, code: BatchCode) -> None:
     g.keep("scales", function)
     held = [(f"y[{g.lay.state0[code.number, state]} + e]", "=", expr, False) for state, expr in code.holds]
     g.keep("hold", code.function("hold", held))
+    lock_functions(g, code)
     _bounds(g, code)
 
 
@@ -281,6 +289,8 @@ def _bounds(g: Generator, code: BatchCode) -> None:
     targets = []
     for i, switch in enumerate(code.law.switches):
         at = f"{code.places.switches[i]} + e"
+        if switch.lock in ("slip", "gap", "sign", "hold"):
+            continue
         if switch.table is not None:
             targets.append((f"table_bounds(&{code.places.tables[switch.table]}, {at}", "call", code.whens[i], False))
         elif switch.band is not None:

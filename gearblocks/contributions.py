@@ -19,6 +19,7 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 _EXPRESSIONS: dict[type, tuple[str, ...]] = {
     d.Body: ("J",), d.Force: ("deflection", "force"), d.Potential: ("energy",), d.Acts: ("tau",), d.Tie: ("zero",),
     d.Motion: ("zero",), d.Start: ("value",), d.Hold: ("value", "when"),
+    d.LossyTie: ("tie", "slip"), d.Stick: ("slip", "engaged"), d.Stop: ("gap", "restitution"),
     d.Rate: ("expr",), d.Switch: ("surface", "when"), d.Shows: ("expr",), d.Energy: ("stored", "loss"),
 }  # fmt: skip
 
@@ -153,7 +154,13 @@ class _Check:
         ):
             has = ", ".join(f"s.{name}" for name in self.states) or "none: declare one with gb.State('words', 'unit')"
             yield f"'{item.state}' is no state of the block; it has {has}"
-        if isinstance(item, (d.Shows, d.Switch)) and not isinstance(item.name, str):
+        if isinstance(item, (d.Stick, d.Stop)):
+            yield from self.stick(item, sound)
+        if isinstance(item, d.LossyTie):
+            yield from (p for x in (*item.driving, *item.coasting) if (p := self.expression(x, False, False)))
+            for slip in (item.tie, item.slip) if sound else ():
+                yield from self.stick(d.Stick("", slip, 0), True)
+        if isinstance(item, (d.Shows, d.Switch, d.Stick, d.Stop)) and not isinstance(item.name, str):
             yield f"its name {item.name!r} must be text"
         elif isinstance(item, d.Shows) and not _WORD.fullmatch(item.name):
             yield f"the name '{item.name}' must be a word of letters, digits and '_'"
@@ -164,6 +171,9 @@ class _Check:
         """What is wrong with all contributions together."""
         for name, state in self.states.items():
             rates = sum(isinstance(x, (d.Rate, d.Hold)) and x.state is state for x in items)
+            rates += sum(
+                isinstance(x, (d.Stick, d.Stop)) and state in (x.impulse, getattr(x, "impacts", None)) for x in items
+            )
             if rates != 1:
                 yield f"the state '{name}' has {rates} rates; yield one gb.Rate(s.{name}, ...)"
         shown = [x.name for x in items if isinstance(x, d.Shows)]
@@ -172,6 +182,28 @@ class _Check:
     def inner(self) -> Iterator[Any]:
         """States of the effects."""
         return (x for x, slot in self.pool.slots.items() if slot.role == "state")
+
+    def stick(self, item: d.Stick | d.Stop, sound: bool) -> Iterator[str]:
+        """Whether a slip or gap is linear in flange speeds or angles, and what else belongs to it."""
+        if isinstance(item, d.Stick):
+            sizes = [x for x in (*in_pair(item.limit), *in_pair(item.sliding)) if x not in (None, sp.oo, -sp.oo)]
+            problems = [p for x in sizes if (p := self.expression(x, False, False))]
+            yield from problems
+        for name in ("impulse", "impacts"):
+            state = getattr(item, name, None)
+            if state is not None and not any(state is x for x in self.states.values()):
+                yield f"{name} = '{state}' is no state of the block; declare one with gb.State('words', 'unit')"
+        if not sound:
+            return
+        expr, role = (item.slip, "w") if isinstance(item, d.Stick) else (item.gap, "phi")
+        moving = {x for x in sp.sympify(expr).free_symbols if self.pool.slots[x].role == role}
+        slopes = [sp.diff(expr, x) for x in moving]
+        rest = sp.sympify(expr).xreplace(dict.fromkeys(moving, sp.Integer(0)))
+        grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
+        if any(self.pool.level(x) != CONSTANT for x in slopes) or (not moving and not grounded):
+            yield f"'{expr}' must be linear in the flange {'speeds' if role == 'w' else 'angles'} with constant factors"
+        elif (rest != 0) if role == "w" else self.pool.level(rest) != CONSTANT:
+            yield f"'{expr}' contains '{rest}', which is not {'a speed of a flange' if role == 'w' else 'constant'}"
 
     def flange(self, flange: Any) -> str:
         """Whether something is a flange of s."""
@@ -222,9 +254,14 @@ class _Check:
                 return (
                     f"the symbol '{symbol}' in '{expr}' is not from s; declare it with gb.param, gb.signal or gb.State"
                 )
-            if slot.role in ("alpha", "tau") and not showing:
+            if slot.role in ("alpha", "tau", "held") and not showing:
                 return f"'{symbol}' in '{expr}' is a result of the motion, which only Shows can read"
         return ""
+
+
+def in_pair(x: Any) -> tuple[Any, Any]:
+    """A pair, or the same thing twice."""
+    return x if isinstance(x, tuple) else (x, x)
 
 
 def _shown(x: Any) -> str:

@@ -79,13 +79,15 @@ def option(
 
 
 def signal(
-    words: str, unit: str = "1", *, default: Any = _REQUIRED, belongs_to: str | None = None, over: str | None = None
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, ge: float | None = None, belongs_to: str | None = None,
+    over: str | None = None,
 ) -> Any:  # fmt: skip
     """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense).
 
-    over: a quantity of the block that may stand in it too, see Symbols.local; a Table then goes over that quantity.
+    ge: the least value of a number or Parameter; what varies is not judged. over: a quantity of the block that may stand
+    in it too, see Symbols.local; a Table then goes over that quantity.
     """
-    return Field(words, unit, "signal", default, belongs_to=belongs_to, over=over)
+    return Field(words, unit, "signal", default, ge=ge, belongs_to=belongs_to, over=over)
 
 
 def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None) -> Any:
@@ -97,8 +99,9 @@ def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | N
 class Flange:
     """A rotating connection point, or a sliding one.
 
-    ground: means the ground when nothing is connected; spare: may stay open. slider: True for positions [m], speeds
-    [m/s] and forces [N] in place of angles and torques; None for a flange that is what it is connected to.
+    ground: means the ground when nothing is connected; spare: may stay open; both: is the ground then, but a chain passes
+    through it. slider: True for positions [m], speeds [m/s] and forces [N] in place of angles and torques; None for a
+    flange that is what it is connected to.
     """
 
     words: str
@@ -225,6 +228,56 @@ class Switch:
 
 
 @dataclass(frozen=True, slots=True)
+class Stick:
+    """Friction that can stick, or a lock, along a slip: linear in the flange speeds with constant factors.
+
+    A force > 0 drives the slip up: every flange gets the torque force * d slip / d w. While stuck the slip is exactly 0
+    and the held force stays in [-limit, limit], or in limit = (lower, upper) (sympy.oo: without limit); while it slides,
+    the force against the slip is `sliding` (default: limit; a pair: while slip > 0, while slip < 0), which may contain
+    sympy.Abs(slip). engaged <= 0: free. An unlimited lock closes on a speed difference by a plastic impact; `impulse`: a
+    state of the block that keeps it [N m s]. Loss, events and modes come by themselves, see Symbols.stick.
+    """
+
+    name: str
+    slip: Any
+    limit: Any
+    sliding: Any = None
+    engaged: Any = 1
+    impulse: Any = None
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A rigid unilateral contact: the gap, linear in the flange angles with constant factors, stays >= 0.
+
+    It closes by an impact with Newton's restitution (rate after = -restitution * rate before) and stays closed while it
+    is pressed. impulse: a state of the block that keeps the last impulse [N m s]; impacts: one that counts them.
+    """
+
+    name: str
+    gap: Any
+    restitution: Any
+    impulse: Any = None
+    impacts: Any = None
+
+
+@dataclass(frozen=True, slots=True)
+class LossyTie:
+    """A rigid tie whose losses depend on the force that it carries, and that sticks at rest.
+
+    tie: the speed that stays 0, linear in the flange speeds; its force is Symbols.stick("tie"). slip: the speed at which
+    loss is taken from the shafts; force lost = share * force of the tie + rest, against the slip: (share, rest) =
+    `driving` where slip * force >= 0, else `coasting` (both may contain sympy.Abs(slip)). At rest it holds what lies
+    between the losses of either direction; Symbols.stick("loss") tells.
+    """
+
+    tie: Any
+    slip: Any
+    driving: Any
+    coasting: Any
+
+
+@dataclass(frozen=True, slots=True)
 class Shows:
     """An output of the block."""
 
@@ -242,7 +295,23 @@ class Energy:
     loss: Any = None
 
 
-Contribution: TypeAlias = Body | Force | Potential | Acts | Tie | Motion | Rate | Start | Hold | Switch | Shows | Energy
+Contribution: TypeAlias = (
+    Body
+    | Force
+    | Potential
+    | Acts
+    | Tie
+    | Motion
+    | Rate
+    | Start
+    | Hold
+    | Switch
+    | Stick
+    | Stop
+    | LossyTie
+    | Shows
+    | Energy
+)
 
 
 @dataclass(frozen=True)
@@ -259,7 +328,7 @@ class Parts:
 
 _TAKEN = {
     "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics",
-    "problems", "rate_of", "reading", "slope", "states", "tabled", "time", "turned", "without_effect",
+    "problems", "rate_of", "reading", "slope", "states", "stick", "tabled", "time", "turned", "without_effect",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 
@@ -379,7 +448,7 @@ class Block(_Declared, ABC):
 
     @abstractmethod
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """Yields Body, Force, Potential, Acts, Tie, Motion, Rate, Start, Hold, Switch, Shows and Energy."""
+        """Yields contributions: what it does to its flanges and shows, see Contribution."""
 
     def parts(self) -> Parts | None:
         """The blocks that this one stands for, or None: it has physics of its own."""

@@ -20,8 +20,8 @@ from gearblocks.sliding import start_fields, unit_along
 
 if TYPE_CHECKING:
     from gearblocks.analysis import Label, Points, Section
-    from gearblocks.equations import Equations
     from gearblocks.trajectory import Trajectory
+    from gearblocks.written import Equations
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
@@ -122,7 +122,7 @@ class Drivetrain:
         if isinstance(part._part, Drivetrain):
             main = list(part.flanges)
         else:
-            main = [n for n, f in type(part._part).flanges.items() if not f.ground]
+            main = [n for n, f in type(part._part).flanges.items() if not f.ground or f.spare]
         if not 1 <= len(main) <= 2:
             raise ModelError(
                 f"'{part._name}' has {len(main)} flanges ({', '.join(main)}), so a chain cannot pass through it: use connect"
@@ -237,7 +237,10 @@ class Drivetrain:
             owner._parts[name] = block
         after = other.effects()
         other.dropped = tuple(name for name in before if name not in after)
-        stiffened = [name.rsplit(".", 1)[0] for name in other.dropped if name.endswith(".compliance")]
+        gone = {name.rpartition(".")[::2] for name in other.dropped}  # a rigid impact is no tie as long as it has a gap
+        stiffened = [
+            p for p, effect in sorted(gone) if effect in ("compliance", "backlash") and not _gives_way(p, after)
+        ]
         for path in list(released_angles(flatten(other.tree(), complete=False), stiffened)) if stiffened else ():
             owner, name, _ = other._locate(path)
             body = owner._parts[name]
@@ -305,6 +308,11 @@ class Drivetrain:
         return train
 
 
+def _gives_way(path: str, effects: Mapping[str, Any]) -> bool:
+    """Whether the shafts of an element turn on their own, by its effects."""
+    return f"{path}.compliance" in effects or f"{path}.backlash" in effects
+
+
 def _part_problems(path: str, part: Any) -> Iterator[str]:
     """What is wrong with something that is to be a part."""
     if isinstance(part, type):
@@ -336,6 +344,8 @@ def simulate(train: Drivetrain | Model, *unnamed: Any, **arguments: Any) -> Traj
     "motor.phi", states of blocks), an earlier run to continue, "static" (the equilibrium with every excitation by time at
     its mean, contact side from the load; speeds and absolute angles stay) or "static_at_start" (under everything as it is
     at t_start). outputs: a pattern or several ("mesh.*").
+    residual: the run stops where its energy residual (run.energy.residual), looked at between samples about every 50 ms of
+    CPU time and at the end, exceeds this.
     progress: called with the share done (0..1), five times a second at most; without it a run of more than two seconds
     says on a terminal how far it is.
 

@@ -9,7 +9,17 @@ from gearblocks.declare import Effect, State, effect, option, param, signal
 from gearblocks.gaps import Backlash, HuntCrossley
 from gearblocks.signals import Table, Value
 
-__all__ = ["Backlash", "Fourier", "Harmonic", "HuntCrossley", "MeshLaw", "Profile", "Square", "ToothFriction"]
+__all__ = [
+    "Backlash",
+    "Fourier",
+    "Harmonic",
+    "HuntCrossley",
+    "Hysteresis",
+    "MeshLaw",
+    "Profile",
+    "Square",
+    "ToothFriction",
+]
 
 
 class Fourier(Effect):
@@ -139,6 +149,21 @@ class ToothFriction(Effect):
             yield f"friction.flank = {self.flank!r} must be 'drive' or 'coast'"
         if (self.direction == "square_wave") != (self.wave is not None):
             yield "friction: direction='square_wave' and wave=... (a signal of +1 and -1) belong together"
+
+
+class Hysteresis(Effect):
+    """Inner friction of a shaft: a dry slider beside its spring, which slips at the torque `friction`.
+
+    Alone, the slider joins both ends: the twist stays where it is until the rest of the torque exceeds friction. With
+    stiffness it sits at the end of a spring of its own (the element of Jenkins, Brit. J. Appl. Phys. 13, 1962, 30-32, and of
+    Iwan, J. Appl. Mech. 33, 1966, 893-900): beside a spring k the shaft has k + stiffness while the slider holds, and k
+    while it slips. A cycle of the twist between -x and x loses 4 friction (x - friction/stiffness), without stiffness
+    4 friction x, whatever the speed.
+    """
+
+    friction: Value = param("torque at which the slider slips", "N m", gt=0)
+    stiffness: Value | None = param("stiffness in series with the slider", "N m/rad", default=None, gt=0)
+    force = State("torque of the slider", "N m")
 
 
 class MeshLaw(Effect):

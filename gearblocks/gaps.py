@@ -144,6 +144,14 @@ class Backlash(Effect):
 
         return sp.sign(x) if self.law == "smooth" else self.side(s, x)
 
+    def ends(self, s: Any) -> tuple[Any, Any]:
+        """Deflections at which contact starts: on the coast side, on the drive side."""
+        import sympy as sp
+
+        if self.gaps is None:
+            return -s.half_gap, s.half_gap
+        return -sp.Float(min(self.coast_gaps or self.gaps), 17), sp.Float(min(self.gaps), 17)
+
     def engaged(self, s: Any, x: Any) -> Any:
         """How many teeth carry load, where each has its gap."""
         import sympy as sp

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from gearblocks.assemble import Assembly
 from gearblocks.batchcode import BatchCode, Function, Statement
 from gearblocks.layout import Column, Layout
+from gearblocks.locks import Locks
 from gearblocks.maps import Table2
 from gearblocks.massless import Massless
 from gearblocks.motions import Motions
@@ -143,6 +144,7 @@ class Generator:
     inverse_mass: int = 0
     mass: int = 0
     motion: Motions | None = None
+    locks: Locks = field(default_factory=Locks)
     massless: Massless | None = None
     mobile: list[int] = field(default_factory=list)
     supply0: int = 0

@@ -14,7 +14,7 @@ from gearblocks.floating import Known, Shafts, floating
 from gearblocks.graph import Component, Train, numbers_of
 from gearblocks.kinematics import Driven, Follower, GroupRow, Kinematics, follow
 from gearblocks.laws import Law, exact_value
-from gearblocks.rational import Exact, over
+from gearblocks.rational import Exact, exact, over
 from gearblocks.signals import Parameter
 from gearblocks.sliding import start_fields
 
@@ -89,7 +89,7 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Se
         if new:
             groups.used.append(row)
         else:
-            groups.redundant.append(row.component)
+            groups.spare.append(row)
     moved = kinematics.moved
     inert = set(massive)
     for f in reversed(kinematics.followers):
@@ -213,6 +213,38 @@ def _given_starts(assembly: Assembly, laws: list[Law]) -> dict[int, str]:
     return found
 
 
+def _through_lossy_ties(assembly: Assembly, laws: list[Law], owners: dict[int, tuple[str, Exact, bool]]) -> None:
+    """Shafts beside a lossy tie start as the other side does, where only that one is given."""
+    pairs = [
+        pair for c, law in zip(assembly.train.components, laws, strict=True) for pair in _lossy_pairs(assembly, c, law)
+    ]
+    changed = True
+    while changed:
+        changed = False
+        for (one, a), (two, b) in (*pairs, *((y, x) for x, y in pairs)):
+            if owners[one][2] and not owners[two][2]:
+                path, gain, _ = owners[one]
+                owners[two] = (path, gain * over(-b, a), True)
+                changed = True
+
+
+def _lossy_pairs(assembly: Assembly, c: Component, law: Law) -> Iterable[tuple[tuple[int, Exact], tuple[int, Exact]]]:
+    """The two groups of a lossy tie with their factors in it."""
+    tie = law.sticks.get("tie")
+    if tie is None or tie.share is None:
+        return
+    numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
+    nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
+    row: dict[int, Exact] = {}
+    for flange, expr in tie.push.items():
+        values = {x: exact(numbers[law.pool.slots[x].of]) for x in expr.free_symbols}
+        group, gain = assembly.group_of_node[nodes[flange]] if nodes[flange] >= 0 else (HELD, 1)
+        row[group] = row.get(group, 0) + exact_value(expr, values) * gain
+    moving = [(g, v) for g, v in row.items() if g != HELD and v]
+    if len(moving) == 2:
+        yield moving[0], moving[1]
+
+
 def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
     """For each group that does not follow by angle the component that owns its start values (the first that gives them).
 
@@ -240,6 +272,8 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
                 if group != HELD:
                     for owners in found.values():
                         owners.setdefault(group, (f"{c.path}.{name}", gain, False))
+    for owners in found.values():
+        _through_lossy_ties(assembly, laws, owners)
     for part, whole in assembly.floating.items():  # a part is named as its shaft
         for owners in found.values():
             owners[part] = owners[whole]

@@ -21,6 +21,7 @@ from gearblocks.branches import Freezer, SurfaceOfKind
 from gearblocks.drives import Drive, drive_of, frozen_drive, is_constant_tie, linear_tie, motion_of
 from gearblocks.errors import ModelError
 from gearblocks.rational import Exact, exact, over
+from gearblocks.sticks import StickOfKind, along, carried_loss, sliding_force, sticks_of
 from gearblocks.symbols import CONSTANT, MOVING, Pool, Symbols, Table2At, TableAt, clock
 
 
@@ -60,6 +61,8 @@ class Law:
     loss: Any = None
     supplied: Any = None
     switches: list[SurfaceOfKind] = field(default_factory=list)
+    sticks: dict[str, StickOfKind] = field(default_factory=dict)
+    late_loss: Any = None
     shows: list[d.Shows] = field(default_factory=list)
     replaced: dict[Any, Any] = field(default_factory=dict)
 
@@ -78,13 +81,17 @@ class _Contributions:
         self.starts: list[d.Start] = []
         self.holds: list[d.Hold] = []
         self.switches: list[d.Switch] = []
+        self.sticks: list[d.Stick] = []
+        self.stops: list[d.Stop] = []
+        self.lossy: list[d.LossyTie] = []
         self.shows: list[d.Shows] = []
         self.energies: list[d.Energy] = []
         lists: dict[type, list[Any]] = {
             d.Body: self.bodies, d.Force: self.forces, d.Potential: self.potentials, d.Acts: self.acts,
             d.Tie: self.ties, d.Motion: self.motions, d.Start: self.starts,
             d.Rate: self.rates, d.Switch: self.switches, d.Shows: self.shows, d.Energy: self.energies,
-            d.Hold: self.holds,
+            d.Hold: self.holds, d.Stick: self.sticks, d.Stop: self.stops,
+            d.LossyTie: self.lossy,
         }  # fmt: skip
         for item in block.physics(s):
             if type(item) not in lists:
@@ -113,14 +120,19 @@ def derive(block: d.Block, grounded: frozenset[str], *, reading: bool = False) -
         else:
             law.drives.append(drive_of(law, type(block).__name__, flanges, zero))
     law.drives += [motion_of(law, type(block).__name__, flanges, sp.expand(m.zero)) for m in found.motions]
+    law.sticks = sticks_of(law.pool, flanges, [*found.sticks, *found.stops, *found.lossy])
+    law.rates |= {x: sp.Integer(0) for k in law.sticks.values() for x in (k.impulse, k.impacts) if x is not None}
     law.torques = _torques(law, flanges, found, reading)
     stored = [sp.sympify(e.stored) for e in found.energies if e.stored is not None]
     losses = [sp.sympify(e.loss) for e in found.energies if e.loss is not None]
+    losses += [-sliding_force(law.pool, k) * k.slip for k in law.sticks.values()]
     law.stored = sp.Add(*stored) if stored and not _is_driven(law.pool, stored) else None
     law.loss = sp.Add(*losses) if losses else None
     law.shows = [d.Shows(x.name, sp.sympify(x.expr), x.unit, x.words) for x in found.shows]
+    for stick in law.sticks.values():
+        law.shows = [d.Shows(x.name, along(law.pool, stick, x.expr), x.unit, x.words) for x in law.shows]
     if not reading:
-        _introduce_coordinates(law, flanges, found.forces)
+        _introduce_coordinates(law, flanges, [*found.forces, *(d.Force(x.gap, 0) for x in found.stops)])
         _freeze(law, found.switches)
         if law.stored is not None and _jumps_in_time(law):
             law.stored = None
@@ -171,6 +183,10 @@ def _torques(law: Law, flanges: Mapping[str, Any], found: _Contributions, readin
     for act in found.acts:
         if act.flange.phi.is_Symbol:
             add(_flange_name(flanges, act.flange), sp.sympify(act.tau))
+    for stick in law.sticks.values():
+        whole = law.pool.symbol("friction", stick.name, f"T_{stick.name}".rstrip("_"))
+        for name, c in stick.push.items():
+            add(name, c * (whole if reading else sliding_force(law.pool, stick)))
     return total
 
 
@@ -199,7 +215,8 @@ def _solve(
     pool: Pool, form: Form, u: Any, flanges: Mapping[str, Any], replace: dict[Any, Any]
 ) -> dict[Any, Any] | None:  # fmt: skip
     """The replacements with one more angle expressed by the coordinate u, or None when the form adds nothing new."""
-    expr = sum(c * flanges[n].phi for n, c in form.coefficients.items()).xreplace(replace)
+    expr = sum(c * flanges[n].phi for n, c in form.coefficients.items())
+    expr = sp.expand(expr.xreplace(replace)) if replace else expr
     pivots = [f.phi for n in reversed(form.coefficients) if expr.has((f := flanges[n]).phi) and f.phi not in replace]
     if not pivots:
         return None
@@ -248,6 +265,8 @@ def _substitute(law: Law) -> None:
     law.starts = {n: new(e) for n, e in law.starts.items()}
     law.holds = [(state, new(value), new(when)) for state, value, when in law.holds]
     law.stored, law.loss = new(law.stored), new(law.loss)
+    for stick in law.sticks.values():
+        stick.changed(new)
     law.shows = [d.Shows(x.name, new(x.expr), x.unit, x.words) for x in law.shows]
 
 
@@ -269,6 +288,10 @@ def _freeze(law: Law, declared: Iterable[d.Switch]) -> None:
     law.starts = {n: freezer.freeze(e) for n, e in law.starts.items()}
     law.stored = None if law.stored is None else freezer.freeze(law.stored)
     law.loss = None if law.loss is None else freezer.freeze(law.loss)
+    for stick in law.sticks.values():
+        stick.changed(freezer.freeze)
+        freezer.watch(stick)
+    law.late_loss = carried_loss(law.pool, law.sticks)
     freezer.locating = False
     law.holds = [(state, freezer.freeze(value), freezer.freeze(when)) for state, value, when in law.holds]
     law.shows = [d.Shows(x.name, freezer.freeze(x.expr), x.unit, x.words) for x in law.shows]
@@ -330,7 +353,7 @@ def vanishes(expr: Any, pool: Pool) -> bool:
     for _ in range(40):
         point: dict[Any, float] = {
             x: float(random.randint(0, 1))
-            if x not in free and pool.slots[x].role == "mode"
+            if x not in free and pool.slots[x].role in ("mode", "direction", "stuck")
             else random.uniform(0.2, 1.2)
             for x in symbols
         }
@@ -364,6 +387,8 @@ def _number(expr: Any, known: dict[Any, float]) -> float:
         value = float(_number(expr.args[0], known) >= 0)
     else:
         value = float(expr.func(*(sp.Float(_number(a, known)) for a in expr.args)))
+    if isinstance(value, complex):
+        raise ValueError(f"{expr} is no real number")
     known[expr] = value
     return value
 

@@ -28,7 +28,10 @@ class Reaction:
 
 def tie_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) -> dict[str, Any]:
     """Tables for the template: phases of ties; the unknown of each from node torques, and its effect on flanges."""
-    phases = _phases(g.assembly.train.n_nodes, _reactions(g))
+    ties = _reactions(g)
+    spare = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.spare if row.coefficients]
+    curved = any(tie.slots for tie in ties)
+    phases = _phases(g.assembly.train.n_nodes, ties, [] if curved else spare)
     tables: dict[str, Any] = {"phase": [0], "lack_start": [0], "lack_node": [], "lack_value": []}
     tables |= {"effect_start": [0], "effect_node": [], "effect_flange": [], "effect_slot": [], "effect_value": []}
     for phase in phases:
@@ -74,8 +77,14 @@ def _reactions(g: Generator) -> list[Reaction]:
     return found
 
 
-def _phases(n_nodes: int, ties: list[Reaction]) -> list[list[tuple[Reaction, dict[int, Exact]]]]:
-    """Ties in an order in which each follows from a node where all others are known; those that are coupled together."""
+def _phases(
+    n_nodes: int, ties: list[Reaction], spare: list[Reaction]
+) -> list[list[tuple[Reaction, dict[int, Exact]]]]:  # fmt: skip
+    """Ties in an order in which each follows from a node where all others are known; those that are coupled together.
+
+    spare: ties that say what the others say already.
+    """
+    independent, ties = len(ties), ties + spare
     at: list[set[int]] = [set() for _ in range(n_nodes)]
     for k, tie in enumerate(ties):
         for node in tie.coefficients:
@@ -103,7 +112,8 @@ def _phases(n_nodes: int, ties: list[Reaction]) -> list[list[tuple[Reaction, dic
             settle(k)
         if open_ties:
             block = list(open_ties)
-            phases.append(_coupled([ties[k] for k in block]))
+            used = [ties[k] for k in block if k < independent]
+            phases.append(_coupled(used, [ties[k] for k in block if k >= independent]))
             for k in block:
                 settle(k)
     return phases
@@ -117,8 +127,11 @@ def _scaled(tie: Reaction, node: int) -> Reaction:
     return Reaction(tie.component, {n: over(x, c) for n, x in tie.coefficients.items()}, tie.slots, tie.pivot)
 
 
-def _coupled(ties: list[Reaction]) -> list[tuple[Reaction, dict[int, Exact]]]:
-    """Ties that can only be solved together: by exact elimination over their nodes."""
+def _coupled(ties: list[Reaction], spare: list[Reaction]) -> list[tuple[Reaction, dict[int, Exact]]]:
+    """Ties that can only be solved together: by exact elimination over their nodes.
+
+    spare: ties that follow from the others; torques are then shared by minimum norm of the multipliers of the ties.
+    """
     for tie in ties:
         if tie.slots:
             raise ModelError(
@@ -136,11 +149,51 @@ def _coupled(ties: list[Reaction]) -> list[tuple[Reaction, dict[int, Exact]]]:
                 _subtract(rows[other], rows[k], factor)
                 _subtract(shares[other], shares[k], factor)
     # rows[k] = sum_j shares[k][j] ties[j] vanishes at the pivots of all others: tie j gets its share of that node's lack
-    lacks: dict[int, dict[int, Exact]] = {k: {} for k in rows}
+    lacks: dict[int, dict[int, Exact]] = {k: {} for k in range(len(ties) + len(spare))}
     for k, node in pivots.items():
         for j, share in shares[k].items():
             lacks[j][node] = lacks[j].get(node, 0) - over(share, rows[k][node])
-    return [(ties[k], lacks[k]) for k in rows]
+    for idle in _idle(spare, rows, shares, pivots):
+        _leave_out(lacks, idle)
+    return [(tie, lacks[k]) for k, tie in enumerate((*ties, *spare))]
+
+
+def _idle(
+    spare: list[Reaction], rows: dict[int, dict[int, Exact]], shares: dict[int, dict[int, Exact]], pivots: dict[int, int]
+) -> list[dict[int, Exact]]:  # fmt: skip
+    """Sets of multipliers of all ties that push nothing, each orthogonal to the others: one for each spare tie."""
+    found: list[dict[int, Exact]] = []
+    for number, tie in enumerate(spare):
+        rest = dict(tie.coefficients)
+        idle: dict[int, Exact] = {len(rows) + number: 1}
+        for k, node in pivots.items():
+            if node in rest:
+                factor = over(rest[node], rows[k][node])
+                _subtract(rest, rows[k], factor)
+                _subtract(idle, shares[k], factor)
+        if rest:
+            continue  # two holds of one shaft that agree to rounding only
+        for other in found:
+            _subtract(idle, other, over(_dot(idle, other), _dot(other, other)))
+        found.append(idle)
+    return found
+
+
+def _leave_out(lacks: dict[int, dict[int, Exact]], idle: dict[int, Exact]) -> None:
+    """Takes out of all multipliers, linear forms of the lacks of nodes, their part along `idle`."""
+    along: dict[int, Exact] = {}
+    for k, x in idle.items():
+        _subtract(along, lacks[k], -x)
+    size = _dot(idle, idle)
+    for k, x in idle.items():
+        _subtract(lacks[k], along, over(x, size))
+
+
+def _dot(a: Mapping[int, Exact], b: Mapping[int, Exact]) -> Exact:
+    total: Exact = 0
+    for key in a.keys() & b.keys():
+        total = total + a[key] * b[key]
+    return total
 
 
 def _subtract(target: dict[int, Exact], source: Mapping[int, Exact], factor: Exact) -> None:

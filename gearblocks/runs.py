@@ -29,6 +29,7 @@ from gearblocks.errors import (
     ParameterError,
     SimulationError,
 )  # fmt: skip
+from gearblocks.expression import finite_number
 from gearblocks.library import Model
 from gearblocks.program import Program
 from gearblocks.records import EnergyLedger, Event, FinalState, Stats
@@ -41,11 +42,14 @@ def run_model(
     locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
     parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | Trajectory | str | None = None,
     outputs: str | Sequence[str] = "*", progress: Callable[[float], None] | None = None,
+    residual: float | None = None,
 ) -> Trajectory:  # fmt: skip
     """Runs a model; see `gearblocks.simulate` for the arguments."""
     program = model.program
     if progress is not None and not callable(progress):
         raise ParameterError(f"progress = {progress!r:.80} must be a function of the share done")
+    if residual is not None and finite_number("residual", residual) <= 0:
+        raise ParameterError(f"residual = {residual!r} must be > 0")
     begin = begin_of(t_start, initial)
     samples, end = sample_times(begin, t_end, t)
     options, why = method_options(method, rtol, step, max_step, locate, end)
@@ -57,7 +61,7 @@ def run_model(
                 f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
             )
         set_inputs(sim, program, inputs or {})
-        run = _Run(model, sim, samples, end, pick, progress, meta={
+        run = _Run(model, sim, samples, end, pick, progress, residual, meta={
             "train": program.name, "method": Method(options.method).name.lower(), "rtol": rtol, "step": step,
             "parameters": {p.path: float(v) for p, v in zip(program.parameters, sim.parameters, strict=True)},
         })  # fmt: skip
@@ -82,6 +86,7 @@ class _Run:
     end: float
     pick: list[int]
     progress: Callable[[float], None] | None
+    residual: float | None
     meta: dict[str, Any]
     times: list[Array] = field(default_factory=list)
     values: list[Array] = field(default_factory=list)
@@ -113,7 +118,7 @@ class _Run:
         self.largest = float(first[1].sum())
         complete = False
         try:
-            code = self._loop(begin)
+            code = self._loop(begin, first)
             complete = code == Code.DONE
         except KeyboardInterrupt:
             code = Code.PAUSE
@@ -122,9 +127,16 @@ class _Run:
         result = self._result(first, complete, why)
         if code < 0:
             raise self._failure(code, result) from self.sim.error
+        if self._lost(first):
+            words = f"the energy residual is {result.energy.residual:.2g}, above the {self.residual:g} asked for,"
+            raise SimulationError(float(result.t[-1]), "", words, "give a smaller rtol", result)
         return result
 
-    def _loop(self, begin: float) -> Code:
+    def _lost(self, first: tuple[Array, Array]) -> bool:
+        """Whether the energy residual at the last sample is above the one asked for."""
+        return self.residual is not None and not self._energy(first, self._final()).residual <= self.residual
+
+    def _loop(self, begin: float, first: tuple[Array, Array]) -> Code:
         width = 1 + self.model.program.n_total + len(self.model.program.switches)
         record = self.sim.record(rows=max(64, min(8192, 2_000_000 // width)), events=16384)
         shown = _time.monotonic()
@@ -138,6 +150,8 @@ class _Run:
                 if isinstance(tell, _Line):
                     tell.close()
                 return code if code < 0 else taken
+            if self._lost(first):
+                return Code.PAUSE
             if _time.monotonic() - shown > 0.2:
                 shown = _time.monotonic()
                 tell((self.sim.counters.t - begin) / (self.end - begin))
@@ -163,11 +177,7 @@ class _Run:
         t = np.concatenate(self.times) if self.times else np.empty(0)
         table = np.concatenate(self.values) if self.values else np.empty((0, len(self.pick)))
         names = [program.outputs[i].name for i in self.pick]
-        final = None
-        if self.last is not None:
-            y = self.last[1 : 1 + program.n_total].copy()
-            modes = self.last[1 + program.n_total : 1 + program.n_total + len(program.switches)].copy()
-            final = FinalState(float(self.last[0]), y, modes, program.key)
+        final = self._final()
         method, reason = method_words(counters, why)
         self.meta["method"] = method
         stats = Stats(
@@ -179,6 +189,13 @@ class _Run:
             events=self._events(), stats=stats, energy=self._energy(first, final), final_state=final,
             meta={**self.meta, "complete": complete},
         )  # fmt: skip
+
+    def _final(self) -> FinalState | None:
+        if self.last is None:
+            return None
+        n_total, program = self.model.program.n_total, self.model.program
+        y, modes = self.last[1 : 1 + n_total], self.last[1 + n_total : 1 + n_total + len(program.switches)]
+        return FinalState(float(self.last[0]), y.copy(), modes.copy(), program.key)
 
     def _events(self) -> list[Event]:
         program = self.model.program
@@ -195,9 +212,13 @@ class _Run:
                     found.append(Event(float(event["t"]), name, "time", float(before), float(after)))
                     continue
                 switch = program.switches[i]
+                if event["kind"] == 2:
+                    speeds = float(event["before"]), float(event["after"])
+                    found.append(Event(float(event["t"]), switch.component, "impact", *speeds))
+                    continue
                 before, after = (_shown(switch.low, switch.high, float(event[k])) for k in ("before", "after"))
                 found.append(Event(float(event["t"]), switch.component, switch.kind, before, after))
-        return found
+        return _net(found)
 
     def _energy(self, first: tuple[Array, Array], final: FinalState | None) -> EnergyLedger:
         program = self.model.program
@@ -254,6 +275,20 @@ class _Line:
             sys.stderr.write("\r" + " " * 79 + "\r")
 
 
+def _net(events: list[Event]) -> list[Event]:
+    """Changes of one component that follow on each other at one instant as one, or none where it ends as it began."""
+    found: list[Event] = []
+    for e in events:
+        last = found[-1] if found else None
+        if last and (last.t, last.component, last.kind, last.after) == (e.t, e.component, "state", e.before):
+            found.pop()
+            if last.before != e.after:
+                found.append(e._replace(before=last.before))
+        else:
+            found.append(e)
+    return found
+
+
 def _shown(low: float, high: float, mode: float) -> float:
     return {0.0: low, 1.0: high}.get(mode, mode)
 
@@ -270,6 +305,11 @@ _CAUSES: dict[Code, tuple[str, str]] = {
         "the element sticks here (as dry friction does at rest) and this law cannot hold it",
     ),
     Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
+    Code.ERR_LOSS: (
+        "no motion, or more than one, agrees with its losses: it jams, or locks itself against a load that drives it",
+        "with these inertias the efficiency (below 0, or far below 1 at a large ratio) allows no single acceleration; "
+        "give it a compliant shaft beside, more inertia, or a better efficiency",
+    ),
     Code.ERR_SINGULAR: (
         "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
     ),
@@ -282,7 +322,7 @@ def _place(program: Program, code: Code, index: int) -> str:
     """The component or input that a code's index means."""
     if code in (Code.ERR_NAN_INPUT, Code.ERR_CALLBACK):
         return program.inputs[index].name if 0 <= index < len(program.inputs) else ""
-    if code in (Code.ERR_CHATTER, Code.ERR_BRANCH):
+    if code in (Code.ERR_CHATTER, Code.ERR_BRANCH, Code.ERR_LOSS):
         if not 0 <= index < len(program.switches):
             return ""
         switch = program.switches[index]

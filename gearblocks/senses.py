@@ -67,7 +67,7 @@ def order_senses(
             return
         code, e, expr, show = _shown(codes, assembly, path)
         slots = [code.law.pool.slots[x] for x in expr.free_symbols]
-        if path in in_law and any(s.role in ("alpha", "tau") for s in slots):
+        if path in in_law and any(s.role in ("alpha", "tau", "held") for s in slots):
             raise ModelError(
                 f"sense('{path}'): an acceleration or reaction cannot be fed back; sense a speed or a torque law"
             )

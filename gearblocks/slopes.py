@@ -183,7 +183,7 @@ def partial(code: BatchCode, expr: Any) -> Iterator[tuple[Any, Any]]:
     expr = expr.xreplace(steady)
     for x in sorted(expr.free_symbols & slots.keys(), key=lambda x: str(x.name)):
         slot = slots[x]
-        if slot.role in ("alpha", "tau"):
+        if slot.role in ("alpha", "tau", "held"):
             raise NotImplementedError(f"no derivative by {x}")
         if slot.role not in ("w", "phi", "state", "coordinate", "sense"):
             continue

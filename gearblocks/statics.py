@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from gearblocks.core import Array, Simulation
 from gearblocks.errors import ParameterError, SimulationError
+from gearblocks.holding import Rows, null_space
 from gearblocks.probing import Point, dependents, derivative, opened, restarted, state_matrix, steps_of
 from gearblocks.program import Program
 from gearblocks.sparsemaps import Indices, disjoint
@@ -37,15 +38,20 @@ _NEAR, _STUCK = 1e-13, 1e-11  # of the largest torque: what rounding leaves, and
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """How coordinates and angles follow from speeds: q' = B v, angles' = E v; N: free rotations, B N = 0, E N = 1."""
+    """How coordinates and angles follow from speeds: q' = B v, angles' = E v; N: free rotations, B N = 0, E N = 1.
+
+    held: what sticks, conditions on the speeds (None: nothing does); free rotations are those that it allows.
+    """
 
     coordinates: Indices
     angles: Indices
     states: Indices
     speeds: Indices
     B: csc_array
+    E: csc_array
     N: csc_array
     M: csc_array
+    held: Rows | None = None
 
     @property
     def hidden(self) -> bool:
@@ -88,7 +94,10 @@ def motion(point: Point) -> Motion:
         N = splu(S).solve(right)
     else:  # more coordinates than speeds: shafts without inertia
         N = np.linalg.lstsq(S.toarray(), right, rcond=None)[0]
-    return Motion(q, angles, z, v, B, csc_array(N), M)
+    held = point.held_rows()
+    if held is not None and N.shape[1]:
+        N = N @ null_space(held.W @ N, np.max(np.abs(held.W) @ np.abs(N), axis=1, initial=0.0))
+    return Motion(q, angles, z, v, B, csc_array(S[len(q) :]), csc_array(N), M, held)
 
 
 def _knows_derivatives(point: Point) -> bool:

@@ -24,8 +24,10 @@ class Slot:
     """What a symbol stands for.
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
-    w, alpha, tau, state, coordinate, mode; in generated functions column, force, gain (of a flange on its group),
-    growth (rate of the torque on a flange), local (C text). of: flange, state, switch number, path, or the leaf itself.
+    w, alpha, tau, state, coordinate, mode, direction, stuck, held, friction (of a Stick: by its name; the last one is its
+    whole force in equations for reading); in generated functions column, force, gain (of a flange on its group), growth
+    (rate of the torque on a flange), local (C text). of:
+    flange, state, switch number, path, or the leaf itself.
     """
 
     role: str
@@ -352,6 +354,13 @@ class Symbols:
     def tabled(self, table: Table, x: Any) -> Any:
         """A Table that a law makes itself, over a quantity. Tables with the same joints share one switch."""
         return TableAt(self._pool.symbol("table", table, f"table_{table.digest()}"), x, sp.Integer(0))
+
+    def stick(self, name: str) -> tuple[Any, Any, Any]:
+        """Of the Stick or Stop of that name: direction of sliding (-1, 1; 0 when stuck or free), 1 while stuck (closed),
+        and the held force (0 unless stuck), which only Shows can read."""
+        direction = self._pool.symbol("direction", name, f"dir_{name}".rstrip("_"))
+        stuck = self._pool.symbol("stuck", name, f"stuck_{name}".rstrip("_"))
+        return direction, stuck, self._pool.symbol("held", name, f"held_{name}".rstrip("_"))
 
     @property
     def reading(self) -> bool:

@@ -25,8 +25,9 @@ class TieRow:
 class Groups:
     """Nodes merged by ties: phi(node) = gain * phi(root). held: angle of a grounded root and who holds it.
 
-    used: ties that say something new; waiting: those over more than two groups; zeros: parameters of held angles that
-    must stay 0, because a tie over a held shaft was taken as one of two shafts.
+    used: ties that say something new; spare: those that say what others say already, redundant: their components;
+    waiting: those over more than two groups; zeros: parameters of held angles that must stay 0, because a tie over a held
+    shaft was taken as one of two shafts.
     """
 
     parents: list[int]
@@ -35,8 +36,13 @@ class Groups:
     held: dict[int, tuple[float, str]] = field(default_factory=dict)
     used: list[TieRow] = field(default_factory=list)
     waiting: list[TieRow] = field(default_factory=list)
-    redundant: list[str] = field(default_factory=list)
+    spare: list[TieRow] = field(default_factory=list)
     zeros: set[str] = field(default_factory=set)
+
+    @property
+    def redundant(self) -> list[str]:
+        """Components of the spare ties."""
+        return [row.component for row in self.spare]
 
     def find(self, node: int) -> tuple[int, Exact]:
         """(root, gain) of a node."""
@@ -67,7 +73,22 @@ def merge(n_nodes: int, rows: list[TieRow]) -> Groups:
             break
         waiting = left
     groups.waiting = waiting
+    _measure_by_fastest(groups)
     return groups
+
+
+def _measure_by_fastest(groups: Groups) -> None:
+    """Makes the fastest shaft of a group its root: the scale of its state does not depend on the order of the ties."""
+    fastest: dict[int, tuple[int, Exact]] = {}
+    found = [groups.find(node) for node in range(len(groups.parents))]
+    for node, (root, gain) in enumerate(found):
+        most: Exact = fastest[root][1] if root in fastest else 1
+        if gain * gain > most * most and root not in groups.grounded:
+            fastest[root] = node, gain
+    for node, (root, gain) in enumerate(found):
+        if root in fastest:
+            first, most = fastest[root]
+            groups.parents[node], groups.gains[node] = first, over(gain, most)
 
 
 def _joined(groups: Groups, row: TieRow) -> bool:
@@ -92,7 +113,7 @@ def _join(groups: Groups, row: TieRow, whole: TieRow | None = None) -> None:
     """Merges what a tie of two nodes joins; `whole`: the tie that it is a part of."""
     used = groups.used
     if len(row.coefficients) == 0:
-        groups.redundant.append(row.component)
+        groups.spare.append(row)
     elif len(row.coefficients) == 1:
         _ground(groups, row)
     else:
@@ -101,7 +122,7 @@ def _join(groups: Groups, row: TieRow, whole: TieRow | None = None) -> None:
         if ra == rb:
             if ca * ga + cb * gb != 0:
                 raise ModelError(_contradiction(row, a, b, over(-cb, ca), over(ga, gb), used))
-            groups.redundant.append(row.component)
+            groups.spare.append(whole or row)
             return
         if rb in groups.grounded:
             if ra in groups.grounded:
@@ -131,7 +152,7 @@ def _agree(groups: Groups, row: TieRow, root: int, angle: float, other: int) -> 
     if abs(held - angle) > 1e-12 * max(abs(held), abs(angle)):
         names = " and ".join(f"'{name}'" for name in dict.fromkeys((holder, groups.held[other][1], row.component)))
         raise ModelError(f"{names} hold one shaft at {held:.9g} and {angle:.9g} rad: give both the same angle")
-    groups.redundant.append(row.component)
+    groups.spare.append(row)
 
 
 def _contradiction(row: TieRow, a: int, b: int, asked: Exact, given: Exact, used: list[TieRow]) -> str:

@@ -229,7 +229,7 @@ class _Search:
                 group, gain = batch.groups[slot.of][e], batch.gains[slot.of][e]
                 form = {} if group == HELD else self.groups.get(group, {})
                 shifts[x] = {f: r * gain for f, r in form.items()}
-            elif slot.role == "coordinate" and not angles_alone:
+            elif slot.role == "coordinate" and not angles_alone and slot.of < len(batch.used):
                 shifts[x] = self._coordinate(batch, slot.of, e)
         return _Reading(batch.law.pool, {x: v[e] for x, v in batch.exact.items()}, shifts)
 

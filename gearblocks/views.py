@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from gearblocks.batchcode import Function
 from gearblocks.coordinates import Combination
 from gearblocks.generator import Following, Generator
+from gearblocks.locks import lock_columns
 from gearblocks.rational import Exact, over
 from gearblocks.reactions import tie_tables
 
@@ -19,7 +20,7 @@ _VECTORS = (
     "par", "before", "mode", "tau", "y", "loop", "phi", "whole", "gain", "bias", "surplus", "w", "alpha", "torque", "growth",
     "drag", "stiff", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo",
     "hi", "kept", "diag", "lower", "upper", "slope", "change", "speed", "turn", "rise",
-    "coef", "entry",
+    "coef", "entry", "held", "limit", "skew",
 )  # fmt: skip
 _INTEGERS = ("full", "i")
 _SCALARS = ("g",)
@@ -89,7 +90,7 @@ def function_view(function: Function) -> FunctionView:
     return FunctionView(function.name, signature, function, [prefix + call for call in function.calls])
 
 
-def sparse(name: str, rows: Sequence[Mapping[int, Exact]]) -> Sparse:
+def sparse(name: str, rows: Sequence[Mapping[int, Exact]] | Sequence[Mapping[int, float]]) -> Sparse:
     """Rows of exact numbers, sorted by column."""
     start, index, value = [0], [], []
     for row in rows:
@@ -124,6 +125,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "plain": assembly.plain,
         "late_times": bool(g.shared_times(late=True) or g.functions.get("times_late")),
         "motion": g.motion,
+        **_locks(g),
         "follower_groups": [f.group for f in assembly.followers],
         "mobile": _mobile(g),
         "massless": g.massless,
@@ -154,6 +156,17 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "first_flange_output": sum(code.n * len(code.law.shows) for code in g.codes),
         "inputs": list(lay.inputs),
         "numbers": lambda values: ", ".join(str(v) for v in values),
+    }
+
+
+def _locks(g: Generator) -> dict[str, Any]:
+    """Tables of what sticks."""
+    locks = g.locks
+    return {
+        "locks": locks.locks,
+        "lock_tables": locks,
+        "lock_columns": list(lock_columns(locks).values()),
+        "lock_groups": sparse("lock_group", [lock.row for lock in locks.locks]),
     }
 
 

@@ -57,9 +57,9 @@ class TorqueConverter(Block):
         inside = np.linspace(joints.min(), joints.max(), 2001)
         far = 10 * (np.ptp(joints) + np.abs(joints).max())
         nu = np.unique(np.concatenate([joints, inside, [-far, far]]))
-        lost = _values(self.capacity, nu) * (1 - _values(self.ratio, nu) * nu)
+        lost = table_values(self.capacity, nu) * (1 - table_values(self.ratio, nu) * nu)
         worst = int(np.argmin(lost))
-        if lost[worst] < -1e-12 * np.abs(_values(self.capacity, nu)).max():
+        if lost[worst] < -1e-12 * np.abs(table_values(self.capacity, nu)).max():
             where = {far: "above the last point", -far: "below the first point"}.get(nu[worst], f"at {nu[worst]:.4g}")
             yield (
                 f"the tables give more power than they take, most at a speed ratio {where}: "
@@ -84,7 +84,7 @@ class TorqueConverter(Block):
         yield Shows("loss_power", taken * w_i - given * w_t, "W", "power lost in the fluid")
 
 
-def _values(table: Table, x: Any) -> Any:
+def table_values(table: Table, x: Any) -> Any:
     """The values of a table that is held outside its ends."""
     at, y, m = np.asarray(table.x), np.asarray(table.y), table.second
     x = np.clip(x, at[0], at[-1])

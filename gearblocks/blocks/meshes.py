@@ -8,6 +8,7 @@ from typing import Any
 
 from gearblocks.blocks.contact import Line, damping, damping_problems, mesh
 from gearblocks.blocks.gears import teeth_problems
+from gearblocks.blocks.hitting import hits, impact, without
 from gearblocks.blocks.rubbing import rub
 from gearblocks.declare import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
 from gearblocks.effects import Backlash, Fourier, Harmonic, HuntCrossley, Profile, Square, ToothFriction, as_profile
@@ -16,7 +17,8 @@ from gearblocks.tooth_geometry import NUMBERS, ToothPair, contact_ratio_or_nan, 
 
 
 class GearMesh(Block):
-    """Mesh of two gears along the line of action; without k or stiffness a rigid tie by the teeth.
+    """Mesh of two gears along the line of action; without k or stiffness a rigid tie by the teeth, or, with backlash and
+    contact_damping=HuntCrossley(...), a rigid impact of that restitution at both ends of the gap.
 
         external: x = r1 (phi_1 - phi_c) + r2 (phi_2 - phi_c) - e        internal: r1 (..) - r2 (..) - e
         N = c x' + k(.) g(x),    torques -N dx/dphi on pinion (1), wheel (2) and carrier (c)
@@ -75,9 +77,10 @@ class GearMesh(Block):
             yield "r_base and module/pressure_angle are both given; give one of them"
         elif self.r_base is not None:
             yield from self._radius_problems()
-        elif self.is_compliant and (self.module is None or self.pressure_angle is None):
+        elif (self.is_compliant or hits(self)) and (self.module is None or self.pressure_angle is None):
             yield "the base radii are unknown: give module and pressure_angle, or r_base=(r1, r2)"
-        if not self.is_compliant and (living := [n for n in self.effects() if n != "compliance"]):
+        resting = ("backlash", "damping") if hits(self) else ()
+        if not self.is_compliant and (living := [n for n in self.effects() if n not in resting]):
             yield f"{', '.join(living)} need compliance: give k"
         if self.backlash is not None and self.backlash.gaps is not None:
             yield "backlash.gaps is for a spline, whose teeth are all in place at once; give half_gap"
@@ -157,6 +160,10 @@ class GearMesh(Block):
             return None
         return self._pair(s, SYMBOLS).base_radius(s.teeth[0])
 
+    def without_effect(self, name: str) -> Block:
+        """Without compliance a restitution stays, as that of a rigid impact."""
+        return without(self, name, super().without_effect(name))
+
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Contact along the line of action, or the rigid tie."""
         from gearblocks.symbols import SYMBOLS
@@ -165,6 +172,11 @@ class GearMesh(Block):
         ratio = sign * s.teeth[1] / s.teeth[0]
         turn, back = s.pinion.phi - s.carrier.phi, s.wheel.phi - s.carrier.phi
         r1 = self._radius(s)
+        if hits(self):
+            force = yield from impact(self, s, turn + ratio * back, r1)
+            yield Shows("force", force, "N", "mesh force N, positive on the drive side")
+            yield Shows("deflection", r1 * (turn + ratio * back), "m", "deflection along the line of action")
+            return
         if not self.is_compliant:
             yield Tie(turn + ratio * back)
             if r1 is not None:

@@ -16,6 +16,7 @@ from gearblocks.declare import (
     Shows,
     Start,
     State,
+    Stick,
     Tie,
     param,
     signal,
@@ -94,10 +95,8 @@ class Angle(Block):
 class SpeedLoad(Block):
     """A load that opposes motion: tau = -sign(w) (c0 + c1 abs(w) + c2 w^2), coeffs = (c0, c1, c2).
 
-    On a slider w is its speed in m/s and tau a force in N.
-
-    Valid while the shaft turns: at w = 0 the constant part c0 jumps from one sign to the other and does not hold the
-    shaft at rest.
+    On a slider w is its speed in m/s and tau a force in N. The constant part is dry friction: at w = 0 it holds the shaft
+    against up to c0.
     """
 
     flange = Flange("loaded flange", slider=None)
@@ -114,8 +113,9 @@ class SpeedLoad(Block):
 
         w = s.flange.w
         c0, c1, c2 = s.coeffs
-        against = sp.sign(w) * (c0 + c1 * sp.Abs(w) + c2 * w**2)
-        yield Acts(s.flange, -against)
-        yield Energy(loss=against * w)
-        yield Shows("torque", -against, "N m", "torque on the flange")
-        yield Shows("loss_power", against * w, "W", "power taken")
+        drag = c1 * w + c2 * w * sp.Abs(w)
+        yield Stick("", w, c0, engaged=c0)
+        yield Acts(s.flange, -drag)
+        yield Energy(loss=drag * w)
+        yield Shows("torque", s.flange.tau, "N m", "torque on the flange")
+        yield Shows("loss_power", -s.flange.tau * w, "W", "power taken")

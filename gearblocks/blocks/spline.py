@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from gearblocks.blocks.contact import Line, damping, damping_problems, mesh
+from gearblocks.blocks.hitting import hits, impact, without
 from gearblocks.declare import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
 from gearblocks.effects import Backlash, Fourier, HuntCrossley, Profile, Square, as_profile
 from gearblocks.signals import Value
@@ -22,6 +23,9 @@ class SplineCoupling(Block):
 
     With backlash=Backlash(gaps=(..)) the teeth come into contact one after the other, each with k/teeth: the load is
     piecewise linear over the deflection, its corners are located, and engaged_teeth counts those that carry load.
+
+    Without compliance it is a rigid tie, or with backlash and contact_damping=HuntCrossley(...) a rigid impact of that
+    restitution at both ends of the (smallest) gap.
     """
 
     a, b = Flange("external spline"), Flange("internal spline")
@@ -45,9 +49,18 @@ class SplineCoupling(Block):
         if gaps is not None and len(gaps) != self.teeth:
             yield f"backlash.gaps has {len(gaps)} gaps for {self.teeth} teeth; give one of every tooth"
 
+    def without_effect(self, name: str) -> Block:
+        """Without compliance a restitution stays, as that of a rigid impact."""
+        return without(self, name, super().without_effect(name))
+
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """Contact along the arc of the pitch circle, or the rigid tie."""
+        """Contact along the arc of the pitch circle, the rigid tie or rigid impacts."""
         turn = s.a.phi - s.b.phi
+        if hits(self):
+            force = yield from impact(self, s, turn, s.radius)
+            yield Shows("force", force, "N", "force along the arc, positive on the drive side")
+            yield Shows("deflection", s.radius * turn, "m", "deflection along the arc")
+            return
         if self.k is None:
             yield Tie(turn)
             yield Shows("force", s.b.tau / s.radius, "N", "force along the arc")

@@ -2,13 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from typing import Any
 
 from gearblocks.blocks.bodies import Inertia
 from gearblocks.blocks.contact import Contact, contact, damping, damping_problems
-from gearblocks.declare import Block, Contribution, Energy, Flange, Force, Parts, Shows, Tie, option, param, signal
-from gearblocks.effects import Backlash, HuntCrossley
+from gearblocks.blocks.hitting import hits, impact, without
+from gearblocks.declare import (
+    Block,
+    Contribution,
+    Energy,
+    Flange,
+    Force,
+    Parts,
+    Rate,
+    Shows,
+    Stick,
+    Tie,
+    effect,
+    option,
+    param,
+    signal,
+)
+from gearblocks.effects import Backlash, HuntCrossley, Hysteresis
 from gearblocks.signals import Value
 
 
@@ -20,7 +36,7 @@ class Shaft(Block):
 
     Either k (a number or signal), or torque: an expression of gb.twist or a Table over the twist, the torque that
     pulls the ends together. Damping by c or damping_ratio. With segments > 1 and the shaft's own inertia J it becomes a
-    chain of that many springs with J lumped at their ends.
+    chain of that many springs with J lumped at their ends. hysteresis=Hysteresis(...): inner friction beside the spring.
     """
 
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)
@@ -29,6 +45,7 @@ class Shaft(Block):
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     allow_negative: bool = option("admit k < 0", default=False)
+    hysteresis: Hysteresis | None = effect("inner friction", default=None)
     rigid: bool = option("turns as one piece; what is left when compliance is taken away", default=False)
     segments: int = option("number of springs in a row", default=1)
     J: Value | None = param("own moment of inertia, with segments", "kg m2", default=None, ge=0)
@@ -44,6 +61,8 @@ class Shaft(Block):
             yield "a rigid shaft has no k, torque, c or damping_ratio"
         if isinstance(self.k, (int, float)) and self.k <= 0 and not self.allow_negative:
             yield f"k = {self.k!r} N m/rad must be > 0 (or give allow_negative=True)"
+        if self.rigid and self.hysteresis is not None:
+            yield "a rigid shaft has no hysteresis: nothing twists"
         if self.torque is not None and self.damping_ratio is not None:
             yield "damping_ratio needs k; give c"
         if not isinstance(self.segments, int) or self.segments < 1:
@@ -83,9 +102,30 @@ class Shaft(Block):
         yield Force(twist, elastic + drag)
         stored = s.k * twist**2 / 2 if self.k is not None else s.energy_of("torque", "twist", twist)
         yield Energy(stored=stored, loss=drag * rate if c is not None else None)
-        yield Shows("torque", -elastic - drag, "N m", "torque on flange b")
-        if c is not None:
-            yield Shows("loss_power", drag * rate, "W", "power lost in the damper")
+        inner, lost = yield from _inner_friction(self, s, twist, rate)
+        yield Shows("torque", -elastic - drag - inner, "N m", "torque on flange b")
+        if c is not None or self.hysteresis is not None:
+            yield Shows("loss_power", drag * rate + lost, "W", "power lost in damper and inner friction")
+
+
+def _inner_friction(block: Shaft, s: Any, twist: Any, rate: Any) -> Generator[Contribution, None, tuple[Any, Any]]:
+    """The torque of the slider that pulls the ends together, and the power it loses."""
+    import sympy as sp
+
+    if block.hysteresis is None:
+        return sp.Integer(0), sp.Integer(0)
+    h = s.hysteresis
+    if block.hysteresis.stiffness is None:
+        direction, _, held = s.stick("hysteresis")
+        yield Stick("hysteresis", rate, h.friction)
+        return direction * h.friction - held, direction * h.friction * rate
+    forward = sp.Heaviside(h.force - h.friction, 1) * sp.Heaviside(rate, 1)
+    backward = sp.Heaviside(-h.force - h.friction, 1) * sp.Heaviside(-rate, 1)
+    slips = forward + backward
+    yield Rate(h.force, h.stiffness * rate * (1 - slips))
+    yield Force(twist, h.force)
+    yield Energy(stored=h.force**2 / (2 * h.stiffness), loss=slips * h.force * rate)
+    return h.force, slips * h.force * rate
 
 
 class Damper(Block):
@@ -105,7 +145,11 @@ class Damper(Block):
 
 
 class Lash(Block):
-    """Torsional spring with a gap: twist = phi_b - phi_a, no torque while abs(twist) <= half_gap."""
+    """Torsional spring with a gap: twist = phi_b - phi_a, no torque while abs(twist) <= half_gap.
+
+    Without compliance it is a rigid tie, or with contact_damping=HuntCrossley(...) a rigid impact of that restitution at
+    both ends of the gap.
+    """
 
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)
     k: Value | None = param("torsional stiffness in contact", "N m/rad", gt=0, belongs_to="compliance")
@@ -120,10 +164,18 @@ class Lash(Block):
         """Contradicting fields."""
         yield from damping_problems(self)
 
+    def without_effect(self, name: str) -> Block:
+        """Without compliance a restitution stays, as that of a rigid impact."""
+        return without(self, name, super().without_effect(name))
+
     def physics(self, s: Any) -> Iterator[Contribution]:
         """torque = k g(twist) + damping."""
         twist, rate = s.b.phi - s.a.phi, s.b.w - s.a.w
         yield Shows("twist", twist, "rad", "phi_b - phi_a")
+        if hits(self):
+            force = yield from impact(self, s, twist, 1)
+            yield Shows("torque", -force, "N m", "torque on flange b")
+            return
         if self.k is None:
             yield Tie(twist)
             yield Shows("torque", s.b.tau, "N m", "torque on flange b")

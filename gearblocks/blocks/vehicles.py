@@ -16,6 +16,7 @@ from gearblocks.declare import (
     Rate,
     Shows,
     State,
+    Stick,
     effect,
     param,
     signal,
@@ -47,8 +48,10 @@ class Vehicle(Block):
     F: force of the road on the tyres (output force). Without tyre the wheels roll: v = wheel_radius w, and the mass is
     an inertia m wheel_radius^2 on the flange; with tyre=TyreSlip(...) v and s are states of the block (start values:
     initial={"car.v": ...}). drag_area: drag coefficient times front area; grade: angle of the slope in rad, positive
-    uphill; both and rolling may be left out. Rolling resistance jumps at v = 0 and does not hold the vehicle at rest,
-    unless rolling_speed is given: sign(v) is then v/sqrt(v^2 + rolling_speed^2). Work on the slope counts as supplied.
+    uphill; both and rolling may be left out. Rolling resistance is dry friction: at v = 0 it holds the vehicle against up to
+    rolling m g cos(grade). With tyre, v is no speed of a shaft and nothing holds: the resistance then jumps at v = 0, unless
+    rolling_speed is given: sign(v) is then v/sqrt(v^2 + rolling_speed^2), with or without tyre. Work on the slope counts as
+    supplied.
     """
 
     flange = Flange("axle of the driven wheels")
@@ -81,6 +84,11 @@ class Vehicle(Block):
             yield Body(s.flange, s.mass * s.wheel_radius**2)
             yield Acts(s.flange, -s.wheel_radius * (resistance + climb))
             yield Energy(loss=resistance * v)
+            if s.rolling is not None and s.rolling_speed is None:
+                most = s.rolling * normal
+                yield Stick("rolling", s.flange.w, s.wheel_radius * most)
+                direction, _, held = s.stick("rolling")
+                resistance = resistance + direction * most - held / s.wheel_radius
         else:
             force, slip = _grip(s.tyre, wheel, v, normal)
             yield Acts(s.flange, -s.wheel_radius * force)
@@ -94,7 +102,7 @@ class Vehicle(Block):
         yield Shows("resistance", resistance, "N", "drag and rolling resistance against the motion")
 
     def _forces(self, s: Any, v: Any) -> tuple[Any, Any, Any]:
-        """Resistance against v, the part of the weight along the slope, and the normal force."""
+        """Resistance against v without what sticks, the part of the weight along the slope, and the normal force."""
         import sympy as sp
 
         weight = s.mass * sp.Float(GRAVITY)
@@ -105,7 +113,7 @@ class Vehicle(Block):
         resistance: Any = sp.Integer(0)
         if s.drag_area is not None:
             resistance += s.air_density * s.drag_area * v * sp.Abs(v) / 2
-        if s.rolling is not None:
+        if s.rolling is not None and (self.tyre is not None or s.rolling_speed is not None):
             side = sp.sign(v) if s.rolling_speed is None else v / sp.sqrt(v**2 + s.rolling_speed**2)
             resistance += s.rolling * normal * side
         return resistance, climb, normal

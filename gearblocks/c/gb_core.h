@@ -36,7 +36,8 @@ enum {
     GB_ERR_MEMORY = -8,
     GB_ERR_CALLBACK = -9,  /* the input callback asked to stop; index: input */
     GB_ERR_SINGULAR = -10, /* the matrix of an implicit step has no inverse; index: state (from n on: hidden speed) */
-    GB_ERR_METHOD = -11    /* the model has no Jacobian for this method; index: method */
+    GB_ERR_METHOD = -11,   /* the model has no Jacobian for this method; index: method */
+    GB_ERR_LOSS = -12      /* a lossy tie has no motion that fits its losses (value 0), or several; index: switch */
 };
 
 /* GB_AUTO: order 8 (order 5 above a tolerance of 1e-4), and the implicit method while the train is stiff. */
@@ -143,6 +144,15 @@ GB_API int gb_linear_matrix(gb_sim *sim, const gb_point *at, const double *y, do
                             double *upper, double *kept);
 GB_API int gb_linear_side(const gb_sim *sim, const double *kept, double g, const double *r, double *out);
 GB_API int gb_linear_rates(const gb_sim *sim, const double *kept, const double *x, double *out);
+
+/* What sticks, for tools. gb_locks_of: how many locks there are; number of speeds; whether rows never change; is_stop and
+ * the slip, hold and free switches of each, four numbers (place NULL: not wanted). gb_modes: the present modes of all
+ * switches. gb_locks_at: at a point, rows over the speeds (n_locks times n_speeds), limits (five numbers each, see
+ * gb_model.h), held forces, by how much these exceed their limits, and slips (of stops: gaps). */
+GB_API int gb_locks_of(const gb_sim *sim, int *n_speeds, int *steady, int *place);
+GB_API int gb_modes(const gb_sim *sim, double *mode);
+GB_API int gb_locks_at(gb_sim *sim, const gb_point *at, const double *y, double *rows, double *limit, double *held,
+                       double *excess, double *slip);
 
 /* The laws at a point, into what is not NULL: dy (length n_total), all outputs, all energies, and `fit`, the modes that
  * fit state and time there. Needs gb_start for the values derived from parameters; changes nothing of the run. */

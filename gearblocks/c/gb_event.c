@@ -31,8 +31,16 @@ void gb_set_mode(gb_sim *sim, int i, double mode, int log) {
     sim->mode[i] = mode;
 }
 
+/* The hash of all modes anew. */
+void gb_rehash(gb_sim *sim) {
+    sim->head->modes = 0;
+    for (int i = 0; i < sim->model->n_switches; i++) {
+        sim->head->modes ^= mode_hash(i, sim->mode[i]) ^ mode_hash(i, 0.0);
+    }
+}
+
 /* A switch may flip again at once a few times, not for ever. */
-static int count_flip(gb_sim *sim, int i) {
+int gb_count_flip(gb_sim *sim, int i) {
     const gb_head *head = sim->head;
     const int stands = head->t1 - sim->flip_time[i] <= 10.0 * gb_rounding(head->t1, head->h);
     sim->flips[i] = stands ? sim->flips[i] + 1.0 : 1.0;
@@ -73,16 +81,16 @@ int gb_settle(gb_sim *sim, int log) {
         int changed = 0;
         code = gb_surfaces_now(sim);
         for (int i = 0; i < model->n_surfaces && code == GB_DONE; i++) {
-            if (beyond(sim, i)) {
+            if (sim->role[i] != GB_LOCKED && beyond(sim, i)) {
                 const double mode = model->mode_at(sim->par, i, sim->s[i]);
                 if (mode == sim->mode[i]) {
                     return gb_fail(sim, GB_ERR_BRANCH, i, sim->head->t1, sim->s[i]);
                 }
-                gb_set_mode(sim, i, mode, log);
+                gb_set_mode(sim, i, mode, log && sim->role[i] == GB_ORDINARY);
                 sim->on[i] = 0.0;
                 last = i;
                 changed = 1;
-                code = count_flip(sim, i);
+                code = gb_count_flip(sim, i);
             }
         }
         if (!changed || code != GB_DONE) {
@@ -91,6 +99,18 @@ int gb_settle(gb_sim *sim, int log) {
         model->bounds(sim->par, sim->mode, sim->lo, sim->hi);
     }
     return last < 0 ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->t1, sim->s[last]);
+}
+
+/* What sticks, and what else flips because of it. */
+static int settle_with_locks(gb_sim *sim, int log) {
+    int code = GB_DONE;
+    if (sim->model->n_locks > 0) {
+        code = gb_settle_locks(sim, log);
+        if (code == GB_DONE && (!log || sim->head->options.locate)) {
+            code = gb_settle(sim, log);
+        }
+    }
+    return code;
 }
 
 /* Shafts without inertia into balance, and the modes that belong to it. */
@@ -138,6 +158,11 @@ void gb_mark_modes(gb_sim *sim) {
     }
     model->surfaces(sim->par, sim->mode, sim->tau + sim->method->stages, sim->y, sim->s);
     for (int i = 0; i < model->n_surfaces; i++) {
+        if (sim->role[i] == GB_LOCKED) {
+            sim->due[i] = sim->s[i] < sim->lo[i] || sim->s[i] > sim->hi[i] ? 3.0 : 0.0;
+            sim->head->pending = sim->head->pending || sim->due[i] != 0.0;
+            continue;
+        }
         const double mode = model->mode_at(sim->par, i, sim->s[i]);
         if (mode != sim->mode[i]) {
             sim->due[i] = 3.0;
@@ -156,17 +181,17 @@ static int flip_due(gb_sim *sim) {
     int code = GB_DONE;
     for (int i = 0; i < sim->model->n_switches && code == GB_DONE; i++) {
         const double due = sim->due[i];
-        if (due == 0.0) {
+        if (due == 0.0 || sim->role[i] == GB_LOCKED) {
             continue;
         }
         sim->due[i] = 0.0;
         if (fabs(due) == 1.0) {
-            gb_set_mode(sim, i, far_side(sim, i, due), 1);
+            gb_set_mode(sim, i, far_side(sim, i, due), sim->role[i] == GB_ORDINARY);
             sim->on[i] = -due;
             sim->head->sitting = 1;
-            code = count_flip(sim, i);
+            code = gb_count_flip(sim, i);
         } else {
-            gb_set_mode(sim, i, sim->next_mode[i], 1);
+            gb_set_mode(sim, i, sim->next_mode[i], sim->role[i] == GB_ORDINARY);
         }
     }
     return code;
@@ -215,6 +240,9 @@ int gb_apply_event(gb_sim *sim) {
         sim->model->bounds(sim->par, sim->mode, sim->lo, sim->hi);
     }
     if (code == GB_DONE) {
+        code = settle_with_locks(sim, 1);
+    }
+    if (code == GB_DONE) {
         code = balance(sim, 0);
     }
     if (timed) {
@@ -243,6 +271,9 @@ static int start_on_limits(gb_sim *sim) {
     }
     model->directions(sim->par, sim->k1, sim->slopes);
     for (int i = 0; i < model->n_affine; i++) {
+        if (sim->role[i] == GB_LOCKED) {
+            continue;
+        }
         const double rounding = 64.0 * DBL_EPSILON * fabs(sim->s[i]) + DBL_MIN;
         const double side = fabs(sim->s[i] - sim->lo[i]) <= rounding ? -1.0 : fabs(sim->s[i] - sim->hi[i]) <= rounding;
         if (side != 0.0 && side * sim->slopes[i] > 0.0) {
@@ -251,7 +282,8 @@ static int start_on_limits(gb_sim *sim) {
             sim->head->sitting = 1;
         }
     }
-    return gb_settle(sim, 0);
+    code = gb_settle(sim, 0);
+    return code == GB_DONE ? settle_with_locks(sim, 0) : code;
 }
 
 /* Modes of the time switches just after the front, and what they announce. */
@@ -261,33 +293,62 @@ void gb_time_modes(gb_sim *sim, int log) {
     for (int i = model->n_surfaces; i < model->n_switches; i++) {
         const double mode = model->mode_at(sim->par, i, model->clock(sim->par, i, after));
         if (mode != sim->mode[i]) {
-            gb_set_mode(sim, i, mode, log);
+            gb_set_mode(sim, i, mode, log && sim->role[i] == GB_ORDINARY);
         }
     }
     gb_refresh_breaks(sim, 1);
 }
 
-/* Modes at the start: those of time just after it, then those of the state until they agree with each other. */
-int gb_modes_start(gb_sim *sim) {
+/* Modes of the state's switches until they agree with each other. */
+static int modes_of_state(gb_sim *sim) {
     const gb_model *model = sim->model;
-    int code = GB_DONE, changed = 1, last = 0;
-    gb_time_modes(sim, 0);
-    for (int round = 0; round < GB_FLIPS && changed && model->n_surfaces > 0; round++) {
+    int code = GB_DONE, changed = model->n_surfaces > 0, last = 0;
+    for (int round = 0; round < GB_FLIPS && changed; round++) {
         changed = 0;
         code = gb_surfaces_now(sim);
         for (int i = 0; i < model->n_surfaces && code == GB_DONE; i++) {
             const double mode = model->mode_at(sim->par, i, sim->s[i]);
-            if (mode != sim->mode[i]) {
+            if (sim->role[i] != GB_LOCKED && mode != sim->mode[i]) {
                 gb_set_mode(sim, i, mode, 0);
                 changed = 1;
                 last = i;
             }
         }
     }
-    if (code != GB_DONE || (changed && model->n_surfaces > 0)) {
-        return code != GB_DONE ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->t1, sim->s[last]);
+    return code == GB_DONE && changed ? gb_fail(sim, GB_ERR_BRANCH, last, sim->head->t1, sim->s[last]) : code;
+}
+
+/* Start values are worked out with modes (a ratio law on its segment), and modes with start values: until both stay. */
+static int start_with_modes(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const size_t size = sizeof(double) * (size_t)model->n_total;
+    int code = modes_of_state(sim);
+    for (int round = 0; round < GB_FLIPS && code == GB_DONE; round++) {
+        memcpy(sim->z, sim->y, size);
+        code = gb_columns_at(sim, sim->head->t1);
+        model->start(sim->par, sim->mode, sim->tau_one, sim->y);
+        gb_turns_wrap(sim, 0);
+        if (code != GB_DONE || memcmp(sim->z, sim->y, size) == 0) {
+            break;
+        }
+        gb_weights_grow(sim, sim->y);
+        code = modes_of_state(sim);
+    }
+    return code;
+}
+
+/* Modes at the start: those of time just after it, then those of the state. fresh: its values are those of model->start. */
+int gb_modes_start(gb_sim *sim, int fresh) {
+    const gb_model *model = sim->model;
+    gb_time_modes(sim, 0);
+    int code = fresh && model->n_surfaces > 0 ? start_with_modes(sim) : modes_of_state(sim);
+    if (code != GB_DONE) {
+        return code;
     }
     code = gb_settle(sim, 0);
+    if (code == GB_DONE) {
+        code = settle_with_locks(sim, 0);
+    }
     if (code == GB_DONE) {
         code = balance(sim, 1);
     }

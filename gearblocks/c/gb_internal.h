@@ -26,6 +26,10 @@ typedef struct gb_weights {
     double value[GB_STAGES];
 } gb_weights;
 
+/* Who decides about the mode of a switch: its quantity alone, all locks together (gb_lock.c), or its quantity without
+ * an event of its own. */
+enum { GB_ORDINARY, GB_LOCKED, GB_SILENT };
+
 /* A one-step method; see Tableau in methods.py and, for implicit ones (gamma > 0), Rosenbrock in rosenbrock.py. */
 typedef struct gb_method {
     int order, stages, all_stages, rows, n_errors, error_order;
@@ -136,6 +140,18 @@ struct gb_sim {
     double *gain;                  /* and one over its factor */
     double stiff_h;                /* the step size it was made for */
     double *before;                /* modes before an event */
+    int *role;                     /* by switch: who decides about its mode */
+    /* What sticks, by lock (scratch of an event): slips and their rounding, sizes of the rows, limits, matrices,
+     * forces; */
+    double *slip, *slip_rounding, *lock_size, *limit, *response, *lock_matrix, *lock_right, *lock_lo, *lock_hi,
+        *lock_force;
+    double *lock_other, *lock_old, *lock_before, *lock_bare, *lock_mode, *shrink, *other_mode;
+    double *base_mode, *base_sign, *best_mode, *best_rate;
+    const double *look; /* the state by which it is decided */
+    double fastest;     /* of the accelerations when nothing is held */
+    int lock_count, *base_state, *best_state, *option;
+    int *lock_index, *lock_state, *was_shared, *released, *struck;
+    double *grip, *grip_answer, *grip_inverse; /* rows of what holds, what an implicit step answers to them */
     gb_source *sources;
     int *moving, n_moving; /* inputs that are no constants */
     gb_event *log;
@@ -228,8 +244,17 @@ void gb_dense_cut(gb_sim *sim, double theta);
 int gb_watch(gb_sim *sim, double *theta);
 int gb_watch_general(gb_sim *sim);
 
+/* gb_lock.c: what sticks. */
+int gb_settle_locks(gb_sim *sim, int log);
+void gb_remember(gb_sim *sim, double *mode, const double *tau, const double *y);
+const double *gb_full_modes(gb_sim *sim, const double *mode, const double *tau, const double *y);
+int gb_project(gb_sim *sim, const double *tau);
+void gb_size_locks(gb_sim *sim);
+
 /* gb_event.c */
-int gb_modes_start(gb_sim *sim);
+int gb_modes_start(gb_sim *sim, int fresh);
+int gb_count_flip(gb_sim *sim, int i);
+void gb_rehash(gb_sim *sim);
 int gb_settle(gb_sim *sim, int log);
 int gb_apply_event(gb_sim *sim);
 void gb_refresh_breaks(gb_sim *sim, int all);

@@ -43,6 +43,19 @@ typedef struct gb_counted {
     const double *steps;
 } gb_counted;
 
+/* Friction that can stick, or a lock; a stop; a lossy tie and, as its partner, its loss. Its slip is a form of the
+ * speeds; its switches: slip (mode: the direction in which it slides, 0 when stuck or free; of a stop its gap; of a tie
+ * the sign of its force), hold (mode 1 while stuck or closed; quantity: by how much the held force exceeds its limits)
+ * and free (mode 1 where it does not rub; -1: tell by its limits). impulse, impacts: states that keep the last impulse
+ * and count (-1: none); loss: entry of y that counts what impacts lose. */
+enum { GB_FRICTION, GB_STOP, GB_TIE, GB_LOSS };
+
+typedef struct gb_lock {
+    int kind, partner, slip, hold, free, impulse, impacts, loss;
+} gb_lock;
+
+struct gb_lock_rows;
+
 typedef struct gb_model {
     const char *name;
     const char *key; /* hash of the canonical content */
@@ -119,6 +132,29 @@ typedef struct gb_model {
 
     /* Kinetic and stored energies, one per ledger entry. */
     void (*energies)(const double *par, const double *mode, const double *tau, const double *y, double *energy);
+
+    /* What sticks (n_locks 0: nothing does). Behind the modes lie n_memory doubles that `remember` fills from them and
+     * that every function with `mode` reads: which rows hold, see gb_lock.h. slips: of all locks, with dy their rates;
+     * pulls: n_locks x n_locks, slip acceleration i per force j; grip: the row of one of them over the speeds
+     * (with `force` what its force does to them); push:
+     * adds what impulses along the slips do to the speeds of y; project: removes slips of what sticks; limits: five
+     * numbers per lock (least and largest held force, sizes of the force against forward and backward slip, engagement;
+     * of a stop the third is its restitution); holding: held forces, and by how much they exceed their limits. */
+    int n_locks, n_memory;
+    int steady_locks; /* their rows do not change with the position, and time moves none of them */
+    const gb_lock *locks;
+    const struct gb_lock_rows *lock_rows;
+    void (*slips)(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
+                  double *slip);
+    void (*pulls)(const double *par, const double *mode, const double *tau, const double *y, int lossy, double *matrix);
+    void (*push)(const double *par, const double *mode, const double *tau, const double *impulse, double *y);
+    void (*grip)(const double *par, const double *mode, const double *tau, const double *y, int i, int force,
+                 double *row);
+    void (*remember)(const double *par, double *mode, const double *tau, const double *y);
+    void (*project)(const double *par, const double *mode, const double *tau, double *y);
+    void (*limits)(const double *par, const double *mode, const double *tau, const double *y, double *limit);
+    void (*holding)(const double *par, const double *mode, const double *tau, const double *y, double *held,
+                    double *excess);
 
     /* NULL, or: puts the angles of shafts without inertia into balance (with `starting` at the start of a run). */
     void (*settle)(const double *par, const double *mode, const double *tau, double *y, int starting);

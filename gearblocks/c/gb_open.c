@@ -53,7 +53,7 @@ static size_t lay_block(gb_sim *sim, char *base) {
     sim->cell = doubles(base, &at, m->n_inputs);
     sim->cell_end = doubles(base, &at, m->n_inputs);
     for (size_t i = 0; i < sizeof by_switch / sizeof by_switch[0]; i++) {
-        *by_switch[i] = doubles(base, &at, m->n_switches);
+        *by_switch[i] = doubles(base, &at, m->n_switches + (i == 0 ? m->n_memory : 0));
     }
     for (size_t i = 0; i < sizeof by_state / sizeof by_state[0]; i++) {
         *by_state[i] = doubles(base, &at, m->n_padded);
@@ -63,6 +63,32 @@ static size_t lay_block(gb_sim *sim, char *base) {
     }
     sim->rows = doubles(base, &at, (long)GB_ROWS * m->n_total);
     return at;
+}
+
+/* What events need to decide about locks. */
+static void lay_locks(gb_sim *sim, char *base, size_t *at) {
+    const gb_model *m = sim->model;
+    const long n = m->n_locks;
+    double **const by_lock[] = {
+        &sim->slip,       &sim->slip_rounding, &sim->lock_size, &sim->lock_right,  &sim->lock_lo,   &sim->lock_hi,
+        &sim->lock_force, &sim->lock_other,    &sim->lock_old,  &sim->lock_before, &sim->lock_bare, &sim->lock_mode,
+        &sim->shrink,     &sim->base_mode,     &sim->base_sign, &sim->best_mode,   &sim->best_rate};
+    double **const by_pair[] = {&sim->response, &sim->lock_matrix, &sim->grip_inverse};
+    int **const marks[] = {&sim->lock_index, &sim->lock_state, &sim->was_shared, &sim->released,
+                           &sim->struck,     &sim->base_state, &sim->best_state, &sim->option};
+    for (size_t i = 0; i < sizeof by_lock / sizeof by_lock[0]; i++) {
+        *by_lock[i] = doubles(base, at, n);
+    }
+    for (size_t i = 0; i < sizeof by_pair / sizeof by_pair[0]; i++) {
+        *by_pair[i] = doubles(base, at, n * n);
+    }
+    for (size_t i = 0; i < sizeof marks / sizeof marks[0]; i++) {
+        *marks[i] = take(base, at, sizeof(int) * (size_t)(n + 1));
+    }
+    sim->limit = doubles(base, at, 5 * n);
+    sim->other_mode = doubles(base, at, n > 0 ? m->n_switches + m->n_memory : 0);
+    sim->grip = doubles(base, at, n * m->n_speeds);
+    sim->grip_answer = doubles(base, at, n > 0 && m->pattern ? n * m->pattern->n : 0);
 }
 
 /* Scratch that may be forgotten between calls. Returns its size. */
@@ -104,6 +130,8 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
         sim->link = take(base, &at, sizeof(int) * links);
         sim->gain = take(base, &at, sizeof(double) * links);
     }
+    sim->role = take(base, &at, sizeof(int) * (size_t)(m->n_switches + 1));
+    lay_locks(sim, base, &at);
     sim->sources = take(base, &at, sizeof(gb_source) * (size_t)(m->n_inputs + 1));
     sim->moving = take(base, &at, sizeof(int) * (size_t)(m->n_inputs + 1));
     sim->log_capacity = 4L * m->n_switches + m->n_inputs + 64;
@@ -138,6 +166,13 @@ gb_sim *gb_open(const gb_model *model) {
     lay_scratch(sim, base + block);
     sim->head->key = hash_text(model->key);
     sim->head->bytes = block;
+    for (int i = 0; i < model->n_locks; i++) {
+        const gb_lock *lock = &model->locks[i];
+        sim->role[lock->slip] = sim->role[lock->hold] = GB_LOCKED;
+        if (lock->free >= 0) {
+            sim->role[lock->free] = GB_SILENT;
+        }
+    }
     return sim;
 }
 
@@ -171,6 +206,7 @@ static int take_values(gb_sim *sim, double t) {
     if (code == GB_DONE) {
         model->prepare(sim->par);
         model->scales(sim->par, sim->scale);
+        gb_size_locks(sim);
         gb_stiff_links(sim);
         gb_input_broadcast(sim);
         gb_input_find(sim, t, 0);
@@ -187,11 +223,13 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     head->t_start = head->t0 = head->t1 = head->t_comm = t0;
     head->t_break = HUGE_VAL;
     head->row_due = 1;
-    memset(sim->mode, 0, switches);
+    memset(sim->mode, 0, switches + sizeof(double) * (size_t)m->n_memory);
     memset(sim->on, 0, switches);
     memset(sim->due, 0, switches);
     memset(sim->flips, 0, switches);
-    memset(sim->flip_time, 0, switches);
+    for (int i = 0; i < m->n_switches; i++) {
+        sim->flip_time[i] = -HUGE_VAL;
+    }
     memset(sim->peak, 0, states);
     memset(sim->scale, 0, states);
     memset(sim->noise, 0, states);
@@ -227,7 +265,7 @@ int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0
     if (code == GB_DONE) {
         gb_turns_wrap(sim, 0);
         gb_weights_grow(sim, sim->y);
-        code = gb_modes_start(sim);
+        code = gb_modes_start(sim, y0 == NULL);
     }
     sim->head->started = code == GB_DONE;
     return code;
@@ -235,6 +273,7 @@ int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0
 
 /* Written parameters or inputs take effect: the run restarts from the communication point. */
 int gb_apply_changes(gb_sim *sim) {
+    const gb_model *model = sim->model;
     gb_head *head = sim->head;
     if (!head->changed || !head->started) {
         return head->report.code;
@@ -258,6 +297,9 @@ int gb_apply_changes(gb_sim *sim) {
     if (code == GB_DONE) {
         gb_time_modes(sim, 1);
         code = gb_settle(sim, 1);
+    }
+    if (code == GB_DONE && model->n_locks > 0) {
+        code = gb_settle_locks(sim, 1);
     }
     return code;
 }

@@ -3,12 +3,12 @@
 #include "gb_internal.h"
 
 /* The modes that fit the surfaces in s (state) and the time just after t, into `fit`. */
-static void fit_modes(const gb_sim *sim, double t, double *fit) {
+static void fit_modes(const gb_sim *sim, const double *mode, double t, double *fit) {
     const gb_model *model = sim->model;
     const double after = t + 4.0 * DBL_EPSILON * fabs(t) + 1e-290;
     for (int i = 0; i < model->n_switches; i++) {
         const double s = i < model->n_surfaces ? sim->s[i] : model->clock(sim->par, i, after);
-        fit[i] = model->mode_at(sim->par, i, s);
+        fit[i] = sim->role[i] == GB_LOCKED ? mode[i] : model->mode_at(sim->par, i, s);
     }
 }
 
@@ -43,6 +43,7 @@ int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, doubl
     }
     if (code == GB_DONE) {
         double *rate = dy ? dy : sim->z2;
+        mode = at->mode ? gb_full_modes(sim, mode, sim->tau_one, y) : mode;
         if (dy || (out && !at->rate)) {
             model->rhs_full(sim->par, mode, sim->tau_one, y, rate);
         }
@@ -54,7 +55,7 @@ int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, doubl
         }
         if (fit && model->n_switches > 0) {
             model->surfaces(sim->par, mode, sim->tau_one, y, sim->s);
-            fit_modes(sim, at->t, fit);
+            fit_modes(sim, mode, at->t, fit);
         }
     }
     gb_input_broadcast(sim);

@@ -217,6 +217,7 @@ int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, i
                 m->times_late(sim->par, mode, count, sim->t_one, sim->u_one, sim->tau_one);
             }
         }
+        mode = gb_full_modes(sim, mode, sim->tau_one, row + 1);
         for (int l = 0; l < count; l++, r++) {
             const double *y = rows + (size_t)r * length + 1, *tau = sim->tau_one + l;
             if (n_pick > 0) {

@@ -4,6 +4,7 @@
  * (see gb_model.h; the hidden rows of E and r are zero). The tail takes no part: it follows by quadrature.
  */
 #include "gb_combine.h"
+#include "gb_lock.h"
 #include "gb_sparse.h"
 
 /* Part of a step in which the rates are differenced in time: rounding and truncation are of equal weight there. */
@@ -89,14 +90,83 @@ static void slope_in_time(gb_sim *sim, double h) {
     }
 }
 
-/* k = gamma (I - g J)^-1 k, in the first n entries. */
+/* How many rows hold because of what sticks, and which lock the j-th of them belongs to. */
+static int n_holding(const gb_sim *sim) {
+    return sim->model->n_locks > 0 ? (int)sim->mode[sim->model->n_switches] : 0;
+}
+
+static int holding(const gb_sim *sim, int j) {
+    return (int)sim->mode[sim->model->n_switches + GB_LOCK_INDEX + j];
+}
+
+static double along(const gb_sim *sim, int j, const double *speeds) {
+    const double *row = sim->grip + (size_t)j * (size_t)sim->model->n_speeds;
+    double sum = 0.0;
+    for (int i = 0; i < sim->model->n_speeds; i++) {
+        sum += row[i] * speeds[i];
+    }
+    return sum;
+}
+
+/* The rows that hold, what the matrix answers to forces along them, and the inverse of the slips that result. */
+static void factor_holding(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int n = n_holding(sim), size = n > 0 ? model->pattern->n : 0;
+    const int first = model->n - model->n_speeds - model->n_simple;
+    for (int j = 0; j < n; j++) {
+        double *row = sim->grip + (size_t)j * (size_t)model->n_speeds;
+        double *answer = sim->grip_answer + (size_t)j * (size_t)size;
+        model->grip(sim->par, sim->mode, sim->tau, sim->y0, holding(sim, j), 0, row);
+        memset(sim->unknown, 0, sizeof(double) * (size_t)size);
+        model->grip(sim->par, sim->mode, sim->tau, sim->y0, holding(sim, j), 1, sim->unknown + first);
+        gb_solve(model->pattern, sim->inverse, sim->lower, sim->upper, sim->unknown, sim->work, answer);
+    }
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++) {
+            sim->lock_matrix[i * n + j] = along(sim, i, sim->grip_answer + (size_t)j * (size_t)size + first);
+            sim->grip_inverse[i * n + j] = i == j ? 1.0 : 0.0;
+        }
+    }
+    gb_lock_solve(n, n, sim->lock_matrix, n, sim->grip_inverse);
+}
+
+/* Forces of what holds, so that the speeds of x slip as `wanted` says. */
+static void hold(gb_sim *sim, double *x) {
+    const gb_model *model = sim->model;
+    const int n = n_holding(sim), size = n > 0 ? model->pattern->n : 0;
+    double *speeds = x + model->n - model->n_speeds - model->n_simple;
+    for (int i = 0; i < n; i++) {
+        sim->lock_right[i] -= along(sim, i, speeds);
+    }
+    for (int j = 0; j < n; j++) {
+        double force = 0.0;
+        for (int i = 0; i < n; i++) {
+            force += sim->grip_inverse[j * n + i] * sim->lock_right[i];
+        }
+        for (int k = 0; k < size; k++) {
+            x[k] += force * sim->grip_answer[(size_t)j * (size_t)size + (size_t)k];
+        }
+    }
+    if (n > 0 && model->steady_locks) {
+        gb_lock_fix(model->lock_rows, sim->mode + model->n_switches, NULL, speeds);
+    }
+}
+
+/* k = gamma (I - g J)^-1 k, in the first n entries. With what holds, J is that of the held motion: the answer to k has
+ * gamma times its slips, since the held motion has none that depend on the state. */
 static void solve_stage(gb_sim *sim, double *k) {
     const gb_model *model = sim->model;
-    const int simple = model->n_simple;
+    const int simple = model->n_simple, n = n_holding(sim);
     const double gamma = sim->method->gamma, g = gamma * sim->stiff_h;
     double *x = model->n_hidden > 0 ? sim->unknown : k + simple, *rates = sim->z2;
+    for (int j = 0; j < n; j++) {
+        sim->lock_right[j] = model->steady_locks ? 0.0 : gamma * along(sim, j, k + model->n - model->n_speeds);
+    }
     model->right_side(sim->par, sim->kept, g, k, sim->unknown);
     gb_solve(model->pattern, sim->inverse, sim->lower, sim->upper, sim->unknown, sim->work, x);
+    if (n > 0) {
+        hold(sim, x);
+    }
     model->simple_rates(sim->par, sim->kept, x, rates);
     for (int i = 0; i < simple; i++) {
         k[i] = gamma * k[i] + g * rates[i];
@@ -115,6 +185,9 @@ static int factor(gb_sim *sim, double h) {
     sim->head->jacobians++;
     sim->stiff_h = h;
     const int bad = gb_factor(model->pattern, gamma, sim->diag, sim->lower, sim->upper, sim->inverse);
+    if (bad < 0) {
+        factor_holding(sim);
+    }
     return bad < 0 ? GB_DONE : gb_fail(sim, GB_ERR_SINGULAR, model->n_simple + bad, sim->head->t1, sim->diag[bad]);
 }
 

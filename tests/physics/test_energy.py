@@ -135,3 +135,19 @@ def test_torques_that_balance_are_followed_in_the_ledger_though_nothing_accelera
         run = gb.simulate(rig, t_end=1.0, rtol=rtol, method=method)
         given = w * 2.5 * (1 - np.sin(600) / 600)
         assert run.energy.supplied["one"] == pytest.approx(given, rel=10 * rtol)
+
+
+def test_a_run_that_loses_more_energy_than_is_asked_for_stops_and_says_so():
+    rig = gb.Drivetrain("pendulum")
+    rig.chain(
+        rig.add("body", gb.Inertia(J=1.0, phi0=1.0)), rig.add("shaft", gb.Shaft(k=1.0)), rig.add("wall", gb.Fixed())
+    )
+    t = np.linspace(0.0, 1e7, 100_001)
+    with pytest.raises(gb.SimulationError, match=r"energy residual is .* above the 1e-06 asked for") as stop:
+        gb.simulate(rig, t=t, residual=1e-6)
+    assert stop.value.trajectory.energy.residual > 1e-6 and stop.value.time == stop.value.trajectory.t[-1] < 1e7
+    assert gb.simulate(rig, t_end=100.0, residual=1e-3).complete
+    with pytest.raises(gb.SimulationError, match="smaller rtol"):
+        gb.simulate(rig, t_end=100.0, residual=1e-12)  # seen at the end, however short the run
+    with pytest.raises(gb.ParameterError, match="residual = 0"):
+        gb.simulate(rig, t_end=1.0, residual=0.0)

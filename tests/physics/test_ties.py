@@ -98,6 +98,30 @@ def test_a_closed_loop_of_fifty_gear_pairs_is_found_redundant_exactly() -> None:
         gb.build(_ring_of_gears(50, last=(46, 25)))
 
 
+def test_equal_gear_pairs_side_by_side_share_the_torque_equally() -> None:
+    rig = gb.Drivetrain("side by side")
+    one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=2.0))
+    for i in range(3):
+        gear = rig.add(f"gear{i}", gb.IdealGear(ratio=-2.0))
+        rig.connect(one.b, gear.a)
+        rig.connect(two.a, gear.b)
+    rig.connect(rig.add("drive", gb.Torque(tau=9.0)).flange, one.a)
+    run = gb.simulate(rig, t_end=1.0)
+    alpha = 9.0 / (1.0 + 2.0 / 4)
+    for i in range(3):
+        assert run[f"gear{i}.a.tau"][-1] == pytest.approx((alpha - 9.0) / 3, rel=1e-14)
+        assert run[f"gear{i}.torque"][-1] == pytest.approx(2.0 * -alpha / 2 / 3, rel=1e-14)
+
+
+def test_a_shaft_that_two_walls_hold_loads_both_alike() -> None:
+    rig = gb.Drivetrain("two walls")
+    body = rig.add("body", gb.Inertia(J=1.0))
+    left, right = rig.add("left", gb.Fixed()), rig.add("right", gb.Fixed())
+    rig.connect(rig.add("drive", gb.Torque(tau=4.0)).flange, body.a, left.flange, right.flange)
+    run = gb.simulate(rig, t_end=1.0)
+    assert run["left.torque"][-1] == run["right.torque"][-1] == -2.0
+
+
 def test_two_planetaries_that_share_two_shafts_have_one_degree_of_freedom_less_each() -> None:
     """A Simpson set: common sun; carrier of the first tied to the ring of the second."""
     rig = gb.Drivetrain("simpson")

@@ -6,7 +6,7 @@ import shutil
 import signal
 import threading
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -188,6 +188,15 @@ def test_a_motion_that_runs_away_is_named_with_its_time() -> None:
 # -- Ctrl-C -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.fixture
+def ctrl_c() -> Iterator[None]:
+    """Ctrl-C heard, also where the tests run in the background of a shell (it is ignored there)."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_gives_back_what_is_done() -> None:
     model = gb.build(_train(gb.Torque(tau=sp.sin(1000 * gb.time)), gb.Inertia(J=1.0)))
     pressed = threading.Event()
@@ -203,6 +212,7 @@ def test_ctrl_c_gives_back_what_is_done() -> None:
     assert len(run.t) == len(run["b.w"])
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_inside_an_input_function_gives_back_what_is_done(model: gb.Model) -> None:
     def pressed(t: float) -> float:
         if t > 0.05:

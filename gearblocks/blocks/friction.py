@@ -1,0 +1,222 @@
+"""Dry friction that sticks: what such elements share, clutch, brake and bearing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gearblocks.blocks.couplings import table_values
+from gearblocks.declare import (
+    Block,
+    Contribution,
+    Effect,
+    Flange,
+    Rate,
+    Shows,
+    Start,
+    State,
+    Stick,
+    effect,
+    option,
+    param,
+    signal,
+)
+from gearblocks.signals import Table, Value
+
+CAPACITY: Any = signal("torque that it transmits while it slips", "N m", default=None, ge=0)
+MU: Any = signal("coefficient of friction, or a Table of it over abs(slip)", default=None, ge=0, over="slip")
+FORCE_MAX: Any = param("largest normal force", "N", default=None, ge=0)
+ENGAGEMENT: Any = signal("normal force over the largest one", default=None)
+GEOMETRY: Any = param("friction torque over mu times normal force", "m", default=1.0, gt=0)
+PEAK: Any = param("largest torque while stuck over the slip torque at rest", default=1.0, ge=1)
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """Symbols of a friction element: it rubs where engaged > 0; force against the slip; largest held force."""
+
+    engaged: Any
+    sliding: Any
+    limit: Any
+
+
+def friction_problems(block: Any) -> Iterator[str]:
+    """What is wrong with capacity, or mu, force_max and engagement; geometry and force_max belong to the latter."""
+    normal = ("mu", "force_max", "engagement")
+    given = [name for name in normal if getattr(block, name) is not None]
+    if block.capacity is not None and given:
+        yield f"capacity and {', '.join(given)} are both given; give capacity, or mu, force_max and engagement"
+    elif block.capacity is None and not given:
+        yield "what it can transmit is missing: give capacity, or mu, force_max and engagement"
+    elif given and len(given) < len(normal):
+        yield f"{', '.join(given)}: {', '.join(n for n in normal if n not in given)} missing; give all three, or capacity"
+    if block.capacity is not None and block.geometry != 1:
+        yield f"geometry = {block.geometry!r} goes with mu, force_max and engagement; capacity is the torque itself"
+    yield from over_slip_problems("mu", block.mu)
+
+
+def over_slip_problems(name: str, table: Any) -> Iterator[str]:
+    """Why a table cannot stand over the size of a slip."""
+    if not isinstance(table, Table):
+        return
+    if table.periodic:
+        yield f"{name} = {table!r} must not be periodic: it goes over the size of the slip"
+    points = np.interp(np.linspace(0, len(table.x) - 1, 32 * len(table.x)), np.arange(len(table.x)), table.x)
+    if min(np.min(table.y), np.min(table_values(table, points))) < 0:
+        yield f"{name} = {table!r} must be >= 0 everywhere: friction takes energy, it gives none"
+
+
+def hold(block: Any, s: Any, slip: Any) -> Hold:
+    """The friction of a block with the common fields, over the slip."""
+    import sympy as sp
+
+    if block.capacity is not None:
+        return Hold(s.capacity, s.capacity, s.peak * s.capacity)
+    pressed = s.geometry * s.force_max * s.engagement
+    mu, mu_0 = s.local("mu", slip=sp.Abs(slip)), s.local("mu", slip=sp.Integer(0))
+    return Hold(s.engagement, pressed * mu, s.peak * pressed * mu_0)
+
+
+def relative_motion(s: Any, slip: Any, angle: Any, direction: Any, stuck: Any) -> Iterator[Contribution]:
+    """phi_rel, which stays bit for bit while stuck; w_rel, then exactly 0; and mode."""
+    yield Start(s.phi_rel, angle)
+    yield Rate(s.phi_rel, (1 - stuck) * slip)
+    yield Shows("phi_rel", s.phi_rel, "rad", "relative angle")
+    yield Shows("w_rel", (1 - stuck) * slip, "rad/s", "slip")
+    mode = direction + 2 * (1 - stuck) * (1 - direction**2)
+    yield Shows("mode", mode, "1", "0 stuck, +1 slips forward, -1 backward, 2 free")
+
+
+def rubs(s: Any, slip: Any, angle: Any, found: Hold, against: bool = False) -> Iterator[Contribution]:
+    """A friction element and its outputs. against: the torque counts positive where it brakes forward slip."""
+    yield Stick("", slip, found.limit, found.sliding, found.engaged)
+    direction, stuck, held = s.stick("")
+    yield from relative_motion(s, slip, angle, direction, stuck)
+    force = held - direction * found.sliding
+    if against:
+        yield Shows("torque", -force, "N m", "braking torque, positive against forward rotation")
+    else:
+        yield Shows("torque", force, "N m", "torque on flange b")
+    yield Shows("loss_power", direction * found.sliding * slip, "W", "power lost by friction")
+
+
+class Clutch(Block):
+    """A friction clutch between two shafts: dry friction that sticks.
+
+        a o---| |---o b        w_rel = w_b - w_a, phi_rel = phi_b - phi_a, torque: on b
+
+    While it slips the torque against the slip is capacity, or geometry mu(abs(w_rel)) force_max engagement. While it is
+    stuck w_rel is exactly 0, phi_rel does not move, and it holds up to peak times the slip torque at rest, either way
+    (Coulomb friction with a static peak; the fields are those of Modelica.Mechanics.Rotational.Components.Clutch, whose
+    cgeo is geometry: n (r_o + r_i)/2 for n faces). capacity or engagement <= 0: free. mode: 0 stuck, +1 where w_rel > 0,
+    -1 where w_rel < 0, 2 free. loss_power: power lost by slipping.
+    """
+
+    a, b = Flange("driving side", slider=None), Flange("driven side", slider=None)
+    capacity: Any = CAPACITY
+    mu: Any = MU
+    force_max: Value | None = FORCE_MAX
+    engagement: Any = ENGAGEMENT
+    geometry: Value = GEOMETRY
+    peak: Value = PEAK
+    phi_rel = State("relative angle", "rad")
+
+    def problems(self) -> Iterator[str]:
+        """Contradicting or missing fields."""
+        yield from friction_problems(self)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """Friction along w_b - w_a."""
+        slip = s.b.w - s.a.w
+        yield from rubs(s, slip, s.b.phi - s.a.phi, hold(self, s, slip))
+
+
+class Brake(Block):
+    """A friction brake between a shaft and its housing (the ground when not connected).
+
+        a o---| |---# housing        w_rel = w_a - w_housing, phi_rel = phi_a - phi_housing
+
+    Law, fields and modes as of `Clutch`. torque > 0 brakes forward rotation: the shaft gets -torque, the housing
+    +torque. While it holds, torque is what it takes to hold, of either sign.
+    """
+
+    a = Flange("braked shaft", slider=None)
+    housing = Flange("housing", ground=True, slider=None)
+    capacity: Any = CAPACITY
+    mu: Any = MU
+    force_max: Value | None = FORCE_MAX
+    engagement: Any = ENGAGEMENT
+    geometry: Value = GEOMETRY
+    peak: Value = PEAK
+    phi_rel = State("angle from the housing", "rad")
+
+    def problems(self) -> Iterator[str]:
+        """Contradicting or missing fields."""
+        yield from friction_problems(self)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """Friction along w_a - w_housing."""
+        slip = s.a.w - s.housing.w
+        yield from rubs(s, slip, s.a.phi - s.housing.phi, hold(self, s, slip), against=True)
+
+
+class Stribeck(Effect):
+    """More friction near rest: rise exp(-(w/speed)^2) on top of the Coulomb part.
+
+    The form of Bo and Pavelescu (1982, Wear 82, 277-289) with the exponent 2.
+    """
+
+    rise: Value = param("friction torque at rest above the Coulomb part", "N m", ge=0)
+    speed: Value = param("speed at which 1/e of it is left", "rad/s", gt=0)
+
+
+class BearingFriction(Block):
+    """Friction of a bearing between a shaft and its housing (the ground when not connected); it sticks at rest.
+
+        abs(torque) = coulomb + rise exp(-(w/speed)^2) + viscous abs(w),   or a Table over abs(w)
+
+    rise and speed: of stribeck=Stribeck(...). Stuck, it holds up to peak times the value at w = 0. Signs, outputs and
+    modes as of `Brake`; it is never free.
+    """
+
+    a = Flange("shaft", slider=None)
+    housing = Flange("housing", ground=True, slider=None)
+    torque: Table | None = option("friction torque in N m, a gb.Table over abs(w) in rad/s", default=None)
+    coulomb: Value | None = param("friction torque that does not depend on speed", "N m", default=None, ge=0)
+    viscous: Value | None = param("friction torque per speed", "N m s/rad", default=None, ge=0, belongs_to="viscous")
+    stribeck: Stribeck | None = effect("more friction near rest", default=None)
+    peak: Value = PEAK
+    phi_rel = State("angle from the housing", "rad")
+
+    def problems(self) -> Iterator[str]:
+        """Contradicting or missing fields."""
+        if (self.torque is None) == (self.coulomb is None):
+            yield "give either torque, a Table over abs(w), or coulomb"
+        if self.torque is not None and not isinstance(self.torque, Table):
+            yield f"torque = {self.torque!r:.80} must be a gb.Table over abs(w); a constant torque is coulomb"
+        if self.torque is not None and (self.viscous is not None or self.stribeck is not None):
+            yield "viscous and stribeck go with coulomb; put them into the Table"
+        yield from over_slip_problems("torque", self.torque)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """Friction along w_a - w_housing."""
+        import sympy as sp
+
+        slip = s.a.w - s.housing.w
+        size = self._size(s, sp.Abs(slip), slip)
+        found = Hold(sp.Integer(1), size, s.peak * self._size(s, sp.Integer(0), sp.Integer(0)))
+        yield from rubs(s, slip, s.a.phi - s.housing.phi, found, against=True)
+
+    def _size(self, s: Any, speed: Any, w: Any) -> Any:
+        """Friction torque at abs(w) = speed."""
+        import sympy as sp
+
+        if self.torque is not None:
+            return s.local("torque", slip=speed)
+        size = s.coulomb
+        if self.stribeck is not None:
+            size = size + s.stribeck.rise * sp.exp(-((w / s.stribeck.speed) ** 2))
+        return size if self.viscous is None else size + s.viscous * speed

@@ -1,0 +1,635 @@
+/* What sticks: after every event the modes of all locks are decided together.
+ *
+ * Impacts first: stops that close and unlimited locks that close on a slip share one complementarity problem (Newton's
+ * restitution; friction with a limit transmits no impulse). Then all that does not slip is a candidate to stick: the
+ * forces that would keep every slip at zero, each within its limits, are another such problem; where a force is at a
+ * limit and the slip accelerates, the lock slides that way. Both have one solution for the motion, whatever the order.
+ */
+#include "gb_lock.h"
+#include "gb_internal.h"
+
+/* Decided about a lock: */
+enum { FREE, OPEN, SLIDES, CANDIDATE };
+
+static int is_stuck(const gb_sim *sim, int i) {
+    return sim->mode[sim->model->locks[i].hold] > 0.5;
+}
+
+static int is_stop(const gb_sim *sim, int i) {
+    return sim->model->locks[i].kind == GB_STOP;
+}
+
+/* Mode for the events: 0 stuck, 1 forward, -1 backward, 2 free; of a stop 1 closed, 0 open. */
+static double shown_mode(const gb_sim *sim, int i) {
+    const gb_lock *lock = &sim->model->locks[i];
+    if (lock->kind == GB_STOP || lock->kind == GB_TIE) {
+        return sim->mode[lock->hold];
+    }
+    return is_stuck(sim, i) ? 0.0 : sim->mode[lock->slip] == 0.0 ? 2.0 : sim->mode[lock->slip];
+}
+
+static int is_unlimited(const gb_sim *sim, int i) {
+    const double *limit = sim->limit + 5 * i;
+    return sim->model->locks[i].kind != GB_LOSS && limit[0] <= -HUGE_VAL && limit[1] >= HUGE_VAL;
+}
+
+/* Sums of the sizes of the rows' numbers, by which the rounding of slips is judged. */
+void gb_size_locks(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    for (int i = 0; i < model->n_locks; i++) {
+        sim->lock_size[i] = 0.0;
+        model->grip(sim->par, sim->mode, sim->tau_one, sim->y, i, 0, sim->grip);
+        for (int k = 0; k < model->n_speeds; k++) {
+            sim->lock_size[i] += fabs(sim->grip[k]);
+        }
+        sim->lock_size[i] = gb_max(sim->lock_size[i], 1.0);
+    }
+}
+
+/* The memory behind the modes. */
+void gb_remember(gb_sim *sim, double *mode, const double *tau, const double *y) {
+    if (sim->model->n_locks > 0) {
+        sim->model->remember(sim->par, mode, tau, y);
+    }
+}
+
+/* A row's modes with their memory, in a place that the next call overwrites. */
+const double *gb_full_modes(gb_sim *sim, const double *mode, const double *tau, const double *y) {
+    const gb_model *model = sim->model;
+    if (model->n_locks == 0) {
+        return mode;
+    }
+    memcpy(sim->other_mode, mode, sizeof(double) * (size_t)model->n_switches);
+    model->remember(sim->par, sim->other_mode, tau, y);
+    return sim->other_mode;
+}
+
+/* Speeds at which nothing slips that sticks; 1: they changed by more than rounding. */
+int gb_project(gb_sim *sim, const double *tau) {
+    const gb_model *model = sim->model;
+    if (model->n_locks == 0 || sim->mode[model->n_switches] == 0.0) {
+        return 0;
+    }
+    const int first = model->n - model->n_speeds;
+    double most = 0.0, size = 0.0;
+    for (int i = first; i < model->n; i++) {
+        sim->z2[i] = sim->y[i];
+    }
+    model->project(sim->par, sim->mode, tau, sim->y);
+    for (int i = first; i < model->n; i++) {
+        most = gb_max(most, fabs(sim->y[i] - sim->z2[i]));
+        size = gb_max(size, fabs(sim->y[i]));
+    }
+    return most > 1e-14 * size;
+}
+
+/* Slips at the front, and what is no more than rounding of each. */
+static void slips_now(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int first = model->n - model->n_speeds;
+    model->slips(sim->par, sim->mode, sim->tau_one, sim->y, NULL, sim->slip);
+    double size = 0.0;
+    for (int i = first; i < model->n; i++) {
+        size = gb_max(size, fabs(sim->y[i]));
+    }
+    for (int i = 0; i < model->n_locks; i++) {
+        sim->slip_rounding[i] = 64.0 * DBL_EPSILON * size * sim->lock_size[i];
+    }
+}
+
+/* The gap of a stop is closed: it has just been met, or has no width. */
+static int touches(const gb_sim *sim, int i) {
+    const gb_lock *lock = &sim->model->locks[i];
+    return is_stuck(sim, i) || sim->due[lock->slip] != 0.0 || sim->on[lock->slip] == -1.0 || sim->s[lock->slip] <= 0.0;
+}
+
+static int does_rub(const gb_sim *sim, int i) {
+    const gb_lock *lock = &sim->model->locks[i];
+    if (lock->kind != GB_FRICTION) {
+        return 1;
+    }
+    if (lock->free < 0) {
+        return sim->limit[5 * i + 4] > 0.0;
+    }
+    return sim->mode[lock->free] < 0.5 && (sim->on[lock->free] != 0.0 || sim->limit[5 * i + 4] > 0.0);
+}
+
+/* Stops whose impacts follow on each other within what can be told apart come to rest. */
+static double restitution(const gb_sim *sim, int i) {
+    const gb_head *head = sim->head;
+    const double pause = head->t1 - sim->flip_time[sim->model->locks[i].slip];
+    return pause <= 64.0 * gb_rounding(head->t1, head->h) ? 0.0 : sim->limit[5 * i + 2];
+}
+
+/* Bounds of the impulse of lock i and the slip that it must undo; 0: it takes no part. */
+static int takes_impulse(const gb_sim *sim, int i, double *lo, double *hi, double *undo) {
+    const double slip = sim->slip[i], *limit = sim->limit + 5 * i;
+    *lo = limit[0] <= -HUGE_VAL ? -HUGE_VAL : 0.0;
+    *hi = limit[1] >= HUGE_VAL ? HUGE_VAL : 0.0;
+    *undo = slip;
+    if (!does_rub(sim, i) || sim->model->locks[i].kind == GB_LOSS || (*lo == 0.0 && *hi == 0.0)) {
+        return 0;
+    }
+    if (is_stop(sim, i)) {
+        *undo = slip < -sim->slip_rounding[i] ? slip * (1.0 + restitution(sim, i)) : slip;
+        return touches(sim, i);
+    }
+    return 1;
+}
+
+/* What an impact did to lock i: its loss, states and event. */
+static void note_impact(gb_sim *sim, int i, double impulse, double before, double after) {
+    const gb_lock *lock = &sim->model->locks[i];
+    const double lost = -0.5 * impulse * (before + after);
+    if (lock->impulse >= 0) {
+        sim->y[lock->impulse] = impulse;
+    }
+    if (lock->impacts >= 0) {
+        sim->y[lock->impacts] += 1.0;
+    }
+    if (lock->loss >= 0) {
+        sim->y[lock->loss] += lost;
+        sim->head->turnover += fabs(lost);
+    }
+    gb_log(sim, lock->slip, 2, before, after);
+}
+
+/* Impulses where a stop is hit or an unlimited lock slips; slips after it. */
+static int impact(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int n = model->n_locks;
+    int *index = sim->lock_index, count = 0, struck = 0;
+    double *b = sim->lock_right, *lo = sim->lock_lo, *hi = sim->lock_hi, *p = sim->lock_force;
+    for (int i = 0; i < n; i++) {
+        if (takes_impulse(sim, i, &lo[count], &hi[count], &b[count])) {
+            const double w = b[count], rounding = sim->slip_rounding[i];
+            struck = struck || (w < -rounding && hi[count] > 0.0) || (w > rounding && lo[count] < 0.0);
+            index[count++] = i;
+        }
+    }
+    if (!struck) {
+        return GB_DONE;
+    }
+    model->pulls(sim->par, sim->mode, sim->tau_one, sim->y, 0, sim->response);
+    for (int i = 0; i < count; i++) {
+        for (int j = 0; j < count; j++) {
+            sim->lock_matrix[i * count + j] = sim->response[index[i] * n + index[j]];
+        }
+    }
+    if (!gb_lock_box(count, sim->lock_matrix, b, lo, hi, p)) {
+        return gb_fail(sim, GB_ERR_BRANCH, model->locks[index[0]].slip, sim->head->t1, b[0]);
+    }
+    double *whole = sim->lock_other, *before = sim->lock_before;
+    memset(whole, 0, sizeof(double) * (size_t)n);
+    memcpy(before, sim->slip, sizeof(double) * (size_t)n);
+    for (int i = 0; i < count; i++) {
+        whole[index[i]] = p[i];
+    }
+    model->push(sim->par, sim->mode, sim->tau_one, whole, sim->y);
+    slips_now(sim);
+    for (int i = 0; i < n; i++) {
+        const double lost = fabs(before[i]) > sim->slip_rounding[i] ? fabs(whole[i]) : 0.0;
+        if (lost > 0.0 && (is_stop(sim, i) || is_unlimited(sim, i) || !is_stuck(sim, i))) {
+            note_impact(sim, i, whole[i], before[i], sim->slip[i]);
+        }
+        sim->struck[i] = lost > 0.0;
+    }
+    return GB_DONE;
+}
+
+/* What each lock could do, by its slip alone; what slides gets its direction. */
+static void sort_by_slip(gb_sim *sim, int impacted) {
+    const gb_model *model = sim->model;
+    for (int i = 0; i < model->n_locks; i++) {
+        const gb_lock *lock = &model->locks[i];
+        const double slip = sim->slip[i], rounding = sim->slip_rounding[i];
+        const int due = lock->kind != GB_STOP && sim->due[lock->slip] != 0.0 && !impacted;
+        const int zero = fabs(slip) <= rounding || due || (is_stuck(sim, i) && !impacted);
+        int *state = &sim->lock_state[i];
+        sim->mode[lock->slip] = lock->kind == GB_TIE ? sim->mode[lock->slip] : 0.0;
+        if (!does_rub(sim, i)) {
+            *state = FREE;
+        } else if (lock->kind == GB_STOP) {
+            const int rests = fabs(slip) <= rounding || (is_stuck(sim, i) && !impacted) ||
+                              (sim->struck[i] && fabs(slip) <= 1e-9 * fabs(sim->lock_before[i]));
+            *state = touches(sim, i) && rests ? CANDIDATE : OPEN;
+        } else if (zero || is_unlimited(sim, i)) {
+            *state = CANDIDATE;
+        } else {
+            *state = SLIDES;
+            sim->mode[lock->slip] = slip > 0.0 ? 1.0 : -1.0;
+        }
+    }
+}
+
+/* Slip accelerations with the present modes and nothing held, into lock_bare. */
+static int bare_accelerations(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    for (int i = 0; i < model->n_locks; i++) {
+        sim->mode[model->locks[i].hold] = 0.0;
+    }
+    sim->mode[model->n_switches] = 0.0;
+    model->rhs(sim->par, sim->mode, sim->tau_one, sim->look, sim->z2);
+    sim->head->rhs_calls++;
+    const int code = gb_check_finite(sim, GB_ERR_NAN_RATE, sim->z2, model->n, 0, sim->head->t1);
+    if (code == GB_DONE) {
+        model->slips(sim->par, sim->mode, sim->tau_one, sim->look, sim->z2, sim->lock_bare);
+        sim->fastest = 0.0;
+        for (int k = model->n - model->n_speeds; k < model->n; k++) {
+            sim->fastest = gb_max(sim->fastest, fabs(sim->z2[k]));
+        }
+    }
+    return code;
+}
+
+/* A lock that has just reached a limit of its force (not one that shares its load) does not hold any more. */
+static void release_due(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    for (int i = 0; i < model->n_locks; i++) {
+        const gb_lock *lock = &model->locks[i];
+        if (sim->lock_state[i] != CANDIDATE || sim->due[lock->hold] == 0.0) {
+            continue;
+        }
+        const double held = sim->lock_other[i], *limit = sim->limit + 5 * i;
+        if (lock->kind == GB_LOSS) {
+            sim->released[i] = 1; /* its options say how it goes on */
+            continue;
+        }
+        if (sim->was_shared[i]) {
+            sim->shrink[i] = 1e-6;
+            continue;
+        }
+        const int upper = held - limit[1] > limit[0] - held;
+        sim->lock_state[i] = lock->kind == GB_STOP ? OPEN : SLIDES;
+        sim->mode[lock->slip] = lock->kind == GB_STOP ? 0.0 : upper ? -1.0 : 1.0;
+        sim->released[i] = 1;
+    }
+}
+
+/* What cannot be told from zero in a slip acceleration whose terms add up to `size`. */
+static double rate_rounding(const gb_sim *sim, int i, double size) {
+    return gb_max(1e-10 * size, 256.0 * DBL_EPSILON * sim->lock_size[i] * sim->fastest);
+}
+
+/* The candidates against each other: forces within their limits that keep them from slipping. Those that slip all the
+ * same slide from here; returns how many. */
+static int decide(gb_sim *sim, int *code) {
+    const gb_model *model = sim->model;
+    const int n = model->n_locks;
+    int *index = sim->lock_index, count = 0, lost = 0;
+    double *lo = sim->lock_lo, *hi = sim->lock_hi, *b = sim->lock_right, *x = sim->lock_force;
+    for (int i = 0; i < n; i++) {
+        if (sim->lock_state[i] == CANDIDATE) {
+            const double *limit = sim->limit + 5 * i, keep = 1.0 - sim->shrink[i];
+            const int bounded = model->locks[i].kind != GB_LOSS;
+            lo[count] = bounded && limit[0] > -HUGE_VAL ? keep * limit[0] : -HUGE_VAL;
+            hi[count] = bounded && limit[1] < HUGE_VAL ? keep * limit[1] : HUGE_VAL;
+            b[count] = sim->lock_bare[i];
+            index[count++] = i;
+        }
+    }
+    for (int i = 0; i < count; i++) {
+        for (int j = 0; j < count; j++) {
+            sim->lock_matrix[i * count + j] = sim->response[index[i] * n + index[j]];
+        }
+    }
+    if (!gb_lock_box(count, sim->lock_matrix, b, lo, hi, x)) {
+        *code = gb_fail(sim, GB_ERR_BRANCH, model->locks[index[0]].slip, sim->head->t1, b[0]);
+        return 0;
+    }
+    for (int i = 0; i < count; i++) {
+        const gb_lock *lock = &model->locks[index[i]];
+        double w = b[i], size = fabs(b[i]);
+        for (int j = 0; j < count; j++) {
+            w += sim->lock_matrix[i * count + j] * x[j];
+            size += fabs(sim->lock_matrix[i * count + j] * x[j]);
+        }
+        if (fabs(w) > rate_rounding(sim, index[i], size) && (x[i] <= lo[i] || x[i] >= hi[i])) {
+            sim->lock_state[index[i]] = lock->kind == GB_STOP ? OPEN : SLIDES;
+            sim->mode[lock->slip] = lock->kind == GB_STOP ? 0.0 : w > 0.0 ? 1.0 : -1.0;
+            sim->shrink[index[i]] = 0.0;
+            lost++;
+        }
+    }
+    sim->lock_count = count;
+    return lost;
+}
+
+/* Candidates that cannot be held slide, until all others can. */
+static int weigh(gb_sim *sim) {
+    int code = GB_DONE;
+    for (int round = 0; code == GB_DONE && round <= sim->model->n_locks; round++) {
+        code = bare_accelerations(sim);
+        if (code == GB_DONE) {
+            sim->model->pulls(sim->par, sim->mode, sim->tau_one, sim->look, 1, sim->response);
+            if (decide(sim, &code) == 0) {
+                break;
+            }
+        }
+    }
+    return code;
+}
+
+/* The force on lock i after `weigh`, and its slip acceleration with all of them. */
+static double weighed_force(const gb_sim *sim, int i) {
+    for (int j = 0; j < sim->lock_count; j++) {
+        if (sim->lock_index[j] == i) {
+            return sim->lock_force[j];
+        }
+    }
+    return 0.0;
+}
+
+static double weighed_rate(const gb_sim *sim, int i, double *size) {
+    double rate = sim->lock_bare[i];
+    *size = fabs(rate);
+    for (int j = 0; j < sim->lock_count; j++) {
+        const double part = sim->response[i * sim->model->n_locks + sim->lock_index[j]] * sim->lock_force[j];
+        rate += part;
+        *size += fabs(part);
+    }
+    return rate;
+}
+
+/* Options of a lossy tie: 0 at rest; else the direction in which it slides and the sign of the force that it carries.
+ */
+static void take_option(gb_sim *sim, int i, int option) {
+    const gb_lock *loss = &sim->model->locks[i], *tie = &sim->model->locks[loss->partner];
+    sim->lock_state[i] = option == 0 ? CANDIDATE : SLIDES;
+    sim->mode[loss->slip] = option == 0 ? 0.0 : option <= 2 ? 1.0 : -1.0;
+    sim->mode[tie->slip] = option % 2 == 0 ? -1.0 : 1.0;
+}
+
+static int is_option(const gb_sim *sim, int i, int option) {
+    const gb_lock *loss = &sim->model->locks[i], *tie = &sim->model->locks[loss->partner];
+    const double direction = option <= 2 ? 1.0 : -1.0, sign = option % 2 == 0 ? -1.0 : 1.0;
+    if (sim->base_state[i] != CANDIDATE) {
+        const int left = sim->due[tie->slip] != 0.0 && sim->base_sign[i] == sign;
+        return option > 0 && sim->base_mode[i] == direction && !left;
+    }
+    return option > 0 || !sim->released[i];
+}
+
+/* What was assumed about a lossy tie is what came of it. */
+static int holds_true(gb_sim *sim, int i) {
+    const gb_lock *loss = &sim->model->locks[i], *tie = &sim->model->locks[loss->partner];
+    const double carried = weighed_force(sim, loss->partner);
+    double size;
+    const double rate = weighed_rate(sim, i, &size);
+    if (sim->lock_state[i] == CANDIDATE) {
+        const double held = weighed_force(sim, i);
+        const double excess = gb_lock_loss_excess(sim->limit + 5 * i, carried, held);
+        sim->mode[tie->slip] = carried >= 0.0 ? 1.0 : -1.0;
+        return excess <= 1e-10 * (fabs(held) + fabs(carried));
+    }
+    const int j = loss->partner;
+    const double response = fabs(sim->response[j * sim->model->n_locks + j]);
+    const int fits = sim->mode[tie->slip] * carried * response >= -rate_rounding(sim, j, 0.0);
+    return fits && (sim->base_state[i] != CANDIDATE || sim->mode[loss->slip] * rate >= -rate_rounding(sim, i, size));
+}
+
+/* Keeps the modes and slip accelerations of a solution; 1: another one was kept before. */
+static int keep_solution(gb_sim *sim, int known) {
+    const gb_model *model = sim->model;
+    int other = 0;
+    for (int i = 0; i < model->n_locks; i++) {
+        double size;
+        const double rate = weighed_rate(sim, i, &size);
+        other = other ||
+                (known && fabs(rate - sim->best_rate[i]) > 1e3 * rate_rounding(sim, i, size + fabs(sim->best_rate[i])));
+        if (!known) {
+            sim->best_rate[i] = rate;
+            sim->best_state[i] = sim->lock_state[i];
+            sim->best_mode[i] = sim->mode[model->locks[i].slip];
+        }
+    }
+    return other;
+}
+
+/* All lossy ties that could be at rest are. */
+static int all_rest(const gb_sim *sim) {
+    int rest = 1;
+    for (int i = 0; i < sim->model->n_locks; i++) {
+        const int could = sim->model->locks[i].kind == GB_LOSS && sim->base_state[i] == CANDIDATE;
+        rest = rest && (!could || sim->lock_state[i] == CANDIDATE);
+    }
+    return rest;
+}
+
+/* Every combination of options of the lossy ties; the one that holds true is taken. */
+static int weigh_lossy(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    int n_found = 0, last = -1, code = GB_DONE;
+    for (int i = 0; i < model->n_locks; i++) {
+        const gb_lock *lock = &model->locks[i];
+        sim->base_state[i] = sim->lock_state[i];
+        sim->base_mode[i] = sim->mode[lock->slip];
+        sim->base_sign[i] = lock->kind == GB_LOSS ? sim->mode[model->locks[lock->partner].slip] : 0.0;
+        sim->option[i] = 0;
+        last = lock->kind == GB_LOSS ? i : last;
+    }
+    for (int more = 1; more && code == GB_DONE;) {
+        int wanted = 1;
+        for (int i = 0; i < model->n_locks; i++) {
+            wanted = wanted && (model->locks[i].kind != GB_LOSS || is_option(sim, i, sim->option[i]));
+        }
+        for (int i = 0; i < model->n_locks && wanted; i++) {
+            sim->lock_state[i] = sim->base_state[i];
+            if (model->locks[i].kind != GB_TIE) {
+                sim->mode[model->locks[i].slip] = sim->base_mode[i];
+            }
+        }
+        for (int i = 0; i < model->n_locks && wanted; i++) {
+            if (model->locks[i].kind == GB_LOSS) {
+                take_option(sim, i, sim->option[i]);
+            }
+        }
+        code = wanted ? weigh(sim) : GB_DONE;
+        for (int i = 0; i < model->n_locks && wanted; i++) {
+            wanted = model->locks[i].kind != GB_LOSS || holds_true(sim, i);
+        }
+        if (wanted && code == GB_DONE && keep_solution(sim, n_found++ > 0)) {
+            return gb_fail(sim, GB_ERR_LOSS, model->locks[last].slip, sim->head->t1, 2.0);
+        }
+        more = 0;
+        if (wanted && all_rest(sim)) {
+            break; /* nothing begins to slide that can stay at rest */
+        }
+        for (int i = 0; i < model->n_locks && !more; i++) {
+            if (model->locks[i].kind == GB_LOSS) {
+                sim->option[i] = (sim->option[i] + 1) % 5;
+                more = sim->option[i] != 0;
+            }
+        }
+    }
+    if (code == GB_DONE && n_found == 0) {
+        return gb_fail(sim, GB_ERR_LOSS, model->locks[last].slip, sim->head->t1, 0.0);
+    }
+    for (int i = 0; i < model->n_locks && code == GB_DONE; i++) {
+        sim->lock_state[i] = sim->best_state[i];
+        sim->mode[model->locks[i].slip] = sim->best_mode[i];
+    }
+    return code;
+}
+
+/* The limits that belong to the new modes, and where switches sit on them. */
+static void take_modes(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    for (int i = 0; i < model->n_locks; i++) {
+        const gb_lock *lock = &model->locks[i];
+        const double direction = sim->mode[lock->slip];
+        sim->mode[lock->hold] = sim->lock_state[i] == CANDIDATE;
+        sim->on[lock->hold] = 0.0;
+        if (lock->kind == GB_TIE) {
+            sim->on[lock->slip] = sim->due[lock->slip] != 0.0 ? -direction : 0.0;
+        } else if (lock->kind == GB_STOP) {
+            sim->on[lock->slip] = sim->lock_state[i] == OPEN && touches(sim, i) ? -1.0 : 0.0;
+        } else {
+            const int sits =
+                sim->lock_state[i] == SLIDES &&
+                (sim->released[i] || fabs(sim->slip[i]) <= sim->slip_rounding[i] || sim->due[lock->slip] != 0.0);
+            sim->on[lock->slip] = sits ? -direction : 0.0;
+        }
+        if (sim->on[lock->slip] != 0.0) {
+            sim->head->sitting = 1;
+        }
+    }
+}
+
+/* Events of the locks whose mode is another one than before. */
+static int log_changes(gb_sim *sim, int log) {
+    const gb_model *model = sim->model;
+    int code = GB_DONE;
+    for (int i = 0; i < model->n_locks; i++) {
+        const gb_lock *lock = &model->locks[i];
+        const double now = shown_mode(sim, i), before = sim->lock_mode[i];
+        if (now != before) {
+            if (log && !(lock->kind == GB_STOP && sim->struck[i])) {
+                gb_log(sim, lock->slip, 0, before, now);
+            }
+            if (log && code == GB_DONE) {
+                code = gb_count_flip(sim, lock->hold);
+            }
+        }
+        if (sim->struck[i]) {
+            sim->flip_time[lock->slip] = sim->head->t1;
+        }
+        sim->due[lock->slip] = sim->due[lock->hold] = 0.0;
+    }
+    return code;
+}
+
+/* Held forces of the old modes, and who shared a load, before anything changes. */
+static void look_back(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int n = model->n_locks;
+    for (int i = 0; i < n; i++) {
+        sim->lock_mode[i] = shown_mode(sim, i);
+        sim->was_shared[i] =
+            sim->mode[model->n_switches] > 0.0 && sim->mode[model->n_switches + gb_lock_shared(n) + i] != 0.0;
+        sim->shrink[i] = 0.0;
+        sim->released[i] = sim->struck[i] = 0;
+    }
+    model->holding(sim->par, sim->mode, sim->tau_one, sim->look, sim->lock_other, sim->lock_force);
+}
+
+static int has_lossy(const gb_sim *sim) {
+    int found = 0;
+    for (int i = 0; i < sim->model->n_locks; i++) {
+        found = found || sim->model->locks[i].kind == GB_LOSS;
+    }
+    return found;
+}
+
+/* A capacity that comes down to zero at a corner and stays there crosses nothing: its lock is free all the same. */
+static void free_the_idle(gb_sim *sim) {
+    for (int i = 0; i < sim->model->n_locks; i++) {
+        const int free = sim->model->locks[i].free;
+        if (free >= 0 && sim->mode[free] < 0.5 && !does_rub(sim, i)) {
+            gb_set_mode(sim, free, 1.0, 0);
+        }
+    }
+}
+
+/* A lock that flips again at once stands where forces and limits vanish together: what comes next is told by a look a
+ * little ahead, further at every try. Puts the state there into `look`, and its time columns into tau_one. */
+static int look_ahead(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const gb_head *head = sim->head;
+    double flips = 0.0;
+    for (int i = 0; i < model->n_locks; i++) {
+        const gb_lock *lock = &model->locks[i];
+        const int due = sim->due[lock->hold] != 0.0 || sim->due[lock->slip] != 0.0;
+        const int stands = head->t1 - sim->flip_time[lock->hold] <= 10.0 * gb_rounding(head->t1, head->h);
+        flips = due && stands ? gb_max(flips, sim->flips[lock->hold]) : flips;
+    }
+    sim->look = sim->y;
+    if (flips == 0.0) {
+        return GB_DONE;
+    }
+    const double ahead = ldexp(gb_rounding(head->t1, head->h), 2 * (int)flips);
+    const int code = gb_columns_at(sim, head->t1 + ahead);
+    if (code == GB_DONE) {
+        model->rhs(sim->par, sim->mode, sim->tau_one, sim->y, sim->z2);
+        memcpy(sim->z, sim->y, sizeof(double) * (size_t)model->n_total);
+        for (int i = 0; i < model->n; i++) {
+            sim->z[i] += ahead * sim->z2[i];
+        }
+        sim->look = sim->z;
+    }
+    return code;
+}
+
+/* Decides about all locks at the front. */
+int gb_settle_locks(gb_sim *sim, int log) {
+    const gb_model *model = sim->model;
+    if (model->n_locks == 0) {
+        return GB_DONE;
+    }
+    int code = gb_surfaces_now(sim);
+    if (code == GB_DONE) {
+        code = gb_columns_at(sim, sim->head->t1);
+    }
+    if (code == GB_DONE) {
+        gb_project(sim, sim->tau_one);
+        code = look_ahead(sim);
+    }
+    if (code != GB_DONE) {
+        return code;
+    }
+    look_back(sim);
+    double *held = sim->lock_old;
+    memcpy(held, sim->lock_other, sizeof(double) * (size_t)model->n_locks);
+    for (int i = 0; i < model->n_locks; i++) {
+        if (is_stuck(sim, i) && model->locks[i].kind != GB_TIE && !is_stop(sim, i)) {
+            sim->mode[model->locks[i].slip] = 0.0;
+        }
+    }
+    model->limits(sim->par, sim->mode, sim->tau_one, sim->look, sim->limit);
+    free_the_idle(sim);
+    slips_now(sim);
+    code = impact(sim);
+    int impacted = 0;
+    for (int i = 0; i < model->n_locks; i++) {
+        impacted = impacted || sim->struck[i];
+    }
+    sort_by_slip(sim, impacted);
+    model->limits(sim->par, sim->mode, sim->tau_one, sim->look, sim->limit);
+    memcpy(sim->lock_other, held, sizeof(double) * (size_t)model->n_locks);
+    release_due(sim);
+    if (code == GB_DONE) {
+        code = has_lossy(sim) ? weigh_lossy(sim) : weigh(sim);
+    }
+    if (sim->look != sim->y && code == GB_DONE) {
+        code = gb_columns_at(sim, sim->head->t1);
+    }
+    take_modes(sim);
+    gb_remember(sim, sim->mode, sim->tau_one, sim->y);
+    gb_project(sim, sim->tau_one);
+    gb_rehash(sim);
+    if (model->n_switches > 0) {
+        model->bounds(sim->par, sim->mode, sim->lo, sim->hi);
+    }
+    const int changes = log_changes(sim, log);
+    return code == GB_DONE ? changes : code;
+}

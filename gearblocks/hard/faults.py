@@ -1,0 +1,104 @@
+"""What cannot be right, and must be refused by name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+import gearblocks as gb
+from gearblocks.errors import SimulationError
+from gearblocks.hard.judging import Check, Meter, fact, refusal
+from gearblocks.hard.parts import driven, line
+
+
+def nan_torque(meter: Meter) -> Iterator[Check]:
+    """The torque is NaN after t = 1: as an input, and as an expression."""
+    yield from _stops(meter, driven("nan", tau=gb.Input("tau")), inputs={"tau": lambda t: 1.0 if t <= 1 else math.nan})
+    yield from _stops(meter, driven("nan", tau=(1 - gb.time) ** 0.5))
+
+
+def pole(meter: Meter) -> Iterator[Check]:
+    """A torque of 1e-3/(t - 1)^2."""
+    yield from _stops(meter, driven("pole", tau=1e-3 / (gb.time - 1) ** 2))
+
+
+def _stops(meter: Meter, rig: gb.Drivetrain, **arguments: Any) -> Iterator[Check]:
+    """The run must end at t <= 1 with an error that names a part, and with finite numbers until then."""
+    try:
+        run = meter.simulate(rig, t_end=5.0, **arguments)
+    except SimulationError as error:
+        found = error.trajectory
+        finite = found is not None and all(np.isfinite(found[name]).all() for name in found)
+        yield fact(f"stops: {error}", bool(error.component) and not error.time > 1.5)
+        yield fact("finite samples until then", finite and found.t[-1] <= 1.0)
+        return
+    yield fact(f"goes on to t = {run.t[-1]:g} s", False)
+
+
+NONSENSE: tuple[tuple[Callable[[], Any], str], ...] = (
+    (lambda: gb.Inertia(J=-1.0), "J"),
+    (lambda: gb.Inertia(J=math.nan), "J"),
+    (lambda: gb.Inertia(J=math.inf), "J"),
+    (lambda: gb.Inertia(J=1.0, w0=math.nan), "w0"),
+    (lambda: gb.Shaft(k=-1.0), "k"),
+    (lambda: gb.Shaft(k=math.nan), "k"),
+    (lambda: gb.Shaft(k=1.0, c=math.inf), "c"),
+    (lambda: gb.Shaft(k=1.0, c=-1.0), "c"),
+    (lambda: gb.IdealGear(ratio=0.0), "ratio"),
+    (lambda: gb.IdealGear(ratio=math.nan), "ratio"),
+    (lambda: gb.Lash(k=1.0, half_gap=-1e-3), "half_gap"),
+    (lambda: gb.Lash(k=1.0, half_gap=math.nan), "half_gap"),
+    (lambda: gb.Clutch(capacity=-1.0), "capacity"),
+    (lambda: gb.Clutch(capacity=math.nan), "capacity"),
+    (lambda: gb.Brake(capacity=-1.0), "capacity"),
+    (lambda: gb.Torque(tau=math.nan), "tau"),
+    (lambda: gb.Torque(tau=math.inf), "tau"),
+)
+
+
+def nonsense_values(meter: Meter) -> Iterator[Check]:
+    """Values that no machine has; J = 0 is one that a train may have."""
+    for make, field in NONSENSE:
+        yield refusal(partial(_with, make), "odd", field)
+    yield refusal(lambda: gb.Parameter("tau", math.nan), "tau")
+    rig = gb.Drivetrain("node")
+    rig.chain(
+        rig.add("one", gb.Inertia(J=1.0, w0=1.0)), rig.add("left", gb.Shaft(k=1.0)), rig.add("node", gb.Inertia(J=0.0)),
+        rig.add("right", gb.Shaft(k=1.0)), rig.add("two", gb.Inertia(J=1.0)),
+    )  # fmt: skip
+    run = meter.simulate(rig, t_end=1.0)
+    yield fact("J = 0 is a node without inertia", bool(np.isfinite(run["node.phi"]).all()))
+
+
+def _with(make: Callable[[], Any]) -> gb.Model:
+    """A train with the block under the name 'odd' on the first flange that it has, built."""
+    rig = gb.Drivetrain("odd values")
+    body, odd = rig.add("body", gb.Inertia(J=1.0)), rig.add("odd", make())
+    rig.connect(body.a, getattr(odd, odd.flanges[0]))
+    return gb.build(rig)
+
+
+def self_locking_worm(meter: Meter) -> Iterator[Check]:
+    """A worm that its wheel cannot drive, turning: J2 + ratio^2 J1/eta2 = -4 < 0.
+
+    A load along the motion has no acceleration, one against it has two, load/(J2 + ratio^2 J1 eta1) and load/-4 (Painleve);
+    both are refused where they begin, in either direction.
+    """
+    for direction in (1.0, -1.0):
+        for words, load in (("no acceleration", direction), ("two accelerations", -direction)):
+            rig = line(
+                "worm",
+                ("screw", gb.Inertia(J=1e-3)), ("worm", gb.LossyGear(ratio=30.0, efficiency=(0.3, -0.2))),
+                ("wheel", gb.Inertia(J=0.5, w0=direction)), ("load", gb.Torque(tau=load)),
+            )  # fmt: skip
+            case = f"w = {direction:+g}, load {load:+g}, {words}"
+            try:
+                run = meter.simulate(rig, t_end=0.1)
+            except SimulationError as error:
+                yield fact(f"{case}: refused: {error}", error.component == "worm" and error.time == 0.0)
+            else:
+                yield fact(f"{case}: goes on with {run['wheel.alpha'][0]:.4g} rad/s2", False)

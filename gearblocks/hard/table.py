@@ -1,0 +1,70 @@
+"""The table of the hard cases, printed row by row as they end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from gearblocks.hard.suite import Case, Outcome, judge
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+SOLVERS = ("RK45", "Radau", "LSODA")
+WIDTH = 150
+"""Columns where the output is no terminal."""
+
+
+def run(cases: Iterable[Case]) -> bool:
+    """Judges the cases and prints a row for each; whether all passed. What was printed stays when it is stopped."""
+    from rich.console import Console
+
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=WIDTH)
+    done: list[Outcome] = []
+    try:
+        for case in cases:
+            done.append(judge(case))
+            console.print(_row(done[-1], first=len(done) == 1))
+    finally:
+        _total(console, done)
+    return all(outcome.passed for outcome in done)
+
+
+def _row(outcome: Outcome, *, first: bool) -> Table:
+    """One row under the heading, or without it; the columns have the same widths in all of them."""
+    from rich.table import Column, Table
+
+    names = ("case", "promise", "measured", "", "steps", "CPU s", "of it runs", *SOLVERS)
+    widths = (5, None, None, 4, 10, 7, 10, 9, 9, 9)
+    columns = [
+        Column(name, width=width, ratio=None if width else 1, justify="right" if i > 3 else "left", overflow="fold")
+        for i, (name, width) in enumerate(zip(names, widths, strict=True))
+    ]
+    table = Table(*columns, box=None, expand=True, show_header=first, padding=(0, 1, 0, 0))
+    case = outcome.case
+    figures = (f"{outcome.steps:,}", f"{outcome.seconds:.2f}", f"{outcome.solver_seconds:.3f}")
+    verdict = "[green]pass[/]" if outcome.passed else "[red]FAIL[/]"
+    texts = (case.id, f"{_plain(case.title)}: {_plain(case.promise)}", _plain(outcome.measured), verdict)
+    table.add_row(*texts, *figures, *(_attempt(case, solver) for solver in SOLVERS))
+    return table
+
+
+def _attempt(case: Case, solver: str) -> str:
+    """How a solver of scipy fared, and its seconds."""
+    tried = case.scipy.get(solver)
+    return "-" if tried is None else f"{'pass' if tried.ok else 'fail'} {tried.seconds:.3g}"
+
+
+def _plain(text: str) -> str:
+    """Text in which square brackets are brackets."""
+    from rich.markup import escape
+
+    return escape(text)
+
+
+def _total(console: Console, done: list[Outcome]) -> None:
+    passed, seconds = sum(outcome.passed for outcome in done), sum(outcome.seconds for outcome in done)
+    console.print(f"{passed} of {len(done)} passed in {seconds:.1f} s of CPU time")

@@ -1,0 +1,54 @@
+"""The cases that break ordinary scripts: each is survived, or refused by name."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from gearblocks.cli import main
+from gearblocks.hard import suite
+
+# slow: 1e7 steps (H31), 500 periods by a reference solver in Python (H42), 1e5 bodies built (S58)
+LONG = ("H31", "H42", "S58")
+
+
+@pytest.mark.parametrize(
+    "case",
+    [pytest.param(case, id=case.id, marks=[pytest.mark.long] if case.id in LONG else []) for case in suite.cases()],
+)
+def test_what_a_hard_case_asks_for_holds(case: suite.Case) -> None:
+    outcome = suite.judge(case)
+    assert outcome.passed, f"{case.id}, {case.title}: {outcome.measured}"
+
+
+def test_every_case_has_a_judge_and_every_judge_a_case() -> None:
+    assert [case.id for case in suite.cases()] == list(suite.JUDGES)
+    assert len(suite.JUDGES) == 49
+
+
+def test_the_shell_prints_a_row_per_case_and_says_how_many_passed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["hard", "h21", "H41"]) == 0
+    text = capsys.readouterr().out
+    assert re.search(r"^case +promise +measured", text, re.M)
+    assert re.search(r"^H21 .*pass .*pass 1\.5 +pass 13\.5 +fail 0\.45", text, re.M)
+    assert re.search(r"^H41 ", text, re.M) and "2 of 2 passed" in text
+
+
+def test_the_shell_refuses_a_case_that_there_is_not(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["hard", "H05"]) == 2
+    assert "there is no hard case 'H05'" in capsys.readouterr().err
+
+
+def test_a_failed_case_is_the_answer_no(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    from gearblocks.hard import judging
+
+    monkeypatch.setitem(dict_of_judges(), "H21", lambda meter: [judging.below("energy drifts by", 1.0, 1e-3)])
+    assert main(["hard", "H21"]) == 1
+    assert "FAIL" in capsys.readouterr().out
+
+
+def dict_of_judges() -> dict[str, suite.Judge]:
+    """The table of judges, as one that a test may change."""
+    assert isinstance(suite.JUDGES, dict)
+    return suite.JUDGES
