@@ -215,7 +215,9 @@ def _check_given(assembly: Assembly, given: dict[int, str], number: dict[int, in
 
 def _through_lossy_ties(assembly: Assembly, laws: list[Law], owners: dict[int, tuple[str, Exact, bool]]) -> None:
     """Shafts beside a lossy tie start as the other side does, where only that one is given."""
-    pairs = [pair for c, law in zip(assembly.train.components, laws, strict=True) for pair in _lossy_pairs(assembly, c, law)]
+    pairs = [
+        pair for c, law in zip(assembly.train.components, laws, strict=True) for pair in _lossy_pairs(assembly, c, law)
+    ]
     changed = True
     while changed:
         changed = False

@@ -67,7 +67,9 @@ class NonCircularGear(Block):
     transmission_error: Harmonic | Profile | None = effect(
         "no-load error e in rad about b, over turns of gear 1", default=None, convert=as_profile
     )
-    friction: ToothFriction | None = effect("friction in the form of papers: M (1 + mu wave), direction='square_wave'")
+    friction: ToothFriction | None = effect(
+        "friction in the form of papers: M (1 + mu wave), direction='square_wave'", default=None
+    )
 
     def problems(self) -> Iterator[str]:
         """What is no law, a phase that a rigid pair cannot follow, effects that need compliance."""
