@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.errors import CompileError
+from gearblocks.lockview import PROTOTYPES as OF_LOCKS
+from gearblocks.lockview import Locks, LocksOf, locks_at, locks_of
 from gearblocks.pattern import Pattern
 from gearblocks.program import Program
 from gearblocks.stepmatrix import PROTOTYPES, Groups, StepMatrix, matrix_at, pattern_of, sizes_of, state_jacobian, whole
@@ -152,7 +154,7 @@ def open_shared(path: str) -> ctypes.CDLL:
     """Loads a shared object and gives its functions their types. Raises CompileError where it is none of ours."""
     try:
         handle = ctypes.CDLL(path)
-        for name, (result, arguments) in (_PROTOTYPES | PROTOTYPES).items():
+        for name, (result, arguments) in (_PROTOTYPES | PROTOTYPES | OF_LOCKS).items():
             function = getattr(handle, name)
             function.restype, function.argtypes = result, arguments
     except (OSError, AttributeError) as error:
@@ -376,6 +378,24 @@ class Simulation:
         code = self._shared.gb_linear_rates(self._sim, m.kept.ctypes.data, x.ctypes.data, out.ctypes.data)
         _expect(code, "gb_linear_rates")
         return out
+
+    def modes(self) -> Array:
+        """The present modes of all switches. Only after `start`."""
+        return self._filled("gb_modes", len(self._program.switches))
+
+    def locks(self) -> LocksOf:
+        """What can stick: friction and stops."""
+        return locks_of(self._shared, self._sim)
+
+    def locks_at(
+        self, t: float, y: Array, modes: Array | None, *, inputs: Array | None = None, means: bool = False
+    ) -> Locks:
+        """What sticks at a point; arguments as for `probe`."""
+        modes, inputs = _doubles(modes), _doubles(inputs)
+        point = _Point(t, int(means), _address(modes), _address(inputs), None)
+        code, made = locks_at(self._shared, self._sim, point, self._state_vector(y))
+        _expect(code, "gb_locks_at")
+        return made
 
     def probe(
         self, t: float, y: Array, modes: Array | None, wanted: str, *, inputs: Array | None = None, means: bool = False,

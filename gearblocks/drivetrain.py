@@ -20,8 +20,8 @@ from gearblocks.sliding import start_fields, unit_along
 
 if TYPE_CHECKING:
     from gearblocks.analysis import Label, Points, Section
-    from gearblocks.equations import Equations
     from gearblocks.trajectory import Trajectory
+    from gearblocks.written import Equations
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
 

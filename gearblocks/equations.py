@@ -5,10 +5,7 @@ Angle form: J w' = sum of torques for every shaft. Relative form: the same in de
 
 from __future__ import annotations
 
-import dataclasses
-import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
@@ -20,198 +17,15 @@ from gearblocks.errors import ModelError
 from gearblocks.expression import to_sympy
 from gearblocks.graph import GROUND, Component, Train, structure_of
 from gearblocks.laws import Law, derive
-from gearblocks.printer import latex_text, plain_text
+from gearblocks.letters import latex_name
+from gearblocks.rubs import Rub
 from gearblocks.sliding import flange_names, slider_names
-from gearblocks.symbols import ContactSide, DeadZone, clock
+from gearblocks.sticks import StickOfKind
+from gearblocks.symbols import Slot, clock
+from gearblocks.written import Equations
 
-_LETTERS = {
-    "half_gap": "b", "damping_ratio": r"\zeta", "radius": "r", "driven_by": r"\omega", "phase": r"\vartheta",
-    "teeth": "z", "module": "m", "pressure_angle": r"\alpha", "helix_angle": r"\beta", "r_base": "r", "tau": r"\tau",
-    "coeffs": "c", "ripple": r"\epsilon", "contact_ratio": r"\epsilon_\alpha", "ratio": "i", "cos": "a", "sin": "b",
-    "k_t": "k", "torque": "T", "torque_variation": r"\varepsilon", "speed": r"\omega",
-}  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Equations:
-    """Equations of motion of a train: mass_matrix * v' = forcing, q' = v, and rates of the states of blocks.
-
-    q, v: angles [rad] and speeds [rad/s], one per shaft that turns by itself (a shaft without inertia has a row of zeros in
-    the mass matrix: its torques are in balance); states: states of blocks with their rates; held: states that take a
-    value at an event (a contact starts, say) and keep it; definitions: symbols that stand for longer expressions (a mesh
-    force N); parameters: all other symbols with their paths. forcing names the defined symbols; `expanded` has them put in.
-    """
-
-    name: str
-    q: tuple[Any, ...]
-    v: tuple[Any, ...]
-    mass_matrix: Any
-    forcing: Any
-    states: Mapping[Any, Any]
-    definitions: Mapping[Any, Any]
-    parameters: Mapping[Any, str]
-    coordinates: Mapping[Any, Any]
-    symbol_names: Mapping[Any, str]
-    held: Mapping[Any, Any] = dataclasses.field(default_factory=dict)
-
-    @property
-    def expanded(self) -> Any:
-        """The forcing without defined symbols."""
-        return self.forcing.applyfunc(self._insert)
-
-    def _insert(self, expr: Any) -> Any:
-        definitions = dict(self.definitions)
-        while expr.free_symbols & set(definitions):
-            expr = expr.xreplace(definitions)
-        return expr
-
-    def jacobian(self) -> Any:
-        """d forcing / d (q, v), dead zones differentiated side by side."""
-        return self.expanded.jacobian([*self.q, *self.v])
-
-    def angle_form(self) -> list[Any]:
-        """One equation per shaft: inertia times acceleration = torques."""
-        accelerations = [sp.Symbol(f"{v.name}'", real=True) for v in self.v]
-        left = self.mass_matrix * sp.Matrix(accelerations)
-        return [sp.Eq(a, b, evaluate=False) for a, b in zip(left, self.forcing, strict=True)]
-
-    def relative_form(self) -> list[Any]:
-        """One equation per relative coordinate: x'' = ..., in relative coordinates alone.
-
-        The coordinates are those named with Drivetrain.coordinate, else the deflections. Empty where there are none, where
-        one of them moves with time by itself (an error driven by time), and where a law reads an absolute angle.
-        """
-        if not self.coordinates:
-            return []
-        replace = self._to_relative()
-        inverse = self.mass_matrix.inv() if self.mass_matrix.is_diagonal() else None
-        if inverse is None:
-            return []
-        acceleration = list(inverse * self.forcing)
-        result = []
-        for x, expr in self.coordinates.items():
-            total = sum((sp.diff(expr, q) * a for q, a in zip(self.q, acceleration, strict=True)), sp.Integer(0))
-            total = sp.expand(sp.sympify(total).xreplace(replace))
-            terms = [*(s for x in self.coordinates for s in (x, _dot(x))), *self.definitions]
-            result.append(sp.Eq(_dot(_dot(x)), sp.collect(total, terms), evaluate=False))
-        absolute = {*self.q, *self.v}
-        closed = not any(e.rhs.free_symbols & absolute for e in [*result, *self.relative_definitions()])
-        return result if closed else []
-
-    def relative_definitions(self) -> list[Any]:
-        """Definitions of the named symbols in relative coordinates."""
-        replace = self._to_relative() if self.coordinates else {}
-        return [sp.Eq(s, _collapse(e.xreplace(replace)), evaluate=False) for s, e in self.definitions.items()]
-
-    def _to_relative(self) -> dict[Any, Any]:
-        """Angles and speeds in relative coordinates, up to what nothing depends on."""
-        angles: dict[Any, Any] = {}
-        for x, expr in self.coordinates.items():
-            left = sp.expand(sp.sympify(expr).xreplace(angles))
-            pivot = next(q for q in reversed(self.q) if left.has(q) and q not in angles)
-            slope = sp.diff(left, pivot)
-            solved = sp.expand((x - (left - slope * pivot)) / slope)
-            angles = {**{k: sp.expand(e.xreplace({pivot: solved})) for k, e in angles.items()}, pivot: solved}
-        speed = dict(zip(self.q, self.v, strict=True)) | {x: _dot(x) for x in self.coordinates}
-        return {**angles, **{speed[q]: e.xreplace(speed) for q, e in angles.items()}}
-
-    def notes(self) -> list[Any]:
-        """The piecewise functions that occur, spelled out."""
-        exprs = [*self.forcing, *self.definitions.values()]
-        x, b = sp.symbols("x b", real=True)
-        found = []
-        if any(e.has(DeadZone) for e in exprs):
-            found.append(sp.Eq(DeadZone(x, b, 0), DeadZone(x, b, 0).spelled_out(), evaluate=False))
-        if any(isinstance(f, DeadZone) and f.args[2] == -1 for e in exprs for f in e.atoms(DeadZone)):
-            found.append(sp.Eq(DeadZone(x, b, -1), DeadZone(x, b, -1).spelled_out(), evaluate=False))
-        if any(e.has(ContactSide) for e in exprs):
-            found.append(sp.Eq(ContactSide(x, b), sp.Piecewise((1, x > b), (-1, x < -b), (0, True)), evaluate=False))
-        return found
-
-    def sections(self) -> list[tuple[str, list[Any]]]:
-        """(heading, equations) in the order for reading."""
-        rates = [sp.Eq(sp.Symbol(f"{s.name}'", real=True), e, evaluate=False) for s, e in self.states.items()]
-        relative = self.relative_form()
-        meaning = [sp.Eq(x, e, evaluate=False) for x, e in self.coordinates.items()] if relative else []
-        parts = [
-            ("Angle form", self.angle_form()),
-            ("States of blocks", rates),
-            ("taken at an event and held", [sp.Eq(s, e, evaluate=False) for s, e in self.held.items()]),
-            ("where", [sp.Eq(s, e, evaluate=False) for s, e in self.definitions.items()]),
-            ("Relative coordinates", meaning),
-            ("Relative form", relative),
-            ("where, in relative coordinates", self.relative_definitions() if relative else []),
-            ("Functions", self.notes()),
-        ]
-        return [(heading, equations) for heading, equations in parts if equations]
-
-    def latex(self) -> str:
-        """All sections as LaTeX display equations."""
-        blocks = []
-        for heading, equations in self.sections():
-            lines = " \\\\\n".join(
-                f"{self.latex_of(e.lhs)} &= {self.latex_of(e.rhs)}" for e in equations
-            )  # fmt: skip
-            blocks.append(f"% {heading}\n\\begin{{align*}}\n{lines}\n\\end{{align*}}")
-        return "\n\n".join(blocks)
-
-    def latex_of(self, expr: Any) -> str:
-        """LaTeX of one expression with the names of this train."""
-        return latex_text(expr, self._names(expr))
-
-    def _names(self, expr: Any) -> dict[Any, str]:
-        names = dict(self.symbol_names)
-        for x in sp.sympify(expr).free_symbols - set(names):
-            names[x] = _latex_name(x.name)
-        return names
-
-    def _repr_latex_(self) -> str:
-        lines = [rf"{self.latex_of(e.lhs)} &= {self.latex_of(e.rhs)}" for _, part in self.sections() for e in part]
-        return "$$\\begin{aligned}" + r" \\ ".join(lines) + "\\end{aligned}$$"
-
-    def __str__(self) -> str:
-        blocks = [f"Equations of motion of '{self.name}'"]
-        for heading, equations in self.sections():
-            blocks.append("\n".join([heading, *("    " + plain_text(e) for e in equations)]))
-        return "\n\n".join(blocks)
-
-
-def _dot(symbol: Any) -> Any:
-    return sp.Symbol(symbol.name + "'", real=True)
-
-
-def _collapse(expr: Any) -> Any:
-    """Expands inside products where that lets angles cancel."""
-    return expr.replace(lambda e: e.is_Add, sp.expand)
-
-
-def _latex_name(name: str) -> str:
-    """phi_disc' as a dotted letter with an index."""
-    base = name.rstrip("'")
-    dots = len(name) - len(base)
-    match = re.fullmatch(r"([A-Za-z]|phi)(?:_(.+)|(\d+))?", base)
-    letter, index = (match[1], match[2] or match[3] or "") if match else (_word(base), "")
-    for field in sorted(_LETTERS, key=len, reverse=True):
-        match = re.fullmatch(rf"{field}(\d*)(?:_(.*))?", base)
-        if match:
-            letter, index = _LETTERS[field], " ".join(x for x in match.groups() if x)
-            break
-    if base.startswith("k_t_"):
-        return rf"k_{{{_word(index)}}}\!\left(t\right)"
-    letter = {"phi": r"\varphi", "w": r"\varphi"}.get(letter, letter)
-    dots += 1 if base.startswith("w_") else 0
-    if dots:
-        letter = {1: rf"\dot{{{letter}}}", 2: rf"\ddot{{{letter}}}", 3: rf"\dddot{{{letter}}}"}[dots]
-    return f"{letter}_{{{index if index.isdigit() else _word(index)}}}" if index else letter
-
-
-def _word(text: str) -> str:
-    """A word upright, its underscores as such."""
-    escaped = text.replace("_", r"\_")
-    return rf"\mathrm{{{escaped}}}"
-
-
-# -- writing ----------------------------------------------------------------------------------------------------------
+_OF_RUBS = {"friction": "T", "slip": "w_rel", "direction": "direction", "stuck": "stuck", "held": "held"}
+"""Names of the symbols of friction and stops, by role."""
 
 
 def write_equations(train: Train) -> Equations:
@@ -243,6 +57,7 @@ class _Writer:
         self.definitions: dict[Any, Any] = {}
         self.parameters: dict[Any, str] = {}
         self.shows: dict[str, Any] = {}
+        self.rubs: list[Rub] = []
         self.deflections: dict[Any, Any] = {}
         self.inputs: set[Any] = set()
         self.number = 0
@@ -270,7 +85,11 @@ class _Writer:
         for number, drive in enumerate(law.drives):
             self.drives[self.number, number] = frozen_drive(drive, lambda e: sp.sympify(e).xreplace(replace))
         self.number += 1
+        self.rubs += [self._rub(c, stick, law, replace) for stick in law.sticks.values()]
+        counts = {name for stick in law.sticks.values() for name in (stick.impulse, stick.impacts)}
         for state, rate in law.rates.items():
+            if state in counts:  # what an impact leaves moves nothing
+                continue
             symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
             self.states[symbol] = rate.xreplace(replace)
         for state, value, _when in law.holds:
@@ -300,9 +119,9 @@ class _Writer:
             if role in ("own", "exact"):
                 self.parameters[symbol] = f"{c.path}.{of}"
             return symbol
-        if role in ("direction", "stuck", "held"):
-            stem = "dir" if role == "direction" else role
-            return self._claim(f"{stem}_{_flat(c.path)}{_flat('_' + of) if of else ''}", (role, c.path, of))
+        if role in _OF_RUBS:
+            letter = ("F" if c.slides else "T") if role == "friction" else _OF_RUBS[role]
+            return self._claim(f"{letter}_{_flat(c.path)}{'_' if of else ''}{_flat(of)}", (role, c.path, of))
         if role in ("shared", "input"):
             symbol = self._claim(text, (role, of.name))
             self.parameters[symbol] = of.name
@@ -310,6 +129,27 @@ class _Writer:
                 self.inputs.add(symbol)
             return symbol
         return None
+
+    def _rub(self, c: Component, stick: StickOfKind, law: Law, replace: Mapping[Any, Any]) -> Rub:
+        """One stick or stop of a component."""
+
+        def symbol(role: str) -> Any:
+            return self._symbol(c, Slot(role, stick.name), "", {})
+
+        slip, direction = symbol("slip"), law.pool.symbol("direction", stick.name, "")
+        own = {stick.slip: slip, sp.expand(-stick.slip): -slip}
+
+        def of(expr: Any, mode: int) -> Any:
+            return (
+                None if expr is None else expr.xreplace(own).xreplace({direction: sp.Integer(mode)}).xreplace(replace)
+            )
+
+        return Rub(
+            f"{c.path}.{stick.name}".rstrip("."), symbol("friction"), slip, stick.slip.xreplace(replace), of(stick.lower, 0),
+            of(stick.upper, 0), of(stick.forward, 1), of(stick.backward, -1), of(stick.engaged, 0),
+            None if stick.gap is None else stick.gap.xreplace(replace), of(stick.restitution, 0),
+            (symbol("direction"), symbol("stuck"), symbol("held")),
+        )  # fmt: skip
 
     def _claim(self, text: str, meaning: Any) -> Any:
         """The symbol of one thing: its short name, with the path inside the block or a dash where that is taken."""
@@ -354,10 +194,11 @@ class _Writer:
         definitions = {s: self._sensed(carried.put(e).xreplace(mobility)) for s, e in self.definitions.items()}
         self.states = {s: self._sensed(carried.put(e)) for s, e in self.states.items()} | carried.paced
         self.shows = {path: carried.put(e) for path, e in self.shows.items()}
+        self.rubs = [r.mapped(lambda e: self._sensed(carried.put(e).xreplace(mobility))) for r in self.rubs]
         self.deflections = {x: carried.put(e) for x, e in self.deflections.items()}
         self.q, self.v = self.q[: carried.n], self.v[: carried.n]
         used: set[Any] = set()
-        for e in [*torque, *self.states.values()]:
+        for e in [*torque, *self.states.values(), *(e for r in self.rubs for e in r.expressions())]:
             used |= e.free_symbols
         kept: dict[Any, Any] = {}
         while new := [s for s in definitions if s in used and s not in kept]:
@@ -367,10 +208,11 @@ class _Writer:
         ordered = {s: kept[s] for s in definitions if s in kept}
         parameters = {s: p for s, p in self.parameters.items() if s in used or s in mass.free_symbols}
         everything = [*self.q, *self.v, *self.states, *ordered, *parameters]
+        everything += [x for r in self.rubs for x in (r.torque, r.slip, *r.shown)]
         return Equations(
             self.assembly.train.name, tuple(self.q), tuple(self.v), mass, sp.Matrix(torque), self.states,
-            ordered, parameters, self._coordinates(), {s: _latex_name(s.name) for s in everything},
-            {s: self._sensed(e) for s, e in self.held.items()},
+            ordered, parameters, self._coordinates(), {s: latex_name(s.name) for s in everything},
+            {s: self._sensed(e) for s, e in self.held.items()}, tuple(self.rubs),
         )  # fmt: skip
 
     def _sensed(self, expr: Any) -> Any:

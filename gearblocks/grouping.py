@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.coordinates import Combination
+from gearblocks.drives import Drive
 from gearblocks.errors import ModelError
 from gearblocks.expression import Expr, evaluate
 from gearblocks.floating import Known, Shafts, floating
@@ -141,9 +142,7 @@ def _renumbered(f: Follower, number: dict[int, int]) -> Follower:
     assert f.drive is not None
     d = f.drive
     factors = {name: (number[g], c) for name, (g, c) in d.factors.items()}
-    return Follower(
-        number[f.group], None, Driven(d.component, d.number, d.path, number[d.group], d.scale, factors, d.by_speed)
-    )
+    return Follower(number[f.group], None, replace(d, group=number[d.group], factors=factors))
 
 
 def _rows(assembly: Assembly) -> Iterable[GroupRow]:
@@ -185,7 +184,20 @@ def _drives(assembly: Assembly, laws: list[Law]) -> Iterable[Driven]:
                 source, its = groups.find(nodes[flange])
                 if source not in groups.grounded:
                     factors[flange] = source, its * scale
-            yield Driven(index, number, c.path, root, scale, factors, drive.angle is None)
+            own = _own_share(drive, root, factors)
+            scale = over(scale, 1 - own)
+            factors = {f: (g, over(x, 1 - own)) for f, (g, x) in factors.items() if g != root or not own}
+            yield Driven(index, number, c.path, root, scale, factors, drive.angle is None, own != 0)
+
+
+def _own_share(drive: Drive, root: int, factors: Mapping[str, tuple[int, Exact]]) -> Exact:
+    """What a drive carries back to the group that it drives, through other flanges tied to it: 0 where that is nothing,
+    all of it, or no number."""
+    tied = [f for f, (group, _) in factors.items() if group == root]
+    if not all(drive.gains[f].is_number for f in tied):
+        return 0
+    own = sum(exact_value(drive.gains[f], {}) * factors[f][1] for f in tied)
+    return 0 if own == 1 else own
 
 
 # -- start values -----------------------------------------------------------------------------------------------------

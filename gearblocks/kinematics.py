@@ -33,6 +33,7 @@ class Driven:
     """Drive `number` of a component: the group that it drives, by which flange, and the groups that it reads.
 
     factors: by flange that is read: (group, what the gain of the law is multiplied with). scale: 1 / gain of the flange.
+    rides: another of its flanges is tied to the group that it drives, which scale and factors allow for.
     """
 
     component: int
@@ -42,6 +43,7 @@ class Driven:
     scale: Exact
     factors: Mapping[str, tuple[int, Exact]]
     by_speed: bool
+    rides: bool = False
 
 
 @dataclass(frozen=True, slots=True)

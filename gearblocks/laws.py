@@ -184,8 +184,9 @@ def _torques(law: Law, flanges: Mapping[str, Any], found: _Contributions, readin
         if act.flange.phi.is_Symbol:
             add(_flange_name(flanges, act.flange), sp.sympify(act.tau))
     for stick in law.sticks.values():
+        whole = law.pool.symbol("friction", stick.name, f"T_{stick.name}".rstrip("_"))
         for name, c in stick.push.items():
-            add(name, c * sliding_force(law.pool, stick))
+            add(name, c * (whole if reading else sliding_force(law.pool, stick)))
     return total
 
 

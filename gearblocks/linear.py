@@ -31,6 +31,7 @@ from gearblocks.errors import ParameterError, SimulationError, UnknownNameError,
 from gearblocks.library import Model
 from gearblocks.probing import Point, derivative, opened, restarted, state_matrix, steps_of
 from gearblocks.program import Program
+from gearblocks.reduction import reduction
 from gearblocks.sparsemaps import Indices
 from gearblocks.statics import equilibrium
 from gearblocks.trajectory import Trajectory
@@ -85,6 +86,9 @@ def _named(t: float) -> Iterator[None]:
 @dataclass(frozen=True, eq=False)
 class Linearization:
     """dx/dt = A x + B u, y = C x + D u for small deviations from a point, contacts keeping their side.
+
+    What is stuck or closed is a tie: states that follow from others are left out. What slides acts by the slope of its
+    force over the slip. `modes` has for friction 0 stuck, 1 and -1 sliding, 2 free; for a stop 1 closed, 0 open.
 
     A, B, C, D: arrays (A and C sparse beyond 1000 states); states, inputs, outputs: their names; modes: the side or
     branch of every switch by the name of its component; point: the state that they hold at, by name; t [s].
@@ -154,8 +158,14 @@ def linearize(
         C = _output_matrix(point, columns, pick, A)
         names = [x.name for x in program.inputs] if inputs is None else list(inputs)
         B, D = _inputs(point, names, columns, pick)
+        small = reduction(point, len(columns))
+        if small is not None:
+            small = small.without_still(point, A, B)
+            A, B, C, columns = small.matrix(A), B[small.kept], C @ small.R, columns[small.kept]
         states = tuple(_state_names(program, columns))
         switches = {s.component: float(m) for s, m in zip(program.switches, point.modes, strict=True)}
+        for lock in point.sim.locks().places:
+            switches[program.switches[lock.slip].component] = lock.shown(point.modes)
         full = len(columns) <= DENSE
         return Linearization(
             A.toarray() if full else A, B, C.toarray() if full else C, D, states, tuple(names),
@@ -170,11 +180,14 @@ def _is_input(program: Program, name: str) -> bool:
 
 def _words(point: Point, states: Sequence[str]) -> str:
     """What was linearised, in a sentence, with the side of every contact."""
+    locks = point.sim.locks().places
+    of_locks = {i for x in locks for i in (x.slip, x.hold, x.free)}
     contacts = [
         f"{s.component}: {_SIDES[float(m)]}"
-        for s, m in zip(point.program.switches, point.modes, strict=True)
-        if not s.name and float(m) in _SIDES
+        for i, (s, m) in enumerate(zip(point.program.switches, point.modes, strict=True))
+        if not s.name and float(m) in _SIDES and i not in of_locks
     ]
+    contacts += [f"{point.program.switches[x.slip].component}: {x.words(point.modes)}" for x in locks]
     means = ", excitations at their means" if point.means else ""
     sides = f"; {', '.join(contacts)}" if contacts else ""
     return f"{point.program.name}: {len(states)} states at t = {point.t:g} s{means}{sides}"

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from gearblocks.core import Array, Options, Simulation
 from gearblocks.errors import SimulationError
+from gearblocks.holding import Rows, reduced
+from gearblocks.lockview import Locks
 from gearblocks.program import Program
 from gearblocks.sparsemaps import Indices, disjoint
 
@@ -64,6 +66,19 @@ class Point:
         """The modes that the state asks for."""
         return self._look("modes", y)
 
+    def locks(self) -> Locks:
+        """What sticks here: rows, limits, forces."""
+        return self.sim.locks_at(self.t, self.y, self.modes, inputs=self.u, means=self.means)
+
+    def holding(self) -> tuple[int, ...]:
+        """Numbers of the locks that are stuck, and of the stops that are closed."""
+        return tuple(i for i, x in enumerate(self.sim.locks().places) if self.modes[x.hold] > 0.5)
+
+    def held_rows(self) -> Rows | None:
+        """Conditions on the speeds: what holds does not slip. None where nothing holds."""
+        holding = list(self.holding())
+        return reduced(self.locks().rows[holding]) if holding else None
+
     def settled(self) -> Point:
         """The same with modes that fit state and time."""
         modes = self.modes
@@ -93,7 +108,7 @@ def opened(sim: Simulation, program: Program, t: float, y0: Array | None = None)
     code = sim.start(_HOLD, t, y0)
     if code < 0:
         raise RuntimeError(f"gb_start answered {code.name}")
-    point = Point(sim, program, t, sim.state(), np.zeros(len(program.switches))).settled()
+    point = Point(sim, program, t, sim.state(), sim.modes()).settled()
     bad = np.flatnonzero(~np.isfinite(point.rates()[: program.n]))
     if len(bad):
         raise SimulationError(
@@ -188,12 +203,25 @@ def _halved(
 
 def state_matrix(point: Point) -> csc_array:
     """d(dy/dt)/dy of the first n states in frozen modes, shape (n, n), sparse: from the derivatives of the laws where they
-    exist, else from differences."""
-    if point.sim.has_jacobian:
+    exist, else from differences. What sticks holds: slips do not change."""
+    held = point.held_rows()
+    if point.sim.has_jacobian and (held is None or point.sim.locks().steady):
         with suppress(ArithmeticError):
             A: csc_array = point.sim.jacobian(point.t, point.y, point.modes, inputs=point.u, means=point.means)
-            return A
+            return A if held is None else _held_back(point, A, held)
     return differenced_state_matrix(point)
+
+
+def _held_back(point: Point, A: csc_array, held: Rows) -> csc_array:
+    """The matrix with the answers of what sticks, whose forces the laws do not know."""
+    from scipy.sparse import csc_array, vstack
+
+    n = A.shape[0]
+    first = n - held.W.shape[1]
+    M = point.sim.inertia(point.t, point.y)
+    unknowns = np.arange(first, n) - point.sim.linear_sizes()[0]
+    rates = held.projected(csc_array(M[unknowns][:, unknowns]), A[first:])
+    return csc_array(vstack([A[:first], rates]))
 
 
 def differenced_state_matrix(point: Point) -> csc_array:

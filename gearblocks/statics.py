@@ -22,9 +22,11 @@ from numpy.typing import NDArray
 
 from gearblocks.core import Array, Simulation
 from gearblocks.errors import ParameterError, SimulationError
+from gearblocks.holding import Rows, null_space, reduced
 from gearblocks.probing import Point, dependents, derivative, opened, restarted, state_matrix, steps_of
 from gearblocks.program import Program
 from gearblocks.sparsemaps import Indices, disjoint
+from gearblocks.standing import by_slips, judged
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -37,15 +39,20 @@ _NEAR, _STUCK = 1e-13, 1e-11  # of the largest torque: what rounding leaves, and
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """How coordinates and angles follow from speeds: q' = B v, angles' = E v; N: free rotations, B N = 0, E N = 1."""
+    """How coordinates and angles follow from speeds: q' = B v, angles' = E v; N: free rotations, B N = 0, E N = 1.
+
+    held: what sticks, conditions on the speeds (None: nothing does); free rotations are those that it allows.
+    """
 
     coordinates: Indices
     angles: Indices
     states: Indices
     speeds: Indices
     B: csc_array
+    E: csc_array
     N: csc_array
     M: csc_array
+    held: Rows | None = None
 
     @property
     def hidden(self) -> bool:
@@ -88,7 +95,10 @@ def motion(point: Point) -> Motion:
         N = splu(S).solve(right)
     else:  # more coordinates than speeds: shafts without inertia
         N = np.linalg.lstsq(S.toarray(), right, rcond=None)[0]
-    return Motion(q, angles, z, v, B, csc_array(N), M)
+    held = point.held_rows()
+    if held is not None and N.shape[1]:
+        N = N @ null_space(held.W @ N, np.max(np.abs(held.W) @ np.abs(N), axis=1, initial=0.0))
+    return Motion(q, angles, z, v, B, csc_array(S[len(q) :]), csc_array(N), M, held)
 
 
 def _knows_derivatives(point: Point) -> bool:
@@ -156,12 +166,68 @@ def static_state(sim: Simulation, program: Program, t: float, *, means: bool, y0
 
 
 def equilibrium(point: Point) -> Point:
-    """The equilibrium of the train held at a point, in the modes that fit it. Errors as `static_state`."""
+    """The equilibrium of the train held at a point, in the modes that fit it. Errors as `static_state`.
+
+    What does not slip at the start is stuck, and carries what balance asks for; what holds one way only (a stop, a
+    freewheel) opens where it would have to pull. SimulationError where the limit of one is less than it must carry.
+    """
+    point = by_slips(point)
+    for _ in range(4 * len(point.sim.locks().places) + 1):
+        found = _balanced(point)
+        changed = judged(found)
+        if changed is None:
+            return found
+        point = changed
+    raise SimulationError(
+        point.t, "", "there is no static equilibrium: stops open and close without end",
+        "give start values in place of initial='static'",
+    )  # fmt: skip
+
+
+def _balanced(point: Point) -> Point:
+    """The equilibrium while locks and stops stay what they are."""
     whole = motion(point)
     if len(whole.coordinates) + len(whole.states) == 0 or len(whole.speeds) + len(whole.states) == 0:
-        return point.at(y=restarted(point))
+        return point if point.sim.locks().places else point.at(y=restarted(point))
     _check_speeds(point, whole)
-    return _Search(point, whole).run()
+    found = _Search(point, whole).run()
+    return found if whole.held is None else found.at(y=_turned_along(whole, whole.held, point.y, found.y))
+
+
+def _turned_along(whole: Motion, held: Rows, before: Array, y: Array) -> Array:
+    """Angles after coordinates have changed, so that what is stuck to the housing stays where it was."""
+    from scipy.sparse import csc_array, vstack
+
+    S = csc_array(vstack([whole.B, whole.E]))
+    if len(whole.angles) == 0 or whole.hidden:
+        return y
+    turned = np.concatenate([y[whole.coordinates] - before[whole.coordinates], np.zeros(len(whole.angles))])
+    rows = _solve(csc_array(S.T), held.W.T).T  # what slips by coordinates and angles
+    n_q, moved = len(whole.coordinates), y.copy()
+    moved[whole.angles] -= np.linalg.lstsq(rows[:, n_q:], rows @ turned, rcond=1e-9)[0]
+    return moved
+
+
+def _solve(S: csc_array, right: Array) -> Array:
+    """S^-1 times a matrix; S as few columns as it has."""
+    from scipy.sparse.linalg import splu
+
+    return np.asarray(splu(S).solve(np.ascontiguousarray(right)))
+
+
+def fixed_combinations(whole: Motion, held: Rows, angles: int) -> Array:
+    """Combinations of the coordinates, and of the first so many of the angles, that what holds keeps constant, as rows."""
+    from scipy.sparse import csc_array, vstack
+
+    S, n = csc_array(vstack([whole.B, whole.E]).T), len(whole.coordinates) + angles
+    if S.shape[0] == S.shape[1]:
+        combined = _solve(S, held.W.T)
+        rest, combined = combined[n:], combined[:n]
+    else:  # shafts without inertia: more coordinates than speeds
+        dense = S[:, :n].toarray()
+        combined = np.linalg.lstsq(dense, held.W.T, rcond=None)[0]
+        rest = held.W.T - dense @ combined
+    return np.asarray((combined @ null_space(rest, np.full(len(rest), np.abs(held.W).max()))).T)
 
 
 def _check_speeds(point: Point, whole: Motion) -> None:
@@ -181,9 +247,15 @@ def _check_speeds(point: Point, whole: Motion) -> None:
 
 
 class _Search:
-    """Newton's method with modes that follow."""
+    """Newton's method with modes that follow.
+
+    D: changes of the coordinates that what holds allows; L: the balances of torque that it leaves (both 1 where nothing
+    holds).
+    """
 
     def __init__(self, point: Point, whole: Motion) -> None:
+        from scipy.sparse import csc_array, eye_array
+
         self.point, self.whole = point, whole
         self.unknown = np.concatenate([whole.coordinates, whole.states])
         still = (
@@ -191,6 +263,11 @@ class _Search:
         )  # balance of shafts without inertia: q' = 0
         self.rows = np.concatenate([whole.speeds, whole.states, still])
         self.n_v, self.n_q, self.n_z = len(whole.speeds), len(whole.coordinates), len(whole.states)
+        self.D, self.L = csc_array(eye_array(self.n_q)), csc_array(eye_array(self.n_v))
+        if whole.held is not None:
+            self.D = reduced(fixed_combinations(whole, whole.held, 0)).basis()
+            self.L = csc_array(whole.held.basis().T)
+        self.n_t = self.L.shape[0]
         self.weak = _WEAK
         self.patterns: dict[bytes, list[Indices]] = {}
         self.springs = self._stiffness()
@@ -200,7 +277,7 @@ class _Search:
         last, carried = np.inf, np.zeros(0)
         for _ in range(_ROUNDS):
             matrix = self._matrix()
-            idle = np.asarray(abs(matrix[self.n_v :]).sum(axis=1)).ravel() == 0
+            idle = np.asarray(abs(matrix[self.n_t :]).sum(axis=1)).ravel() == 0
             rest, error = self._residual(matrix, idle)
             step, carried = self._step(matrix, idle, rest)
             y = self.point.y.copy()
@@ -226,9 +303,14 @@ class _Search:
         for side in (None, 1.0, -1.0):
             modes = start.modes if side is None else np.where(of_state, side, start.modes)
             self.point = start.at(modes=modes)
-            found.append(np.asarray(abs(self._matrix()[: self.n_v, : self.n_q]).max(axis=0).todense()).ravel())
+            torques = self.whole.M @ self._derivatives()[: self.n_v]
+            found.append(np.asarray(abs(torques[:, : self.n_q]).max(axis=0).todense()).ravel())
         y = start.y.copy()
-        y[self.whole.coordinates[found[0] > 0]] = 0.0
+        if self.D.shape[0] == self.D.shape[1]:
+            y[self.whole.coordinates[found[0] > 0]] = 0.0
+        elif (loaded := found[0] > 0).any():
+            back = -y[self.whole.coordinates] * loaded
+            y[self.whole.coordinates] += self.D @ np.linalg.lstsq(self.D.toarray()[loaded], back[loaded], rcond=None)[0]
         self.point = start.at(y=y).settled()
         springs = np.nan_to_num(np.max(found, axis=0), posinf=0.0) if self.n_q else np.zeros(0)
         return np.asarray(np.where(springs > 0, springs, springs.max(initial=0.0) or 1.0))
@@ -245,9 +327,9 @@ class _Search:
             weights = (whole.N.T @ whole.M @ whole.N).toarray()
             rest -= whole.M @ (whole.N @ np.linalg.solve(weights, whole.N.T @ torque))
         parts = abs(matrix) @ np.abs(self.point.y[self.unknown])
-        largest = max(float(np.abs(torque).max(initial=0.0)), float(parts[: self.n_v].max(initial=0.0)))
-        sizes = np.concatenate([np.full(self.n_v, largest), parts[self.n_v :]])
-        left = np.concatenate([rest, np.where(idle, 0.0, rates[self.rows[self.n_v :]])])
+        largest = max(float(np.abs(torque).max(initial=0.0)), float(parts[: self.n_t].max(initial=0.0)))
+        sizes = np.concatenate([np.full(self.n_t, largest), parts[self.n_t :]])
+        left = np.concatenate([self.L @ rest, np.where(idle, 0.0, rates[self.rows[self.n_v :]])])
         relative = np.divide(np.abs(left), sizes, out=np.where(left == 0, 0.0, np.inf), where=sizes > 0)
         return left, float(relative.max(initial=0.0))
 
@@ -262,7 +344,7 @@ class _Search:
         from scipy.sparse import csc_array, vstack
 
         A = self._derivatives()
-        return csc_array(vstack([self.whole.M @ A[: self.n_v], A[self.n_v :]]))
+        return csc_array(vstack([self.L @ (self.whole.M @ A[: self.n_v]), A[self.n_v :]]))
 
     def _derivatives(self) -> csc_array:
         """Of the rates of speeds and states by the unknowns."""
@@ -280,17 +362,18 @@ class _Search:
 
     def _step(self, matrix: csc_array, idle: NDArray[np.bool_], rest: Array) -> tuple[Array, Array]:
         """Change of the unknowns, and the torque that the weak springs carry."""
-        from scipy.sparse import csc_array, diags_array, hstack, vstack
+        from scipy.sparse import block_diag, csc_array, diags_array, eye_array, hstack, vstack
         from scipy.sparse.linalg import splu
 
         whole = self.whole
         springs = self.weak * self.springs
-        weak = hstack([whole.B.T @ diags_array(-springs), csc_array((self.n_v, self.n_z))])
+        weak = hstack([self.L @ (whole.B.T @ diags_array(-springs)), csc_array((self.n_t, self.n_z))])
         still = hstack([csc_array((self.n_z, self.n_q)), diags_array(-idle[: self.n_z].astype(float))])
         rest_rows = len(self.rows) - self.n_v - self.n_z
         added = csc_array(vstack([weak, still, csc_array((rest_rows, self.n_q + self.n_z))]))
-        border = vstack([-(whole.M @ whole.N), csc_array((self.n_z + rest_rows, whole.N.shape[1]))])
-        full = csc_array(hstack([matrix + added, border]))
+        border = vstack([-(self.L @ (whole.M @ whole.N)), csc_array((self.n_z + rest_rows, whole.N.shape[1]))])
+        along = csc_array(block_diag([self.D, eye_array(self.n_z)]))
+        full = csc_array(hstack([(matrix + added) @ along, border]))
         scale = np.asarray(abs(full).max(axis=1).todense()).ravel()
         scale[scale == 0] = 1.0
         scaled = csc_array(diags_array(1 / scale) @ full)
@@ -301,7 +384,8 @@ class _Search:
                 found = splu(scaled).solve(-rest / scale)
         except RuntimeError as error:  # exactly singular: states of blocks that nothing ties down
             raise self._failure(np.zeros(0)) from error
-        return found[: self.n_q + self.n_z], springs * found[: self.n_q]
+        step = along @ found[: along.shape[1]]
+        return step, springs * step[: self.n_q]
 
     def _failure(self, carried: Array) -> SimulationError:
         """What nothing carries."""

@@ -24,8 +24,9 @@ class Slot:
     """What a symbol stands for.
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
-    w, alpha, tau, state, coordinate, mode, direction, stuck, held (of a Stick: by its name); in generated functions
-    column, force, gain (of a flange on its group), growth (rate of the torque on a flange), local (C text). of:
+    w, alpha, tau, state, coordinate, mode, direction, stuck, held, friction (of a Stick: by its name; the last one is its
+    whole force in equations for reading); in generated functions column, force, gain (of a flange on its group), growth
+    (rate of the torque on a flange), local (C text). of:
     flange, state, switch number, path, or the leaf itself.
     """
 

@@ -15,6 +15,7 @@ from gearblocks.library import Model
 from gearblocks.linear import DENSE, Complex, Place, held
 from gearblocks.probing import Point, state_matrix, steps_of
 from gearblocks.program import Program
+from gearblocks.reduction import reduction
 from gearblocks.statics import Motion, motion
 
 if TYPE_CHECKING:
@@ -120,7 +121,9 @@ def modes_at(point: Point, count: int | None = None) -> Modes:
     whole = motion(point)
     A = state_matrix(point)
     turning = _free_rotations(point, whole, A)
-    values, vectors = _eigen(A, count, 2 * turning.shape[1])
+    small = reduction(point, A.shape[0])
+    values, vectors = _eigen(A if small is None else small.matrix(A), count, 2 * turning.shape[1])
+    vectors = vectors if small is None else small.R @ vectors
     values, vectors, bound = _without_free(values, vectors, turning.shape[1], _angle_is_state(point, whole))
     swinging = values.imag > _REAL * np.abs(values)
     decaying = ~swinging & (values.imag >= 0) & (np.abs(values) > _REAL * np.abs(values).max(initial=0.0))

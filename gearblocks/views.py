@@ -90,7 +90,7 @@ def function_view(function: Function) -> FunctionView:
     return FunctionView(function.name, signature, function, [prefix + call for call in function.calls])
 
 
-def sparse(name: str, rows: Sequence[Mapping[int, Exact]]) -> Sparse:
+def sparse(name: str, rows: Sequence[Mapping[int, Exact]] | Sequence[Mapping[int, float]]) -> Sparse:
     """Rows of exact numbers, sorted by column."""
     start, index, value = [0], [], []
     for row in rows:
@@ -222,7 +222,8 @@ def _drive_calls(g: Generator, angles: Sequence[FunctionView]) -> dict[int, str]
         (groups,) = (c for _, name, c in view.function.args if name.startswith("into"))
         for i, f in enumerate(followers):
             if f.drive is not None and f.group in groups.values:
-                calls[f.group] = _sense_call(view, g.motion.calls[i] if g.motion else "")
+                call = _sense_call(view, g.motion.calls[i] if g.motion else "")
+                calls[f.group] = f"phi[{f.group}] = 0.0, {call}" if f.drive.rides else call  # it reads its own angle
     return calls
 
 

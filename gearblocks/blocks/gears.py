@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
 from typing import Any
 
 from gearblocks.declare import Block, Contribution, Flange, Shows, Tie, exact, option
@@ -46,7 +47,7 @@ class IdealPlanetary(Block):
     """
 
     sun, carrier, ring = Flange("sun"), Flange("planet carrier"), Flange("ring")
-    ratio: float = exact("z_ring/z_sun")
+    ratio: float | Fraction = exact("z_ring/z_sun")
 
     def problems(self) -> Iterator[str]:
         """Ratios at which the set would be a plain coupling."""

@@ -145,6 +145,16 @@ GB_API int gb_linear_matrix(gb_sim *sim, const gb_point *at, const double *y, do
 GB_API int gb_linear_side(const gb_sim *sim, const double *kept, double g, const double *r, double *out);
 GB_API int gb_linear_rates(const gb_sim *sim, const double *kept, const double *x, double *out);
 
+/* What sticks, for tools. gb_locks_of: how many locks there are; number of speeds; whether rows never change; kind and
+ * slip, hold and free switches of each, four numbers (place NULL: not wanted). gb_modes: the present modes of all
+ * switches. gb_locks_at: at a point, rows over the speeds (n_locks times n_speeds) and what a force does to these,
+ * limits (five numbers each, see gb_model.h), held forces, by how much these exceed their limits, and the quantities of
+ * the slip switches. */
+GB_API int gb_locks_of(const gb_sim *sim, int *n_speeds, int *steady, int *place);
+GB_API int gb_modes(const gb_sim *sim, double *mode);
+GB_API int gb_locks_at(gb_sim *sim, const gb_point *at, const double *y, double *rows, double *pushes, double *limit,
+                       double *held, double *excess, double *slip);
+
 /* The laws at a point, into what is not NULL: dy (length n_total), all outputs, all energies, and `fit`, the modes that
  * fit state and time there. Needs gb_start for the values derived from parameters; changes nothing of the run. */
 GB_API int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, double *out, double *energy,

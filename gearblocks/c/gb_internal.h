@@ -248,7 +248,7 @@ int gb_watch_general(gb_sim *sim);
 int gb_settle_locks(gb_sim *sim, int log);
 void gb_remember(gb_sim *sim, double *mode, const double *tau, const double *y);
 const double *gb_full_modes(gb_sim *sim, const double *mode, const double *tau, const double *y);
-int gb_project(gb_sim *sim);
+int gb_project(gb_sim *sim, const double *tau);
 void gb_size_locks(gb_sim *sim);
 
 /* gb_event.c */

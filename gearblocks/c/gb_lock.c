@@ -65,7 +65,7 @@ const double *gb_full_modes(gb_sim *sim, const double *mode, const double *tau, 
 }
 
 /* Speeds at which nothing slips that sticks; 1: they changed by more than rounding. */
-int gb_project(gb_sim *sim) {
+int gb_project(gb_sim *sim, const double *tau) {
     const gb_model *model = sim->model;
     if (model->n_locks == 0 || sim->mode[model->n_switches] == 0.0) {
         return 0;
@@ -75,7 +75,7 @@ int gb_project(gb_sim *sim) {
     for (int i = first; i < model->n; i++) {
         sim->z2[i] = sim->y[i];
     }
-    model->project(sim->par, sim->mode, sim->tau_one, sim->y);
+    model->project(sim->par, sim->mode, tau, sim->y);
     for (int i = first; i < model->n; i++) {
         most = gb_max(most, fabs(sim->y[i] - sim->z2[i]));
         size = gb_max(size, fabs(sim->y[i]));
@@ -591,7 +591,7 @@ int gb_settle_locks(gb_sim *sim, int log) {
         code = gb_columns_at(sim, sim->head->t1);
     }
     if (code == GB_DONE) {
-        gb_project(sim);
+        gb_project(sim, sim->tau_one);
         code = look_ahead(sim);
     }
     if (code != GB_DONE) {
@@ -625,7 +625,7 @@ int gb_settle_locks(gb_sim *sim, int log) {
     }
     take_modes(sim);
     gb_remember(sim, sim->mode, sim->tau_one, sim->y);
-    gb_project(sim);
+    gb_project(sim, sim->tau_one);
     gb_rehash(sim);
     if (model->n_switches > 0) {
         model->bounds(sim->par, sim->mode, sim->lo, sim->hi);

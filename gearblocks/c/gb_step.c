@@ -102,7 +102,7 @@ static int accept(gb_sim *sim, double end) {
     if (head->t1 >= head->t_break) { /* also where a switch of the state is due at the same instant */
         gb_mark_time_events(sim);
     }
-    if (!head->pending && gb_project(sim)) {
+    if (!head->pending && gb_project(sim, sim->tau + sim->method->stages)) {
         head->have_k1 = 0;
     }
     if (head->sitting && head->t1 - from > 10.0 * gb_rounding(from, head->h)) {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gearblocks.equations import Equations
+    from gearblocks.written import Equations
 
 
 def page(template: str, **values: Any) -> str:
@@ -27,8 +27,11 @@ def equations_page(equations: Equations) -> str:
     from markupsafe import Markup
 
     from gearblocks.report.mathml import mathml
+    from gearblocks.rubs import Sentence
 
     def shown(expr: Any) -> Markup:
+        if isinstance(expr, Sentence):
+            return Markup("").join(x if isinstance(x, str) else shown(x) for x in expr.parts)
         return Markup(mathml(expr, equations.latex_of))
 
     return page(

@@ -262,6 +262,38 @@ def test_a_train_whose_every_motion_is_prescribed_or_held_runs_by_every_method(m
     assert gb.modes(rig, at=None).free == gb.modes(alone, at=None).free == 0
 
 
+@pytest.mark.parametrize("by_angle", [False, True])
+def test_a_motor_that_stands_on_a_shaft_geared_to_its_own_turns_both(by_angle: bool) -> None:
+    """w_a - w_b = w and w_b = w_a/3 give w_a = 3/2 w; the torque of the motor turns both discs."""
+    rig = gb.Drivetrain("riding motor")
+    motor = gb.Angle(phi=gb.sin(gb.time)) if by_angle else gb.Speed(w=gb.cos(gb.time))
+    drive, gear = rig.add("drive", motor), rig.add("gear", gb.IdealGear(ratio=3.0))
+    a, b, spring = rig.add("a", gb.Inertia(J=1.0)), rig.add("b", gb.Inertia(J=9.0)), rig.add("s", gb.Shaft(k=36.0))
+    ground = rig.add("ground", gb.Fixed())
+    rig.connect(drive.flange, gear.a, a.a)
+    rig.connect(drive.housing, gear.b, b.a)
+    rig.connect(gear.housing, ground.flange)
+    rig.connect(b.b, spring.a)
+    rig.connect(spring.b, rig.add("wall", gb.Fixed()).flange)
+    for method in ("dp8", "rodas"):
+        run = gb.simulate(rig, t_end=1.0, rtol=1e-10, method=method)
+        assert run["a.w"] == pytest.approx(1.5 * np.cos(run.t), abs=1e-14)  # to rounding
+        assert run["b.w"] == pytest.approx(0.5 * np.cos(run.t), abs=1e-14)
+        # power: tau w = (J_a + J_b/9) w_a' w_a + k phi_b w_b, with w = 2/3 w_a = 2 w_b
+        torque = 1.5 * 2.0 * 1.5 * -np.sin(run.t) + 0.5 * 36.0 * 0.5 * np.sin(run.t)
+        assert run["drive.torque"] == pytest.approx(torque, abs=1e-8)  # the tolerance over the steps
+        assert run.energy.residual < 1e-9
+
+
+def test_a_motor_between_shafts_that_turn_as_one_is_refused() -> None:
+    rig = gb.Drivetrain("locked motor")
+    drive, a = rig.add("drive", gb.Speed(w=1.0)), rig.add("a", gb.Inertia(J=1.0))
+    rig.connect(drive.flange, a.a)
+    rig.connect(drive.housing, a.b)
+    with pytest.raises(gb.ModelError, match="'drive' prescribes a motion between shafts that are tied rigidly"):
+        gb.build(rig)
+
+
 def test_an_input_as_a_prescribed_motion_needs_a_filter() -> None:
     for kind, signal in ((gb.Speed, "w"), (gb.Angle, "phi")):
         value = gb.Input("wish", start=2.0, unit="1")
@@ -420,7 +452,7 @@ def test_start_values_that_nobody_gives_follow_from_given_ones_through_ties_and_
     assert start == pytest.approx({  # carrier = (sun + 2 ring)/3; to rounding
         "sun.w": 4.0, "ring.w": 7.0, "carrier.w": 6.0, "arm.w": 3.0, "sun.phi": 0.3, "ring.phi": 0.9, "carrier.phi": 0.7,
     }, abs=1e-14)  # fmt: skip
-    with pytest.raises(gb.ModelError, match="w0 = 4.0, but 'drive' moves it"):
+    with pytest.raises(gb.ModelError, match=r"w0 = 4\.0, but 'drive' moves it"):
         gb.build(rig.set({"arm.w0": 5.0}))
 
 

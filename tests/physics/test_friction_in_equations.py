@@ -1,0 +1,167 @@
+"""Friction, locks and stops in the equations that people read, against the C that runs."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import gearblocks as gb
+from gearblocks.core import Options
+from gearblocks.graph import numbers_of
+from gearblocks.symbols import clock
+
+
+class Disc(gb.Block):
+    """Friction between a and b (or the housing) that grows with the slip while it slides."""
+
+    a, b = gb.Flange("one side"), gb.Flange("other side", ground=True)
+    capacity = gb.signal("friction torque at rest", "N m")
+    viscous = gb.param("growth with the slip", "N m s/rad", default=0.3)
+
+    def physics(self, s):
+        slip = s.b.w - s.a.w
+        yield gb.Stick("", slip, 1.5 * s.capacity, sliding=s.capacity + s.viscous * sp.Abs(slip), engaged=s.capacity)
+        direction, stuck, held = s.stick("")
+        yield gb.Shows("torque", held - direction * (s.capacity + s.viscous * sp.Abs(slip)), "N m")
+        yield gb.Shows("mode", direction + 2 * (1 - direction**2) * (1 - stuck), "1")
+
+
+class Wall(gb.Block):
+    """A stop between a and b: phi_b - phi_a >= -play."""
+
+    a, b = gb.Flange("one side"), gb.Flange("other side", ground=True)
+    play = gb.param("free angle", "rad")
+    e = gb.param("restitution", "1", default=0.5)
+    impulse, impacts = gb.State("last impulse", "N m s"), gb.State("impacts so far", "1")
+
+    def physics(self, s):
+        yield gb.Stop("", s.b.phi - s.a.phi + s.play, s.e, s.impulse, s.impacts)
+        yield gb.Shows("torque", s.stick("")[2], "N m")
+
+
+def _train():
+    """Two gears and three discs in a row, two clutches that bridge one another, a brake and a stop."""
+    rig = gb.Drivetrain("friction")
+    one, two, three = (rig.add(n, gb.Inertia(J=J)) for n, J in (("one", 0.7), ("two", 1.3), ("three", 2.1)))
+    gear = rig.add("gear", gb.IdealGear(teeth=(10, 23), external=True))
+    four = rig.add("four", gb.Inertia(J=0.4))
+    near, far = rig.add("near", Disc(capacity=30.0)), rig.add("far", Disc(capacity=40.0 + 5.0 * gb.sin(gb.time)))
+    brake, wall = rig.add("brake", Disc(capacity=20.0)), rig.add("wall", Wall(play=0.4))
+    rig.chain(rig.add("drive", gb.Torque(tau=3.0)), one, rig.add("shaft", gb.Shaft(k=50.0, c=0.2)), two)
+    rig.connect(two.b, near.a, far.a, wall.a)
+    rig.connect(near.b, far.b, three.a, wall.b)
+    rig.chain(three, gear, four)
+    rig.connect(brake.a, four.b)
+    return rig
+
+
+def _known(rig, model, t, state):
+    """Numbers for the symbols of the equations."""
+    eq = rig.equations()
+    values = {p.path: v for p, v in zip(model.program.parameters, model.values, strict=True)}
+    values |= {f"{c.path}.{field}": x for c in rig.train().components for field, x, _ in numbers_of(c.block, "")}
+    known = {symbol: values[path] for symbol, path in eq.parameters.items()}
+    known |= {q: state[f"{q.name.removeprefix('phi_')}.phi"] for q in eq.q}
+    known |= {v: state[f"{v.name.removeprefix('w_')}.w"] for v in eq.v}
+    return eq, known | {clock(): t}
+
+
+def _places(program, name):
+    """Numbers of the switches of a component: of its slip or gap, and of its hold."""
+    return [i for i, s in enumerate(program.switches) if s.component == name][:2]
+
+
+MODES = [
+    {"near": 1, "far": 1, "brake": -1, "wall": 0}, {"near": 2, "far": -1, "brake": 1, "wall": 0},
+    {"near": 0, "far": 2, "brake": 1, "wall": 0}, {"near": 0, "far": 2, "brake": 0, "wall": 0},
+    {"near": 2, "far": 1, "brake": 2, "wall": 1}, {"near": 0, "far": 2, "brake": -1, "wall": 1},
+    {"near": 0, "far": 0, "brake": 2, "wall": 1},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("modes", MODES, ids=str)
+def test_the_c_computes_what_the_equations_say_in_every_mode(modes):
+    rig = _train()
+    model = gb.build(rig)
+    program, random = model.program, np.random.default_rng(5)
+    speeds = {q.name: i for i, q in enumerate(program.states)}
+    outputs = {q.name: i for i, q in enumerate(program.outputs)}
+    t = float(random.uniform(0, 3))
+    state = {
+        f"{body}.{what}": float(random.normal(0, 0.5)) for body in ("one", "two", "three") for what in ("phi", "w")
+    }
+    state |= {"wall.slip": 0.0}
+    eq, known = _known(rig, model, t, state)
+    found = eq.in_modes(modes)
+    forcing = sp.Matrix([sp.N(e.xreplace(known), 30) for e in found.expanded])
+    alpha = found.mass_matrix.xreplace(known).LUsolve(forcing)
+    with model.library.open() as sim:
+        sim.parameters[:] = model.values
+        for s in program.starts:
+            if s.name in state:
+                sim.parameters[s.place] = state[s.name] * s.factor
+        sim.start(Options(2, 1, 1e-6, 0.0, np.inf, np.inf), t)
+        y = sim.state()
+        for v in eq.v:  # an impact at the start may have changed them
+            y[speeds[f"{v.name.removeprefix('w_')}.w"]] = known[v]
+        switches = np.zeros(len(program.switches))
+        for name, mode in modes.items():
+            slip, hold = _places(program, name)
+            held = mode == (1 if name == "wall" else 0)
+            switches[slip], switches[hold] = 0 if held or mode in (0, 2) or name == "wall" else mode, held
+        dy = sim.probe(t, y, switches, "rates")
+        shown = sim.probe(t, y, switches, "outputs")
+    largest = max(abs(float(x)) for x in alpha)
+    assert largest > 0.1
+    for v, x in zip(eq.v, alpha, strict=True):
+        assert abs(dy[speeds[v.name[2:] + ".w"]] - float(x)) <= 1e-12 * largest, v  # rounding of sums of a few torques
+    if [modes["near"], modes["far"], 1 - modes["wall"]].count(0) > 1:
+        return  # they share a load: the motion is what counts
+    for rub in eq.rubs:
+        torque = found.definitions[rub.torque]
+        while set(torque.free_symbols) & set(found.definitions):
+            torque = torque.xreplace(dict(found.definitions))
+        torque = float(torque.xreplace(known))
+        assert abs(shown[outputs[f"{rub.path}.torque"]] - torque) <= 1e-12 * (100 + abs(torque)), rub.path
+
+
+def test_friction_is_written_as_a_torque_with_its_cases():
+    eq = _train().equations()
+    text = str(eq)
+    assert "J_one*w_one' = " in text
+    assert "T_near + T_wall" in text or "T_far + T_near" in text
+    for line in (
+        "w_rel_near = w_three - w_two",
+        "slides forward, w_rel_near > 0: T_near = -capacity_near - viscous_near*w_rel_near",
+        "slides backward, w_rel_near < 0: T_near = capacity_near - viscous_near*w_rel_near",
+        "stuck, w_rel_near = 0: T_near is what keeps the slip at 0, up to Abs(T_near) <= 1.5*capacity_near",
+        "free while capacity_near <= 0: T_near = 0",
+        "open, -phi_two + phi_three + play_wall > 0: T_wall = 0",
+        "impact as the gap closes: w_rel_wall becomes -e_wall*w_rel_wall",
+    ):
+        assert line in text.replace("phi_three - phi_two", "-phi_two + phi_three"), line
+    assert r"\text{stuck, }" in eq.latex()
+    from gearblocks.report.pages import equations_page
+
+    assert "stuck, <math" in equations_page(eq)
+
+
+def test_the_torque_that_holds_two_stuck_discs_together_is_that_of_the_textbook():
+    rig = gb.Drivetrain("pair")
+    one, two = rig.add("one", gb.Inertia(J=2.0)), rig.add("two", gb.Inertia(J=3.0))
+    clutch = rig.add("clutch", Disc(capacity=50.0))
+    rig.chain(rig.add("drive", gb.Torque(tau=10.0)), one)
+    rig.connect(one.b, clutch.a)
+    rig.connect(clutch.b, two.a)
+    eq = rig.equations().in_modes({"clutch": 0})
+    J1, J2, tau = sp.symbols("J_one J_two tau_drive", real=True)
+    (held,) = [e for x, e in eq.definitions.items() if str(x) == "T_clutch"]
+    assert sp.simplify(held - tau * J2 / (J1 + J2)) == 0
+    assert [sp.simplify(a / J - tau / (J1 + J2)) for a, J in zip(eq.expanded, (J1, J2), strict=True)] == [0, 0]
+
+
+def test_modes_that_nothing_has_are_refused_by_name():
+    eq = _train().equations()
+    with pytest.raises(gb.ParameterError, match="no friction or stop is named 'nera' - did you mean 'near'"):
+        eq.in_modes({"nera": 0})
+    with pytest.raises(gb.ParameterError, match="'wall' = 2 must be one of: 1 closed, 0 open"):
+        eq.in_modes({"wall": 2})
