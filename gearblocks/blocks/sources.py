@@ -113,7 +113,9 @@ class SpeedLoad(Block):
 
         w = s.flange.w
         c0, c1, c2 = s.coeffs
-        size = sp.Piecewise((w, w >= 0), (-w, True))  # abs(w) of the drag, with or without a dry part that has a direction
+        size = sp.Piecewise(
+            (w, w >= 0), (-w, True)
+        )  # abs(w) of the drag, with or without a dry part that has a direction
         drag = c1 * w + c2 * w * size
         yield Stick("", w, c0, engaged=c0)
         yield Acts(s.flange, -drag)
