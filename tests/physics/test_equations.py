@@ -88,6 +88,7 @@ def _by_symbols(rig, model, t, state):
     known |= {v: state[f"{v.name.removeprefix('w_')}.w"] for v in eq.v}
     known |= dict.fromkeys(eq.states, state.get("one.stiffness_variation.angle"))
     known[clock()] = t
+    eq = eq.in_modes({rub.path: 1 if _number(rub.sliding, known) > 0 else -1 for rub in eq.rubs})
     forcing = sp.Matrix([_number(e, known) for e in eq.expanded])
     mass = eq.mass_matrix.applyfunc(lambda e: _number(e, known))
     rates = [float(_number(e, known)) for e in eq.states.values()]
