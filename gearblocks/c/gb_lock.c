@@ -162,7 +162,10 @@ static int impact(gb_sim *sim) {
     double *b = sim->lock_right, *lo = sim->lock_lo, *hi = sim->lock_hi, *p = sim->lock_force;
     for (int i = 0; i < n; i++) {
         if (takes_impulse(sim, i, &lo[count], &hi[count], &b[count])) {
-            const double w = b[count], rounding = sim->slip_rounding[i];
+            const gb_lock *lock = &model->locks[i];
+            const int met =
+                lock->kind == GB_FRICTION && sim->due[lock->slip] != 0.0; /* its slip has just come to zero */
+            const double w = met ? 0.0 : b[count], rounding = sim->slip_rounding[i];
             struck = struck || (w < -rounding && hi[count] > 0.0) || (w > rounding && lo[count] < 0.0);
             index[count++] = i;
         }
