@@ -496,6 +496,15 @@ static void take_modes(gb_sim *sim) {
     }
 }
 
+/* A switch of lock i was due and nothing came of it: it counts as a flip, so that the same does not come back for ever
+ * where quantities leave their limits no faster than rounding. */
+static int count_vain(gb_sim *sim, int i) {
+    const gb_lock *lock = &sim->model->locks[i];
+    const int slip = sim->due[lock->slip] != 0.0, hold = sim->due[lock->hold] != 0.0;
+    const int code = slip ? gb_count_flip(sim, lock->slip) : GB_DONE;
+    return code == GB_DONE && hold ? gb_count_flip(sim, lock->hold) : code;
+}
+
 /* Events of the locks whose mode is another one than before. */
 static int log_changes(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
@@ -510,6 +519,8 @@ static int log_changes(gb_sim *sim, int log) {
             if (log && code == GB_DONE) {
                 code = gb_count_flip(sim, lock->hold);
             }
+        } else if (log && code == GB_DONE && !sim->struck[i]) {
+            code = count_vain(sim, i);
         }
         if (sim->struck[i]) {
             sim->flip_time[lock->slip] = sim->head->t1;
