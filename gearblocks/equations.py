@@ -144,11 +144,16 @@ class _Writer:
                 None if expr is None else expr.xreplace(own).xreplace({direction: sp.Integer(mode)}).xreplace(replace)
             )
 
+        tie = None if stick.losses is None else self._symbol(c, Slot("friction", str(stick.partner)), "", {})
+        lost = {
+            (mode, drives): -of(stick.losses[0 if drives else 2], mode) * tie - mode * of(stick.losses[1 if drives else 3], mode)
+            for mode in (1, -1) for drives in (True, False)
+        } if stick.losses is not None else None  # fmt: skip
         return Rub(
             f"{c.path}.{stick.name}".rstrip("."), symbol("friction"), slip, stick.slip.xreplace(replace), of(stick.lower, 0),
             of(stick.upper, 0), of(stick.forward, 1), of(stick.backward, -1), of(stick.engaged, 0),
             None if stick.gap is None else stick.gap.xreplace(replace), of(stick.restitution, 0),
-            (symbol("direction"), symbol("stuck"), symbol("held")),
+            (symbol("direction"), symbol("stuck"), symbol("held")), stick.kind, tie, lost,
         )  # fmt: skip
 
     def _claim(self, text: str, meaning: Any) -> Any:

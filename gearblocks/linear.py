@@ -164,7 +164,7 @@ def linearize(
             A, B, C, columns = small.matrix(A), B[small.kept], C @ small.R, columns[small.kept]
         states = tuple(_state_names(program, columns))
         switches = {s.component: float(m) for s, m in zip(program.switches, point.modes, strict=True)}
-        for lock in point.sim.locks().places:
+        for lock in point.sim.locks().shown:
             switches[program.switches[lock.slip].component] = lock.shown(point.modes)
         full = len(columns) <= DENSE
         return Linearization(
@@ -187,7 +187,8 @@ def _words(point: Point, states: Sequence[str]) -> str:
         for i, (s, m) in enumerate(zip(point.program.switches, point.modes, strict=True))
         if not s.name and float(m) in _SIDES and i not in of_locks
     ]
-    contacts += [f"{point.program.switches[x.slip].component}: {x.words(point.modes)}" for x in locks]
+    shown = point.sim.locks().shown
+    contacts += [f"{point.program.switches[x.slip].component}: {x.words(point.modes)}" for x in shown]
     means = ", excitations at their means" if point.means else ""
     sides = f"; {', '.join(contacts)}" if contacts else ""
     return f"{point.program.name}: {len(states)} states at t = {point.t:g} s{means}{sides}"

@@ -75,6 +75,16 @@ class LocksOf(NamedTuple):
     steady: bool
     n_speeds: int
 
+    @property
+    def shown(self) -> tuple[LockPlace, ...]:
+        """Those with a mode for people: all but the ties that losses go with."""
+        return tuple(place for place in self.places if place.kind is not LockKind.TIE)
+
+    @property
+    def plain(self) -> bool:
+        """Whether the derivatives of the laws and the rows tell all: no losses that depend on what is held."""
+        return self.steady and not any(place.kind is LockKind.TIE for place in self.places)
+
 
 def locks_of(shared: ctypes.CDLL, sim: int | None) -> LocksOf:
     """The locks of a model."""

@@ -79,6 +79,11 @@ class Point:
         holding = list(self.holding())
         return reduced(self.locks().rows[holding]) if holding else None
 
+    def held_pushes(self) -> Rows | None:
+        """What the forces of all that holds do to the speeds, reduced in the same way."""
+        holding = list(self.holding())
+        return reduced(self.locks().pushes[holding]) if holding else None
+
     def settled(self) -> Point:
         """The same with modes that fit state and time."""
         modes = self.modes
@@ -205,7 +210,7 @@ def state_matrix(point: Point) -> csc_array:
     """d(dy/dt)/dy of the first n states in frozen modes, shape (n, n), sparse: from the derivatives of the laws where they
     exist, else from differences. What sticks holds: slips do not change."""
     held = point.held_rows()
-    if point.sim.has_jacobian and (held is None or point.sim.locks().steady):
+    if point.sim.has_jacobian and (held is None or point.sim.locks().plain):
         with suppress(ArithmeticError):
             A: csc_array = point.sim.jacobian(point.t, point.y, point.modes, inputs=point.u, means=point.means)
             return A if held is None else _held_back(point, A, held)

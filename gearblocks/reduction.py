@@ -41,7 +41,8 @@ def reduction(point: Point, n: int) -> Reduction | None:
     if not point.sim.locks().places:
         return None
     held = point.held_rows()
-    rows = Rows(np.zeros((0, n)), *(np.zeros(0, dtype=np.intp) for _ in range(2)), np.zeros((0, 0)))
+    none = np.zeros(0, dtype=np.intp)
+    rows = Rows(np.zeros((0, n)), none, none, np.zeros((0, 0)))
     if held is not None:
         rows = _conditions(point, held, motion(point), n)
     return Reduction(rows.kept, rows.basis())

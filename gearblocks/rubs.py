@@ -24,13 +24,16 @@ class Sentence:
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Rub:
-    """A Stick or Stop of a train. torque: symbol of what pushes its slip up (a force where the slip is that of sliders);
-    slip: symbol of the slip, or of the rate of the gap, and `sliding` its expression in speeds.
+    """A Stick or Stop of a train, or the tie or loss of a LossyTie (`kind`).
+
+    torque: symbol of what pushes its slip up (a force where the slip is that of sliders); slip: symbol of the slip, or of
+    the rate of the gap, and `sliding` its expression in speeds.
 
     lower, upper: limits of the torque while stuck (None: without). forward, backward: sizes of the torque against the
-    slip. engaged: > 0 where it rubs. gap, restitution: of a Stop. shown: symbols of direction, stuck and held torque.
+    slip. engaged: > 0 where it rubs. gap, restitution: of a Stop. lost: of a loss, its torque by direction and
+    by whether the tie, whose torque is `tie`, drives. shown: symbols of direction, stuck and held torque.
     """
 
     path: str
@@ -45,6 +48,9 @@ class Rub:
     gap: Any
     restitution: Any
     shown: tuple[Any, Any, Any]
+    kind: str = "friction"
+    tie: Any = None
+    lost: Mapping[tuple[int, bool], Any] | None = None
 
     @property
     def is_stop(self) -> bool:
@@ -55,28 +61,37 @@ class Rub:
         """The same with every expression replaced by new(expression)."""
         names = ("sliding", "lower", "upper", "forward", "backward", "engaged", "gap", "restitution")
         changed = {n: None if (e := getattr(self, n)) is None else new(e) for n in names}
+        if self.lost is not None:
+            changed["lost"] = {case: new(e) for case, e in self.lost.items()}
         values: dict[str, Any] = {n: changed.get(n, getattr(self, n)) for n in self.__dataclass_fields__}
         if values["sliding"].is_Symbol:
             one = {self.slip: values["sliding"]}
-            values |= {n: e.xreplace(one) for n, e in changed.items() if e is not None}
+            values |= {n: e.xreplace(one) for n, e in changed.items() if isinstance(e, sp.Basic)}
+            if self.lost is not None:
+                values["lost"] = {case: e.xreplace(one) for case, e in values["lost"].items()}
             values["slip"] = values["sliding"]
         return Rub(**values)
 
     def expressions(self) -> list[Any]:
         """Everything that stands in its cases."""
         found = (self.sliding, self.lower, self.upper, self.forward, self.backward, self.engaged)
-        return [x for x in (*found, self.gap, self.restitution) if x is not None]
+        return [x for x in (*found, self.gap, self.restitution, *(self.lost or {}).values()) if x is not None]
 
-    def torque_in(self, mode: int) -> Any:
-        """The torque in a mode (1, -1: slides; 2: free; of a stop 0: open), None where it is held."""
+    def torque_in(self, mode: int, sign: int = 1) -> Any:
+        """The torque in a mode (1, -1: slides; 2: free; of a stop 0: open), None where it is held. sign: of the tie's
+        torque."""
         if self.is_stop:
             return None if mode == 1 else sp.Integer(0)
+        if self.kind == "tie":
+            return None
+        if self.lost is not None and mode:
+            return self.lost[mode, mode == sign]
         return {1: -self.forward, -1: self.backward, 2: sp.Integer(0)}.get(mode)
 
     def shown_in(self, mode: int) -> dict[Any, Any]:
         """Direction, stuck and held torque in a mode."""
         held = self.torque_in(mode) is None
-        direction = mode if mode in (1, -1) and not self.is_stop else 0
+        direction = mode if mode in (1, -1) and not self.is_stop else 0  # of a tie the sign of its torque
         values = (sp.Integer(direction), sp.Integer(held), self.torque if held else sp.Integer(0))
         return dict(zip(self.shown, values, strict=True))
 
@@ -86,7 +101,8 @@ class Rub:
         """What it does in each of its states, line by line."""
         if self.slip != self.sliding:
             yield sp.Eq(self.slip, self.sliding, evaluate=False)
-        yield from self._of_stop() if self.is_stop else self._of_stick()
+        of = {"stop": self._of_stop, "tie": self._of_tie, "loss": self._of_loss}
+        yield from of.get(self.kind, self._of_stick)()
 
     def _of_stick(self) -> Iterator[Any]:
         zero = sp.Integer(0)
@@ -113,6 +129,23 @@ class Rub:
         bounds += [sp.Le(self.torque, upper, evaluate=False)] if upper is not None else []
         return (", as long as ", bounds[0], *((" and ", bounds[1]) if len(bounds) == 2 else ()))
 
+    def _of_tie(self) -> Iterator[Any]:
+        still = sp.Eq(self.slip, sp.Integer(0), evaluate=False)
+        yield Sentence(("always ", still, ": ", self.torque, " is what keeps it at 0"))
+
+    def _of_loss(self) -> Iterator[Any]:
+        zero = sp.Integer(0)
+        for (mode, drives), torque in (self.lost or {}).items():
+            turns = (sp.Gt if mode > 0 else sp.Lt)(self.slip, zero, evaluate=False)
+            relation = (sp.Ge if mode > 0 else sp.Le) if drives else (sp.Lt if mode > 0 else sp.Gt)
+            words = "drives" if drives else "is driven"
+            law = sp.Eq(self.torque, torque, evaluate=False)
+            yield Sentence((f"{words}, ", turns, " and ", relation(self.tie, zero, evaluate=False), ": ", law))
+        still = sp.Eq(self.slip, zero, evaluate=False)
+        yield Sentence(
+            ("stuck, ", still, ": ", self.torque, " is what keeps it at rest, between its values in either direction")
+        )
+
     def _of_stop(self) -> Iterator[Any]:
         zero = sp.Integer(0)
         none = sp.Eq(self.torque, zero, evaluate=False)
@@ -138,19 +171,29 @@ def wanted(rubs: Sequence[Rub], modes: Mapping[str, float]) -> dict[str, int]:
         if name not in known and len(ends) != 1:
             raise ParameterError(f"modes: no friction or stop is named '{name}'{did_you_mean(name, known)}")
         path = name if name in known else ends[0]
-        allowed = (0, 1) if known[path].is_stop else (0, 1, -1, 2)
+        allowed, words = _MODES[known[path].kind]
         if mode not in allowed:
-            words = "1 closed, 0 open" if known[path].is_stop else "0 stuck, 1 forward, -1 backward, 2 free"
             raise ParameterError(f"modes: '{path}' = {mode!r} must be one of: {words}")
         found[path] = int(mode)
+    ties = {r.torque: r.path for r in rubs if r.kind == "tie"}
+    for r in rubs:
+        if r.tie in ties and (r.path in found) != (ties[r.tie] in found):
+            raise ParameterError(f"modes: '{r.path}' and '{ties[r.tie]}' belong together; give both, or none")
     return found
 
 
-def held_torques(rubs: Sequence[Rub], mass: Any, forcing: Any, q: Sequence[Any], v: Sequence[Any], t: Any) -> list[Any]:
-    """The torques that keep the slips of all of these at rest: G M^-1 (f + G' T) + what slips gain besides = 0.
+_MODES = {
+    "friction": ((0, 1, -1, 2), "0 stuck, 1 forward, -1 backward, 2 free"),
+    "stop": ((0, 1), "1 closed, 0 open"),
+    "loss": ((0, 1, -1), "0 stuck, 1 forward, -1 backward"),
+    "tie": ((1, -1), "1 its torque is positive, -1 negative"),
+}
 
-    The smallest ones, where they share a load. forcing: without definitions of these torques. Raises ParameterError where
-    shafts without inertia leave the slips without an answer.
+
+def held_torques(rubs: Sequence[Rub], mass: Any, forcing: Any, q: Sequence[Any], v: Sequence[Any], t: Any) -> list[Any]:
+    """The torques that keep the slips of all of these at rest: G M^-1 (f + F T) + what slips gain besides = 0.
+
+    The smallest ones, where they share a load. forcing: f + F T, without definitions of these torques.
     """
     moving = [i for i in range(mass.shape[0]) if any(mass[i, j] != 0 for j in range(mass.shape[1]))]
     torques = [r.torque for r in rubs]
@@ -160,15 +203,16 @@ def held_torques(rubs: Sequence[Rub], mass: Any, forcing: Any, q: Sequence[Any],
         [sum((sp.diff(r.sliding, x) * w for x, w in rates.items()), sp.diff(r.sliding, t)) for r in rubs]
     )
     bare = forcing.xreplace(dict.fromkeys(torques, sp.Integer(0)))
+    F = forcing.jacobian(torques)[moving, :]
     M, G, bare = mass.extract(moving, moving), G[:, moving], sp.Matrix([bare[i] for i in moving])
     rows = list(G.T.rref()[1])  # the first of those that say the same
     own = G[rows, :]
-    answer = _over(M, sp.Matrix.hstack(bare, own.T))
+    answer = _over(M, sp.Matrix.hstack(bare, F))
     free, response = own * answer[:, :1] + besides[rows, :], own * answer[:, 1:]
-    forces = -response.LUsolve(free)
-    if len(rows) < len(rubs):  # G = C own: the smallest torques with C' T = forces
-        C = G * own.T * (own * own.T).inv()
-        forces = C * (C.T * C).inv() * forces
+    if len(rows) < len(rubs):  # the smallest of all that do
+        forces = -response.T * (response * response.T).LUsolve(free)
+    else:
+        forces = -response.LUsolve(free)
     return [sp.factor_terms(sp.together(x)) for x in forces]
 
 

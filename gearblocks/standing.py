@@ -6,7 +6,7 @@ import numpy as np
 
 from gearblocks.core import Array
 from gearblocks.errors import SimulationError
-from gearblocks.lockview import LockPlace, Locks
+from gearblocks.lockview import LockKind, LockPlace, Locks
 from gearblocks.probing import Point
 
 _ROUNDING = 64 * np.finfo(float).eps  # of the largest speed times the numbers of a row
@@ -23,6 +23,8 @@ def by_slips(point: Point) -> Point:
     rates = locks.rows @ point.y[first : point.program.n]
     terms = np.abs(locks.rows) @ np.abs(point.y[first : point.program.n])
     for i, place in enumerate(places):
+        if place.kind is LockKind.TIE:
+            continue
         slip = rates[i] if place.is_stop else locks.slip[i]
         rests = bool(abs(slip) <= _ROUNDING * terms[i])
         if place.is_stop:
@@ -45,28 +47,39 @@ def judged(found: Point) -> Point | None:
     if not places:
         return None
     locks, modes = found.locks(), found.modes.copy()
-    met = [i for i, x in enumerate(places) if x.is_stop and not modes[x.hold] and locks.slip[i] < -_reach(found, locks, i)]
+    met = [
+        i for i, x in enumerate(places) if x.is_stop and not modes[x.hold] and locks.slip[i] < -_reach(found, locks, i)
+    ]
     if met:
         deepest = min(met, key=lambda i: locks.slip[i])
         modes[places[deepest].hold] = 1.0
         return found.at(y=_moved_out(found, locks, deepest), modes=modes).settled()
-    over = np.array([_excess(locks, i) if modes[x.hold] > 0.5 else 0.0 for i, x in enumerate(places)])
+    turned = [i for i, x in enumerate(places) if x.kind is LockKind.TIE and locks.held[i] * modes[x.slip] < 0.0]
+    if turned:  # the force of a tie has the other sign
+        for i in turned:
+            modes[places[i].slip] *= -1.0
+        return found.at(modes=modes).settled()
+    over = np.array([_excess(locks, i, x.kind) if modes[x.hold] > 0.5 else 0.0 for i, x in enumerate(places)])
     worst = int(np.argmax(over))
     if over[worst] <= _OVER:
         return None
     place, (lower, upper) = places[worst], locks.limits[worst, :2]
-    if np.isfinite(lower) and np.isfinite(upper):
+    if place.kind is LockKind.LOSS or (np.isfinite(lower) and np.isfinite(upper)):
         raise _too_weak(found, worst, locks)
     modes[place.hold] = 0.0
     modes[place.slip] = 0.0 if place.is_stop else 1.0 if locks.held[worst] < lower else -1.0
     return found.at(modes=modes).settled()
 
 
-def _excess(locks: Locks, i: int) -> float:
+def _excess(locks: Locks, i: int, kind: LockKind) -> float:
     """By how much a held force exceeds its limits, relative to the largest force around."""
     lower, upper = locks.limits[i, :2]
-    over = max(locks.held[i] - upper, lower - locks.held[i])
-    size = max(float(np.abs(locks.held).max()), min(abs(lower), abs(upper)))
+    size = float(np.abs(locks.held).max())
+    if kind is LockKind.LOSS:
+        over = locks.excess[i]
+    else:
+        over = max(locks.held[i] - upper, lower - locks.held[i])
+        size = max(size, min(abs(lower), abs(upper)))
     return float(over / size) if over > 0.0 and size > 0.0 else 0.0
 
 
@@ -92,9 +105,11 @@ def _moved_out(point: Point, locks: Locks, i: int) -> Array:
 
 def _too_weak(point: Point, i: int, locks: Locks) -> SimulationError:
     component = point.program.switches[point.sim.locks().places[i].slip].component
-    limit = locks.limits[i, 1 if locks.held[i] > 0 else 0]
+    held, limit = abs(locks.held[i]), abs(locks.limits[i, 1 if locks.held[i] > 0 else 0])
+    if point.sim.locks().places[i].kind is LockKind.LOSS:
+        limit = max(0.0, held - locks.excess[i])
     return SimulationError(
         point.t, component,
-        f"there is no static equilibrium: it would have to carry {abs(locks.held[i]):.6g} to stay stuck, and holds {abs(limit):.6g}",
+        f"there is no static equilibrium: it would have to carry {held:.6g} to stay stuck, and holds {limit:.6g}",
         "raise its capacity, lower the load, or let it start with a slip",
     )  # fmt: skip

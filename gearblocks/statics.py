@@ -266,7 +266,9 @@ class _Search:
         self.D, self.L = csc_array(eye_array(self.n_q)), csc_array(eye_array(self.n_v))
         if whole.held is not None:
             self.D = reduced(fixed_combinations(whole, whole.held, 0)).basis()
-            self.L = csc_array(whole.held.basis().T)
+            pushes = point.held_pushes()
+            assert pushes is not None
+            self.L = csc_array(pushes.basis().T)
         self.n_t = self.L.shape[0]
         self.weak = _WEAK
         self.patterns: dict[bytes, list[Indices]] = {}

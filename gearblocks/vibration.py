@@ -119,7 +119,7 @@ def modes_at(point: Point, count: int | None = None) -> Modes:
     if count is not None and (isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1):
         raise ParameterError(f"count = {count!r} must be a whole number >= 1")
     whole = motion(point)
-    A = state_matrix(point)
+    A = _without_counts(state_matrix(point), whole)
     turning = _free_rotations(point, whole, A)
     small = reduction(point, A.shape[0])
     values, vectors = _eigen(A if small is None else small.matrix(A), count, 2 * turning.shape[1])
@@ -148,6 +148,18 @@ def modes_at(point: Point, count: int | None = None) -> Modes:
 
 def _angle_is_state(point: Point, whole: Motion) -> bool:
     return bool(len(whole.angles)) and bool(whole.angles.max() < point.program.n)
+
+
+def _without_counts(A: csc_array, whole: Motion) -> csc_array:
+    """The matrix without the rates of states of blocks that move nothing, such as the angle of a slip."""
+    from scipy.sparse import csc_array, diags_array
+
+    idle = whole.states[np.asarray(abs(A[:, whole.states]).sum(axis=0)).ravel() == 0]
+    if len(idle) == 0:
+        return A
+    keep = np.ones(A.shape[0])
+    keep[idle] = 0.0
+    return csc_array(diags_array(keep) @ A)
 
 
 def _free_rotations(point: Point, whole: Motion, A: csc_array) -> Array:

@@ -54,14 +54,16 @@ class Equations:
     def in_modes(self, modes: Mapping[str, float]) -> Equations:
         """The equations while friction and stops are in these modes, as events and outputs show them: {"clutch": 0}.
 
-        Of friction 0 stuck, 1 and -1 sliding, 2 free; of a stop 1 closed, 0 open. The torque of what is stuck or closed is
+        Of friction 0 stuck, 1 and -1 sliding, 2 free; of a stop 1 closed, 0 open; of a tie with losses the sign of its torque. The torque of what is stuck or closed is
         defined as what keeps its slip at 0 (the smallest ones where several share a load); those that are not named
         stay symbols. Raises ParameterError for a name or mode that does not exist.
         """
         found = wanted(self.rubs, modes)
         given = {r: found[r.path] for r in self.rubs if r.path in found}
         shown = {x: e for r, mode in given.items() for x, e in r.shown_in(mode).items()}
-        torques = {r.torque: e for r, mode in given.items() if (e := r.torque_in(mode)) is not None}
+        sign = {r.torque: mode for r, mode in given.items() if r.kind == "tie"}
+        acting = {r: r.torque_in(mode, sign.get(r.tie, 1)) for r, mode in given.items()}
+        torques = {r.torque: e for r, e in acting.items() if e is not None}
         slips = {r.slip: r.sliding for r in given if r.slip != r.sliding}
         definitions = {**{s: e.xreplace(shown) for s, e in self.definitions.items()}, **torques, **slips}
         made = dataclasses.replace(
@@ -69,7 +71,7 @@ class Equations:
             rubs=tuple(r for r in self.rubs if r not in given),
             states={s: e.xreplace(shown) for s, e in self.states.items()},
         )  # fmt: skip
-        stuck = [r for r, mode in given.items() if r.torque_in(mode) is None]
+        stuck = [r for r, e in acting.items() if e is None]
         if stuck:
             held = held_torques(stuck, self.mass_matrix, made.expanded, self.q, self.v, clock())
             made.definitions.update(zip((r.torque for r in stuck), held, strict=True))  # type: ignore[attr-defined]

@@ -50,7 +50,7 @@ int gb_locks_of(const gb_sim *sim, int *n_speeds, int *steady, int *place) {
     *steady = model->steady_locks;
     for (int i = 0; i < model->n_locks && place; i++) {
         const gb_lock *lock = &model->locks[i];
-        const int numbers[] = {lock->kind == GB_STOP, lock->slip, lock->hold, lock->free};
+        const int numbers[] = {lock->kind, lock->slip, lock->hold, lock->free};
         memcpy(place + (size_t)4 * (size_t)i, numbers, sizeof numbers);
     }
     return model->n_locks;
@@ -69,6 +69,7 @@ int gb_locks_at(gb_sim *sim, const gb_point *at, const double *y, double *rows, 
         const double *mode = at->mode ? gb_full_modes(sim, at->mode, sim->tau_one, y) : sim->mode;
         for (int i = 0; i < model->n_locks; i++) {
             model->grip(sim->par, mode, sim->tau_one, y, i, 0, rows + (size_t)i * (size_t)model->n_speeds);
+            model->grip(sim->par, mode, sim->tau_one, y, i, 1, pushes + (size_t)i * (size_t)model->n_speeds);
         }
         model->limits(sim->par, mode, sim->tau_one, y, limit);
         model->holding(sim->par, mode, sim->tau_one, y, held, excess);

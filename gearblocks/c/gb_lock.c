@@ -406,12 +406,11 @@ static int keep_solution(gb_sim *sim, int known) {
     return other;
 }
 
-/* All lossy ties that could be at rest are. */
+/* All lossy ties are at rest. */
 static int all_rest(const gb_sim *sim) {
     int rest = 1;
     for (int i = 0; i < sim->model->n_locks; i++) {
-        const int could = sim->model->locks[i].kind == GB_LOSS && sim->base_state[i] == CANDIDATE;
-        rest = rest && (!could || sim->lock_state[i] == CANDIDATE);
+        rest = rest && (sim->model->locks[i].kind != GB_LOSS || sim->lock_state[i] == CANDIDATE);
     }
     return rest;
 }

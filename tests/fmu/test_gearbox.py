@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -51,13 +52,15 @@ def test_steps_that_end_exactly_on_an_event_change_nothing(model: gb.Model, pack
     times = np.array([0.0, *events, 12.0])
     assert len(events) > 5
     names = ["crank.w", "ring.w", "car.v", "b1.w_rel", "c2.torque"]
-    exact = gb.simulate(model, t=np.array([*times, 60.0]), outputs=names)  # to the stop time of the FMU, for equal steps
+    exact = gb.simulate(
+        model, t=np.array([*times, 60.0]), outputs=names
+    )  # to the stop time of the FMU, for equal steps
     fmpy.extract(str(packed), str(tmp_path))
     unpacked = Unpacked(tmp_path, fmpy.read_model_description(str(tmp_path)))
     by_name = {v.name: v.valueReference for v in unpacked.description.modelVariables}
     with Instance(unpacked) as instance:
         instance.start(stop=60.0)
-        for before, now in zip(times, times[1:], strict=False):
+        for before, now in pairwise(times):
             instance.step(before, now - before)
             values = instance.get([by_name[n] for n in names])
             at = np.flatnonzero(exact.t == now)[-1]
