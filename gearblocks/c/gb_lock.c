@@ -154,6 +154,16 @@ static void note_impact(gb_sim *sim, int i, double impulse, double before, doubl
     gb_log(sim, lock->slip, 2, before, after);
 }
 
+/* Impulses on the locks; what prescribed motions supply to them counts as turned over. */
+static void push(gb_sim *sim, const double *impulse) {
+    const gb_model *model = sim->model;
+    memcpy(sim->z2, sim->y, sizeof(double) * (size_t)model->n_total);
+    model->push(sim->par, sim->mode, sim->tau_one, impulse, sim->y);
+    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_tail; i++) {
+        sim->head->turnover += fabs(sim->y[i] - sim->z2[i]);
+    }
+}
+
 /* Impulses where a stop is hit or an unlimited lock slips; slips after it. */
 static int impact(gb_sim *sim) {
     const gb_model *model = sim->model;
@@ -185,7 +195,7 @@ static int impact(gb_sim *sim) {
     for (int i = 0; i < count; i++) {
         whole[index[i]] = p[i];
     }
-    model->push(sim->par, sim->mode, sim->tau_one, whole, sim->y);
+    push(sim, whole);
     slips_now(sim);
     for (int i = 0; i < n; i++) {
         const double lost = fabs(before[i]) > sim->slip_rounding[i] ? fabs(whole[i]) : 0.0;

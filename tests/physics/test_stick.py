@@ -63,3 +63,20 @@ def test_a_capacity_that_dips_to_the_held_torque_is_survived(how: dict[str, Any]
     run = gb.simulate(rig, t_end=7.0, **how)
     assert run["A.w"][-1] == 0.0
     assert abs(run["A.phi"][-1]) < 1e-12
+
+
+@pytest.mark.parametrize("how", METHODS)
+def test_a_shaft_of_prescribed_speed_supplies_the_work_of_the_impacts_on_it(how: dict[str, Any]) -> None:
+    """A ball of 2 kg m2 at -3 rad/s meets a wall that moves on at 1 rad/s, by a plastic impact at t = 1/4 s."""
+    rig = gb.Drivetrain("pushed")
+    ball, wall = rig.add("ball", gb.Inertia(J=2.0, w0=-3.0)), rig.add("wall", gb.Inertia(J=1.0))
+    drive = rig.add("drive", gb.Speed(w=1.0))
+    stop = rig.add("stop", Wall(room=1.0, restitution=0.0))
+    rig.connect(drive.flange, wall.a)
+    rig.connect(stop.a, ball.a)
+    rig.connect(stop.b, wall.b)
+    run = gb.simulate(rig, t_end=1.0, **how)
+    assert run["ball.w"][-1] == 1.0
+    assert run.energy.supplied["drive"] == pytest.approx(2.0 * 4.0 * 1.0, rel=1e-13)  # impulse times speed
+    assert run.energy.dissipated["stop"] == pytest.approx(0.5 * 2.0 * 4.0**2, rel=1e-13)
+    assert run.energy.residual < 1e-14
