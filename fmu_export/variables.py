@@ -108,12 +108,18 @@ def _inputs(program: Program) -> list[Variable]:
 
 def _outputs(program: Program, patterns: str | Sequence[str], taken: set[str]) -> list[Variable]:
     chosen: set[int] = set()
+    unknown = {name for (name,) in program.unknown}
     for pattern in (patterns,) if isinstance(patterns, str) else tuple(patterns):
         found = [i for i, q in enumerate(program.outputs) if matches(q.name, pattern)]
         if not found and pattern != "*":
             near = did_you_mean(pattern, [q.name for q in program.outputs])
             raise UnknownNameError(f"no output of '{program.name}' matches '{pattern}'{near}")
-        chosen.update(found)
+        if pattern in unknown:
+            raise ParameterError(
+                f"outputs: '{pattern}' is not known: its shaft has no inertia, so no equation gives the acceleration; leave "
+                f"it out"
+            )
+        chosen.update(i for i in found if program.outputs[i].name not in unknown)
     table = []
     for position, i in enumerate(sorted(chosen)):
         q = program.outputs[i]

@@ -186,7 +186,13 @@ def hard(
     """The hard-case suite: each case, what is promised, what is measured, what it costs; scipy's solvers beside it."""
     from gearblocks.hard import suite, table
 
-    if not table.run(suite.cases(case or ())):
+    chosen = suite.cases(case or ())
+    try:
+        passed = table.run(chosen)
+    except KeyboardInterrupt:
+        _say("stopped; the rows printed so far stand")
+        passed = False
+    if not passed:
         raise typer.Exit(NO)
 
 

@@ -20,7 +20,15 @@ from gearblocks.means import mean_of_column
 from gearblocks.motions import check_mobility, drive_functions, lay_out_mass
 from gearblocks.printer import c_text
 from gearblocks.program import EnergyInfo, InputInfo, IntegralInfo, Program, SwitchInfo
-from gearblocks.quantities import flange_outputs, follower_infos, moved_infos, shown, start_infos, state_quantities
+from gearblocks.quantities import (
+    flange_outputs,
+    follower_infos,
+    moved_infos,
+    shown,
+    start_infos,
+    state_quantities,
+    unknown_outputs,
+)
 from gearblocks.senses import Sense, order_senses, reads_angles
 from gearblocks.signals import Table
 from gearblocks.symbols import CONSTANT
@@ -357,7 +365,7 @@ def _program(g: Generator, source: str) -> Program:
         tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(state_quantities(g)), tuple(g.switches),
         tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
         tuple(start_infos(g)), g.assembly.structural, tuple(follower_infos(g)),
-        tuple(moved_infos(g)),
+        tuple(moved_infos(g)), tuple(unknown_outputs(g)),
     )  # fmt: skip
 
 

@@ -102,7 +102,7 @@ def _is_open(program: Program, blocks: dict[str, Block], place: int) -> bool:
 
 
 def follow_moved(model: Model, train: Train) -> None:
-    """The same for shafts that something else moves, with what they have at t = 0: start speeds that are not given are found
+    """The same for shafts that something else moves, with what they have at t = 0: start values that are not given are found
     (into model.values). ModelError for given start values that cannot be."""
     blocks: dict[str, Block] = {c.path: c.block for c in train.components}
     given = []
@@ -119,7 +119,8 @@ def follow_moved(model: Model, train: Train) -> None:
     if found is None:
         return  # a run says what is wrong
     if (np.abs(asked - found) > _ROUNDING * np.abs(asked)).any():
-        found = _fitted(model, names, asked, found, blocks)
+        tied = np.array([info.tied for info, *_ in given])
+        found = _fitted(model, names, np.where(tied, asked, found), found, blocks)
     problems = [
         f"'{path}': {output}0 = {value!r}, but {info.by} it: {x:.9g} at t = 0; leave {output}0 out"
         for (info, path, output, value), x in zip(given, found, strict=True)
@@ -140,9 +141,9 @@ def _at_start(model: Model, names: list[str], values: Array) -> Array | None:
 
 
 def _fitted(model: Model, names: list[str], asked: Array, found: Array, blocks: dict[str, Block]) -> Array:
-    """Chooses the start speeds that nobody gives: speeds are linear in them."""
-    speeds = [s.place for s in model.program.starts if s.name.endswith((".w", ".v"))]
-    free = [i for i in dict.fromkeys(speeds) if _is_open(model.program, blocks, i)]
+    """Chooses the start values that nobody gives. One linear step: nonlinear ties may leave a difference."""
+    starts = [s.place for s in model.program.starts if s.name.endswith((".w", ".v", ".phi", ".s"))]
+    free = [i for i in dict.fromkeys(starts) if _is_open(model.program, blocks, i)]
     columns = []
     for i in free:
         moved = model.values.copy()

@@ -114,7 +114,6 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Se
         assembly.group_of_node.append((HELD if root in groups.grounded else number[root], gain))
         if root in groups.grounded:
             assembly.held_offset[node] = groups.grounded[root]
-    _check_given(assembly, given, number)
 
 
 def _along(
@@ -212,17 +211,6 @@ def _given_starts(assembly: Assembly, laws: list[Law]) -> dict[int, str]:
                 node = c.nodes[list(type(c.block).flanges).index(flange)]
                 found.setdefault(assembly.groups.find(node)[0], c.path)
     return found
-
-
-def _check_given(assembly: Assembly, given: dict[int, str], number: dict[int, int]) -> None:
-    """A shaft whose motion is prescribed takes no start values."""
-    driven = {f.group: f.drive for f in assembly.followers if f.drive is not None and not f.drive.by_speed}
-    for root, path in given.items():
-        drive = driven.get(number.get(root, -1))
-        if drive is not None:
-            raise ModelError(
-                f"'{path}' has a start value, but '{drive.path}' prescribes its motion; leave the start value out"
-            )
 
 
 def _through_lossy_ties(assembly: Assembly, laws: list[Law], owners: dict[int, tuple[str, Exact, bool]]) -> None:

@@ -74,7 +74,7 @@ def _owner(path: str, owner: _Declared, leaves: dict[str, Any]) -> dict[str, Any
     fields = {
         name: _value(f"{path}.{name}", owner.__dict__[name], leaves)
         for name, field in kind.fields.items()
-        if owner.__dict__[name] is not None and owner.__dict__[name] != field.default
+        if owner.__dict__[name] != field.default
     }
     return {"type": kind.__name__, **fields}
 

@@ -83,11 +83,13 @@ class FollowerInfo(NamedTuple):
 
 
 class MovedInfo(NamedTuple):
-    """A start value of a shaft that something else moves: its name, the output that tells, and what does it, in words."""
+    """A start value of a shaft that something else moves: its name, the output that tells, and what does it, in words; tied:
+    rigidly, so that others follow from it."""
 
     name: str
     output: str
     by: str
+    tied: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +98,7 @@ class Program:
 
     n, n_padded, n_total: lengths of the state vector as in c/gb_model.h.
     structural: values of parameters that the structure rests on (ratios); another value needs another program.
+    unknown: names of outputs that are NaN: accelerations of shafts without inertia.
     """
 
     name: str
@@ -115,6 +118,7 @@ class Program:
     structural: tuple[tuple[str, float], ...] = ()
     followers: tuple[FollowerInfo, ...] = ()
     moved: tuple[MovedInfo, ...] = ()
+    unknown: tuple[tuple[str], ...] = ()
 
     def to_bytes(self) -> bytes:
         """The program as bytes; its tables go column by column, which is much faster for long trains."""

@@ -111,26 +111,38 @@ def moved_infos(g: Generator) -> Iterator[MovedInfo]:
                 found = causes.get(group, {})
                 names = flange_names(flange in c.sliders)
                 if "speed" in found:
-                    yield MovedInfo(f"{c.path}.{names[1]}", f"{c.path}.{flange}.{names[1]}", found["speed"])
+                    yield MovedInfo(f"{c.path}.{names[1]}", f"{c.path}.{flange}.{names[1]}", *found["speed"])
                 if "angle" in found:
-                    yield MovedInfo(f"{c.path}.{names[0]}", f"{c.path}.{flange}.{names[0]}", found["angle"])
+                    yield MovedInfo(f"{c.path}.{names[0]}", f"{c.path}.{flange}.{names[0]}", *found["angle"])
 
 
-def _causes(g: Generator) -> dict[int, dict[str, str]]:
-    """By group: what moves its speed and its angle, in words."""
+def _causes(g: Generator) -> dict[int, dict[str, tuple[str, bool]]]:
+    """By group: what moves its speed and its angle, in words, and whether a drive does."""
     a, massless = g.assembly, g.massless
-    found: dict[int, dict[str, str]] = {}
+    found: dict[int, dict[str, tuple[str, bool]]] = {}
     for i in range(a.n_hidden):
-        words = "the balance of torques at this shaft without inertia holds"
+        words = "the balance of torques at this shaft without inertia holds", False
         held = massless is not None and not massless.damped[i]
         found[a.n_speeds + i] = {"speed": words} | ({"angle": words} if held else {})
     for f in a.followers:
-        causes: dict[str, str] = {}
+        causes: dict[str, tuple[str, bool]] = {}
         for source in f.sources:
             causes |= found.get(source, {})
         if f.drive is not None:
-            words = f"'{f.drive.path}' moves"
+            words = f"'{f.drive.path}' moves", True
             causes = {"speed": words} | ({} if f.drive.by_speed else {"angle": words})
         if causes:
             found[f.group] = causes
     return found
+
+
+def unknown_outputs(g: Generator) -> Iterator[tuple[str]]:
+    """Outputs that read the acceleration of a shaft without inertia, which no equation gives."""
+    hidden = g.massless.rows if g.massless is not None else {}
+    for code in g.codes if hidden else ():
+        slots = code.law.pool.slots
+        for show, expr in code.shows:
+            read = {slots[x].of for x in expr.free_symbols if x in slots and slots[x].role == "alpha"}
+            for e, c in enumerate(components_of(g, code)):
+                if any(code.batch.groups[f][e] in hidden for f in read if f in code.batch.groups):
+                    yield (f"{c.path}.{show.name}",)

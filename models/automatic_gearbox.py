@@ -21,12 +21,11 @@ Run as a script it draws `automatic_gearbox.png`.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 from typing import Any
 
 import gearblocks as gb
 
-RATIO_SMALL, RATIO_LARGE = Fraction(-76, 30), Fraction(76, 36)
+RATIO_SMALL, RATIO_LARGE = -76 / 30, 76 / 36
 """Ring over sun; negative: two planets between small sun and ring."""
 GEARS = (76 / 30, (76 / 30 + 76 / 36) / (1 + 76 / 36), 1.0, 76 / 36 / (1 + 76 / 36))
 FINAL, T_END = 3.7, 60.0
@@ -146,6 +145,7 @@ def draw(run: gb.Trajectory, path: str) -> None:
     axes[1].plot(run.t, 20 * run["control.gear"], lw=1, label="20 gear")
     for name in ("engine.torque", "converter.torque", "half_shafts.torque"):
         axes[2].plot(run.t, run[name] / (10 if name.startswith("half") else 1), lw=1, label=name)
+    axes[1].set_ylabel("car and gear")
     axes[2].set_ylabel("torque in N m (half shafts: /10)")
     for row, name in enumerate(names):
         mode = run[f"{name}.mode"]
@@ -160,8 +160,9 @@ def draw(run: gb.Trajectory, path: str) -> None:
             )
     axes[3].set_yticks([i + 0.4 for i in range(4)], [name.upper() for name in names])
     axes[3].set_xlabel("time in s")
+    axes[3].set_ylim(-0.2, 4.9)
     for axis in axes:
-        axis.legend(loc="upper right", fontsize=8)
+        axis.legend(loc="upper right", fontsize=8, ncols=3)
     figure.savefig(path, dpi=110)
     plt.close(figure)
 

@@ -113,9 +113,13 @@ class SpeedLoad(Block):
 
         w = s.flange.w
         c0, c1, c2 = s.coeffs
-        drag = c1 * w + c2 * w * sp.Abs(w)
+        size = sp.Piecewise(
+            (w, w >= 0), (-w, True)
+        )  # abs(w) of the drag, with or without a dry part that has a direction
+        drag = c1 * w + c2 * w * size
         yield Stick("", w, c0, engaged=c0)
         yield Acts(s.flange, -drag)
         yield Energy(loss=drag * w)
-        yield Shows("torque", s.flange.tau, "N m", "torque on the flange")
-        yield Shows("loss_power", -s.flange.tau * w, "W", "power taken")
+        direction, _, held = s.stick("")
+        yield Shows("torque", held - direction * c0 - drag, "N m", "torque on the flange")
+        yield Shows("loss_power", (direction * c0 + drag) * w, "W", "power taken")

@@ -337,7 +337,8 @@ static int start_with_modes(gb_sim *sim) {
     return code;
 }
 
-/* Modes at the start: those of time just after it, then those of the state. fresh: its values are those of model->start. */
+/* Modes at the start: those of time just after it, then those of the state. fresh: its values are those of
+ * model->start. */
 int gb_modes_start(gb_sim *sim, int fresh) {
     const gb_model *model = sim->model;
     gb_time_modes(sim, 0);

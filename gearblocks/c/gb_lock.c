@@ -154,6 +154,16 @@ static void note_impact(gb_sim *sim, int i, double impulse, double before, doubl
     gb_log(sim, lock->slip, 2, before, after);
 }
 
+/* Impulses on the locks; what prescribed motions supply to them counts as turned over. */
+static void push(gb_sim *sim, const double *impulse) {
+    const gb_model *model = sim->model;
+    memcpy(sim->z2, sim->y, sizeof(double) * (size_t)model->n_total);
+    model->push(sim->par, sim->mode, sim->tau_one, impulse, sim->y);
+    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_tail; i++) {
+        sim->head->turnover += fabs(sim->y[i] - sim->z2[i]);
+    }
+}
+
 /* Impulses where a stop is hit or an unlimited lock slips; slips after it. */
 static int impact(gb_sim *sim) {
     const gb_model *model = sim->model;
@@ -162,7 +172,10 @@ static int impact(gb_sim *sim) {
     double *b = sim->lock_right, *lo = sim->lock_lo, *hi = sim->lock_hi, *p = sim->lock_force;
     for (int i = 0; i < n; i++) {
         if (takes_impulse(sim, i, &lo[count], &hi[count], &b[count])) {
-            const double w = b[count], rounding = sim->slip_rounding[i];
+            const gb_lock *lock = &model->locks[i];
+            const int met =
+                lock->kind == GB_FRICTION && sim->due[lock->slip] != 0.0; /* its slip has just come to zero */
+            const double w = met ? 0.0 : b[count], rounding = sim->slip_rounding[i];
             struck = struck || (w < -rounding && hi[count] > 0.0) || (w > rounding && lo[count] < 0.0);
             index[count++] = i;
         }
@@ -185,7 +198,7 @@ static int impact(gb_sim *sim) {
     for (int i = 0; i < count; i++) {
         whole[index[i]] = p[i];
     }
-    model->push(sim->par, sim->mode, sim->tau_one, whole, sim->y);
+    push(sim, whole);
     slips_now(sim);
     for (int i = 0; i < n; i++) {
         const double lost = fabs(before[i]) > sim->slip_rounding[i] ? fabs(whole[i]) : 0.0;
@@ -406,12 +419,11 @@ static int keep_solution(gb_sim *sim, int known) {
     return other;
 }
 
-/* All lossy ties that could be at rest are. */
+/* All lossy ties are at rest. */
 static int all_rest(const gb_sim *sim) {
     int rest = 1;
     for (int i = 0; i < sim->model->n_locks; i++) {
-        const int could = sim->model->locks[i].kind == GB_LOSS && sim->base_state[i] == CANDIDATE;
-        rest = rest && (!could || sim->lock_state[i] == CANDIDATE);
+        rest = rest && (sim->model->locks[i].kind != GB_LOSS || sim->lock_state[i] == CANDIDATE);
     }
     return rest;
 }
@@ -496,6 +508,15 @@ static void take_modes(gb_sim *sim) {
     }
 }
 
+/* A switch of lock i was due and nothing came of it: it counts as a flip, so that the same does not come back for ever
+ * where quantities leave their limits no faster than rounding. */
+static int count_vain(gb_sim *sim, int i) {
+    const gb_lock *lock = &sim->model->locks[i];
+    const int slip = sim->due[lock->slip] != 0.0, hold = sim->due[lock->hold] != 0.0;
+    const int code = slip ? gb_count_flip(sim, lock->slip) : GB_DONE;
+    return code == GB_DONE && hold ? gb_count_flip(sim, lock->hold) : code;
+}
+
 /* Events of the locks whose mode is another one than before. */
 static int log_changes(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
@@ -510,6 +531,8 @@ static int log_changes(gb_sim *sim, int log) {
             if (log && code == GB_DONE) {
                 code = gb_count_flip(sim, lock->hold);
             }
+        } else if (log && code == GB_DONE && !sim->struck[i]) {
+            code = count_vain(sim, i);
         }
         if (sim->struck[i]) {
             sim->flip_time[lock->slip] = sim->head->t1;

@@ -101,6 +101,28 @@ static int return_root(gb_sim *sim, int i, double side, double b, double fb, dou
     return code;
 }
 
+/* The lowest point may lie between an end of the step and the sample next to it: where the end, at `low`, has the lower
+ * value (f, at `next` it is `other`), the slope there tells. The root is between `low` and `next`, or stays 2. */
+static int end_dip(gb_sim *sim, int i, double side, double low, double next, double f, double other, double tolerance,
+                   double *root) {
+    if (f < 0.0 || !(f < 0.5 * (other - f))) {
+        return GB_DONE;
+    }
+    const double inside = low + 1e-3 * (next - low);
+    int code = surfaces_at(sim, inside, sim->s);
+    const double there = distance(sim, i, side, sim->s[i]);
+    if (code != GB_DONE || there >= f) {
+        return code;
+    }
+    double x, value;
+    code = true_dip(sim, i, side, gb_min(low, next), inside, gb_max(low, next), there, &x, &value);
+    if (code == GB_DONE && value < 0.0) {
+        const double a = gb_min(low, next), fa = low < next ? f : other;
+        code = true_root(sim, i, side, a, x, fa, value, tolerance, root);
+    }
+    return code;
+}
+
 /* When surface i leaves through its limit `side`. */
 static int first_through(gb_sim *sim, int i, double side, double tolerance, double *first) {
     const int n = sim->model->n_surfaces;
@@ -114,6 +136,12 @@ static int first_through(gb_sim *sim, int i, double side, double tolerance, doub
     }
     const int sitting = f[0] == 0.0;
     const double rounding = gb_limit_rounding(sim, i, 0.0);
+    if (!sitting) {
+        const int code = end_dip(sim, i, side, 0.0, places[1], f[0], f[1], tolerance, first);
+        if (code != GB_DONE || *first <= 1.0) {
+            return code;
+        }
+    }
     for (int l = 1; l < POINTS; l++) {
         if (f[l] < (sitting ? -rounding : 0.0)) {
             if (sitting && l == 1) {
@@ -131,7 +159,7 @@ static int first_through(gb_sim *sim, int i, double side, double tolerance, doub
             }
         }
     }
-    return GB_DONE;
+    return end_dip(sim, i, side, 1.0, places[POINTS - 2], f[POINTS - 1], f[POINTS - 2], tolerance, first);
 }
 
 /* The surfaces [n_affine, n_surfaces); fills root and side. */

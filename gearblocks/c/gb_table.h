@@ -34,8 +34,11 @@ static inline double gb_table_lo(const gb_table *table, double mode) {
     return i < 0 ? -HUGE_VAL : table->x[i] + shift;
 }
 
+/* Of a periodic table to the last digit where the next segment begins. */
 static inline double gb_table_hi(const gb_table *table, double mode) {
     double shift;
+    if (table->periodic)
+        return gb_table_lo(table, mode + 1.0);
     const int i = gb_table_local(table, mode, &shift);
     return i >= table->n - 1 ? HUGE_VAL : table->x[i + 1] + shift;
 }

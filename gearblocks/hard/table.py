@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from gearblocks.hard.suite import Case, Outcome, judge
@@ -16,8 +16,11 @@ WIDTH = 150
 """Columns where the output is no terminal."""
 
 
-def run(cases: Iterable[Case]) -> bool:
-    """Judges the cases and prints a row for each; whether all passed. What was printed stays when it is stopped."""
+def run(cases: Sequence[Case]) -> bool:
+    """Judges the cases and prints a row for each; whether all passed. What was printed stays when it is stopped.
+
+    A terminal shows below which case is at work.
+    """
     from rich.console import Console
 
     console = Console(highlight=False)
@@ -26,7 +29,8 @@ def run(cases: Iterable[Case]) -> bool:
     done: list[Outcome] = []
     try:
         for case in cases:
-            done.append(judge(case))
+            with console.status(f"{case.id}, {len(done) + 1} of {len(cases)}: {_plain(case.title)}"):
+                done.append(judge(case))
             console.print(_row(done[-1], first=len(done) == 1))
     finally:
         _total(console, done)

@@ -57,6 +57,21 @@ def test_fmpy_and_simulate_give_equal_bits(rig: gb.Drivetrain, tmp_path: Path) -
         np.testing.assert_array_equal(result[name], run[name], err_msg=name)
 
 
+def test_the_unknown_acceleration_of_a_shaft_without_inertia_is_left_out(tmp_path: Path) -> None:
+    rig = gb.Drivetrain("row")
+    one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=1.0, phi0=0.3))
+    left, right = rig.add("left", gb.Shaft(k=100.0)), rig.add("right", gb.Shaft(k=200.0))
+    rig.chain(one, left, rig.add("node", gb.Inertia(J=0.0)), right, two)
+    path = fmu_export.export(rig, tmp_path / "row.fmu", rtol=1e-8)
+    result = fmpy.simulate_fmu(str(path), stop_time=0.05, output_interval=1e-3)
+    run = gb.simulate(rig, t=result["time"], rtol=1e-8)
+    assert set(run.names) - set(result.dtype.names) == {"node.alpha"}
+    for name in result.dtype.names[1:]:
+        np.testing.assert_array_equal(result[name], run[name], err_msg=name)
+    with pytest.raises(gb.ParameterError, match=r"'node\.alpha' is not known: its shaft has no inertia"):
+        fmu_export.export(rig, tmp_path / "other.fmu", outputs=["node.alpha"])
+
+
 def test_parameters_set_in_the_fmu_are_those_of_the_train(rig: gb.Drivetrain, tmp_path: Path) -> None:
     path = fmu_export.export(rig, tmp_path / "rig.fmu", outputs=["mesh.*"])
     values = {"mesh.k": 1.5e8, "shaft.k": 1.8e4, "tau": 25.0, "motor.w0": 10.0}

@@ -52,3 +52,16 @@ def dict_of_judges() -> dict[str, suite.Judge]:
     """The table of judges, as one that a test may change."""
     assert isinstance(suite.JUDGES, dict)
     return suite.JUDGES
+
+
+def test_a_suite_that_is_stopped_keeps_its_rows(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(_meter: object) -> list[object]:
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(dict_of_judges(), "H41", stopped)
+    assert main(["hard", "H25", "H41", "H33"]) == 1
+    shown = capsys.readouterr()
+    assert re.search(r"^H25 .*pass", shown.out, re.M) and "1 of 1 passed" in shown.out
+    assert "H33" not in shown.out and "stopped" in shown.err

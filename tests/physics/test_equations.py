@@ -78,6 +78,8 @@ def _train(name):
 def _by_symbols(rig, model, t, state):
     """Accelerations by name of the angle, and rates of the states of blocks, from the equations for reading."""
     eq = rig.equations()
+    forward = {r.path: float(state[f"{r.path.replace('load', 'c')}.w"]) > 0 for r in eq.rubs}
+    eq = eq.in_modes({path: 1 if ahead else -1 for path, ahead in forward.items()})
     values = {p.path: v for p, v in zip(model.program.parameters, model.values, strict=True)}
     values |= {i.name: i.start for i in model.program.inputs}
     values |= {f"{c.path}.{field}": x for c in rig.train().components for field, x, _ in numbers_of(c.block, "")}
@@ -86,6 +88,7 @@ def _by_symbols(rig, model, t, state):
     known |= {v: state[f"{v.name.removeprefix('w_')}.w"] for v in eq.v}
     known |= dict.fromkeys(eq.states, state.get("one.stiffness_variation.angle"))
     known[clock()] = t
+    eq = eq.in_modes({rub.path: 1 if _number(rub.sliding, known) > 0 else -1 for rub in eq.rubs})
     forcing = sp.Matrix([_number(e, known) for e in eq.expanded])
     mass = eq.mass_matrix.applyfunc(lambda e: _number(e, known))
     rates = [float(_number(e, known)) for e in eq.states.values()]

@@ -181,6 +181,18 @@ BLOCKS = {
     "SplineCoupling": gb.SplineCoupling(teeth=12, radius=1.5, k=300.0, backlash=gb.Backlash(half_gap=0.02)),
     "Torque": gb.Torque(tau=sp.Piecewise((P, gb.time < 0.3), (gb.Table([0, 1], [2, 3]), True)) * gb.sense("one.w")),
     "SpeedLoad": gb.SpeedLoad(coeffs=(0.1, 0.2, P)),
+    "Clutch": gb.Clutch(capacity=P * (1 + gb.sin(5 * gb.time)), peak=1.2),
+    "Clutch over slip": gb.Clutch(mu=gb.Table([0, 2], [0.5, 0.4]), force_max=4.0, engagement=P, geometry=1.5),
+    "Brake": gb.Brake(mu=0.4, force_max=4.0, engagement=gb.sense("one.w")),
+    "BearingFriction": gb.BearingFriction(coulomb=0.1, viscous=P, stribeck=gb.Stribeck(rise=0.1, speed=0.5)),
+    "BearingFriction of a table": gb.BearingFriction(torque=gb.Table([0, 2], [0.5, 0.4]), peak=1.1),
+    "OneWayClutch": gb.OneWayClutch(mu=0.4, force_max=4.0, engagement=P - gb.time),
+    "Freewheel": gb.Freewheel(),
+    "DogClutch": gb.DogClutch(engaged=gb.time - 0.5),
+    "Synchronizer": gb.Synchronizer(capacity=P, engaged=gb.Input("ask", 1.0)),
+    "HardStop": gb.HardStop(lower=-0.3, upper=P, restitution=0.5),
+    "Shaft with inner friction": gb.Shaft(k=200.0, hysteresis=gb.Hysteresis(friction=1.0, stiffness=P)),
+    "Lash that hits": gb.Lash(k=1.0, half_gap=0.1, contact_damping=gb.HuntCrossley(restitution=0.5)).changed(k=None),
 }  # fmt: skip
 
 

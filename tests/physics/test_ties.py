@@ -419,6 +419,19 @@ def test_a_start_speed_that_a_prescribed_speed_contradicts_is_refused() -> None:
     assert (run["disc.w"][0], run["disc.phi"][0]) == (2.0, 0.5)
 
 
+def test_start_values_on_a_shaft_whose_angle_is_prescribed_must_be_those_that_it_has() -> None:
+    """Relative to its housing, the motor starts at 0 with 2 rad/s: the housing takes over what the shaft is given."""
+    rig = gb.Drivetrain("told")
+    drive, shaft = rig.add("drive", gb.Angle(phi=2 * gb.time)), rig.add("shaft", gb.Inertia(J=1.0, phi0=0.3, w0=5.0))
+    rig.connect(drive.flange, shaft.a)
+    with pytest.raises(gb.ModelError, match=r"'shaft': w0 = 5.0, but 'drive' moves it: 2 at t = 0; leave w0 out"):
+        gb.build(rig)
+    rig.connect(drive.housing, rig.add("stator", gb.Inertia(J=4.0)).a)
+    run = gb.simulate(rig, t_end=0.1)
+    start = [run[name][0] for name in ("shaft.phi", "shaft.w", "stator.phi", "stator.w")]
+    assert start == pytest.approx([0.3, 5.0, 0.3, 3.0], abs=1e-14)
+
+
 def test_the_angle_that_springs_give_a_shaft_without_inertia_cannot_be_given_otherwise() -> None:
     rig = gb.Drivetrain("row")
     one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=1.0, phi0=0.3))

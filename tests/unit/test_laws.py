@@ -30,6 +30,14 @@ PASSIVE = {
     "a gap of every tooth": gb.SplineCoupling(
         teeth=3, radius=0.03, k=1e8, c=10.0, backlash=gb.Backlash(gaps=(1e-5, 3e-5, 2e-5))
     ),
+    "clutch": gb.Clutch(mu=gb.Table([0, 1], [0.5, 0.4]), force_max=3.0, engagement=gb.time),
+    "bearing": gb.BearingFriction(coulomb=1.0, viscous=0.1, stribeck=gb.Stribeck(rise=0.3, speed=2.0)),
+    "one way clutch": gb.OneWayClutch(mu=0.5, force_max=3.0, engagement=gb.time),
+    "synchroniser": gb.Synchronizer(capacity=gb.time, engaged=gb.time),
+    "stops": gb.HardStop(lower=-1.0, upper=1.0, restitution=0.5),
+    "rolling vehicle": gb.Vehicle(mass=1e3, wheel_radius=0.3, drag_area=0.7, rolling=0.01),
+    "dry slider": gb.Shaft(k=1e3, hysteresis=gb.Hysteresis(friction=1.0)),
+    "slider and spring": gb.Shaft(k=1e3, c=1.0, hysteresis=gb.Hysteresis(friction=1.0, stiffness=1e2)),
     "impacts": gb.Lash(k=1e3, half_gap=0.1, contact_damping=gb.HuntCrossley(restitution=0.5)),
     **{
         f"tooth friction, {flank}, {transition}": gb.GearMesh(
