@@ -284,6 +284,12 @@ static double rate_rounding(const gb_sim *sim, int i, double size) {
     return gb_max(1e-10 * size, 256.0 * DBL_EPSILON * sim->lock_size[i] * sim->fastest);
 }
 
+/* No force of lock i changes its slip, which grows all the same: time prescribes the motion of both sides. */
+static int cannot_hold(const gb_sim *sim, int i) {
+    const double own = sim->response[i * sim->model->n_locks + i];
+    return sim->model->locks[i].kind == GB_FRICTION && !(own > 0.0) && sim->lock_bare[i] != 0.0;
+}
+
 /* The candidates against each other: forces within their limits that keep them from slipping. Those that slip all the
  * same slide from here; returns how many. */
 static int decide(gb_sim *sim, int *code) {
@@ -292,6 +298,11 @@ static int decide(gb_sim *sim, int *code) {
     int *index = sim->lock_index, count = 0, lost = 0;
     double *lo = sim->lock_lo, *hi = sim->lock_hi, *b = sim->lock_right, *x = sim->lock_force;
     for (int i = 0; i < n; i++) {
+        if (sim->lock_state[i] == CANDIDATE && cannot_hold(sim, i)) {
+            sim->lock_state[i] = SLIDES;
+            sim->mode[model->locks[i].slip] = sim->lock_bare[i] > 0.0 ? 1.0 : -1.0;
+            lost++;
+        }
         if (sim->lock_state[i] == CANDIDATE) {
             const double *limit = sim->limit + 5 * i, keep = 1.0 - sim->shrink[i];
             const int bounded = model->locks[i].kind != GB_LOSS;

@@ -114,10 +114,20 @@ static int may_dip(double width, double fa, double fb, double da, double db) {
     return lowest < 0.1 * width * gb_max(-da, db);
 }
 
+/* It sits on the limit and leaves it no faster than rounding, but bends to the right side, as a slip does after a
+ * smooth break-away. */
+static int starts_level(const gauge *g, const gauge_samples *at) {
+    double most = 0.0;
+    for (int l = 0; l < GB_EIGHTHS; l++) {
+        most = gb_max(most, fabs(at->value[l + 1]));
+    }
+    return g->sitting && at->value[0] > -1e-9 * most && at->slope[0] > 0.0;
+}
+
 /* The first theta at which the gauge turns negative, or 2. */
 static double gauge_first(const gauge *g, const gauge_samples *at, double tolerance) {
     const double width = 1.0 / GB_EIGHTHS;
-    if (at->value[0] < 0.0) {
+    if (at->value[0] < 0.0 && !starts_level(g, at)) {
         return 0.0;
     }
     for (int l = 0; l < GB_EIGHTHS; l++) {
