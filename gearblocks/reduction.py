@@ -41,10 +41,7 @@ def reduction(point: Point, n: int) -> Reduction | None:
     if not point.sim.locks().places:
         return None
     held = point.held_rows()
-    none = np.zeros(0, dtype=np.intp)
-    rows = Rows(np.zeros((0, n)), none, none, np.zeros((0, 0)))
-    if held is not None:
-        rows = _conditions(point, held, motion(point), n)
+    rows = reduced(np.zeros((0, n))) if held is None else _conditions(point, held, motion(point), n)
     return Reduction(rows.kept, rows.basis())
 
 

@@ -209,10 +209,8 @@ def held_torques(rubs: Sequence[Rub], mass: Any, forcing: Any, q: Sequence[Any],
     own = G[rows, :]
     answer = _over(M, sp.Matrix.hstack(bare, F))
     free, response = own * answer[:, :1] + besides[rows, :], own * answer[:, 1:]
-    if len(rows) < len(rubs):  # the smallest of all that do
-        forces = -response.T * (response * response.T).LUsolve(free)
-    else:
-        forces = -response.LUsolve(free)
+    shared = len(rows) < len(rubs)  # then the smallest of all that do
+    forces = -response.T * (response * response.T).LUsolve(free) if shared else -response.LUsolve(free)
     return [sp.factor_terms(sp.together(x)) for x in forces]
 
 

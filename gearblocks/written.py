@@ -54,9 +54,9 @@ class Equations:
     def in_modes(self, modes: Mapping[str, float]) -> Equations:
         """The equations while friction and stops are in these modes, as events and outputs show them: {"clutch": 0}.
 
-        Of friction 0 stuck, 1 and -1 sliding, 2 free; of a stop 1 closed, 0 open; of a tie with losses the sign of its torque. The torque of what is stuck or closed is
-        defined as what keeps its slip at 0 (the smallest ones where several share a load); those that are not named
-        stay symbols. Raises ParameterError for a name or mode that does not exist.
+        Of friction 0 stuck, 1 and -1 sliding, 2 free; of a stop 1 closed, 0 open; of a tie with losses the sign of its
+        torque. The torque of what is stuck or closed is defined as what keeps its slip at 0 (the smallest ones where several
+        share a load); those that are not named stay symbols. Raises ParameterError for a name or mode that does not exist.
         """
         found = wanted(self.rubs, modes)
         given = {r: found[r.path] for r in self.rubs if r.path in found}

@@ -5,7 +5,9 @@
  * implicit steps are tried; if they get long enough to pay, the implicit method stays. It goes when explicit steps at
  * the limit of stability would be cheaper. What a change must pay grows with the changes of late, so that near
  * break-even there are few of them. Where very many steps are still to come, a trial is made whatever the reason of
- * their size. Every try that fails and every change back makes the next look come later. */
+ * their size. Where that many steps are to come that the run would hardly end, one of them is a leap over vibrations
+ * whose energy is nothing beside that of the train. Every try that fails and every change back makes the next look come
+ * later. */
 #include "gb_internal.h"
 #include "gb_sparse.h"
 
@@ -13,6 +15,10 @@ enum { FIRST_LOOKS = 8, GAP = 16, LONGEST_GAP = 1024, TRIAL = 4, CALM = 256 };
 
 /* So many steps still to come at the present pace that a trial is worth its cost whatever the reason of the pace. */
 static const double MANY_STEPS = 2e4;
+
+/* So many that a leap is tried; fastest rate times size of a leap, and from which product on a shaft counts as leapt.
+ */
+static const double HOPELESS = 1e6, LEAP = 1e4, LEAPT = 30.0;
 
 /* Step size times fastest rate at which explicit steps are at the limit of stability, and where a look is worth it. */
 static double stability(const gb_sim *sim) {
@@ -42,8 +48,13 @@ static double fastest_rate(gb_sim *sim, double h) {
         if (mass[u] > 0.0) {
             const double s1 = once[u] / mass[u] - 1.0, s2 = twice[u] / mass[u] - 1.0;
             const double b = fabs(0.5 * s2 - s1), a = fabs(2.0 * s1 - 0.5 * s2), under = 0.25 * a * a - b;
-            most = gb_max(most, under > 0.0 ? 0.5 * a + sqrt(under) : sqrt(b));
+            const double rate = under > 0.0 ? 0.5 * a + sqrt(under) : sqrt(b);
+            most = gb_max(most, rate);
+            sim->leap_rate[u] = rate / h;
+        } else {
+            sim->leap_rate[u] = 0.0;
         }
+        sim->leap_mass[u] = mass[u];
     }
     return most / h;
 }
@@ -107,9 +118,46 @@ static void decide(gb_sim *sim, double h) {
     }
 }
 
+/* Energy of the vibrations that a leap of size h drops: of every shaft so fast that it swings many times within. */
+static double dropped_energy(const gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    double sum = 0.0;
+    for (int i = model->n - model->n_speeds; i < model->n; i++) {
+        const double rate = sim->leap_rate[i - model->n_simple], mass = sim->leap_mass[i - model->n_simple];
+        const double change = sim->z[i] - sim->y0[i], swing = rate > 0.0 ? sim->k1[i] / rate : 0.0;
+        sum += rate * h > LEAPT ? 0.5 * mass * (change * change + swing * swing) : 0.0;
+    }
+    return sum;
+}
+
+/* log2 of the error of a leap in units of the tolerance: its estimate, smoothed once more, so that what the leap damps
+ * does not count (Hairer and Wanner 1996, section IV.8); too large where the energy that is dropped is seen at that
+ * tolerance. */
+double gb_leap_error(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const double *last = sim->k + (size_t)(sim->method->stages - 1) * (size_t)model->n_total;
+    double *error = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total, worst = 1e-30, energy = 0.0;
+    memcpy(error, last, sizeof(double) * (size_t)model->n_padded);
+    gb_stiff_response(sim, error);
+    for (int i = 0; i < model->n; i++) {
+        worst = gb_max(worst, h * fabs(error[i]) * sim->weight[i]);
+    }
+    model->energies(sim->par, sim->mode, sim->tau, sim->y0, sim->energy);
+    for (int i = 0; i < model->n_energies; i++) {
+        energy += fabs(sim->energy[i]);
+    }
+    const double rtol = sim->head->options.rtol;
+    return dropped_energy(sim, h) > rtol * rtol * energy ? 100.0 : log2(worst);
+}
+
 /* A step of a trial is rejected; h as above, and the step size to go on with. */
 double gb_auto_rejected(gb_sim *sim, double h) {
     gb_head *head = sim->head;
+    if (head->leap) {
+        head->leap = 0;
+        head->trial = 2;
+        h = 0.0; /* it does not pay */
+    }
     if (head->trial > 1 && --head->trial == 1) {
         decide(sim, h);
         return sim->method->gamma > 0.0 ? h : head->h_next;
@@ -122,6 +170,7 @@ int gb_auto_look(gb_sim *sim, double limit) {
     gb_head *head = sim->head;
     const long long count = head->steps + head->rejected - head->steps_look;
     const double span = head->t1 - head->t_look, mean = span / (double)(count > 0 ? count : 1);
+    head->leap = 0;
     if (head->trial > 1 && --head->trial == 1) {
         decide(sim, head->h_next);
     }
@@ -160,7 +209,8 @@ int gb_auto_look(gb_sim *sim, double limit) {
         head->trial = TRIAL + 1;
         head->h_pays = margin(head) * cost * mean;
         head->h_explicit = head->h_next;
-        change_method(sim, GB_RODAS, cost * mean);
+        head->leap = slow && head->looks % 2 == 0 && limit - head->t1 > HOPELESS * mean;
+        change_method(sim, GB_RODAS, head->leap ? gb_min(LEAP / rate, 1e-3 * (limit - head->t1)) : cost * mean);
         note(head);
     }
     return GB_DONE;

@@ -82,6 +82,7 @@ typedef struct gb_head {
     int method; /* that of the next step */
     /* GB_AUTO: */
     int automatic, explicit_method;
+    int leap;                      /* the next step is a leap */
     int trial;                     /* > 1: tries of implicit steps until it is decided, less one */
     int looks, gap;                /* how often it was considered of late, and how many steps there are between */
     long long look_at, steps_look; /* the next look; steps, rejected ones too, at the last one */
@@ -136,6 +137,7 @@ struct gb_sim {
     double *root, *side;
     double *diag, *inverse, *lower, *upper, *kept; /* the matrix of an implicit step */
     double *work, *unknown;
+    double *leap_rate, *leap_mass; /* by unknown, at the last look */
     int *colour, *link, n_colours; /* by unknown; by simple state and colour: the unknown in its rate, or -1 */
     double *gain;                  /* and one over its factor */
     double stiff_h;                /* the step size it was made for */
@@ -223,6 +225,7 @@ void gb_stiff_response(gb_sim *sim, double *change);
 void gb_auto_start(gb_sim *sim);
 int gb_auto_look(gb_sim *sim, double limit);
 double gb_auto_rejected(gb_sim *sim, double h);
+double gb_leap_error(gb_sim *sim, double h);
 
 /* gb_control.c: weights and step sizes. */
 void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial);

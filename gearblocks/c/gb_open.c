@@ -117,7 +117,8 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
     sim->tau = doubles(base, &at, (long)GB_LANES * m->n_time);
     sim->tau_one = doubles(base, &at, (long)GB_LANES * m->n_time);
     if (m->pattern) {
-        double **const by_unknown[] = {&sim->diag, &sim->inverse, &sim->work, &sim->unknown};
+        double **const by_unknown[] = {&sim->diag,    &sim->inverse,   &sim->work,
+                                       &sim->unknown, &sim->leap_rate, &sim->leap_mass};
         for (size_t i = 0; i < sizeof by_unknown / sizeof by_unknown[0]; i++) {
             *by_unknown[i] = doubles(base, &at, m->pattern->n);
         }

@@ -150,7 +150,7 @@ static double judge(gb_sim *sim, double h) {
         if (head->h_weights == 0.0 || h > 2.0 * head->h_weights || head->poor || old) {
             gb_weights_refresh(sim, h, sim->tau, head->poor || head->steps == 0 ? sim->z : NULL);
         }
-        error = gb_log_error(sim, h);
+        error = head->leap ? gb_leap_error(sim, h) : gb_log_error(sim, h);
     }
     error += gb_taint(sim->z, implicit ? model->n_padded : model->n_total);
     if (error <= 0.0) {

@@ -33,15 +33,13 @@ def stiffness_ratio(meter: Meter) -> Iterator[Check]:
 def node_of_tiny_inertia(meter: Meter) -> Iterator[Check]:
     """Two springs of 2 in a row are one of 1, whether the node between has J = 1e-12 or none.
 
-    The words leave the start of the node open. It is that of a node without inertia, 0.5 rad/s: started from rest the node
-    swings by 0.5 rad/s at 2e6 rad/s for ever, a part of the motion that no tolerance lets a solver leave out.
+    From rest the node swings by 0.5 rad/s at 2e6 rad/s, with 1e-13 of the energy of the train.
     """
     w, t = math.sqrt(2.0), np.linspace(0.0, 20.0, 201)
     for J in (0.0, 1e-12):
-        node = gb.Inertia(J=J, w0=0.5) if J else gb.Inertia(J=J)
         rig = line(
             "tiny node",
-            ("one", gb.Inertia(J=1.0)), ("left", gb.Shaft(k=2.0)), ("node", node),
+            ("one", gb.Inertia(J=1.0)), ("left", gb.Shaft(k=2.0)), ("node", gb.Inertia(J=J)),
             ("right", gb.Shaft(k=2.0)), ("two", gb.Inertia(J=1.0, w0=1.0)),
         )  # fmt: skip
         run = meter.simulate(rig, t=t)
