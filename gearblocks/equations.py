@@ -146,8 +146,8 @@ class _Writer:
 
         tie = None if stick.losses is None else self._symbol(c, Slot("friction", str(stick.partner)), "", {})
         lost = {
-            (mode, drives): -of(stick.losses[0 if drives else 2], mode) * tie - mode * of(stick.losses[1 if drives else 3], mode)
-            for mode in (1, -1) for drives in (True, False)
+            (mode, drives): -of(stick.losses[first], mode) * tie - mode * of(stick.losses[first + 1], mode)
+            for mode in (1, -1) for drives, first in ((True, 0), (False, 2))
         } if stick.losses is not None else None  # fmt: skip
         return Rub(
             f"{c.path}.{stick.name}".rstrip("."), symbol("friction"), slip, stick.slip.xreplace(replace), of(stick.lower, 0),
