@@ -145,10 +145,10 @@ class _Writer:
             )
 
         tie = None if stick.losses is None else self._symbol(c, Slot("friction", str(stick.partner)), "", {})
-        lost = None if stick.losses is None else {
-            (mode, i == 0): -of(stick.losses[i], mode) * tie - mode * of(stick.losses[i + 1], mode)
-            for mode in (1, -1) for i in (0, 2)
-        }  # fmt: skip
+        lost = {
+            (mode, drives): -of(stick.losses[first], mode) * tie - mode * of(stick.losses[first + 1], mode)
+            for mode in (1, -1) for drives, first in ((True, 0), (False, 2))
+        } if stick.losses is not None else None  # fmt: skip
         return Rub(
             f"{c.path}.{stick.name}".rstrip("."), symbol("friction"), slip, stick.slip.xreplace(replace), of(stick.lower, 0),
             of(stick.upper, 0), of(stick.forward, 1), of(stick.backward, -1), of(stick.engaged, 0),

@@ -104,10 +104,15 @@ int gb_settle(gb_sim *sim, int log) {
 /* What sticks, and what else flips because of it. */
 static int settle_with_locks(gb_sim *sim, int log) {
     int code = GB_DONE;
-    if (sim->model->n_locks > 0) {
+    uint64_t modes = ~sim->head->modes;
+    for (int round = 0; round < GB_FLIPS && sim->model->n_locks > 0 && code == GB_DONE; round++) {
         code = gb_settle_locks(sim, log);
+        modes = sim->head->modes;
         if (code == GB_DONE && (!log || sim->head->options.locate)) {
             code = gb_settle(sim, log);
+        }
+        if (modes == sim->head->modes) {
+            break;
         }
     }
     return code;

@@ -7,15 +7,13 @@
  */
 #include "gb_lock.h"
 #include "gb_internal.h"
+#include "gb_locks.h"
 
-/* Decided about a lock: */
-enum { FREE, OPEN, SLIDES, CANDIDATE };
-
-static int is_stuck(const gb_sim *sim, int i) {
+int gb_is_stuck(const gb_sim *sim, int i) {
     return sim->mode[sim->model->locks[i].hold] > 0.5;
 }
 
-static int is_stop(const gb_sim *sim, int i) {
+int gb_is_stop(const gb_sim *sim, int i) {
     return sim->model->locks[i].kind == GB_STOP;
 }
 
@@ -25,10 +23,10 @@ static double shown_mode(const gb_sim *sim, int i) {
     if (lock->kind == GB_STOP || lock->kind == GB_TIE) {
         return sim->mode[lock->hold];
     }
-    return is_stuck(sim, i) ? 0.0 : sim->mode[lock->slip] == 0.0 ? 2.0 : sim->mode[lock->slip];
+    return gb_is_stuck(sim, i) ? 0.0 : sim->mode[lock->slip] == 0.0 ? 2.0 : sim->mode[lock->slip];
 }
 
-static int is_unlimited(const gb_sim *sim, int i) {
+int gb_is_unlimited(const gb_sim *sim, int i) {
     const double *limit = sim->limit + 5 * i;
     return sim->model->locks[i].kind != GB_LOSS && limit[0] <= -HUGE_VAL && limit[1] >= HUGE_VAL;
 }
@@ -84,7 +82,7 @@ int gb_project(gb_sim *sim, const double *tau) {
 }
 
 /* Slips at the front, and what is no more than rounding of each. */
-static void slips_now(gb_sim *sim) {
+void gb_slips_now(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int first = model->n - model->n_speeds;
     model->slips(sim->par, sim->mode, sim->tau_one, sim->y, NULL, sim->slip);
@@ -98,12 +96,13 @@ static void slips_now(gb_sim *sim) {
 }
 
 /* The gap of a stop is closed: it has just been met, or has no width. */
-static int touches(const gb_sim *sim, int i) {
+int gb_touches(const gb_sim *sim, int i) {
     const gb_lock *lock = &sim->model->locks[i];
-    return is_stuck(sim, i) || sim->due[lock->slip] != 0.0 || sim->on[lock->slip] == -1.0 || sim->s[lock->slip] <= 0.0;
+    return gb_is_stuck(sim, i) || sim->due[lock->slip] != 0.0 || sim->on[lock->slip] == -1.0 ||
+           sim->s[lock->slip] <= 0.0;
 }
 
-static int does_rub(const gb_sim *sim, int i) {
+int gb_does_rub(const gb_sim *sim, int i) {
     const gb_lock *lock = &sim->model->locks[i];
     if (lock->kind != GB_FRICTION) {
         return 1;
@@ -114,102 +113,6 @@ static int does_rub(const gb_sim *sim, int i) {
     return sim->mode[lock->free] < 0.5 && (sim->on[lock->free] != 0.0 || sim->limit[5 * i + 4] > 0.0);
 }
 
-/* Stops whose impacts follow on each other within what can be told apart come to rest. */
-static double restitution(const gb_sim *sim, int i) {
-    const gb_head *head = sim->head;
-    const double pause = head->t1 - sim->flip_time[sim->model->locks[i].slip];
-    return pause <= 64.0 * gb_rounding(head->t1, head->h) ? 0.0 : sim->limit[5 * i + 2];
-}
-
-/* Bounds of the impulse of lock i and the slip that it must undo; 0: it takes no part. */
-static int takes_impulse(const gb_sim *sim, int i, double *lo, double *hi, double *undo) {
-    const double slip = sim->slip[i], *limit = sim->limit + 5 * i;
-    *lo = limit[0] <= -HUGE_VAL ? -HUGE_VAL : 0.0;
-    *hi = limit[1] >= HUGE_VAL ? HUGE_VAL : 0.0;
-    *undo = slip;
-    if (!does_rub(sim, i) || sim->model->locks[i].kind == GB_LOSS || (*lo == 0.0 && *hi == 0.0)) {
-        return 0;
-    }
-    if (is_stop(sim, i)) {
-        *undo = slip < -sim->slip_rounding[i] ? slip * (1.0 + restitution(sim, i)) : slip;
-        return touches(sim, i);
-    }
-    return 1;
-}
-
-/* What an impact did to lock i: its loss, states and event. */
-static void note_impact(gb_sim *sim, int i, double impulse, double before, double after) {
-    const gb_lock *lock = &sim->model->locks[i];
-    const double lost = -0.5 * impulse * (before + after);
-    if (lock->impulse >= 0) {
-        sim->y[lock->impulse] = impulse;
-    }
-    if (lock->impacts >= 0) {
-        sim->y[lock->impacts] += 1.0;
-    }
-    if (lock->loss >= 0) {
-        sim->y[lock->loss] += lost;
-        sim->head->turnover += fabs(lost);
-    }
-    gb_log(sim, lock->slip, 2, before, after);
-}
-
-/* Impulses on the locks; what prescribed motions supply to them counts as turned over. */
-static void push(gb_sim *sim, const double *impulse) {
-    const gb_model *model = sim->model;
-    memcpy(sim->z2, sim->y, sizeof(double) * (size_t)model->n_total);
-    model->push(sim->par, sim->mode, sim->tau_one, impulse, sim->y);
-    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_tail; i++) {
-        sim->head->turnover += fabs(sim->y[i] - sim->z2[i]);
-    }
-}
-
-/* Impulses where a stop is hit or an unlimited lock slips; slips after it. */
-static int impact(gb_sim *sim) {
-    const gb_model *model = sim->model;
-    const int n = model->n_locks;
-    int *index = sim->lock_index, count = 0, struck = 0;
-    double *b = sim->lock_right, *lo = sim->lock_lo, *hi = sim->lock_hi, *p = sim->lock_force;
-    for (int i = 0; i < n; i++) {
-        if (takes_impulse(sim, i, &lo[count], &hi[count], &b[count])) {
-            const gb_lock *lock = &model->locks[i];
-            const int met =
-                lock->kind == GB_FRICTION && sim->due[lock->slip] != 0.0; /* its slip has just come to zero */
-            const double w = met ? 0.0 : b[count], rounding = sim->slip_rounding[i];
-            struck = struck || (w < -rounding && hi[count] > 0.0) || (w > rounding && lo[count] < 0.0);
-            index[count++] = i;
-        }
-    }
-    if (!struck) {
-        return GB_DONE;
-    }
-    model->pulls(sim->par, sim->mode, sim->tau_one, sim->y, 0, sim->response);
-    for (int i = 0; i < count; i++) {
-        for (int j = 0; j < count; j++) {
-            sim->lock_matrix[i * count + j] = sim->response[index[i] * n + index[j]];
-        }
-    }
-    if (!gb_lock_box(count, sim->lock_matrix, b, lo, hi, p)) {
-        return gb_fail(sim, GB_ERR_BRANCH, model->locks[index[0]].slip, sim->head->t1, b[0]);
-    }
-    double *whole = sim->lock_other, *before = sim->lock_before;
-    memset(whole, 0, sizeof(double) * (size_t)n);
-    memcpy(before, sim->slip, sizeof(double) * (size_t)n);
-    for (int i = 0; i < count; i++) {
-        whole[index[i]] = p[i];
-    }
-    push(sim, whole);
-    slips_now(sim);
-    for (int i = 0; i < n; i++) {
-        const double lost = fabs(before[i]) > sim->slip_rounding[i] ? fabs(whole[i]) : 0.0;
-        if (lost > 0.0 && (is_stop(sim, i) || is_unlimited(sim, i) || !is_stuck(sim, i))) {
-            note_impact(sim, i, whole[i], before[i], sim->slip[i]);
-        }
-        sim->struck[i] = lost > 0.0;
-    }
-    return GB_DONE;
-}
-
 /* What each lock could do, by its slip alone; what slides gets its direction. */
 static void sort_by_slip(gb_sim *sim, int impacted) {
     const gb_model *model = sim->model;
@@ -217,19 +120,19 @@ static void sort_by_slip(gb_sim *sim, int impacted) {
         const gb_lock *lock = &model->locks[i];
         const double slip = sim->slip[i], rounding = sim->slip_rounding[i];
         const int due = lock->kind != GB_STOP && sim->due[lock->slip] != 0.0 && !impacted;
-        const int zero = fabs(slip) <= rounding || due || (is_stuck(sim, i) && !impacted);
+        const int zero = fabs(slip) <= rounding || due || (gb_is_stuck(sim, i) && !impacted);
         int *state = &sim->lock_state[i];
         sim->mode[lock->slip] = lock->kind == GB_TIE ? sim->mode[lock->slip] : 0.0;
-        if (!does_rub(sim, i)) {
-            *state = FREE;
+        if (!gb_does_rub(sim, i)) {
+            *state = GB_FREE;
         } else if (lock->kind == GB_STOP) {
-            const int rests = fabs(slip) <= rounding || (is_stuck(sim, i) && !impacted) ||
+            const int rests = fabs(slip) <= rounding || (gb_is_stuck(sim, i) && !impacted) ||
                               (sim->struck[i] && fabs(slip) <= 1e-9 * fabs(sim->lock_before[i]));
-            *state = touches(sim, i) && rests ? CANDIDATE : OPEN;
-        } else if (zero || is_unlimited(sim, i)) {
-            *state = CANDIDATE;
+            *state = gb_touches(sim, i) && rests ? GB_CANDIDATE : GB_IS_OPEN;
+        } else if (zero || gb_is_unlimited(sim, i)) {
+            *state = GB_CANDIDATE;
         } else {
-            *state = SLIDES;
+            *state = GB_SLIDES;
             sim->mode[lock->slip] = slip > 0.0 ? 1.0 : -1.0;
         }
     }
@@ -260,7 +163,7 @@ static void release_due(gb_sim *sim) {
     const gb_model *model = sim->model;
     for (int i = 0; i < model->n_locks; i++) {
         const gb_lock *lock = &model->locks[i];
-        if (sim->lock_state[i] != CANDIDATE || sim->due[lock->hold] == 0.0) {
+        if (sim->lock_state[i] != GB_CANDIDATE || sim->due[lock->hold] == 0.0) {
             continue;
         }
         const double held = sim->lock_other[i], *limit = sim->limit + 5 * i;
@@ -273,15 +176,21 @@ static void release_due(gb_sim *sim) {
             continue;
         }
         const int upper = held - limit[1] > limit[0] - held;
-        sim->lock_state[i] = lock->kind == GB_STOP ? OPEN : SLIDES;
+        sim->lock_state[i] = lock->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
         sim->mode[lock->slip] = lock->kind == GB_STOP ? 0.0 : upper ? -1.0 : 1.0;
         sim->released[i] = 1;
     }
 }
 
 /* What cannot be told from zero in a slip acceleration whose terms add up to `size`. */
-static double rate_rounding(const gb_sim *sim, int i, double size) {
+double gb_rate_rounding(const gb_sim *sim, int i, double size) {
     return gb_max(1e-10 * size, 256.0 * DBL_EPSILON * sim->lock_size[i] * sim->fastest);
+}
+
+/* No force of lock i changes its slip, which grows all the same: time prescribes the motion of both sides. */
+static int cannot_hold(const gb_sim *sim, int i) {
+    const double own = sim->response[i * sim->model->n_locks + i];
+    return sim->model->locks[i].kind == GB_FRICTION && !(own > 0.0) && sim->lock_bare[i] != 0.0;
 }
 
 /* The candidates against each other: forces within their limits that keep them from slipping. Those that slip all the
@@ -292,7 +201,12 @@ static int decide(gb_sim *sim, int *code) {
     int *index = sim->lock_index, count = 0, lost = 0;
     double *lo = sim->lock_lo, *hi = sim->lock_hi, *b = sim->lock_right, *x = sim->lock_force;
     for (int i = 0; i < n; i++) {
-        if (sim->lock_state[i] == CANDIDATE) {
+        if (sim->lock_state[i] == GB_CANDIDATE && cannot_hold(sim, i)) {
+            sim->lock_state[i] = GB_SLIDES;
+            sim->mode[model->locks[i].slip] = sim->lock_bare[i] > 0.0 ? 1.0 : -1.0;
+            lost++;
+        }
+        if (sim->lock_state[i] == GB_CANDIDATE) {
             const double *limit = sim->limit + 5 * i, keep = 1.0 - sim->shrink[i];
             const int bounded = model->locks[i].kind != GB_LOSS;
             lo[count] = bounded && limit[0] > -HUGE_VAL ? keep * limit[0] : -HUGE_VAL;
@@ -317,8 +231,8 @@ static int decide(gb_sim *sim, int *code) {
             w += sim->lock_matrix[i * count + j] * x[j];
             size += fabs(sim->lock_matrix[i * count + j] * x[j]);
         }
-        if (fabs(w) > rate_rounding(sim, index[i], size) && (x[i] <= lo[i] || x[i] >= hi[i])) {
-            sim->lock_state[index[i]] = lock->kind == GB_STOP ? OPEN : SLIDES;
+        if (fabs(w) > gb_rate_rounding(sim, index[i], size) && (x[i] <= lo[i] || x[i] >= hi[i])) {
+            sim->lock_state[index[i]] = lock->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
             sim->mode[lock->slip] = lock->kind == GB_STOP ? 0.0 : w > 0.0 ? 1.0 : -1.0;
             sim->shrink[index[i]] = 0.0;
             lost++;
@@ -329,7 +243,7 @@ static int decide(gb_sim *sim, int *code) {
 }
 
 /* Candidates that cannot be held slide, until all others can. */
-static int weigh(gb_sim *sim) {
+int gb_weigh(gb_sim *sim) {
     int code = GB_DONE;
     for (int round = 0; code == GB_DONE && round <= sim->model->n_locks; round++) {
         code = bare_accelerations(sim);
@@ -344,7 +258,7 @@ static int weigh(gb_sim *sim) {
 }
 
 /* The force on lock i after `weigh`, and its slip acceleration with all of them. */
-static double weighed_force(const gb_sim *sim, int i) {
+double gb_weighed_force(const gb_sim *sim, int i) {
     for (int j = 0; j < sim->lock_count; j++) {
         if (sim->lock_index[j] == i) {
             return sim->lock_force[j];
@@ -353,7 +267,7 @@ static double weighed_force(const gb_sim *sim, int i) {
     return 0.0;
 }
 
-static double weighed_rate(const gb_sim *sim, int i, double *size) {
+double gb_weighed_rate(const gb_sim *sim, int i, double *size) {
     double rate = sim->lock_bare[i];
     *size = fabs(rate);
     for (int j = 0; j < sim->lock_count; j++) {
@@ -364,141 +278,21 @@ static double weighed_rate(const gb_sim *sim, int i, double *size) {
     return rate;
 }
 
-/* Options of a lossy tie: 0 at rest; else the direction in which it slides and the sign of the force that it carries.
- */
-static void take_option(gb_sim *sim, int i, int option) {
-    const gb_lock *loss = &sim->model->locks[i], *tie = &sim->model->locks[loss->partner];
-    sim->lock_state[i] = option == 0 ? CANDIDATE : SLIDES;
-    sim->mode[loss->slip] = option == 0 ? 0.0 : option <= 2 ? 1.0 : -1.0;
-    sim->mode[tie->slip] = option % 2 == 0 ? -1.0 : 1.0;
-}
-
-static int is_option(const gb_sim *sim, int i, int option) {
-    const gb_lock *loss = &sim->model->locks[i], *tie = &sim->model->locks[loss->partner];
-    const double direction = option <= 2 ? 1.0 : -1.0, sign = option % 2 == 0 ? -1.0 : 1.0;
-    if (sim->base_state[i] != CANDIDATE) {
-        const int left = sim->due[tie->slip] != 0.0 && sim->base_sign[i] == sign;
-        return option > 0 && sim->base_mode[i] == direction && !left;
-    }
-    return option > 0 || !sim->released[i];
-}
-
-/* What was assumed about a lossy tie is what came of it. */
-static int holds_true(gb_sim *sim, int i) {
-    const gb_lock *loss = &sim->model->locks[i], *tie = &sim->model->locks[loss->partner];
-    const double carried = weighed_force(sim, loss->partner);
-    double size;
-    const double rate = weighed_rate(sim, i, &size);
-    if (sim->lock_state[i] == CANDIDATE) {
-        const double held = weighed_force(sim, i);
-        const double excess = gb_lock_loss_excess(sim->limit + 5 * i, carried, held);
-        sim->mode[tie->slip] = carried >= 0.0 ? 1.0 : -1.0;
-        return excess <= 1e-10 * (fabs(held) + fabs(carried));
-    }
-    const int j = loss->partner;
-    const double response = fabs(sim->response[j * sim->model->n_locks + j]);
-    const int fits = sim->mode[tie->slip] * carried * response >= -rate_rounding(sim, j, 0.0);
-    return fits && (sim->base_state[i] != CANDIDATE || sim->mode[loss->slip] * rate >= -rate_rounding(sim, i, size));
-}
-
-/* Keeps the modes and slip accelerations of a solution; 1: another one was kept before. */
-static int keep_solution(gb_sim *sim, int known) {
-    const gb_model *model = sim->model;
-    int other = 0;
-    for (int i = 0; i < model->n_locks; i++) {
-        double size;
-        const double rate = weighed_rate(sim, i, &size);
-        other = other ||
-                (known && fabs(rate - sim->best_rate[i]) > 1e3 * rate_rounding(sim, i, size + fabs(sim->best_rate[i])));
-        if (!known) {
-            sim->best_rate[i] = rate;
-            sim->best_state[i] = sim->lock_state[i];
-            sim->best_mode[i] = sim->mode[model->locks[i].slip];
-        }
-    }
-    return other;
-}
-
-/* All lossy ties are at rest. */
-static int all_rest(const gb_sim *sim) {
-    int rest = 1;
-    for (int i = 0; i < sim->model->n_locks; i++) {
-        rest = rest && (sim->model->locks[i].kind != GB_LOSS || sim->lock_state[i] == CANDIDATE);
-    }
-    return rest;
-}
-
-/* Every combination of options of the lossy ties; the one that holds true is taken. */
-static int weigh_lossy(gb_sim *sim) {
-    const gb_model *model = sim->model;
-    int n_found = 0, last = -1, code = GB_DONE;
-    for (int i = 0; i < model->n_locks; i++) {
-        const gb_lock *lock = &model->locks[i];
-        sim->base_state[i] = sim->lock_state[i];
-        sim->base_mode[i] = sim->mode[lock->slip];
-        sim->base_sign[i] = lock->kind == GB_LOSS ? sim->mode[model->locks[lock->partner].slip] : 0.0;
-        sim->option[i] = 0;
-        last = lock->kind == GB_LOSS ? i : last;
-    }
-    for (int more = 1; more && code == GB_DONE;) {
-        int wanted = 1;
-        for (int i = 0; i < model->n_locks; i++) {
-            wanted = wanted && (model->locks[i].kind != GB_LOSS || is_option(sim, i, sim->option[i]));
-        }
-        for (int i = 0; i < model->n_locks && wanted; i++) {
-            sim->lock_state[i] = sim->base_state[i];
-            if (model->locks[i].kind != GB_TIE) {
-                sim->mode[model->locks[i].slip] = sim->base_mode[i];
-            }
-        }
-        for (int i = 0; i < model->n_locks && wanted; i++) {
-            if (model->locks[i].kind == GB_LOSS) {
-                take_option(sim, i, sim->option[i]);
-            }
-        }
-        code = wanted ? weigh(sim) : GB_DONE;
-        for (int i = 0; i < model->n_locks && wanted; i++) {
-            wanted = model->locks[i].kind != GB_LOSS || holds_true(sim, i);
-        }
-        if (wanted && code == GB_DONE && keep_solution(sim, n_found++ > 0)) {
-            return gb_fail(sim, GB_ERR_LOSS, model->locks[last].slip, sim->head->t1, 2.0);
-        }
-        more = 0;
-        if (wanted && all_rest(sim)) {
-            break; /* nothing begins to slide that can stay at rest */
-        }
-        for (int i = 0; i < model->n_locks && !more; i++) {
-            if (model->locks[i].kind == GB_LOSS) {
-                sim->option[i] = (sim->option[i] + 1) % 5;
-                more = sim->option[i] != 0;
-            }
-        }
-    }
-    if (code == GB_DONE && n_found == 0) {
-        return gb_fail(sim, GB_ERR_LOSS, model->locks[last].slip, sim->head->t1, 0.0);
-    }
-    for (int i = 0; i < model->n_locks && code == GB_DONE; i++) {
-        sim->lock_state[i] = sim->best_state[i];
-        sim->mode[model->locks[i].slip] = sim->best_mode[i];
-    }
-    return code;
-}
-
 /* The limits that belong to the new modes, and where switches sit on them. */
 static void take_modes(gb_sim *sim) {
     const gb_model *model = sim->model;
     for (int i = 0; i < model->n_locks; i++) {
         const gb_lock *lock = &model->locks[i];
         const double direction = sim->mode[lock->slip];
-        sim->mode[lock->hold] = sim->lock_state[i] == CANDIDATE;
+        sim->mode[lock->hold] = sim->lock_state[i] == GB_CANDIDATE;
         sim->on[lock->hold] = 0.0;
         if (lock->kind == GB_TIE) {
             sim->on[lock->slip] = sim->due[lock->slip] != 0.0 ? -direction : 0.0;
         } else if (lock->kind == GB_STOP) {
-            sim->on[lock->slip] = sim->lock_state[i] == OPEN && touches(sim, i) ? -1.0 : 0.0;
+            sim->on[lock->slip] = sim->lock_state[i] == GB_IS_OPEN && gb_touches(sim, i) ? -1.0 : 0.0;
         } else {
             const int sits =
-                sim->lock_state[i] == SLIDES &&
+                sim->lock_state[i] == GB_SLIDES &&
                 (sim->released[i] || fabs(sim->slip[i]) <= sim->slip_rounding[i] || sim->due[lock->slip] != 0.0);
             sim->on[lock->slip] = sits ? -direction : 0.0;
         }
@@ -556,19 +350,11 @@ static void look_back(gb_sim *sim) {
     model->holding(sim->par, sim->mode, sim->tau_one, sim->look, sim->lock_other, sim->lock_force);
 }
 
-static int has_lossy(const gb_sim *sim) {
-    int found = 0;
-    for (int i = 0; i < sim->model->n_locks; i++) {
-        found = found || sim->model->locks[i].kind == GB_LOSS;
-    }
-    return found;
-}
-
 /* A capacity that comes down to zero at a corner and stays there crosses nothing: its lock is free all the same. */
 static void free_the_idle(gb_sim *sim) {
     for (int i = 0; i < sim->model->n_locks; i++) {
         const int free = sim->model->locks[i].free;
-        if (free >= 0 && sim->mode[free] < 0.5 && !does_rub(sim, i)) {
+        if (free >= 0 && sim->mode[free] < 0.5 && !gb_does_rub(sim, i)) {
             gb_set_mode(sim, free, 1.0, 0);
         }
     }
@@ -624,14 +410,14 @@ int gb_settle_locks(gb_sim *sim, int log) {
     double *held = sim->lock_old;
     memcpy(held, sim->lock_other, sizeof(double) * (size_t)model->n_locks);
     for (int i = 0; i < model->n_locks; i++) {
-        if (is_stuck(sim, i) && model->locks[i].kind != GB_TIE && !is_stop(sim, i)) {
+        if (gb_is_stuck(sim, i) && model->locks[i].kind != GB_TIE && !gb_is_stop(sim, i)) {
             sim->mode[model->locks[i].slip] = 0.0;
         }
     }
     model->limits(sim->par, sim->mode, sim->tau_one, sim->look, sim->limit);
     free_the_idle(sim);
-    slips_now(sim);
-    code = impact(sim);
+    gb_slips_now(sim);
+    code = gb_impact(sim);
     int impacted = 0;
     for (int i = 0; i < model->n_locks; i++) {
         impacted = impacted || sim->struck[i];
@@ -641,7 +427,7 @@ int gb_settle_locks(gb_sim *sim, int log) {
     memcpy(sim->lock_other, held, sizeof(double) * (size_t)model->n_locks);
     release_due(sim);
     if (code == GB_DONE) {
-        code = has_lossy(sim) ? weigh_lossy(sim) : weigh(sim);
+        code = gb_has_lossy(sim) ? gb_weigh_lossy(sim) : gb_weigh(sim);
     }
     if (sim->look != sim->y && code == GB_DONE) {
         code = gb_columns_at(sim, sim->head->t1);

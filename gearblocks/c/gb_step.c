@@ -4,6 +4,9 @@
 /* log2 of the error of the states, in units of the tolerance, below which the ledger may need shorter steps. */
 static const double QUIET = -14.0;
 
+/* Another try with a shorter step, and how often in one step. */
+enum { AGAIN = 100, MOST_AGAIN = 8 };
+
 /* Inputs and time columns at `lanes` instants; the last instant fills the lanes that are left. */
 int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau) {
     for (int l = lanes; l < GB_LANES; l++) {
@@ -70,8 +73,8 @@ static double energy_exchange(const gb_sim *sim) {
     return sum;
 }
 
-/* Takes the step over: the front moves to its end or to the first event inside it. */
-static int accept(gb_sim *sim, double end) {
+/* Takes the step over: the front moves to its end or to the first event inside it. AGAIN: it was too long for that. */
+static int accept(gb_sim *sim, double end, int may_shorten) {
     const gb_model *model = sim->model;
     gb_head *head = sim->head;
     const double from = head->t1;
@@ -82,6 +85,9 @@ static int accept(gb_sim *sim, double end) {
         const int code = gb_watch(sim, &theta);
         if (code != GB_DONE) {
             return code;
+        }
+        if (sim->untold && !(head->options.step > 0.0) && may_shorten) {
+            return AGAIN;
         }
     }
     if (theta <= 1.0) {
@@ -233,7 +239,7 @@ int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
     const double limit = gb_min(head->t_break, stop);
-    int rejected = 0, tainted = 0, code = sim->model->n_counted > 0 ? gb_turns_wrap(sim, 1) : GB_DONE;
+    int rejected = 0, tainted = 0, again = 0, code = sim->model->n_counted > 0 ? gb_turns_wrap(sim, 1) : GB_DONE;
     gb_copy(sim->y0, sim->y, sim->model->n_total);
     head->have_dense = head->have_tail = 0;
     head->h = 0.0;
@@ -260,7 +266,17 @@ int gb_step(gb_sim *sim, double stop) {
         const double error = code == GB_DONE ? judge(sim, size) : NAN;
         if (error <= 0.0) {
             propose(sim, error, size, h, rejected);
-            return accept(sim, end);
+            code = accept(sim, end, again < MOST_AGAIN);
+            if (code != AGAIN) {
+                return code;
+            }
+            code = GB_DONE;
+            again++;
+            head->have_dense = 0;
+            head->rejected++;
+            rejected = 1;
+            h = 0.25 * size;
+            continue;
         }
         head->rejected++;
         rejected = 1;

@@ -1,6 +1,7 @@
 /* Surfaces that are not affine in the state (or need a rate): sampled at their true values along the step. */
 #include "gb_internal.h"
 
+enum { CLOSEST = 7 };             /* halvings of a quarter of a step, in search of a dip of a held force */
 enum { POINTS = GB_EIGHTHS + 2 }; /* the start, one close to it, and the eighths */
 
 static const double places[POINTS] = {0.0, 0.03125, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
@@ -123,8 +124,56 @@ static int end_dip(gb_sim *sim, int i, double side, double low, double next, dou
     return code;
 }
 
-/* When surface i leaves through its limit `side`. */
-static int first_through(gb_sim *sim, int i, double side, double tolerance, double *first) {
+/* Does a held force reach its limit between samples at a, m and b that are far apart beside what its limits do? Looks
+ * closer until what bends is small beside the distance to the limit. */
+static int look_closer(gb_sim *sim, int i, double side, double a, double b, const double *f, double bend, int depth,
+                       double tolerance, double *first) {
+    const double least = gb_min(gb_min(f[0], f[1]), f[2]), most = gb_max(gb_max(f[0], f[1]), f[2]);
+    const double rough = gb_max(fabs(f[0] - 2.0 * f[1] + f[2]), bend), width = 0.25 * (b - a);
+    if (depth == 0 || rough <= 0.5 * least || rough <= 1e-9 * most) {
+        return GB_DONE;
+    }
+    double at[5] = {f[0], 0.0, f[1], 0.0, f[2]};
+    for (int q = 1; q < 4; q += 2) {
+        const int code = surfaces_at(sim, a + q * width, sim->s);
+        at[q] = distance(sim, i, side, sim->s[i]);
+        if (code != GB_DONE || at[q] < 0.0) {
+            const double x = a + (q - 1) * width;
+            return code != GB_DONE ? code : true_root(sim, i, side, x, x + width, at[q - 1], at[q], tolerance, first);
+        }
+    }
+    const double off = fabs(at[1] - (0.375 * f[0] + 0.75 * f[1] - 0.125 * f[2]));
+    for (int half = 0; half < 2 && *first > 1.0; half++) {
+        const double from = a + 2.0 * half * width;
+        const int code =
+            look_closer(sim, i, side, from, from + 2.0 * width, at + 2 * half, 0.25 * off, depth - 1, tolerance, first);
+        if (code != GB_DONE) {
+            return code;
+        }
+    }
+    return GB_DONE;
+}
+
+/* The quarters of the step before *first for a held force. */
+static int look_at_hold(gb_sim *sim, int i, double side, const double *f, double tolerance, double *first) {
+    /* how far the sample at 1/32 lies off the parabola through those at 0, 1/8 and 1/4: samples alone could all be
+     * equal */
+    const double bend = fabs(f[1] - (21.0 * f[0] + 14.0 * f[2] - 3.0 * f[3]) / 32.0);
+    for (int l = 0; l < 4 && 0.25 * (l + 1) <= *first; l++) {
+        double earlier = 2.0;
+        const double three[3] = {l == 0 ? f[0] : f[2 * l + 1], f[2 * l + 2], f[2 * l + 3]};
+        const int code =
+            look_closer(sim, i, side, 0.25 * l, 0.25 * l + 0.25, three, bend, CLOSEST, tolerance, &earlier);
+        if (code != GB_DONE || earlier <= 1.0) {
+            *first = gb_min(*first, earlier);
+            return code;
+        }
+    }
+    return GB_DONE;
+}
+
+/* When surface i leaves through its limit `side`, by its samples. */
+static int first_seen(gb_sim *sim, int i, double side, double tolerance, double *first) {
     const int n = sim->model->n_surfaces;
     double f[POINTS];
     *first = 2.0;
@@ -162,6 +211,39 @@ static int first_through(gb_sim *sim, int i, double side, double tolerance, doub
     return end_dip(sim, i, side, 1.0, places[POINTS - 2], f[POINTS - 1], f[POINTS - 2], tolerance, first);
 }
 
+/* The same; of a held force also between samples. */
+static int first_through(gb_sim *sim, int i, double side, double tolerance, double *first) {
+    const int n = sim->model->n_surfaces;
+    double f[POINTS];
+    const int code = first_seen(sim, i, side, tolerance, first);
+    if (code != GB_DONE || sim->role[i] != GB_LOCKED || side < 0.0 || sim->hi[i] >= HUGE_VAL) {
+        return code;
+    }
+    for (int l = 0; l < POINTS; l++) {
+        f[l] = distance(sim, i, side, sim->samples[(size_t)l * (size_t)n + (size_t)i]);
+    }
+    return f[0] > 0.0 ? look_at_hold(sim, i, side, f, tolerance, first) : code;
+}
+
+/* The step is so long that the samples do not tell what the force of held lock switch i does, which could reach its
+ * limit: what bends between samples is no small part of what changes at all. A train at rest has no other reason for
+ * its steps. */
+static int is_untold(const gb_sim *sim, int i) {
+    const int n = sim->model->n_surfaces;
+    double least = HUGE_VAL, most = -HUGE_VAL, bend = 0.0, f[POINTS];
+    for (int l = 0; l < POINTS; l++) {
+        f[l] = distance(sim, i, 1.0, sim->samples[(size_t)l * (size_t)n + (size_t)i]);
+        least = gb_min(least, f[l]);
+        most = gb_max(most, f[l]);
+    }
+    for (int l = 3; l + 1 < POINTS; l++) {
+        bend = gb_max(bend, fabs((l == 3 ? f[2] : f[l - 1]) - 2.0 * f[l] + f[l + 1]));
+    }
+    const double start = fabs(f[1] - (21.0 * f[0] + 14.0 * f[2] - 3.0 * f[3]) / 32.0);
+    const double range = gb_max(most - least, start);
+    return least < 2.0 * range && gb_max(bend, 4.0 * start) > 0.3 * range;
+}
+
 /* The surfaces [n_affine, n_surfaces); fills root and side. */
 int gb_watch_general(gb_sim *sim) {
     const gb_model *model = sim->model;
@@ -172,6 +254,7 @@ int gb_watch_general(gb_sim *sim) {
     for (int l = 1; l < POINTS && code == GB_DONE; l++) {
         code = surfaces_at(sim, places[l], sim->samples + (size_t)l * (size_t)n);
     }
+    sim->untold = 0;
     for (int i = model->n_affine; i < n && code == GB_DONE; i++) {
         double low = 2.0, high = 2.0;
         code = first_through(sim, i, -1.0, tolerance, &low);
@@ -180,6 +263,7 @@ int gb_watch_general(gb_sim *sim) {
         }
         sim->root[i] = gb_min(low, high);
         sim->side[i] = low < high ? -1.0 : 1.0;
+        sim->untold = sim->untold || (sim->role[i] == GB_LOCKED && sim->hi[i] == 0.0 && is_untold(sim, i));
     }
     return code;
 }

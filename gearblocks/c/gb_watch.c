@@ -114,10 +114,41 @@ static int may_dip(double width, double fa, double fb, double da, double db) {
     return lowest < 0.1 * width * gb_max(-da, db);
 }
 
+/* It sits on the limit and leaves it no faster than rounding, but bends to the right side, as a slip does after a
+ * smooth break-away. */
+static int starts_level(const gauge *g, const gauge_samples *at) {
+    double most = 0.0;
+    for (int l = 0; l < GB_EIGHTHS; l++) {
+        most = gb_max(most, fabs(at->value[l + 1]));
+    }
+    return g->sitting && at->value[0] > -1e-9 * most && at->slope[0] > 0.0;
+}
+
+/* A quantity that sits on its limit and is beyond it at b may have moved inside first, however shortly: looked for ever
+ * closer to the start. Its return, or 0 where it was never inside. */
+static double gauge_return(const gauge *g, double b, double fb, double tolerance) {
+    double slope;
+    for (double a = 0.25 * b; a > tolerance; a *= 0.25) {
+        const double fa = gauge_at(g, a, &slope);
+        if (fa > 0.0) {
+            return gauge_root(g, a, b, fa, fb, tolerance);
+        }
+        b = a;
+        fb = fa;
+    }
+    return 0.0;
+}
+
 /* The first theta at which the gauge turns negative, or 2. */
 static double gauge_first(const gauge *g, const gauge_samples *at, double tolerance) {
     const double width = 1.0 / GB_EIGHTHS;
-    if (at->value[0] < 0.0) {
+    if (g->sitting && at->slope[0] > 0.0 && at->value[1] < 0.0) {
+        const double back = gauge_return(g, width, at->value[1], tolerance);
+        if (back > 0.0) {
+            return back;
+        }
+    }
+    if (at->value[0] < 0.0 && !starts_level(g, at)) {
         return 0.0;
     }
     for (int l = 0; l < GB_EIGHTHS; l++) {

@@ -80,3 +80,12 @@ def test_a_shaft_of_prescribed_speed_supplies_the_work_of_the_impacts_on_it(how:
     assert run.energy.supplied["drive"] == pytest.approx(2.0 * 4.0 * 1.0, rel=1e-13)  # impulse times speed
     assert run.energy.dissipated["stop"] == pytest.approx(0.5 * 2.0 * 4.0**2, rel=1e-13)
     assert run.energy.residual < 1e-14
+
+
+@pytest.mark.parametrize("how", METHODS)
+def test_a_break_away_that_lasts_far_shorter_than_a_step_is_found(how: dict[str, Any]) -> None:
+    """The capacity is below the torque for 0.03 s, in steps of seconds: away and stuck again."""
+    rig = shaft(3.0, plate=Plate(capacity=4 + (1 + 1e-4) * sp.cos(gb.time)))
+    run = gb.simulate(rig, t_end=7.0, **how)
+    assert [(e.before, e.after) for e in run.events] == [(0.0, -1.0), (-1.0, 0.0)]
+    assert run["A.w"][-1] == 0.0
