@@ -58,7 +58,8 @@ def variables_of(
 ) -> tuple[Variable, ...]:
     """All variables of the FMU: solver, parameters, inputs, outputs, and start values of the states where given.
 
-    An output that shares its name with a parameter or an input is shown as NAME_output.
+    An output that shares its name with a tunable parameter or an input is shown as NAME_output; a start value that shares
+    its name with an output, as those of states that a block shows do, is NAME.start.
     start: state vector to start from. Its entries take the place of the start parameters, which would have no effect
     beside them. Raises ParameterError where two variables would carry one name.
     """
@@ -90,12 +91,14 @@ def _solver(program: Program, solver: SolverOptions) -> list[Variable]:
 
 def _parameters(program: Program, values: NDArray[np.float64], tunable_only: bool) -> list[Variable]:
     chosen = [(i, p) for i, p in enumerate(program.parameters) if p.tunable or not tunable_only]
+    shown = {q.name for q in program.outputs}
     table = []
     for position, (i, p) in enumerate(chosen):
         value = float(values[i])
         if not math.isfinite(value):
             raise ParameterError(f"parameter '{p.path}' = {value!r} {p.unit} must be finite")
-        table.append(Variable(p.path, "parameter", position, i, p.unit, p.words, value, p.lower, p.upper, p.tunable))
+        name = p.path if p.tunable or p.path not in shown else f"{p.path}.start"
+        table.append(Variable(name, "parameter", position, i, p.unit, p.words, value, p.lower, p.upper, p.tunable))
     return table
 
 

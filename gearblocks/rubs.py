@@ -95,6 +95,12 @@ class Rub:
         values = (sp.Integer(direction), sp.Integer(held), self.torque if held else sp.Integer(0))
         return dict(zip(self.shown, values, strict=True))
 
+    def meanings(self) -> tuple[str, str, str]:
+        """Words for the symbols of direction, stuck and held torque."""
+        direction = ": sign of the torque" if self.kind == "tie" else ": 1 while it slides forward, -1 backward, else 0"
+        held = "closed" if self.is_stop else "stuck"
+        return direction, f": 1 while {held}, else 0", f": the torque while {held}, else 0"
+
     # -- in words -----------------------------------------------------------------------------------------------------
 
     def cases(self) -> Iterator[Any]:
@@ -157,9 +163,12 @@ class Rub:
         yield Sentence(("impact as the gap closes: ", self.slip, " becomes ", rebound))
 
 
-def in_order(rubs: Sequence[Rub]) -> list[Any]:
-    """The cases of all of them."""
-    return [line for rub in rubs for line in rub.cases()]
+def in_order(rubs: Sequence[Rub], used: set[Any]) -> list[Any]:
+    """The cases of all of them, and what the symbols of their modes mean that are among those used."""
+    meaning = [
+        Sentence((x, words)) for rub in rubs for x, words in zip(rub.shown, rub.meanings(), strict=True) if x in used
+    ]
+    return [line for rub in rubs for line in rub.cases()] + meaning
 
 
 def wanted(rubs: Sequence[Rub], modes: Mapping[str, float]) -> dict[str, int]:

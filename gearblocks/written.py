@@ -140,6 +140,12 @@ class Equations:
             found.append(sp.Eq(ContactSide(x, b), sp.Piecewise((1, x > b), (-1, x < -b), (0, True)), evaluate=False))
         return found
 
+    def _used(self) -> set[Any]:
+        """Symbols of everything that is written out beside the cases of friction."""
+        parts = [*self.forcing, *self.states.values(), *self.definitions.values()]
+        rubs = [e for r in self.rubs for e in r.expressions()]
+        return {x for e in [*parts, *rubs] for x in sp.sympify(e).free_symbols}
+
     def sections(self) -> list[tuple[str, list[Any]]]:
         """(heading, equations) in the order for reading."""
         rates = [sp.Eq(sp.Symbol(f"{s.name}'", real=True), e, evaluate=False) for s, e in self.states.items()]
@@ -147,7 +153,7 @@ class Equations:
         meaning = [sp.Eq(x, e, evaluate=False) for x, e in self.coordinates.items()] if relative else []
         parts = [
             ("Angle form", self.angle_form()),
-            ("Friction and stops", in_order(self.rubs)),
+            ("Friction and stops", in_order(self.rubs, self._used())),
             ("States of blocks", rates),
             ("taken at an event and held", [sp.Eq(s, e, evaluate=False) for s, e in self.held.items()]),
             ("where", [sp.Eq(s, e, evaluate=False) for s, e in self.definitions.items()]),

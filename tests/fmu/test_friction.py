@@ -25,14 +25,14 @@ def _lock_up() -> gb.Drivetrain:
 
 
 def _busy() -> gb.Drivetrain:
-    """A clutch that a sine engages and lets go, a brake with a peak, and a stop that throws a disc back."""
+    """A clutch that a sine engages and lets go, a brake with a peak, and a stop."""
     rig = gb.Drivetrain("busy")
     one, two, three = (rig.add(n, gb.Inertia(J=J)) for n, J in (("one", 0.3), ("two", 0.5), ("three", 0.2)))
     drive = rig.add("drive", gb.Torque(tau=6.0 + 9.0 * gb.sin(5.0 * gb.time) + gb.Input("extra")))
     clutch = gb.Clutch(mu=gb.Table([0.0, 20.0], [0.4, 0.3]), force_max=20.0, engagement=gb.sin(3.0 * gb.time), peak=1.1)
     rig.chain(drive, one, rig.add("clutch", clutch), two, rig.add("shaft", gb.Shaft(k=300.0, c=0.4)), three)
     rig.connect(rig.add("brake", gb.Brake(capacity=2.0, peak=1.5)).a, two.a)
-    rig.connect(rig.add("stop", gb.HardStop(lower=-0.5, upper=0.8, restitution=0.4)).a, three.a)
+    rig.connect(rig.add("stop", gb.HardStop(lower=-0.5, upper=0.8, restitution=0.0)).a, three.a)
     return rig
 
 
@@ -74,7 +74,7 @@ def test_heat_of_a_lock_up_does_not_depend_on_the_communication_step(tmp_path: P
         heat, rel=1e-4
     )  # of a sampled ramp
     run = gb.simulate(_lock_up(), t=np.linspace(0.0, 2.0, 201))
-    assert run.energy.dissipated["clutch"][-1] == pytest.approx(heat, rel=1e-9)
+    assert run.energy.dissipated["clutch"] == pytest.approx(heat, rel=1e-9)
 
 
 @pytest.mark.parametrize(("make", "at"), [(_lock_up, 1.32), (_busy, 0.31)])

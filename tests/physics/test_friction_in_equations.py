@@ -145,6 +145,35 @@ def test_friction_is_written_as_a_torque_with_its_cases():
     assert "stuck, <math" in equations_page(eq)
 
 
+def test_what_a_law_reads_of_friction_is_explained():
+    rig = gb.Drivetrain("read")
+    one, two = rig.add("one", gb.Inertia(J=2.0)), rig.add("two", gb.Inertia(J=3.0))
+    rig.chain(one, rig.add("clutch", gb.Clutch(capacity=5.0)), two)
+    text = str(rig.equations())
+    assert "phi_rel_clutch' = (1 - stuck_clutch)" in text
+    assert "stuck_clutch: 1 while stuck, else 0" in text
+
+
+def test_the_losses_of_a_gear_are_written_by_direction_of_the_power_and_are_those_of_the_c():
+    rig = gb.Drivetrain("lossy")
+    one, two = rig.add("one", gb.Inertia(J=1.0, w0=2.0)), rig.add("two", gb.Inertia(J=3.0, w0=1.0))
+    gear = rig.add("gear", gb.LossyGear(ratio=2.0, efficiency=(0.9, 0.8), bearing=(0.1, 0.2)))
+    rig.chain(rig.add("drive", gb.Torque(tau=10.0)), one, gear, two, rig.add("load", gb.Torque(tau=-5.0)))
+    eq = rig.equations()
+    assert "drives, w_rel_gear_loss > 0 and T_gear_tie >= 0: T_gear_loss = " in str(eq)
+    values = {f"{c.path}.{field}": x for c in rig.train().components for field, x, _ in numbers_of(c.block, "")}
+    known = {s: values[p] for s, p in eq.parameters.items()}
+    found = eq.in_modes({"gear.tie": 1, "gear.loss": 1})
+    alpha = [
+        float(f.xreplace(known) / J.xreplace(known))
+        for f, J in zip(found.expanded, eq.mass_matrix.diagonal(), strict=True)
+    ]
+    run = gb.simulate(rig, t_end=0.1)
+    assert alpha == pytest.approx([run["one.alpha"][0], run["two.alpha"][0]], rel=1e-12)
+    with pytest.raises(gb.ParameterError, match=r"'gear\.loss' and 'gear\.tie' belong together"):
+        eq.in_modes({"gear.loss": 1})
+
+
 def test_the_torque_that_holds_two_stuck_discs_together_is_that_of_the_textbook():
     rig = gb.Drivetrain("pair")
     one, two = rig.add("one", gb.Inertia(J=2.0)), rig.add("two", gb.Inertia(J=3.0))
