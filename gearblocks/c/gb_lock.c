@@ -154,6 +154,31 @@ static void note_impact(gb_sim *sim, int i, double impulse, double before, doubl
     gb_log(sim, lock->slip, 2, before, after);
 }
 
+/* Locks that no force can break must not be asked for slips that contradict each other (two of them between a shaft of
+ * prescribed speed and the ground): after the forces x, or impulses, nothing may be left of b where x is inside its
+ * limits. */
+static int refuse_tie_up(gb_sim *sim, int count) {
+    const double *b = sim->lock_right, *x = sim->lock_force;
+    double most = 0.0;
+    for (int i = 0; i < count; i++) {
+        most = gb_max(most, fabs(b[i]));
+    }
+    for (int i = 0; i < count; i++) {
+        double left = b[i], size = fabs(b[i]);
+        for (int j = 0; j < count; j++) {
+            const double part = sim->lock_matrix[i * count + j] * x[j];
+            left += part;
+            size += fabs(part);
+        }
+        const int unlimited = sim->lock_lo[i] <= -HUGE_VAL && sim->lock_hi[i] >= HUGE_VAL;
+        if (unlimited && fabs(left) > 1e-4 * most + 1e-12 * size) {
+            const int lock = sim->lock_index[i];
+            return gb_fail(sim, GB_ERR_BRANCH, sim->model->locks[lock].slip, sim->head->t1, left);
+        }
+    }
+    return GB_DONE;
+}
+
 /* Impulses on the locks; what prescribed motions supply to them counts as turned over. */
 static void push(gb_sim *sim, const double *impulse) {
     const gb_model *model = sim->model;
@@ -191,6 +216,9 @@ static int impact(gb_sim *sim) {
     }
     if (!gb_lock_box(count, sim->lock_matrix, b, lo, hi, p)) {
         return gb_fail(sim, GB_ERR_BRANCH, model->locks[index[0]].slip, sim->head->t1, b[0]);
+    }
+    if (refuse_tie_up(sim, count) != GB_DONE) {
+        return sim->head->report.code;
     }
     double *whole = sim->lock_other, *before = sim->lock_before;
     memset(whole, 0, sizeof(double) * (size_t)n);
@@ -296,7 +324,7 @@ static int decide(gb_sim *sim, int *code) {
             const double *limit = sim->limit + 5 * i, keep = 1.0 - sim->shrink[i];
             const int bounded = model->locks[i].kind != GB_LOSS;
             lo[count] = bounded && limit[0] > -HUGE_VAL ? keep * limit[0] : -HUGE_VAL;
-            hi[count] = bounded && limit[1] < HUGE_VAL ? keep * limit[1] : HUGE_VAL;
+            hi[count] = bounded && limit[1] < HUGE_VAL ? gb_max(keep * limit[1], lo[count]) : HUGE_VAL;
             b[count] = sim->lock_bare[i];
             index[count++] = i;
         }
@@ -323,6 +351,9 @@ static int decide(gb_sim *sim, int *code) {
             sim->shrink[index[i]] = 0.0;
             lost++;
         }
+    }
+    if (lost == 0) {
+        *code = refuse_tie_up(sim, count);
     }
     sim->lock_count = count;
     return lost;
