@@ -81,6 +81,9 @@ int gb_impact(gb_sim *sim) {
     if (!gb_lock_box(count, sim->lock_matrix, b, lo, hi, p)) {
         return gb_fail(sim, GB_ERR_BRANCH, model->locks[index[0]].slip, sim->head->t1, b[0]);
     }
+    if (gb_refuse_tie_up(sim, count) != GB_DONE) {
+        return sim->head->report.code;
+    }
     double *whole = sim->lock_other, *before = sim->lock_before;
     memset(whole, 0, sizeof(double) * (size_t)n);
     memcpy(before, sim->slip, sizeof(double) * (size_t)n);

@@ -187,6 +187,31 @@ double gb_rate_rounding(const gb_sim *sim, int i, double size) {
     return gb_max(1e-10 * size, 256.0 * DBL_EPSILON * sim->lock_size[i] * sim->fastest);
 }
 
+/* Locks that no force can break must not be asked for slips that contradict each other (two of them between a shaft of
+ * prescribed speed and the ground): after the forces x, or impulses, nothing may be left of b where x is inside its
+ * limits. */
+int gb_refuse_tie_up(gb_sim *sim, int count) {
+    const double *b = sim->lock_right, *x = sim->lock_force;
+    double most = 0.0;
+    for (int i = 0; i < count; i++) {
+        most = gb_max(most, fabs(b[i]));
+    }
+    for (int i = 0; i < count; i++) {
+        double left = b[i], size = fabs(b[i]);
+        for (int j = 0; j < count; j++) {
+            const double part = sim->lock_matrix[i * count + j] * x[j];
+            left += part;
+            size += fabs(part);
+        }
+        const int unlimited = sim->lock_lo[i] <= -HUGE_VAL && sim->lock_hi[i] >= HUGE_VAL;
+        if (unlimited && fabs(left) > 1e-4 * most + 1e-12 * size) {
+            const int lock = sim->lock_index[i];
+            return gb_fail(sim, GB_ERR_BRANCH, sim->model->locks[lock].slip, sim->head->t1, left);
+        }
+    }
+    return GB_DONE;
+}
+
 /* No force of lock i changes its slip, which grows all the same: time prescribes the motion of both sides. */
 static int cannot_hold(const gb_sim *sim, int i) {
     const double own = sim->response[i * sim->model->n_locks + i];
@@ -210,7 +235,7 @@ static int decide(gb_sim *sim, int *code) {
             const double *limit = sim->limit + 5 * i, keep = 1.0 - sim->shrink[i];
             const int bounded = model->locks[i].kind != GB_LOSS;
             lo[count] = bounded && limit[0] > -HUGE_VAL ? keep * limit[0] : -HUGE_VAL;
-            hi[count] = bounded && limit[1] < HUGE_VAL ? keep * limit[1] : HUGE_VAL;
+            hi[count] = bounded && limit[1] < HUGE_VAL ? gb_max(keep * limit[1], lo[count]) : HUGE_VAL;
             b[count] = sim->lock_bare[i];
             index[count++] = i;
         }
@@ -237,6 +262,9 @@ static int decide(gb_sim *sim, int *code) {
             sim->shrink[index[i]] = 0.0;
             lost++;
         }
+    }
+    if (lost == 0) {
+        *code = gb_refuse_tie_up(sim, count);
     }
     sim->lock_count = count;
     return lost;

@@ -265,11 +265,15 @@ static inline int gb_lock_pivoting(int n, const double *A, const double *b, cons
             x[inside[p]] = right[p];
         }
         int want[n + 1];
+        double largest = 0.0; /* its rounding passes into all the others */
+        for (int i = 0; i < n; i++) {
+            largest = fmax(largest, fabs(x[i]));
+        }
         for (int i = 0; i < n; i++) {
             double w = b[i], size = fabs(b[i]);
             for (int j = 0; j < n && side[i]; j++) {
                 w += A[i * n + j] * x[j];
-                size += fabs(A[i * n + j] * x[j]);
+                size += fabs(A[i * n + j]) * largest;
             }
             const double rounding = 16.0 * DBL_EPSILON * size;
             want[i] = side[i];
@@ -364,7 +368,7 @@ static inline void gb_lock_share(int n, const double *memory, const double *matr
                 b[p] -= A[p * count + q] * held[index[q]];
             }
             lo[p] = own ? -HUGE_VAL : lower[i];
-            hi[p] = own ? HUGE_VAL : upper[i];
+            hi[p] = own ? HUGE_VAL : fmax(lower[i], upper[i]);
         }
         gb_lock_box(count, A, b, lo, hi, x);
         for (int p = 0; p < count; p++) {

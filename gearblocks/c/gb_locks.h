@@ -15,6 +15,7 @@ int gb_touches(const gb_sim *sim, int i);
 int gb_does_rub(const gb_sim *sim, int i);
 void gb_slips_now(gb_sim *sim);
 int gb_weigh(gb_sim *sim);
+int gb_refuse_tie_up(gb_sim *sim, int count);
 double gb_weighed_force(const gb_sim *sim, int i);
 double gb_weighed_rate(const gb_sim *sim, int i, double *size);
 double gb_rate_rounding(const gb_sim *sim, int i, double size);

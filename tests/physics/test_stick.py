@@ -89,3 +89,18 @@ def test_a_break_away_that_lasts_far_shorter_than_a_step_is_found(how: dict[str,
     run = gb.simulate(rig, t_end=7.0, **how)
     assert [(e.before, e.after) for e in run.events] == [(0.0, -1.0), (-1.0, 0.0)]
     assert run["A.w"][-1] == 0.0
+
+
+@pytest.mark.parametrize("how", METHODS)
+def test_locks_that_tie_a_turning_shaft_to_the_ground_are_refused_by_name(how: dict[str, Any]) -> None:
+    """One lock holds the shaft at the prescribed speed, the other one wants it at rest."""
+    rig = gb.Drivetrain("tie-up")
+    held, drive = rig.add("held", gb.Inertia(J=1.0)), rig.add("drive", gb.Speed(w=2.0))
+    turned = rig.add("turned", gb.Inertia(J=1.0))
+    rig.connect(drive.flange, turned.a)
+    for name, side in (("first", turned.b), ("second", None)):
+        dog = rig.add(name, gb.DogClutch(engaged=1.0 if side else sp.Piecewise((0, gb.time < 1), (1, True))))
+        rig.connect(dog.a, held.b)
+        rig.connect(dog.b, side if side else rig.add("ground", gb.Fixed()).flange)
+    with pytest.raises(gb.SimulationError, match=r"'(first|second)'.* t = 1 s"):
+        gb.simulate(rig, t_end=2.0, **how)
