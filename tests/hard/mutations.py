@@ -29,7 +29,7 @@ WRONG = ("AssertionError", "ValueError", "IndexError", "SimulationError", "Faile
 Failed where a refusal is missing."""
 PATIENCE = 600.0
 """Seconds after which pytest is stopped; such a mutation is not caught."""
-GUARD = '''
+GUARD = """
 import signal
 import pytest
 
@@ -43,7 +43,7 @@ def an_end():
     signal.setitimer(signal.ITIMER_PROF, 10.0)
     yield
     signal.setitimer(signal.ITIMER_PROF, 0)
-'''
+"""
 """What the copy has besides (conftest.py): a run that goes on for ever fails its test. The solver comes back to Python
 about every 0.05 s."""
 
