@@ -114,6 +114,7 @@ struct gb_sim {
     /* In the block. By parameter and input: */
     double *par, *input;
     double *cell, *cell_end; /* the segment of its table and where it ends */
+    double *lock_size;       /* by lock: sizes of the rows */
     /* by switch: */
     double *mode, *lo, *hi;
     double *on;                /* -1 or 1: it has just flipped and sits on its lower or upper limit */
@@ -144,10 +145,8 @@ struct gb_sim {
     double *before;                /* modes before an event */
     int untold;                    /* samples of the last watch do not tell what a held force does */
     int *role;                     /* by switch: who decides about its mode */
-    /* What sticks, by lock (scratch of an event): slips and their rounding, sizes of the rows, limits, matrices,
-     * forces; */
-    double *slip, *slip_rounding, *lock_size, *limit, *response, *lock_matrix, *lock_right, *lock_lo, *lock_hi,
-        *lock_force;
+    /* What sticks, by lock (scratch of an event): slips and their rounding, limits, matrices, forces; */
+    double *slip, *slip_rounding, *limit, *response, *lock_matrix, *lock_right, *lock_lo, *lock_hi, *lock_force;
     double *lock_other, *lock_old, *lock_before, *lock_bare, *lock_mode, *shrink, *other_mode;
     double *base_mode, *base_sign, *best_mode, *best_rate;
     const double *look; /* the state by which it is decided */

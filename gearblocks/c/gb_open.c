@@ -52,6 +52,7 @@ static size_t lay_block(gb_sim *sim, char *base) {
     sim->input = doubles(base, &at, m->n_inputs);
     sim->cell = doubles(base, &at, m->n_inputs);
     sim->cell_end = doubles(base, &at, m->n_inputs);
+    sim->lock_size = doubles(base, &at, m->n_locks);
     for (size_t i = 0; i < sizeof by_switch / sizeof by_switch[0]; i++) {
         *by_switch[i] = doubles(base, &at, m->n_switches + (i == 0 ? m->n_memory : 0));
     }
@@ -69,10 +70,10 @@ static size_t lay_block(gb_sim *sim, char *base) {
 static void lay_locks(gb_sim *sim, char *base, size_t *at) {
     const gb_model *m = sim->model;
     const long n = m->n_locks;
-    double **const by_lock[] = {
-        &sim->slip,       &sim->slip_rounding, &sim->lock_size, &sim->lock_right,  &sim->lock_lo,   &sim->lock_hi,
-        &sim->lock_force, &sim->lock_other,    &sim->lock_old,  &sim->lock_before, &sim->lock_bare, &sim->lock_mode,
-        &sim->shrink,     &sim->base_mode,     &sim->base_sign, &sim->best_mode,   &sim->best_rate};
+    double **const by_lock[] = {&sim->slip,        &sim->slip_rounding, &sim->lock_right, &sim->lock_lo,
+                                &sim->lock_hi,     &sim->lock_force,    &sim->lock_other, &sim->lock_old,
+                                &sim->lock_before, &sim->lock_bare,     &sim->lock_mode,  &sim->shrink,
+                                &sim->base_mode,   &sim->base_sign,     &sim->best_mode,  &sim->best_rate};
     double **const by_pair[] = {&sim->response, &sim->lock_matrix, &sim->grip_inverse};
     int **const marks[] = {&sim->lock_index, &sim->lock_state, &sim->was_shared, &sim->released,
                            &sim->struck,     &sim->base_state, &sim->best_state, &sim->option};
