@@ -259,6 +259,9 @@ int gb_apply_event(gb_sim *sim) {
     if (head->modes != modes) {
         recall_step(sim);
     }
+    if (sim->model->n_locks > 0) { /* a step much longer than a bounce could not tell the bounce */
+        head->h_next = gb_min(head->h_next, 2.0 * sim->flight);
+    }
     return code;
 }
 

@@ -143,6 +143,7 @@ struct gb_sim {
     double *gain;                  /* and one over its factor */
     double stiff_h;                /* the step size it was made for */
     double *before;                /* modes before an event */
+    double flight;                 /* until a body that has just hit a stop is back */
     int untold;                    /* samples of the last watch do not tell what a held force does */
     int *role;                     /* by switch: who decides about its mode */
     /* What sticks, by lock (scratch of an event): slips and their rounding, limits, matrices, forces; */

@@ -417,6 +417,19 @@ static int look_ahead(gb_sim *sim) {
     return code;
 }
 
+/* How long the first of the bodies that have just hit a stop stays away from it. */
+static double shortest_flight(const gb_sim *sim) {
+    double shortest = HUGE_VAL;
+    for (int i = 0; i < sim->model->n_locks; i++) {
+        double size;
+        const double rate = gb_weighed_rate(sim, i, &size);
+        if (gb_is_stop(sim, i) && sim->struck[i] && sim->lock_state[i] == GB_IS_OPEN && rate < 0.0) {
+            shortest = gb_min(shortest, -2.0 * sim->slip[i] / rate);
+        }
+    }
+    return shortest;
+}
+
 /* Decides about all locks at the front. */
 int gb_settle_locks(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
@@ -460,6 +473,7 @@ int gb_settle_locks(gb_sim *sim, int log) {
     if (sim->look != sim->y && code == GB_DONE) {
         code = gb_columns_at(sim, sim->head->t1);
     }
+    sim->flight = shortest_flight(sim);
     take_modes(sim);
     gb_remember(sim, sim->mode, sim->tau_one, sim->y);
     gb_project(sim, sim->tau_one);
