@@ -93,7 +93,8 @@ int gb_impact(gb_sim *sim) {
     push(sim, whole);
     gb_slips_now(sim);
     for (int i = 0; i < n; i++) {
-        const double lost = fabs(before[i]) > sim->slip_rounding[i] ? fabs(whole[i]) : 0.0;
+        const double rounding = sim->slip_rounding[i], own = fabs(whole[i]) * sim->response[i * n + i];
+        const double lost = fabs(before[i]) > rounding && own > 1e-6 * fabs(before[i]) ? fabs(whole[i]) : 0.0;
         if (lost > 0.0 && (gb_is_stop(sim, i) || gb_is_unlimited(sim, i) || !gb_is_stuck(sim, i))) {
             note_impact(sim, i, whole[i], before[i], sim->slip[i]);
         }
