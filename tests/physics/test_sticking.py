@@ -1,4 +1,4 @@
-"""Locks, friction and stops where one number decides: equality, shared loads, crossings within a step."""
+"""Locks, friction and stops where one number decides: equality, shared loads, impacts."""
 
 import numpy as np
 import pytest
@@ -47,6 +47,21 @@ def test_a_clutch_stuck_to_a_shaft_of_prescribed_speed_has_no_slip_and_does_not_
     sampled = gb.simulate(rig, t=np.linspace(0, 20, 201), **options)
     assert (sampled["clutch.w_rel"] == 0.0).all()
     assert len(set(sampled["clutch.phi_rel"])) == 1
+
+
+def test_implicit_steps_carry_a_prescribed_speed_through_a_stuck_clutch_to_their_order():
+    rig = _chain(
+        drive=gb.Speed(w=2.0 + gb.sin(3 * gb.time)), one=gb.Inertia(J=1.0), clutch=gb.Clutch(capacity=99.0),
+        two=gb.Inertia(J=2.0, w0=2.0), shaft=gb.Shaft(k=50.0), end=gb.Inertia(J=1.0, w0=2.0),
+    )  # fmt: skip
+    true = gb.simulate(rig, t=[2.0], method="dp8", rtol=1e-12)
+    errors = []
+    for step in (0.04, 0.02):
+        run = gb.simulate(rig, t=[2.0], method="rodas", step=step)
+        errors.append([abs(run[x][0] - true[x][0]) for x in ("two.phi", "end.phi", "end.w")])
+    assert true["two.phi"][0] == pytest.approx(4.0 + (1 - np.cos(6.0)) / 3, rel=1e-11)
+    assert max(errors[0]) < 1e-5
+    assert (np.array(errors[1]) < np.array(errors[0]) / 16).all()  # of order five, by 32 as steps shrink
 
 
 @EVERY_METHOD
@@ -277,34 +292,6 @@ def test_without_location_what_meets_its_speed_sticks_at_the_end_of_the_step():
     assert [after for _, after in _modes(run, "clutch")] == [0.0]
 
 
-# -- crossings within a step ------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("depth", [1e-2, 1e-4, 1e-6])
-def test_a_body_that_would_turn_back_for_a_moment_sticks_in_that_moment(depth):
-    """w = (t - 1)^2 - depth but for the stop; the brake holds it from w = 0 until t = 1, then it starts anew."""
-    rig = _chain(
-        drive=gb.Torque(tau=0.5 + 2 * (gb.time - 1)),
-        body=gb.Inertia(J=1.0, w0=1.0 - depth),
-        brake=gb.Brake(capacity=0.5),
-    )
-    run = gb.simulate(rig, t_end=3.0)
-    assert [after for _, after in _modes(run, "brake")] == [0.0, 1.0]
-    assert [t for t, _ in _modes(run, "brake")] == pytest.approx([1 - np.sqrt(depth), 1.0], rel=1e-9)
-    assert run["body.w"][-1] == pytest.approx(4.0, rel=1e-9)
-
-
-@pytest.mark.parametrize("depth", [1e-2, 1e-4, 1e-6])
-def test_a_capacity_that_falls_below_the_load_for_a_moment_lets_go_in_that_moment(depth):
-    rig = _chain(
-        drive=gb.Torque(tau=5.0), body=gb.Inertia(J=1.0), brake=gb.Brake(capacity=5.0 - depth + (gb.time - 1) ** 2)
-    )
-    run = gb.simulate(rig, t_end=3.1)
-    half = np.sqrt(depth)  # it slips from 1 - half on, to where the integral of (t - 1)^2 - depth is 0: 1 + 2 half
-    assert [t for t, _ in _modes(run, "brake")] == pytest.approx([1 - half, 1 + 2 * half], rel=1e-9)
-    assert run["body.phi"][-1] == pytest.approx(27 / 12 * depth**2, rel=1e-6)
-
-
 # -- shared loads -----------------------------------------------------------------------------------------------------
 
 
@@ -348,6 +335,38 @@ def test_three_clutches_that_lock_a_planetary_twice_over_turn_it_as_one_body():
     for name in ("sun", "carrier", "ring"):
         assert run[f"{name}.w"][-1] == pytest.approx(2.0, rel=EXACT)
     assert max(np.abs(run[f"{name}.torque"]).max() for name in ("one", "two", "three")) < 4.0
+
+
+def test_clutches_of_gears_that_close_a_loop_hold_as_two_of_them_do():
+    rig = gb.Drivetrain("loop")
+    body = [rig.add(f"body{i}", gb.Inertia(J=J)) for i, J in enumerate((1.0, 2.0, 0.5))]
+    rig.connect(rig.add("drive", gb.Torque(tau=9.0)).flange, body[0].a)
+    for i, (one, two, teeth) in enumerate(((0, 1, (30, 70)), (1, 2, (70, 110)), (0, 2, (30, 110)))):
+        clutch = rig.add(f"clutch{i}", gb.Clutch(capacity=20.0))
+        gear = rig.add(f"gear{i}", gb.IdealGear(teeth=teeth, external=False))
+        rig.connect(body[one].b, clutch.a)
+        rig.connect(clutch.b, gear.a)
+        rig.connect(gear.b, body[two].b)
+    run = gb.simulate(rig, t_end=1.0)
+    assert run.events == ()
+    alpha = 9.0 / (1.0 + 2.0 * (3 / 7) ** 2 + 0.5 * (3 / 11) ** 2)
+    for i, ratio in enumerate((1.0, 3 / 7, 3 / 11)):
+        assert run[f"body{i}.w"][-1] == pytest.approx(alpha * ratio, rel=EXACT)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_of_three_brakes_on_a_planetary_the_weak_ones_slide_and_the_strong_one_holds(way):
+    rig = gb.Drivetrain("three brakes")
+    gear = rig.add("gear", gb.IdealPlanetary(ratio=2.0))
+    for name, J, capacity in (("sun", 0.1, 1.0), ("carrier", 1.0, 100.0), ("ring", 0.8, 2.0)):
+        body = rig.add(name, gb.Inertia(J=J))
+        rig.connect(body.a, getattr(gear, name), rig.add(f"{name}_brake", gb.Brake(capacity=capacity)).a)
+    rig.connect(rig.add("drive", gb.Torque(tau=way * gb.time)).flange, gear.sun)
+    run = gb.simulate(rig, t_end=3.0)
+    assert _modes(run, "sun_brake") == [(pytest.approx(2.0, rel=1e-9), way)]  # 1 of its own, 2 of the ring by half
+    assert _modes(run, "ring_brake") == [(pytest.approx(2.0, rel=1e-9), -way)]
+    assert (run["carrier_brake.mode"] == 0.0).all() and (run["carrier.phi"] == 0.0).all()
+    assert run["sun.w"][-1] == pytest.approx(way * 0.5 / (0.1 + 0.8 / 4), rel=1e-9)
 
 
 # -- impacts ----------------------------------------------------------------------------------------------------------
