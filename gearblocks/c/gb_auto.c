@@ -153,10 +153,13 @@ double gb_leap_error(gb_sim *sim, double h) {
 /* A step of a trial is rejected; h as above, and the step size to go on with. */
 double gb_auto_rejected(gb_sim *sim, double h) {
     gb_head *head = sim->head;
-    if (head->leap) {
-        head->leap = 0;
-        head->trial = 2;
-        h = 0.0; /* it does not pay */
+    if (head->leap) { /* it drops too much: back at once, and the next look may try plain implicit steps */
+        head->leap = head->trial = 0;
+        head->n_switches--;
+        head->restless--;
+        change_method(sim, head->explicit_method, head->h_explicit);
+        head->look_at = head->steps + 1;
+        return head->h_next;
     }
     if (head->trial > 1 && --head->trial == 1) {
         decide(sim, h);

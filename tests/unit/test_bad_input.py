@@ -163,8 +163,17 @@ def _train(*blocks: gb.Block) -> gb.Drivetrain:
     return rig
 
 
-def test_a_load_that_sticks_is_refused_by_name_with_the_run_so_far() -> None:
-    load = gb.SpeedLoad(coeffs=(2.0, 0.0, 0.0))
+class _Signum(gb.Block):
+    """Dry friction written as a sign of the speed, which cannot hold at rest (a Brake can)."""
+
+    a = gb.Flange("shaft")
+
+    def physics(self, s: Any) -> Iterator[Any]:
+        yield gb.Acts(s.a, -2 * sp.sign(s.a.w))
+
+
+def test_friction_written_as_a_sign_is_refused_at_rest_by_name_with_the_run_so_far() -> None:
+    load = _Signum()
     rig = _train(gb.Torque(tau=sp.sin(gb.time)), gb.Inertia(J=1.0, w0=0.1), load)
     error = _failing(gb.build(rig), t_end=3.0)
     assert error.component.startswith("c")
