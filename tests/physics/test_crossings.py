@@ -42,3 +42,16 @@ def test_a_brake_whose_hold_falls_below_the_load_for_a_moment_lets_go_in_that_mo
     assert (t, after) == (pytest.approx(1 - np.sqrt(depth), rel=1e-9), 1.0)
     gain = (1 + 0.8 * depth) * (end - t) - 0.8 * ((end - 1) ** 3 - (t - 1) ** 3) / 3
     assert run["body.w"][-1] == pytest.approx(gain, rel=1e-8)
+
+
+@pytest.mark.parametrize("depth", [1e-1, 1e-2])
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-9])
+def test_a_brake_that_lets_go_once_a_second_does_so_every_time(depth, rtol):
+    """At rest nothing but the capacity changes, and no step may be so long that one of its 20 dips is missed."""
+    capacity = 6.0 - (1 + depth) * gb.cos(2 * np.pi * (gb.time - 0.5))
+    rig = _chain(drive=gb.Torque(tau=5.0), body=gb.Inertia(J=1.0), brake=gb.Brake(capacity=capacity))
+    run = gb.simulate(rig, t_end=20.0, rtol=rtol)
+    modes = _modes(run, "brake")
+    assert [after for _, after in modes] == [1.0, 0.0] * 20
+    first = 0.5 - np.arccos(1 / (1 + depth)) / (2 * np.pi)
+    assert [t for t, after in modes if after == 1.0] == pytest.approx([first + i for i in range(20)], rel=1e-9)
