@@ -40,6 +40,7 @@ class Code(IntEnum):
     ERR_SINGULAR = -10
     ERR_METHOD = -11
     ERR_LOSS = -12
+    ERR_BEYOND = -13
 
 
 class Method(IntEnum):

@@ -310,6 +310,7 @@ _CAUSES: dict[Code, tuple[str, str]] = {
         "with these inertias the efficiency (below 0, or far below 1 at a large ratio) allows no single acceleration; "
         "give it a compliant shaft beside, more inertia, or a better efficiency",
     ),
+    Code.ERR_BEYOND: ("it starts beyond its stop", "give start values that lie between its limits"),
     Code.ERR_SINGULAR: (
         "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
     ),
@@ -322,7 +323,7 @@ def _place(program: Program, code: Code, index: int) -> str:
     """The component or input that a code's index means."""
     if code in (Code.ERR_NAN_INPUT, Code.ERR_CALLBACK):
         return program.inputs[index].name if 0 <= index < len(program.inputs) else ""
-    if code in (Code.ERR_CHATTER, Code.ERR_BRANCH, Code.ERR_LOSS):
+    if code in (Code.ERR_CHATTER, Code.ERR_BRANCH, Code.ERR_LOSS, Code.ERR_BEYOND):
         if not 0 <= index < len(program.switches):
             return ""
         switch = program.switches[index]

@@ -110,6 +110,9 @@ int gb_does_rub(const gb_sim *sim, int i) {
     if (lock->free < 0) {
         return sim->limit[5 * i + 4] > 0.0;
     }
+    if (lock->free >= sim->model->n_surfaces) { /* time alone tells: at the instant of its switch the engagement is 0 */
+        return sim->mode[lock->free] < 0.5;
+    }
     return sim->mode[lock->free] < 0.5 && (sim->on[lock->free] != 0.0 || sim->limit[5 * i + 4] > 0.0);
 }
 
@@ -430,6 +433,21 @@ static double shortest_flight(const gb_sim *sim) {
     return shortest;
 }
 
+/* A stop that a start value lies beyond, or -1. What is given in the size of the coordinates counts as rounding. */
+static int begins_beyond(const gb_sim *sim) {
+    const gb_model *model = sim->model;
+    double size = 0.0;
+    for (int i = 0; i < model->n - model->n_speeds; i++) {
+        size = gb_max(size, fabs(sim->y[i]));
+    }
+    for (int i = 0; i < model->n_locks; i++) {
+        if (gb_is_stop(sim, i) && sim->s[model->locks[i].slip] < -1e-9 * size - 1e-15) {
+            return i;
+        }
+    }
+    return -1;
+}
+
 /* Decides about all locks at the front. */
 int gb_settle_locks(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
@@ -439,6 +457,11 @@ int gb_settle_locks(gb_sim *sim, int log) {
     int code = gb_surfaces_now(sim);
     if (code == GB_DONE) {
         code = gb_columns_at(sim, sim->head->t1);
+    }
+    const int beyond = code == GB_DONE && !log ? begins_beyond(sim) : -1;
+    if (beyond >= 0) {
+        const int slip = model->locks[beyond].slip;
+        return gb_fail(sim, GB_ERR_BEYOND, slip, sim->head->t1, sim->s[slip]);
     }
     if (code == GB_DONE) {
         gb_project(sim, sim->tau_one);

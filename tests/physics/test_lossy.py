@@ -108,3 +108,13 @@ def test_a_self_locking_worm_at_rest_is_not_driven_by_its_wheel():
     for load in (1.0, -1.0):
         run = gb.simulate(rig, t_end=1.0, parameters={"load": load})
         assert (run["wheel.phi"] == 0.0).all() and run.events == ()
+
+
+def test_start_speeds_that_a_lossy_gear_does_not_allow_are_refused_by_name():
+    rig = gb.Drivetrain("train")
+    one, two = rig.add("one", gb.Inertia(J=1.0, w0=2.0)), rig.add("two", gb.Inertia(J=1.0, w0=3.0))
+    rig.chain(one, rig.add("gear", gb.LossyGear(ratio=2.0, efficiency=(0.9, 0.8))), two)
+    with pytest.raises(gb.ModelError, match=r"'one': w0 = 2.0 and 'two': w0 = 3.0 do not go together"):
+        gb.simulate(rig, t_end=1.0)
+    run = gb.simulate(rig.set({"two.w0": 1.0}), t_end=0.01)
+    assert (run["one.w"][0], run["two.w"][0]) == (2.0, 1.0)

@@ -389,3 +389,15 @@ def test_a_body_at_its_stop_that_is_pulled_away_leaves_at_once():
     rig = _chain(drive=gb.Torque(tau=gb.Parameter("tau", 1.0)), body=gb.Inertia(J=2.0), stop=stop)
     assert gb.simulate(rig, t=[1.0])["body.phi"][0] == pytest.approx(0.25, rel=EXACT)
     assert gb.simulate(rig, t=[1.0], parameters={"tau": -1.0})["body.phi"][0] == 0.0
+
+
+@pytest.mark.parametrize("block", [gb.Clutch(capacity=gb.time - 0.2), gb.Clutch(capacity=gb.sin(gb.time - 0.2))])
+def test_a_clutch_whose_capacity_rises_from_below_zero_takes_hold(block):
+    rig = gb.Drivetrain("train")
+    one, two = rig.add("one", gb.Inertia(J=1.0, w0=1.0)), rig.add("two", gb.Inertia(J=1.0))
+    rig.chain(one, rig.add("clutch", block), two)
+    run = gb.simulate(rig, t_end=0.5)
+    ((t, before, after),) = [(e.t, e.before, e.after) for e in run.events if e.component == "clutch"]
+    assert (t, before, after) == (pytest.approx(0.2, rel=1e-9), 2.0, -1.0)
+    given = 0.3**2 / 2 if block.capacity.op != "sin" else 1 - np.cos(0.3)
+    assert run["two.w"][-1] == pytest.approx(given, rel=1e-6)

@@ -125,3 +125,10 @@ def test_a_pressed_rigid_mesh_carries_the_force_of_its_line_of_action():
     assert run["part.contact"][0] == 1.0
     assert run["part.force"][0] == pytest.approx(50.0 * share / radius, rel=1e-9)
     assert run["part.deflection"][0] == pytest.approx(1e-3, rel=1e-9)
+
+
+def test_a_start_beyond_a_stop_is_refused_by_name() -> None:
+    rig = gb.Drivetrain("train")
+    rig.chain(rig.add("body", gb.Inertia(J=1.0)), rig.add("stop", gb.HardStop(lower=0.5, upper=1.0, restitution=0.5)))
+    with pytest.raises(gb.SimulationError, match="'stop.*beyond its stop"):
+        gb.simulate(rig, t_end=1.0)
