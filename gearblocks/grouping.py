@@ -213,16 +213,11 @@ def _given_starts(assembly: Assembly, laws: list[Law]) -> dict[int, str]:
     return found
 
 
-def _through_lossy_ties(
-    assembly: Assembly, laws: list[Law], owners: dict[int, tuple[str, Exact, bool]], which: int
-) -> None:
-    """Shafts beside a lossy tie start as the other side does, where only that one is given. which: 0 angles, 1 speeds."""
+def _through_lossy_ties(assembly: Assembly, laws: list[Law], owners: dict[int, tuple[str, Exact, bool]]) -> None:
+    """Shafts beside a lossy tie start as the other side does, where only that one is given."""
     pairs = [
         pair for c, law in zip(assembly.train.components, laws, strict=True) for pair in _lossy_pairs(assembly, c, law)
     ]
-    for (one, a), (two, b) in pairs:
-        if owners[one][2] and owners[two][2]:
-            _compare_starts(assembly, (owners[one], a), (owners[two], b), which)
     changed = True
     while changed:
         changed = False
@@ -231,21 +226,6 @@ def _through_lossy_ties(
                 path, gain, _ = owners[one]
                 owners[two] = (path, gain * over(-b, a), True)
                 changed = True
-
-
-def _compare_starts(assembly: Assembly, one: Any, two: Any, which: int) -> None:
-    """ModelError where the numbers given on both sides of a lossy tie do not go together."""
-    said, terms = [], []
-    for (path, gain, _), factor in (one, two):
-        block = next(c.block for c in assembly.train.components if c.path == path)
-        name = start_fields(block)[which]
-        value = getattr(block, name)
-        if not isinstance(value, (int, float)):
-            return
-        said.append(f"'{path}': {name} = {value!r}")
-        terms.append(float(factor) * value / float(gain))
-    if abs(sum(terms)) > 1e-9 * sum(map(abs, terms)):
-        raise ModelError(f"{said[0]} and {said[1]} do not go together: a lossy gear ties them; leave one of them out")
 
 
 def _lossy_pairs(assembly: Assembly, c: Component, law: Law) -> Iterable[tuple[tuple[int, Exact], tuple[int, Exact]]]:
@@ -292,8 +272,8 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
                 if group != HELD:
                     for owners in found.values():
                         owners.setdefault(group, (f"{c.path}.{name}", gain, False))
-    for key, owners in found.items():
-        _through_lossy_ties(assembly, laws, owners, 0 if key == "phi0" else 1)
+    for owners in found.values():
+        _through_lossy_ties(assembly, laws, owners)
     for part, whole in assembly.floating.items():  # a part is named as its shaft
         for owners in found.values():
             owners[part] = owners[whole]

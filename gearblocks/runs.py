@@ -310,7 +310,9 @@ _CAUSES: dict[Code, tuple[str, str]] = {
         "with these inertias the efficiency (below 0, or far below 1 at a large ratio) allows no single acceleration; "
         "give it a compliant shaft beside, more inertia, or a better efficiency",
     ),
-    Code.ERR_BEYOND: ("it starts beyond its stop", "give start values that lie between its limits"),
+    Code.ERR_BEYOND: (
+        "the start values contradict it", "start between the limits of a stop, and beside a lossy gear as its ratio says"
+    ),
     Code.ERR_SINGULAR: (
         "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
     ),

@@ -38,7 +38,7 @@ enum {
     GB_ERR_SINGULAR = -10, /* the matrix of an implicit step has no inverse; index: state (from n on: hidden speed) */
     GB_ERR_METHOD = -11,   /* the model has no Jacobian for this method; index: method */
     GB_ERR_LOSS = -12,     /* a lossy tie has no motion that fits its losses (value 0), or several; index: switch */
-    GB_ERR_BEYOND = -13    /* the start lies beyond a stop (by value); index: switch */
+    GB_ERR_BEYOND = -13    /* the start lies beyond a stop, or breaks a lossy tie; index: switch */
 };
 
 /* GB_AUTO: order 8 (order 5 above a tolerance of 1e-4), and the implicit method while the train is stiff. */

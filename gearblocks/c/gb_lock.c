@@ -433,15 +433,22 @@ static double shortest_flight(const gb_sim *sim) {
     return shortest;
 }
 
-/* A stop that a start value lies beyond, or -1. What is given in the size of the coordinates counts as rounding. */
+/* A stop that a start value lies beyond, or a lossy tie whose sides start at speeds that it does not allow; or -1. 1e-9
+ * of what is given counts as rounding. */
 static int begins_beyond(const gb_sim *sim) {
     const gb_model *model = sim->model;
-    double size = 0.0;
+    double size = 0.0, speed = 0.0;
+    for (int i = model->n - model->n_speeds; i < model->n; i++) {
+        speed = gb_max(speed, fabs(sim->y[i]));
+    }
     for (int i = 0; i < model->n - model->n_speeds; i++) {
         size = gb_max(size, fabs(sim->y[i]));
     }
     for (int i = 0; i < model->n_locks; i++) {
         if (gb_is_stop(sim, i) && sim->s[model->locks[i].slip] < -1e-9 * size - 1e-15) {
+            return i;
+        }
+        if (model->locks[i].kind == GB_TIE && fabs(sim->slip[i]) > 1e-9 * speed * sim->lock_size[i]) {
             return i;
         }
     }
@@ -457,6 +464,9 @@ int gb_settle_locks(gb_sim *sim, int log) {
     int code = gb_surfaces_now(sim);
     if (code == GB_DONE) {
         code = gb_columns_at(sim, sim->head->t1);
+    }
+    if (code == GB_DONE) {
+        gb_slips_now(sim);
     }
     const int beyond = code == GB_DONE && !log ? begins_beyond(sim) : -1;
     if (beyond >= 0) {
