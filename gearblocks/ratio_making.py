@@ -209,9 +209,18 @@ def _fitted(text: str, m: Callable[[Any], Array], T: float) -> tuple[Array, Arra
             f"m = '{text}' is not smooth near phi = {math.degrees(at):.4g} deg (a fit is off by {wrong.max():.2g}); "
             "give segments or a table with points at its kinks"
         )
-    slopes = np.array([chebyshev.cheb2poly(np.append(row, 0.0))[: FIT_DEGREE + 1] for row in rows])
+    slopes = np.array([_powers(row) for row in rows])
     _check_joints(text, x, slopes)
     return x, slopes, float(wrong.max())
+
+
+def _powers(row: Array) -> Array:
+    """The Chebyshev series as a power series of the same length.
+
+    cheb2poly drops trailing coefficients that are exactly 0; whether rounding leaves a 0 depends on the processor.
+    """
+    powers = chebyshev.cheb2poly(row)
+    return np.pad(powers, (0, len(row) - len(powers)))
 
 
 def _check_joints(text: str, x: Array, slopes: Array) -> None:

@@ -5,6 +5,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
+from gearblocks.ratio_making import _powers
 
 TURN = 2 * np.pi
 X = np.deg2rad(240)
@@ -89,6 +90,19 @@ def test_an_ellipse_is_the_same_law_however_it_is_given():
     assert np.abs(given.F(phi) - LAWS["ellipse"].F(phi)).max() < 1e-13
     K = (1 + e) / (1 - e)
     assert np.tan(LAWS["ellipse"].F(2.0) / 2) == pytest.approx(K * np.tan(1.0), rel=1e-14)
+
+
+@pytest.mark.parametrize("zeros", [1, 3, 12])
+def test_coefficients_that_rounding_makes_zero_keep_their_place(zeros):
+    row = np.ones(13)
+    row[13 - zeros :] = 0.0
+    powers = _powers(row)
+    v = np.linspace(-1, 1, 41)
+    assert powers.shape == (13,)
+    assert (
+        np.abs(np.polynomial.polynomial.polyval(v, powers) - np.cos(np.outer(np.arccos(v), np.arange(13))) @ row).max()
+        < 1e-12
+    )
 
 
 @pytest.mark.parametrize(
