@@ -15,7 +15,7 @@ from models.stiff_chain import chain
 
 if TYPE_CHECKING:
     from gearblocks import Drivetrain
-    from gearblocks.library import Model
+    from gearblocks.solver.library import Model
 
 Row = tuple[str, float, float, str]
 

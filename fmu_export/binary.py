@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from fmu_export.templates import C_FOLDER
-from gearblocks.cache import digest, user_cache
-from gearblocks.compiler import FLAGS, GENERATED_FLAGS, SHARED_SUFFIX, Compiler, find_compiler
 from gearblocks.errors import ParameterError
-from gearblocks.library import core_files, produced
+from gearblocks.solver.cache import digest, user_cache
+from gearblocks.solver.compiler import FLAGS, GENERATED_FLAGS, SHARED_SUFFIX, Compiler, find_compiler
+from gearblocks.solver.library import core_files, produced
 
 SHARED_GLUE = ("gb_fmu.c", "gb_fmu.h", "gb_fmu_internal.h", "gb_fmu_values.c")
 """Life cycle and variables: the same for every FMI version."""

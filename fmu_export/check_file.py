@@ -12,8 +12,8 @@ from fmu_export.archive import irregularities
 from fmu_export.elf import read_shared_library
 from fmu_export.instance import Unpacked
 from fmu_export.report import Item
-from gearblocks.compiler import SHARED_SUFFIX, find_compiler
 from gearblocks.errors import CompileError
+from gearblocks.solver.compiler import SHARED_SUFFIX, find_compiler
 
 _FUNCTIONS = (
     *("GetTypesPlatform", "GetVersion", "SetDebugLogging", "Instantiate", "FreeInstance", "SetupExperiment"),

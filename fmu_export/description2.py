@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from fmu_export.options import Experiment
 from fmu_export.variables import Variable
 from gearblocks.errors import ParameterError
-from gearblocks.units import base_exponents
+from gearblocks.language.units import base_exponents
 
 if TYPE_CHECKING:
     from lxml.etree import _Element

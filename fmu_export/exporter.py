@@ -18,10 +18,10 @@ from fmu_export.start import start_vector
 from fmu_export.tables import render_table, token_of
 from fmu_export.templates import render
 from fmu_export.variables import Variable, variables_of
-from gearblocks.arguments import parameter_vector
+from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError
-from gearblocks.library import Model
-from gearblocks.program import Program
+from gearblocks.simulation.arguments import parameter_vector
+from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
     from gearblocks.drivetrain import Drivetrain

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmu_export.options import SolverOptions
-from gearblocks.program import Program
+from gearblocks.codegen.program import Program
 
 NAME = "resources/gearblocks.json"
 FORMAT = 1

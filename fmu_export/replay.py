@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmu_export.manifest import Manifest
-from gearblocks.core import Code
 from gearblocks.errors import SimulationError
-from gearblocks.library import compile_program
+from gearblocks.solver.binding import Code
+from gearblocks.solver.library import compile_program
 
 
 def replay(manifest: Manifest, times: NDArray[np.float64], stop: float | None) -> NDArray[np.float64]:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.arguments import start_state
+from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError
-from gearblocks.program import Program
-from gearblocks.trajectory import Trajectory
+from gearblocks.simulation.arguments import start_state
+from gearblocks.simulation.trajectory import Trajectory
 
 
 def start_places(program: Program) -> list[tuple[str, str, int]]:

@@ -11,7 +11,7 @@ from typing import Any
 from fmu_export.options import SolverOptions
 from fmu_export.templates import render
 from fmu_export.variables import KINDS, Variable
-from gearblocks.program import Program
+from gearblocks.codegen.program import Program
 
 
 def token_of(program: Program, variables: Sequence[Variable], solver: SolverOptions) -> str:

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from fmu_export.options import RTOL_RANGE, SolverOptions
 from fmu_export.start import start_places
+from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
-from gearblocks.program import Program
-from gearblocks.trajectory import matches
+from gearblocks.simulation.trajectory import matches
 
 KINDS = ("solver", "parameter", "input", "output", "start")
 KIND_SHIFT = 24

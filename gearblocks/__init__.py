@@ -1,5 +1,9 @@
 """Drivetrain dynamics: blocks are composed, assembled into equations of motion, and run in generated C."""
 
+from gearblocks.analysis.campbell import Campbell, campbell
+from gearblocks.analysis.linearization import FrequencyResponse, Linearization, frequency_response, linearize
+from gearblocks.analysis.modes import Modes, modes
+from gearblocks.analysis.sections import classify, poincare, stroboscopic
 from gearblocks.blocks import (
     Angle,
     BearingFriction,
@@ -42,7 +46,29 @@ from gearblocks.blocks import (
     Vehicle,
     Worm,
 )
-from gearblocks.declare import (
+from gearblocks.blocks.effects import (
+    Backlash,
+    Fourier,
+    Harmonic,
+    HuntCrossley,
+    Hysteresis,
+    MeshLaw,
+    Profile,
+    Square,
+    ToothFriction,
+)
+from gearblocks.drivetrain import Drivetrain, build, simulate
+from gearblocks.errors import (
+    CompileError,
+    GearblocksError,
+    ModelError,
+    ParameterError,
+    SimulationError,
+    UnknownNameError,
+)  # fmt: skip
+from gearblocks.geometry.pitch_curves import design_ratio
+from gearblocks.geometry.ratio_law import RatioLaw, RatioLawError, driver_angle
+from gearblocks.language.block import (
     Acts,
     Block,
     Body,
@@ -68,37 +94,12 @@ from gearblocks.declare import (
     param,
     signal,
 )  # fmt: skip
-from gearblocks.drivetrain import Drivetrain, build, classify, poincare, simulate, stroboscopic
-from gearblocks.effects import (
-    Backlash,
-    Fourier,
-    Harmonic,
-    HuntCrossley,
-    Hysteresis,
-    MeshLaw,
-    Profile,
-    Square,
-    ToothFriction,
-)
-from gearblocks.errors import (
-    CompileError,
-    GearblocksError,
-    ModelError,
-    ParameterError,
-    SimulationError,
-    UnknownNameError,
-)  # fmt: skip
-from gearblocks.expression import cos, piecewise, sin
-from gearblocks.library import Model
-from gearblocks.linear import FrequencyResponse, Linearization, frequency_response, linearize
-from gearblocks.maps import Table2
-from gearblocks.orders import Campbell, campbell
-from gearblocks.pitch import design_ratio
-from gearblocks.ratio_law import RatioLaw, RatioLawError, driver_angle
-from gearblocks.signals import Input, Parameter, Table, sense, time, twist
-from gearblocks.trajectory import Trajectory
-from gearblocks.units import rpm
-from gearblocks.vibration import Modes, modes
+from gearblocks.language.expression import cos, piecewise, sin
+from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
+from gearblocks.language.tables import Table2
+from gearblocks.language.units import rpm
+from gearblocks.simulation.trajectory import Trajectory
+from gearblocks.solver.library import Model
 
 __version__ = "0.1.0"
 

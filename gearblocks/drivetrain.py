@@ -8,20 +8,19 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gearblocks.building import build_train, check_user_blocks
-from gearblocks.declare import Block, _Declared
 from gearblocks.errors import GearblocksError, ModelError, by_name, check_arguments, did_you_mean
-from gearblocks.expression import as_expr
-from gearblocks.graph import Coordinate, Train, Tree, field_paths, flatten, replaced, unique_path, value_problems
-from gearblocks.handles import FlangeHandle, Handle
-from gearblocks.library import Model
-from gearblocks.rigid import released_angles
-from gearblocks.sliding import start_fields, unit_along
+from gearblocks.language.block import Block, _Declared
+from gearblocks.language.expression import as_expr
+from gearblocks.model.build import build_train, check_user_blocks
+from gearblocks.solver.library import Model
+from gearblocks.train.graph import Coordinate, Train, Tree, field_paths, flatten, replaced, unique_path, value_problems
+from gearblocks.train.handles import FlangeHandle, Handle
+from gearblocks.train.merging import released_angles
+from gearblocks.train.translational import start_fields, unit_along
 
 if TYPE_CHECKING:
-    from gearblocks.analysis import Label, Points, Section
-    from gearblocks.trajectory import Trajectory
-    from gearblocks.written import Equations
+    from gearblocks.equations.equations import Equations
+    from gearblocks.simulation.trajectory import Trajectory
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
@@ -119,10 +118,10 @@ class Drivetrain:
     def _main_flanges(self, part: Handle) -> list[str]:
         if not isinstance(part, Handle) or part._owner is not self:
             raise ModelError(f"{part!r} is no part of '{self.name}': use the handle that add returned")
-        if isinstance(part._part, Drivetrain):
-            main = list(part.flanges)
-        else:
+        if isinstance(part._part, Block):
             main = [n for n, f in type(part._part).flanges.items() if not f.ground or f.spare]
+        else:
+            main = list(part.flanges)
         if not 1 <= len(main) <= 2:
             raise ModelError(
                 f"'{part._name}' has {len(main)} flanges ({', '.join(main)}), so a chain cannot pass through it: use connect"
@@ -263,7 +262,7 @@ class Drivetrain:
 
     def equations(self) -> Equations:
         """The equations of motion for reading, in sympy."""
-        from gearblocks.equations import write_equations
+        from gearblocks.equations.write import write_equations
 
         train = self.train()
         check_user_blocks(train)
@@ -285,14 +284,14 @@ class Drivetrain:
 
     def to_json(self, path: str | Path) -> None:
         """Writes the train to a file from which `from_json` makes an equal one."""
-        from gearblocks.json_form import write
+        from gearblocks.train.json_form import write
 
         write(self.tree(), Path(path))
 
     @staticmethod
     def from_json(path: str | Path) -> Drivetrain:
         """The train in a file that `to_json` wrote. Expressions in it are parsed, never run."""
-        from gearblocks.json_form import read
+        from gearblocks.train.json_form import read
 
         return Drivetrain.from_tree(read(Path(path)))
 
@@ -352,31 +351,10 @@ def simulate(train: Drivetrain | Model, *unnamed: Any, **arguments: Any) -> Traj
     Raises UnknownNameError and ParameterError for bad arguments, SimulationError (with the trajectory so far) when the
     run cannot go on. Ctrl-C returns what is done; run.complete is then False.
     """
-    from gearblocks.runs import ARGUMENTS, run_model
+    from gearblocks.simulation.run import ARGUMENTS, run_model
 
     check_arguments("simulate", ARGUMENTS, unnamed, arguments)
     return run_model(build(train), **arguments)
-
-
-def poincare(train: Drivetrain | Model, section: Section, **arguments: Any) -> Points:
-    """Points of a section; see `gearblocks.analysis.section_points` for of, transient, keep, rtol, parameters, initial."""
-    from gearblocks.analysis import section_points
-
-    return section_points(build(train), section, **arguments)
-
-
-def classify(train: Drivetrain | Model, section: Section, **arguments: Any) -> Label:
-    """After how many periods the motion repeats; see `gearblocks.analysis.period_label` for the arguments."""
-    from gearblocks.analysis import period_label
-
-    return period_label(build(train), section, **arguments)
-
-
-def stroboscopic(frequency: str) -> Section:
-    """The section once per period of a frequency parameter [rad/s]."""
-    from gearblocks.analysis import Section
-
-    return Section(frequency)
 
 
 def _summary(block: Block, slides: bool) -> str:

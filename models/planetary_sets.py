@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import gearblocks as gb
 
 if TYPE_CHECKING:
-    from gearblocks.handles import Handle
+    from gearblocks.train.handles import Handle
 
 INPUT, LOAD, SUN, PLANET, CARRIER, RING = 0.08, 1.5, 1.0e-3, 2.0e-4, 8.0e-3, 1.2e-2
 """Moments of inertia, kg m2."""

@@ -4,17 +4,17 @@ from gearblocks.blocks.bodies import Fixed, Inertia
 from gearblocks.blocks.couplings import BeltDrive, Creep, TorqueConverter, UniversalJoint
 from gearblocks.blocks.friction import BearingFriction, Brake, Clutch, Stribeck
 from gearblocks.blocks.gears import Differential, IdealGear, IdealPlanetary
-from gearblocks.blocks.locks import DogClutch, Freewheel, OneWayClutch, Synchronizer
-from gearblocks.blocks.lossy import LossyGear, Worm
+from gearblocks.blocks.locking_couplings import DogClutch, Freewheel, OneWayClutch, Synchronizer
+from gearblocks.blocks.lossy_gears import LossyGear, Worm
 from gearblocks.blocks.machines import DCMotor, EddyCurrentBrake, Engine, Governor
 from gearblocks.blocks.meshes import GearMesh
 from gearblocks.blocks.noncircular import NonCircularGear
 from gearblocks.blocks.planetary import PlanetaryGear
-from gearblocks.blocks.sliders import Force, Mass, Rack
 from gearblocks.blocks.sources import Angle, Speed, SpeedLoad, Torque
 from gearblocks.blocks.spline import SplineCoupling
 from gearblocks.blocks.springs import Damper, Lash, Shaft
 from gearblocks.blocks.stops import HardStop
+from gearblocks.blocks.translational import Force, Mass, Rack
 from gearblocks.blocks.vehicles import TyreSlip, Vehicle
 
 __all__ = [

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.declare import Block, Body, Contribution, Flange, Shows, Tie, param
-from gearblocks.signals import Value
+from gearblocks.language.block import Block, Body, Contribution, Flange, Shows, Tie, param
+from gearblocks.language.signals import Value
 
 
 class Inertia(Block):

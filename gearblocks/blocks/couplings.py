@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearblocks.declare import (
+from gearblocks.language.block import (
     Acts,
     Block,
     Contribution,
@@ -21,7 +21,7 @@ from gearblocks.declare import (
     option,
     param,
 )
-from gearblocks.signals import Table, Value
+from gearblocks.language.signals import Table, Value
 
 _REST = 1e-6  # rad/s: keeps the speed ratio of a torque converter defined at rest
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gearblocks.blocks.couplings import table_values
-from gearblocks.declare import (
+from gearblocks.language.block import (
     Block,
     Contribution,
     Effect,
@@ -24,7 +24,7 @@ from gearblocks.declare import (
     param,
     signal,
 )
-from gearblocks.signals import Table, Value
+from gearblocks.language.signals import Table, Value
 
 CAPACITY: Any = signal("torque that it transmits while it slips", "N m", default=None, ge=0)
 MU: Any = signal("coefficient of friction, or a Table of it over abs(slip)", default=None, ge=0, over="slip")

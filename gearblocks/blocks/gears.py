@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
-from gearblocks.declare import Block, Contribution, Flange, Shows, Tie, exact, option
+from gearblocks.language.block import Block, Contribution, Flange, Shows, Tie, exact, option
 
 
 class IdealGear(Block):

@@ -5,9 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.declare import Acts, Block, Contribution, Energy, Flange, Rate, Shows, State, option, param, signal
-from gearblocks.maps import Table2
-from gearblocks.signals import Value
+from gearblocks.language.block import (
+    Acts,
+    Block,
+    Contribution,
+    Energy,
+    Flange,
+    Rate,
+    Shows,
+    State,
+    option,
+    param,
+    signal,
+)
+from gearblocks.language.signals import Value
+from gearblocks.language.tables import Table2
 
 
 class EddyCurrentBrake(Block):

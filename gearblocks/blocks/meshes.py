@@ -7,13 +7,22 @@ from math import isclose
 from typing import Any
 
 from gearblocks.blocks.contact import Line, damping, damping_problems, mesh
+from gearblocks.blocks.effects import (
+    Backlash,
+    Fourier,
+    Harmonic,
+    HuntCrossley,
+    Profile,
+    Square,
+    ToothFriction,
+    as_profile,
+)
 from gearblocks.blocks.gears import teeth_problems
-from gearblocks.blocks.hitting import hits, impact, without
-from gearblocks.blocks.rubbing import rub
-from gearblocks.declare import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
-from gearblocks.effects import Backlash, Fourier, Harmonic, HuntCrossley, Profile, Square, ToothFriction, as_profile
-from gearblocks.signals import Value
-from gearblocks.tooth_geometry import NUMBERS, ToothPair, contact_ratio_or_nan, iso_problems, mesh_stiffness
+from gearblocks.blocks.rigid_impact import hits, impact, without
+from gearblocks.blocks.tooth_friction import rub
+from gearblocks.geometry.involute import NUMBERS, ToothPair, contact_ratio_or_nan, iso_problems, mesh_stiffness
+from gearblocks.language.block import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
+from gearblocks.language.signals import Value
 
 
 class GearMesh(Block):
@@ -32,7 +41,7 @@ class GearMesh(Block):
 
     stiffness="iso6336" gives k = c' (0.75 eps_alpha + 0.25) b after ISO 6336-1, method B, from the tooth numbers, module,
     pressure_angle, [helix_angle], face_width b, [profile_shift, addendum]: see
-    `gearblocks.tooth_geometry.single_stiffness` for the formula. It holds for solid steel gears loaded by 100 N per mm
+    `gearblocks.geometry.involute.single_stiffness` for the formula. It holds for solid steel gears loaded by 100 N per mm
     of face width or more, helix angles up to 30 degrees, eps_alpha >= 1.2, x1 >= x2 (1: the smaller gear) and
     -0.5 <= x1 + x2 <= 2; the wheel of an internal pair counts as a rack.
     """
@@ -152,7 +161,7 @@ class GearMesh(Block):
 
     def _radius(self, s: Any) -> Any:
         """Base radius of the pinion; that of the wheel follows from the teeth."""
-        from gearblocks.symbols import SYMBOLS
+        from gearblocks.laws.symbols import SYMBOLS
 
         if self.r_base is not None:
             return s.r_base[0]
@@ -166,7 +175,7 @@ class GearMesh(Block):
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Contact along the line of action, or the rigid tie."""
-        from gearblocks.symbols import SYMBOLS
+        from gearblocks.laws.symbols import SYMBOLS
 
         sign = 1 if self.external else -1
         ratio = sign * s.teeth[1] / s.teeth[0]

@@ -6,7 +6,9 @@ from collections.abc import Generator, Iterator
 from typing import Any
 
 from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, theta_of
-from gearblocks.declare import (
+from gearblocks.blocks.effects import Backlash, Harmonic, Profile, ToothFriction, as_profile
+from gearblocks.geometry.ratio_law import RatioLaw
+from gearblocks.language.block import (
     Acts,
     Block,
     Contribution,
@@ -22,10 +24,8 @@ from gearblocks.declare import (
     param,
     signal,
 )
-from gearblocks.effects import Backlash, Harmonic, Profile, ToothFriction, as_profile
-from gearblocks.expression import Expr
-from gearblocks.ratio_law import RatioLaw
-from gearblocks.signals import Input, Parameter, Signal, Table, Value
+from gearblocks.language.expression import Expr
+from gearblocks.language.signals import Input, Parameter, Signal, Table, Value
 
 _CORNERS = {"Abs", "sign", "Min", "Max", "Heaviside", "Piecewise"}
 

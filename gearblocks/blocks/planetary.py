@@ -8,11 +8,11 @@ from math import cos, isfinite, pi, sin
 from typing import Any
 
 from gearblocks.blocks.bodies import Inertia
+from gearblocks.blocks.effects import MeshLaw, ToothFriction
 from gearblocks.blocks.gears import teeth_problems
 from gearblocks.blocks.meshes import GearMesh
-from gearblocks.declare import Block, Contribution, Flange, Parts, effect, exact, option, param
-from gearblocks.effects import MeshLaw, ToothFriction
-from gearblocks.signals import Value
+from gearblocks.language.block import Block, Contribution, Flange, Parts, effect, exact, option, param
+from gearblocks.language.signals import Value
 
 
 class PlanetaryGear(Block):
@@ -205,6 +205,6 @@ class PlanetaryGear(Block):
 
 
 def _cos(angle: Any) -> Any:
-    from gearblocks.expression import cos as cosine
+    from gearblocks.language.expression import cos as cosine
 
     return cosine(angle)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.declare import (
+from gearblocks.language.block import (
     Acts,
     Block,
     Contribution,
@@ -21,7 +21,7 @@ from gearblocks.declare import (
     param,
     signal,
 )
-from gearblocks.signals import Value
+from gearblocks.language.signals import Value
 
 
 class Torque(Block):

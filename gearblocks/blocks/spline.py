@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from gearblocks.blocks.contact import Line, damping, damping_problems, mesh
-from gearblocks.blocks.hitting import hits, impact, without
-from gearblocks.declare import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
-from gearblocks.effects import Backlash, Fourier, HuntCrossley, Profile, Square, as_profile
-from gearblocks.signals import Value
+from gearblocks.blocks.effects import Backlash, Fourier, HuntCrossley, Profile, Square, as_profile
+from gearblocks.blocks.rigid_impact import hits, impact, without
+from gearblocks.language.block import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
+from gearblocks.language.signals import Value
 
 
 class SplineCoupling(Block):

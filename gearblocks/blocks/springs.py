@@ -7,8 +7,9 @@ from typing import Any
 
 from gearblocks.blocks.bodies import Inertia
 from gearblocks.blocks.contact import Contact, contact, damping, damping_problems
-from gearblocks.blocks.hitting import hits, impact, without
-from gearblocks.declare import (
+from gearblocks.blocks.effects import Backlash, HuntCrossley, Hysteresis
+from gearblocks.blocks.rigid_impact import hits, impact, without
+from gearblocks.language.block import (
     Block,
     Contribution,
     Energy,
@@ -24,8 +25,7 @@ from gearblocks.declare import (
     param,
     signal,
 )
-from gearblocks.effects import Backlash, HuntCrossley, Hysteresis
-from gearblocks.signals import Value
+from gearblocks.language.signals import Value
 
 
 class Shaft(Block):

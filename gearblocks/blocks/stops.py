@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from gearblocks.declare import Block, Contribution, Flange, Shows, State, Stop, param
-from gearblocks.signals import Value
+from gearblocks.language.block import Block, Contribution, Flange, Shows, State, Stop, param
+from gearblocks.language.signals import Value
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,9 +11,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 import gearblocks as gb
-from gearblocks.core import Code, Counters, Options, Simulation
 from gearblocks.errors import GearblocksError, SimulationError
-from gearblocks.trajectory import Trajectory
+from gearblocks.simulation.trajectory import Trajectory
+from gearblocks.solver.binding import Code, Counters, Options, Simulation
 
 RTOL = 1e-6
 """The default tolerance of a run."""
@@ -111,7 +111,7 @@ class _Patience:
 
 def started(model: gb.Model, end: float = math.inf) -> Simulation:
     """A solver of the model at its start, at the default tolerance and method, to be driven step by step."""
-    from gearblocks.arguments import method_options, set_inputs
+    from gearblocks.simulation.arguments import method_options, set_inputs
 
     sim = model.library.open()
     sim.parameters[:] = model.values

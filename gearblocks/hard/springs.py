@@ -13,6 +13,7 @@ import gearblocks as gb
 from gearblocks.errors import SimulationError
 from gearblocks.hard.judging import RTOL, Check, Meter, below, count, fact, largest
 from gearblocks.hard.parts import line, swing
+from gearblocks.language.block import Contribution
 
 CALLS = 150_000
 
@@ -191,7 +192,7 @@ class Lag(gb.Block):
     flange = gb.Flange("driven flange")
     i = gb.State("current", "A")
 
-    def physics(self, s: Any) -> Iterator[gb.declare.Contribution]:
+    def physics(self, s: Any) -> Iterator[Contribution]:
         """i' = -1e6 (i - w), torque 1e-4 (1 - i)."""
         yield gb.Rate(s.i, -1e6 * (s.i - s.flange.w))
         yield gb.Acts(s.flange, (1 - s.i) / 10000)

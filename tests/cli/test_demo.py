@@ -8,7 +8,7 @@ from urllib.parse import unquote
 import pytest
 from lxml import html
 
-from gearblocks.cli import main
+from gearblocks.cli.main import main
 
 EXPECTED = {"300 rpm": "period 1", "348 rpm": "period 2", "360 rpm": "period 5", "1080 rpm": "not periodic"}
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from gearblocks.cli import main
-from gearblocks.trajectory import Trajectory
+from gearblocks.cli.main import main
+from gearblocks.simulation.trajectory import Trajectory
 
 SCRIPT = '''"""A motor that swings against the ground through a shaft."""
 
@@ -72,7 +72,7 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_help_loads_nothing_heavy() -> None:
     code = (
-        "import sys; from gearblocks.cli import main; main(['--help'])\n"
+        "import sys; from gearblocks.cli.main import main; main(['--help'])\n"
         "print([m for m in ('sympy', 'matplotlib', 'scipy', 'xarray', 'fmpy', 'jinja2', 'pandas') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)

@@ -11,8 +11,7 @@ import pytest
 
 import fmu_export
 from fmu_export.instance import Unpacked
-from gearblocks.library import Model, compile_program
-from gearblocks.program import (
+from gearblocks.codegen.program import (
     EnergyInfo,
     InputInfo,
     IntegralInfo,
@@ -21,6 +20,7 @@ from gearblocks.program import (
     Quantity,
     SwitchInfo,
 )
+from gearblocks.solver.library import Model, compile_program
 
 SOURCE = Path(__file__).with_name("oscillator.c").read_text(encoding="utf-8")
 

@@ -17,9 +17,9 @@ import fmu_export
 from fmu_export.check_file import check_sources
 from fmu_export.exporter import model_identifier
 from fmu_export.instance import Unpacked
+from gearblocks.codegen.program import StartInfo
 from gearblocks.errors import GearblocksError
-from gearblocks.library import Model
-from gearblocks.program import StartInfo
+from gearblocks.solver.library import Model
 
 START = np.array([1e-3, 0.5] + 14 * [0.0])
 MODELS = Callable[[str], Model]

@@ -18,7 +18,7 @@ import fmu_export
 from fmu_export import manifest
 from fmu_export.instance import Instance, Unpacked
 from fmu_export.replay import replay
-from gearblocks.library import Model
+from gearblocks.solver.library import Model
 
 OUTPUTS = ("wheel.phi", "wheel.w", "wheel.alpha", "spring.torque", "spring.contact")
 References = dict[str, int]

@@ -13,7 +13,7 @@ from fmu_export.binary import native_platform
 from fmu_export.instance import Unpacked
 from fmu_export.replay import replay
 from fmu_export.templates import C_FOLDER
-from gearblocks.compiler import SHARED_SUFFIX, find_compiler
+from gearblocks.solver.compiler import SHARED_SUFFIX, find_compiler
 
 SHOWN = ("wheel.phi", "wheel.w", "spring.torque")
 

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from gearblocks.cli import main
+from gearblocks.cli.main import main
 from gearblocks.hard import suite
 
 # slow: 1e7 steps (H31), 500 periods by a reference solver in Python (H42), 1e5 bodies built (S58)

@@ -309,7 +309,7 @@ def test_a_tyre_gives_no_more_than_its_grip():
 def test_the_tie_of_a_universal_joint_is_that_of_its_cross(angle, phase):
     import sympy as sp
 
-    from gearblocks.symbols import Pool, Symbols
+    from gearblocks.laws.symbols import Pool, Symbols
 
     joint = gb.UniversalJoint(angle=angle, phase=phase)
     s = Symbols(joint, Pool(), frozenset())

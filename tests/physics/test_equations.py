@@ -8,9 +8,10 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.core import Code, Method, Options
-from gearblocks.graph import numbers_of
-from gearblocks.symbols import ContactSide, DeadZone, clock
+from gearblocks.laws.symbols import ContactSide, DeadZone, clock
+from gearblocks.solver.binding import Code, Method, Options
+from gearblocks.train.graph import numbers_of
+from gearblocks.train.handles import FlangeHandle
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "models"))
 
@@ -71,7 +72,7 @@ def _train(name):
         rig.connect(damper.a, c.a)
         rig.connect(damper.b, a.a)
         rig.connect(rig.add("ground", gb.Fixed(phi0=0.2)).flange, rig.add("spring", gb.Shaft(k=3.0)).a)
-        rig.connect(gb.drivetrain.FlangeHandle(rig, "spring", "b"), c.b)
+        rig.connect(FlangeHandle(rig, "spring", "b"), c.b)
     return rig
 
 

@@ -5,9 +5,9 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.core import Options
-from gearblocks.graph import numbers_of
-from gearblocks.symbols import clock
+from gearblocks.laws.symbols import clock
+from gearblocks.solver.binding import Options
+from gearblocks.train.graph import numbers_of
 
 
 class Disc(gb.Block):
@@ -140,7 +140,7 @@ def test_friction_is_written_as_a_torque_with_its_cases():
     ):
         assert line in text.replace("phi_three - phi_two", "-phi_two + phi_three"), line
     assert r"\text{stuck, }" in eq.latex()
-    from gearblocks.report.pages import equations_page
+    from gearblocks.cli.report.pages import equations_page
 
     assert "stuck, <math" in equations_page(eq)
 

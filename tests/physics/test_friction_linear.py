@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
-from gearblocks.linear import held
-from gearblocks.probing import differenced_state_matrix, state_matrix
+from gearblocks.analysis.linearization import held
+from gearblocks.solver.point import differenced_state_matrix, state_matrix
+from gearblocks.train.handles import FlangeHandle
 
 NEAR = 1e-9
 """Of matrices from the derivatives of laws: rounding of a few terms, seen through eigenvalues."""
@@ -29,7 +30,7 @@ def test_a_stuck_clutch_between_two_discs_on_a_spring_makes_one_disc_of_them():
     rig = gb.Drivetrain("pair")
     one, two = rig.add("one", gb.Inertia(J=2.0)), rig.add("two", gb.Inertia(J=3.0))
     rig.chain(one, rig.add("clutch", gb.Clutch(capacity=50.0)), two, rig.add("shaft", gb.Shaft(k=500.0, c=2.0)))
-    rig.connect(rig.add("wall", gb.Fixed()).flange, gb.drivetrain.FlangeHandle(rig, "shaft", "b"))
+    rig.connect(rig.add("wall", gb.Fixed()).flange, FlangeHandle(rig, "shaft", "b"))
     found = gb.modes(rig)
     assert (found.free, len(found)) == (0, 1)
     assert found.frequencies[0] == pytest.approx(np.sqrt(500.0 / 5.0), rel=NEAR)
@@ -152,7 +153,7 @@ def test_what_holds_is_a_tie_where_gains_change_with_the_angle():
     law = gb.RatioLaw.ellipse(0.3)
     rig.chain(one, rig.add("pair", gb.NonCircularGear(law=law, external=True)), two)
     rig.chain(two, rig.add("clutch", gb.Clutch(capacity=30.0)), three, rig.add("shaft", gb.Shaft(k=40.0)))
-    rig.connect(rig.add("wall", gb.Fixed()).flange, gb.drivetrain.FlangeHandle(rig, "shaft", "b"))
+    rig.connect(rig.add("wall", gb.Fixed()).flange, FlangeHandle(rig, "shaft", "b"))
     found = gb.modes(rig, {"one.phi": 0.4})
     m = law.m(0.4)
     assert found.frequencies == pytest.approx([np.sqrt(40.0 / (0.7 / m**2 + 1.3 + 2.1))], rel=1e-7)  # by differences

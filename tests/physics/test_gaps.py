@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.dead_zone import polynomial_fit
-from gearblocks.engagement import deflection_at
+from gearblocks.geometry.backlash_fit import polynomial_fit
+from gearblocks.geometry.spline_teeth import deflection_at
 
 TIGHT = {"rtol": 1e-12}
 B, K, C = 0.1, 400.0, 3.0

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
-from gearblocks.impact import restitution_damping
+from gearblocks.geometry.restitution import restitution_damping
+from gearblocks.train.handles import FlangeHandle
 
 TIGHT = {"rtol": 1e-11}
 B, K, W = 0.1, 400.0, 4.0
@@ -61,7 +62,7 @@ def test_a_motion_with_impacts_and_a_load_is_that_of_an_independent_integration(
     e = 0.6
     rig = _ball(e)
     drive = rig.add("drive", gb.Torque(tau=9.0 * gb.sin(11.0 * gb.time)))
-    rig.connect(drive.flange, gb.drivetrain.FlangeHandle(rig, "ball", "b"))
+    rig.connect(drive.flange, FlangeHandle(rig, "ball", "b"))
     t = np.linspace(0, 2, 201)
     run = gb.simulate(rig, t=t, **TIGHT)
     a = restitution_damping(e)

@@ -7,10 +7,11 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.core import Options, Simulation
-from gearblocks.pattern import Pattern
-from gearblocks.scripts import make
-from gearblocks.stepmatrix import StepMatrix
+from gearblocks.cli.scripts import make
+from gearblocks.codegen.jacobian.sparsity import Pattern
+from gearblocks.solver.binding import Options, Simulation
+from gearblocks.solver.step_matrix import StepMatrix
+from gearblocks.train.handles import FlangeHandle
 
 NEAR = 1e-9  # differences of fourth order with steps of 1e-3 of each state: 1e-12, times what terms cancel
 
@@ -186,7 +187,7 @@ def test_springs_over_tables_and_expressions():
 
 def test_loops_fold_their_deflections_onto_the_coordinates():
     rig = between(gb.Shaft(k=10.0), gb.Shaft(k=20.0, c=0.3), gb.Lash(k=15.0, half_gap=0.2, c=0.1))
-    handles = [gb.drivetrain.FlangeHandle(rig, f"disc{i}", "a") for i in range(4)]
+    handles = [FlangeHandle(rig, f"disc{i}", "a") for i in range(4)]
     for i, (a, b) in enumerate(((0, 2), (1, 3), (0, 3), (0, 3))):
         cross = rig.add(f"cross{i}", gb.Shaft(k=5.0 + i, c=0.2))
         rig.connect(cross.a, handles[a])
@@ -259,7 +260,7 @@ class Hysteresis(gb.Block):
 def test_states_of_blocks_couple_with_their_shafts():
     rig = between(Hysteresis(k=20.0), gb.Shaft(k=30.0, c=0.1), Hysteresis(k=5.0))
     motor = rig.add("motor", Motor(u=12.0 * gb.sin(gb.time)))
-    rig.connect(motor.shaft, gb.drivetrain.FlangeHandle(rig, "disc0", "a"))
+    rig.connect(motor.shaft, FlangeHandle(rig, "disc0", "a"))
     check(rig)
 
 
@@ -279,7 +280,7 @@ FEEDBACKS = {
 @pytest.mark.parametrize("name", FEEDBACKS)
 def test_what_is_sensed_adds_its_derivative(name):
     rig = between(gb.Lash(k=20.0, half_gap=0.1, c=0.3), gb.Shaft(k=30.0, c=0.1), ends=(gb.Torque(tau=FEEDBACKS[name]),))
-    start = gb.drivetrain.FlangeHandle(rig, "disc0", "a")
+    start = FlangeHandle(rig, "disc0", "a")
     motor, relay = rig.add("motor", Motor(u=2.0)), rig.add("relay", gb.Torque(tau=0.4 * gb.sense("link1.torque")))
     rig.connect(start, motor.shaft)
     rig.connect(start, relay.flange)
@@ -290,7 +291,7 @@ def test_a_motor_that_is_fed_by_a_speed_control():
     u = 3 * (gb.Parameter("target", 2.0, "rad/s") - gb.sense("disc2.w")) + gb.sense("disc1.phi") ** 2
     rig = between(gb.Shaft(k=20.0), gb.Shaft(k=30.0, c=0.1))
     motor = rig.add("motor", Motor(u=u))
-    rig.connect(motor.shaft, gb.drivetrain.FlangeHandle(rig, "disc0", "a"))
+    rig.connect(motor.shaft, FlangeHandle(rig, "disc0", "a"))
     check(rig)
 
 
@@ -298,7 +299,7 @@ def test_a_sensed_output_with_a_limit_of_its_own_has_the_slope_of_its_side():
     tau = -2 * gb.sense("motor.limited") * gb.sense("disc1.w")
     rig = between(gb.Shaft(k=20.0), ends=(gb.Torque(tau=tau),))
     motor = rig.add("motor", Motor(u=1.0))
-    rig.connect(motor.shaft, gb.drivetrain.FlangeHandle(rig, "disc0", "a"))
+    rig.connect(motor.shaft, FlangeHandle(rig, "disc0", "a"))
     check(rig)
 
 
@@ -490,8 +491,8 @@ class Crank(gb.Block):
 def test_a_motion_that_is_nonlinear_in_a_state():
     rig = in_a_row(gb.Shaft(k=20.0, c=0.4), gb.Shaft(k=30.0, c=0.1))
     crank = rig.add("crank", Crank())
-    rig.connect(crank.b, gb.drivetrain.FlangeHandle(rig, "body1", "a"))
-    rig.connect(crank.a, gb.drivetrain.FlangeHandle(rig, "body0", "a"))
+    rig.connect(crank.b, FlangeHandle(rig, "body1", "a"))
+    rig.connect(crank.a, FlangeHandle(rig, "body0", "a"))
     check_whole(rig)
 
 
@@ -502,9 +503,9 @@ def test_a_cam_beside_a_damped_shaft_without_inertia_and_a_mesh_over_the_angle()
     )  # fmt: skip
     rig = in_a_row(Cam(), mesh, Hysteresis(k=5.0), gb.UniversalJoint(angle=-0.4))
     one, two = rig.add("one", gb.Shaft(k=6.0, c=0.3)), rig.add("two", gb.Shaft(k=5.0, c=0.2))
-    rig.connect(one.a, gb.drivetrain.FlangeHandle(rig, "body1", "a"))
+    rig.connect(one.a, FlangeHandle(rig, "body1", "a"))
     rig.connect(one.b, two.a)
-    rig.connect(two.b, gb.drivetrain.FlangeHandle(rig, "body4", "a"))
+    rig.connect(two.b, FlangeHandle(rig, "body4", "a"))
     assert check_whole(rig)[1] == 1
 
 
@@ -523,9 +524,9 @@ def test_a_pair_on_a_carrier_that_turns_with_a_phase_behind_a_filter():
 def test_a_cam_beside_a_shaft_in_balance_between_springs_alone():
     rig = in_a_row(Cam(), gb.Shaft(k=4.0))
     one, two = rig.add("one", gb.Shaft(k=6.0)), rig.add("two", gb.Shaft(k=5.0))
-    rig.connect(one.a, gb.drivetrain.FlangeHandle(rig, "body1", "a"))
+    rig.connect(one.a, FlangeHandle(rig, "body1", "a"))
     rig.connect(one.b, two.a)
-    rig.connect(two.b, gb.drivetrain.FlangeHandle(rig, "body0", "a"))
+    rig.connect(two.b, FlangeHandle(rig, "body0", "a"))
     assert check_whole(rig)[1] == 1
 
 

@@ -5,6 +5,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
+from gearblocks.train.handles import FlangeHandle
 
 EXACT = 1e-12  # polynomials between located corners: rounding only
 
@@ -44,7 +45,7 @@ def test_one_parameter_serves_several_blocks_and_is_set_once():
 def test_two_parameters_of_one_name_and_different_values_are_refused():
     rig = _driven(gb.Parameter("T", 1.0))
     more = rig.add("more", gb.Torque(tau=gb.Parameter("T", 2.0)))
-    rig.connect(more.flange, gb.drivetrain.FlangeHandle(rig, "body", "b"))
+    rig.connect(more.flange, FlangeHandle(rig, "body", "b"))
     with pytest.raises(gb.ModelError, match="'T'"):
         gb.build(rig)
 

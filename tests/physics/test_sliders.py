@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
+from gearblocks.train.handles import FlangeHandle
 
 NAN = float("nan")
 
@@ -220,7 +221,7 @@ def test_a_slider_that_is_neither_is_refused() -> None:
 
 def test_a_train_with_sliders_survives_its_file(tmp_path: Path) -> None:
     rig = _wheel()
-    rig.connect(rig.add("push", gb.Force(f=gb.Input("f", unit="N"))).flange, gb.handles.FlangeHandle(rig, "mass", "a"))
+    rig.connect(rig.add("push", gb.Force(f=gb.Input("f", unit="N"))).flange, FlangeHandle(rig, "mass", "a"))
     rig.to_json(tmp_path / "rig.json")
     again = gb.Drivetrain.from_json(tmp_path / "rig.json")
     assert gb.build(again).program.key == gb.build(rig).program.key

@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.declare import Block, Contribution, Flange, Stick, Stop, param, signal
+from gearblocks.language.block import Block, Contribution, Flange, Stick, Stop, param, signal
 
 METHODS = [{"method": "auto"}, {"method": "dp5"}, {"method": "rodas"}, {"method": "rk4", "step": 0.01}]
 

@@ -39,12 +39,12 @@ def far_off(run: gb.Trajectory, reference: gb.Trajectory, n: int = 20) -> float:
 
 
 @pytest.fixture(scope="module")
-def model() -> gb.library.Model:
+def model() -> gb.Model:
     return gb.build(chain())
 
 
 @pytest.fixture(scope="module")
-def reference(model: gb.library.Model) -> gb.Trajectory:
+def reference(model: gb.Model) -> gb.Trajectory:
     return gb.simulate(model, t=TIMES, method="dp8", rtol=1e-11)
 
 

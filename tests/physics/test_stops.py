@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
+from gearblocks.train.handles import FlangeHandle
 
 EXACT = 1e-12  # free flight is a polynomial of time; some ten impacts round
 
@@ -118,7 +119,7 @@ def test_a_pressed_rigid_mesh_carries_the_force_of_its_line_of_action():
     rig = _mesh(False).without("part.compliance")
     tau = rig.add("tau", gb.Torque(tau=50.0))
     rig.connect(tau.flange, rig.add("extra", gb.Inertia(J=1e-3)).a)
-    rig.connect(gb.drivetrain.FlangeHandle(rig, "extra", "b"), gb.drivetrain.FlangeHandle(rig, "a", "a"))
+    rig.connect(FlangeHandle(rig, "extra", "b"), FlangeHandle(rig, "a", "a"))
     run = gb.simulate(rig, t=[5.0])
     radius = 0.01 * 20 * np.cos(0.35) / 2
     share = 2.0 * (20 / 41) ** 2 / (1.001 + 2.0 * (20 / 41) ** 2)  # of the torque that goes through to the wheel

@@ -7,6 +7,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
+from gearblocks.train.handles import FlangeHandle
 
 NEAR = 1e-9  # hundreds of steps at rtol 1e-12, the same equations in another order
 
@@ -206,12 +207,10 @@ def _around(block):
     ):
         shaft = rig.add("shaft", gb.Shaft(k=50.0))
         rig.chain(drive, one, shaft, part)
-        rig.connect(gb.drivetrain.FlangeHandle(rig, "spare", "a"), one.b)
+        rig.connect(FlangeHandle(rig, "spare", "a"), one.b)
     else:
         rig.chain(drive, one, part)
-        rig.connect(
-            gb.drivetrain.FlangeHandle(rig, "spare", "a"), gb.drivetrain.FlangeHandle(rig, "part", part.flanges[1])
-        )
+        rig.connect(FlangeHandle(rig, "spare", "a"), FlangeHandle(rig, "part", part.flanges[1]))
     return rig
 
 

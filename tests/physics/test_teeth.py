@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.tooth_geometry import ToothPair, mesh_stiffness
+from gearblocks.geometry.involute import ToothPair, mesh_stiffness
 
 TIGHT = {"rtol": 1e-11}
 A, M, Z, MU, J = np.deg2rad(20), 3e-3, (23, 41), 0.06, (2e-4, 5e-3)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from gearblocks.cache import Cache, digest, user_cache
 from gearblocks.errors import GearblocksWarning
+from gearblocks.solver.cache import Cache, digest, user_cache
 
 
 def test_what_was_written_is_found_by_another_process(tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from gearblocks.compiler import FLAGS, SHARED_SUFFIX, find_compiler, host_target, zig_compiler
 from gearblocks.errors import CompileError
+from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, find_compiler, host_target, zig_compiler
 
 ANSWER = "int answer(void);\nint answer(void) { return 42; }\n"
 on_posix = pytest.mark.skipif(os.name != "posix", reason="needs shell scripts")

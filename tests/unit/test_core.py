@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from gearblocks.methods import render_tables
+from gearblocks.solver.methods import render_tables
 
 ROOT = Path(__file__).resolve().parents[2]
-CORE = ROOT / "gearblocks" / "c"
+CORE = ROOT / "gearblocks" / "solver" / "c"
 CHECKS = ROOT / "tests" / "c"
 FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off")
 FAST = ("-O3", "-fno-math-errno", "-fno-trapping-math")

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 import gearblocks as gb
+from gearblocks.train.handles import Handle
 
 NAN = float("nan")
 
@@ -224,9 +225,7 @@ def test_patterns_that_match_no_effect_are_named(method: str) -> None:
 
 def test_a_train_survives_its_file(tmp_path: Path) -> None:
     rig = _rig()
-    rig.connect(
-        rig.add("gear", gb.IdealGear(ratio=Fraction(1, 3))).a, gb.drivetrain.Handle(rig, "wheel", rig["wheel"]).b
-    )
+    rig.connect(rig.add("gear", gb.IdealGear(ratio=Fraction(1, 3))).a, Handle(rig, "wheel", rig["wheel"]).b)
     rig.to_json(tmp_path / "rig.json")
     again = gb.Drivetrain.from_json(tmp_path / "rig.json")
     assert again.describe() == rig.describe()

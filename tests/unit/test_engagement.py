@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gearblocks.dead_zone import polynomial_fit
-from gearblocks.engagement import deflection_at, engaged_teeth, force_at, segments, start_forces
+from gearblocks.geometry.backlash_fit import polynomial_fit
+from gearblocks.geometry.spline_teeth import deflection_at, engaged_teeth, force_at, segments, start_forces
 
 DATA = Path(__file__).parents[1] / "data"
 CASE = json.loads((DATA / "spline_engaged_teeth.json").read_text())

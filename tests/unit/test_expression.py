@@ -9,8 +9,8 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.expression import as_expr, evaluate, finite_number, from_sympy, to_sympy
-from gearblocks.json_form import parse
+from gearblocks.language.expression import as_expr, evaluate, finite_number, from_sympy, to_sympy
+from gearblocks.train.json_form import parse
 
 NAN, INF = float("nan"), float("inf")
 P, U = gb.Parameter("P", 2.0), gb.Input("u", 3.0)

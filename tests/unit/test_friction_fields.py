@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 import gearblocks as gb
+from gearblocks.train.graph import GROUND
 
 TABLE = gb.Table([0.0, 1.0], [0.4, 0.3])
 
@@ -105,4 +106,4 @@ def test_a_chain_passes_through_a_stop_and_ends_on_the_ground_with_one() -> None
     assert nodes["stop"] == (nodes["a"][1], nodes["b"][0])
     alone = gb.Drivetrain("alone")
     alone.chain(alone.add("a", gb.Inertia(J=1.0)), alone.add("stop", gb.HardStop(lower=0.0, restitution=0.0)))
-    assert alone.train().components[1].nodes[1] == gb.graph.GROUND
+    assert alone.train().components[1].nodes[1] == GROUND

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearblocks import library as stage
-from gearblocks.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler, zig_compiler
-from gearblocks.core import Code, Kind, Method, Options, Simulation
+from gearblocks.codegen.program import EnergyInfo, InputInfo, ParameterInfo, Program, Quantity
 from gearblocks.errors import CompileError, GearblocksWarning
-from gearblocks.library import Library, compile_program, core_files, start_core_build
-from gearblocks.program import EnergyInfo, InputInfo, ParameterInfo, Program, Quantity
+from gearblocks.solver import library as stage
+from gearblocks.solver.binding import Code, Kind, Method, Options, Simulation
+from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler, zig_compiler
+from gearblocks.solver.library import Library, compile_program, core_files, start_core_build
 
 HERE = Path(__file__).parent
 
@@ -218,7 +218,7 @@ def test_a_cached_library_is_found_without_heavy_imports(oscillator: Library, tm
     stored.write_bytes(pickle.dumps(oscillator.program))
     script = (
         "import pickle, sys\n"
-        "from gearblocks.library import compile_program\n"
+        "from gearblocks.solver.library import compile_program\n"
         f"compile_program(pickle.loads(open({str(stored)!r}, 'rb').read()))\n"
         "print([name for name in ('sympy', 'jinja2', 'matplotlib', 'fmpy', 'scipy') if name in sys.modules])\n"
     )

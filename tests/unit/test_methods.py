@@ -7,8 +7,8 @@ import math
 
 import pytest
 
-from gearblocks.methods import DP5, DP8, METHODS, RK4, Tableau, render_tables
-from gearblocks.rosenbrock import RODAS, trees
+from gearblocks.solver.methods import DP5, DP8, METHODS, RK4, Tableau, render_tables
+from gearblocks.solver.rosenbrock import RODAS, trees
 
 EXPLICIT = [method for method in METHODS if isinstance(method, Tableau)]
 

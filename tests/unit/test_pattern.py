@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gearblocks.pattern import eliminate
+from gearblocks.codegen.jacobian.sparsity import eliminate
 
 
 def test_a_chain_is_eliminated_from_both_ends_without_fill():

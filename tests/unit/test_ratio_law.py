@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.ratio_making import _powers
+from gearblocks.geometry.ratio_fit import _powers
 
 TURN = 2 * np.pi
 X = np.deg2rad(240)

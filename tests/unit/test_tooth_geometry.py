@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from gearblocks.tooth_geometry import ToothPair, inverse_involute, iso_problems, mesh_stiffness, single_stiffness
+from gearblocks.geometry.involute import ToothPair, inverse_involute, iso_problems, mesh_stiffness, single_stiffness
 
 DATA = Path(__file__).parents[1] / "data"
 ANGLE = math.radians(20)

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from gearblocks.errors import GearblocksError, StorageError, UnknownNameError
-from gearblocks.trajectory import EnergyLedger, Event, FinalState, Stats, Trajectory
+from gearblocks.simulation.trajectory import EnergyLedger, Event, FinalState, Stats, Trajectory
 
 LEDGER = EnergyLedger(
     stored={"motor": 2.0, "mesh": 1.0},
@@ -210,7 +210,7 @@ FULL_DISK = """
 import resource, sys
 import numpy as np
 from gearblocks.errors import StorageError
-from gearblocks.trajectory import Trajectory
+from gearblocks.simulation.trajectory import Trajectory
 t = np.linspace(0.0, 1.0, 20000)
 run = Trajectory(t, {"a.x": t})
 resource.setrlimit(resource.RLIMIT_FSIZE, (50000, 50000))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gearblocks.errors import ParameterError
-from gearblocks.units import base_exponents, rpm
+from gearblocks.language.units import base_exponents, rpm
 
 
 @pytest.mark.parametrize(

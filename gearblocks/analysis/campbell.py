@@ -1,0 +1,178 @@
+"""Campbell diagrams: natural frequencies over speed, and where the orders of meshes and shafts cross them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple, final
+
+import numpy as np
+
+from gearblocks.analysis.linearization import Place, held
+from gearblocks.analysis.modes import body_speeds, modes_at
+from gearblocks.drivetrain import Drivetrain, build
+from gearblocks.errors import ParameterError
+from gearblocks.simulation.arguments import resolve
+from gearblocks.simulation.equilibrium import motion
+from gearblocks.solver.binding import Array
+from gearblocks.solver.library import Model
+from gearblocks.solver.point import Point
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class Crossing(NamedTuple):
+    """An order meets a natural frequency: speed [rad/s], frequency [rad/s], number of the mode, name of the order."""
+
+    speed: float
+    frequency: float
+    mode: int
+    order: str
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Campbell:
+    """Natural frequencies [rad/s], shape (speeds, modes), over speeds [rad/s]; orders: excitations per turn by name."""
+
+    name: str
+    speed: str
+    speeds: Array
+    frequencies: Array
+    damping: Array
+    orders: Mapping[str, float]
+    crossings: tuple[Crossing, ...]
+
+    def __str__(self) -> str:
+        head = f"{self.name}: {self.frequencies.shape[1]} modes over {self.speed}, {len(self.crossings)} crossings"
+        rows = [
+            f"  {c.speed * 30 / np.pi:10.6g} rpm  {c.frequency / (2 * np.pi):10.6g} Hz  mode {c.mode}  {c.order}"
+            for c in self.crossings
+        ]
+        return "\n".join([head, *rows])
+
+    def plot(self, path: Any = None) -> Figure:
+        """Frequencies, order lines and crossings over the speed in rpm; saved to `path` where given."""
+        from gearblocks.analysis.pictures import campbell_picture
+
+        return campbell_picture(self, path)
+
+
+def campbell(
+    train: Drivetrain | Model, speed: str, speeds: Sequence[float] | Array, *,
+    orders: Mapping[str, float] | Sequence[float] | None = None, reference: str | None = None, at: Place = "static",
+    count: int | None = None, parameters: Mapping[str, float] | None = None,
+) -> Campbell:  # fmt: skip
+    """Natural frequencies over a speed [rad/s], orders and their crossings.
+
+    speed: a Parameter, or the speed of a body ("motor.w") with which all bodies turn in their ratios. orders: by name or
+    as numbers; left out, they follow from the train: one per shaft speed and one per GearMesh (its teeth), relative to
+    the body `reference` (default: the body of `speed`, else the first one). count: the lowest modes only.
+    """
+    model = build(train)
+    values = np.atleast_1d(np.asarray(speeds, dtype=float))
+    if len(values) == 0 or not np.isfinite(values).all() or (np.diff(values) <= 0).any():
+        raise ParameterError(f"speeds = {speeds!r:.80} must be finite and increase")
+    names = {p.path: i for i, p in enumerate(model.program.parameters) if p.tunable}
+    body = _body_of(model, speed)
+    path = None if body is not None else model.program.parameters[resolve(speed, names, "parameter")].path
+    found, damping = [], []
+    for value in values:
+        with held(model, at, None, {**(parameters or {}), **({path: float(value)} if path else {})}) as point:
+            turning = point if body is None else _turning(point, body, float(value))
+            swinging = modes_at(turning, count)
+            found.append(swinging.frequencies[swinging.free :])
+            damping.append(swinging.damping[swinging.free :])
+            lines = _orders(train, point, orders, reference or body)
+    width = min(map(len, found))
+    table = np.array([row[:width] for row in found])
+    crossings = _crossings(values, table, lines)
+    return Campbell(
+        model.program.name, speed, values, table, np.array([row[:width] for row in damping]), lines, crossings
+    )
+
+
+def _body_of(model: Model, speed: str) -> str | None:
+    bodies, _ = body_speeds(model.program)
+    return speed[:-2] if speed.endswith(".w") and speed[:-2] in bodies else None
+
+
+def _free_turn(point: Point, reference: str | None) -> tuple[Array, Array] | None:
+    """Speeds of the states and of all outputs where the reference body turns at 1 rad/s; None if nothing turns freely."""
+    whole = motion(point)
+    bodies, numbers = body_speeds(point.program)
+    chosen = bodies.index(reference) if reference is not None else 0
+    y = point.y.copy()
+    for column in whole.N.toarray().T:
+        y[whole.speeds] = column
+        turned = point.outputs(y)
+        own = turned[numbers[chosen]]
+        if own != 0:
+            return column / own, turned / own
+    return None
+
+
+def _turning(point: Point, body: str, speed: float) -> Point:
+    """The point with every body turning along with one."""
+    turn = _free_turn(point, body)
+    if turn is None:
+        raise ParameterError(f"'{body}' cannot turn freely, so no speed of it can be set; name a Parameter")
+    y = point.y.copy()
+    y[motion(point).speeds] = turn[0] * speed
+    return point.at(y=y).settled()
+
+
+def _orders(
+    train: Drivetrain | Model, point: Point, given: Mapping[str, float] | Sequence[float] | None, reference: str | None
+) -> dict[str, float]:
+    """Excitations per turn of the reference, by name."""
+    if isinstance(given, Mapping):
+        return {str(k): float(v) for k, v in given.items()}
+    if given is not None:
+        return {f"order {v:g}": float(v) for v in given}
+    bodies, numbers = body_speeds(point.program)
+    if reference is not None and reference not in bodies:
+        raise ParameterError(f"reference = {reference!r} is no body of the train; it has {', '.join(bodies[:12])}")
+    turn = _free_turn(point, reference)
+    if turn is None:
+        raise ParameterError("the train cannot turn freely, so its orders are unknown: give orders={'name': per turn}")
+    outputs = turn[1]
+    found: dict[float, list[str]] = {}
+    for body, i in zip(bodies, numbers, strict=True):
+        found.setdefault(round(abs(float(outputs[i])), 9), []).append(body)
+    lines = {f"shaft of {_listed(names)}": order for order, names in found.items() if order > 0}
+    return lines | _mesh_orders(train, point, outputs)
+
+
+def _mesh_orders(train: Drivetrain | Model, point: Point, outputs: Array) -> dict[str, float]:
+    """Tooth meshes per turn of every GearMesh of the train."""
+    from gearblocks.blocks import GearMesh
+
+    if isinstance(train, Model):
+        return {}
+    place = {q.name: i for i, q in enumerate(point.program.outputs)}
+    found: dict[float, list[str]] = {}
+    for path, _, _, block in train._walk():
+        if isinstance(block, GearMesh):
+            carrier = place.get(f"{path}.carrier.w")
+            relative = outputs[place[f"{path}.pinion.w"]] - (outputs[carrier] if carrier is not None else 0.0)
+            found.setdefault(round(abs(float(relative)) * block.teeth[0], 9), []).append(path)
+    return {f"teeth of {_listed(names)}": order for order, names in found.items() if order > 0}
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names[:2]) + (f" and {len(names) - 2} more" if len(names) > 2 else "")
+
+
+def _crossings(speeds: Array, table: Array, orders: Mapping[str, float]) -> tuple[Crossing, ...]:
+    """Where order x speed meets a frequency, by straight lines between the speeds."""
+    found = []
+    for name, order in orders.items():
+        for mode in range(table.shape[1]):
+            gap = order * speeds - table[:, mode]
+            for i in np.flatnonzero(np.signbit(gap[:-1]) != np.signbit(gap[1:])):
+                share = gap[i] / (gap[i] - gap[i + 1])
+                speed = speeds[i] + share * (speeds[i + 1] - speeds[i])
+                found.append(Crossing(float(speed), float(order * speed), mode + 1, name))
+    return tuple(sorted(found))

@@ -1,0 +1,284 @@
+"""Natural frequencies, damping, shapes and energies of a train about a point, contacts keeping their side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from gearblocks.analysis.linearization import DENSE, Complex, Place, held
+from gearblocks.analysis.reduction import reduction
+from gearblocks.codegen.program import Program
+from gearblocks.drivetrain import Drivetrain, build
+from gearblocks.errors import ParameterError
+from gearblocks.simulation.equilibrium import Motion, motion
+from gearblocks.solver.binding import Array
+from gearblocks.solver.library import Model
+from gearblocks.solver.point import Point, state_matrix, steps_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from scipy.sparse import csc_array
+
+_FEW = 20  # modes of a long train where none are asked for
+_ROUNDING = 1e-10  # of a damping ratio
+_RESISTS = 1e-8  # a smaller answer to a rotation, relative to its terms, is rounding: differences leave about 1e-10
+_LEFT = 64 * np.finfo(float).eps  # of the terms, in a difference
+_REAL = 1e-9  # a smaller imaginary part, relative to the eigenvalue, is rounding
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Modes in rising order of frequency, free rotations first.
+
+    frequencies: undamped natural frequencies [rad/s], shape (k,), exactly 0 for free rotations; hertz: the same in Hz;
+    damping: ratio of critical damping; eigenvalues: of the damped motion [1/s].
+    shapes: motion of every body of `bodies`, shape (k, bodies), complex where damping shifts phases, largest entry 1.
+    kinetic: share of the kinetic energy per body; strain: share of the strain energy per element of `elements` (mean
+    over a cycle, rows sum to 1; 0 where the mode stores none). An element whose energy is driven by inputs or steps
+    keeps no account of it and does not appear. decays: rates of motions that neither swing nor stay [1/s].
+    free: number of free rotations, known from the structure; bound: the largest eigenvalue that rounding gave in their
+    place [rad/s], the measure of what 0 means here.
+    """
+
+    name: str
+    frequencies: Array
+    damping: Array
+    eigenvalues: Complex
+    bodies: tuple[str, ...]
+    shapes: Complex
+    kinetic: Array
+    elements: tuple[str, ...]
+    strain: Array
+    decays: Array
+    free: int
+    bound: float
+
+    @property
+    def hertz(self) -> Array:
+        """Natural frequencies [Hz]."""
+        return self.frequencies / (2 * np.pi)
+
+    def __len__(self) -> int:
+        return len(self.frequencies)
+
+    def __str__(self) -> str:
+        head = f"{self.name}: {len(self)} modes, {self.free} of them free rotation"
+        rows = [("", "Hz", "rad/s", "damping", "moves most", "strained most")]
+        for i in range(len(self)):
+            moves = _most(self.bodies, np.abs(self.shapes[i]), lambda x: f"{x:.2f}")
+            strained = _most(self.elements, 100 * self.strain[i], lambda x: f"{x:.0f} %" if x >= 1 else f"{x:.1g} %")
+            damping = self.damping[i] if abs(self.damping[i]) > _ROUNDING else 0.0
+            numbers = (f"{self.hertz[i]:.6g}", f"{self.frequencies[i]:.6g}", f"{100 * damping:.3g} %")
+            rows.append((str(i), *numbers, moves, strained))
+        widths = [max(len(row[c]) for row in rows) for c in range(6)]
+        lines = [
+            "  ".join(row[c].rjust(widths[c]) if c < 4 else row[c].ljust(widths[c]) for c in range(6)) for row in rows
+        ]
+        tail = (
+            [f"decays without swinging: {', '.join(f'{x:.4g}' for x in self.decays[:8])} 1/s"]
+            if len(self.decays)
+            else []
+        )
+        return "\n".join([head, *(line.rstrip() for line in lines), *tail])
+
+    def plot(self, path: Any = None, *, most: int = 6) -> Figure:
+        """Shapes and strain energies of the first modes that swing; saved to `path` where given."""
+        from gearblocks.analysis.pictures import shapes
+
+        return shapes(self, path, most)
+
+
+def _most(names: tuple[str, ...], values: Array, words: Callable[[float], str]) -> str:
+    """The two names with the largest values, the second only if it is a fifth of the first."""
+    if len(values) == 0 or values.max() == 0:
+        return ""
+    order = np.argsort(-values, kind="stable")[:2]
+    return ", ".join(f"{names[i]} {words(float(values[i]))}" for i in order if values[i] > 0.2 * values[order[0]])
+
+
+def modes(
+    train: Drivetrain | Model, at: Place = "static", *, count: int | None = None, t: float | None = None,
+    parameters: Mapping[str, float] | None = None,
+) -> Modes:  # fmt: skip
+    """The modes of a train about a point, contacts keeping their side (see gearblocks.analysis.linearization for `at`).
+
+    count: only so many of the lowest beside the free rotations (default: all; 20 beyond 1000 states, where a sparse solver
+    finds them). What depends on absolute angles, such as a stiffness driven by the angle, stays at its present angle.
+    """
+    model = build(train)
+    with held(model, at, t, parameters) as point:
+        return modes_at(point, count)
+
+
+def modes_at(point: Point, count: int | None = None) -> Modes:
+    """The modes about a point."""
+    if count is not None and (isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1):
+        raise ParameterError(f"count = {count!r} must be a whole number >= 1")
+    whole = motion(point)
+    A = _without_counts(state_matrix(point), whole)
+    turning = _free_rotations(point, whole, A)
+    small = reduction(point, A.shape[0])
+    values, vectors = _eigen(A if small is None else small.matrix(A), count, 2 * turning.shape[1])
+    vectors = vectors if small is None else small.R @ vectors
+    values, vectors, bound = _without_free(values, vectors, turning.shape[1], _angle_is_state(point, whole))
+    swinging = values.imag > _REAL * np.abs(values)
+    decaying = ~swinging & (values.imag >= 0) & (np.abs(values) > _REAL * np.abs(values).max(initial=0.0))
+    decays = np.sort(-values[decaying & (np.abs(values.imag) <= _REAL * np.abs(values))].real)
+    order = np.argsort(np.abs(values[swinging]), kind="stable")[:count]  # beside the free rotations
+    free = np.zeros((point.program.n, turning.shape[1]))
+    free[whole.speeds] = turning
+    values = np.concatenate([np.zeros(free.shape[1]), values[swinging][order]])
+    vectors = np.concatenate([free, vectors[:, swinging][:, order]], axis=1)
+    sizes = np.abs(values)
+    damping = np.divide(-values.real, sizes, out=np.zeros(len(values)), where=sizes > 0)
+    bodies, shapes = _shapes(point, whole, vectors)
+    kinetic, elements, strain = _energies(point, whole, vectors, bodies)
+    return Modes(
+        point.program.name, sizes, damping, values, bodies, shapes, kinetic, elements, strain, decays, free.shape[1],
+        bound,
+    )  # fmt: skip
+
+
+# -- eigenvalues ------------------------------------------------------------------------------------------------------
+
+
+def _angle_is_state(point: Point, whole: Motion) -> bool:
+    return bool(len(whole.angles)) and bool(whole.angles.max() < point.program.n)
+
+
+def _without_counts(A: csc_array, whole: Motion) -> csc_array:
+    """The matrix without the rates of states of blocks that move nothing, such as the angle of a slip."""
+    from scipy.sparse import csc_array, diags_array
+
+    idle = whole.states[np.asarray(abs(A[:, whole.states]).sum(axis=0)).ravel() == 0]
+    if len(idle) == 0:
+        return A
+    keep = np.ones(A.shape[0])
+    keep[idle] = 0.0
+    return csc_array(diags_array(keep) @ A)
+
+
+def _free_rotations(point: Point, whole: Motion, A: csc_array) -> Array:
+    """Rotations of the whole that no force answers, as speeds, shape (speeds, count)."""
+    N = whole.N.toarray()
+    if N.shape[1] == 0:
+        return N
+    v = whole.speeds
+    y, steps = np.abs(point.y[: A.shape[0]]), steps_of(point.program, point.y)[v]
+    # by rows: what columns have in common must stay; a difference over a step leaves the rounding of all terms of its row
+    rounding = _LEFT / _RESISTS * (abs(A) @ y) / steps.min()
+    answer, size = A[:, v] @ N, (abs(A[:, v]) @ np.abs(N)).max(axis=1) + rounding
+    answer[whole.coordinates] = whole.B @ N  # known without differences
+    size[whole.coordinates] = (abs(whole.B) @ np.abs(N)).max(initial=0.0)
+    if _angle_is_state(point, whole):
+        answer[whole.angles] = 0.0
+        turned = A[:, whole.angles].toarray()
+        answer = np.vstack([answer, turned])
+        size = np.concatenate([size, np.full(len(turned), abs(A).max() if A.nnz else 0.0)])
+    size = size[:, None]
+    scaled = np.divide(answer, size, out=np.zeros_like(answer), where=size > 0)
+    _, sizes, rows = np.linalg.svd(scaled, full_matrices=True)
+    full = np.concatenate([sizes, np.zeros(rows.shape[0] - len(sizes))])
+    kept = rows[full <= _RESISTS].T
+    if kept.shape[1] == N.shape[1]:
+        return N
+    return np.asarray(N @ kept)
+
+
+def _eigen(A: csc_array, count: int | None, extra: int) -> tuple[Complex, Complex]:
+    """Eigenvalues and vectors; of a long train the lowest ones, by a sparse solver."""
+    n = A.shape[0]
+    if n == 0:
+        return np.empty(0, dtype=complex), np.empty((0, 0), dtype=complex)
+    if n <= DENSE:
+        values, vectors = np.linalg.eig(A.toarray())
+        return values.astype(complex), vectors.astype(complex)
+    from scipy.sparse.linalg import eigs
+
+    wanted = min(2 * (count or _FEW) + extra, n - 2)
+    shift = 1e-6 * np.sqrt(float(abs(A).max()))
+    values, vectors = eigs(A, k=wanted, sigma=shift, ncv=min(n, 2 * wanted + 40), v0=np.ones(n))
+    return values, vectors
+
+
+def _without_free(values: Complex, vectors: Complex, free: int, twice: bool) -> tuple[Complex, Complex, float]:
+    """Without the eigenvalues that stand for free rotations: as many of the smallest as there are."""
+    gone = free * (2 if twice else 1)
+    order = np.argsort(np.abs(values), kind="stable")
+    bound = float(np.abs(values[order[:gone]]).max(initial=0.0))
+    return values[order[gone:]], vectors[:, order[gone:]], bound
+
+
+# -- shapes and energies ----------------------------------------------------------------------------------------------
+
+
+def body_speeds(program: Program) -> tuple[tuple[str, ...], list[int]]:
+    """Names of all bodies and the number of the output that is their speed."""
+    outputs = {q.name: i for i, q in enumerate(program.outputs)}
+    found: dict[str, int] = {}
+    for start in program.starts:
+        body, _, what = start.name.rpartition(".")
+        if what in ("w", "v") and body not in found:
+            own = outputs.get(start.name)
+            if own is None:
+                own = next(
+                    (i for name, i in outputs.items() if name.startswith(body + ".") and name.endswith("." + what)),
+                    None,
+                )
+            if own is not None:
+                found[body] = own
+    return tuple(found), list(found.values())
+
+
+def _shapes(point: Point, whole: Motion, vectors: Complex) -> tuple[tuple[str, ...], Complex]:
+    """Speeds of the bodies along each vector, the largest made 1; vectors are turned and scaled alike."""
+    bodies, numbers = body_speeds(point.program)
+    shapes = np.empty((vectors.shape[1], len(bodies)), dtype=complex)
+    still = point.y.copy()
+    still[whole.speeds] = 0.0
+    for i in range(vectors.shape[1]):
+        for part, unit in ((vectors[:, i].real, 1.0), (vectors[:, i].imag, 1j)):
+            y = still.copy()
+            y[whole.speeds] = part[whole.speeds]
+            shapes[i] = (0 if unit == 1.0 else shapes[i]) + unit * point.outputs(y)[numbers]
+        if len(bodies):
+            largest = shapes[i, int(np.argmax(np.abs(shapes[i]).round(12)))]
+            shapes[i] /= largest if largest != 0 else 1.0
+    return bodies, shapes
+
+
+def _energies(
+    point: Point, whole: Motion, vectors: Complex, bodies: tuple[str, ...]
+) -> tuple[Array, tuple[str, ...], Array]:
+    """Shares of kinetic and strain energy: second differences of the energies along the shape, both parts of it."""
+    program, place = point.program, point.y
+    elements = tuple(dict.fromkeys(e.component for e in program.energies if e.part == "stored"))
+    parts = {"kinetic": {n: i for i, n in enumerate(bodies)}, "stored": {n: i for i, n in enumerate(elements)}}
+    shares = {part: np.zeros((vectors.shape[1], len(names))) for part, names in parts.items()}
+    base = point.energies()
+    for i in range(vectors.shape[1]):
+        for shape in (vectors[:, i].real, vectors[:, i].imag):
+            step = _along(program, whole, place, shape)
+            change = point.energies(place + step) - 2 * base + point.energies(place - step)
+            ratio = float(np.abs(shape).max(initial=0.0) / (np.abs(step).max(initial=0.0) or 1.0))
+            for e in program.energies:
+                if e.component in parts[e.part]:
+                    shares[e.part][i, parts[e.part][e.component]] += change[e.place] * ratio**2
+    for table in shares.values():
+        total = table.sum(axis=1, keepdims=True)
+        np.divide(table, total, out=table, where=total > 1e-9 * np.abs(table).max(axis=1, keepdims=True, initial=0.0))
+        table[(total <= 0).ravel()] = 0.0
+    return shares["kinetic"], elements, shares["stored"]
+
+
+def _along(program: Program, whole: Motion, place: Array, shape: Array) -> Array:
+    """The shape as a step in the state vector, its deflections as large as those at the point."""
+    step = np.zeros(program.n_total)
+    step[: program.n] = shape
+    largest = float(np.abs(shape[whole.coordinates]).max(initial=0.0))
+    at_point = float(np.abs(place[whole.coordinates]).max(initial=0.0))
+    return step * ((at_point or 1e-3) / largest if largest > 0 else 1.0)

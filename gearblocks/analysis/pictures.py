@@ -1,0 +1,113 @@
+"""Pictures of the linear tools: frequency response, shapes of modes, Campbell diagram."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from gearblocks.analysis.campbell import Campbell
+    from gearblocks.analysis.linearization import FrequencyResponse
+    from gearblocks.analysis.modes import Modes
+
+_LABELLED = 30  # bodies or elements that still have room for their names
+
+
+def bode(response: FrequencyResponse, path: Any) -> Figure:
+    """Magnitude and phase over the frequency in Hz."""
+    hertz = response.frequencies / (2 * np.pi)
+    with style():
+        figure, (upper, lower) = new_figure(path, rows=2, size=(7.2, 4.8))
+        for i, name in enumerate(response.outputs):
+            value = response.values[:, i]
+            upper.loglog(hertz, np.abs(value), color=COLOURS[i % 8], label=name)
+            lower.semilogx(hertz, np.rad2deg(np.unwrap(np.angle(value))), color=COLOURS[i % 8])
+        units = set(response.units)
+        upper.set_ylabel("magnitude" + (f" in {units.pop()}\nper unit of the input" if len(units) == 1 else ""))
+        lower.set_ylabel("phase in degrees")
+        lower.set_xlabel("frequency in Hz")
+        upper.set_title(f"{response.name}: response to {response.input}")
+        upper.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        return finished(figure, path)
+
+
+def shapes(modes: Modes, path: Any, most: int) -> Figure:
+    """One row per mode: motion of the bodies on the left, shares of the strain energy on the right."""
+    chosen = range(modes.free, min(len(modes), modes.free + most)) or range(min(len(modes), most))
+    with style():
+        figure, axes = new_figure(
+            path, rows=max(1, len(chosen)), columns=2, size=(9.0, 0.8 + 1.25 * max(1, len(chosen)))
+        )
+        for row, i in enumerate(chosen):
+            left, right = axes[2 * row], axes[2 * row + 1]
+            _shape(left, modes, i)
+            _shares(right, modes, i)
+            last = row == len(chosen) - 1
+            _names(left, modes.bodies, last)
+            _names(right, modes.elements, last)
+        axes[0].set_title("motion of the bodies")
+        axes[1].set_title("share of the strain energy")
+        figure.suptitle(f"modes of {modes.name}", x=0.01, ha="left", fontsize=10)
+        return finished(figure, path)
+
+
+def _shape(axis: Axes, modes: Modes, i: int) -> None:
+    place = np.arange(len(modes.bodies))
+    few = len(place) <= 60
+    axis.axhline(0.0, color="#888888", linewidth=0.7)
+    axis.plot(place, modes.shapes[i].real, color=COLOURS[0], marker="o" if few else "", markersize=4)
+    axis.set_ylim(-1.15, 1.15)
+    damping = f"\n{100 * modes.damping[i]:.2g} % damped" if modes.damping[i] > 1e-9 else ""
+    axis.set_ylabel(f"{modes.hertz[i]:.5g} Hz{damping}", rotation=0, ha="right", va="center")
+
+
+def _shares(axis: Axes, modes: Modes, i: int) -> None:
+    axis.bar(np.arange(len(modes.elements)), 100 * modes.strain[i], color=COLOURS[1], width=0.6)
+    axis.set_ylim(0.0, 100.0)
+    axis.set_ylabel("%")
+
+
+def _names(axis: Axes, names: tuple[str, ...], last: bool) -> None:
+    axis.set_xlim(-0.5, max(len(names) - 0.5, 0.5))
+    if len(names) > _LABELLED:
+        axis.locator_params(axis="x", integer=True)
+        axis.set_xlabel("number in the list" if last else "")
+        axis.tick_params(labelbottom=last)
+        return
+    long = len(names) > 6 or any(len(name) > 10 for name in names)
+    turned: dict[str, Any] = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if long else {}
+    axis.set_xticks(np.arange(len(names)), names if last else [""] * len(names), **turned)
+    axis.tick_params(axis="x", labelsize=7 if len(names) > 14 else 9)
+
+
+def campbell_picture(diagram: Campbell, path: Any) -> Figure:
+    """Frequencies over the speed with the order lines and their crossings."""
+    rpm, hertz = diagram.speeds * 30 / np.pi, diagram.frequencies / (2 * np.pi)
+    with style():
+        figure, (axis,) = new_figure(path, size=(8.4, 4.8))
+        top = 1.15 * float(hertz.max(initial=0.0)) or 1.0
+        for mode in range(hertz.shape[1]):
+            axis.plot(
+                rpm, hertz[:, mode], color="#333333", linewidth=1.2, label="natural frequencies" if mode == 0 else None
+            )
+        for number, (name, order) in enumerate(diagram.orders.items()):
+            colour = COLOURS[number % 6]
+            axis.plot(rpm, order * rpm / 60, color=colour, linestyle="--", label=f"{name} ({order:.4g})")
+            mine = [c for c in diagram.crossings if c.order == name]
+            axis.plot(
+                [c.speed * 30 / np.pi for c in mine], [c.frequency / (2 * np.pi) for c in mine], "o", color=colour,
+                markersize=5, markeredgecolor="white",
+            )  # fmt: skip
+        axis.set_ylim(0.0, top)
+        axis.set_xlim(float(rpm.min()), float(rpm.max()))
+        axis.set_xlabel("speed in rpm")
+        axis.set_ylabel("frequency in Hz")
+        axis.set_title(f"Campbell diagram of {diagram.name}")
+        axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        return finished(figure, path)

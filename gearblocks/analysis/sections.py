@@ -1,0 +1,167 @@
+"""Stroboscopic points of a driven train, and a period label that does not speak before two accuracies agree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.drivetrain import Drivetrain, build
+from gearblocks.errors import ParameterError
+from gearblocks.simulation.arguments import resolve
+from gearblocks.simulation.run import run_model
+from gearblocks.solver.library import Model
+
+if TYPE_CHECKING:
+    from gearblocks.simulation.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+_FINE = 64  # samples of a period
+_LAST = 4  # periods at the end that are sampled finely
+_RELATIVE = ("deflection", "deflection_rate", "twist", "twist_rate")
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Where points are taken: once per period of the frequency in the parameter `frequency`, from t = 0."""
+
+    frequency: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Points:
+    """Points of a section. t: times [s], shape (keep,); values: outputs `names`, shape (keep, len(names)).
+
+    extent: largest absolute value of each output during the last periods, between the points too; run: the run that
+    they come from, with the last periods in full.
+    """
+
+    t: Array
+    names: tuple[str, ...]
+    values: Array
+    extent: Array
+    run: Trajectory
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Label:
+    """What was found. period: number of points that repeat, or None where none do within `longest`.
+
+    settled: False where the evidence does not suffice; words say why. residual: largest distance of a point to the one
+    `period` later; separation: smallest distance between different points of one period (both relative to the extent of
+    the points; separation is inf for period 1). accuracies: the two tolerances that agree.
+    """
+
+    period: int | None
+    settled: bool
+    residual: float
+    separation: float
+    accuracies: tuple[float, float]
+    words: str
+
+    def __str__(self) -> str:
+        return self.words
+
+
+def stroboscopic(frequency: str) -> Section:
+    """The section once per period of a frequency parameter [rad/s]."""
+    return Section(frequency)
+
+
+def poincare(train: Drivetrain | Model, section: Section, **arguments: Any) -> Points:
+    """Points of a section; see `section_points` for of, transient, keep, rtol, parameters, initial."""
+    return section_points(build(train), section, **arguments)
+
+
+def classify(train: Drivetrain | Model, section: Section, **arguments: Any) -> Label:
+    """After how many periods the motion repeats; see `period_label` for the arguments."""
+    return period_label(build(train), section, **arguments)
+
+
+def section_points(
+    model: Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
+    rtol: float = 1e-9, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
+) -> Points:  # fmt: skip
+    """`keep` points after `transient` periods; of: outputs (default: all deflections, twists and their rates)."""
+    if transient < 0 or keep < 1:
+        raise ParameterError(f"transient = {transient} must be >= 0 and keep = {keep} must be >= 1")
+    period = 2 * np.pi / _frequency(model, section, parameters or {})
+    names = of if of is not None else [q.name for q in model.program.outputs if q.name.rsplit(".", 1)[-1] in _RELATIVE]
+    t = period * np.arange(transient, transient + keep)
+    fine = t[-1] + period * (np.arange(1, _FINE * _LAST) / _FINE - min(_LAST, keep - 1))
+    run = run_model(
+        model, t=np.union1d(t, fine[(fine > t[0]) & (fine < t[-1])]), rtol=rtol, parameters=parameters, initial=initial,
+        outputs=list(names),
+    )  # fmt: skip
+    table = np.stack([run[name] for name in run.names], axis=1)
+    extent = np.abs(table).max(axis=0)
+    extent[extent == 0.0] = 1.0
+    values: Array = table[np.searchsorted(run.t, t)].astype(np.float64)
+    return Points(t.astype(np.float64), run.names, values, extent, run)
+
+
+def _frequency(model: Model, section: Section, parameters: Mapping[str, float]) -> float:
+    paths = {p.path: i for i, p in enumerate(model.program.parameters)}
+    wanted = resolve(section.frequency, paths, "parameter")
+    given = {resolve(path, paths, "parameter"): value for path, value in parameters.items()}
+    frequency = float(given.get(wanted, model.values[wanted]))
+    if not frequency > 0:
+        raise ParameterError(f"the frequency '{section.frequency}' = {frequency!r} rad/s must be > 0")
+    return frequency
+
+
+def period_label(
+    model: Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
+    longest: int = 16, rtol: float = 1e-10, parameters: Mapping[str, float] | None = None,
+    initial: Mapping[str, float] | None = None,
+) -> Label:  # fmt: skip
+    """The number of periods after which the motion repeats, at rtol and again at rtol/100.
+
+    Repeats means: every point returns within 1e-5 of the extent of the motion, and the points of one period lie at least
+    100 times farther apart than that residual. A motion that is still settling, or two accuracies that disagree, give a
+    label that is not settled.
+    """
+    if keep < 2 * longest + 1:
+        raise ParameterError(f"keep = {keep} must be > twice longest = {longest}: every period must be seen to repeat")
+    tolerances = (rtol, rtol / 100)
+    found = []
+    for tolerance in tolerances:
+        points = section_points(
+            model, section, of=of, transient=transient, keep=keep, rtol=tolerance, parameters=parameters, initial=initial
+        )  # fmt: skip
+        found.append(_repeats(points.values, longest, points.extent))
+    (period, residual, separation), (again, finer, apart) = found
+    if period != again:
+        words = f"undecided: {_words(period)} at rtol {rtol:g}, {_words(again)} at {rtol / 100:g}"
+        return Label(None, False, max(residual, finer), min(separation, apart), tolerances, words)
+    residual, separation = max(residual, finer), min(separation, apart)
+    if period is None and residual < 1e-3:
+        words = f"undecided: points still move by {residual:.1e} of their extent; give a longer transient"
+        return Label(None, False, residual, separation, tolerances, words)
+    return Label(period, True, residual, separation, tolerances, _words(period))
+
+
+def _words(period: int | None) -> str:
+    return "not periodic" if period is None else f"period {period}"
+
+
+def _repeats(points: Array, longest: int, extent: Array) -> tuple[int | None, float, float]:
+    """(period, residual, separation); without a period the smallest residual of all that were tried."""
+    scaled = points / extent
+    best = np.inf
+    for m in range(1, longest + 1):
+        residual = float(np.abs(scaled[m:] - scaled[:-m]).max())
+        best = min(best, residual)
+        one = scaled[-m:]
+        gaps = [float(np.abs(one[i] - one[j]).max()) for i in range(m) for j in range(i)]
+        separation = min(gaps, default=np.inf)
+        if residual < 1e-5 and separation > 100 * residual:
+            return m, residual, separation
+    return None, best, 0.0

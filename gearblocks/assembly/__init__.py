@@ -1,0 +1,1 @@
+"""From a train to the tables of its equations."""

@@ -1,0 +1,363 @@
+"""From a train to the tables of its equations: kinds and their laws, groups, coordinates, batches.
+
+All ratios are exact fractions. Numbers of parameters take no part: they are read from the train when a model is made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from gearblocks.assembly.coordinates import Combination, Elimination
+from gearblocks.assembly.kinematics import Driven, Follower
+from gearblocks.assembly.rigid_constraints import Groups, TieRow, merge
+from gearblocks.assembly.rigid_groups import HELD, inertias, number_groups, start_values
+from gearblocks.errors import ModelError
+from gearblocks.laws.law import Law, check_senses, derive, exact_value
+from gearblocks.laws.prescribed_motion import is_steady
+from gearblocks.laws.rational import Exact, exact
+from gearblocks.train.graph import GROUND, Component, Train, numbers_of, structure_of
+
+__all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble", "expand_rows"]
+
+
+@dataclass(slots=True)
+class Batch:
+    """Instances of one kind that share code: the law, and one table column per flange and coordinate.
+
+    flanges: names of the flanges that are not the ground; groups and gains: one entry per instance (group HELD: held).
+    sources: per coordinate of the law and instance, the number of a coordinate, or of a dependent combination.
+    """
+
+    name: str
+    law: Law
+    components: list[int] = field(default_factory=list)
+    flanges: tuple[str, ...] = ()
+    groups: dict[str, list[int]] = field(default_factory=dict)
+    gains: dict[str, list[Exact]] = field(default_factory=dict)
+    nodes: dict[str, list[int]] = field(default_factory=dict)
+    sources: list[list[int]] = field(default_factory=list)
+    dependent: tuple[bool, ...] = ()
+    exact: dict[Any, list[Exact]] = field(default_factory=dict)
+    used: tuple[bool, ...] = ()
+
+
+@dataclass(slots=True)
+class StartValues:
+    """Where the start angle and speed of a group come from: the component and the gain of its node."""
+
+    phi0: str
+    phi0_gain: Exact
+    w0: str
+    w0_gain: Exact
+
+
+@dataclass(slots=True)
+class Assembly:
+    """Tables of a train's equations.
+
+    Groups are numbered: those with a speed of their own (n_speeds), hidden ones without inertia (n_hidden), those whose
+    speed alone is prescribed (n_paced), then the other followers. rows[i]: coordinate i as a form of group angles;
+    dependents: combinations that close loops; angles: groups whose absolute angle is a state; definitions (in order, with
+    drives in between): how other group angles follow. in_law: a law reads angles. steady: groups whose speeds are fixed
+    combinations; n_steady: coordinates at the front whose rates are. floating: hidden groups that are a part of another
+    (floating.py), with that other; floats: numbers of the hidden ones that stand for several.
+    """
+
+    train: Train
+    batches: list[Batch]
+    groups: Groups
+    group_of_node: list[tuple[int, Exact]] = field(default_factory=list)
+    held_offset: dict[int, str | None] = field(default_factory=dict)
+    n_groups: int = 0
+    n_speeds: int = 0
+    n_hidden: int = 0
+    n_paced: int = 0
+    floating: dict[int, int] = field(default_factory=dict)
+    floats: frozenset[int] = frozenset()
+    followers: list[Follower] = field(default_factory=list)
+    massive: frozenset[int] = frozenset()
+    rows: list[dict[int, Exact]] = field(default_factory=list)
+    row_offsets: list[dict[str, Exact]] = field(default_factory=list)
+    dependents: list[Combination] = field(default_factory=list)
+    angles: list[int] = field(default_factory=list)
+    definitions: list[tuple[int, Combination | Driven]] = field(default_factory=list)
+    starts: list[StartValues] = field(default_factory=list)
+    steady: frozenset[int] = frozenset()
+    n_steady: int = 0
+    in_law: bool = False
+    structural: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def plain(self) -> bool:
+        """Whether every shaft has a speed of its own: nothing follows and nothing is hidden."""
+        return self.n_groups == self.n_speeds
+
+    @property
+    def driven(self) -> bool:
+        """Whether angles follow by laws of their own."""
+        return any(isinstance(row, Driven) for _, row in self.definitions)
+
+
+def assemble(train: Train, *, reading: bool = False) -> Assembly:
+    """Laws per kind, ties, groups, relative coordinates and batches of a train.
+
+    reading: for people, every shaft as it is. Raises ModelError for contradicting ties.
+    """
+    laws = _laws(train)
+    known = _exact_values(train, laws)
+    groups = merge(train.n_nodes, list(_tie_rows(train, laws, known)))
+    assembly = Assembly(train, [], groups)
+    structural = {(p, v) for e in known for p, v in e.structural}
+    bodies = inertias(train, laws)
+    structural |= bodies.zeros | {(path, 0.0) for path in groups.zeros}
+    assembly.structural = tuple(sorted(structural))
+    number_groups(assembly, laws, bodies, None if reading else known)
+    assembly.starts = start_values(assembly, laws)
+    _coordinates(assembly, laws, known)
+    return assembly
+
+
+# -- kinds ------------------------------------------------------------------------------------------------------------
+
+
+def _grounded(component: Component) -> frozenset[str]:
+    return frozenset(
+        n for n, node in zip(type(component.block).flanges, component.nodes, strict=True) if node == GROUND
+    )
+
+
+def _laws(train: Train) -> list[Law]:
+    """The law of each component; one derivation per kind."""
+    made: dict[Any, Law] = {}
+    laws = []
+    for c in train.components:
+        key = (structure_of(c.block), _grounded(c))
+        if key not in made:
+            made[key] = derive(c.block, key[1])
+            check_senses(made[key], c.path)
+        laws.append(made[key])
+    return laws
+
+
+@dataclass(slots=True)
+class ExactValues:
+    """Fractions of the symbols that enter ratios of one component, and which float parameters became structural."""
+
+    values: dict[Any, Exact]
+    structural: list[tuple[str, float]]
+
+
+def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
+    result = []
+    wanted: dict[int, list[tuple[Any, Any]]] = {}
+    for c, law in zip(train.components, laws, strict=True):
+        if id(law) not in wanted:
+            exprs = [x for form in law.forms for x in form.coefficients.values()]
+            exprs += [x for coefficients, _ in law.ties for x in coefficients.values()]
+            exprs += [x for stick in law.sticks.values() for x in stick.push.values()]
+            symbols = {x for e in exprs for x in e.free_symbols}
+            symbols |= {x for x, slot in law.pool.slots.items() if slot.role == "exact"}
+            wanted[id(law)] = sorted(((x, law.pool.slots[x]) for x in symbols), key=lambda pair: str(pair[0].name))
+        found = ExactValues({}, [])
+        if wanted[id(law)]:
+            numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
+            for symbol, slot in wanted[id(law)]:
+                if slot.role == "exact":
+                    found.values[symbol] = exact(numbers[slot.of])
+                elif slot.role == "own":
+                    found.values[symbol] = exact(numbers[slot.of])
+                    found.structural.append((f"{c.path}.{slot.of}", float(numbers[slot.of])))
+                else:
+                    raise ModelError(
+                        f"'{c.path}': a ratio depends on '{symbol}', which can change; ratios are structural"
+                    )
+        result.append(found)
+    return result
+
+
+def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[TieRow]:
+    for index, (c, law, values) in enumerate(zip(train.components, laws, known, strict=True)):
+        names = list(type(c.block).flanges)
+        for coefficients, constant in law.ties:
+            row: dict[int, Exact] = {}
+            for flange, expr in coefficients.items():
+                node = c.nodes[names.index(flange)]
+                row[node] = row.get(node, 0) + _factor(c.path, flange, expr, values)
+            offset, held = None, 0.0
+            if constant != 0:
+                slot = law.pool.slots.get(-constant)
+                if slot is None or slot.role != "own" or len(row) != 1:
+                    raise ModelError(
+                        f"'{c.path}': the tie has the constant '{constant}'; only -phi0 at one flange is known"
+                    )
+                offset = f"{c.path}.{slot.of}"
+                held = float(getattr(c.block, slot.of))
+            yield TieRow(c.path, {n: v for n, v in row.items() if v}, offset, held, index)
+
+
+# -- coordinates and batches ------------------------------------------------------------------------------------------
+
+
+def _dynamics(law: Law) -> list[Any]:
+    """Every expression that a run evaluates at each stage."""
+    exprs = [*law.forces.values(), *law.torques.values(), *law.rates.values(), *(s.surface for s in law.switches)]
+    exprs += [e for x in law.drives for e in (*x.gains.values(), x.bias, x.surplus)]
+    exprs += [e for x in law.sticks.values() for e in x.expressions()]
+    return exprs + [e for e in (law.stored, law.loss, law.supplied) if e is not None]
+
+
+def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) -> None:
+    follows = {f.group: f for f in assembly.followers}
+    expanded = expand_rows(assembly)
+    given = {
+        g: [root for s in f.sources for root in (expanded[s].groups if s in expanded else (s,))]
+        for g, f in follows.items() if f.drive is not None and not f.drive.by_speed
+    }  # fmt: skip
+    elimination = Elimination(given)
+    batches: dict[Any, Batch] = {}
+    facts: dict[int, tuple[tuple[bool, ...], bool]] = {}
+    for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
+        if id(law) not in facts:
+            symbols = {x for e in _dynamics(law) for x in e.free_symbols}
+            reads = any(law.pool.slots[x].role == "phi" for x in symbols)
+            facts[id(law)] = (tuple(u in symbols for u in law.coordinates), reads)
+        used, reads = facts[id(law)]
+        assembly.in_law |= reads
+        nodes = {n: node for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node != GROUND}
+        sources, dependent = _take(c.path, assembly, elimination, expanded, law, nodes, known[index], used)
+        held = frozenset(n for n, node in nodes.items() if assembly.group_of_node[node][0] == HELD)
+        key = (id(law), held, dependent)
+        if key not in batches:
+            name = f"{type(c.block).__name__.lower()}_{len(batches)}"
+            batches[key] = Batch(name, law, flanges=tuple(nodes), dependent=dependent, used=used)
+            batches[key].sources = [[] for _ in law.forms]
+        _append(batches[key], assembly, index, nodes, sources, known[index])
+    assembly.batches = list(batches.values())
+    assembly.rows = elimination.rows
+    assembly.steady = _steady(assembly, laws)
+    _put_in_front(assembly, elimination.definitions.values())
+    rows: dict[int, Combination | Driven] = dict(elimination.definitions)
+    rows |= {g: f.row if f.row is not None else f.drive for g, f in follows.items() if f.row is not None or g in given}  # type: ignore[misc]
+    assembly.angles = [g for g in range(assembly.n_groups) if g not in rows]
+    assembly.definitions = _ordered(rows, follows)
+
+
+def _steady(assembly: Assembly, laws: list[Law]) -> frozenset[int]:
+    """Groups whose speeds are fixed combinations of the speeds and states (time aside)."""
+    moving: set[int] = set()
+    for f in assembly.followers:
+        if not moving.isdisjoint(f.sources) or (f.drive and not is_steady(laws[f.drive.component], f.drive.number)):
+            moving.add(f.group)
+    return frozenset(range(assembly.n_groups)) - moving
+
+
+def _put_in_front(assembly: Assembly, definitions: Iterable[Combination]) -> None:
+    """Renumbers the coordinates: those whose rates are fixed combinations of speeds come first."""
+    fixed = [assembly.steady.issuperset(row) for row in assembly.rows]
+    assembly.n_steady = sum(fixed)
+    order = sorted(range(len(fixed)), key=lambda j: not fixed[j])
+    place = {j: i for i, j in enumerate(order)}
+    assembly.rows = [assembly.rows[j] for j in order]
+    assembly.row_offsets = [assembly.row_offsets[j] for j in order]
+    for combination in (*definitions, *assembly.dependents):
+        combination.coordinates = {place[j]: c for j, c in combination.coordinates.items()}
+    for batch in assembly.batches:
+        for j, dependent in enumerate(batch.dependent):
+            if batch.used[j] and not dependent:
+                batch.sources[j] = [place[i] for i in batch.sources[j]]
+
+
+def expand_rows(assembly: Assembly) -> dict[int, Combination]:
+    """The angles of groups that follow through rows, over groups that do not."""
+    found: dict[int, Combination] = {}
+    for f in assembly.followers:
+        if f.row is not None:
+            found[f.group] = Combination({}, {}, dict(f.row.offsets))
+            for source, c in f.row.groups.items():
+                found[f.group].add(found.get(source, Combination({source: 1})), c)
+    return found
+
+
+def _ordered(
+    rows: dict[int, Combination | Driven], follows: dict[int, Follower]
+) -> list[tuple[int, Combination | Driven]]:
+    """Definitions of angles, each after those it reads. ModelError where they go round in a circle."""
+    done: dict[int, None] = {}
+    for start in rows:
+        stack = [(start, False)]
+        while stack:
+            group, ready = stack.pop()
+            if group in done or group not in rows:
+                continue
+            if ready:
+                done[group] = None
+                continue
+            stack.append((group, True))
+            row = rows[group]
+            stack.extend((g, False) for g in (row.groups if isinstance(row, Combination) else follows[group].sources))
+    return [(g, rows[g]) for g in done]
+
+
+def _factor(path: str, flange: str, expr: Any, values: ExactValues) -> Exact:
+    """The factor of a flange angle in a tie or deflection."""
+    try:
+        return exact_value(expr, values.values)
+    except ZeroDivisionError as error:
+        zeros = ", ".join(sorted(f"{x} = 0" for x, v in values.values.items() if v == 0 and x in expr.free_symbols))
+        raise ModelError(
+            f"'{path}': the factor of flange '{flange}', {expr}, has no value{f' with {zeros}' if zeros else ''}: a deflection "
+            f"is measured in the angle of its first flange; give that flange a factor that is not 0, or leave it out"
+        ) from error
+
+
+def _take(
+    path: str, assembly: Assembly, elimination: Elimination, expanded: dict[int, Combination], law: Law, nodes: dict[str, int],
+    values: ExactValues, used: tuple[bool, ...],
+) -> tuple[list[int], tuple[bool, ...]]:  # fmt: skip
+    """Where each coordinate of one instance comes from."""
+    sources, dependent = [], []
+    for form, wanted in zip(law.forms, used, strict=True):
+        if not wanted:
+            sources.append(-1)
+            dependent.append(False)
+            continue
+        combination = Combination()
+        for flange, expr in form.coefficients.items():
+            c = _factor(path, flange, expr, values)
+            node = nodes[flange]
+            group, gain = assembly.group_of_node[node]
+            if group == HELD:
+                offset = assembly.held_offset[node]
+                if offset is not None:
+                    combination.add(Combination(offsets={offset: gain}), c)
+            elif group in expanded:
+                combination.add(expanded[group], c * gain)
+            else:
+                combination.add(Combination({group: gain}), c)
+        taken = elimination.take(combination)
+        if isinstance(taken, int):
+            assembly.row_offsets.append(dict(combination.offsets))
+            sources.append(taken)
+        else:
+            sources.append(len(assembly.dependents))
+            assembly.dependents.append(taken)
+            assembly.in_law |= bool(taken.groups)
+        dependent.append(not isinstance(taken, int))
+    return sources, tuple(dependent)
+
+
+def _append(
+    batch: Batch, assembly: Assembly, index: int, nodes: dict[str, int], sources: list[int], values: ExactValues
+) -> None:  # fmt: skip
+    batch.components.append(index)
+    for name, node in nodes.items():
+        group, gain = assembly.group_of_node[node]
+        batch.groups.setdefault(name, []).append(group)
+        batch.gains.setdefault(name, []).append(gain)
+        batch.nodes.setdefault(name, []).append(node)
+    for column, source in zip(batch.sources, sources, strict=True):
+        column.append(source)
+    for symbol, value in values.values.items():
+        batch.exact.setdefault(symbol, []).append(value)

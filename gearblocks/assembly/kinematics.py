@@ -1,0 +1,214 @@
+"""How the motion of every shaft follows from a few: ties of three and more shafts, and driven shafts.
+
+After the ties of two shafts have merged nodes into groups, what is left are rows over groups (an ideal planetary) and
+drives (a prescribed angle, a non-circular pair). A group that follows has a place in `followers`, after all those that
+it follows from; the others are free.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from gearblocks.assembly.coordinates import Combination
+from gearblocks.errors import ModelError
+from gearblocks.laws.rational import Exact, over
+
+
+@dataclass(frozen=True, slots=True)
+class GroupRow:
+    """A tie over groups: sum of coefficient * angle + sum of factor * parameter (an angle held by the ground) = 0.
+
+    grounded: whether one of its shafts is held by the ground.
+    """
+
+    path: str
+    coefficients: Mapping[int, Exact]
+    offsets: Mapping[str, Exact]
+    grounded: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Driven:
+    """Drive `number` of a component: the group that it drives, by which flange, and the groups that it reads.
+
+    factors: by flange that is read: (group, what the gain of the law is multiplied with). scale: 1 / gain of the flange.
+    rides: another of its flanges is tied to the group that it drives, which scale and factors allow for.
+    """
+
+    component: int
+    number: int
+    path: str
+    group: int
+    scale: Exact
+    factors: Mapping[str, tuple[int, Exact]]
+    by_speed: bool
+    rides: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Follower:
+    """A group that follows: by a row over other groups and parameters, or by a drive (row None)."""
+
+    group: int
+    row: Combination | None
+    drive: Driven | None = None
+
+    @property
+    def sources(self) -> list[int]:
+        """The groups that it follows from directly."""
+        if self.row is not None:
+            return list(self.row.groups)
+        assert self.drive is not None
+        return [group for group, _ in self.drive.factors.values()]
+
+
+@dataclass(slots=True)
+class Kinematics:
+    """Followers in an order in which each comes after its sources; new: whether each row says something new."""
+
+    followers: list[Follower] = field(default_factory=list)
+    new: list[bool] = field(default_factory=list)
+
+    @property
+    def moved(self) -> dict[int, Follower]:
+        """Followers by group."""
+        return {f.group: f for f in self.followers}
+
+
+def follow(
+    rows: Iterable[GroupRow], drives: Iterable[Driven], reluctance: Mapping[int, tuple[int, ...]], held: Mapping[str, float]
+) -> Kinematics:  # fmt: skip
+    """Solves every row for one of its groups, the one with the least reluctance (inertia, a given start, ...).
+
+    held: values of the offsets. ModelError for contradictions, for a shaft that is driven twice, and for ties that would
+    have to be solved through a nonlinear one.
+    """
+    solver = _Solver(dict(reluctance), dict(held))
+    for drive in drives:
+        solver.drive(drive)
+    rows = list(rows)
+    for row in rows:
+        for group in row.coefficients:
+            solver.count[group] = solver.count.get(group, 0) + 1
+    new = [solver.take(row) for row in rows]
+    return solver.finish(new)
+
+
+class _Solver:
+    def __init__(self, reluctance: dict[int, tuple[int, ...]], held: dict[str, float]) -> None:
+        self.reluctance, self.held = reluctance, held
+        self.count: dict[int, int] = {}
+        self.rows: dict[int, tuple[Combination, str]] = {}
+        self.drives: dict[int, Driven] = {}
+
+    def drive(self, drive: Driven) -> None:
+        """Notes a driven group."""
+        before = self.drives.setdefault(drive.group, drive)
+        if before is not drive:
+            raise ModelError(
+                f"'{before.path}' and '{drive.path}' both prescribe the motion of one shaft; leave one of them out, or "
+                f"put a compliant element between"
+            )
+        if drive.group in {group for group, _ in drive.factors.values()}:
+            raise ModelError(
+                f"'{drive.path}' prescribes a motion between shafts that are tied rigidly to each other; give one of the "
+                f"ties compliance"
+            )
+
+    def take(self, row: GroupRow) -> bool:
+        """Solves one row; False if it says nothing new."""
+        left = self._reduced(Combination(dict(row.coefficients), {}, dict(row.offsets)))
+        if not left.groups:
+            self._agree(row, left)
+            return False
+        upstream = self._upstream(g for g in left.groups if g in self.drives)
+        free = [g for g in left.groups if g not in self.drives and g not in upstream]
+        if not free:
+            names = ", ".join(f"'{self.drives[g].path}'" for g in left.groups if g in self.drives)
+            raise ModelError(
+                f"the tie of '{row.path}' would have to hold through the prescribed or nonlinear motion of {names}; give "
+                f"one of them compliance"
+            )
+        if len(left.groups) == 1 and not row.grounded:
+            raise ModelError(self._locked(row))
+        pivot = min(free, key=lambda g: (*self.reluctance[g], self.count.get(g, 0), g))
+        c = left.groups.pop(pivot)
+        definition = Combination()
+        definition.add(left, over(-1, c))
+        self.rows[pivot] = definition, row.path
+        return True
+
+    def _reduced(self, form: Combination) -> Combination:
+        """The form over groups that do not follow from rows."""
+        while followers := [g for g in form.groups if g in self.rows]:
+            for g in followers:
+                c = form.groups.pop(g, 0)
+                if c:
+                    form.add(self.rows[g][0], c)
+        return form
+
+    def _upstream(self, groups: Iterable[int]) -> set[int]:
+        """Every group that the motion of these driven ones depends on."""
+        found: set[int] = set()
+        stack = list(groups)
+        while stack:
+            g = stack.pop()
+            if g in self.drives:
+                sources = [group for group, _ in self.drives[g].factors.values()]
+            else:
+                sources = list(self.rows[g][0].groups) if g in self.rows else []
+            new = [s for s in sources if s not in found]
+            found.update(new)
+            stack.extend(new)
+        return found
+
+    def _agree(self, row: GroupRow, left: Combination) -> None:
+        """A row that contains nothing new: the angles that the ground holds must satisfy it."""
+        terms = [float(c) * self.held[path] for path, c in left.offsets.items()]
+        if abs(sum(terms)) > 1e-12 * sum(map(abs, terms)):
+            names = ", ".join(f"'{path.rpartition('.')[0]}'" for path in left.offsets)
+            raise ModelError(
+                f"the tie of '{row.path}' contradicts the angles that {names} hold (by {sum(terms):.9g} rad): change one"
+            )
+
+    def _locked(self, row: GroupRow) -> str:
+        names = {row.path}
+        stack = list(row.coefficients)
+        while stack:
+            g = stack.pop()
+            if g in self.rows and self.rows[g][1] not in names:
+                names.add(self.rows[g][1])
+                stack.extend(self.rows[g][0].groups)
+        loop = ", ".join(f"'{name}'" for name in sorted(names))
+        return f"the ties of {loop} contradict each other: nothing could move; check their ratios and tooth counts"
+
+    def finish(self, new: list[bool]) -> Kinematics:
+        """Followers, each after its sources."""
+        result = Kinematics(new=new)
+        done: set[int] = set()
+        for start in (*self.rows, *self.drives):
+            stack = [(start, False)]
+            while stack:
+                g, ready = stack.pop()
+                if g in done or (g not in self.rows and g not in self.drives):
+                    continue
+                follower = Follower(g, self.rows[g][0]) if g in self.rows else Follower(g, None, self.drives[g])
+                if ready:
+                    done.add(g)
+                    result.followers.append(follower)
+                    continue
+                stack.append((g, True))
+                stack.extend((s, False) for s in follower.sources)
+        self._circles(result)
+        return result
+
+    def _circles(self, result: Kinematics) -> None:
+        """Nonlinear ties that depend on each other in a circle."""
+        seen: set[int] = set()
+        moved = {f.group for f in result.followers}
+        for f in result.followers:
+            if any(s in moved and s not in seen for s in f.sources):
+                names = ", ".join(f"'{d.path}'" for d in self.drives.values())
+                raise ModelError(f"the motions prescribed by {names} depend on each other; give one of them compliance")
+            seen.add(f.group)

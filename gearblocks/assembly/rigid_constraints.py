@@ -1,0 +1,182 @@
+"""Rigid ties between nodes: groups of nodes that turn together, with exact ratios."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from gearblocks.errors import ModelError
+from gearblocks.laws.rational import Exact, over
+
+
+@dataclass(frozen=True, slots=True)
+class TieRow:
+    """One tie of a component: sum of coefficient * angle over nodes = offset (a path of a parameter, or None: 0)."""
+
+    component: str
+    coefficients: Mapping[int, Exact]
+    offset: str | None = None
+    offset_value: float = 0.0
+    index: int = 0
+
+
+@dataclass(slots=True)
+class Groups:
+    """Nodes merged by ties: phi(node) = gain * phi(root). held: angle of a grounded root and who holds it.
+
+    used: ties that say something new; spare: those that say what others say already, redundant: their components;
+    waiting: those over more than two groups; zeros: parameters of held angles that must stay 0, because a tie over a held
+    shaft was taken as one of two shafts.
+    """
+
+    parents: list[int]
+    gains: list[Exact]
+    grounded: dict[int, str | None] = field(default_factory=dict)
+    held: dict[int, tuple[float, str]] = field(default_factory=dict)
+    used: list[TieRow] = field(default_factory=list)
+    waiting: list[TieRow] = field(default_factory=list)
+    spare: list[TieRow] = field(default_factory=list)
+    zeros: set[str] = field(default_factory=set)
+
+    @property
+    def redundant(self) -> list[str]:
+        """Components of the spare ties."""
+        return [row.component for row in self.spare]
+
+    def find(self, node: int) -> tuple[int, Exact]:
+        """(root, gain) of a node."""
+        path = []
+        i = node
+        while self.parents[i] != i:
+            path.append(i)
+            i = self.parents[i]
+        gain: Exact = 1
+        for j in reversed(path):
+            gain = gain * self.gains[j] if self.parents[j] != i else self.gains[j]
+            self.gains[j], self.parents[j] = gain, i
+        return (i, self.gains[node]) if node != i else (i, 1)
+
+
+def merge(n_nodes: int, rows: list[TieRow]) -> Groups:
+    """Merges nodes by all ties of two groups. ModelError names the loop where ties contradict each other."""
+    groups = Groups(list(range(n_nodes)), [1] * n_nodes)
+    waiting: list[TieRow] = []
+    for row in rows:
+        if len(row.coefficients) > 2:
+            waiting.append(row)
+        else:
+            _join(groups, row)
+    while waiting:
+        left = [row for row in waiting if not _joined(groups, row)]
+        if len(left) == len(waiting):
+            break
+        waiting = left
+    groups.waiting = waiting
+    _measure_by_fastest(groups)
+    return groups
+
+
+def _measure_by_fastest(groups: Groups) -> None:
+    """Makes the fastest shaft of a group its root: the scale of its state does not depend on the order of the ties."""
+    fastest: dict[int, tuple[int, Exact]] = {}
+    found = [groups.find(node) for node in range(len(groups.parents))]
+    for node, (root, gain) in enumerate(found):
+        most: Exact = fastest[root][1] if root in fastest else 1
+        if gain * gain > most * most and root not in groups.grounded:
+            fastest[root] = node, gain
+    for node, (root, gain) in enumerate(found):
+        if root in fastest:
+            first, most = fastest[root]
+            groups.parents[node], groups.gains[node] = first, over(gain, most)
+
+
+def _joined(groups: Groups, row: TieRow) -> bool:
+    """Whether a tie of three nodes or more turned out to join two groups, the others being held at angle zero."""
+    left: dict[int, Exact] = {}
+    held: set[str | None] = set()
+    for node, c in row.coefficients.items():
+        root, gain = groups.find(node)
+        if groups.held.get(root, (1.0, ""))[0] == 0.0:
+            held.add(groups.grounded[root])
+        else:
+            left[root] = left.get(root, 0) + c * gain
+    left = {root: c for root, c in left.items() if c}
+    if len(left) != 2 or any(root in groups.grounded for root in left):
+        return False
+    groups.zeros.update(path for path in held if path is not None)
+    _join(groups, TieRow(row.component, left, None, 0.0, row.index), row)
+    return True
+
+
+def _join(groups: Groups, row: TieRow, whole: TieRow | None = None) -> None:
+    """Merges what a tie of two nodes joins; `whole`: the tie that it is a part of."""
+    used = groups.used
+    if len(row.coefficients) == 0:
+        groups.spare.append(row)
+    elif len(row.coefficients) == 1:
+        _ground(groups, row)
+    else:
+        (a, ca), (b, cb) = row.coefficients.items()
+        (ra, ga), (rb, gb) = groups.find(a), groups.find(b)
+        if ra == rb:
+            if ca * ga + cb * gb != 0:
+                raise ModelError(_contradiction(row, a, b, over(-cb, ca), over(ga, gb), used))
+            groups.spare.append(whole or row)
+            return
+        if rb in groups.grounded:
+            if ra in groups.grounded:
+                _agree(groups, row, ra, float(over(-(cb * gb), ca * ga)) * groups.held[rb][0], rb)
+                return
+            a, b, ca, cb, ra, rb, ga, gb = b, a, cb, ca, rb, ra, gb, ga
+        # b's root hangs below a's root: phi_b = -(ca/cb) phi_a
+        groups.parents[rb], groups.gains[rb] = ra, over(-(ca * ga), cb * gb)
+        used.append(whole or row)
+
+
+def _ground(groups: Groups, row: TieRow) -> None:
+    ((node, c),) = row.coefficients.items()
+    root, gain = groups.find(node)
+    angle = row.offset_value / float(c * gain)
+    if root in groups.grounded:
+        _agree(groups, row, root, angle, root)
+        return
+    groups.grounded[root] = row.offset
+    groups.held[root] = angle, row.component
+    groups.used.append(row)
+
+
+def _agree(groups: Groups, row: TieRow, root: int, angle: float, other: int) -> None:
+    """A shaft that is held twice must be held at one angle."""
+    held, holder = groups.held[root]
+    if abs(held - angle) > 1e-12 * max(abs(held), abs(angle)):
+        names = " and ".join(f"'{name}'" for name in dict.fromkeys((holder, groups.held[other][1], row.component)))
+        raise ModelError(f"{names} hold one shaft at {held:.9g} and {angle:.9g} rad: give both the same angle")
+    groups.spare.append(row)
+
+
+def _contradiction(row: TieRow, a: int, b: int, asked: Exact, given: Exact, used: list[TieRow]) -> str:
+    """The message for a loop of ties: its components and what they ask for."""
+    neighbours: dict[int, list[tuple[int, str]]] = {}
+    for tie in used:
+        nodes = list(tie.coefficients)
+        if len(nodes) == 2:
+            neighbours.setdefault(nodes[0], []).append((nodes[1], tie.component))
+            neighbours.setdefault(nodes[1], []).append((nodes[0], tie.component))
+    queue, came = deque([a]), {a: (a, "")}
+    while queue and b not in came:
+        node = queue.popleft()
+        for other, component in neighbours.get(node, []):
+            if other not in came:
+                came[other] = (node, component)
+                queue.append(other)
+    names = [row.component]
+    node = b
+    while node != a and node in came:
+        node, component = came[node]
+        names.append(component)
+    loop = ", ".join(f"'{name}'" for name in dict.fromkeys(names))
+    return (
+        f"the ties of {loop} contradict each other (one turn of one end of '{row.component}' asks the other for "
+        f"{float(asked):.9g} and {float(given):.9g} turns): nothing could move; check their ratios and tooth counts"
+    )

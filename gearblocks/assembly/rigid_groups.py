@@ -1,0 +1,280 @@
+"""Which shafts have a speed of their own: groups with inertia, without, and those that follow others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.kinematics import Driven, Follower, GroupRow, Kinematics, follow
+from gearblocks.assembly.massless_groups import Known, Shafts, floating
+from gearblocks.errors import ModelError
+from gearblocks.language.expression import Expr, evaluate
+from gearblocks.language.signals import Parameter
+from gearblocks.laws.law import Law, exact_value
+from gearblocks.laws.prescribed_motion import Drive
+from gearblocks.laws.rational import Exact, exact, over
+from gearblocks.train.graph import Component, Train, numbers_of
+from gearblocks.train.translational import start_fields
+
+if TYPE_CHECKING:
+    from gearblocks.assembly.assemble import Assembly
+
+HELD = -1
+"""Group number of a flange that the ground holds."""
+
+
+@dataclass(slots=True)
+class Bodies:
+    """Nodes with a body: present (inertia not zero) or empty (J = 0). zeros: numbers that make inertias zero."""
+
+    present: list[int] = field(default_factory=list)
+    empty: list[int] = field(default_factory=list)
+    zeros: set[tuple[str, float]] = field(default_factory=set)
+
+
+def inertias(train: Train, laws: Iterable[Law]) -> Bodies:
+    """Where there is inertia, by the numbers that the blocks have now."""
+    found = Bodies()
+    for c, law in zip(train.components, laws, strict=True):
+        names = list(type(c.block).flanges)
+        for flange, inertia in law.bodies:
+            node = c.nodes[names.index(flange)]
+            if _is_zero(c, law, inertia, found.zeros):
+                found.empty.append(node)
+            else:
+                found.present.append(node)
+    return found
+
+
+def _is_zero(c: Component, law: Law, inertia: Any, zeros: set[tuple[str, float]]) -> bool:
+    """Whether an inertia is zero; its symbols are noted then."""
+    numbers: dict[str, Any] = {}
+    values: dict[Any, tuple[str, float]] = {}
+    for symbol in inertia.free_symbols:
+        slot = law.pool.slots[symbol]
+        if slot.role == "shared":
+            values[symbol] = slot.of.name, slot.of.value
+            continue
+        if not numbers:
+            numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
+        value = numbers[slot.of]
+        if isinstance(value, Expr):
+            value = evaluate(value, lambda leaf: float(leaf.args[0].value))
+        values[symbol] = f"{c.path}.{slot.of}", float(value.value if isinstance(value, Parameter) else value)
+    if all(v != 0 for _, v in values.values()) and values:
+        return False
+    if inertia.xreplace({x: v for x, (_, v) in values.items()}) != 0:
+        return False
+    zeros.update((path, v) for path, v in values.values() if v == 0)
+    return True
+
+
+# -- numbers of groups ------------------------------------------------------------------------------------------------
+
+
+def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Sequence[Known] | None) -> None:
+    """Numbers the groups that turn and finds how followers follow. known: exact values by component, or None: shafts that
+    are damped only against each other stay as they are."""
+    groups, train = assembly.groups, assembly.train
+    roots = dict.fromkeys(groups.find(node)[0] for node in (*bodies.present, *bodies.empty, *range(train.n_nodes)))
+    turning = [r for r in roots if r not in groups.grounded]
+    massive = {groups.find(node)[0] for node in bodies.present}
+    given = _given_starts(assembly, laws)
+    reluctance = {r: (int(r in given), int(r in massive)) for r in turning}
+    held = {path: groups.held[r][0] for r, path in groups.grounded.items() if path is not None}
+    kinematics = follow(_rows(assembly), _drives(assembly, laws), reluctance, held)
+    for row, new in zip(groups.waiting, kinematics.new, strict=True):
+        if new:
+            groups.used.append(row)
+        else:
+            groups.spare.append(row)
+    moved = kinematics.moved
+    inert = set(massive)
+    for f in reversed(kinematics.followers):
+        if f.group in inert:
+            inert.update(f.sources)
+    speeds = [r for r in turning if r not in moved and r in inert]
+    hidden = [r for r in turning if r not in moved and r not in inert]
+    along = _along(assembly, laws, known, hidden, kinematics, given) if known is not None else {}
+    hidden = [along.get(r, r) for r in hidden]
+    paced = [f.group for f in kinematics.followers if f.drive is not None and f.drive.by_speed]
+    others = [f.group for f in kinematics.followers if f.group not in set(paced)]
+    number = {r: i for i, r in enumerate((*speeds, *hidden, *paced, *others))}
+    assembly.n_groups, assembly.n_speeds = len(number), len(speeds)
+    assembly.n_hidden, assembly.n_paced = len(hidden), len(paced)
+    assembly.massive = frozenset(number[r] for r in massive if r in number)
+    assembly.floating = {number[part]: number[r] for r, part in along.items()}
+    stand = {g for f in kinematics.followers[: len(along)] for g in f.sources if g < train.n_nodes}
+    assembly.floats = frozenset(number[g] - len(speeds) for g in stand)
+    assembly.followers = [_renumbered(f, number) for f in kinematics.followers]
+    for node in range(train.n_nodes):
+        root, gain = groups.find(node)
+        assembly.group_of_node.append((HELD if root in groups.grounded else number[root], gain))
+        if root in groups.grounded:
+            assembly.held_offset[node] = groups.grounded[root]
+
+
+def _along(
+    assembly: Assembly, laws: list[Law], known: Sequence[Known], hidden: list[int], kinematics: Kinematics,
+    given: Mapping[int, str],
+) -> dict[int, int]:  # fmt: skip
+    """Makes followers of the shafts that turn along with others at no damper's cost; by root: the number of its part."""
+    shafts = Shafts(assembly.groups, hidden, kinematics.followers)
+    rows = floating(shafts, assembly.train.components, laws, known)
+    bound = {g for r, row in rows.items() for g in (r, *row)} & given.keys()
+    if bound:
+        raise ModelError(
+            f"the shaft of '{given[min(bound)]}' has no inertia and is damped only against others without: springs give its "
+            f"angle; leave its start value out, or give it J > 0"
+        )
+    parts = {r: assembly.train.n_nodes + r for r in rows}
+    kinematics.followers[:0] = [Follower(r, Combination({**row, parts[r]: 1})) for r, row in rows.items()]
+    return parts
+
+
+def _renumbered(f: Follower, number: dict[int, int]) -> Follower:
+    if f.row is not None:
+        f.row.groups = {number[g]: c for g, c in f.row.groups.items()}
+        return Follower(number[f.group], f.row)
+    assert f.drive is not None
+    d = f.drive
+    factors = {name: (number[g], c) for name, (g, c) in d.factors.items()}
+    return Follower(number[f.group], None, replace(d, group=number[d.group], factors=factors))
+
+
+def _rows(assembly: Assembly) -> Iterable[GroupRow]:
+    """Ties that union-find could not take, over the roots of groups."""
+    groups = assembly.groups
+    for row in groups.waiting:
+        coefficients: dict[int, Exact] = {}
+        offsets: dict[str, Exact] = {}
+        grounded = False
+        for node, c in row.coefficients.items():
+            root, gain = groups.find(node)
+            if root in groups.grounded:
+                path = groups.grounded[root]
+                grounded = True
+                if path is not None:
+                    offsets[path] = offsets.get(path, 0) + c * gain
+            else:
+                coefficients[root] = coefficients.get(root, 0) + c * gain
+        yield GroupRow(
+            row.component, {g: c for g, c in coefficients.items() if c}, {p: c for p, c in offsets.items() if c},
+            grounded,
+        )  # fmt: skip
+
+
+def _drives(assembly: Assembly, laws: list[Law]) -> Iterable[Driven]:
+    """Prescribed motions over the roots of groups."""
+    groups = assembly.groups
+    for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
+        nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
+        for number, drive in enumerate(law.drives):
+            root, gain = groups.find(nodes[drive.flange])
+            if root in groups.grounded:
+                raise ModelError(
+                    f"'{c.path}' prescribes the motion of a shaft that '{groups.held[root][1]}' holds; leave one of them out"
+                )
+            scale = over(1, gain)
+            factors = {}
+            for flange in drive.gains:
+                source, its = groups.find(nodes[flange])
+                if source not in groups.grounded:
+                    factors[flange] = source, its * scale
+            own = _own_share(drive, root, factors)
+            scale = over(scale, 1 - own)
+            factors = {f: (g, over(x, 1 - own)) for f, (g, x) in factors.items() if g != root or not own}
+            yield Driven(index, number, c.path, root, scale, factors, drive.angle is None, own != 0)
+
+
+def _own_share(drive: Drive, root: int, factors: Mapping[str, tuple[int, Exact]]) -> Exact:
+    """What a drive carries back to the group that it drives, through other flanges tied to it: 0 where that is nothing,
+    all of it, or no number."""
+    tied = [f for f, (group, _) in factors.items() if group == root]
+    if not all(drive.gains[f].is_number for f in tied):
+        return 0
+    own = sum(exact_value(drive.gains[f], {}) * factors[f][1] for f in tied)
+    return 0 if own == 1 else own
+
+
+# -- start values -----------------------------------------------------------------------------------------------------
+
+
+def _given_starts(assembly: Assembly, laws: list[Law]) -> dict[int, str]:
+    """Roots of groups for which a component gives a start angle or speed."""
+    found: dict[int, str] = {}
+    for c, law in zip(assembly.train.components, laws, strict=True):
+        for flange, _ in law.bodies:
+            if any(getattr(c.block, name, None) is not None for name in start_fields(c.block)):
+                node = c.nodes[list(type(c.block).flanges).index(flange)]
+                found.setdefault(assembly.groups.find(node)[0], c.path)
+    return found
+
+
+def _through_lossy_ties(assembly: Assembly, laws: list[Law], owners: dict[int, tuple[str, Exact, bool]]) -> None:
+    """Shafts beside a lossy tie start as the other side does, where only that one is given."""
+    pairs = [
+        pair for c, law in zip(assembly.train.components, laws, strict=True) for pair in _lossy_pairs(assembly, c, law)
+    ]
+    changed = True
+    while changed:
+        changed = False
+        for (one, a), (two, b) in (*pairs, *((y, x) for x, y in pairs)):
+            if owners[one][2] and not owners[two][2]:
+                path, gain, _ = owners[one]
+                owners[two] = (path, gain * over(-b, a), True)
+                changed = True
+
+
+def _lossy_pairs(assembly: Assembly, c: Component, law: Law) -> Iterable[tuple[tuple[int, Exact], tuple[int, Exact]]]:
+    """The two groups of a lossy tie with their factors in it."""
+    tie = law.sticks.get("tie")
+    if tie is None or tie.share is None:
+        return
+    numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
+    nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
+    row: dict[int, Exact] = {}
+    for flange, expr in tie.push.items():
+        values = {x: exact(numbers[law.pool.slots[x].of]) for x in expr.free_symbols}
+        group, gain = assembly.group_of_node[nodes[flange]] if nodes[flange] >= 0 else (HELD, 1)
+        row[group] = row.get(group, 0) + exact_value(expr, values) * gain
+    moving = [(g, v) for g, v in row.items() if g != HELD and v]
+    if len(moving) == 2:
+        yield moving[0], moving[1]
+
+
+def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
+    """For each group that does not follow by angle the component that owns its start values (the first that gives them).
+
+    A shaft without any body is named by the first flange at it.
+    """
+    from gearblocks.assembly.assemble import StartValues
+
+    found: dict[str, dict[int, tuple[str, Exact, bool]]] = {"phi0": {}, "w0": {}}
+    for c, law in zip(assembly.train.components, laws, strict=True):
+        for flange, _ in law.bodies:
+            group, gain = assembly.group_of_node[c.nodes[list(type(c.block).flanges).index(flange)]]
+            for (key, owners), name in zip(found.items(), start_fields(c.block), strict=True):
+                value = getattr(c.block, name, None)
+                given = value is not None
+                if group == HELD and key == "w0" and isinstance(value, (int, float)) and value != 0:
+                    shown = f"{name} = {value!r} {'m/s' if flange in c.sliders else 'rad/s'}"
+                    raise ModelError(f"'{c.path}': {shown}, but a Fixed holds this shaft; leave {name} out")
+                if group != HELD and (group not in owners or (given and not owners[group][2])):
+                    owners[group] = (c.path, gain, given)
+    count = assembly.n_speeds + assembly.n_hidden + assembly.n_paced
+    if any(group not in found["phi0"] for group in range(count)):
+        for c in assembly.train.components:
+            for name, node in zip(type(c.block).flanges, c.nodes, strict=True):
+                group, gain = assembly.group_of_node[node] if node >= 0 else (HELD, 1)
+                if group != HELD:
+                    for owners in found.values():
+                        owners.setdefault(group, (f"{c.path}.{name}", gain, False))
+    for owners in found.values():
+        _through_lossy_ties(assembly, laws, owners)
+    for part, whole in assembly.floating.items():  # a part is named as its shaft
+        for owners in found.values():
+            owners[part] = owners[whole]
+    return [StartValues(*found["phi0"][g][:2], *found["w0"][g][:2]) for g in range(count)]

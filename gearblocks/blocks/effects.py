@@ -1,0 +1,207 @@
+"""Effects that meshes and other compliant elements may have: excitation here, those of contact from `gaps`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from gearblocks.blocks.backlash import Backlash, HuntCrossley
+from gearblocks.language.block import Effect, State, effect, option, param, signal
+from gearblocks.language.signals import Table, Value
+
+__all__ = [
+    "Backlash",
+    "Fourier",
+    "Harmonic",
+    "HuntCrossley",
+    "Hysteresis",
+    "MeshLaw",
+    "Profile",
+    "Square",
+    "ToothFriction",
+]
+
+
+class Fourier(Effect):
+    """Relative variation 1 + sum_j cos[j] cos(j theta) + sin[j] sin(j theta), j = 1, 2, ...
+
+    theta is the mesh phase: of the teeth when driven_by="angle" (the law then derives from a potential and keeps the
+    energy), or the integral of a frequency in rad/s (the papers' form, which feeds energy in and out); plus `phase`.
+    """
+
+    cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", default=(), many=True)
+    sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", default=(), many=True)
+    driven_by: Any = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
+    phase: Any = param("phase added to theta", "rad", default=None)
+    angle = State("integrated phase", "rad")
+
+    def value(self, s: Any, theta: Any) -> Any:
+        """The sum alone, without the 1."""
+        import sympy as sp
+
+        orders = [(a, sp.cos, j) for j, a in enumerate(s.cos, 1)] + [(b, sp.sin, j) for j, b in enumerate(s.sin, 1)]
+        return sp.Add(*(a * f(j * theta) for a, f, j in orders))
+
+
+class Harmonic(Fourier):
+    """Transmission error e = sum_j cos[j] cos(j theta) + sin[j] sin(j theta) in m; theta as for `Fourier`."""
+
+    cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", "m", default=(), many=True)
+    sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", "m", default=(), many=True)
+
+
+class Profile(Effect):
+    """A Table over one cycle: a deviation relative to k (1: twice k), or a transmission error in m.
+
+    table: x in cycles from 0 to 1, periodic. Driven like `Fourier`; its joints are located. Where an effect is wanted,
+    a bare Table stands for Profile(table=...).
+    """
+
+    table: Table = option("points over one cycle, x from 0 to 1, periodic")
+    driven_by: Any = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
+    phase: Any = param("phase added to theta", "rad", default=None)
+    angle = State("integrated phase", "rad")
+
+    def problems(self) -> Iterator[str]:
+        """A table that is no closed cycle, and steps over the angle."""
+        if not isinstance(self.table, Table):
+            yield f"table = {self.table!r:.80} must be a gb.Table over one cycle"
+        elif not self.table.periodic or self.table.x[0] != 0 or self.table.x[-1] != 1:
+            yield "the table must be periodic=True with x from 0 to 1 (cycles)"
+        elif self.table.kind == "step" and self.driven_by == "angle":
+            yield "a step table jumps, so it has no potential over the angle; give driven_by a frequency in rad/s"
+
+    def value(self, s: Any, theta: Any) -> Any:
+        """The table at the phase."""
+        import sympy as sp
+
+        return s.local("table", cycles=theta / (2 * sp.pi))
+
+
+def as_profile(value: Any) -> Any:
+    """A bare Table as a Profile; everything else as it is."""
+    return Profile(table=value) if isinstance(value, Table) else value
+
+
+class Square(Effect):
+    """Stiffness that alternates between one and two tooth pairs, mean 1.
+
+    The upper value holds for the share contact_ratio - 1 of a cycle from theta = 0; upper - lower = 2 ripple.
+    The jumps are located. Driven like `Fourier`; by angle it has no potential (jumps), so only a frequency is taken.
+    """
+
+    ripple: Value = param("half of the jump, relative to the mean", ge=0)
+    contact_ratio: Value = param("transverse contact ratio, between 1 and 2", gt=1, lt=2)
+    driven_by: Any = signal("the frequency of the excitation", "rad/s")
+    phase: Any = param("phase added to theta", "rad", default=None)
+    angle = State("integrated phase", "rad")
+
+    def problems(self) -> Iterator[str]:
+        """The angle as a drive."""
+        if self.driven_by == "angle":
+            yield "a Square variation jumps, so it has no potential over the angle; give driven_by a frequency in rad/s"
+
+    def value(self, s: Any, theta: Any) -> Any:
+        """The deviation from 1."""
+        import sympy as sp
+
+        share = s.contact_ratio - 1
+        upper = sp.cos(theta - sp.pi * share) > sp.cos(sp.pi * share)
+        return sp.Piecewise((2 * s.ripple * (1 - share), upper), (-2 * s.ripple * share, True))
+
+
+class ToothFriction(Effect):
+    """Coulomb friction of the teeth, mu times the mesh force.
+
+    direction="geometry": friction across the line of action, with the lever arms of the contact. A pair enters at theta = 0
+    at the start of the path of contact and travels one base pitch p_b per mesh cycle, xi = -g_f + p_b theta/(2 pi) from the
+    pitch point. The one or two pairs in contact share N equally (Vaishya and Singh 2003, J. Mech. Des. 125, 634-643,
+    doi 10.1115/1.1564063): together they are one equivalent pair with averaged arms. With rho_1 = r1 tan(a_w) + xi and
+    rho_2 = r2 tan(a_w) - xi (internal: -r2 tan(a_w) - xi), speeds relative to the carrier,
+
+        v = rho_1 w_1 + rho_2 w_2,    F = mu abs(N) sign(v) (its share),    torques -F rho_1, -F rho_2, F (rho_1 + rho_2)
+
+    v changes sign at the pitch point (up to the vibration); the power -F v is never positive. The gears turn: at rest
+    F jumps from one sign to the other and holds nothing, and the same at the pitch point where the pair vibrates hard
+    enough to stick there: the run then stops and names the mesh. [transition]: sign(v) becomes
+    v/sqrt(v^2 + transition^2), which passes through both. flank: the loaded one; with "coast" the pairs enter as theta
+    falls (gear 1 turns backwards and drives). Valid for transverse contact ratios from 1 to 2; a helical pair counts by
+    its transverse section. driven_by and phase as for `Fourier`.
+
+    direction="square_wave": N (1 + mu wave) along the line of action on both bodies, wave = +1 or -1 from a signal (the
+    form of papers; it may feed power in, which the ledger counts as supplied).
+    """
+
+    mu: Value = param("coefficient of friction", ge=0)
+    direction: str = option("'geometry' or 'square_wave'", default="geometry")
+    wave: Any = signal("direction of sliding, +1 or -1, for 'square_wave'", default=None)
+    driven_by: Any = signal("'angle', or the mesh frequency", "rad/s", default="angle")
+    phase: Any = param("phase added to theta", "rad", default=None)
+    flank: str = option("loaded flank: 'drive' or 'coast'", default="drive")
+    transition: Value | None = param("sliding speed where friction takes hold", "m/s", default=None, gt=0)
+    angle = State("integrated phase", "rad")
+
+    def problems(self) -> Iterator[str]:
+        """Directions that do not exist, and a missing wave."""
+        if self.direction not in ("geometry", "square_wave"):
+            yield f"friction.direction = {self.direction!r} must be 'geometry' or 'square_wave'"
+        if self.flank not in ("drive", "coast"):
+            yield f"friction.flank = {self.flank!r} must be 'drive' or 'coast'"
+        if (self.direction == "square_wave") != (self.wave is not None):
+            yield "friction: direction='square_wave' and wave=... (a signal of +1 and -1) belong together"
+
+
+class Hysteresis(Effect):
+    """Inner friction of a shaft: a dry slider beside its spring, which slips at the torque `friction`.
+
+    Alone, the slider joins both ends: the twist stays where it is until the rest of the torque exceeds friction. With
+    stiffness it sits at the end of a spring of its own (the element of Jenkins, Brit. J. Appl. Phys. 13, 1962, 30-32, and of
+    Iwan, J. Appl. Mech. 33, 1966, 893-900): beside a spring k the shaft has k + stiffness while the slider holds, and k
+    while it slips. A cycle of the twist between -x and x loses 4 friction (x - friction/stiffness), without stiffness
+    4 friction x, whatever the speed.
+    """
+
+    friction: Value = param("torque at which the slider slips", "N m", gt=0)
+    stiffness: Value | None = param("stiffness in series with the slider", "N m/rad", default=None, gt=0)
+    force = State("torque of the slider", "N m")
+
+
+class MeshLaw(Effect):
+    """What the meshes of a composite have beyond their teeth: compliance and what lives on it; the fields of GearMesh."""
+
+    face_width: Value | None = param("common face width", "m", default=None, gt=0)
+    profile_shift: tuple[Value, Value] | None = param(
+        "profile shifts (x1, x2) over the module", default=None, many=True
+    )
+    addendum: Value | None = param("addendum over the module; absent: 1", default=None, gt=0)
+    k: Value | None = param("mean stiffness along the line of action", "N/m", default=None, gt=0)
+    stiffness: str | None = option("'iso6336': the stiffness of the standard", default=None)
+    c: Value | None = param("damping along the line of action", "N s/m", default=None, ge=0)
+    damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0)
+    stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", default=None, convert=as_profile)
+    backlash: Backlash | None = effect("dead zone", default=None)
+    contact_damping: str | HuntCrossley = option("damping and gap: as for GearMesh", default="clipped")
+    transmission_error: Harmonic | Profile | None = effect(
+        "no-load transmission error", default=None, convert=as_profile
+    )
+    friction: ToothFriction | None = effect("friction of the teeth", default=None)
+
+    def values(self) -> dict[str, Any]:
+        """The fields by name, as a GearMesh takes them."""
+        return {name: self.__dict__[name] for name in type(self).fields}
+
+    def shifted(self, phase: float) -> MeshLaw:
+        """The same law with everything that is driven by the mesh cycle ahead by a phase [rad]."""
+        if phase == 0:
+            return self
+        moved = {}
+        for name, value in self.values().items():
+            if isinstance(value, Effect) and "phase" in type(value).fields and not _is_wave(value):
+                given = value.__dict__["phase"]
+                moved[name] = value.changed(phase=phase if given is None else given + phase)
+        return self.changed(**moved)  # type: ignore[no-any-return]
+
+
+def _is_wave(value: Effect) -> bool:
+    """Friction with a signal of its own, which no mesh phase moves."""
+    return isinstance(value, ToothFriction) and value.direction == "square_wave"

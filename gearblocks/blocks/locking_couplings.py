@@ -1,0 +1,153 @@
+"""Couplings that lock: one way, by teeth, or by a cone before the teeth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from gearblocks.blocks.friction import (
+    CAPACITY,
+    ENGAGEMENT,
+    FORCE_MAX,
+    GEOMETRY,
+    MU,
+    PEAK,
+    Hold,
+    friction_problems,
+    hold,
+    relative_motion,
+    rubs,
+)
+from gearblocks.language.block import Block, Contribution, Flange, Shows, State, Stick, Switch, signal
+from gearblocks.language.signals import Value
+
+_LEAST = 1e-4  # break-away torque while not engaged, over that of the largest normal force
+
+
+class OneWayClutch(Block):
+    """A freewheel and a friction clutch in parallel: b never turns slower than a.
+
+        a o---|>|---o b        w_rel = w_b - w_a >= 0, phi_rel = phi_b - phi_a, torque: on b
+
+    w_rel < 0 is prevented without limit. While w_rel > 0 the clutch slips with capacity, or geometry mu(w_rel) force_max
+    engagement, against it; not engaged (<= 0) it turns freely. Stuck, w_rel is exactly 0 until the torque that pulls b
+    ahead exceeds peak times the slip torque at rest, or where it is not engaged 1e-4 mu(0) geometry force_max (with
+    capacity: 0). The law of Modelica.Mechanics.Rotational.Components.OneWayClutch. mode: 0 stuck, 1 turning ahead.
+    """
+
+    a, b = Flange("side that drives", slider=None), Flange("side that may run ahead", slider=None)
+    capacity: Any = CAPACITY
+    mu: Any = MU
+    force_max: Value | None = FORCE_MAX
+    engagement: Any = ENGAGEMENT
+    geometry: Value = GEOMETRY
+    peak: Value = PEAK
+    phi_rel = State("relative angle", "rad")
+
+    def problems(self) -> Iterator[str]:
+        """Contradicting or missing fields."""
+        yield from friction_problems(self)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """A held force between the break-away and infinity."""
+        import sympy as sp
+
+        slip = s.b.w - s.a.w
+        found = hold(self, s, slip)
+        least: Any = sp.Integer(0)
+        if self.capacity is None:
+            least = sp.Float(_LEAST) * s.geometry * s.force_max * s.local("mu", slip=sp.Integer(0))
+            yield Switch("break-away", found.limit - least)
+        on = 1 - sp.Heaviside(-found.engaged, 1)
+        yield Switch("engagement", -found.engaged, low=1.0, high=0.0)
+        lower = -on * found.limit if self.capacity is not None else -sp.Max(found.limit, least)
+        yield from rubs(s, slip, s.b.phi - s.a.phi, Hold(sp.Integer(1), on * found.sliding, (lower, sp.oo)))
+
+
+class Freewheel(Block):
+    """An ideal freewheel: b never turns slower than a, and runs ahead without friction.
+
+        a o---|>|---o b        w_rel = w_b - w_a >= 0, phi_rel = phi_b - phi_a, torque: on b, >= 0
+
+    Where b would fall behind it locks: w_rel is exactly 0, until the torque on b falls to 0. mode: 0 stuck, 1 running
+    ahead.
+    """
+
+    a, b = Flange("side that drives", slider=None), Flange("side that may run ahead", slider=None)
+    phi_rel = State("relative angle", "rad")
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """A held force that pushes b forward alone."""
+        import sympy as sp
+
+        zero = sp.Integer(0)
+        yield from rubs(s, s.b.w - s.a.w, s.b.phi - s.a.phi, Hold(sp.Integer(1), zero, (zero, sp.oo)))
+
+
+class DogClutch(Block):
+    """Teeth that lock two shafts while engaged > 0, whatever the torque.
+
+        a o---|H|---o b        w_rel = w_b - w_a, phi_rel = phi_b - phi_a, torque: on b
+
+    Closing on a speed difference is a plastic impact: both sides go on with one speed, momentum is kept, the energy of
+    the difference is lost; impulse [N m s] is that of the last one. mode: 0 locked, 2 free. Where several locks leave no
+    motion or contradict each other (tie-up), the run says so by name.
+    """
+
+    a, b = Flange("one side", slider=None), Flange("other side", slider=None)
+    engaged: Any = signal("locked while > 0")
+    phi_rel = State("relative angle", "rad")
+    impulse = State("impulse of the last closing", "N m s")
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """A lock without limit."""
+        import sympy as sp
+
+        slip = s.b.w - s.a.w
+        yield Stick("", slip, sp.oo, 0, s.engaged, s.impulse)
+        direction, stuck, held = s.stick("")
+        yield from relative_motion(s, slip, s.b.phi - s.a.phi, direction, stuck)
+        yield Shows("torque", held, "N m", "torque on flange b")
+        yield Shows("impulse", s.impulse, "N m s", "impulse of the last closing on a speed difference")
+
+
+class Synchronizer(Block):
+    """A cone clutch that brings two shafts to one speed, then teeth that lock them.
+
+        a o---|cone||dog|---o b        w_rel = w_b - w_a, phi_rel = phi_b - phi_a, torque: on b
+
+    Fields of the cone as of `Clutch`. engaged > 0 asks for the teeth: they are blocked as long as the cone slips or is
+    free, go in without an impact once the cone sticks, and stay in until engaged <= 0, whatever the cone does
+    then. The cone must be pressed (capacity or engagement > 0) for them to go in, at equal speeds too. locked: 1 while
+    the teeth are in. mode: 0 one speed, +1 the cone slips with w_rel > 0, -1 with w_rel < 0, 2 free.
+    """
+
+    a, b = Flange("one side", slider=None), Flange("other side", slider=None)
+    engaged: Any = signal("asks for the teeth while > 0")
+    capacity: Any = CAPACITY
+    mu: Any = MU
+    force_max: Value | None = FORCE_MAX
+    engagement: Any = ENGAGEMENT
+    geometry: Value = GEOMETRY
+    peak: Value = PEAK
+    phi_rel = State("relative angle", "rad")
+
+    def problems(self) -> Iterator[str]:
+        """Contradicting or missing fields."""
+        yield from friction_problems(self)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """Friction and a lock along one slip."""
+        import sympy as sp
+
+        slip = s.b.w - s.a.w
+        cone = hold(self, s, slip)
+        direction, stuck, held = s.stick("cone")
+        _, locked, teeth = s.stick("teeth")
+        together = 1 - (1 - stuck) * (1 - locked)
+        yield Stick("cone", slip, cone.limit, cone.sliding, cone.engaged)
+        yield Stick("teeth", slip, sp.oo, 0, s.engaged * together)
+        yield from relative_motion(s, slip, s.b.phi - s.a.phi, direction, together)
+        yield Shows("torque", held + teeth - direction * cone.sliding, "N m", "torque on flange b")
+        yield Shows("locked", locked, "1", "1 while the teeth are in")
+        yield Shows("loss_power", direction * cone.sliding * slip, "W", "power lost by the cone")

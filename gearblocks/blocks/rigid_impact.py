@@ -1,0 +1,47 @@
+"""Contacts without compliance that have a gap and a restitution: rigid impacts at both of its ends."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Any
+
+from gearblocks.blocks.effects import HuntCrossley
+from gearblocks.blocks.stops import Limits, pressing, stops
+from gearblocks.language.block import Block, Contribution, Shows
+
+
+def _gap_field(block: Any) -> str:
+    return "half_gap" if "half_gap" in type(block).fields else "backlash"
+
+
+def _has_restitution(block: Any) -> bool:
+    return getattr(block, _gap_field(block)) is not None and isinstance(block.contact_damping, HuntCrossley)
+
+
+def hits(block: Any) -> bool:
+    """Whether the two sides are rigid and hit each other."""
+    return block.k is None and getattr(block, "stiffness", None) is None and _has_restitution(block)
+
+
+def without(block: Any, name: str, changed: Block) -> Block:
+    """The block without the effect, given `changed`, which lacks all that the effect would take along elsewhere.
+
+    Gap and restitution outlive the compliance; of a rigid impact, they go together.
+    """
+    gap = _gap_field(block)
+    if name == "compliance" and _has_restitution(block):
+        changed = changed.changed(**{gap: getattr(block, gap), "contact_damping": block.contact_damping})
+    elif name in ("backlash", "damping") and hits(block):
+        changed = changed.changed(**{gap: None, "contact_damping": "clipped"})
+    return changed
+
+
+def impact(block: Any, s: Any, angle: Any, radius: Any) -> Generator[Contribution, None, Any]:
+    """The stops at both ends of the gap about zero deflection radius * angle, and the force against it: > 0 on the drive
+    side. The angle has exact factors, which the stops need."""
+    lower, upper = (-s.half_gap, s.half_gap) if _gap_field(block) == "half_gap" else block.backlash.ends(s.backlash)
+    limits = Limits(angle, lower / radius, upper / radius, s.contact_damping.restitution)
+    yield from stops(limits)
+    force, contact = pressing(s, limits)
+    yield Shows("contact", contact, "1", "-1 coast side, 0 none, +1 drive side")
+    return -force / radius

@@ -1,0 +1,75 @@
+"""Sliders: bodies, racks and forces along a line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from gearblocks.language import block as declare
+from gearblocks.language.block import Acts, Block, Body, Contribution, Flange, Shows, Tie, exact, param, signal
+from gearblocks.language.signals import Value
+
+
+class Mass(Block):
+    """A rigid sliding body; both flanges have the same position.
+
+    s0, v0: start values. Left out, they follow from tied neighbours, else they are 0.
+    """
+
+    a, b = Flange("left end", spare=True, slider=True), Flange("right end", spare=True, slider=True)
+    m: Value = param("mass", "kg", ge=0)
+    s0: Value | None = param("start position", "m", default=None)
+    v0: Value | None = param("start speed", "m/s", default=None)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """m s'' = sum of the forces on both flanges."""
+        yield Body(s.a, s.m)
+        yield Tie(s.a.s - s.b.s)
+        yield Shows("s", s.a.s, "m", "position")
+        yield Shows("v", s.a.v, "m/s", "speed")
+        yield Shows("acceleration", s.a.alpha, "m/s2", "acceleration")
+        yield Shows("kinetic_energy", s.m * s.a.v**2 / 2, "J", "kinetic energy")
+
+
+class Rack(Block):
+    """Rack and pinion, or a wheel that rolls without slip: s = radius phi. A negative radius turns the other way.
+
+    force is what the rack exerts on its slider; the flange gets -radius force.
+    """
+
+    flange = Flange("pinion or wheel")
+    slider = Flange("rack, or the axle of the wheel", slider=True)
+    radius: float = exact("rolling radius ds/dphi", "m")
+
+    def problems(self) -> Iterator[str]:
+        """A radius of zero."""
+        if self.radius == 0:
+            yield "radius = 0 m must not be 0: the slider could not move"
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """The tie, and its force on the slider."""
+        yield Tie(s.slider.s - s.radius * s.flange.phi)
+        yield Shows("force", s.slider.f, "N", "force on the slider")
+
+
+class Force(Block):
+    """A given force on a slider, its reaction on the housing (the ground when not connected): Force(f=...).
+
+    With a deflection and a force it is the contribution that laws yield: `yield Force(deflection, force)`.
+    """
+
+    flange = Flange("driven slider", slider=True)
+    housing = Flange("housing", ground=True, slider=True)
+    f: Any = signal("force on the slider", "N")
+
+    def __new__(cls, *values: Any, **named: Any) -> Any:
+        """The block, or the contribution of a law."""
+        if cls is Force and (len(values) > 1 or {"deflection", "force"} & set(named)):
+            return declare.Force(*values, **named)
+        return super().__new__(cls)
+
+    def physics(self, s: Any) -> Iterator[Contribution]:
+        """Action and reaction."""
+        yield Acts(s.flange, s.f)
+        yield Acts(s.housing, -s.f)
+        yield Shows("force", s.f, "N", "force on the slider")

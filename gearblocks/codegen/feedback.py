@@ -1,0 +1,88 @@
+"""Outputs that signals read: where they come from and in which order they are computed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from gearblocks.assembly.angle_wrapping import located
+from gearblocks.assembly.assemble import Assembly
+from gearblocks.codegen.batch import BatchCode, Function
+from gearblocks.errors import ModelError, did_you_mean
+
+
+@dataclass(slots=True)
+class Sense:
+    """An output that a signal reads: its place in sense[], where it is shown, and the code that fills it."""
+
+    path: str
+    index: int
+    batch: int = 0
+    instance: int = 0
+    expr: Any = None
+    function: Function | None = None
+    call: str = ""
+
+
+def _shown(codes: Iterable[BatchCode], assembly: Assembly, path: str) -> tuple[BatchCode, int, Any, int]:
+    """(batch, instance, expression, number) of an output that a signal may read."""
+    known = []
+    for code in codes:
+        for e, index in enumerate(code.batch.components):
+            prefix = assembly.train.components[index].path + "."
+            for i, (show, expr) in enumerate(code.shows):
+                known.append(prefix + show.name)
+                if path == known[-1]:
+                    return code, e, expr, i
+    raise ModelError(f"sense('{path}'): no block shows that output{did_you_mean(path, known)}")
+
+
+def reads_angles(assembly: Assembly, path: str) -> bool:
+    """Whether a sensed output needs absolute angles."""
+    for batch in assembly.batches:
+        for index in batch.components:
+            prefix = assembly.train.components[index].path + "."
+            for show in batch.law.shows:
+                if prefix + show.name == path:
+                    roles = [batch.law.pool.slots[x] for x in show.expr.free_symbols]
+                    return any(s.role == "phi" or (s.role == "coordinate" and not batch.used[s.of]) for s in roles)
+    return False
+
+
+def order_senses(
+    senses: dict[str, Sense], codes: list[BatchCode], assembly: Assembly, in_law: set[str], whole: set[tuple[int, int]]
+) -> dict[str, Sense]:  # fmt: skip
+    """Functions of sensed outputs in an order in which each reads only earlier ones.
+
+    whole: (batch, output) that read whole angles, where the turns of angles are counted apart.
+    """
+    done: dict[str, None] = {}
+
+    def visit(path: str, chain: tuple[str, ...]) -> None:
+        if path in chain:
+            loop = " -> ".join((*chain[chain.index(path) :], path))
+            raise ModelError(f"the signals form an algebraic loop: {loop}; put a state between them")
+        if path in done:
+            return
+        code, e, expr, show = _shown(codes, assembly, path)
+        slots = [code.law.pool.slots[x] for x in expr.free_symbols]
+        if path in in_law and any(s.role in ("alpha", "tau", "held") for s in slots):
+            raise ModelError(
+                f"sense('{path}'): an acceleration or reaction cannot be fed back; sense a speed or a torque law"
+            )
+        for slot in slots:
+            if slot.role == "sense":
+                visit(slot.of, (*chain, path))
+        sense = senses[path]
+        sense.batch, sense.instance, sense.expr = code.number, e, expr
+        vector = "whole" if (code.number, show) in whole and path not in in_law else "y"
+        expr = located(expr) if vector == "whole" else expr
+        function = code.function(f"sense_{sense.index}", [(f"sense[{sense.index}]", "=", expr, False)], vector=vector)
+        sense.function = function
+        sense.call = ", ".join([str(e), *(c.at(e) for _, _, c in function.args)])
+        done[path] = None
+
+    for path in senses:
+        visit(path, ())
+    return {path: senses[path] for path in done}

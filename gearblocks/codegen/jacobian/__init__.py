@@ -1,0 +1,1 @@
+"""The Jacobian of implicit methods: entries, their expressions and their pattern."""

@@ -1,0 +1,196 @@
+"""Symbolic derivatives of the laws of one batch, as a step of an implicit method needs them.
+
+The unknowns of a law are the speeds of its flanges and its states; their symbols stand for them here. Coordinates and
+angles follow from them: with g = gamma h, an expression E contributes b = g dE/dx + g^2 dE/ds B, where s' = B x. The
+derivatives are those of the expressions with their columns, so that they need no columns of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.assembly.assemble import HELD
+from gearblocks.codegen.batch import BatchCode
+from gearblocks.laws.law import vanishes
+
+Target = tuple[str, str, Any, bool]
+"""A statement for BatchCode.function."""
+
+
+@dataclass(slots=True)
+class Gradient:
+    """What an expression changes by: b of each unknown; its change along simple states, over numbers that are kept; and
+    its slope over each output that a signal reads, by path."""
+
+    unknowns: dict[Any, Any] = field(default_factory=dict)
+    change: Any = 0
+    senses: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class Fed:
+    """An entry of the matrix that comes from a sensed output: row of the unknown, minus value * b of the output."""
+
+    row: Any
+    path: str
+    value: Any
+
+
+class Slopes:
+    """Derivatives of one batch: statements that compute them and what they add to the matrix.
+
+    kept_at: the first of the numbers that it keeps (`width` of each kind); kept_end: the first after them.
+    entries: by (row, column) in symbols of unknowns. sides: what right_side does. direct: whether coordinates and angles
+    stand for themselves (varying.py); else their rates stand for them.
+    """
+
+    def __init__(self, code: BatchCode, kept_at: int, width: int, *, direct: bool = False) -> None:
+        self.code, self.width, self.direct = code, width, direct
+        self.kept_end = kept_at
+        self.statements: list[Target] = []
+        self.entries: dict[tuple[Any, Any], Any] = {}
+        self.fed: list[Fed] = []
+        self.sides: list[tuple[dict[Any, Any], Any]] = []
+        self.g = self.local("g")
+
+    def local(self, text: str) -> Any:
+        """The symbol of something that C knows by that text."""
+        return self.code.law.pool.symbol("local", text, f"local_{text}")
+
+    def number(self, name: str, expr: Any) -> Any:
+        """The symbol of a number that a statement computes under that name."""
+        self.statements.append((f"const double {name}", "=", expr, False))
+        return self.local(name)
+
+    def keep(self, expr: Any) -> tuple[Any, Any]:
+        """A number that later functions need as well: its symbol now, and then."""
+        place = f"kept[{self.kept_end} + e]" if self.width > 1 else f"kept[{self.kept_end}]"
+        symbol = self.number(f"n{self.kept_end}", expr)
+        self.statements.append((place, "=", symbol, False))
+        self.kept_end += self.width
+        return symbol, self.local(place)
+
+    # -- derivatives --------------------------------------------------------------------------------------------------
+
+    def gradient(self, expr: Any) -> Gradient:
+        """The derivatives of an expression of the batch. NotImplementedError where there is no formula."""
+        found = Gradient()
+        slots, g = self.code.law.pool.slots, self.g
+        for x, slope in partial(self.code, expr):
+            role = slots[x].role
+            if role in ("w", "state") or (self.direct and role != "sense"):
+                found.unknowns[x] = found.unknowns.get(x, 0) + g * slope
+                continue
+            if self.direct:
+                found.senses[slots[x].of] = slope
+                continue
+            now, then = self.keep(slope)
+            if role == "sense":
+                found.senses[slots[x].of] = now
+                found.change += then * self.local(f"change[{self.code.places.senses[slots[x].of]}]")
+                continue
+            for w, c in self._rate_of(x):
+                found.unknowns[w] = found.unknowns.get(w, 0) + g**2 * c * now
+            found.change += then * x
+        return found
+
+    def _rate_of(self, x: Any) -> Iterator[tuple[Any, Any]]:
+        """(speed, coefficient) of the rate of a coordinate or an angle."""
+        slot = self.code.law.pool.slots[x]
+        if slot.role == "phi":
+            yield self._speed(slot.of), sp.Integer(1)
+            return
+        rate = self.code.speeds[slot.of]
+        for w in sorted(rate.free_symbols, key=lambda x: str(x.name)):
+            if self.code.law.pool.slots[w].role == "w":
+                yield w, sp.diff(rate, w)
+
+    def _speed(self, flange: str) -> Any:
+        return self.code.law.pool.symbol("w", flange, f"w_{flange}")
+
+    # -- what the batch adds ------------------------------------------------------------------------------------------
+
+    def add_all(self, *, with_growths: bool) -> None:
+        """Forces along their deflections, other torques, rates of states, and rates of torques where they are wanted."""
+        code, pool = self.code, self.code.law.pool
+        torques = {f: e for f, e in code.torques.items() if code.batch.groups[f][0] != HELD}
+        for force, expr in code.forces.items():
+            row = {self._speed(f): a for f, e in torques.items() if (a := sp.diff(e, force)) != 0}
+            if row:
+                self._add(row, expr)
+        none = dict.fromkeys(code.forces, sp.Integer(0))
+        for flange, expr in torques.items():
+            self._add({self._speed(flange): sp.Integer(1)}, expr.xreplace(none))
+        for state, expr in code.rates.items():
+            self._add({pool.symbol("state", state, state): sp.Integer(1)}, expr)
+        for flange, expr in code.balance.growths.items() if with_growths else ():
+            self._add({pool.symbol("growth", flange, f"growth_{flange}"): sp.Integer(1)}, expr)
+
+    def _add(self, row: dict[Any, Any], expr: Any) -> None:
+        """Something that drives the unknowns of `row`, each with its coefficient: S -= row b'."""
+        found = self.gradient(expr)
+        name = len(self.sides)
+        pivot = next((x for x, a in row.items() if a.is_Number), None)
+        if pivot is not None and self._is_along(row, found.unknowns, pivot):
+            one = self.number(f"s{name}", -found.unknowns[pivot] / row[pivot])
+            columns = {x: one * a for x, a in row.items()}
+        else:
+            columns = {x: self.number(f"s{name}_{i}", -b) for i, (x, b) in enumerate(found.unknowns.items())}
+        for x, a in row.items():
+            for y, b in columns.items():
+                self.entries[x, y] = self.entries.get((x, y), 0) + a * b * self._gain(x) * self._gain(y)
+            for path, slope in found.senses.items():
+                self.fed.append(Fed(x, path, -a * slope * self._gain(x)))
+        self.sides.append(({x: a * self._gain(x) for x, a in row.items()}, found.change))
+
+    def _gain(self, x: Any) -> Any:
+        """The gain of an unknown on the unknown of its group, where it is not 1 throughout."""
+        slot = self.code.law.pool.slots[x]
+        if slot.role in ("state", "coordinate") or all(gain == 1 for gain in self.code.batch.gains[slot.of]):
+            return sp.Integer(1)
+        return self.code.law.pool.symbol("gain", slot.of, f"k_{slot.of}")
+
+    def own(self, found: Gradient) -> dict[Any, Any]:
+        """b by unknown, with the gains of flanges."""
+        return {x: b * self._gain(x) for x, b in found.unknowns.items()}
+
+    def _is_along(self, row: dict[Any, Any], b: dict[Any, Any], pivot: Any) -> bool:
+        """Whether b is a multiple of the row, as where damping and spring act along one deflection."""
+        if len(row) < 2 or set(b) != set(row):
+            return False
+        whole = {c.symbol: c.expr for c in self.code.hoister.columns}
+        for x, a in row.items():
+            left = b[x] * row[pivot] - b[pivot] * a
+            while left.free_symbols & whole.keys():
+                left = left.xreplace(whole)
+            if not vanishes(left, self.code.law.pool):
+                return False
+        return True
+
+
+def partial(code: BatchCode, expr: Any) -> Iterator[tuple[Any, Any]]:
+    """(symbol, derivative) of an expression of a batch over everything that moves, branches frozen.
+
+    NotImplementedError where there is no formula.
+    """
+    expr = sp.sympify(expr)
+    slots = code.law.pool.slots
+    steady = {h: sp.Dummy(real=True) for h in expr.atoms(sp.Heaviside)}
+    expr = expr.xreplace(steady)
+    for x in sorted(expr.free_symbols & slots.keys(), key=lambda x: str(x.name)):
+        slot = slots[x]
+        if slot.role in ("alpha", "tau", "held"):
+            raise NotImplementedError(f"no derivative by {x}")
+        if slot.role not in ("w", "phi", "state", "coordinate", "sense"):
+            continue
+        if slot.role in ("w", "phi") and code.batch.groups[slot.of][0] == HELD:
+            continue
+        slope = sp.diff(expr, x)
+        if slope.has(sp.Derivative, sp.Subs, sp.DiracDelta):
+            raise NotImplementedError(f"no formula for the derivative of {expr} by {x}")
+        if slope != 0:
+            yield x, slope.xreplace({dummy: h for h, dummy in steady.items()})

@@ -1,0 +1,294 @@
+"""The Jacobian of a train in generated code: places of the matrix, and what each batch adds to it.
+
+A batch whose flanges sit on different independent groups adds by columns of places; any other entry goes through a
+sparse table that spreads it over the unknowns it stands for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.codegen.batch import BatchCode, Function
+from gearblocks.codegen.generator import Computed, Following, Generator, Linear, SenseCode
+from gearblocks.codegen.jacobian.law_derivatives import Slopes, Target
+from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
+from gearblocks.codegen.jacobian.unknowns import Unknowns
+from gearblocks.codegen.jacobian.unknowns_varying import Varying
+from gearblocks.codegen.layout import Column, column
+
+Argument = tuple[str, str, Column]
+"""An argument of a function, see Function.args."""
+
+
+def linear_part(g: Generator) -> Linear | None:
+    """The functions of implicit methods and the pattern; None where a law has no derivative."""
+    try:
+        unknowns: Unknowns | Varying = Unknowns(g) if is_linear(g) else Varying(g)
+        batches, kept = [], 0
+        for code in g.codes:
+            slopes = Slopes(code, kept, code.n, direct=isinstance(unknowns, Varying))
+            slopes.add_all(with_growths=unknowns.by_rate)
+            batches.append(slopes)
+            kept = slopes.kept_end
+        senses = SensedSlopes(g, unknowns, kept)
+        senses.find({fed.path for slopes in batches for fed in slopes.fed})
+        matrix = Matrix(unknowns, senses)
+        pattern = eliminate(unknowns.count, matrix.coupled(batches))
+        linear = Linear(pattern, unknowns.n_simple, unknowns.first_speed, senses.kept, senses.n_slopes)
+        if isinstance(unknowns, Unknowns) and not unknowns.plain:
+            linear.following = Following(
+                unknowns.speeds, unknowns.heavy, unknowns.torques, unknowns.growths, unknowns.by_rate, *unknowns.tilts()
+            )
+        matrix.write(linear, batches)
+        linear.senses = senses.codes()
+    except NotImplementedError:  # a law without derivative, or one that C does not know
+        return None
+    return linear
+
+
+def is_linear(g: Generator) -> bool:
+    """Whether all groups move by fixed combinations of speeds and states."""
+    return len(g.assembly.steady) == g.assembly.n_groups
+
+
+def _single(rows: Sequence[Any]) -> list[int] | None:
+    """The unknowns themselves where no row combines or scales any."""
+    found: list[int] = []
+    for row in rows:
+        if len(row) != 1 or 1 not in row.values():
+            return None
+        found += row
+    return found
+
+
+# -- outputs that signals read ----------------------------------------------------------------------------------------
+
+
+class SensedSlopes:
+    """Slopes of the sensed outputs that laws depend on: b over unknowns of their own and of what they read in turn."""
+
+    def __init__(self, g: Generator, unknowns: Unknowns | Varying, kept: int) -> None:
+        self.g, self.unknowns, self.kept = g, unknowns, kept
+        self.n_slopes = 0
+        self.first: dict[str, int] = {}
+        self.rows: dict[str, list[Any]] = {}
+        self._parts: list[tuple[Slopes, int, int, list[Target], Any]] = []
+
+    def find(self, wanted: set[str]) -> None:
+        """Derivatives of the wanted outputs and of those they read, the latter first."""
+        needed: dict[str, None] = {}
+        for path in reversed(self.g.senses):  # each reads only earlier ones
+            if path in wanted or path in needed:
+                needed[path] = None
+                sense = self.g.senses[path]
+                slots = self.g.codes[sense.batch].law.pool.slots
+                needed.update({slots[x].of: None for x in sense.expr.free_symbols if slots[x].role == "sense"})
+        for path in self.g.senses:
+            if path in needed:
+                self._add(path)
+
+    def _add(self, path: str) -> None:
+        sense = self.g.senses[path]
+        code = self.g.codes[sense.batch]
+        slopes = Slopes(code, self.kept, 1, direct=isinstance(self.unknowns, Varying))
+        found = slopes.gradient(sense.expr)
+        self.kept = slopes.kept_end
+        self.first[path] = self.n_slopes
+        texts, rows = [], []
+        for x, b in slopes.own(found).items():
+            texts.append(b)
+            rows.append(self.unknowns.columns(code, x)[sense.instance])
+        for other, slope in found.senses.items():
+            texts += [slope * slopes.local(f"slope[{self.first[other] + i}]") for i in range(len(self.rows[other]))]
+            rows += self.rows[other]
+        targets = [(f"slope[{self.n_slopes + i}]", "=", text, False) for i, text in enumerate(texts)]
+        self.n_slopes += len(texts)
+        self.rows[path] = rows
+        self._parts.append((slopes, sense.index, sense.instance, slopes.statements + targets, found.change))
+
+    def codes(self) -> list[SenseCode]:
+        """The functions, in the order in which they are called."""
+        made = []
+        for slopes, index, e, statements, change in self._parts:
+            function = slopes.code.function(f"sense_slope_{index}", statements)
+            side = slopes.code.function(
+                f"sense_change_{index}", [(f"change[{index}]", "=", change, False)], vector="direction"
+            )
+            made.append(SenseCode(function, _arguments(function, e), side, _arguments(side, e)))
+        return made
+
+
+def _arguments(function: Function, e: int) -> str:
+    return ", ".join([str(e), *(c.at(e) for _, _, c in function.args)])
+
+
+# -- the matrix -------------------------------------------------------------------------------------------------------
+
+
+class Matrix:
+    """Where the entries of batches go."""
+
+    def __init__(self, unknowns: Unknowns | Varying, senses: SensedSlopes) -> None:
+        self.unknowns, self.senses = unknowns, senses
+        self.spread: list[Any] = []
+        self.op = "spread_terms" if isinstance(unknowns, Varying) else "spread"
+
+    def coupled(self, batches: Sequence[Slopes]) -> Iterator[tuple[int, int]]:
+        """Pairs of unknowns that share an entry."""
+        inertias: Iterator[Any] = zip(self.unknowns.torques, self.unknowns.heavy, strict=True)
+        rows: list[Any] = [pair for pair in inertias if len(pair[1]) > 1]
+        if isinstance(self.unknowns, Varying):
+            rows += self.unknowns.own()
+        for slopes in batches:
+            for x, y in slopes.entries:
+                equations, columns = self.unknowns.equations(slopes.code, x), self.unknowns.columns(slopes.code, y)
+                one, other = (None, None) if self.op != "spread" else (_single(equations), _single(columns))
+                if one is not None and other is not None:
+                    yield from zip(one, other, strict=True)
+                else:
+                    rows += zip(equations, columns, strict=True)
+            for fed in slopes.fed:
+                rows += product(self.unknowns.equations(slopes.code, fed.row), self.senses.rows[fed.path])
+        for pair in rows:
+            yield from ((i, j) for i, j in product(*pair) if j >= 0)
+
+    def write(self, linear: Linear, batches: Sequence[Slopes]) -> None:
+        """The functions of all batches and the table that spreads."""
+        for slopes in batches:
+            targets, args = self._direct(slopes, linear.pattern) or (self._spread(slopes, linear.pattern), [])
+            targets += self._sensed(slopes, linear.pattern)
+            function = slopes.code.function("jacobian", [*slopes.statements, *targets])
+            function.args += args
+            linear.keep("jacobian", function)
+            if self.op == "spread":
+                linear.keep("right_side", self._side(slopes))
+                linear.keep("simple_rates", _simple_rates(slopes.code))
+        linear.first_mass = len(self.spread)
+        if not self.unknowns.plain:
+            inertias = zip(self.unknowns.torques, self.unknowns.heavy, strict=True)
+            self.spread += [self._entry(linear.pattern, *pair) for pair in inertias]
+        if isinstance(self.unknowns, Varying):
+            self._write_computed(self.unknowns, linear)
+        else:
+            linear.spread = self.spread
+
+    def _write_computed(self, unknowns: Varying, linear: Linear) -> None:
+        """What groups with gains that change add, and the tables of their rows."""
+        pattern, numbers = linear.pattern, unknowns.numbers
+        for function in unknowns.functions:
+            linear.keep("drive_slopes", function)
+        linear.computed = computed = Computed(
+            [float(x) for x in numbers.start], unknowns.g, unknowns.gains, numbers.steps, unknowns.heavy, [],
+            unknowns.simple(), [group for group, *_ in unknowns.carried],
+        )  # fmt: skip
+        computed.first_surplus = len(self.spread)
+        surplus = zip(unknowns.heavy, unknowns.accelerations, strict=True)
+        self.spread += [self._entry(pattern, *pair) for pair in surplus]
+        computed.first_carried = len(self.spread)
+        self.spread += [self._entry(pattern, row, other) for _, row, other in unknowns.carried]
+        computed.rates = len(self.spread)
+        self.spread.append([term for pair in unknowns.rates() for term in self._entry(pattern, *pair)])
+        linear.terms, computed.entries = self.spread, list(unknowns.kept)
+
+    def _direct(self, slopes: Slopes, pattern: Pattern) -> tuple[list[Target], list[Argument]] | None:
+        """Entries by columns of places, where every symbol is one unknown and no two are the same."""
+        if self.op != "spread":
+            return None
+        places: dict[Any, list[int]] = {}
+        for x in {x: None for pair in slopes.entries for x in pair}:
+            if slopes.code.law.pool.slots[x].role == "growth":
+                return None
+            columns = self.unknowns.columns(slopes.code, x)
+            single = _single(columns)
+            if single is None or columns != self.unknowns.equations(slopes.code, x):
+                return None
+            places[x] = single
+        symbols = list(places)
+        pairs = [
+            (x, y)
+            for i, x in enumerate(symbols)
+            for y in symbols[i + 1 :]
+            if (x, y) in slopes.entries or (y, x) in slopes.entries
+        ]
+        if any(a == b for x, y in pairs for a, b in zip(places[x], places[y], strict=True)):
+            return None
+        targets: list[Target] = []
+        args: list[Argument] = []
+        for i, x in enumerate(symbols):
+            if (x, x) in slopes.entries:
+                args.append(_argument(slopes, f"d{i}", places[x]))
+                targets.append((f"diag[d{i}]", "+=", slopes.entries[x, x], False))
+        for i, (x, y) in enumerate(pairs):
+            at = [pattern.place(a, b) for a, b in zip(places[x], places[y], strict=True)]
+            args.append(_argument(slopes, f"p{i}", at))
+            one, other = (slopes.entries.get(pair, sp.Integer(0)) for pair in ((x, y), (y, x)))
+            parts = ("lower", "upper")
+            if one != other:
+                side = [int(pattern.is_lower(a, b)) for a, b in zip(places[x], places[y], strict=True)]
+                args.append(_argument(slopes, f"l{i}", side))
+                parts = (f"(l{i} ? lower : upper)", f"(l{i} ? upper : lower)")
+            targets += [(f"{parts[0]}[p{i}]", "+=", one, False), (f"{parts[1]}[p{i}]", "+=", other, False)]
+        return targets, args
+
+    def _spread(self, slopes: Slopes, pattern: Pattern) -> list[Target]:
+        """Entries through the table."""
+        targets: list[Target] = []
+        for (x, y), value in slopes.entries.items():
+            targets.append((f"{len(self.spread)} + e", self.op, value, False))
+            equations, columns = self.unknowns.equations(slopes.code, x), self.unknowns.columns(slopes.code, y)
+            self.spread += [self._entry(pattern, a, b) for a, b in zip(equations, columns, strict=True)]
+        return targets
+
+    def _sensed(self, slopes: Slopes, pattern: Pattern) -> list[Target]:
+        """Entries that a sensed output brings: one per unknown that it depends on."""
+        targets: list[Target] = []
+        for fed in slopes.fed:
+            rows = self.unknowns.equations(slopes.code, fed.row)
+            for i, other in enumerate(self.senses.rows[fed.path]):
+                value = fed.value * slopes.local(f"slope[{self.senses.first[fed.path] + i}]")
+                targets.append((f"{len(self.spread)} + e", self.op, value, False))
+                self.spread += [self._entry(pattern, row, other) for row in rows]
+        return targets
+
+    def _entry(self, pattern: Pattern, row: Any, other: Any) -> Any:
+        """Where an entry between two rows goes."""
+        return self.unknowns.entry(pattern, row, other)
+
+    def _side(self, slopes: Slopes) -> Function:
+        """What the batch adds to the right side: torques of groups, rates of states."""
+        targets: list[Target] = []
+        args: dict[str, Argument] = {}
+        for i, (row, change) in enumerate(slopes.sides):
+            if change == 0:
+                continue
+            value = slopes.local(f"r{i}")
+            targets.append((f"const double r{i}", "=", slopes.g * change, False))
+            for x, a in row.items():
+                slot = slopes.code.law.pool.slots[x]
+                if slot.role == "state":
+                    first = self.unknowns.columns(slopes.code, x)[0]
+                    targets.append((f"out[{next(iter(first))} + e]", "+=", a * value, False))
+                else:
+                    args[f"g_{slot.of}"] = _argument(slopes, f"g_{slot.of}", slopes.code.batch.groups[slot.of])
+                    place = "turn" if slot.role == "w" else "rise"
+                    targets.append((f"{place}[g_{slot.of}]", "+=", a * value, False))
+        function = slopes.code.function("right_side", targets, vector="direction")
+        known = {name for _, name, _ in function.args}
+        function.args += [arg for name, arg in args.items() if name not in known]
+        return function
+
+
+def _argument(slopes: Slopes, name: str, values: Sequence[int]) -> Argument:
+    return "int", name, column(f"{slopes.code.batch.name}_{name}", values)
+
+
+def _simple_rates(code: BatchCode) -> Function:
+    """Rates of the coordinates of a batch from the speeds of groups."""
+    own = [j for j in range(len(code.speeds)) if code.batch.used[j] and not code.batch.dependent[j]]
+    function = code.function("simple_rates", [(f"out[q{j}]", "=", code.speeds[j], False) for j in own], vector="speed")
+    function.args += [("int", f"q{j}", column(f"{code.batch.name}_q{j}", code.batch.sources[j])) for j in own]
+    return function

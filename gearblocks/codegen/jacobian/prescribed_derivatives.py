@@ -1,0 +1,99 @@
+"""Derivatives of drives (ties with gains that change, prescribed motions) by what they read, as numbers of rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.assembly.assemble import HELD
+from gearblocks.assembly.kinematics import Driven
+from gearblocks.codegen.batch import BatchCode, Function
+from gearblocks.codegen.jacobian.law_derivatives import partial
+from gearblocks.codegen.jacobian.row_values import Numbers
+from gearblocks.codegen.layout import column
+from gearblocks.laws.law import exact_value
+from gearblocks.laws.rational import Exact, exact
+
+Slope = dict[Any, list[int]]
+"""By symbol: the number of each instance."""
+
+
+@dataclass(slots=True)
+class DriveSlopes:
+    """What the speed, the acceleration and the angle of a driven group, and the gain of each flange, change by.
+
+    With the motion of the sources held: speed and acceleration of the group by angles, speeds and states; the angle by
+    states alone.
+    """
+
+    speed: Slope
+    acceleration: Slope
+    angle: Slope
+    gains: dict[str, Slope]
+
+
+def number_of(x: Any) -> Exact:
+    """An expression without symbols as an exact number (of its double where it is irrational)."""
+    x = sp.sympify(x)
+    return exact_value(x, {}) if x.is_Rational else exact(float(x))
+
+
+def drive_slopes(
+    code: BatchCode, number: int, rows: Sequence[Driven], numbers: Numbers
+) -> tuple[DriveSlopes, Function]:
+    """The derivatives of drive `number` of a batch, and the function that computes those that are no numbers.
+
+    rows: the drive of each instance. NotImplementedError where there is no formula.
+    """
+    drive, pool = code.drives[number], code.law.pool
+    turning = {n: gain for n, gain in drive.gains.items() if code.batch.groups.get(n, [HELD])[0] != HELD}
+    speed, acceleration = dict(partial(code, drive.bias)), dict(partial(code, drive.surplus))
+    gains = {n: dict(partial(code, gain)) for n, gain in turning.items()}
+    for n, slopes in gains.items():
+        for x, slope in slopes.items():
+            speed[x] = speed.get(x, 0) + slope * pool.symbol("w", n, f"w_{n}")
+            acceleration[x] = acceleration.get(x, 0) + slope * pool.symbol("alpha", n, f"alpha_{n}")
+    angle = {} if drive.angle is None else dict(partial(code, drive.angle))
+    writer = _Writer(code, number, numbers)
+    scales = [d.scale for d in rows]
+    made = DriveSlopes(
+        writer.take(speed, scales), writer.take(acceleration, scales),
+        writer.take({x: slope for x, slope in angle.items() if pool.slots[x].role == "state"}, scales),
+        {n: writer.take(slopes, [d.factors[n][1] for d in rows]) for n, slopes in gains.items()},
+    )  # fmt: skip
+    return made, writer.function()
+
+
+class _Writer:
+    """Gives derivatives their places among the numbers."""
+
+    def __init__(self, code: BatchCode, number: int, numbers: Numbers) -> None:
+        self.code, self.name, self.numbers = code, f"drive_slopes{number}", numbers
+        self.targets: list[tuple[str, str, Any, bool]] = []
+        self.args: list[tuple[str, str, Any]] = []
+
+    def take(self, slopes: Mapping[Any, Any], scales: Sequence[Exact]) -> Slope:
+        """The places of derivatives, each times the scale of its instance."""
+        found: Slope = {}
+        for x, slope in slopes.items():
+            if slope.is_number:
+                found[x] = [self.numbers.constant(number_of(slope) * scale) for scale in scales]
+                continue
+            i = len(self.targets)
+            found[x] = [self.numbers.place() for _ in scales]
+            name = f"{self.code.batch.name}_{self.name}"
+            self.args.append(("int", f"at{i}", column(f"{name}_at{i}", found[x])))
+            self.args.append(("double", f"by{i}", column(f"{name}_by{i}", [float(scale) for scale in scales])))
+            self.targets.append((f"coef[at{i}]", "=", slope, False))
+        return found
+
+    def function(self) -> Function:
+        """The function that computes them."""
+        function = self.code.function(self.name, self.targets)
+        function.args += self.args
+        for i, statement in enumerate(function.body):
+            statement.rhs = f"by{i} * ({statement.rhs})"
+        return function

@@ -1,0 +1,277 @@
+"""The unknowns of implicit methods where gains change with the position: rows whose numbers are computed in every matrix.
+
+A row says how something changes with the unknowns; entry -1 - s stands for what a step adds to the simple state s
+besides its rate: the state changes by g (r_s + B x). Let A be the gains of all groups on the speeds, T the torques of the
+laws and m the inertias. The equations are A' (T - m alpha) = 0 with alpha at fixed accelerations of the speeds, and
+
+    speeds         dw_f = sum gain dw + d(sum gain w + bias)/d(phi, w of blocks)
+    accelerations  da_f = sum gain da + d(sum gain alpha + surplus)/d(phi, w, states)
+    torques        a gain that changes turns the torque carried back from f to its source with it
+
+so that the derivatives of the mass matrix need no form of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from heapq import heappop, heappush
+from typing import Any
+
+from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.kinematics import Driven, Follower
+from gearblocks.codegen.batch import BatchCode, Function
+from gearblocks.codegen.generator import Generator
+from gearblocks.codegen.jacobian.prescribed_derivatives import DriveSlopes, Slope, drive_slopes, number_of
+from gearblocks.codegen.jacobian.row_values import Numbers, Row
+from gearblocks.codegen.jacobian.sparsity import Pattern
+from gearblocks.laws.rational import Exact
+
+Term = tuple[int, int, int]
+"""4 place + (0 diag, 1 lower, 2 upper, 3 kept), and the two numbers that a value is multiplied with."""
+
+
+class Varying:
+    """Numbers of the unknowns, and rows of everything that laws read. Interface as Unknowns, and:
+
+    numbers; functions: of the derivatives of drives; gains: (place, number of the gain); accelerations: by group;
+    carried: (group whose torque is carried, equation of the source, change of the gain); kept: by (unknown, simple
+    state) the number of the entry of dG/ds.
+    """
+
+    def __init__(self, g: Generator) -> None:
+        assembly, lay = g.assembly, g.lay
+        self.assembly, self.lay, self.plain = assembly, lay, False
+        self.angles = assembly.angles if lay.angle0 < lay.n else []
+        self.n_simple = assembly.n_steady
+        if self.n_simple == lay.n_coordinates and assembly.steady.issuperset(self.angles):
+            self.n_simple += len(self.angles)
+        self.first_speed = lay.v0 - self.n_simple
+        self.count = lay.n + assembly.n_hidden - self.n_simple
+        damped = g.massless.damped if g.massless is not None else []
+        held = {self.first_speed + assembly.n_speeds + i for i, by_damper in enumerate(damped) if not by_damper}
+        self.by_rate = bool(held)
+        self.numbers = Numbers()
+        self.one, self.zero, self.g = self.numbers.constant(1), self.numbers.constant(0), self.numbers.place()
+        self.functions: list[Function] = []
+        self.gains: list[tuple[int, int]] = []
+        self.kept: dict[tuple[int, int], int] = {}
+        self._place = {group: i for i, (group, _) in enumerate(assembly.definitions)}
+        self._angles: dict[int, Row] = {}
+        self._simple: dict[int, Row] = {}
+        self._rates: dict[int, Row] = {}
+        self._loops: dict[int, Row] = {}
+        self._drives = _drives(self, g)
+        self._follow(held)
+
+    # -- rows of groups -----------------------------------------------------------------------------------------------
+
+    def _follow(self, held: set[int]) -> None:
+        """Gains on the speeds, speeds and accelerations of all groups, those of constant gains first. held: shafts between
+        springs alone, whose equation is the rate of the balance (no drive moves with one)."""
+        a, n = self.assembly, self.assembly.n_groups
+        free = range(a.n_speeds + a.n_hidden)
+        self.torques: list[Row] = [{self.first_speed + i: self.one} if i in free else {} for i in range(n)]
+        self.speeds: list[Row] = [dict(row) for row in self.torques]
+        self.accelerations: list[Row] = [{} for _ in range(n)]
+        for f in a.followers:
+            self.torques[f.group] = self.numbers.combine((c, self.torques[s]) for s, c in self._gains(f))
+        self.growths = [{x: c for x, c in row.items() if x in held} for row in self.torques]
+        self.torques = [{x: c for x, c in row.items() if x not in held} for row in self.torques]
+        for f in a.followers:
+            if f.group in a.steady:
+                self.speeds[f.group] = self._speed(f)
+        for group, row in a.definitions:
+            if isinstance(row, Driven):
+                self.angle(group)
+        self.carried: list[tuple[int, Row, Row]] = []
+        for f in a.followers:
+            if f.group not in a.steady:
+                self.speeds[f.group] = self._speed(f)
+            terms = [(c, self.accelerations[s]) for s, c in self._gains(f)]
+            if f.drive is not None:
+                terms += self._drives[f.group].terms("acceleration")
+                for source, change in self._drives[f.group].changes():
+                    self.carried.append((f.group, self.torques[source], self.numbers.combine(change)))
+            self.accelerations[f.group] = self.numbers.combine(terms)
+        heavy = a.massive | set(range(a.n_speeds))
+        self.heavy = [row if group in heavy else {} for group, row in enumerate(self.torques)]
+
+    def _gains(self, f: Follower) -> list[tuple[int, int]]:
+        """(source, place of the gain)."""
+        if f.row is not None:
+            return [(source, self.numbers.constant(c)) for source, c in f.row.groups.items()]
+        return self._drives[f.group].gains
+
+    def _speed(self, f: Follower) -> Row:
+        terms = [(c, self.speeds[s]) for s, c in self._gains(f)]
+        return self.numbers.combine(terms + (self._drives[f.group].terms("speed") if f.drive is not None else []))
+
+    def angle(self, group: int) -> Row:
+        """How the angle of a group changes."""
+        if group in self._angles:
+            return self._angles[group]
+        total = Combination({group: 1})
+        waiting = [-self._place[group]] if group in self._place else []
+        while waiting:  # the last definition first: all that it reads come before it
+            at, row = self.assembly.definitions[-heappop(waiting)]
+            if isinstance(row, Combination) and (c := total.groups.pop(at, 0)):
+                total.add(row, c)
+                for source in row.groups.keys() & self._place.keys():
+                    heappush(waiting, -self._place[source])
+        terms = [(self.numbers.constant(c), self.coordinate(j)) for j, c in total.coordinates.items()]
+        terms += [(self.numbers.constant(c), self._base(s)) for s, c in total.groups.items()]
+        return self._angles.setdefault(group, self.numbers.combine(terms))
+
+    def _base(self, group: int) -> Row:
+        """The same for an angle that is a state, or driven."""
+        if group not in self._place:
+            return self._moved(self.lay.angle0 + self.angles.index(group))
+        if group not in self._angles:
+            drive = self._drives[group]
+            terms = [(c, self.angle(s)) for s, c in drive.gains] + drive.terms("angle")
+            self._angles[group] = self.numbers.combine(terms)
+        return self._angles[group]
+
+    def coordinate(self, j: int) -> Row:
+        """How coordinate j changes."""
+        return self._moved(j)
+
+    def _moved(self, place: int) -> Row:
+        """How a coordinate or an angle changes, by its place in y."""
+        if place >= self.n_simple:
+            return self._state(place)
+        if place not in self._simple:
+            row = self.numbers.combine([(self.g, self.rate(place))])
+            self._simple[place] = {**row, -1 - place: self.one}
+        return self._simple[place]
+
+    def rate(self, place: int) -> Row:
+        """How the rate of a coordinate or an angle changes."""
+        if place >= self.lay.n_coordinates:
+            return self.speeds[self.angles[place - self.lay.angle0]]
+        if place not in self._rates:
+            row = self.assembly.rows[place]
+            self._rates[place] = self.numbers.combine(
+                (self.numbers.constant(c), self.speeds[i]) for i, c in row.items()
+            )
+        return self._rates[place]
+
+    def _state(self, place: int) -> Row:
+        return {place - self.n_simple: self.one}
+
+    def loop(self, k: int) -> Row:
+        """How a combination that closes a loop changes."""
+        if k not in self._loops:
+            c = self.assembly.dependents[k]
+            terms = [(self.numbers.constant(a), self.coordinate(j)) for j, a in c.coordinates.items()]
+            terms += [(self.numbers.constant(a), self.angle(i)) for i, a in c.groups.items()]
+            self._loops[k] = self.numbers.combine(terms)
+        return self._loops[k]
+
+    # -- what a batch reads -------------------------------------------------------------------------------------------
+
+    def columns(self, code: BatchCode, x: Any) -> list[Row]:
+        """The unknowns behind what a law reads, for each instance."""
+        slot, batch = code.law.pool.slots[x], code.batch
+        if slot.role == "state":
+            return [self._state(self.lay.state0[code.number, slot.of] + e) for e in range(code.n)]
+        if slot.role == "coordinate":
+            read = self.loop if batch.dependent[slot.of] else self.coordinate
+            return [read(j) for j in batch.sources[slot.of]]
+        if slot.role == "phi":
+            return [self.angle(group) for group in batch.groups[slot.of]]
+        return [self.speeds[group] for group in batch.groups[slot.of]]
+
+    def equations(self, code: BatchCode, x: Any) -> list[Row]:
+        """The equations that the torque on a flange, its rate of change or the rate of a state belongs to."""
+        slot = code.law.pool.slots[x]
+        if slot.role == "state":
+            return self.columns(code, x)
+        rows = self.growths if slot.role == "growth" else self.torques
+        return [rows[i] for i in code.batch.groups[slot.of]]
+
+    def rates(self) -> Iterator[tuple[Row, Row]]:
+        """(equation, row) of every coordinate and angle that is no simple state."""
+        for place in range(self.n_simple, self.lay.n_coordinates + len(self.angles)):
+            yield self._state(place), self.rate(place)
+
+    def own(self) -> Iterator[tuple[Row, Row]]:
+        """(equation, row) of everything that comes from the motions themselves."""
+        yield from self.rates()
+        yield from zip(self.heavy, self.accelerations, strict=True)
+        yield from ((row, change) for _, row, change in self.carried)
+
+    def simple(self) -> list[dict[int, Exact]]:
+        """B: rates of the simple states over the unknowns."""
+        rows = [self.rate(place) for place in range(self.n_simple)]
+        if not all(map(self.numbers.is_constant, rows)):
+            raise NotImplementedError("a simple state whose rate is no fixed combination")
+        return [{x: self.numbers.start[i] for x, i in row.items()} for row in rows]
+
+    def entry(self, pattern: Pattern, row: Row, other: Row) -> list[Term]:
+        """Where a value between two rows goes."""
+        found: list[Term] = []
+        for i, a in row.items():
+            for j, b in other.items():
+                if j < 0:
+                    key = 4 * self.kept.setdefault((i, -1 - j), len(self.kept)) + 3
+                else:
+                    key = 4 * i if i == j else 4 * pattern.place(i, j) + (1 if pattern.is_lower(i, j) else 2)
+                found.append((key, a, b))
+        return found
+
+
+# -- drives -----------------------------------------------------------------------------------------------------------
+
+
+class _Drive:
+    """One driven group. gains: (source, place of the gain)."""
+
+    def __init__(self, unknowns: Varying, g: Generator, number: int, driven: Driven, slopes: DriveSlopes) -> None:
+        self.unknowns, self.driven, self.slopes = unknowns, driven, slopes
+        self.code = next(code for code in g.codes if driven.component in code.batch.components)
+        self.e = self.code.batch.components.index(driven.component)
+        law_gains = self.code.law.drives[driven.number].gains
+        self.gains: list[tuple[int, int]] = []
+        for flange, (group, factor) in driven.factors.items():
+            if law_gains[flange].is_number:
+                place = unknowns.numbers.constant(number_of(law_gains[flange]) * factor)
+            else:
+                assert g.motion is not None
+                place = unknowns.numbers.place()
+                unknowns.gains.append((place, g.motion.slots[number, flange]))
+            self.gains.append((group, place))
+
+    def terms(self, what: str) -> list[tuple[int, Row]]:
+        """What the speed, the acceleration or the angle changes by while the sources keep their motion."""
+        return self._rows(getattr(self.slopes, what))
+
+    def changes(self) -> Iterator[tuple[int, list[tuple[int, Row]]]]:
+        """(source, what its gain changes by)."""
+        for flange, (group, _) in self.driven.factors.items():
+            if self.slopes.gains[flange]:
+                yield group, self._rows(self.slopes.gains[flange])
+
+    def _rows(self, slopes: Slope) -> list[tuple[int, Row]]:
+        numbers, found = self.unknowns.numbers, []
+        for x, places in slopes.items():
+            row = self.unknowns.columns(self.code, x)[self.e]
+            slot = self.code.law.pool.slots[x]
+            if slot.role in ("w", "phi"):
+                row = numbers.combine([(numbers.constant(self.code.batch.gains[slot.of][self.e]), row)])
+            found.append((places[self.e], row))
+        return found
+
+
+def _drives(unknowns: Varying, g: Generator) -> dict[int, _Drive]:
+    """Drives by the group that follows, and the functions of their derivatives."""
+    order = {(f.drive.component, f.drive.number): i for i, f in enumerate(g.assembly.followers) if f.drive is not None}
+    found: dict[int, _Drive] = {}
+    for code in g.codes:
+        for number in range(len(code.drives)):
+            places = [order[c, number] for c in code.batch.components]
+            rows = [d for i in places if (d := g.assembly.followers[i].drive) is not None]
+            slopes, function = drive_slopes(code, number, rows, unknowns.numbers)
+            unknowns.functions.append(function)
+            found |= {d.group: _Drive(unknowns, g, i, d, slopes) for i, d in zip(places, rows, strict=True)}
+    return found

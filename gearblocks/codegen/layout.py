@@ -1,0 +1,214 @@
+"""Where everything lies in the vectors of the generated program: states, parameters, switches, outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from gearblocks.assembly.assemble import HELD, Assembly, Batch
+from gearblocks.codegen.program import ParameterInfo
+from gearblocks.language.block import Field
+from gearblocks.language.signals import Input, Parameter
+from gearblocks.laws.rational import Exact
+from gearblocks.train.graph import leaves_of, numbers_of
+from gearblocks.train.translational import field_along, slider_names, start_names, unit_along, words_along
+
+PAD = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One number per instance of a batch: a constant, an arithmetic progression or a table."""
+
+    name: str
+    values: tuple[float | int, ...]
+
+    @property
+    def is_table(self) -> bool:
+        """Whether it needs an array in C."""
+        return len(self.values) > 2 and self._progression() is None
+
+    def _progression(self) -> tuple[Any, Any] | None:
+        v = self.values
+        step = v[1] - v[0] if len(v) > 1 else 0
+        if all(isinstance(x, int) for x in v) and all(v[i] == v[0] + i * step for i in range(len(v))):
+            return v[0], step
+        return (v[0], 0) if all(x == v[0] for x in v) else None
+
+    def at(self, i: int) -> str:
+        """C for the entry of instance i."""
+        return repr(self.values[i])
+
+    def text(self) -> str:
+        """C for the entry of instance `e`."""
+        found = self._progression()
+        if found is None:
+            return f"{self.name}[e]"
+        start, step = found
+        if step == 0:
+            return repr(start)
+        return "e" if (start, step) == (0, 1) else f"{start} + {step} * e"
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether all instances share the value."""
+        return all(x == self.values[0] for x in self.values)
+
+
+def padded(n: int) -> int:
+    """n rounded up to whole blocks of the vectors."""
+    return -(-n // PAD) * PAD
+
+
+@dataclass(slots=True)
+class Layout:
+    """Offsets. v0: first speed; angle0: first absolute angle; columns of batches by (batch number, key)."""
+
+    assembly: Assembly
+    n_coordinates: int = 0
+    angle0: int = 0
+    state0: dict[tuple[int, str], int] = field(default_factory=dict)
+    v0: int = 0
+    n: int = 0
+    n_padded: int = 0
+    n_angles: int = 0
+    tail: int = 0
+    n_total: int = 0
+    parameters: list[ParameterInfo] = field(default_factory=list)
+    own: dict[tuple[int, str], int] = field(default_factory=dict)
+    shared: dict[str, int] = field(default_factory=dict)
+    shared_objects: dict[str, Parameter] = field(default_factory=dict)
+    inputs: dict[str, Input] = field(default_factory=dict)
+    phi0: list[int] = field(default_factory=list)
+    w0: list[int] = field(default_factory=list)
+    state_start: dict[tuple[int, str], int] = field(default_factory=dict)
+    path_of: dict[str, int] = field(default_factory=dict)
+
+
+def lay_out(assembly: Assembly, *, angles_in_law: bool, n_counted: int = 0) -> Layout:
+    """State vector and parameter vector; the rest follows while code is generated.
+
+    n_counted: angles whose turns are counted; each has a count and a carry at the start of the tail.
+    """
+    lay = Layout(assembly)
+    lay.n_coordinates = len(assembly.rows)
+    at = lay.n_coordinates
+    if angles_in_law:
+        lay.angle0 = at
+        at += len(assembly.angles)
+    for b, batch in enumerate(assembly.batches):
+        for state in batch.law.rates:
+            lay.state0[b, state] = at
+            at += len(batch.components)
+    lay.v0 = at
+    lay.n = at + assembly.n_speeds
+    lay.n_padded = padded(lay.n + (1 if lay.n == 0 else 0))
+    lay.n_angles = 2 * n_counted if angles_in_law else len(assembly.angles)
+    if not angles_in_law:
+        lay.angle0 = lay.n_padded
+    lay.tail = lay.n_padded + lay.n_angles
+    _parameters(lay)
+    return lay
+
+
+def is_start(batch: Batch, path: str) -> bool:
+    """Whether an own number of a block is a start value."""
+    return bool(batch.law.bodies) and path in ("phi0", "w0", "s0", "v0")
+
+
+def own_numbers(batch: Batch, assembly: Assembly) -> Iterator[tuple[str, Field, int, Any]]:
+    """(path inside the block, field, instance, value) of every tunable number of a batch."""
+    for e, index in enumerate(batch.components):
+        for path, value, spec in numbers_of(assembly.train.components[index].block, ""):
+            if spec.role in ("param", "signal") and isinstance(value, (int, float)):
+                yield path, spec, e, value
+
+
+def _parameters(lay: Layout) -> None:
+    components = lay.assembly.train.components
+    for b, batch in enumerate(lay.assembly.batches):
+        columns: dict[str, list[tuple[str, Field]]] = {}
+        for path, spec, e, _ in own_numbers(batch, lay.assembly):
+            if not is_start(batch, path):
+                owner = components[batch.components[e]]
+                columns.setdefault(path, []).append((owner.path, field_along(spec, owner.slides)))
+        for path, entries in columns.items():
+            lay.own[b, path] = len(lay.parameters)
+            for name, spec in entries:
+                _add(lay, f"{name}.{path}", spec, tunable=True)
+    for c in components:
+        for leaf in leaves_of(c.block):
+            if isinstance(leaf, Parameter):
+                lay.shared_objects.setdefault(leaf.name, leaf)
+            else:
+                lay.inputs.setdefault(leaf.name, leaf)
+    for expr in lay.assembly.train.coordinates:
+        for found in expr.expr.leaves():
+            if found.op == "parameter":
+                lay.shared_objects.setdefault(found.args[0].name, found.args[0])
+    bounds = _shared_bounds(lay)
+    for name, parameter in sorted(lay.shared_objects.items()):
+        lay.shared[name] = len(lay.parameters)
+        lower, upper = bounds.get(name, (None, None))
+        _add(lay, name, Field(f"parameter {name}", parameter.unit, "param", ge=lower, le=upper), tunable=True)
+    _start_values(lay)
+
+
+def _shared_bounds(lay: Layout) -> dict[str, tuple[float | None, float | None]]:
+    """(largest lower, smallest upper) bound of the fields that each Parameter stands in by itself."""
+    found: dict[str, tuple[float | None, float | None]] = {}
+    for c in lay.assembly.train.components:
+        for _, value, spec in numbers_of(c.block, ""):
+            if isinstance(value, Parameter):
+                lower, upper = found.get(value.name, (None, None))
+                lowest = spec.gt if spec.ge is None else spec.ge
+                highest = spec.lt if spec.le is None else spec.le
+                lower = lowest if lower is None else lower if lowest is None else max(lower, lowest)
+                upper = highest if upper is None else upper if highest is None else min(upper, highest)
+                found[value.name] = lower, upper
+    return found
+
+
+def _add(lay: Layout, path: str, spec: Field, *, tunable: bool) -> int:
+    lower = spec.gt if spec.ge is None else spec.ge
+    upper = spec.lt if spec.le is None else spec.le
+    lay.path_of[path] = len(lay.parameters)
+    lay.parameters.append(ParameterInfo(path, spec.unit, spec.words, lower, upper, tunable))
+    return len(lay.parameters) - 1
+
+
+def _start_values(lay: Layout) -> None:
+    """Start angle and speed of every group, start of every state of a block."""
+    blocks = {c.path: c.block for c in lay.assembly.train.components}
+    sliders = slider_names(lay.assembly.train.components)
+    for group, start in enumerate(lay.assembly.starts):
+        wanted = [(start.phi0, 0, "rad", "start angle", lay.phi0)]
+        if group < lay.assembly.n_speeds:
+            wanted.append((start.w0, 1, "rad/s", "start speed", lay.w0))
+        for path, i, unit, words, target in wanted:
+            slides = path in sliders
+            name = start_names(slides)[i]
+            given = getattr(blocks.get(path), name, None)
+            unit, words = unit_along(unit, slides), words_along(words, slides)
+            if isinstance(given, Parameter):
+                target.append(lay.shared[given.name])
+            else:
+                target.append(_add(lay, f"{path}.{name}", Field(words, unit, "param"), tunable=False))
+    for b, batch in enumerate(lay.assembly.batches):
+        for state in batch.law.rates:
+            lay.state_start[b, state] = len(lay.parameters)
+            for index in batch.components:
+                c = lay.assembly.train.components[index]
+                unit = "1" if "." in state else unit_along(type(c.block).states[state].unit, c.slides)
+                _add(lay, f"{c.path}.{state}", Field("start value", unit, "param"), tunable=False)
+
+
+def column(name: str, values: Sequence[float | Exact]) -> Column:
+    """A column with plain numbers."""
+    return Column(name, tuple(v if isinstance(v, int) else float(v) for v in values))
+
+
+def speed_index(lay: Layout, batch: Batch, flange: str) -> list[int]:
+    """Where the speed of a flange lies in the state vector, per instance (held flanges have none)."""
+    return [0 if g == HELD else lay.v0 + g for g in batch.groups[flange]]

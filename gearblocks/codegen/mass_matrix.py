@@ -1,0 +1,210 @@
+"""Followers as tables and functions of the generated program: their speeds, their torques, and the mass matrix.
+
+w[follower] = bias + sum gain w[source], torques go back by the same gains, and a follower's inertia enters the mass matrix
+of the shafts that have speeds of their own through its row over them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from gearblocks.assembly.kinematics import Driven, Follower
+from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
+from gearblocks.codegen.layout import column
+from gearblocks.errors import ModelError
+
+if TYPE_CHECKING:
+    from gearblocks.codegen.batch import BatchCode, Function
+    from gearblocks.codegen.generator import Generator
+
+
+@dataclass(slots=True)
+class Motions:
+    """followers[i] has entries [start[i], start[i + 1]) of index (group) and value (gain; 0 where a drive gives it).
+
+    rows: by follower that carries inertia: (speed number -> place in the array of row entries). steps: how these entries
+    are computed, (target, gain, source entry or -1); products: what they add to the mass matrix, (target: place, or -1 -
+    step for the diagonal; entry; entry; group).
+    """
+
+    followers: list[Follower]
+    start: list[int] = field(default_factory=lambda: [0])
+    index: list[int] = field(default_factory=list)
+    value: list[float] = field(default_factory=list)
+    slots: dict[tuple[int, str], int] = field(default_factory=dict)
+    rows: dict[int, dict[int, int]] = field(default_factory=dict)
+    steps: list[tuple[int, int, int]] = field(default_factory=list)
+    products: list[tuple[int, int, int, int]] = field(default_factory=list)
+    pattern: Pattern = field(default_factory=lambda: eliminate(0, ()))
+    dynamic: bool = False
+    n_entries: int = 0
+    calls: dict[int, str] = field(default_factory=dict)
+    powered: list[int] = field(default_factory=list)
+
+    @property
+    def paced(self) -> bool:
+        """Whether a drive moves by itself (bias) or has accelerations that its gains do not explain."""
+        return any(f.drive is not None for f in self.followers)
+
+
+def lay_out_mass(g: Generator, at: int) -> int:
+    """Fills g.motion and places inertias, mobilities and (where it is constant) the factored mass matrix in par[]."""
+    motion = g.motion = Motions(g.assembly.followers)
+    laws = {i: batch.law for batch in g.assembly.batches for i in batch.components}
+    for i, f in enumerate(motion.followers):
+        if f.row is not None:
+            motion.index += f.row.groups
+            motion.value += [float(c) for c in f.row.groups.values()]
+        else:
+            assert f.drive is not None
+            gains = laws[f.drive.component].drives[f.drive.number].gains
+            for flange, (group, factor) in f.drive.factors.items():
+                if gains[flange].is_number:
+                    motion.value.append(float(gains[flange]) * float(factor))
+                else:
+                    motion.dynamic = True
+                    motion.slots[i, flange] = len(motion.value)
+                    motion.value.append(0.0)
+                motion.index.append(group)
+        motion.start.append(len(motion.index))
+    for i, f in enumerate(motion.followers):
+        if f.drive is not None:  # gains of flanges that the ground holds: their reactions need them
+            for flange, gain in laws[f.drive.component].drives[f.drive.number].gains.items():
+                if flange not in f.drive.factors and not gain.is_number:
+                    motion.slots[i, flange] = len(motion.value)
+                    motion.value.append(0.0)
+    _rows(g, motion)
+    _matrix(g, motion)
+    g.mass = at
+    return at + g.assembly.n_groups + g.assembly.n_speeds + len(motion.pattern.row)
+
+
+def _rows(g: Generator, motion: Motions) -> None:
+    """Entries of the followers that carry inertia, or that such followers follow."""
+    order = {f.group: i for i, f in enumerate(motion.followers)}
+    wanted = {order[group] for group in g.assembly.massive if group in order}
+    for i in reversed(range(len(motion.followers))):
+        if i in wanted:
+            wanted.update(order[s] for s in motion.followers[i].sources if s in order)
+    for i in sorted(wanted):
+        row: dict[int, int] = {}
+        for k in range(motion.start[i], motion.start[i + 1]):
+            source = motion.index[k]
+            inner = motion.rows[order[source]] if source in order else {source: -1}
+            for speed, entry in inner.items():
+                if speed not in row:
+                    row[speed] = motion.n_entries
+                    motion.n_entries += 1
+                motion.steps.append((row[speed], k, entry))
+        motion.rows[i] = row
+
+
+def _matrix(g: Generator, motion: Motions) -> None:
+    """The pattern of the mass matrix and what followers add to it."""
+    pairs: set[tuple[int, int]] = set()
+    massive = [(i, f.group) for i, f in enumerate(motion.followers) if f.group in g.assembly.massive]
+    for i, _ in massive:
+        speeds = sorted(motion.rows[i])
+        pairs.update((a, b) for n, a in enumerate(speeds) for b in speeds[:n])
+    pattern = motion.pattern = eliminate(g.assembly.n_speeds, pairs)
+    for i, group in massive:
+        row = motion.rows[i]
+        for a in row:
+            motion.products.append((-1 - pattern.steps[a], row[a], row[a], group))
+            motion.products += [
+                (pattern.place(a, b), row[a], row[b], group) for b in row if pattern.steps[b] > pattern.steps[a]
+            ]
+
+
+def check_mobility(g: Generator, used: Iterable[tuple[int, str]]) -> list[int]:
+    """The groups whose mobility laws read. ModelError for those where it is infinite or changes with the state."""
+    groups: dict[int, str] = dict(used)
+    a, motion = g.assembly, g.motion
+    if motion is None:
+        return []
+    changing = _changing(motion)
+    order = {f.group: i for i, f in enumerate(motion.followers)}
+    for group, path in groups.items():
+        if a.n_speeds <= group < a.n_speeds + a.n_hidden:
+            raise ModelError(
+                f"'{path}': damping_ratio needs inertia on both sides, and a shaft beside has none; give c"
+            )
+        touched = set(motion.rows.get(order[group], ())) if group in order else {group}
+        if touched & changing or (
+            group in order and order[group] not in motion.rows and motion.followers[order[group]].sources
+        ):
+            raise ModelError(
+                f"'{path}': damping_ratio needs a constant inertia beside, and this one changes with the position; give c"
+            )
+    return sorted(groups)
+
+
+def _changing(motion: Motions) -> set[int]:
+    """Speeds whose inertia changes with the state."""
+    slots = set(motion.slots.values())
+    moved: set[int] = set()
+    found: set[int] = set()
+    order = {f.group: i for i, f in enumerate(motion.followers)}
+    for i in range(len(motion.followers)):
+        entries = range(motion.start[i], motion.start[i + 1])
+        if any(k in slots or order.get(motion.index[k]) in moved for k in entries):
+            moved.add(i)
+            found.update(motion.rows.get(i, ()))
+    return found
+
+
+# -- drives -----------------------------------------------------------------------------------------------------------
+
+
+def drive_functions(g: Generator, code: BatchCode) -> None:
+    """Functions of the drives of one batch: angle, gains with bias, and surplus."""
+    motion = g.motion
+    if motion is None:
+        return
+    mine = {(f.drive.component, f.drive.number): (i, f.drive) for i, f in enumerate(motion.followers) if f.drive}
+    for number, drive in enumerate(code.drives):
+        rows = [mine[c, number] for c in code.batch.components]
+        scale = column(f"{code.batch.name}_scale{number}", [float(d.scale) for _, d in rows])
+        place = column(f"{code.batch.name}_follower{number}", [i for i, _ in rows])
+        args = [("double", f"scale{number}", scale), ("int", f"follower{number}", place)]
+        if drive.angle is not None:
+            angle = _scaled(code, f"drive_angle{number}", [(f"phi[into{number}]", drive.angle)], args[:1])
+            groups = column(f"{code.batch.name}_into{number}", [d.group for _, d in rows])
+            angle.args.append(("int", f"into{number}", groups))
+            g.keep("drive_angles", angle)
+            for e, (i, _) in enumerate(rows):
+                motion.calls[i] = ", ".join([str(e), *(c.at(e) for _, _, c in angle.args)])
+        values = [(f"bias[follower{number}]", drive.bias)] if drive.bias != 0 else []
+        if values:
+            g.keep("drive_values", _scaled(code, f"drive_bias{number}", values, args))
+            motion.powered += [i for i, _ in rows]
+        if drive.surplus != 0:
+            surplus = [(f"surplus[follower{number}]", drive.surplus)]
+            g.keep("drive_surplus", _scaled(code, f"drive_surplus{number}", surplus, args))
+        for flange, gain in drive.gains.items():
+            if not gain.is_number:
+                _gain_function(g, code, number, flange, gain, rows)
+
+
+def _scaled(code: BatchCode, name: str, targets: list[tuple[str, Any]], args: list[Any]) -> Function:
+    function = code.function(name, [(lhs, "=", expr, False) for lhs, expr in targets])
+    function.args += args
+    for statement in function.body:
+        statement.rhs = f"{args[0][1]} * ({statement.rhs})"
+    return function
+
+
+def _gain_function(
+    g: Generator, code: BatchCode, number: int, flange: str, gain: Any, rows: list[tuple[int, Driven]]
+) -> None:  # fmt: skip
+    assert g.motion is not None
+    slots = [g.motion.slots[i, flange] for i, _ in rows]
+    factors = [float(d.factors[flange][1] if flange in d.factors else d.scale) for _, d in rows]
+    name = f"{code.batch.name}_{number}_{flange}"
+    args = [
+        ("double", f"factor{number}", column(f"{name}_factor", factors)),
+        ("int", f"slot{number}", column(f"{name}_slot", slots)),
+    ]
+    g.keep("drive_values", _scaled(code, f"drive_gain{number}_{flange}", [(f"gain[slot{number}]", gain)], args))

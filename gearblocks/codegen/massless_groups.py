@@ -1,0 +1,283 @@
+"""Shafts without inertia: their speeds follow from the balance of torques.
+
+Where something damps such a shaft, its torque T(w) = 0 gives the speed (a state of first order); where only springs act on
+it, dT/dt = 0 gives it, and its angle is put into balance at the start and after every event.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from gearblocks.assembly.rigid_groups import HELD
+from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
+from gearblocks.codegen.layout import Column, column
+from gearblocks.errors import ModelError
+from gearblocks.laws.rational import Exact
+from gearblocks.laws.symbols import clock
+
+if TYPE_CHECKING:
+    from gearblocks.assembly.assemble import Assembly
+    from gearblocks.codegen.batch import BatchCode, Function
+    from gearblocks.codegen.generator import Generator
+
+
+HiddenRows = dict[int, dict[int, Exact]]
+"""By group: factors of its speed on those of hidden shafts, by their number."""
+
+
+@dataclass(slots=True)
+class Balance:
+    """Torques of one batch on shafts that may have no inertia, and their slopes.
+
+    torques, growths: torque on a flange and its rate of change; drags, stiffnesses: their derivatives by the speed of a
+    flange, by (flange, flange).
+    """
+
+    torques: dict[str, Any] = field(default_factory=dict)
+    growths: dict[str, Any] = field(default_factory=dict)
+    drags: dict[tuple[str, str], Any] = field(default_factory=dict)
+    stiffnesses: dict[tuple[str, str], Any] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class Massless:
+    """Hidden shafts by number. floats: those that stand for several; damped: or not; free_start: whether the angle at the
+    start is one of balance. pattern: of their coupling; affine: whether one step solves for the speeds. shifts: by state,
+    what an angle moves it.
+    """
+
+    rows: HiddenRows
+    floats: frozenset[int]
+    damped: list[bool]
+    free_start: list[bool]
+    pattern: Pattern
+    affine: bool
+    shifts: list[dict[int, Exact]]
+
+    @property
+    def n_entries(self) -> int:
+        """Diagonal, lower and upper entries and one for what goes nowhere."""
+        return len(self.pattern.order) + 2 * len(self.pattern.row) + 1
+
+    def entry(self, one: int, other: int) -> int:
+        """Place of the entry (one, other)."""
+        n, places = len(self.pattern.order), len(self.pattern.row)
+        if one == other:
+            return self.pattern.steps[one]
+        return n + self.pattern.place(one, other) + (0 if self.pattern.is_lower(one, other) else places)
+
+    @property
+    def entry_rows(self) -> list[int]:
+        """The hidden shaft whose balance each entry belongs to."""
+        rows = [-1] * self.n_entries
+        n, places = len(self.pattern.order), len(self.pattern.row)
+        rows[:n] = self.pattern.order
+        for k in range(n):
+            for p in range(self.pattern.start[k], self.pattern.start[k + 1]):
+                rows[n + p] = self.pattern.order[self.pattern.row[p]]
+                rows[n + places + p] = self.pattern.order[k]
+        return rows
+
+
+def hidden_rows(assembly: Assembly) -> HiddenRows:
+    """Factors on the hidden shafts by every group that moves with one. ModelError for a drive that does."""
+    first, last = assembly.n_speeds, assembly.n_speeds + assembly.n_hidden
+    found: HiddenRows = {group: {group - first: 1} for group in range(first, last)}
+    for f in assembly.followers:
+        touched = [s for s in f.sources if s in found]
+        if touched and f.drive is not None:
+            raise ModelError(
+                f"'{f.drive.path}' moves with a shaft that has no inertia; give that shaft an Inertia with J > 0"
+            )
+        if touched and f.row is not None:
+            row: dict[int, Exact] = {}
+            for source in touched:
+                for number, c in found[source].items():
+                    row[number] = row.get(number, 0) + f.row.groups[source] * c
+            found[f.group] = {number: c for number, c in row.items() if c}
+    return found
+
+
+def balance_of(code: BatchCode, rows: HiddenRows, floats: frozenset[int]) -> Balance:
+    """The balance of a batch, hoisted; empty where none of its flanges is at such a shaft."""
+    law, hoist = code.law, code.hoister.hoist
+    at = [f for f in code.batch.flanges if any(group in rows for group in code.batch.groups[f])]
+    speeds = {f: law.pool.symbol("w", f, f"w_{f}") for f in at}
+    result = Balance()
+    for f in at:
+        if f not in law.torques or code.batch.groups[f][0] == HELD:
+            continue
+        torque = law.torques[f].xreplace(law.forces)
+        alone = all(floats.isdisjoint(rows.get(group, ())) for group in code.batch.groups[f])
+        growth = _rate(code, torque, damped=alone)
+        result.torques[f], result.growths[f] = hoist(torque), hoist(growth)
+        for other, w in speeds.items():
+            drag, stiffness = sp.diff(torque, w), _stiffness(code, torque, other)
+            if drag != 0:
+                result.drags[f, other] = hoist(drag)
+            if stiffness != 0:
+                result.stiffnesses[f, other] = hoist(stiffness)
+    return result
+
+
+def _stiffness(code: BatchCode, torque: Any, flange: str) -> Any:
+    """Derivative of a torque by the angle of a flange."""
+    law = code.law
+    total = sp.diff(torque, law.pool.symbol("phi", flange, f"phi_{flange}"))
+    for form, u in zip(law.forms, law.coordinates, strict=True):
+        total += sp.diff(torque, u) * form.coefficients.get(flange, 0)
+    return total
+
+
+def _rate(code: BatchCode, torque: Any, *, damped: bool) -> Any:
+    """Rate of change of a torque. What dampers add to it is left aside: where springs alone give the speed of several
+    shafts, it cancels, and a shaft that is `damped` needs no rate (0)."""
+    law = code.law
+    speeds = [x for x in torque.free_symbols if law.pool.slots[x].role == "w"]
+    if speeds and damped:
+        return sp.Integer(0)
+    torque = torque.xreplace(dict.fromkeys(speeds, sp.Integer(0)))
+    total = sp.diff(torque, clock())
+    for form, u in zip(law.forms, law.coordinates, strict=True):
+        slope = sp.diff(torque, u)
+        if slope != 0:
+            total += slope * sum(c * law.pool.symbol("w", n, f"w_{n}") for n, c in form.coefficients.items())
+    for x in list(torque.free_symbols):
+        slot = law.pool.slots[x]
+        if slot.role == "phi":
+            total += sp.diff(torque, x) * law.pool.symbol("w", slot.of, f"w_{slot.of}")
+        elif slot.role == "state":
+            total += sp.diff(torque, x) * law.rates[slot.of]
+    return total
+
+
+def lay_out_massless(g: Generator) -> None:
+    """Fills g.massless from the balances of all batches. ModelError for a shaft that nothing holds."""
+    assembly = g.assembly
+    rows = hidden_rows(assembly)
+    balances = {code.number: code.balance for code in g.codes}
+    damped, held = [False] * assembly.n_hidden, [False] * assembly.n_hidden
+    pairs: set[tuple[int, int]] = set()
+    for code in g.codes:
+        for entries, marks in ((code.balance.drags, damped), (code.balance.stiffnesses, held)):
+            for (f, other), _ in entries.items():
+                for a, b in _numbers(code, rows, f, other):
+                    pairs.add((a, b))
+                    if a == b and (marks is held or a not in assembly.floats):
+                        marks[a] = True
+    for i in range(assembly.n_hidden):
+        if not damped[i] and not held[i]:
+            raise ModelError(
+                f"the shaft at '{assembly.starts[assembly.n_speeds + i].phi0}' has no inertia, and neither spring nor damper "
+                f"holds it: give it an Inertia with J > 0"
+            )
+    _refuse_inputs(g, rows, damped)
+    affine = all(
+        not (sp.sympify(e).free_symbols & {x for x, s in g.codes[n].law.pool.slots.items() if s.role == "w"})
+        for n, balance in balances.items() for e in (*balance.drags.values(), *balance.stiffnesses.values())
+    )  # fmt: skip
+    given = _given(assembly, rows)
+    free = [i not in given or not damped[i] for i in range(assembly.n_hidden)]  # given_starts.py checks the second
+    g.massless = Massless(rows, assembly.floats, damped, free, eliminate(assembly.n_hidden, pairs), affine, _shifts(g))
+    for code in g.codes:
+        _functions(g, code)
+
+
+def _numbers(code: BatchCode, rows: HiddenRows, f: str, other: str) -> list[tuple[int, int]]:
+    """The pairs of hidden shafts that two flanges of the instances move with."""
+    pairs = zip(code.batch.groups[f], code.batch.groups[other], strict=True)
+    return [ab for a, b in pairs if a in rows and b in rows for ab in product(rows[a], rows[b])]
+
+
+def _given(assembly: Assembly, rows: HiddenRows) -> set[int]:
+    """Hidden shafts with a given start angle, or with one that such an angle follows from."""
+    found: set[int] = set()
+    for c in assembly.train.components:
+        if any(getattr(c.block, name, None) is not None for name in ("phi0", "s0")):
+            for node in c.nodes:
+                found.update(rows.get(assembly.group_of_node[node][0], ()) if node >= 0 else ())
+    return found
+
+
+def _refuse_inputs(g: Generator, rows: HiddenRows, damped: list[bool]) -> None:
+    """A shaft that only springs hold cannot take the torque of an Input, whose rate nobody knows."""
+    for code in g.codes:
+        for f, torque in code.balance.torques.items():
+            inner = {x for c in code.hoister.columns for x in c.expr.free_symbols if c.symbol in torque.free_symbols}
+            roles = {code.law.pool.slots[x].role for x in inner | torque.free_symbols}
+            for e, group in enumerate(code.batch.groups[f]):
+                if not all(damped[i] for i in rows.get(group, ())) and roles & {"input", "sense"}:
+                    raise ModelError(
+                        f"'{code.paths[e]}': an Input or sensed signal acts on a shaft without inertia and damping; give the "
+                        f"shaft one of them"
+                    )
+
+
+def _shifts(g: Generator) -> list[dict[int, Exact]]:
+    """The states that the angle of each hidden shaft moves."""
+    assembly, lay = g.assembly, g.lay
+    first = assembly.n_speeds
+    found: list[dict[int, Exact]] = [{} for _ in range(assembly.n_hidden)]
+    for i, row in enumerate(assembly.rows):
+        for group, c in row.items():
+            if first <= group < first + assembly.n_hidden:
+                found[group - first][i] = c
+    for i, group in enumerate(assembly.angles):
+        if first <= group < first + assembly.n_hidden:
+            found[group - first][lay.angle0 + i] = 1
+    return found
+
+
+def _functions(g: Generator, code: BatchCode) -> None:
+    """Torques and slopes of one batch as functions."""
+    massless, balance = g.massless, code.balance
+    assert massless is not None
+    for what, exprs in (("torque", balance.torques), ("growth", balance.growths)):
+        elastic = what == "growth"
+        targets = [(f"{what}[g_{f}]", "+=", e, False) for f, e in exprs.items() if e != 0 or not elastic]
+        if targets and not (elastic and all(massless.damped)):
+            function = code.function(
+                f"massless_{what}", targets, extra=[f for f in exprs if f"{what}[g_{f}]" in {t[0] for t in targets}]
+            )
+            for statement in function.body:
+                statement.rhs = code.scaled(statement.lhs.split("g_")[1][:-1], statement.rhs)
+            g.keep(f"massless_{what}", function)
+    for what, entries in (("drag", balance.drags), ("stiff", balance.stiffnesses)):
+        if entries:
+            g.keep("massless_slopes", _slopes(code, massless, what, entries))
+
+
+def _slopes(code: BatchCode, massless: Massless, what: str, entries: dict[tuple[str, str], Any]) -> Function:
+    targets, args = [], []
+    for i, ((f, other), e) in enumerate(entries.items()):
+        terms = _terms(code, massless, what, f, other)
+        for j in range(max(map(len, terms))):
+            here = [own[j] if j < len(own) else (massless.n_entries - 1, 0.0) for own in terms]
+            name = f"{code.batch.name}_{what}{i}_{j}"
+            args += [
+                ("int", f"at{i}_{j}", column(f"{name}_at", [place for place, _ in here])),
+                ("double", f"by{i}_{j}", Column(f"{name}_by", tuple(factor for _, factor in here))),
+            ]
+            targets.append((f"{what}[at{i}_{j}]", "+=", e, False))
+    function = code.function(f"massless_{what}", targets)
+    function.args += args
+    for statement in function.body:
+        statement.rhs = f"by{statement.lhs[len(what) + 3 : -1]} * ({statement.rhs})"
+    return function
+
+
+def _terms(code: BatchCode, massless: Massless, what: str, f: str, other: str) -> list[list[tuple[int, float]]]:
+    """(entry, factor) by instance of what a slope adds. Dampers add nothing where springs alone give a speed."""
+    found: list[list[tuple[int, float]]] = []
+    for k, (a, b) in enumerate(zip(code.batch.groups[f], code.batch.groups[other], strict=True)):
+        gain = code.batch.gains[f][k] * code.batch.gains[other][k]
+        pairs = product(massless.rows.get(a, {}).items(), massless.rows.get(b, {}).items())
+        found.append([
+            (massless.entry(one, two), float(gain * x * y))
+            for (one, x), (two, y) in pairs if what == "stiff" or not massless.floats & {one, two}
+        ])  # fmt: skip
+    return found

@@ -1,0 +1,148 @@
+"""Names, units and words of outputs, states and start values, on turning shafts and on sliders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from gearblocks.assembly.assemble import HELD, expand_rows
+from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.generator import Generator
+from gearblocks.codegen.program import FollowerInfo, MovedInfo, Quantity, StartInfo
+from gearblocks.train.graph import Component
+from gearblocks.train.translational import flange_names, slider_names, unit_along, words_along
+
+
+def components_of(g: Generator, code: BatchCode) -> list[Component]:
+    """The components of a batch, one per instance."""
+    return [g.assembly.train.components[i] for i in code.batch.components]
+
+
+def shown(g: Generator, code: BatchCode, name: str, unit: str, words: str) -> list[Quantity]:
+    """One output of the blocks of a batch."""
+    return [
+        Quantity(f"{c.path}.{name}", unit_along(unit, c.slides), words_along(words, c.slides))
+        for c in components_of(g, code)
+    ]
+
+
+def flange_outputs(g: Generator) -> Iterator[Quantity]:
+    """Outputs of the flanges and the coordinates for reading, which follow the outputs of the blocks."""
+    for i, (unit, words) in enumerate((
+        ("rad", "angle"), ("rad/s", "speed"), ("N m", "torque of the block on the flange"),
+        ("W", "power from the block into the flange"),
+    )):  # fmt: skip
+        for code in g.codes:
+            for flange in code.batch.flanges:
+                for c in components_of(g, code):
+                    slides = flange in c.sliders
+                    name = f"{c.path}.{flange}.{flange_names(slides)[i]}"
+                    yield Quantity(name, unit_along(unit, slides), words_along(words, slides))
+    for coordinate in g.assembly.train.coordinates:
+        yield Quantity(coordinate.name, coordinate.unit, "relative coordinate")
+
+
+def state_quantities(g: Generator) -> list[Quantity]:
+    """The states of the program, but for the riders."""
+    lay = g.lay
+    states: list[Quantity] = [Quantity("", "rad", "coordinate")] * lay.n
+    for code in g.codes:
+        for e, c in enumerate(components_of(g, code)):
+            for j in range(len(code.law.forms)):
+                if code.batch.used[j] and not code.batch.dependent[j]:
+                    unit, words = unit_along("rad", c.slides), words_along("relative angle", c.slides)
+                    states[code.batch.sources[j][e]] = Quantity(f"{c.path}.coordinate", unit, words)
+            for state in code.law.rates:
+                states[lay.state0[code.number, state] + e] = Quantity(f"{c.path}.{state}", "1", "state")
+    sliders = slider_names(g.assembly.train.components)
+    for i, start in enumerate(g.assembly.starts[: g.assembly.n_speeds]):
+        slides = start.w0 in sliders
+        states[lay.v0 + i] = Quantity(f"{start.w0}.{flange_names(slides)[1]}", unit_along("rad/s", slides), "speed")
+    if lay.angle0 < lay.n:
+        for i, group in enumerate(g.assembly.angles):
+            owner = g.assembly.starts[group].phi0
+            slides = owner in sliders
+            unit, words = unit_along("rad", slides), words_along("angle", slides)
+            states[lay.angle0 + i] = Quantity(f"{owner}.{flange_names(slides)[0]}", unit, words)
+    return states
+
+
+def start_infos(g: Generator) -> Iterator[StartInfo]:
+    """Names under which start values can be given: angle and speed of every body, states of blocks."""
+    for code in g.codes:
+        for flange, _ in code.law.bodies:
+            groups, gains = code.batch.groups[flange], code.batch.gains[flange]
+            for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
+                if group != HELD and group < len(g.assembly.starts):
+                    start, (angle, speed, _, _) = g.assembly.starts[group], flange_names(flange in c.sliders)
+                    yield StartInfo(f"{c.path}.{angle}", g.lay.phi0[group], float(start.phi0_gain / gain))
+                    if group < g.assembly.n_speeds:
+                        yield StartInfo(f"{c.path}.{speed}", g.lay.w0[group], float(start.w0_gain / gain))
+        for state in code.law.rates:
+            first = g.lay.state_start[code.number, state]
+            for e in range(code.n):
+                yield StartInfo(f"{code.paths[e]}.{state}", first + e, 1.0)
+
+
+def follower_infos(g: Generator) -> Iterator[FollowerInfo]:
+    """Start values of bodies on shafts that follow through ties."""
+    a, lay = g.assembly, g.lay
+    expanded = expand_rows(a)
+    for code in g.codes:
+        for flange, _ in code.law.bodies:
+            groups, gains = code.batch.groups[flange], code.batch.gains[flange]
+            for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
+                if group not in expanded or any(source >= len(a.starts) for source in expanded[group].groups):
+                    continue
+                row, (angle, speed, _, _) = expanded[group], flange_names(flange in c.sliders)
+                offsets = {lay.path_of[path]: float(gain * x) for path, x in row.offsets.items()}
+                phi = {lay.phi0[s]: float(gain * x / a.starts[s].phi0_gain) for s, x in row.groups.items()}
+                yield FollowerInfo(f"{c.path}.{angle}", (*phi, *offsets), (*phi.values(), *offsets.values()))
+                if all(s < a.n_speeds for s in row.groups):
+                    w = {lay.w0[s]: float(gain * x / a.starts[s].w0_gain) for s, x in row.groups.items()}
+                    yield FollowerInfo(f"{c.path}.{speed}", tuple(w), tuple(w.values()))
+
+
+def moved_infos(g: Generator) -> Iterator[MovedInfo]:
+    """Start values of bodies on shafts that drives move, or whose speed or angle a balance of torques gives."""
+    causes = _causes(g)
+    for code in g.codes:
+        for flange, _ in code.law.bodies:
+            for c, group in zip(components_of(g, code), code.batch.groups[flange], strict=True):
+                found = causes.get(group, {})
+                names = flange_names(flange in c.sliders)
+                if "speed" in found:
+                    yield MovedInfo(f"{c.path}.{names[1]}", f"{c.path}.{flange}.{names[1]}", *found["speed"])
+                if "angle" in found:
+                    yield MovedInfo(f"{c.path}.{names[0]}", f"{c.path}.{flange}.{names[0]}", *found["angle"])
+
+
+def _causes(g: Generator) -> dict[int, dict[str, tuple[str, bool]]]:
+    """By group: what moves its speed and its angle, in words, and whether a drive does."""
+    a, massless = g.assembly, g.massless
+    found: dict[int, dict[str, tuple[str, bool]]] = {}
+    for i in range(a.n_hidden):
+        words = "the balance of torques at this shaft without inertia holds", False
+        held = massless is not None and not massless.damped[i]
+        found[a.n_speeds + i] = {"speed": words} | ({"angle": words} if held else {})
+    for f in a.followers:
+        causes: dict[str, tuple[str, bool]] = {}
+        for source in f.sources:
+            causes |= found.get(source, {})
+        if f.drive is not None:
+            words = f"'{f.drive.path}' moves", True
+            causes = {"speed": words} | ({} if f.drive.by_speed else {"angle": words})
+        if causes:
+            found[f.group] = causes
+    return found
+
+
+def unknown_outputs(g: Generator) -> Iterator[tuple[str]]:
+    """Outputs that read the acceleration of a shaft without inertia, which no equation gives."""
+    hidden = g.massless.rows if g.massless is not None else {}
+    for code in g.codes if hidden else ():
+        slots = code.law.pool.slots
+        for show, expr in code.shows:
+            read = {slots[x].of for x in expr.free_symbols if x in slots and slots[x].role == "alpha"}
+            for e, c in enumerate(components_of(g, code)):
+                if any(code.batch.groups[f][e] in hidden for f in read if f in code.batch.groups):
+                    yield (f"{c.path}.{show.name}",)

@@ -1,0 +1,206 @@
+"""What sticks in a program: numbers of locks, their rows over the speeds, their limits and switches.
+
+The row of a lock is its slip as a form of the speeds; a force on it goes back to the shafts by the same numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from gearblocks.assembly.assemble import HELD
+from gearblocks.codegen.batch import Statement
+from gearblocks.codegen.layout import Column
+from gearblocks.errors import ModelError
+from gearblocks.laws.law import exact_value
+
+if TYPE_CHECKING:
+    from gearblocks.codegen.batch import BatchCode, Function
+    from gearblocks.codegen.generator import Generator
+    from gearblocks.laws.switched_constraints import StickOfKind
+
+VALUES = 5
+"""Numbers per lock that the solver asks for at an event: lower and upper limit, forces against the slip, engaged."""
+
+
+@dataclass(slots=True)
+class Lock:
+    """One lock: its component and stick, its slip over the groups, switches (-1: none) and places of states (-1: none)."""
+
+    path: str
+    stick: StickOfKind
+    row: dict[int, float]
+    slip: int = -1
+    hold: int = -1
+    free: int = -1
+    impulse: int = -1
+    impacts: int = -1
+    loss: int = -1
+    partner: int = -1
+
+    @property
+    def kind(self) -> str:
+        """Name of its kind in C."""
+        return f"GB_{self.stick.kind.upper()}"
+
+
+@dataclass(slots=True)
+class Locks:
+    """All locks of a train. rows: over the speeds that they reach (values count where gains do not change with the
+    position); speeds: by column. matrix0: where the responses to their forces lie in par[], where they are constant."""
+
+    locks: list[Lock] = field(default_factory=list)
+    first: dict[tuple[int, str], int] = field(default_factory=dict)
+    rows: list[dict[int, float]] = field(default_factory=list)
+    speeds: list[int] = field(default_factory=list)
+    dynamic: bool = False
+    paced: bool = False
+    lossy: bool = False
+    matrix0: int = 0
+
+    @property
+    def size(self) -> int:
+        """Doubles of the memory behind the modes, as gb_lock_size in gb_lock.h."""
+        n, m = len(self.locks), len(self.speeds)
+        return 1 + 3 * n + 2 * n * n + n * m if n else 0
+
+
+def lay_out_locks(g: Generator, at: int) -> int:
+    """Fills g.locks; places the matrix of responses in par[] from `at`, where it is constant. Returns what is free next."""
+    locks = g.locks
+    for number, batch in enumerate(g.assembly.batches):
+        for name, stick in batch.law.sticks.items():
+            locks.first[number, name] = len(locks.locks)
+            locks.locks += [Lock(path, stick, row) for path, row in _rows_of(g, number, stick)]
+    if not locks.locks:
+        return at
+    locks.lossy = any(x.stick.share is not None for x in locks.locks)
+    locks.dynamic = g.motion is not None and g.motion.dynamic
+    locks.paced = g.motion is not None and g.motion.paced
+    locks.rows = [_over_speeds(g, x.row) for x in locks.locks]
+    reached = sorted({speed for row in locks.rows for speed in row})
+    place = {speed: i for i, speed in enumerate(reached)}
+    locks.speeds = reached
+    locks.rows = [{place[s]: v for s, v in sorted(row.items())} for row in locks.rows]
+    if locks.dynamic:  # a gain that is not known yet may lead anywhere
+        locks.speeds = list(range(g.assembly.n_speeds))
+        locks.rows = [dict.fromkeys(locks.speeds, 0.0) for _ in locks.rows]
+        return at
+    locks.matrix0 = at
+    return at + len(locks.locks) ** 2
+
+
+def _rows_of(g: Generator, number: int, stick: StickOfKind) -> list[tuple[str, dict[int, float]]]:
+    """Path and slip over the groups of each instance of a stick."""
+    batch = g.assembly.batches[number]
+    found = []
+    for e, component in enumerate(batch.components):
+        path = g.assembly.train.components[component].path
+        row: dict[int, Any] = {}
+        for flange, expr in stick.push.items():
+            group = batch.groups[flange][e]
+            if group == HELD:
+                continue
+            value = exact_value(expr, {s: v[e] for s, v in batch.exact.items()}) * batch.gains[flange][e]
+            row[group] = row.get(group, 0) + value
+            _check_inertia(g, path, flange, group)
+        found.append((path, {k: float(v) for k, v in row.items() if v}))
+    return found
+
+
+def _check_inertia(g: Generator, path: str, flange: str, group: int) -> None:
+    a = g.assembly
+    reached, follows = {group}, {f.group: f for f in a.followers}
+    while reached:
+        group = reached.pop()
+        if a.n_speeds <= group < a.n_speeds + a.n_hidden:
+            raise ModelError(
+                f"'{path}': friction that can stick, or a stop, acts at '{flange}' on a shaft without inertia, which it "
+                f"could not hold by itself; put an Inertia there"
+            )
+        reached.update(follows[group].sources if group in follows else ())
+
+
+def _over_speeds(g: Generator, row: dict[int, float]) -> dict[int, float]:
+    """A form of group speeds over the speeds that are not followers' (constant gains)."""
+    a, motion = g.assembly, g.motion
+    rest, order = dict(row), {f.group: i for i, f in enumerate(a.followers)}
+    for group in sorted((x for x in range(a.n_groups) if x in order), key=lambda x: -order[x]):
+        if group in rest and motion is not None:
+            value, i = rest.pop(group), order[group]
+            for k in range(motion.start[i], motion.start[i + 1]):
+                rest[motion.index[k]] = rest.get(motion.index[k], 0.0) + value * motion.value[k]
+    sizes = max((abs(v) for v in row.values()), default=0.0)
+    return {k: v for k, v in rest.items() if abs(v) > 1e-14 * sizes}
+
+
+def lock_functions(g: Generator, code: BatchCode) -> None:
+    """Function of a batch that tells the limits of its locks; places of switches and states."""
+    values = code.stick_values
+    targets: list[tuple[str, str, Any, bool]] = []
+    unlimited: list[Statement] = []
+    for name, stick in code.law.sticks.items():
+        first = g.locks.first[code.number, name]
+        if stick.share is not None:
+            skew: Function = code.function("skews", [(f"skew[{first} + e]", "=", values[name]["share"], False)])
+            g.keep("skews", skew)
+        keys = [f"loss_{i}" for i in range(4)] if stick.losses else ["lower", "upper", "forward", "backward"]
+        for k, key in enumerate((*keys, "engaged")):
+            place = f"limit[{VALUES} * ({first} + e) + {k}]"
+            source = "restitution" if stick.is_stop and key == "forward" else key
+            if source in values[name]:
+                targets.append((place, "=", values[name][source], False))
+            else:
+                unlimited.append(Statement(place, "=", "-HUGE_VAL" if key == "lower" else "HUGE_VAL"))
+        for e in range(code.n):
+            _place(g, code, g.locks.locks[first + e], stick, e)
+            if stick.partner is not None:
+                g.locks.locks[first + e].partner = g.locks.first[code.number, stick.partner] + e
+    function: Function = code.function("limits", targets)
+    function.body += unlimited
+    g.keep("limits", function)
+
+
+def held_torques(code: BatchCode) -> Iterator[tuple[str, Any]]:
+    """(flange, torque) of the held forces."""
+    for stick in code.law.sticks.values():
+        held = code.law.pool.symbol("held", stick.name, f"held_{stick.name}".rstrip("_"))
+        for flange, c in stick.push.items():
+            if flange in code.batch.groups:
+                yield flange, c * held
+        if stick.share is not None and stick.partner is not None:
+            share = code.stick_values[stick.name]["share"]
+            for flange, c in code.law.sticks[stick.partner].push.items():
+                if flange in code.batch.groups:
+                    yield flange, -c * share * held
+
+
+def _place(g: Generator, code: BatchCode, lock: Lock, stick: StickOfKind, e: int) -> None:
+    switches = {what: code.places.switches[number] + e for what, number in stick.switches.items()}
+    lock.slip = next(iter(switches.values()))
+    lock.hold, lock.free = switches["hold"], switches.get("engaged", -1)
+    for key in ("impulse", "impacts"):
+        state = getattr(stick, key)
+        if state is not None:
+            setattr(lock, key, g.lay.state0[code.number, state] + e)
+
+
+def loss_places(g: Generator) -> None:
+    """Where the ledger counts what is lost in impacts."""
+    places = {x.component: x.place for x in g.integrals if x.part == "loss"}
+    for lock in g.locks.locks:
+        lock.loss = places.get(lock.path, -1)
+
+
+def lock_columns(locks: Locks) -> dict[str, Column]:
+    """Tables of the template."""
+    start = [0]
+    for row in locks.rows:
+        start.append(start[-1] + len(row))
+    return {
+        "start": Column("lock_start", tuple(start)),
+        "column": Column("lock_column", tuple(c for row in locks.rows for c in row)),
+        "value": Column("lock_value", tuple(v for row in locks.rows for v in row.values())),
+        "speed": Column("lock_speed", tuple(locks.speeds)),
+    }

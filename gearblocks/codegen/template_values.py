@@ -1,0 +1,373 @@
+"""What the template of the generated C prints: functions with their signatures, and tables as rows of numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import accumulate
+from typing import Any, NamedTuple
+
+from gearblocks.assembly.coordinates import Combination
+from gearblocks.codegen.batch import Function
+from gearblocks.codegen.generator import Following, Generator
+from gearblocks.codegen.reactions import tie_tables
+from gearblocks.codegen.switched_constraints import lock_columns
+from gearblocks.laws.rational import Exact, over
+
+_VECTORS = (
+    "par", "before", "mode", "tau", "y", "loop", "phi", "whole", "gain", "bias", "surplus", "w", "alpha", "torque", "growth",
+    "drag", "stiff", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo",
+    "hi", "kept", "diag", "lower", "upper", "slope", "change", "speed", "turn", "rise",
+    "coef", "entry", "held", "limit", "skew",
+)  # fmt: skip
+_INTEGERS = ("full", "i")
+_SCALARS = ("g",)
+_FEW = 16  # loops that are written out
+_SMALL = 64  # states of a train whose derivatives stay in registers
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionView:
+    """A function ready to print: signature, body, and the calls of all instances."""
+
+    name: str
+    signature: str
+    function: Function
+    calls: list[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Sparse:
+    """Rows of a sparse matrix as C arrays: start of each row, columns and values."""
+
+    name: str
+    start: list[int]
+    index: list[int]
+    value: list[str]
+
+
+@dataclass(frozen=True, slots=True)
+class CountedView:
+    """A counted angle: its state and group, the turns taken off at a time, the switches whose mode falls by `steps` then.
+
+    starts: (group, a, b) of every group with a start value, which turns a/b times as far.
+    """
+
+    state: int
+    group: int
+    turns: int
+    switches: list[int]
+    steps: list[int]
+    starts: list[tuple[int, float, float]]
+
+
+def function_view(function: Function) -> FunctionView:
+    """Gives a function the vectors that its text names."""
+    text = " ".join([*(x for _, x in function.prologue), *(f"{s.lhs} {s.rhs}" for s in function.body)])
+    written = {word for s in function.body for word in re.findall(r"\w+", s.lhs.split("[")[0])}
+    if any(s.op in ("call", "below", "above") for s in function.body):
+        text += " mode lo hi"
+        written |= {"lo", "hi"}
+    if any(s.op in ("spread", "spread_terms") for s in function.body):
+        text += " diag lower upper"
+        written |= {"diag", "lower", "upper"}
+    if any(s.op == "spread_terms" for s in function.body):
+        text += " coef entry"
+        written.add("entry")
+    words = set(re.findall(r"[A-Za-z_]\w*", text))
+    if any(s.full for s in function.body):
+        words.add("full")
+    used = [
+        (f"{'' if name in written else 'const '}double *restrict {name}", name) for name in _VECTORS if name in words
+    ]
+    used += [(f"const double {name}", name) for name in _SCALARS if name in words]
+    used += [(f"const int {name}", name) for name in _INTEGERS if name in words]
+    args = [f"const {kind} {name}" for kind, name, _ in function.args]
+    signature = ", ".join([*(kind for kind, _ in used), "const int e", *args])
+    prefix = "".join(f"{name}, " for _, name in used)
+    return FunctionView(function.name, signature, function, [prefix + call for call in function.calls])
+
+
+def sparse(name: str, rows: Sequence[Mapping[int, Exact]] | Sequence[Mapping[int, float]]) -> Sparse:
+    """Rows of exact numbers, sorted by column."""
+    start, index, value = [0], [], []
+    for row in rows:
+        for column in sorted(row):
+            index.append(column)
+            value.append(repr(float(row[column])))
+        start.append(len(index))
+    return Sparse(name, start, index or [0], value or ["0.0"])
+
+
+def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str, Any]:
+    """Everything the template names."""
+    lay, assembly = g.lay, g.assembly
+    combinations = [c if isinstance(c, Combination) else Combination() for _, c in assembly.definitions]
+    implicit = g.linear.functions if g.linear is not None else {}
+    functions = {what: [function_view(f) for f in functions] for what, functions in (g.functions | implicit).items()}
+    senses = [(function_view(s.function), s.call) for s in g.senses.values() if s.function is not None]
+    return {
+        "g": g,
+        "lay": lay,
+        "name": _c_string(assembly.train.name),
+        "functions": functions,
+        "all_functions": [f for group in functions.values() for f in group] + [f for f, _ in senses],
+        **_linear(g, angles_in_law),
+        "senses": [_sense_call(f, call) for f, call in senses],
+        "law_senses": [_sense_call(f, call) for f, call in senses if int(f.name.split("_")[1]) in _law_senses(g)],
+        "columns": list({c.name: c for f in _all(g) for c in f.tables}.values()),
+        "coordinates": coordinates,
+        "angles_in_law": angles_in_law,
+        "signs": any(s.op == "call" and s.lhs.startswith("sign") for f in _all(g) for s in f.body),
+        "small": lay.n_total <= _SMALL,
+        "plain": assembly.plain,
+        "late_times": bool(g.shared_times(late=True) or g.functions.get("times_late")),
+        "motion": g.motion,
+        **_locks(g),
+        "follower_groups": [f.group for f in assembly.followers],
+        "mobile": _mobile(g),
+        "massless": g.massless,
+        "shifts": sparse("shift", g.massless.shifts if g.massless else []),
+        "angle_steps": _angle_steps(g, functions.get("drive_angles", [])),
+        "start_steps": _start_steps(g, functions.get("drive_angles", [])),
+        "follower_offsets": sparse(
+            "follower_offset", [_offsets(g, f.row or Combination()) for f in assembly.followers]
+        ),
+        "loops_read_angles": any(c.groups for c in assembly.dependents),
+        "loop_groups": sparse("loop_group", [c.groups for c in assembly.dependents]),
+        "loops": sparse("loop", [c.coordinates for c in assembly.dependents]),
+        "loop_texts": _loop_texts(assembly.dependents),
+        "loop_offsets": sparse("loop_offset", [_offsets(g, c) for c in assembly.dependents]),
+        "rows": sparse("row", assembly.rows),
+        "row_offsets": sparse("row_offset", [_paths(g, offsets) for offsets in assembly.row_offsets]),
+        "defined": [group for group, _ in assembly.definitions],
+        "by_group": sparse("by_group", [c.groups for c in combinations]),
+        "by_coordinate": sparse("by_coordinate", [c.coordinates for c in combinations]),
+        "by_offset": sparse("by_offset", [_offsets(g, c) for c in combinations]),
+        "phi_gains": [repr(float(over(1, s.phi0_gain))) for s in assembly.starts],
+        "w_gains": [repr(float(over(1, s.w0_gain))) for s in assembly.starts],
+        "flanges": _turned(FlangeRow, _flanges(g)),
+        "counted": _counted(g),
+        "turned": sparse("turned", _counts(g)),
+        "ties": tie_tables(g, _flange_numbers(g)),
+        "n_flange_outputs": sum(code.n * len(code.batch.flanges) for code in g.codes),
+        "first_flange_output": sum(code.n * len(code.law.shows) for code in g.codes),
+        "inputs": list(lay.inputs),
+        "numbers": lambda values: ", ".join(str(v) for v in values),
+    }
+
+
+def _locks(g: Generator) -> dict[str, Any]:
+    """Tables of what sticks."""
+    locks = g.locks
+    return {
+        "locks": locks.locks,
+        "lock_tables": locks,
+        "lock_columns": list(lock_columns(locks).values()),
+        "lock_groups": sparse("lock_group", [lock.row for lock in locks.locks]),
+    }
+
+
+def _counts(g: Generator) -> list[dict[int, Exact]]:
+    """Turns of every group over the counts in the tail."""
+    return [{2 * c: r for c, r in g.turns.forms.get(i, {}).items()} for i in range(g.assembly.n_groups)]
+
+
+def _counted(g: Generator) -> list[CountedView]:
+    """Angles whose turns are counted."""
+    found = []
+    for c, item in enumerate(g.turns.counted):
+        rows = [(group, Fraction(form[c])) for group, form in g.turns.forms.items() if form.get(c)]
+        rows = [(group, r) for group, r in rows if group < len(g.assembly.starts)]
+        switches = [g.codes[b].places.switches[i] + e for b, i, e, _ in item.steps]
+        starts = [(group, *_parts(r)) for group, r in rows]
+        found.append(CountedView(g.lay.angle0 + item.number, g.assembly.angles[item.number], item.turns, switches,
+                                 [step for *_, step in item.steps], starts))  # fmt: skip
+    return found
+
+
+def _parts(r: Fraction) -> tuple[float, float]:
+    """A ratio as two whole numbers that doubles hold, else as a rounded number over 1."""
+    small = max(abs(r.numerator), r.denominator) < 2**53
+    return (float(r.numerator), float(r.denominator)) if small else (float(r), 1.0)
+
+
+def _mobile(g: Generator) -> dict[str, list[int]]:
+    """The rows over speeds of the groups whose mobility is needed; entry -1: a speed of its own."""
+    tables: dict[str, list[int]] = {"start": [0], "index": [], "entry": []}
+    order = {f.group: i for i, f in enumerate(g.assembly.followers)}
+    for group in g.mobile:
+        row = {group: -1} if group not in order else g.motion.rows.get(order[group], {}) if g.motion else {}
+        tables["index"] += row.keys()
+        tables["entry"] += row.values()
+        tables["start"].append(len(tables["index"]))
+    return tables
+
+
+def _loop_texts(loops: Sequence[Combination]) -> list[str]:
+    """Few loops over coordinates alone, written out: rows of a table would not be unrolled."""
+    if len(loops) > _FEW or any(c.groups or c.offsets for c in loops):
+        return []
+    rows = [sorted(c.coordinates.items()) for c in loops]
+    return [" + ".join(f"{float(c)!r} * y[{i}]" for i, c in row) or "0.0" for row in rows]
+
+
+def _drive_calls(g: Generator, angles: Sequence[FunctionView]) -> dict[int, str]:
+    """The call that computes the angle of each driven follower."""
+    calls: dict[int, str] = {}
+    followers = g.assembly.followers
+    for view in angles:
+        (groups,) = (c for _, name, c in view.function.args if name.startswith("into"))
+        for i, f in enumerate(followers):
+            if f.drive is not None and f.group in groups.values:
+                call = _sense_call(view, g.motion.calls[i] if g.motion else "")
+                calls[f.group] = f"phi[{f.group}] = 0.0, {call}" if f.drive.rides else call  # it reads its own angle
+    return calls
+
+
+def _angle_steps(g: Generator, angles: Sequence[FunctionView]) -> list[tuple[int, int, str]]:
+    """How the angles are computed: (first definition, last, "") by rows, or a call."""
+    calls = _drive_calls(g, angles)
+    steps: list[tuple[int, int, str]] = []
+    for i, (group, row) in enumerate(g.assembly.definitions):
+        if not isinstance(row, Combination):
+            steps.append((i, i + 1, calls[group]))
+        elif steps and not steps[-1][2]:
+            steps[-1] = (steps[-1][0], i + 1, "")
+        else:
+            steps.append((i, i + 1, ""))
+    return steps
+
+
+def _start_steps(g: Generator, angles: Sequence[FunctionView]) -> list[tuple[int, int, str]]:
+    """How the start angles of the followers follow: (first follower, last, "") by rows, or a call."""
+    calls = _drive_calls(g, angles)
+    steps: list[tuple[int, int, str]] = []
+    for i, f in enumerate(g.assembly.followers):
+        if f.row is None:
+            if f.group in calls:
+                steps.append((i, i + 1, calls[f.group]))
+        elif steps and not steps[-1][2] and steps[-1][1] == i:
+            steps[-1] = (steps[-1][0], i + 1, "")
+        else:
+            steps.append((i, i + 1, ""))
+    return steps
+
+
+def _all(g: Generator) -> list[Function]:
+    """Every function of the program."""
+    found = [f for functions in g.functions.values() for f in functions]
+    if g.linear is not None:
+        found += [f for functions in g.linear.functions.values() for f in functions]
+        found += [f for s in g.linear.senses for f in (s.slope, s.change)]
+    return found + [s.function for s in g.senses.values() if s.function is not None]
+
+
+def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
+    """What the template of the implicit part names."""
+    linear = g.linear
+    if linear is None:
+        return {"linear": None}
+    tilted = angles_in_law and g.assembly.driven
+    slopes = [(function_view(s.slope), s.slope_args) for s in linear.senses]
+    changes = [(function_view(s.change), s.change_args) for s in linear.senses]
+    return {
+        "linear": linear,
+        "linear_functions": [f for f, _ in [*slopes, *changes]],
+        "slopes": [_sense_call(f, call) for f, call in slopes],
+        "changes": [_sense_call(f, call) for f, call in changes] if linear.computed is None else [],
+        "spread": sparse("spread", linear.spread),
+        "terms": _terms(linear.terms),
+        "simple": sparse("simple", linear.computed.simple if linear.computed else []),
+        "heavy": _rows_of(linear.computed.heavy if linear.computed else []),
+        "following": [sparse(name, rows) for name, rows in _following(linear.following, tilted).items()],
+    }
+
+
+def _terms(rows: Sequence[Sequence[tuple[int, int, int]]]) -> dict[str, list[int]]:
+    """Rows of the table that spreads entries where numbers are computed."""
+    terms = [term for row in rows for term in row]
+    start = [0, *accumulate(len(row) for row in rows)]
+    return {"start": start} | {name: [term[i] for term in terms] for i, name in enumerate(("place", "one", "two"))}
+
+
+def _rows_of(rows: Sequence[Mapping[int, int]]) -> dict[str, list[int]]:
+    """Rows of places of numbers, by unknown."""
+    items = [item for row in rows for item in row.items()]
+    start = [0, *accumulate(len(row) for row in rows)]
+    return {"start": start, "index": [x for x, _ in items], "number": [number for _, number in items]}
+
+
+def _following(f: Following | None, tilted: bool) -> dict[str, list[dict[int, Exact]]]:
+    """The tables of groups that follow others; tilted: laws read angles, and drives move some."""
+    if f is None:
+        return {}
+    tables = {"speeds": f.speeds, "heavy": f.heavy, "turn": f.torques}
+    if tilted:
+        tables |= {"tilt": f.tilts, "state_tilt": f.state_tilts}
+    return {**tables, "rise": f.growths} if f.by_rate else tables
+
+
+def _sense_call(f: FunctionView, call: str) -> str:
+    """The call that fills one sense: the vectors of the function, then the numbers of its instance."""
+    vectors = f.calls[0][: len(f.calls[0]) - len(f.function.calls[0])]
+    return f"{f.name}({vectors}{call})"
+
+
+def _turned(kind: Any, rows: Sequence[Any]) -> dict[str, Any]:
+    """Columns of rows by name, and their number."""
+    columns = list(zip(*rows, strict=True)) or [()] * len(kind._fields)
+    return {"count": len(rows), **dict(zip(kind._fields, columns, strict=True))}
+
+
+def _law_senses(g: Generator) -> set[int]:
+    """Numbers of the senses that laws read, with what they read in turn."""
+    wanted = [slot.of for b in g.assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"]
+    return {g.senses[path].index for path in wanted}
+
+
+def _c_string(text: str) -> str:
+    plain = (c if 32 <= b < 127 and c not in '"\\?' else f"\\{b:03o}" for b in text.encode() for c in [chr(b)])
+    return f'"{"".join(plain)}"'
+
+
+def _offsets(g: Generator, c: Combination) -> dict[int, Exact]:
+    return _paths(g, c.offsets)
+
+
+def _paths(g: Generator, offsets: Mapping[str, Exact]) -> dict[int, Exact]:
+    return {g.lay.path_of[path]: value for path, value in offsets.items()}
+
+
+class FlangeRow(NamedTuple):
+    """One flange of one component in the tables of the outputs."""
+
+    group: int
+    gain: str
+    offset: int
+    node: int
+
+
+def _flanges(g: Generator) -> list[FlangeRow]:
+    rows = []
+    for code in g.codes:
+        for flange in code.batch.flanges:
+            for e in range(code.n):
+                node = code.batch.nodes[flange][e]
+                offset = g.assembly.held_offset.get(node)
+                at = g.lay.path_of[offset] if offset else -1
+                rows.append(FlangeRow(code.batch.groups[flange][e], repr(float(code.batch.gains[flange][e])), at, node))
+    return rows
+
+
+def _flange_numbers(g: Generator) -> dict[str, dict[int, int]]:
+    """Number in flange_tau of the flange of each component at each node."""
+    numbers: dict[str, dict[int, int]] = {}
+    for code in g.codes:
+        for flange in code.batch.flanges:
+            for e in range(code.n):
+                mine = numbers.setdefault(code.paths[e], {})
+                mine.setdefault(code.batch.nodes[flange][e], code.places.tau[flange] + e)
+    return numbers

@@ -1,0 +1,260 @@
+"""The equations of a whole train for people: every equation written out in sympy, as text, LaTeX or MathML.
+
+Angle form: J w' = sum of torques for every shaft. Relative form: the same in deflections, where only they matter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.assembly.assemble import HELD, Assembly, assemble
+from gearblocks.equations.dependent_groups import carry
+from gearblocks.equations.equations import Equations
+from gearblocks.equations.latex import latex_name
+from gearblocks.equations.switched_constraints import Rub
+from gearblocks.errors import ModelError
+from gearblocks.language.expression import to_sympy
+from gearblocks.laws.law import Law, derive
+from gearblocks.laws.prescribed_motion import Drive, frozen_drive
+from gearblocks.laws.switched_constraints import StickOfKind
+from gearblocks.laws.symbols import Slot, clock
+from gearblocks.train.graph import GROUND, Component, Train, structure_of
+from gearblocks.train.translational import flange_names, slider_names
+
+_OF_RUBS = {"friction": "T", "slip": "w_rel", "direction": "direction", "stuck": "stuck", "held": "held"}
+"""Names of the symbols of friction and stops, by role."""
+
+
+def write_equations(train: Train) -> Equations:
+    """The equations of a train; laws are derived once per kind and written out for every component."""
+    assembly = assemble(train, reading=True)
+    writer = _Writer(assembly)
+    for c in train.components:
+        writer.write(c)
+    return writer.finish()
+
+
+class _Writer:
+    """Adds up the torques of all components in the symbols of the whole train."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self.assembly = assembly
+        self.laws: dict[Any, Law] = {}
+        sliders = slider_names(assembly.train.components)
+        names = [(*flange_names(start.phi0 in sliders), _flat(start.phi0)) for start in assembly.starts]
+        names += [(*flange_names(False), f"shaft{group}") for group in range(len(names), assembly.n_groups)]
+        self.q = [sp.Symbol(f"{angle}_{owner}", real=True) for angle, _, _, _, owner in names]
+        self.v = [sp.Symbol(f"{speed}_{owner}", real=True) for _, speed, _, _, owner in names]
+        n = assembly.n_groups
+        self.drives: dict[tuple[int, int], Drive] = {}
+        self.mass: list[Any] = [sp.Integer(0)] * n
+        self.torque: list[Any] = [sp.Integer(0)] * n
+        self.states: dict[Any, Any] = {}
+        self.held: dict[Any, Any] = {}
+        self.definitions: dict[Any, Any] = {}
+        self.parameters: dict[Any, str] = {}
+        self.shows: dict[str, Any] = {}
+        self.rubs: list[Rub] = []
+        self.deflections: dict[Any, Any] = {}
+        self.inputs: set[Any] = set()
+        self.number = 0
+        self.claimed: dict[str, Any] = {x.name: x for x in (*self.q, *self.v)}
+
+    def write(self, c: Component) -> None:
+        """Adds one component."""
+        grounded = frozenset(n for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node == GROUND)
+        key = (structure_of(c.block), grounded)
+        if key not in self.laws:
+            self.laws[key] = derive(c.block, grounded, reading=True)
+        law = self.laws[key]
+        names = list(type(c.block).flanges)
+        places = {n: self.assembly.group_of_node[c.nodes[names.index(n)]] for n in names if n not in grounded}
+        replace = {x: self._symbol(c, slot, str(x.name), places) for x, slot in law.pool.slots.items()}
+        replace = {x: y for x, y in replace.items() if y is not None}
+        for flange, tau in law.torques.items():
+            group, gain = places[flange]
+            if group != HELD:
+                self.torque[group] += sp.Rational(gain.numerator, gain.denominator) * tau.xreplace(replace)
+        for flange, inertia in law.bodies:
+            group, gain = places[flange]
+            if group != HELD:
+                self.mass[group] += sp.Rational(gain.numerator, gain.denominator) ** 2 * inertia.xreplace(replace)
+        for number, drive in enumerate(law.drives):
+            self.drives[self.number, number] = frozen_drive(drive, lambda e: sp.sympify(e).xreplace(replace))
+        self.number += 1
+        self.rubs += [self._rub(c, stick, law, replace) for stick in law.sticks.values()]
+        counts = {name for stick in law.sticks.values() for name in (stick.impulse, stick.impacts)}
+        for state, rate in law.rates.items():
+            if state in counts:  # what an impact leaves moves nothing
+                continue
+            symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
+            self.states[symbol] = rate.xreplace(replace)
+        for state, value, _when in law.holds:
+            symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
+            self.held[symbol] = value.xreplace(replace)
+        for symbol, expr in law.pool.definitions.items():
+            self.definitions[replace[symbol]] = expr.xreplace(replace)
+        for show in law.shows:
+            expr = show.expr.xreplace(replace)
+            self.shows[f"{c.path}.{show.name}"] = expr
+            if show.name in ("twist", "deflection") and law.torques:
+                self.deflections[sp.Symbol(f"x_{_flat(c.path)}", real=True)] = expr
+
+    def _symbol(self, c: Component, slot: Any, text: str, places: Mapping[str, Any]) -> Any:
+        """The symbol of the whole train for one of a kind."""
+        role, of = slot.role, slot.of
+        if role in ("phi", "w"):
+            group, gain = places[of]
+            if group == HELD:
+                return self._held_angle(c, of) if role == "phi" else sp.Integer(0)
+            return sp.Rational(gain.numerator, gain.denominator) * (self.q if role == "phi" else self.v)[group]
+        if role == "mobility":
+            return self._mobility(places.get(of))
+        if role in ("own", "exact", "named", "state"):
+            kind = "own" if role == "exact" else role
+            symbol = self._claim(f"{_flat(of.split('.')[-1])}_{_flat(c.path)}", (kind, c.path, of))
+            if role in ("own", "exact"):
+                self.parameters[symbol] = f"{c.path}.{of}"
+            return symbol
+        if role in _OF_RUBS:
+            letter = ("F" if c.slides else "T") if role == "friction" else _OF_RUBS[role]
+            return self._claim(f"{letter}_{_flat(c.path)}{'_' if of else ''}{_flat(of)}", (role, c.path, of))
+        if role in ("shared", "input"):
+            symbol = self._claim(text, (role, of.name))
+            self.parameters[symbol] = of.name
+            if role == "input":
+                self.inputs.add(symbol)
+            return symbol
+        return None
+
+    def _rub(self, c: Component, stick: StickOfKind, law: Law, replace: Mapping[Any, Any]) -> Rub:
+        """One stick or stop of a component."""
+
+        def symbol(role: str) -> Any:
+            return self._symbol(c, Slot(role, stick.name), "", {})
+
+        slip, direction = symbol("slip"), law.pool.symbol("direction", stick.name, "")
+        own = {stick.slip: slip, sp.expand(-stick.slip): -slip}
+
+        def of(expr: Any, mode: int) -> Any:
+            return (
+                None if expr is None else expr.xreplace(own).xreplace({direction: sp.Integer(mode)}).xreplace(replace)
+            )
+
+        tie = None if stick.losses is None else self._symbol(c, Slot("friction", str(stick.partner)), "", {})
+        lost = {
+            (mode, drives): -of(stick.losses[first], mode) * tie - mode * of(stick.losses[first + 1], mode)
+            for mode in (1, -1) for drives, first in ((True, 0), (False, 2))
+        } if stick.losses is not None else None  # fmt: skip
+        return Rub(
+            f"{c.path}.{stick.name}".rstrip("."), symbol("friction"), slip, stick.slip.xreplace(replace), of(stick.lower, 0),
+            of(stick.upper, 0), of(stick.forward, 1), of(stick.backward, -1), of(stick.engaged, 0),
+            None if stick.gap is None else stick.gap.xreplace(replace), of(stick.restitution, 0),
+            (symbol("direction"), symbol("stuck"), symbol("held")), stick.kind, tie, lost,
+        )  # fmt: skip
+
+    def _claim(self, text: str, meaning: Any) -> Any:
+        """The symbol of one thing: its short name, with the path inside the block or a dash where that is taken."""
+        longer = f"{_flat(meaning[2])}_{_flat(meaning[1])}" if len(meaning) == 3 else text
+        while self.claimed.setdefault(text, meaning) != meaning:
+            text = longer if text != longer and not text.startswith(longer) else text + "_"
+        return sp.Symbol(text, real=True)
+
+    def _held_angle(self, c: Component, flange: str) -> Any:
+        """The angle at which the ground holds a flange: 0 where the ground is given as 0."""
+        node = c.nodes[list(type(c.block).flanges).index(flange)]
+        offset = self.assembly.held_offset.get(node)
+        if offset is None:
+            return sp.Integer(0)
+        gain = self.assembly.group_of_node[node][1]
+        return sp.Rational(gain.numerator, gain.denominator) * self._offset(offset)
+
+    def _offset(self, offset: str) -> Any:
+        """The symbol of an angle that the ground holds, 0 where it is given as 0."""
+        path, _, name = offset.rpartition(".")
+        block = next(other.block for other in self.assembly.train.components if other.path == path)
+        if getattr(block, name) == 0:
+            return sp.Integer(0)
+        symbol = self._claim(f"{name}_{_flat(path)}", ("own", path, name))
+        self.parameters[symbol] = offset
+        return symbol
+
+    def _mobility(self, place: Any) -> Any:
+        """1/J of a shaft as a symbol, defined when everything is added up."""
+        if place is None or place[0] == HELD:
+            return sp.Integer(0)
+        return sp.Rational(place[1].numerator, place[1].denominator) ** 2 / sp.Symbol(f"__J{place[0]}")
+
+    def finish(self) -> Equations:
+        """The frozen equations."""
+        carried = carry(self.assembly, self.drives, self.q, self.v, self._offset)
+        mass, torque = carried.balance(self.mass, self.torque)
+        mobility = {
+            sp.Symbol(f"__J{i}"): m if self.assembly.plain else carried.inertia(mass, i) for i, m in enumerate(self.mass)
+        }  # fmt: skip
+        torque = [self._sensed(e.xreplace(mobility)) for e in torque]
+        definitions = {s: self._sensed(carried.put(e).xreplace(mobility)) for s, e in self.definitions.items()}
+        self.states = {s: self._sensed(carried.put(e)) for s, e in self.states.items()} | carried.paced
+        self.shows = {path: carried.put(e) for path, e in self.shows.items()}
+        self.rubs = [r.mapped(lambda e: self._sensed(carried.put(e).xreplace(mobility))) for r in self.rubs]
+        self.deflections = {x: carried.put(e) for x, e in self.deflections.items()}
+        self.q, self.v = self.q[: carried.n], self.v[: carried.n]
+        used: set[Any] = set()
+        for e in [*torque, *self.states.values(), *(e for r in self.rubs for e in r.expressions())]:
+            used |= e.free_symbols
+        kept: dict[Any, Any] = {}
+        while new := [s for s in definitions if s in used and s not in kept]:
+            for s in new:
+                kept[s] = definitions[s]
+                used |= definitions[s].free_symbols
+        ordered = {s: kept[s] for s in definitions if s in kept}
+        parameters = {s: p for s, p in self.parameters.items() if s in used or s in mass.free_symbols}
+        everything = [*self.q, *self.v, *self.states, *ordered, *parameters]
+        everything += [x for r in self.rubs for x in (r.torque, r.slip, *r.shown)]
+        return Equations(
+            self.assembly.train.name, tuple(self.q), tuple(self.v), mass, sp.Matrix(torque), self.states,
+            ordered, parameters, self._coordinates(), {s: latex_name(s.name) for s in everything},
+            {s: self._sensed(e) for s, e in self.held.items()}, tuple(self.rubs),
+        )  # fmt: skip
+
+    def _sensed(self, expr: Any) -> Any:
+        """An expression with the outputs that it senses written out, where blocks show them."""
+        shown = {sp.Symbol(path, real=True): e for path, e in self.shows.items()}
+        for _ in self.shows:
+            if not expr.free_symbols & set(shown):
+                break
+            expr = expr.xreplace(shown)
+        return expr
+
+    def _coordinates(self) -> dict[Any, Any]:
+        """Relative coordinates: the named ones where they are as many as needed and independent, else deflections."""
+        wanted = self.assembly.n_groups - len(self.assembly.angles) if self.assembly.plain else 0
+        named = {sp.Symbol(c.name, real=True): self._read(c.expr) for c in self.assembly.train.coordinates}
+        named = {x: e for x, e in named.items() if not sp.sympify(e).free_symbols & set(self.v)}
+        for candidate in (named, self.deflections):
+            rows = [[sp.diff(e, q) for q in self.q] for e in candidate.values()]
+            moving = {clock(), *self.states, *self.inputs}
+            linear = all(not x.free_symbols & {*self.q, *moving} for row in rows for x in row)
+            linear &= not any(sp.sympify(e).free_symbols & moving for e in candidate.values())
+            if len(candidate) == wanted > 0 and linear and sp.Matrix(rows).rank() == wanted:
+                return candidate
+        return {}
+
+    def _read(self, expr: Any) -> Any:
+        def leaf(x: Any) -> Any:
+            if x.op == "parameter":
+                symbol = self._claim(x.args[0].name, ("shared", x.args[0].name))
+                self.parameters[symbol] = x.args[0].name
+                return symbol
+            if x.args[0] not in self.shows:
+                raise ModelError(f"a coordinate reads '{x.args[0]}', which no block shows")
+            return self.shows[x.args[0]]
+
+        return to_sympy(expr, leaf)
+
+
+def _flat(path: str) -> str:
+    return path.replace(".", "_").replace("[", "").replace("]", "")

@@ -1,0 +1,1 @@
+"""Geometry of gears, in numbers or symbols."""

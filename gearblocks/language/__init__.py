@@ -1,0 +1,1 @@
+"""The language that blocks are written in."""

@@ -1,0 +1,219 @@
+"""What may stand where a value is wanted: Parameter, Input, Table, `time`, `sense`."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.errors import GearblocksError, ParameterError
+from gearblocks.language.expression import Expr, as_expr, finite_number, numpy_call
+
+time = Expr("time")  # time in s, for expressions
+twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft
+
+Value: TypeAlias = "float | Parameter | Expr"
+_NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
+
+Signal: TypeAlias = "float | Parameter | Input | Table | Expr"
+
+
+class _Leaf:
+    """Arithmetic of a leaf is that of its expression."""
+
+    __slots__ = ()
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        """Arithmetic with numpy scalars, and np.sin(signal) and its like."""
+        return numpy_call(ufunc, method, inputs)
+
+    def __float__(self) -> float:
+        return float(self._expr_())
+
+    def _expr_(self) -> Expr:
+        raise TypeError
+
+    def _sympy_(self) -> Any:
+        return self._expr_()._sympy_()
+
+    def __add__(self, other: Any) -> Any:
+        return self._expr_() + other
+
+    def __radd__(self, other: Any) -> Any:
+        return other + self._expr_()
+
+    def __sub__(self, other: Any) -> Any:
+        return self._expr_() - other
+
+    def __rsub__(self, other: Any) -> Any:
+        return other - self._expr_()
+
+    def __mul__(self, other: Any) -> Any:
+        return self._expr_() * other
+
+    def __rmul__(self, other: Any) -> Any:
+        return other * self._expr_()
+
+    def __truediv__(self, other: Any) -> Any:
+        return self._expr_() / other
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return other / self._expr_()
+
+    def __pow__(self, other: Any) -> Any:
+        return self._expr_() ** other
+
+    def __neg__(self) -> Expr:
+        return -self._expr_()
+
+    def __abs__(self) -> Expr:
+        return abs(self._expr_())
+
+    def __lt__(self, other: Any) -> Any:
+        return self._expr_() < other
+
+    def __le__(self, other: Any) -> Any:
+        return self._expr_() <= other
+
+    def __gt__(self, other: Any) -> Any:
+        return self._expr_() > other
+
+    def __ge__(self, other: Any) -> Any:
+        return self._expr_() >= other
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter(_Leaf):
+    """One tunable value that may stand in any numeric field or expression of a train.
+
+    name: how it is set; value: in `unit` (SI, radians). Two Parameters of one name in a train must be equal.
+    """
+
+    name: str
+    value: float
+    unit: str = "1"
+
+    def __post_init__(self) -> None:
+        _check_name("Parameter", self.name)
+        _check_unit("Parameter", self.name, self.unit)
+        object.__setattr__(self, "value", finite_number(f"Parameter '{self.name}': value", self.value))
+
+    def _expr_(self) -> Expr:
+        return Expr("parameter", self)
+
+
+@dataclass(frozen=True, slots=True)
+class Input(_Leaf):
+    """A value from outside: a number, Table or callable given to simulate, a variable of the FMU.
+
+    start: its value as long as nothing is connected. Inputs of one name are one input.
+    """
+
+    name: str
+    start: float = 0.0
+    unit: str = "1"
+
+    def __post_init__(self) -> None:
+        _check_name("Input", self.name)
+        _check_unit("Input", self.name, self.unit)
+        object.__setattr__(self, "start", finite_number(f"Input '{self.name}': start", self.start))
+
+    def _expr_(self) -> Expr:
+        return Expr("input", self)
+
+
+def _check_name(kind: str, name: str) -> None:
+    if not isinstance(name, str) or not _NAME.fullmatch(name):
+        raise ParameterError(
+            f"{kind} name {name!r} must be words of letters, digits and '_' joined by '.', each beginning with a letter"
+        )
+
+
+def _check_unit(kind: str, name: str, unit: str) -> None:
+    if not isinstance(unit, str):
+        raise ParameterError(f"{kind} '{name}': unit = {unit!r} must be text such as 'N m'")
+
+
+def _row(name: str, values: Any) -> NDArray[np.float64]:
+    """One axis of a table as numbers."""
+    try:
+        if isinstance(values, str):
+            raise TypeError
+        return np.array(values, dtype=float)
+    except (TypeError, ValueError, GearblocksError):
+        raise ParameterError(f"Table: {name} = {values!r:.80} must be a row of numbers") from None
+
+
+@dataclass(frozen=True, eq=False)
+class Table(_Leaf):
+    """Points (x, y) joined by straight lines ("linear"), a spline ("cubic") or held from the left ("step").
+
+    x: increasing, shape (n,), n >= 2; y: shape (n,). Over time where a signal is wanted; over twist or slip where a
+    law asks for it. Outside: the end values are held ("step", "linear": flat; "cubic": flat), or repeated when
+    `periodic` (then y[-1] must equal y[0], but for "step"). Each joint is a located switch.
+    """
+
+    x: NDArray[np.float64] | Sequence[float]
+    y: NDArray[np.float64] | Sequence[float]
+    kind: str = "linear"
+    periodic: bool = False
+    second: NDArray[np.float64] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        x, y = _row("x", self.x), _row("y", self.y)
+        if x.ndim != 1 or x.shape != y.shape or len(x) < 2:
+            raise ParameterError(f"Table: x {x.shape} and y {y.shape} must be two lists of the same length >= 2")
+        if not (np.isfinite(x).all() and np.isfinite(y).all()):
+            raise GearblocksError("Table: x and y must be finite numbers")
+        if not (np.diff(x) > 0).all():
+            raise GearblocksError("Table: x must increase; sort the points and drop repeated ones")
+        if self.kind not in ("linear", "cubic", "step"):
+            raise ParameterError(f"Table: kind = {self.kind!r} must be 'linear', 'cubic' or 'step'")
+        if self.periodic and self.kind != "step" and y[0] != y[-1]:
+            raise GearblocksError(
+                f"Table: a periodic table must end where it starts, but y[0] = {y[0]}, y[-1] = {y[-1]}"
+            )
+        for name, value in (("x", x), ("y", y), ("second", self._second(x, y))):
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+
+    def _second(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        if self.kind != "cubic":
+            return np.zeros_like(x)
+        from scipy.interpolate import CubicSpline
+
+        spline = CubicSpline(x, y, bc_type="periodic" if self.periodic else "clamped")
+        return np.asarray(spline(x, 2), dtype=float)
+
+    def digest(self) -> str:
+        """A short hash of the content, the table's name in printed expressions."""
+        data = repr((list(self.x), list(self.y), self.kind, self.periodic)).encode()
+        return hashlib.sha256(data).hexdigest()[:12]
+
+    def __repr__(self) -> str:
+        return f"Table({len(self.x)} points, {self.kind}{', periodic' if self.periodic else ''}, {self.digest()})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Table) and self.digest() == other.digest()
+
+    def __hash__(self) -> int:
+        return hash(self.digest())
+
+    def _expr_(self) -> Expr:
+        return Expr("table", self, time)
+
+    def __call__(self, x: Any) -> Expr:
+        """The table over another quantity than time."""
+        return Expr("table", self, as_expr(x))
+
+
+def sense(path: str) -> Expr:
+    """An output of another block as a signal (feedback), for example sense("motor.w")."""
+    if not isinstance(path, str) or not path:
+        raise ParameterError(f"sense({path!r}): give the name of an output as text, such as gb.sense('motor.w')")
+    return Expr("sense", path)

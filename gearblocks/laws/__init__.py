@@ -1,0 +1,1 @@
+"""The symbolic law of one kind of block."""

@@ -1,0 +1,270 @@
+"""What a block written by a user yields, looked through before anything is made of it."""
+
+from __future__ import annotations
+
+import re
+import traceback
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from gearblocks.errors import GearblocksError, ModelError, did_you_mean
+from gearblocks.language import block as d
+from gearblocks.language.expression import Expr
+from gearblocks.laws.symbols import CONSTANT, FlangeSymbols, Pool, Symbols
+
+_WORD = re.compile(r"[A-Za-z_]\w*")
+_EXPRESSIONS: dict[type, tuple[str, ...]] = {
+    d.Body: ("J",), d.Force: ("deflection", "force"), d.Potential: ("energy",), d.Acts: ("tau",), d.Tie: ("zero",),
+    d.Motion: ("zero",), d.Start: ("value",), d.Hold: ("value", "when"),
+    d.LossyTie: ("tie", "slip"), d.Stick: ("slip", "engaged"), d.Stop: ("gap", "restitution"),
+    d.Rate: ("expr",), d.Switch: ("surface", "when"), d.Shows: ("expr",), d.Energy: ("stored", "loss"),
+}  # fmt: skip
+
+
+def physics_problems(path: str, block: d.Block, grounded: frozenset[str]) -> list[str]:
+    """Everything that is wrong with what the physics of a block yields, each as one sentence."""
+    name = f"{type(block).__name__} '{path}'"
+    pool = Pool()
+    s = Symbols(block, pool, grounded)
+    try:
+        found = type(block).physics(_guarded(block), s)
+        items = list(found) if isinstance(found, Iterable) else None
+    except GearblocksError as error:
+        return [f"{name}: {error}"]
+    except Exception as error:  # noqa: BLE001  a user's code may raise anything; the message names it
+        return [f"{name}: physics {_raised(error, block, s)}"]
+    if items is None:
+        return [f"{name}: physics gives {found!r:.80}; let it yield contributions, such as gb.Acts(s.flange, torque)"]
+    check = _Check(block, s, pool)
+    return [f"{name}: {problem}" for problem in (*(p for x in items for p in check.item(x)), *check.whole(items))]
+
+
+class _Number:
+    """Stands for a number of `self` while physics is looked through: present, but good for nothing else.
+
+    A number of `self` would be baked into the law, which all blocks of a kind share.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def refuse(self, *_: Any) -> Any:
+        """Any use but the question whether it is None."""
+        raise ModelError(f"physics uses the number self.{self.name}: write s.{self.name} (ask self only 'is None')")
+
+    __hash__ = None  # type: ignore[assignment]
+    for _operation in [
+        "add",
+        "radd",
+        "sub",
+        "rsub",
+        "mul",
+        "rmul",
+        "truediv",
+        "rtruediv",
+        "pow",
+        "rpow",
+        "neg",
+        "abs",
+        "lt",
+        "le",
+        "gt",
+        "ge",
+        "eq",
+        "ne",
+        "bool",
+        "float",
+        "int",
+        "mod",
+        "rmod",
+    ]:
+        locals()[f"__{_operation}__"] = refuse
+    _sympy_ = refuse
+
+
+def _guarded(block: d.Block) -> Any:
+    """The block with its numbers out of reach."""
+    copy = object.__new__(type(block))
+    for name, field in type(block).fields.items():
+        value = block.__dict__[name]
+        if field.role in ("param", "exact", "signal"):
+            if isinstance(value, tuple):
+                value = tuple(_Number(f"{name}[{i}]") for i in range(len(value)))
+            elif value is not None and not isinstance(value, str):
+                value = _Number(name)
+        copy.__dict__[name] = value
+    return copy
+
+
+def _raised(error: Exception, block: d.Block, s: Symbols) -> str:
+    """Words for an exception of a user's code."""
+    frames = traceback.extract_tb(error.__traceback__)
+    file = getattr(getattr(type(block).physics, "__code__", None), "co_filename", "")
+    line = next((f.lineno for f in reversed(frames) if f.filename == file), frames[-1].lineno)
+    if isinstance(error, AttributeError) and isinstance(error.obj, (Symbols, FlangeSymbols)):
+        of_flange = isinstance(error.obj, FlangeSymbols)
+        known = (
+            ["phi", "w", "alpha", "tau", "mobility", "s", "v", "f"]
+            if of_flange
+            else [n for n in vars(s) if not n.startswith("_")]
+        )
+        near = did_you_mean(str(error.name), known)
+        return f"asks {'a flange' if of_flange else 's'} for '{error.name}'; it has {', '.join(known)}{near}"
+    return f"raises {type(error).__name__}: {error} (line {line}; an optional field that is not given is None)"
+
+
+class _Check:
+    """The contributions of one block against what it declares."""
+
+    def __init__(self, block: d.Block, s: Symbols, pool: Pool) -> None:
+        self.block, self.pool = block, pool
+        self.flanges = {name: getattr(s, name) for name in type(block).flanges}
+        self.states = {name: getattr(s, name) for name in type(block).states}
+
+    def item(self, item: Any) -> Iterator[str]:
+        """What is wrong with one contribution by itself."""
+        kind = type(item)
+        if kind not in _EXPRESSIONS:
+            yield f"physics yields {item!r:.80}, which is no contribution such as gb.Acts(...)"
+            return
+        showing, optional = kind is d.Shows, kind is d.Energy
+        problems = [p for f in _EXPRESSIONS[kind] if (p := self.expression(getattr(item, f), showing, optional))]
+        problems += [p for p in self.rest(item, not problems) if p]
+        yield from (f"{kind.__name__}: {problem}" for problem in problems)
+
+    def rest(self, item: Any, sound: bool) -> Iterator[str]:
+        """What depends on the kind of contribution; `sound`: its expressions are in order."""
+        if isinstance(item, (d.Body, d.Acts)):
+            yield self.flange(item.flange)
+        if isinstance(item, d.Body) and sound:
+            inertia = sp.sympify(item.J)
+            if self.pool.level(inertia) != CONSTANT:
+                yield f"J = '{inertia}' changes during a run; give an expression of parameters"
+            elif inertia.is_negative:
+                yield f"J = {inertia} kg m2 must be >= 0"
+        if isinstance(item, (d.Force, d.Potential)) and sound:
+            yield self.angles(next(iter(getattr(item, f) for f in _EXPRESSIONS[type(item)])))
+        if isinstance(item, (d.Tie, d.Motion)) and sound:
+            yield self.tie(item)
+        if isinstance(item, (d.Rate, d.Start, d.Hold)) and not any(
+            item.state is x for x in (*self.states.values(), *self.inner())
+        ):
+            has = ", ".join(f"s.{name}" for name in self.states) or "none: declare one with gb.State('words', 'unit')"
+            yield f"'{item.state}' is no state of the block; it has {has}"
+        if isinstance(item, (d.Stick, d.Stop)):
+            yield from self.stick(item, sound)
+        if isinstance(item, d.LossyTie):
+            yield from (p for x in (*item.driving, *item.coasting) if (p := self.expression(x, False, False)))
+            for slip in (item.tie, item.slip) if sound else ():
+                yield from self.stick(d.Stick("", slip, 0), True)
+        if isinstance(item, (d.Shows, d.Switch, d.Stick, d.Stop)) and not isinstance(item.name, str):
+            yield f"its name {item.name!r} must be text"
+        elif isinstance(item, d.Shows) and not _WORD.fullmatch(item.name):
+            yield f"the name '{item.name}' must be a word of letters, digits and '_'"
+        if isinstance(item, d.Shows) and not isinstance(item.unit, str):
+            yield f"unit = {item.unit!r} must be text such as 'N m'"
+
+    def whole(self, items: list[Any]) -> Iterator[str]:
+        """What is wrong with all contributions together."""
+        for name, state in self.states.items():
+            rates = sum(isinstance(x, (d.Rate, d.Hold)) and x.state is state for x in items)
+            rates += sum(
+                isinstance(x, (d.Stick, d.Stop)) and state in (x.impulse, getattr(x, "impacts", None)) for x in items
+            )
+            if rates != 1:
+                yield f"the state '{name}' has {rates} rates; yield one gb.Rate(s.{name}, ...)"
+        shown = [x.name for x in items if isinstance(x, d.Shows)]
+        yield from (f"the output '{name}' is shown twice" for name in dict.fromkeys(shown) if shown.count(name) > 1)
+
+    def inner(self) -> Iterator[Any]:
+        """States of the effects."""
+        return (x for x, slot in self.pool.slots.items() if slot.role == "state")
+
+    def stick(self, item: d.Stick | d.Stop, sound: bool) -> Iterator[str]:
+        """Whether a slip or gap is linear in flange speeds or angles, and what else belongs to it."""
+        if isinstance(item, d.Stick):
+            sizes = [x for x in (*in_pair(item.limit), *in_pair(item.sliding)) if x not in (None, sp.oo, -sp.oo)]
+            problems = [p for x in sizes if (p := self.expression(x, False, False))]
+            yield from problems
+        for name in ("impulse", "impacts"):
+            state = getattr(item, name, None)
+            if state is not None and not any(state is x for x in self.states.values()):
+                yield f"{name} = '{state}' is no state of the block; declare one with gb.State('words', 'unit')"
+        if not sound:
+            return
+        expr, role = (item.slip, "w") if isinstance(item, d.Stick) else (item.gap, "phi")
+        moving = {x for x in sp.sympify(expr).free_symbols if self.pool.slots[x].role == role}
+        slopes = [sp.diff(expr, x) for x in moving]
+        rest = sp.sympify(expr).xreplace(dict.fromkeys(moving, sp.Integer(0)))
+        grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
+        if any(self.pool.level(x) != CONSTANT for x in slopes) or (not moving and not grounded):
+            yield f"'{expr}' must be linear in the flange {'speeds' if role == 'w' else 'angles'} with constant factors"
+        elif (rest != 0) if role == "w" else self.pool.level(rest) != CONSTANT:
+            yield f"'{expr}' contains '{rest}', which is not {'a speed of a flange' if role == 'w' else 'constant'}"
+
+    def flange(self, flange: Any) -> str:
+        """Whether something is a flange of s."""
+        if any(flange is own for own in self.flanges.values()):
+            return ""
+        names = ", ".join(f"s.{name}" for name in self.flanges) or "none"
+        return f"{_shown(flange)} is no flange of s; there are {names}"
+
+    def angles(self, expr: Any) -> str:
+        """Whether an expression moves with the flange angles alone."""
+        roles = {self.pool.slots[x].role for x in sp.sympify(expr).free_symbols}
+        if roles & {"w", "state"}:
+            return f"'{expr}' must be of angles (s.flange.phi), not of speeds or states"
+        grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
+        return "" if "phi" in roles or grounded else f"'{expr}' contains no angle of a flange (s.flange.phi)"
+
+    def tie(self, item: d.Tie | d.Motion) -> str:
+        """Whether a tie speaks of the flanges: of their angles, or of their speeds alone."""
+        wanted, other = ("phi", "w") if isinstance(item, d.Tie) else ("w", "phi")
+        roles = {self.pool.slots[x].role for x in sp.sympify(item.zero).free_symbols}
+        grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
+        if other in roles:
+            return f"'{item.zero}' must be of s.flange.{wanted}, not of s.flange.{other}"
+        return "" if wanted in roles or grounded else f"'{item.zero}' contains no s.flange.{wanted}"
+
+    def expression(self, x: Any, showing: bool, optional: bool) -> str:
+        """Whether x can stand in a law."""
+        if optional and x is None:
+            return ""
+        if isinstance(x, _Number):
+            return f"the number self.{x.name} stands in it: write s.{x.name}"
+        if isinstance(x, Expr) or hasattr(x, "_expr_"):
+            return f"{x!r} is a signal from outside: use s.time, or declare a field with gb.signal(...)"
+        if isinstance(x, (bool, str)) or x is None or not isinstance(x, (int, float, sp.Basic)):
+            return f"{_shown(x)} is no expression of the symbols in s"
+        expr = sp.sympify(x)
+        if not isinstance(expr, sp.Expr):
+            return (
+                f"'{expr}' is a condition, not a value: put it into sympy.Piecewise((value, condition), (other, True))"
+            )
+        if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I):
+            return f"'{expr}' is not finite and real"
+        if unknown := expr.atoms(AppliedUndef, sp.Derivative, sp.Integral):
+            return f"'{expr}' contains '{next(iter(unknown))}', which has no value here"
+        for symbol in sorted(expr.free_symbols, key=str):
+            slot = self.pool.slots.get(symbol)
+            if slot is None:
+                return (
+                    f"the symbol '{symbol}' in '{expr}' is not from s; declare it with gb.param, gb.signal or gb.State"
+                )
+            if slot.role in ("alpha", "tau", "held") and not showing:
+                return f"'{symbol}' in '{expr}' is a result of the motion, which only Shows can read"
+        return ""
+
+
+def in_pair(x: Any) -> tuple[Any, Any]:
+    """A pair, or the same thing twice."""
+    return x if isinstance(x, tuple) else (x, x)
+
+
+def _shown(x: Any) -> str:
+    if isinstance(x, d.Flange):
+        return "a flange of self (write s.<flange>)"
+    return "a flange of s" if isinstance(x, FlangeSymbols) else f"{x!r:.80}"

@@ -1,0 +1,133 @@
+"""Ties as a law states them: linear ones, and those that prescribe the motion of one flange."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.errors import ModelError
+from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, TableAt, clock
+
+
+@dataclass(slots=True)
+class Drive:
+    """A flange whose motion follows: phi = angle, w = sum gains w + bias, w' = sum gains w' + surplus.
+
+    angle: None where only the speed is prescribed. gains: by the other flanges.
+    """
+
+    flange: str
+    gains: dict[str, Any]
+    bias: Any
+    surplus: Any
+    angle: Any = None
+
+
+def is_constant_tie(law: Any, flanges: Mapping[str, Any], zero: Any) -> bool:
+    """Whether a tie is linear in the angles with constant ratios, and rests on nothing else than them and a start angle."""
+    slopes = [sp.diff(zero, f.phi) for f in flanges.values() if f.phi.is_Symbol]
+    if any(law.pool.level(c) != CONSTANT for c in slopes):
+        return False
+    rest = zero.xreplace({f.phi: sp.Integer(0) for f in flanges.values()})
+    slot = law.pool.slots.get(-rest)
+    return bool(rest == 0) or (slot is not None and slot.role == "own" and slot.of == "phi0")
+
+
+def linear_tie(flanges: Mapping[str, Any], zero: Any) -> tuple[dict[str, Any], Any]:
+    """Coefficients of the flange angles and the constant of a tie."""
+    coefficients = {name: c for name, f in flanges.items() if (c := sp.diff(zero, f.phi)) != 0}
+    return coefficients, zero.xreplace({f.phi: sp.Integer(0) for f in flanges.values()})
+
+
+def drive_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> Drive:
+    """The drive of a tie, solved for the first flange that it contains linearly with a constant factor."""
+    name, slope = _pivot(kind, zero, {n: f.phi for n, f in flanges.items()})
+    flange = flanges[name]
+    angle = -sp.expand(zero - slope * flange.phi) / slope
+    _check_smooth(law.pool, kind, angle)
+    others = {n: f for n, f in flanges.items() if n != name}
+    gains = {n: g for n, f in others.items() if (g := sp.diff(angle, f.phi)) != 0}
+    bias = _rate(law, kind, angle, {})
+    turned = sum((g * others[n].w for n, g in gains.items()), sp.Integer(0))
+    speeds = {f.phi: f.w for f in others.values()}
+    surplus = _rate(law, kind, bias, speeds) + _rate(law, kind, turned, speeds)
+    return Drive(name, gains, bias, surplus, angle)
+
+
+def motion_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> Drive:
+    """The drive of a prescribed speed."""
+    name, slope = _pivot(kind, zero, {n: f.w for n, f in flanges.items()})
+    speed = -sp.expand(zero - slope * flanges[name].w) / slope
+    gains = {n: g for n, f in flanges.items() if n != name and (g := sp.diff(speed, f.w)) != 0}
+    if any(g.free_symbols for g in gains.values()):
+        raise ModelError(f"{kind}: the prescribed speed '{zero}' is not linear in the flange speeds")
+    bias = speed.xreplace({f.w: sp.Integer(0) for f in flanges.values()})
+    steps = any(law.pool.slots[table.args[0]].of.kind == "step" for table in bias.atoms(TableAt))
+    if steps or bias.has(sp.Piecewise, sp.Heaviside, sp.sign):
+        raise ModelError(
+            f"{kind}: the prescribed speed '{bias}' jumps or may jump, which no finite torque can do; give a ramp as a "
+            "linear Table, a smooth law, or filter=rad/s"
+        )
+    return Drive(name, gains, bias, _rate(law, kind, bias, {}))
+
+
+def frozen_drive(drive: Drive, freeze: Callable[[Any], Any]) -> Drive:
+    """The drive with every condition as a mode."""
+    return Drive(
+        drive.flange, {n: freeze(g) for n, g in drive.gains.items()}, freeze(drive.bias), freeze(drive.surplus),
+        None if drive.angle is None else freeze(drive.angle),
+    )  # fmt: skip
+
+
+def is_steady(law: Any, number: int) -> bool:
+    """Whether the gains of a drive are numbers, and what it adds to speed and angle is linear in states (time aside)."""
+    drive, pool = law.drives[number], law.pool
+    if not all(gain.is_number for gain in drive.gains.values()):
+        return False
+    added = [sp.sympify(drive.bias), sp.Integer(0) if drive.angle is None else sp.sympify(drive.angle)]
+    moving = [(e, x) for e in added for x in e.free_symbols if pool.level(x) == MOVING and pool.slots[x].role != "phi"]
+    return all(pool.slots[x].role == "state" and sp.diff(e, x).is_number for e, x in moving)
+
+
+def _pivot(kind: str, zero: Any, unknowns: Mapping[str, Any]) -> tuple[str, Any]:
+    """The flange to solve for, and its factor."""
+    for name, x in unknowns.items():
+        slope = sp.diff(zero, x) if x.is_Symbol else sp.Integer(0)
+        if slope != 0 and slope.is_number:
+            return name, slope
+    raise ModelError(
+        f"{kind}: the tie '{zero}' contains no flange linearly with a number as its factor, so it cannot be solved"
+    )
+
+
+def _rate(law: Any, kind: str, expr: Any, speeds: Mapping[Any, Any]) -> Any:
+    """The time derivative of an expression of time, states and the angles in `speeds`."""
+    for x in expr.free_symbols:
+        if law.pool.slots[x].role == "input":
+            raise ModelError(
+                f"{kind}: the Input '{x}' has no time derivative, which a rigid motion needs: give filter=rad/s, or compliance"
+            )
+        if law.pool.slots[x].role == "sense":
+            raise ModelError(f"{kind}: a sensed output ('{x}') cannot prescribe a rigid motion; give compliance")
+    total = sp.diff(expr, clock())
+    total += sum((sp.diff(expr, x) * w for x, w in speeds.items() if expr.has(x)), sp.Integer(0))
+    for state, rate in law.rates.items():
+        symbol = law.pool.symbol("state", state, state)
+        if expr.has(symbol):
+            total += sp.diff(expr, symbol) * rate
+    return total
+
+
+def _check_smooth(pool: Pool, kind: str, angle: Any) -> None:
+    """A prescribed angle must have a second derivative everywhere."""
+    if angle.has(sp.Piecewise, sp.Heaviside, sp.sign, sp.Abs, sp.Max, sp.Min):
+        raise ModelError(
+            f"{kind}: the prescribed angle '{angle}' has corners or jumps, which no finite torque can follow; give a law "
+            f"that is smooth twice over, or compliance"
+        )
+    for table in angle.atoms(TableAt):
+        if pool.slots[table.args[0]].of.kind in ("linear", "step"):
+            raise ModelError(f"{kind}: a prescribed angle needs a smooth Table: kind='cubic'")

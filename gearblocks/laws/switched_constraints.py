@@ -1,0 +1,193 @@
+"""Friction with stick, locks and stops of one kind: slips, limits of held forces, sizes of sliding forces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.language import block as d
+from gearblocks.laws.checks import in_pair
+from gearblocks.laws.symbols import Pool
+
+
+@dataclass(slots=True)
+class StickOfKind:
+    """One Stick or Stop of a kind.
+
+    push: by flange, d slip / d w. lower, upper: of the held force (None: without limit). forward, backward: sizes of the
+    force against the slip. of a Stop: gap and restitution. switches: numbers of its switches in the law by what they
+    watch: "slip" (or "gap", or "sign"), "hold", "engaged". impulse, impacts: names of states. of a LossyTie: the tie has
+    `share`, the part of its force that its partner loses while it slides; the loss has `losses` (share and rest driving, then
+    coasting).
+    """
+
+    name: str
+    slip: Any
+    push: dict[str, Any]
+    lower: Any = None
+    upper: Any = None
+    forward: Any = sp.S.Zero
+    backward: Any = sp.S.Zero
+    engaged: Any = sp.S.One
+    gap: Any = None
+    restitution: Any = sp.S.Zero
+    impulse: str | None = None
+    impacts: str | None = None
+    losses: tuple[Any, ...] | None = None
+    share: Any = None
+    partner: str | None = None
+    switches: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def is_stop(self) -> bool:
+        """Whether it is a unilateral contact."""
+        return self.gap is not None
+
+    def expressions(self) -> list[Any]:
+        """Everything that the solver evaluates at an event."""
+        found = [
+            self.lower,
+            self.upper,
+            self.forward,
+            self.backward,
+            self.engaged,
+            self.gap,
+            self.restitution,
+            self.share,
+        ]
+        return [x for x in (*found, *(self.losses or ())) if x is not None]
+
+    def changed(self, new: Callable[[Any], Any]) -> None:
+        """Replaces every expression by new(expression)."""
+        for name in ("lower", "upper", "forward", "backward", "engaged", "gap", "restitution", "share"):
+            value = getattr(self, name)
+            if value is not None:
+                setattr(self, name, new(value))
+        if self.losses is not None:
+            self.losses = tuple(new(x) for x in self.losses)
+
+    @property
+    def kind(self) -> str:
+        """friction, stop, tie (of a LossyTie) or loss."""
+        return (
+            "stop"
+            if self.gap is not None
+            else "tie"
+            if self.share is not None
+            else "loss"
+            if self.losses
+            else "friction"
+        )
+
+
+def sticks_of(pool: Pool, flanges: Mapping[str, Any], items: list[Any]) -> dict[str, StickOfKind]:
+    """The sticks, stops and lossy ties that a block yields, by name."""
+    found: dict[str, StickOfKind] = {}
+    for x in items:
+        if isinstance(x, d.LossyTie):
+            found |= {"tie": _tie(pool, flanges, x), "loss": _loss(pool, flanges, x)}
+        else:
+            found[x.name] = _stick(pool, flanges, x) if isinstance(x, d.Stick) else _stop(pool, flanges, x)
+    return found
+
+
+def _directions(pool: Pool) -> tuple[Any, Any]:
+    """Direction of the loss, and sign of the force of the tie."""
+    return pool.symbol("direction", "loss", "dir_loss"), pool.symbol("direction", "tie", "dir_tie")
+
+
+def _either(pool: Pool, driving: Any, coasting: Any) -> Any:
+    """What holds for the present directions."""
+    direction, sign = _directions(pool)
+    same = (1 + direction * sign) / 2
+    return same * sp.sympify(driving) + (1 - same) * sp.sympify(coasting)
+
+
+def _tie(pool: Pool, flanges: Mapping[str, Any], item: d.LossyTie) -> StickOfKind:
+    slip = sp.expand(sp.sympify(item.tie))
+    push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
+    direction, _ = _directions(pool)
+    made = StickOfKind("tie", slip, push, partner="loss")
+    made.share = direction**2 * _either(pool, item.driving[0], item.coasting[0])
+    made.changed(lambda e: _along(e, sp.expand(item.slip), direction))
+    return made
+
+
+def _loss(pool: Pool, flanges: Mapping[str, Any], item: d.LossyTie) -> StickOfKind:
+    slip = sp.expand(sp.sympify(item.slip))
+    push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
+    size = _either(pool, item.driving[1], item.coasting[1])
+    made = StickOfKind("loss", slip, push, forward=size, backward=size, partner="tie")
+    made.losses = tuple(sp.sympify(x) for x in (*item.driving, *item.coasting))
+    made.changed(lambda e: _along(e, slip, _directions(pool)[0]))
+    return made
+
+
+def carried_loss(pool: Pool, sticks: Mapping[str, StickOfKind]) -> Any:
+    """Power that a lossy tie loses in proportion to its force, or None."""
+    if "tie" not in sticks or sticks["tie"].share is None:
+        return None
+    return sticks["tie"].share * pool.symbol("held", "tie", "held_tie") * sticks["loss"].slip
+
+
+def _state(pool: Pool, state: Any) -> str | None:
+    return None if state is None else pool.slots[state].of
+
+
+def _stick(pool: Pool, flanges: Mapping[str, Any], item: d.Stick) -> StickOfKind:
+    slip = sp.expand(sp.sympify(item.slip))
+    push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
+    lower, upper = item.limit if isinstance(item.limit, tuple) else (-item.limit, item.limit)
+    lower, upper = (None if sp.sympify(x).is_infinite else sp.sympify(x) for x in (lower, upper))
+    if item.sliding is None:
+        forward, backward = (sp.Integer(0) if x is None else x for x in (None if lower is None else -lower, upper))
+    else:
+        forward, backward = in_pair(item.sliding)
+    direction = pool.symbol("direction", item.name, f"dir_{item.name}".rstrip("_"))
+    made = StickOfKind(item.name, slip, push, lower, upper, sp.sympify(forward), sp.sympify(backward))
+    made.engaged = sp.sympify(item.engaged)
+    made.impulse = _state(pool, item.impulse)
+    made.changed(lambda e: _along(e, slip, direction))
+    return made
+
+
+def _stop(pool: Pool, flanges: Mapping[str, Any], item: d.Stop) -> StickOfKind:
+    gap = sp.expand(sp.sympify(item.gap))
+    push = {n: c for n, f in flanges.items() if (c := sp.diff(gap, f.phi)) != 0}
+    slip = sum((c * flanges[n].w for n, c in push.items()), sp.Integer(0))
+    made = StickOfKind(item.name, slip, push, sp.Integer(0), None, gap=gap, restitution=sp.sympify(item.restitution))
+    made.impulse, made.impacts = _state(pool, item.impulse), _state(pool, item.impacts)
+    return made
+
+
+def along(pool: Pool, stick: StickOfKind, expr: Any) -> Any:
+    """An expression with the size and sign of the slip written with the direction of the stick."""
+    return _along(expr, stick.slip, pool.symbol("direction", stick.name, f"dir_{stick.name}".rstrip("_")))
+
+
+def _along(expr: Any, slip: Any, direction: Any) -> Any:
+    """The size of the slip as direction * slip, so that the law stays on one branch within a step."""
+
+    def is_of_slip(e: Any) -> bool:
+        return isinstance(e, (sp.Abs, sp.sign)) and sp.expand(e.args[0]) in (slip, sp.expand(-slip))
+
+    def branch(e: Any) -> Any:
+        if isinstance(e, sp.Abs):
+            return direction * slip
+        return direction if sp.expand(e.args[0]) == slip else -direction
+
+    return expr.replace(is_of_slip, branch)
+
+
+def sliding_force(pool: Pool, stick: StickOfKind) -> Any:
+    """The force along the slip while it slides, 0 otherwise."""
+    if stick.is_stop:
+        return sp.Integer(0)
+    direction = pool.symbol("direction", stick.name, f"dir_{stick.name}".rstrip("_"))
+    if stick.forward == stick.backward:
+        return -direction * stick.forward
+    one = direction * (1 + direction) / 2 * stick.forward
+    return -one - direction * (1 - direction) / 2 * stick.backward

@@ -1,0 +1,231 @@
+"""Conditions become frozen modes: Piecewise, Abs, sign, Min, Max, Heaviside and tables turn into located switches.
+
+Within a step a law runs on the branch that its modes name, continued smoothly past the surface; only the event
+handler of the solver changes a mode.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.errors import GearblocksError
+from gearblocks.language.block import Switch
+from gearblocks.language.signals import Table
+from gearblocks.laws.switched_constraints import StickOfKind
+from gearblocks.laws.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, Table2At, TableAt
+
+_COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
+"""Its segments are numbered by the whole part of what it is taken over."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """Identity of one switch of a kind: its number and what moves its surface."""
+
+    number: int
+    level: int
+
+
+@dataclass(slots=True)
+class SurfaceOfKind:
+    """One switch of a kind, with its name and the values in the events.
+
+    Its mode is the sign of the surface (0 or 1), the segment of a `table` over it, or its side of a `band` about zero
+    of that half width (-1, 0, 1). lock: what it watches of a stick: "slip", "gap", "sign" (of a force), "hold" or
+    "free"; the solver then
+    decides about its mode together with those of all other sticks ("free" apart: 1 where nothing rubs).
+    """
+
+    name: str
+    surface: Any
+    symbol: Any
+    level: int
+    when: Any = 1
+    low: float = 0.0
+    high: float = 1.0
+    table: Any = None
+    band: Any = None
+    lock: str | None = None
+
+    @property
+    def is_sign(self) -> bool:
+        """Whether the mode is the sign of the surface."""
+        return self.table is None and self.band is None and self.lock is None
+
+
+@dataclass
+class Freezer:
+    """Replaces conditions by mode symbols and collects the switches. One per kind."""
+
+    pool: Pool
+    switches: list[SurfaceOfKind] = field(default_factory=list)
+    locating: bool = True
+    _memo: dict[Any, Any] = field(default_factory=dict)
+
+    def declare(self, declared: Iterable[Switch]) -> None:
+        """Takes the named switches first, so that conditions on the same surfaces find them."""
+        for item in declared:
+            indicator = self._indicator(sp.sympify(item.surface), item.name)
+            for switch in self.switches:
+                if switch.symbol in indicator.free_symbols:
+                    switch.low, switch.high = float(item.low), float(item.high)
+                    if item.when != 1:
+                        switch.when = self.freeze(sp.sympify(item.when))
+
+    def watch(self, stick: StickOfKind) -> None:
+        """The switches of a stick: its slip (or gap), its held force, and whether it is engaged."""
+        first = {"stop": "gap", "tie": "sign"}.get(stick.kind, "slip")
+        name = "" if stick.kind in ("tie", "loss") else stick.name
+        for what, surface in ((first, stick.gap if stick.is_stop else stick.slip), ("hold", sp.Integer(0))):
+            stick.switches[what] = len(self.switches)
+            mode = Mode(len(self.switches), MOVING)
+            symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
+            self.switches.append(SurfaceOfKind(name, surface, symbol, MOVING, lock=what))
+        if self.pool.level(stick.engaged) == CONSTANT:
+            return
+        mode = Mode(len(self.switches), level := self.pool.level(stick.engaged))
+        stick.switches["engaged"] = mode.number
+        symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
+        self.switches.append(SurfaceOfKind(stick.name, -stick.engaged, symbol, level, lock="free"))
+
+    def freeze(self, expr: Any) -> Any:
+        """expr with every condition replaced."""
+        if expr not in self._memo:
+            self._memo[expr] = self._freeze(expr)
+        return self._memo[expr]
+
+    def _freeze(self, e: Any) -> Any:
+        if e.is_Atom:
+            return sp.Integer(e == sp.true) if e.is_Boolean and not e.is_Symbol else e
+        if isinstance(e, sp.Piecewise):
+            return self._piecewise(e)
+        if isinstance(e, (TableAt, Table2At)):
+            return e if len(e.args) in (4, 7) else self._table(e)
+        if isinstance(e, (DeadZone, ContactSide)):
+            return self._dead_zone(e)
+        if isinstance(e, sp.floor) and self.pool.level(e) != CONSTANT:
+            return self._floor(e)
+        a = [self.freeze(x) for x in e.args]
+        if isinstance(e, sp.Abs):
+            return (2 * self._indicator(a[0]) - 1) * a[0]
+        if isinstance(e, sp.sign):
+            return 2 * self._indicator(a[0]) - 1
+        if isinstance(e, sp.Heaviside):
+            return self._indicator(a[0])
+        if isinstance(e, (sp.Max, sp.Min)):
+            result = a[0]
+            for x in a[1:]:
+                above = self._indicator(x - result) if isinstance(e, sp.Max) else 1 - self._indicator(x - result)
+                result = result + above * (x - result)
+            return result
+        if isinstance(e, (sp.Ne, sp.Eq)):
+            raise GearblocksError(f"the condition '{e}' asks for equality, which a run never meets exactly; use < or >")
+        if e.is_Relational:
+            return self._indicator(a[0] - a[1] if isinstance(e, (sp.Gt, sp.Ge)) else a[1] - a[0])
+        if isinstance(e, sp.And):
+            return sp.Mul(*a)
+        if isinstance(e, sp.Or):
+            return 1 - sp.Mul(*(1 - x for x in a))
+        if isinstance(e, sp.Not):
+            return 1 - a[0]
+        if isinstance(e, sp.ITE):
+            return a[0] * a[1] + (1 - a[0]) * a[2]
+        return e.func(*a)
+
+    def _piecewise(self, e: Any) -> Any:
+        """Nested selection by indicators; the last condition must be True, else the value outside is NaN."""
+        result: Any = None
+        for value, condition in reversed(e.args):
+            if condition is sp.true:
+                result = self.freeze(value)
+                continue
+            if result is None:
+                raise GearblocksError(f"'{e}' has no value where no condition holds: end it with (value, True)")
+            chosen = self.freeze(condition)
+            result = chosen * self.freeze(value) + (1 - chosen) * result
+        return result
+
+    def _indicator(self, surface: Any, name: str | None = None) -> Any:
+        """1 where surface >= 0, else 0, as the mode symbol of a switch (or a plain condition on constants)."""
+        surface = self.freeze(surface)
+        if surface.is_number:
+            return sp.Integer(1 if surface >= 0 else 0)
+        for switch in self.switches:
+            if switch.is_sign and switch.surface == surface:
+                return switch.symbol
+            if switch.is_sign and switch.surface == -surface:
+                return 1 - switch.symbol
+        if not self.locating or self.pool.level(surface) == CONSTANT:
+            return sp.Heaviside(surface, 1)
+        if name is None:
+            name = f"switch {len(self.switches) + 1}"
+        return self._add(name, surface).symbol
+
+    def _dead_zone(self, e: Any) -> Any:
+        """With the side m = -1, 0, 1 as one mode: g = m^2 x - m b, its integral g^2/2, its slope m^2."""
+        x, b = (self.freeze(a) for a in e.args[:2])
+        side = self._side(x, b)
+        if isinstance(e, ContactSide):
+            return side
+        # r u - b as r (u - b/r), so that r can join the other constant factors
+        constant = [a for a in sp.Mul.make_args(x) if self.pool.level(a) == CONSTANT]
+        moving = [a for a in sp.Mul.make_args(x) if self.pool.level(a) != CONSTANT]
+        r = sp.Mul(*constant)
+        g = r * (side**2 * sp.Mul(*moving) - side * (b / r))
+        return {-1: g**2 / 2, 0: g, 1: side**2}.get(int(e.args[2]), sp.Integer(0))
+
+    def _side(self, x: Any, b: Any) -> Any:
+        for switch in self.switches:
+            if switch.band == b and switch.surface == x:
+                return switch.symbol
+        if not self.locating:
+            return sp.Heaviside(x - b, 1) + sp.Heaviside(x + b, 1) - 1
+        switch = self._add("", x)
+        switch.band = b
+        return switch.symbol
+
+    def _table(self, e: Any) -> Any:
+        """With the segment of each of its quantities as a mode, where these are located; a step needs no more than that."""
+        n = 1 if isinstance(e, TableAt) else 2
+        symbol, quantities, orders = e.args[0], [self.freeze(x) for x in e.args[1 : n + 1]], e.args[n + 1 : 2 * n + 1]
+        axes = [symbol] if n == 1 else [self.pool.table(axis) for axis in self.pool.slots[symbol].of.axes]
+        modes = [self._segment(axis, x) for axis, x in zip(axes, quantities, strict=True)]
+        if None in modes:
+            return e.func(symbol, *quantities, *orders)
+        if n == 1 and self.pool.slots[symbol].of.kind == "step":
+            quantities = [sp.Integer(0)]
+        return e.func(symbol, *quantities, *orders, *modes)
+
+    def _segment(self, table: Any, x: Any, name: str = "table") -> Any:
+        """The mode that is the segment of a table over x, shared by all with the same joints; None where none is located."""
+        for switch in self.switches:
+            if switch.table is not None and switch.surface == x and self._same_joints(switch.table, table):
+                return switch.symbol
+        smooth = not getattr(self.pool.slots[table].of, "joints", True)
+        if not self.locating or smooth or self.pool.level(x) == CONSTANT:
+            return None
+        return self._add(name, x, table).symbol
+
+    def _same_joints(self, one: Any, other: Any) -> bool:
+        """Whether two tables have the same segments, so that one switch serves both."""
+        a, b = (self.pool.slots[x].of for x in (one, other))
+        if not (isinstance(a, Table) and isinstance(b, Table)):
+            return bool(a == b)
+        return a is b or (a.periodic == b.periodic and list(a.x) == list(b.x))
+
+    def _floor(self, e: Any) -> Any:
+        """The whole number below, as the mode of a table that counts."""
+        x = self.freeze(e.args[0])
+        mode = self._segment(self.pool.symbol("table", _COUNT, "table_count"), x, "count")
+        return sp.floor(x) if mode is None else mode
+
+    def _add(self, name: str, surface: Any, table: Any = None) -> SurfaceOfKind:
+        level = self.pool.level(surface)
+        mode = Mode(len(self.switches), level if level != MOVING else MOVING)
+        switch = SurfaceOfKind(name, surface, self.pool.symbol("mode", mode, f"mode{mode.number}"), level, table=table)
+        self.switches.append(switch)
+        return switch

@@ -1,0 +1,392 @@
+"""The symbols that a block's physics is written in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.geometry.involute import Functions, inverse_involute
+from gearblocks.geometry.ratio_curves import Ellipse, Pieces
+from gearblocks.geometry.ratio_law import RatioLaw
+from gearblocks.geometry.restitution import restitution_damping
+from gearblocks.language.block import Rate, _Declared
+from gearblocks.language.expression import Expr, to_sympy
+from gearblocks.language.signals import Input, Parameter, Table
+from gearblocks.language.tables import Table2
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """What a symbol stands for.
+
+    role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
+    w, alpha, tau, state, coordinate, mode, direction, stuck, held, friction (of a Stick: by its name; the last one is its
+    whole force in equations for reading); in generated functions column, force, gain (of a flange on its group), growth
+    (rate of the torque on a flange), local (C text). of:
+    flange, state, switch number, path, or the leaf itself.
+    """
+
+    role: str
+    of: Any
+
+
+LEVEL = {
+    "own": 0,
+    "exact": 0,
+    "shared": 0,
+    "mobility": 0,
+    "time": 1,
+    "input": 1,
+}  # everything else moves with the state
+CONSTANT, TIMED, MOVING = 0, 1, 2
+
+
+class TableAt(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """A table over a quantity: TableAt(table symbol, quantity, order of the derivative[, mode])."""
+
+    nargs = (3, 4)
+
+    def _sympystr(self, printer: Any) -> str:
+        return "{0}{2}({1})".format(*map(printer.doprint, self.args[:2]), "'" * int(self.args[2]))
+
+    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
+        """The next derivative."""
+        table, x, order, *mode = self.args
+        return TableAt(table, x, order + 1, *mode)
+
+    def _latex(self, printer: Any) -> str:
+        return _table_latex(printer, self.args[1:2], self.args[2:3])
+
+
+class Table2At(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """A table over two quantities: Table2At(table symbol, x, y, orders of the derivatives by x, by y[, modes of both])."""
+
+    nargs = (5, 7)
+
+    def _sympystr(self, printer: Any) -> str:
+        name, x, y = map(printer.doprint, self.args[:3])
+        orders = tuple(int(n) for n in self.args[3:5])
+        return f"{name}{f'^{orders}' if any(orders) else ''}({x}, {y})"
+
+    def fdiff(self, argindex: int = 1) -> Any:
+        """The next derivative by x (argument 2) or y (argument 3)."""
+        table, x, y, by_x, by_y, *modes = self.args
+        return Table2At(table, x, y, by_x + (argindex == 2), by_y + (argindex == 3), *modes)
+
+    def _latex(self, printer: Any) -> str:
+        return _table_latex(printer, self.args[1:3], self.args[3:5])
+
+
+def _table_latex(printer: Any, quantities: Any, orders: Any) -> str:
+    """T(x, y), with the orders of its derivatives as an index where there are any."""
+    index = f"^{{({', '.join(str(n) for n in orders)})}}" if any(orders) else ""
+    return rf"T{index}\left({', '.join(printer.doprint(x) for x in quantities)}\right)"
+
+
+class DeadZone(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """g(x) = x - b (x > b), 0, x + b (x < -b) for order 0; its integral for order -1, its slopes above."""
+
+    nargs = 3
+
+    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
+        """The next derivative by x."""
+        x, b, order = self.args
+        return DeadZone(x, b, order + 1)
+
+    def _latex(self, printer: Any) -> str:
+        name = {-1: "G", 0: "g", 1: "g'"}.get(int(self.args[2]), "g''")
+        return rf"{name}\left({printer.doprint(self.args[0])}\right)"
+
+    def spelled_out(self) -> Any:
+        """The definition, for readers."""
+        x, b, order = self.args
+        return sp.Piecewise(
+            (dead_zone_branch(x - b, order), x > b), (dead_zone_branch(x + b, order), x < -b), (0, True)
+        )
+
+
+def dead_zone_branch(beyond: Any, order: Any) -> Any:
+    """One side of the dead zone over the deflection beyond its corner, integrated once for order -1."""
+    return {-1: beyond**2 / 2, 0: beyond, 1: sp.Integer(1)}.get(int(order), sp.Integer(0))
+
+
+class EllipseLead(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """2 atan(e sin x/(1 - e cos x)): by how much the mate of an ellipse that turns about its focus runs ahead."""
+
+    nargs = 2
+
+    @classmethod
+    def eval(cls, x: Any, e: Any) -> Any:  # noqa: ARG003  sympy's signature
+        """0 at 0."""
+        return sp.Integer(0) if x == 0 else None
+
+    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
+        """The derivative by x, a rational function of cos x."""
+        x, e = self.args
+        return 2 * e * (sp.cos(x) - e) / (1 + e**2 - 2 * e * sp.cos(x))
+
+    def written_out(self) -> Any:
+        """The definition."""
+        x, e = self.args
+        return 2 * sp.atan(e * sp.sin(x) / (1 - e * sp.cos(x)))
+
+    def _eval_evalf(self, prec: int) -> Any:
+        return self.written_out()._eval_evalf(prec)
+
+    def _sympystr(self, printer: Any) -> str:
+        return str(printer.doprint(self.written_out()))
+
+    def _latex(self, printer: Any) -> str:
+        return str(printer.doprint(self.written_out()))
+
+
+class ContactSide(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """-1 where x < -b, +1 where x > b, else 0."""
+
+    nargs = 2
+
+
+class InverseInvolute(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """The angle a with tan(a) - a = y, for y >= 0."""
+
+    nargs = 1
+
+    @classmethod
+    def eval(cls, y: Any) -> Any:
+        """The number, where y is one."""
+        return sp.Float(inverse_involute(float(y))) if y.is_number else None
+
+
+class RestitutionDamping(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """What a restitution asks for; see `gearblocks.geometry.restitution.restitution_damping`."""
+
+    nargs = 1
+
+    @classmethod
+    def eval(cls, e: Any) -> Any:
+        """The number, where e is one."""
+        return sp.Float(restitution_damping(float(e))) if e.is_number else None
+
+
+SYMBOLS = Functions(sp.sqrt, sp.sin, sp.cos, sp.tan, sp.atan, InverseInvolute, sp.pi)
+"""What tooth geometry computes with in laws."""
+
+
+@lru_cache(maxsize=1)
+def clock() -> Any:
+    """The symbol of time."""
+    return sp.Symbol("t", real=True)
+
+
+class Pool:
+    """Makes the symbols of one kind of block and remembers what each stands for."""
+
+    def __init__(self, *, reading: bool = False) -> None:
+        self.reading = reading
+        self.definitions: dict[Any, Any] = {}
+        self.slots: dict[Any, Slot] = {clock(): Slot("time", None)}
+        self.nonzero: set[str] = set()
+        """Numbers of the block that its bounds keep from 0."""
+        self._made: dict[Slot, Any] = {}
+
+    def symbol(self, role: str, of: Any, text: str) -> Any:
+        """The symbol for a role, made on first use."""
+        slot = Slot(role, of)
+        if slot not in self._made:
+            made = sp.Symbol(text, real=True)
+            while made in self.slots:
+                made = sp.Symbol(made.name + "_", real=True)
+            self.slots[made] = slot
+            self._made[slot] = made
+        return self._made[slot]
+
+    def leaf(self, leaf: Expr) -> Any:
+        """The symbol (or table call) of a leaf of an expression."""
+        if leaf.op == "time":
+            return clock()
+        if leaf.op == "parameter":
+            return self.symbol("shared", leaf.args[0], leaf.args[0].name)
+        if leaf.op == "input":
+            return self.symbol("input", leaf.args[0], leaf.args[0].name)
+        if leaf.op == "sense":
+            return self.symbol("sense", leaf.args[0], leaf.args[0])
+        assert leaf.op in ("table", "table2"), leaf.op
+        return self.table_at(leaf.args[0], *(to_sympy(x, self.leaf) for x in leaf.args[1:]))
+
+    def table_at(self, table: Table | Table2, *quantities: Any) -> Any:
+        """A table over its quantities."""
+        if isinstance(table, Table):
+            return TableAt(self.table(table), *quantities, sp.Integer(0))
+        symbol = self.symbol("table2", table, f"table_{table.digest()}")
+        return Table2At(symbol, *quantities, sp.Integer(0), sp.Integer(0))
+
+    def table(self, table: Table) -> Any:
+        """The symbol of a table."""
+        return self.symbol("table", table, f"table_{table.digest()}")
+
+    def level(self, expr: Any) -> int:
+        """CONSTANT, TIMED or MOVING: what can change the expression during a run."""
+        found = CONSTANT
+        for atom in expr.free_symbols:
+            slot = self.slots[atom]
+            found = max(found, slot.of.level if slot.role == "mode" else _level_of(slot))
+        return found
+
+
+def _level_of(slot: Slot) -> int:
+    if slot.role == "column":
+        return int(slot.of[0])
+    return CONSTANT if slot.role in ("table", "table2") else LEVEL.get(slot.role, MOVING)
+
+
+class FlangeSymbols:
+    """phi, w, alpha, tau and mobility of one flange; zeros where it is the ground."""
+
+    __slots__ = ("_name", "_pool", "alpha", "phi", "w")
+
+    def __init__(self, pool: Pool, name: str, grounded: bool) -> None:
+        self._pool, self._name = pool, name
+        zero = sp.Integer(0)
+        self.phi = zero if grounded else pool.symbol("phi", name, f"phi_{name}")
+        self.w = zero if grounded else pool.symbol("w", name, f"w_{name}")
+        self.alpha = zero if grounded else pool.symbol("alpha", name, f"alpha_{name}")
+
+    @property
+    def tau(self) -> Any:
+        """Torque that the block exerts on the flange, for Shows."""
+        return self._pool.symbol("tau", self._name, f"tau_{self._name}")
+
+    @property
+    def s(self) -> Any:
+        """Position of a slider [m]: phi by its other name."""
+        return self.phi
+
+    @property
+    def v(self) -> Any:
+        """Speed of a slider [m/s]: w by its other name."""
+        return self.w
+
+    @property
+    def f(self) -> Any:
+        """Force that the block exerts on a slider [N]: tau by its other name."""
+        return self.tau
+
+    @property
+    def mobility(self) -> Any:
+        """1/J of everything tied rigidly to the flange."""
+        return self._pool.symbol("mobility", self._name, f"mobility_{self._name}")
+
+
+class Symbols:
+    """Symbols of a block or effect, by the names of its members."""
+
+    def __init__(self, owner: _Declared, pool: Pool, grounded: frozenset[str], prefix: str = "") -> None:
+        self._owner, self._pool, self._prefix = owner, pool, prefix
+        self.time = clock()
+        cls = type(owner)
+        for name in cls.flanges:
+            setattr(self, name, FlangeSymbols(pool, name, name in grounded))
+        for name in cls.states:
+            setattr(self, name, pool.symbol("state", prefix + name, name))
+        for name, field in cls.fields.items():
+            value = getattr(owner, name)
+            if isinstance(value, _Declared):
+                setattr(self, name, Symbols(value, pool, grounded, f"{prefix}{name}."))
+            elif field.role == "option" or value is None or isinstance(value, str):
+                setattr(self, name, value)
+            else:
+                setattr(self, name, self._value(name, field.role, value))
+                if field.role == "exact" or (field.gt is not None and field.gt >= 0):
+                    pool.nonzero.add(prefix + name)
+
+    def _value(self, name: str, role: str, value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(self._value(f"{name}[{i}]", role, v) for i, v in enumerate(value))
+        if role == "exact":
+            return self._pool.symbol("exact", self._prefix + name, name)
+        if isinstance(value, (Parameter, Input, Table)):
+            return self._pool.leaf(value._expr_())
+        if isinstance(value, Expr):
+            if any(leaf.op == "local" for leaf in value.leaves()):
+                return value
+            return to_sympy(value, self._pool.leaf)
+        return self._pool.symbol("own", self._prefix + name, name)
+
+    def is_constant(self, name: str) -> bool:
+        """Whether a signal can only change when a parameter is set."""
+        return self._pool.level(getattr(self, name)) == CONSTANT
+
+    def named(self, name: str, expr: Any) -> Any:
+        """The expression; in equations for reading a symbol of that name, with the expression as its definition."""
+        if not self._pool.reading or sp.sympify(expr).is_Symbol:
+            return expr
+        symbol = self._pool.symbol("named", self._prefix + name, name)
+        self._pool.definitions[symbol] = sp.sympify(expr)
+        return symbol
+
+    def turned(self, law: RatioLaw, x: Any) -> Any:
+        """F(x) of a ratio law: its mean ratio times x, exactly, and a periodic part."""
+        curve = law.curve
+        if sp.sympify(x).is_zero:
+            return sp.Integer(0)
+        if isinstance(curve, Ellipse):
+            ripple = EllipseLead(curve.n * x, sp.Float(curve.e)) / curve.n
+        elif isinstance(curve, Pieces):
+            table = self._pool.symbol("table", curve, f"ripple_{curve.digest()}")
+            ripple = TableAt(table, x, sp.Integer(0))
+        else:
+            ripple = curve.symbolic(x)
+        return sp.Rational(law.n1, law.n2) * x + ripple
+
+    def local(self, field: str, **values: Any) -> Any:
+        """A field that is an expression of the block's own quantities, or a Table or Table2 over those given, in order."""
+        value = getattr(self._owner, field)
+        if isinstance(value, (Table, Table2)):
+            return self._pool.table_at(value, *values.values())
+        if not isinstance(value, Expr):
+            return getattr(self, field)
+        return to_sympy(value, lambda leaf: values[leaf.args[0]] if leaf.op == "local" else self._pool.leaf(leaf))
+
+    def tabled(self, table: Table, x: Any) -> Any:
+        """A Table that a law makes itself, over a quantity. Tables with the same joints share one switch."""
+        return TableAt(self._pool.symbol("table", table, f"table_{table.digest()}"), x, sp.Integer(0))
+
+    def stick(self, name: str) -> tuple[Any, Any, Any]:
+        """Of the Stick or Stop of that name: direction of sliding (-1, 1; 0 when stuck or free), 1 while stuck (closed),
+        and the held force (0 unless stuck), which only Shows can read."""
+        direction = self._pool.symbol("direction", name, f"dir_{name}".rstrip("_"))
+        stuck = self._pool.symbol("stuck", name, f"stuck_{name}".rstrip("_"))
+        return direction, stuck, self._pool.symbol("held", name, f"held_{name}".rstrip("_"))
+
+    @property
+    def reading(self) -> bool:
+        """Whether the law is derived for people: no tables that they cannot read."""
+        return self._pool.reading
+
+    def slope(self, expr: Any, flange: FlangeSymbols) -> Any:
+        """d expr / d phi of a flange; 0 at the ground."""
+        return sp.diff(expr, flange.phi) if flange.phi.is_Symbol else sp.Integer(0)
+
+    def rate_of(self, expr: Any, rates: Iterable[Rate] = ()) -> Any:
+        """d expr / dt along the motion, for expressions of angles, time and states with the given rates."""
+        total = sp.diff(expr, clock())
+        for name in type(self._owner).flanges:
+            flange = getattr(self, name)
+            total += self.slope(expr, flange) * flange.w
+        return total + sum(sp.diff(expr, r.state) * r.expr for r in rates)
+
+    def energy_of(self, field: str, name: str, x: Any) -> Any:
+        """Stored energy of a polynomial field over its quantity, else None (the work then counts as exchange)."""
+        dummy = sp.Dummy(name, real=True)
+        force = self.local(field, **{name: dummy})
+        if not force.is_polynomial(dummy) or any(self._pool.level(a) != CONSTANT for a in _others(force, dummy)):
+            return None
+        return sp.integrate(force, dummy).xreplace({dummy: x})
+
+
+def _others(expr: Any, symbol: Any) -> set[Any]:
+    return set(expr.free_symbols) - {symbol}

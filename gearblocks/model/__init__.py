@@ -1,0 +1,1 @@
+"""From a train to a model that runs."""

@@ -1,0 +1,163 @@
+"""Start values that users give: those that follow from them, and those that contradict each other or what moves a shaft."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from gearblocks.codegen.program import FollowerInfo, Program
+from gearblocks.errors import ModelError
+from gearblocks.language.block import Block
+from gearblocks.language.expression import Expr, evaluate
+from gearblocks.solver.binding import Array, Options
+from gearblocks.solver.library import Model
+from gearblocks.train.graph import Train
+
+_START = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
+_ROUNDING = 1e-9  # of the size of a start value: balances of torque are found by Newton steps
+
+
+def start_of(block: Block, field: str) -> float | None:
+    """The number of a start value that is given."""
+    value = getattr(block, field, None)
+    if isinstance(value, Expr):
+        return evaluate(value, parameter_value)
+    value = getattr(value, "value", value)
+    return float(value) if isinstance(value, (int, float)) else None
+
+
+def parameter_value(leaf: Expr) -> float:
+    """The value of a Parameter in a start value. ModelError for anything else."""
+    if leaf.op != "parameter":
+        raise ModelError(f"a start value cannot depend on '{leaf}'; use numbers and Parameters")
+    return float(leaf.args[0].value)
+
+
+def contradictions(program: Program, train: Train) -> Iterator[str]:
+    """Start values of one shaft that contradict each other through ties of two shafts."""
+    starts = {s.name: (s.place, s.factor) for s in program.starts}
+    given: dict[int, tuple[str, str, float, float]] = {}
+    for c in train.components:
+        for field, output in (("phi0", "phi"), ("w0", "w"), ("s0", "s"), ("v0", "v")):
+            value, place = start_of(c.block, field), starts.get(f"{c.path}.{output}")
+            if value is not None and place is not None:
+                scaled = value * place[1]
+                before = given.setdefault(place[0], (c.path, field, value, scaled))
+                if abs(before[3] - scaled) > 1e-12 * max(abs(before[3]), abs(scaled)):
+                    yield (
+                        f"'{before[0]}': {before[1]} = {before[2]!r} and '{c.path}': {field} = {value!r} contradict each "
+                        f"other through their ties; give one of them"
+                    )
+
+
+def follow(program: Program, train: Train, values: dict[str, float]) -> Iterator[str]:
+    """Start values of shafts that follow others: those that are not given are found from those that are (into `values`);
+    those that contradict each other are said."""
+    blocks = {c.path: c.block for c in train.components}
+    rows = []
+    for info in program.followers:
+        path, _, output = info.name.rpartition(".")
+        value = start_of(blocks[path], f"{output}0")
+        if value is not None:
+            rows.append((info, path, output, value))
+    if not rows:
+        return
+    _solve(program, blocks, [(info, value) for info, _, _, value in rows], values)
+    for info, path, output, value in rows:
+        paths = [program.parameters[i].path for i in info.places]
+        terms = [f * values.get(p, 0.0) for p, f in zip(paths, info.factors, strict=True)]
+        if abs(value - sum(terms)) > 1e-12 * (abs(value) + sum(map(abs, terms))):
+            yield (
+                f"'{path}': {output}0 = {value!r} contradicts the {sum(terms):.9g} that follows through its ties from "
+                f"{', '.join(paths)}; leave one of them out"
+            )
+
+
+def _solve(
+    program: Program, blocks: dict[str, Block], rows: list[tuple[FollowerInfo, float]], values: dict[str, float]
+) -> None:  # fmt: skip
+    """Start values that nobody gives, from rows that ask for them: the smallest that do."""
+    places = dict.fromkeys(i for info, _ in rows for i in info.places if _is_open(program, blocks, i))
+    unknown = {i: k for k, i in enumerate(places)}
+    if not unknown:
+        return
+    A, b = np.zeros((len(rows), len(unknown))), np.zeros(len(rows))
+    for k, (info, value) in enumerate(rows):
+        b[k] = value
+        for i, factor in zip(info.places, info.factors, strict=True):
+            if i in unknown:
+                A[k, unknown[i]] += factor
+            else:
+                b[k] -= factor * values.get(program.parameters[i].path, 0.0)
+    found = np.linalg.lstsq(A, b, rcond=None)[0]
+    values.update({program.parameters[i].path: float(found[k]) for i, k in unknown.items()})
+
+
+def _is_open(program: Program, blocks: dict[str, Block], place: int) -> bool:
+    """Whether a parameter is a start value that nobody gives."""
+    path, _, field = program.parameters[place].path.rpartition(".")
+    is_start = field in ("phi0", "w0", "s0", "v0") and not program.parameters[place].tunable
+    return is_start and (path not in blocks or start_of(blocks[path], field) is None)
+
+
+def follow_moved(model: Model, train: Train) -> None:
+    """The same for shafts that something else moves, with what they have at t = 0: start values that are not given are found
+    (into model.values). ModelError for given start values that cannot be."""
+    blocks: dict[str, Block] = {c.path: c.block for c in train.components}
+    given = []
+    for info in model.program.moved:
+        path, _, output = info.name.rpartition(".")
+        value = start_of(blocks[path], f"{output}0")
+        if value is not None:
+            given.append((info, path, output, value))
+    if not given:
+        return
+    asked = np.array([value for *_, value in given])
+    names = [info.output for info, *_ in given]
+    found = _at_start(model, names, model.values)
+    if found is None:
+        return  # a run says what is wrong
+    if (np.abs(asked - found) > _ROUNDING * np.abs(asked)).any():
+        tied = np.array([info.tied for info, *_ in given])
+        found = _fitted(model, names, np.where(tied, asked, found), found, blocks)
+    problems = [
+        f"'{path}': {output}0 = {value!r}, but {info.by} it: {x:.9g} at t = 0; leave {output}0 out"
+        for (info, path, output, value), x in zip(given, found, strict=True)
+        if abs(value - x) > _ROUNDING * max(abs(value), abs(x))
+    ]
+    if problems:
+        raise ModelError(problems)
+
+
+def _at_start(model: Model, names: list[str], values: Array) -> Array | None:
+    """Outputs at t = 0 with these parameters; None where the start fails."""
+    places = {q.name: i for i, q in enumerate(model.program.outputs)}
+    with model.library.open() as sim:
+        sim.parameters[:] = values
+        sim.inputs[:] = [x.start for x in model.program.inputs]
+        sim.changed()
+        return None if sim.start(_START, 0.0) < 0 else sim.outputs()[[places[n] for n in names]]
+
+
+def _fitted(model: Model, names: list[str], asked: Array, found: Array, blocks: dict[str, Block]) -> Array:
+    """Chooses the start values that nobody gives. One linear step: nonlinear ties may leave a difference."""
+    starts = [s.place for s in model.program.starts if s.name.endswith((".w", ".v", ".phi", ".s"))]
+    free = [i for i in dict.fromkeys(starts) if _is_open(model.program, blocks, i)]
+    columns = []
+    for i in free:
+        moved = model.values.copy()
+        moved[i] += 1.0
+        there = _at_start(model, names, moved)
+        columns.append(np.zeros(len(asked)) if there is None else there - found)
+    if not columns:
+        return found
+    values = model.values.copy()
+    values[free] += np.linalg.lstsq(np.column_stack(columns), asked - found, rcond=None)[0]
+    fitted = _at_start(model, names, values)
+    if fitted is None or np.abs(asked - fitted).max() > np.abs(asked - found).max():
+        return found
+    model.values.setflags(write=True)
+    model.values[free] = values[free]
+    model.values.setflags(write=False)
+    return fitted

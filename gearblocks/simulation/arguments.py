@@ -1,0 +1,225 @@
+"""The arguments of a run: checked, resolved by name, and put into the solver's vectors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearblocks.codegen.program import Program
+from gearblocks.errors import ParameterError, UnknownNameError, by_name, did_you_mean
+from gearblocks.language.expression import finite_number
+from gearblocks.language.signals import Table
+from gearblocks.simulation.trajectory import Trajectory, matches
+from gearblocks.solver.binding import Array, Counters, Kind, Method, Options, Simulation
+
+InputSource: TypeAlias = "float | Table | Callable[[float], float]"
+STATIC = ("static", "static_at_start")
+METHODS = {"rk4": Method.RK4, "dp5": Method.DP5, "dp8": Method.DP8, "rodas": Method.RODAS}
+
+
+def begin_of(t_start: float | None, initial: Any) -> float:
+    if t_start is not None:
+        return finite_number("t_start", t_start)
+    if isinstance(initial, Trajectory) and initial.final_state is not None:
+        return initial.final_state.t
+    return 0.0
+
+
+def sample_times(begin: float, t_end: float | None, t: ArrayLike | None) -> tuple[Array | None, float]:
+    """The samples (None: every accepted step) and the end of the run."""
+    if (t is None) == (t_end is None):
+        raise ParameterError("give either t_end (records every step) or t (an array of sample times)")
+    if t is None:
+        assert t_end is not None
+        end = finite_number("t_end", t_end)
+        if end <= begin:
+            raise ParameterError(f"t_end = {end!r} s must be later than the start at {begin!r} s")
+        return None, end
+    try:
+        samples = np.ascontiguousarray(t, dtype=np.float64)
+    except (TypeError, ValueError, ParameterError):
+        raise ParameterError(f"t = {t!r:.80} must be a row of numbers") from None
+    if samples.ndim != 1 or len(samples) == 0 or not np.isfinite(samples).all():
+        raise ParameterError(f"t must be a row of finite times, not an array of shape {samples.shape}")
+    if (np.diff(samples) <= 0).any() or samples[0] < begin:
+        raise ParameterError(f"t must increase and not begin before the start at {begin!r} s")
+    return samples, float(samples[-1])
+
+
+def method_options(
+    method: str, rtol: float, step: float | None, max_step: float | None, locate: bool, end: float
+) -> tuple[Options, str]:  # fmt: skip
+    if method not in ("auto", *METHODS):
+        raise ParameterError(
+            f"method = {method!r} must be 'auto', {', '.join(map(repr, METHODS))}{did_you_mean(method, METHODS)}"
+        )
+    rtol = finite_number("rtol", rtol)
+    if not 1e-14 <= rtol <= 0.1:
+        raise ParameterError(f"rtol = {rtol!r} must lie between 1e-14 and 0.1")
+    for name, value in (("step", step), ("max_step", max_step)):
+        if value is not None and finite_number(name, value) <= 0:
+            raise ParameterError(f"{name} = {value!r} s must be > 0")
+    if not isinstance(locate, (bool, np.bool_)):
+        raise ParameterError(f"locate = {locate!r} must be True or False")
+    if method == "rk4" and step is None:
+        raise ParameterError("method 'rk4' has a fixed step: give step= in s, or take 'dp5' or 'dp8'")
+    why = "chosen by the user"
+    if method == "auto":
+        why = f"rtol = {rtol:g}: order 8 pays from 1e-4 down, order 5 above"
+    number = METHODS.get(method, Method.AUTO)
+    return Options(number, int(locate), rtol, step or 0.0, max_step or math.inf, end), why
+
+
+def method_words(counters: Counters, why: str) -> tuple[str, str]:
+    """The methods of a run, most steps first, and why: what was chosen, when the solver changed it and for what reason."""
+    taken = sorted((-counters.steps_by[m], m) for m in range(Method.AUTO) if counters.steps_by[m])
+    names = [Method(m).name.lower() for _, m in taken] or [Method(counters.method).name.lower()]
+    if counters.n_switches == 0:
+        return names[0], why
+    shown = min(counters.n_switches, len(counters.switch_t))
+    changes = [(Method(counters.switch_method[i]).name.lower(), counters.switch_t[i]) for i in range(shown)]
+    first = next((name for name in names if name != "rodas"), "dp8")
+    words = f"{why}; {first} to t = {changes[0][1]:.4g} s, then {changes[0][0]}"
+    words += "".join(f", from {t:.4g} s {name}" for name, t in changes[1:3])
+    if counters.n_switches > 3:
+        words += f", {counters.n_switches} changes in all"
+    counts = ", ".join(f"{-count} steps {Method(m).name.lower()}" for count, m in taken)
+    return "+".join(names), f"{words} ({counts}): stability, not accuracy, set the steps of {first} while it was stiff"
+
+
+def picked_outputs(program: Program, outputs: str | Sequence[str]) -> list[int]:
+    """Numbers of the outputs that match; UnknownNameError for a pattern that matches nothing."""
+    patterns = [outputs] if isinstance(outputs, str) or not isinstance(outputs, Iterable) else list(outputs)
+    if not all(isinstance(pattern, str) for pattern in patterns):
+        raise ParameterError(f"outputs = {outputs!r:.80} must be a pattern or a list of patterns, such as ['mesh.*']")
+    if patterns == ["*"]:
+        return list(range(len(program.outputs)))
+    names = {q.name: i for i, q in enumerate(program.outputs)}
+    chosen: dict[int, None] = {}
+    for pattern in patterns:
+        if pattern in names:
+            chosen[names[pattern]] = None
+            continue
+        found = [i for name, i in names.items() if matches(name, pattern)]
+        if not found:
+            raise UnknownNameError(
+                f"no output matches '{pattern}'{did_you_mean(pattern, names)}; list them with rig.describe()"
+            )
+        chosen.update(dict.fromkeys(found))
+    return sorted(chosen)
+
+
+def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
+    """The number of a name, or of the only one that ends with it."""
+    if not isinstance(wanted, str):
+        raise UnknownNameError(f"the name of the {what} must be text, not {wanted!r}")
+    if wanted in names:
+        return names[wanted]
+    ends = [name for name in names if name.endswith("." + wanted)]
+    if len(ends) == 1:
+        return names[ends[0]]
+    if ends:
+        raise UnknownNameError(f"{what} '{wanted}' is not unique: it could be {', '.join(sorted(ends))}")
+    raise UnknownNameError(f"there is no {what} '{wanted}'{did_you_mean(wanted, names)}")
+
+
+def parameter_vector(program: Program, values: Array, changed: Mapping[str, float], initial: Any) -> Array:
+    """The parameter vector with changed parameters and start values."""
+    result = np.array(values)
+    names = {p.path: i for i, p in enumerate(program.parameters)}
+    structural = {path for path, _ in program.structural}
+    if isinstance(initial, Trajectory):
+        for path, value in dict(initial.meta.get("parameters", {})).items():
+            if path in names:
+                result[names[path]] = value
+    for path, value in by_name("parameters", changed).items():
+        i = resolve(path, names, "parameter")
+        info = program.parameters[i]
+        if info.path in structural:
+            raise ParameterError(
+                f"'{info.path}' enters a ratio, which is structural: make a new train with rig.set(...)"
+            )
+        result[i] = checked(info.path, value, info.unit, info.lower, info.upper)
+    if isinstance(initial, Mapping):
+        _initial(program, result, initial)
+    elif not (initial is None or isinstance(initial, Trajectory) or is_static(initial)):
+        raise ParameterError(
+            f"initial = {initial!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static' or "
+            f"'static_at_start'{did_you_mean(initial, STATIC)}"
+        )
+    return result
+
+
+def is_static(initial: Any) -> bool:
+    """Whether a start asks for the equilibrium."""
+    return isinstance(initial, str) and initial in STATIC
+
+
+def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> None:
+    starts = {s.name: i for i, s in enumerate(program.starts)}
+    followers = {f.name: f for f in program.followers}
+    initial = dict(initial)
+    asked = {followers[name]: initial.pop(name) for name in [*initial] if name in followers}
+    given: dict[int, tuple[str, float]] = {}
+    for name, value in initial.items():
+        info = program.starts[resolve(name, starts, "initial value")]
+        number = checked(info.name, value, "", None, None) * info.factor
+        before = given.setdefault(info.place, (name, number))
+        if abs(before[1] - number) > 1e-12 * max(abs(number), abs(before[1])):
+            raise ParameterError(
+                f"the initial values of '{before[0]}' and '{name}' contradict each other through their ties"
+            )
+        result[info.place] = number
+    for follower, value in asked.items():
+        follows = sum(f * result[i] for i, f in zip(follower.places, follower.factors, strict=True))
+        if abs(follows - value) > 1e-9 * max(abs(value), abs(follows)):
+            names = ", ".join(program.parameters[i].path for i in follower.places)
+            raise ParameterError(
+                f"initial: '{follower.name}' = {value!r} contradicts the {follows:.9g} that follows from {names} through "
+                f"its ties: give those"
+            )
+
+
+def checked(name: str, value: float, unit: str, lower: float | None, upper: float | None) -> float:
+    """A finite number within its bounds, or ParameterError by name."""
+    number = finite_number(name, value)
+    words = f"{name} = {number!r}{' ' + unit if unit not in ('', '1') else ''}"
+    if lower is not None and number < lower:
+        raise ParameterError(f"{words} must be >= {lower:g}")
+    if upper is not None and number > upper:
+        raise ParameterError(f"{words} must be <= {upper:g}")
+    return number
+
+
+def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSource]) -> None:
+    names = {x.name: i for i, x in enumerate(program.inputs)}
+    sim.inputs[:] = [x.start for x in program.inputs]
+    for name, source in by_name("inputs", sources).items():
+        i = resolve(name, names, "input")
+        info = program.inputs[i]
+        if isinstance(source, Table):
+            period = float(source.x[-1] - source.x[0]) if source.periodic else 0.0
+            kind = {"linear": Kind.LINEAR, "step": Kind.STEP, "cubic": Kind.CUBIC}[source.kind]
+            sim.set_table(i, kind, np.asarray(source.x), np.asarray(source.y), source.second, period)
+        elif callable(source):
+            sim.set_function(i, source)
+        else:
+            sim.inputs[i] = checked(f"input '{info.name}'", source, info.unit, None, None)
+
+
+def start_state(program: Program, initial: Any) -> Array | None:
+    """The state vector of an earlier run, the ledger at zero."""
+    if not isinstance(initial, Trajectory):
+        return None
+    final = initial.final_state
+    if final is None or final.key != program.key:
+        raise ParameterError("initial: the earlier run is of another train; continue a run with the same model")
+    y = np.array(final.y)
+    for entry in program.integrals:
+        if entry.part != "angle":
+            y[entry.place] = 0.0
+    return y

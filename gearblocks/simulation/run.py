@@ -1,0 +1,337 @@
+"""Running a model: options, inputs and start values go in, a trajectory comes out, whatever happens on the way."""
+
+from __future__ import annotations
+
+import sys
+import time as _time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearblocks.codegen.program import Program
+from gearblocks.errors import (
+    GearblocksError,
+    ParameterError,
+    SimulationError,
+)  # fmt: skip
+from gearblocks.language.expression import finite_number
+from gearblocks.simulation.arguments import (
+    InputSource,
+    begin_of,
+    is_static,
+    method_options,
+    method_words,
+    parameter_vector,
+    picked_outputs,
+    sample_times,
+    set_inputs,
+    start_state,
+)
+from gearblocks.simulation.records import EnergyLedger, Event, FinalState, Stats
+from gearblocks.simulation.trajectory import Trajectory
+from gearblocks.solver.binding import Array, Code, Method, Options, Simulation
+from gearblocks.solver.library import Model
+
+
+def run_model(
+    model: Model, *, t_end: float | None = None, t: ArrayLike | None = None, t_start: float | None = None,
+    method: str = "auto", rtol: float = 1e-6, step: float | None = None, max_step: float | None = None,
+    locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
+    parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | Trajectory | str | None = None,
+    outputs: str | Sequence[str] = "*", progress: Callable[[float], None] | None = None,
+    residual: float | None = None,
+) -> Trajectory:  # fmt: skip
+    """Runs a model; see `gearblocks.simulate` for the arguments."""
+    program = model.program
+    if progress is not None and not callable(progress):
+        raise ParameterError(f"progress = {progress!r:.80} must be a function of the share done")
+    if residual is not None and finite_number("residual", residual) <= 0:
+        raise ParameterError(f"residual = {residual!r} must be > 0")
+    begin = begin_of(t_start, initial)
+    samples, end = sample_times(begin, t_end, t)
+    options, why = method_options(method, rtol, step, max_step, locate, end)
+    pick = picked_outputs(program, outputs)
+    with model.library.open() as sim:
+        sim.parameters[:] = parameter_vector(program, model.values, parameters or {}, initial)
+        if options.method == Method.RODAS and not sim.has_jacobian:
+            raise ParameterError(
+                f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
+            )
+        set_inputs(sim, program, inputs or {})
+        run = _Run(model, sim, samples, end, pick, progress, residual, meta={
+            "train": program.name, "method": Method(options.method).name.lower(), "rtol": rtol, "step": step,
+            "parameters": {p.path: float(v) for p, v in zip(program.parameters, sim.parameters, strict=True)},
+        })  # fmt: skip
+        y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)
+        return run.go(options, begin, y0, why)
+
+
+ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
+"""The names that `run_model` takes."""
+
+
+# -- the run ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Run:
+    """One run in progress: what was recorded so far."""
+
+    model: Model
+    sim: Simulation
+    samples: Array | None
+    end: float
+    pick: list[int]
+    progress: Callable[[float], None] | None
+    residual: float | None
+    meta: dict[str, Any]
+    times: list[Array] = field(default_factory=list)
+    values: list[Array] = field(default_factory=list)
+    events: list[NDArray[np.void]] = field(default_factory=list)
+    largest: float = 0.0
+    cpu: float = 0.0
+    last: Array | None = None
+
+    def balanced(self, begin: float, initial: Any) -> Array:
+        """The state of the static equilibrium."""
+        from gearblocks.simulation.equilibrium import static_state
+
+        try:
+            return static_state(self.sim, self.model.program, begin, means=initial == "static")
+        except RuntimeError:
+            raise self._failure(Code(self.sim.report.code), None) from self.sim.error
+
+    def go(self, options: Options, begin: float, y0: Array | None, why: str) -> Trajectory:
+        """Runs to the end, to an error or to Ctrl-C."""
+        code = self.sim.start(options, begin, y0)
+        if code < 0:
+            raise self._failure(code, None)
+        try:
+            first = self.sim.state(), self.sim.energies()
+        except RuntimeError:
+            if self.sim.error is not None and not isinstance(self.sim.error, Exception):
+                raise self.sim.error from None
+            raise self._failure(Code(self.sim.report.code), None) from self.sim.error
+        self.largest = float(first[1].sum())
+        complete = False
+        try:
+            code = self._loop(begin, first)
+            complete = code == Code.DONE
+        except KeyboardInterrupt:
+            code = Code.PAUSE
+        if isinstance(self.sim.error, KeyboardInterrupt):
+            code = Code.PAUSE
+        result = self._result(first, complete, why)
+        if code < 0:
+            raise self._failure(code, result) from self.sim.error
+        if self._lost(first):
+            words = f"the energy residual is {result.energy.residual:.2g}, above the {self.residual:g} asked for,"
+            raise SimulationError(float(result.t[-1]), "", words, "give a smaller rtol", result)
+        return result
+
+    def _lost(self, first: tuple[Array, Array]) -> bool:
+        """Whether the energy residual at the last sample is above the one asked for."""
+        return self.residual is not None and not self._energy(first, self._final()).residual <= self.residual
+
+    def _loop(self, begin: float, first: tuple[Array, Array]) -> Code:
+        width = 1 + self.model.program.n_total + len(self.model.program.switches)
+        record = self.sim.record(rows=max(64, min(8192, 2_000_000 // width)), events=16384)
+        shown = _time.monotonic()
+        tell = self.progress or _Line(self.model.program.name)
+        while True:
+            before = _time.thread_time()
+            code = self.sim.run(self.samples, self.end, record)
+            self.cpu += _time.thread_time() - before
+            taken = self._take(*record.take())
+            if code in (Code.DONE,) or min(code, taken) < 0:
+                if isinstance(tell, _Line):
+                    tell.close()
+                return code if code < 0 else taken
+            if self._lost(first):
+                return Code.PAUSE
+            if _time.monotonic() - shown > 0.2:
+                shown = _time.monotonic()
+                tell((self.sim.counters.t - begin) / (self.end - begin))
+
+    def _take(self, rows: Array, events: NDArray[np.void]) -> Code:
+        if len(events):
+            self.events.append(events)
+        if not len(rows):
+            return Code.DONE
+        code, out, energy = self.sim.evaluate(rows, np.array(self.pick, dtype=np.intc), energies=True)
+        if code < 0:
+            return code
+        self.times.append(rows[:, 0].copy())
+        self.values.append(out)
+        self.last = rows[-1]
+        if energy.shape[1]:
+            with np.errstate(invalid="ignore", over="ignore"):  # a run that blows up
+                self.largest = max(self.largest, float(energy.sum(axis=1).max()))
+        return Code.DONE
+
+    def _result(self, first: tuple[Array, Array], complete: bool, why: str) -> Trajectory:
+        program, counters = self.model.program, self.sim.counters
+        t = np.concatenate(self.times) if self.times else np.empty(0)
+        table = np.concatenate(self.values) if self.values else np.empty((0, len(self.pick)))
+        names = [program.outputs[i].name for i in self.pick]
+        final = self._final()
+        method, reason = method_words(counters, why)
+        self.meta["method"] = method
+        stats = Stats(
+            steps=counters.steps, rejected=counters.rejected, rhs_calls=counters.rhs_calls,
+            jacobians=counters.jacobians, events=counters.events, cpu_seconds=self.cpu, method=method, why=reason,
+        )  # fmt: skip
+        return Trajectory(
+            t, (names, table), {n: program.outputs[i].unit for n, i in zip(names, self.pick, strict=True)},
+            events=self._events(), stats=stats, energy=self._energy(first, final), final_state=final,
+            meta={**self.meta, "complete": complete},
+        )  # fmt: skip
+
+    def _final(self) -> FinalState | None:
+        if self.last is None:
+            return None
+        n_total, program = self.model.program.n_total, self.model.program
+        y, modes = self.last[1 : 1 + n_total], self.last[1 + n_total : 1 + n_total + len(program.switches)]
+        return FinalState(float(self.last[0]), y.copy(), modes.copy(), program.key)
+
+    def _events(self) -> list[Event]:
+        program = self.model.program
+        found = []
+        for chunk in self.events:
+            for event in chunk:
+                i = int(event["index"])
+                if i >= len(program.switches):
+                    name, before, after = (
+                        program.inputs[i - len(program.switches)].name,
+                        event["before"],
+                        event["after"],
+                    )
+                    found.append(Event(float(event["t"]), name, "time", float(before), float(after)))
+                    continue
+                switch = program.switches[i]
+                if event["kind"] == 2:
+                    speeds = float(event["before"]), float(event["after"])
+                    found.append(Event(float(event["t"]), switch.component, "impact", *speeds))
+                    continue
+                before, after = (_shown(switch.low, switch.high, float(event[k])) for k in ("before", "after"))
+                found.append(Event(float(event["t"]), switch.component, switch.kind, before, after))
+        return _net(found)
+
+    def _energy(self, first: tuple[Array, Array], final: FinalState | None) -> EnergyLedger:
+        program = self.model.program
+        if final is None or self.last is None:
+            return EnergyLedger()
+        _, _, energy = self.sim.evaluate(self.last[None, :], np.zeros(0, dtype=np.intc), energies=True)
+        parts: dict[str, dict[str, float]] = {"stored": {}, "loss": {}, "supplied": {}}
+        for entry in program.energies:
+            parts["stored"][entry.component] = parts["stored"].get(entry.component, 0.0) + float(energy[0, entry.place])
+        for item in program.integrals:
+            if item.part != "angle":
+                parts[item.part][item.component] = float(final.y[item.place] - first[0][item.place])
+        return EnergyLedger(
+            stored=parts["stored"], start=float(first[1].sum()), dissipated=parts["loss"], supplied=parts["supplied"],
+            exchanged=float(self.sim.counters.turnover), largest_stored=self.largest,
+        )  # fmt: skip
+
+    # -- failures -----------------------------------------------------------------------------------------------------
+
+    def _failure(self, code: Code, run: Trajectory | None) -> GearblocksError:
+        """The error of a return code, with the name of the thing and the way out."""
+        report, program = self.sim.report, self.model.program
+        name = _place(program, code, report.index)
+        cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
+        massless = [
+            p.path
+            for p, v in zip(program.parameters, self.sim.parameters, strict=True)
+            if p.path.endswith((".J", ".m")) and v == 0
+        ]
+        if code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and massless:
+            remedy = f"{', '.join(massless[:3])} = 0: a shaft without any inertia is not available, give it some"
+        return SimulationError(report.t, name, cause, remedy, run)
+
+
+class _Line:
+    """One line on a terminal about a run that takes longer than two seconds: share done and time left."""
+
+    def __init__(self, name: str) -> None:
+        self._name, self._start, self._open = name, _time.monotonic(), False
+
+    def __call__(self, share: float) -> None:
+        spent = _time.monotonic() - self._start
+        if spent > 2.0 and share > 0 and sys.stderr.isatty():
+            self._open = True
+            left = spent * (1 - share) / share
+            sys.stderr.write(
+                f"\r{self._name}: {100 * share:.0f} % done, {left:.0f} s left (Ctrl-C keeps what is done) "
+            )
+            sys.stderr.flush()
+
+    def close(self) -> None:
+        """Clears the line."""
+        if self._open:
+            sys.stderr.write("\r" + " " * 79 + "\r")
+
+
+def _net(events: list[Event]) -> list[Event]:
+    """Changes of one component that follow on each other at one instant as one, or none where it ends as it began."""
+    found: list[Event] = []
+    for e in events:
+        last = found[-1] if found else None
+        if last and (last.t, last.component, last.kind, last.after) == (e.t, e.component, "state", e.before):
+            found.pop()
+            if last.before != e.after:
+                found.append(e._replace(before=last.before))
+        else:
+            found.append(e)
+    return found
+
+
+def _shown(low: float, high: float, mode: float) -> float:
+    return {0.0: low, 1.0: high}.get(mode, mode)
+
+
+_CAUSES: dict[Code, tuple[str, str]] = {
+    Code.ERR_STEP: (
+        "the step size fell below rounding", "the train may be stiff there or have a discontinuity that no switch locates"
+    ),
+    Code.ERR_NAN_RATE: ("a derivative became NaN or infinite", "look at the law and the values of this component"),
+    Code.ERR_NAN_INPUT: ("the input became NaN or infinite", "the input must give a finite number at every time"),
+    Code.ERR_NAN_START: ("a start value or parameter is NaN or infinite", "give it a finite number"),
+    Code.ERR_CHATTER: (
+        "a switch goes back and forth without progress of time",
+        "the element sticks here (as dry friction does at rest) and this law cannot hold it",
+    ),
+    Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
+    Code.ERR_LOSS: (
+        "no motion, or more than one, agrees with its losses: it jams, or locks itself against a load that drives it",
+        "with these inertias the efficiency (below 0, or far below 1 at a large ratio) allows no single acceleration; "
+        "give it a compliant shaft beside, more inertia, or a better efficiency",
+    ),
+    Code.ERR_BEYOND: (
+        "the start values contradict it", "start between the limits of a stop, and beside a lossy gear as its ratio says"
+    ),
+    Code.ERR_SINGULAR: (
+        "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
+    ),
+    Code.ERR_MEMORY: ("there is not enough memory", ""),
+    Code.ERR_CALLBACK: ("the input function raised an exception", "see the exception above"),
+}  # fmt: skip
+
+
+def _place(program: Program, code: Code, index: int) -> str:
+    """The component or input that a code's index means."""
+    if code in (Code.ERR_NAN_INPUT, Code.ERR_CALLBACK):
+        return program.inputs[index].name if 0 <= index < len(program.inputs) else ""
+    if code in (Code.ERR_CHATTER, Code.ERR_BRANCH, Code.ERR_LOSS, Code.ERR_BEYOND):
+        if not 0 <= index < len(program.switches):
+            return ""
+        switch = program.switches[index]
+        return switch.component.removesuffix(f".{switch.name}")
+    if 0 <= index < len(program.states):
+        return program.states[index].name.rsplit(".", 1)[0]
+    if code == Code.ERR_NAN_START and index >= program.n:
+        return program.parameters[index - program.n].path
+    return ""

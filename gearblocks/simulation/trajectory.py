@@ -1,0 +1,250 @@
+"""The result of a run: arrays by name, events, counters and the energy ledger. Nothing in it can be changed."""
+
+from __future__ import annotations
+
+import fnmatch
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearblocks.errors import GearblocksError, UnknownNameError, did_you_mean
+from gearblocks.simulation.records import Array, Content, EnergyLedger, Event, FinalState, Stats, frozen
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.figure import Figure
+
+__all__ = ["EnergyLedger", "Event", "FinalState", "Stats", "Trajectory", "matches"]
+
+RESERVED = ("t", "event_t", "event_component", "event_kind", "event_before", "event_after")
+"""Names that columns cannot have: stored runs use them."""
+
+
+@final
+class Trajectory:
+    """One run: `run.t` [s] and `run["mesh.force"]`, both float64 arrays that cannot be written to.
+
+    columns: a mapping from names to arrays as long as t, or the pair (names, array of shape (len(t), len(names)));
+    arrays are taken over, not copied. meta holds what is known of the run: train, parameters, method, rtol,
+    complete (False where the run was stopped early) and the like.
+    """
+
+    __slots__ = ("_columns", "energy", "events", "final_state", "meta", "stats", "t", "units")
+
+    t: Array
+    _columns: Mapping[str, Array]
+    units: Mapping[str, str]
+    events: tuple[Event, ...]
+    stats: Stats
+    energy: EnergyLedger
+    meta: Mapping[str, Any]
+    final_state: FinalState | None
+
+    def __init__(
+        self,
+        t: ArrayLike,
+        columns: Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike],
+        units: Mapping[str, str] | None = None,
+        *,
+        events: Sequence[Event] = (),
+        stats: Stats | None = None,
+        energy: EnergyLedger | None = None,
+        meta: Mapping[str, Any] | None = None,
+        final_state: FinalState | None = None,
+    ) -> None:
+        time = frozen(t)
+        by_name = _by_name(columns)
+        _check(time, by_name)
+        known = units or {}
+        self._fill(
+            t=time,
+            _columns=MappingProxyType(by_name),
+            units=MappingProxyType({name: known.get(name, "") for name in by_name}),
+            events=tuple(events),
+            stats=stats or Stats(),
+            energy=energy or EnergyLedger(),
+            meta=MappingProxyType(dict(meta or {})),
+            final_state=final_state,
+        )
+
+    def _fill(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a run cannot be changed (attribute '{name}')")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a run cannot be changed (attribute '{name}')")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _from_content, (self.content(),)
+
+    def content(self, *names: str) -> Content:
+        """Plain fields of the run, with all outputs or the named ones only."""
+        chosen = names or self.names
+        return Content(
+            t=self.t,
+            columns={name: self._columns[name] for name in chosen},
+            units={name: self.units[name] for name in chosen},
+            events=self.events,
+            stats=self.stats,
+            energy=self.energy,
+            meta=dict(self.meta),
+            final_state=self.final_state,
+        )
+
+    # -- reading ------------------------------------------------------------------------------------------------
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all recorded outputs."""
+        return tuple(self._columns)
+
+    @property
+    def name(self) -> str:
+        """Name of the train."""
+        return str(self.meta.get("train", ""))
+
+    @property
+    def complete(self) -> bool:
+        """False where the run was stopped before its end."""
+        return bool(self.meta.get("complete", True))
+
+    def __getitem__(self, name: str) -> Array:
+        if name == "t":
+            return self.t
+        try:
+            return self._columns[name]
+        except (KeyError, TypeError):
+            raise UnknownNameError(self._unknown("output", name)) from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def find(self, *patterns: str) -> tuple[str, ...]:
+        """Names that match any of the patterns, in the order of the run; `*` crosses dots.
+
+        Raises UnknownNameError for a pattern that matches nothing.
+        """
+        hits: set[str] = set()
+        for pattern in patterns:
+            found = [name for name in self._columns if matches(name, pattern)]
+            if not found:
+                raise UnknownNameError(self._unknown("output", pattern))
+            hits.update(found)
+        return tuple(name for name in self._columns if name in hits)
+
+    def select(self, *patterns: str) -> Trajectory:
+        """The same run with only the outputs that match, e.g. `run.select("mesh.*", "wheel.w")`."""
+        return _from_content(self.content(*self.find(*patterns)))
+
+    def _unknown(self, what: str, name: object) -> str:
+        if not self._columns:
+            return f"the run has no {what} {name!r}: it has no outputs at all"
+        return f"the run has no {what} {name!r}{_hint(str(name), self.names)}"
+
+    # -- elsewhere ----------------------------------------------------------------------------------------------
+    def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Figure of outputs (names or patterns, else all) over time, one panel per unit; saved to `path`."""
+        from gearblocks.simulation import plotting
+
+        chosen = [item for pattern in names or ("*",) for item in self.find(pattern)]
+        series = [(name, self.units[name], self._columns[name]) for name in dict.fromkeys(chosen)]
+        return plotting.over_time(self.t, series, title=self.name, path=path)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """One column per output over the index `t`; both sides of an event are two rows of the same t."""
+        import pandas
+
+        frame = pandas.DataFrame(dict(self._columns), index=pandas.Index(np.array(self.t), name="t"))
+        frame.attrs["units"] = {"t": "s", **self.units}
+        return frame
+
+    def to_xarray(self) -> xarray.Dataset:
+        """One variable per output over the coordinate `t`, with units; events along the dimension `event`."""
+        from gearblocks.simulation import storage
+
+        return storage.to_dataset(self.content())
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Comma-separated text: a line of names, then rows in full precision. Raises StorageError."""
+        from gearblocks.simulation import storage
+
+        storage.write_csv(self.content(), path)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Store everything in a `.nc` (netCDF) or `.json` file, or the outputs in a `.csv` one. Raises StorageError."""
+        from gearblocks.simulation import storage
+
+        storage.save(self.content(), path)
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Trajectory:
+        """The run that `save` put into a `.nc` or `.json` file, bit for bit. Raises StorageError."""
+        from gearblocks.simulation import storage
+
+        return _from_content(storage.load(path))
+
+    def __repr__(self) -> str:
+        if not len(self.t):
+            return f"<run of '{self.name}': empty>"
+        head = f"<run of '{self.name}': {self.t[0]:.6g} .. {self.t[-1]:.6g} s, {len(self.t)} samples"
+        head += "" if self.complete else ", stopped early"
+        listed = ", ".join(self.names[:6]) + (f", ... ({len(self)} outputs)" if len(self) > 6 else "")
+        return f"{head}\n  {self.stats}\n  energy residual {self.energy.residual:.1e}\n  {listed}>"
+
+
+def matches(name: str, pattern: str) -> bool:
+    """Whether `pattern` means `name`: equal, or with `*` for any characters (dots too) and `?` for one."""
+    if name == pattern:
+        return True
+    return fnmatch.fnmatchcase(name, pattern.replace("[", "[[]"))
+
+
+def _from_content(content: Content) -> Trajectory:
+    return Trajectory(
+        content.t,
+        content.columns,
+        content.units,
+        events=content.events,
+        stats=content.stats,
+        energy=content.energy,
+        meta=content.meta,
+        final_state=content.final_state,
+    )
+
+
+def _hint(name: str, names: Sequence[str]) -> str:
+    listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    return f"; it has {listed}{did_you_mean(name, names)}"
+
+
+def _by_name(columns: Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike]) -> dict[str, Array]:
+    if isinstance(columns, Mapping):
+        return {str(name): frozen(values) for name, values in columns.items()}
+    names, values = columns
+    table = frozen(values)
+    if table.ndim != 2 or table.shape[1] != len(names):
+        raise GearblocksError(f"{len(names)} names do not fit a table of shape {table.shape}")
+    return {name: table[:, column] for column, name in enumerate(names)}
+
+
+def _check(t: Array, columns: dict[str, Array]) -> None:
+    if t.ndim != 1:
+        raise GearblocksError(f"the times of a run are one row of numbers, not an array of shape {t.shape}")
+    for name, values in columns.items():
+        if values.shape != t.shape:
+            raise GearblocksError(f"output '{name}' has shape {values.shape}; the run has {len(t)} samples")
+        if name in RESERVED:
+            raise GearblocksError(f"an output cannot be named '{name}'")

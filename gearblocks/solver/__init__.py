@@ -1,0 +1,1 @@
+"""The solver core in C, its methods, and how Python calls it."""

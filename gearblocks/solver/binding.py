@@ -1,0 +1,486 @@
+"""The solver of c/gb_core.h as Python sees it: the same structures, the same calls, no policy of its own."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from ctypes import POINTER, c_char_p, c_double, c_int, c_long, c_longlong, c_size_t, c_void_p
+from enum import IntEnum
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.codegen.jacobian.sparsity import Pattern
+from gearblocks.codegen.program import Program
+from gearblocks.errors import CompileError
+from gearblocks.solver.step_matrix import (
+    PROTOTYPES,
+    Groups,
+    StepMatrix,
+    matrix_at,
+    pattern_of,
+    sizes_of,
+    state_jacobian,
+    whole,
+)
+from gearblocks.solver.switched_constraints import PROTOTYPES as OF_LOCKS
+from gearblocks.solver.switched_constraints import Locks, LocksOf, locks_at, locks_of
+
+Array = NDArray[np.float64]
+
+
+class Code(IntEnum):
+    """What a call of the solver answers; negative: the run cannot go on."""
+
+    DONE = 0
+    FULL = 1
+    PAUSE = 2
+    ERR_STEP = -1
+    ERR_NAN_RATE = -2
+    ERR_NAN_INPUT = -3
+    ERR_NAN_START = -4
+    ERR_CHATTER = -5
+    ERR_BRANCH = -6
+    ERR_STATE = -7
+    ERR_MEMORY = -8
+    ERR_CALLBACK = -9
+    ERR_SINGULAR = -10
+    ERR_METHOD = -11
+    ERR_LOSS = -12
+    ERR_BEYOND = -13
+
+
+class Method(IntEnum):
+    """Numbers of the integration methods."""
+
+    RK4 = 0
+    DP5 = 1
+    DP8 = 2
+    RODAS = 3
+    AUTO = 4
+
+
+class Kind(IntEnum):
+    """How a table of input values is read between its points."""
+
+    LINEAR = 1
+    STEP = 2
+    CUBIC = 3
+
+
+class Options(ctypes.Structure):
+    """gb_options."""
+
+    _fields_ = [
+        ("method", c_int),
+        ("locate", c_int),
+        ("rtol", c_double),
+        ("step", c_double),
+        ("max_step", c_double),
+        ("t_stop", c_double),
+    ]
+
+
+class Counters(ctypes.Structure):
+    """gb_stats."""
+
+    _fields_ = [
+        ("t", c_double),
+        ("step", c_double),
+        ("turnover", c_double),
+        ("steps", c_longlong),
+        ("rejected", c_longlong),
+        ("rhs_calls", c_longlong),
+        ("events", c_longlong),
+        ("jacobians", c_longlong),
+        ("steps_by", c_longlong * int(Method.AUTO)),
+        ("method", c_int),
+        ("n_switches", c_int),
+        ("switch_method", c_int * 8),
+        ("switch_t", c_double * 8),
+    ]
+
+
+class Report(ctypes.Structure):
+    """gb_report."""
+
+    _fields_ = [("code", c_int), ("index", c_int), ("t", c_double), ("value", c_double)]
+
+
+class _Record(ctypes.Structure):
+    """gb_record."""
+
+    _fields_ = [
+        ("rows", c_void_p),
+        ("n_rows", c_long),
+        ("row_capacity", c_long),
+        ("events", c_void_p),
+        ("n_events", c_long),
+        ("event_capacity", c_long),
+    ]
+
+
+class _Point(ctypes.Structure):
+    """gb_point."""
+
+    _fields_ = [("t", c_double), ("means", c_int), ("mode", c_void_p), ("input", c_void_p), ("rate", c_void_p)]
+
+
+EVENT = np.dtype([("t", "f8"), ("before", "f8"), ("after", "f8"), ("index", "i4"), ("kind", "i4")], align=True)
+"""gb_event: kind 0 is a state event, 1 a time event."""
+
+InputFunction = ctypes.CFUNCTYPE(c_int, c_void_p, c_int, c_double, POINTER(c_double))
+
+_PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "gb_get_model": (POINTER(c_char_p), ()),
+    "gb_open": (c_void_p, (c_void_p,)),
+    "gb_close": (None, (c_void_p,)),
+    "gb_parameters": (POINTER(c_double), (c_void_p,)),
+    "gb_inputs": (POINTER(c_double), (c_void_p,)),
+    "gb_changed": (None, (c_void_p,)),
+    "gb_input_table": (c_int, (c_void_p, c_int, c_int, c_int, c_void_p, c_void_p, c_void_p, c_double)),
+    "gb_input_callback": (None, (c_void_p, c_int, InputFunction, c_void_p)),
+    "gb_start": (c_int, (c_void_p, POINTER(Options), c_double, c_void_p)),
+    "gb_advance": (c_int, (c_void_p, c_double)),
+    "gb_time": (c_double, (c_void_p,)),
+    "gb_state": (c_int, (c_void_p, c_void_p)),
+    "gb_outputs": (c_int, (c_void_p, c_void_p)),
+    "gb_energies": (c_int, (c_void_p, c_void_p)),
+    "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(_Record), c_double)),
+    "gb_evaluate": (c_int, (c_void_p, c_void_p, c_long, c_void_p, c_int, c_void_p, c_void_p)),
+    "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
+    "gb_probe": (c_int, (c_void_p, POINTER(_Point), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),
+    "gb_snapshot_size": (c_size_t, (c_void_p,)),
+    "gb_save": (None, (c_void_p, c_void_p)),
+    "gb_restore": (c_int, (c_void_p, c_void_p)),
+    "gb_get_stats": (None, (c_void_p, POINTER(Counters))),
+    "gb_get_report": (None, (c_void_p, POINTER(Report))),
+}
+
+
+def open_shared(path: str) -> ctypes.CDLL:
+    """Loads a shared object and gives its functions their types. Raises CompileError where it is none of ours."""
+    try:
+        handle = ctypes.CDLL(path)
+        for name, (result, arguments) in (_PROTOTYPES | PROTOTYPES | OF_LOCKS).items():
+            function = getattr(handle, name)
+            function.restype, function.argtypes = result, arguments
+    except (OSError, AttributeError) as error:
+        raise CompileError(f"the compiled model {path} cannot be loaded: {error}") from error
+    return handle
+
+
+class Record:
+    """Room for the rows and events of a run. A row is [t | y | modes | inputs]."""
+
+    def __init__(self, width: int, rows: int, events: int) -> None:
+        self._rows = np.empty((rows, width))
+        self._events = np.empty(events, dtype=EVENT)
+        self._raw = _Record(self._rows.ctypes.data, 0, rows, self._events.ctypes.data, 0, events)
+
+    def take(self) -> tuple[Array, NDArray[np.void]]:
+        """Copies of the rows and events recorded since the last call; the record is empty afterwards."""
+        rows, events = self._rows[: self._raw.n_rows].copy(), self._events[: self._raw.n_events].copy()
+        self._raw.n_rows = self._raw.n_events = 0
+        return rows, events
+
+
+class Simulation:
+    """One run of one model: owns the solver's memory and gives it back on close. Use as a context manager.
+
+    Calls answer a `Code`. `error` holds the exception of an input function that stopped the run.
+    """
+
+    def __init__(self, shared: ctypes.CDLL, program: Program) -> None:
+        self._sim: int | None = None
+        self._shared, self._program = shared, program
+        self._sim = self._shared.gb_open(self._shared.gb_get_model())
+        if not self._sim:
+            raise MemoryError(f"no memory for a simulation of '{program.name}'")
+        self._kept: list[object] = []
+        self._pattern: Pattern | None = None
+        self._groups: Groups | None = None
+        self.error: BaseException | None = None
+        self.parameters = self._view("gb_parameters", len(program.parameters))
+        self.inputs = self._view("gb_inputs", len(program.inputs))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Gives the memory back. Views of `parameters` and `inputs` end here; a second call does nothing."""
+        if self._sim is not None:
+            self._shared.gb_close(self._sim)
+            self._sim = None
+            self.parameters = self.inputs = np.empty(0)
+            self._kept.clear()
+
+    def record(self, rows: int = 4096, events: int = 4096) -> Record:
+        """An empty record with room for that many rows and events."""
+        program = self._program
+        return Record(1 + program.n_total + len(program.switches) + len(program.inputs), rows, events)
+
+    def changed(self) -> None:
+        """Tells the solver that `parameters` or `inputs` were written."""
+        self._shared.gb_changed(self._sim)
+
+    def set_table(
+        self, index: int, kind: Kind, x: Array, y: Array, second: Array | None = None, period: float = 0.0
+    ) -> Code:
+        """Input `index` follows a table; `second`: second derivatives of a cubic one; period 0: held outside."""
+        x, y = np.ascontiguousarray(x, dtype=np.float64), np.ascontiguousarray(y, dtype=np.float64)
+        third = None if second is None else np.ascontiguousarray(second, dtype=np.float64)
+        self._kept.append((x, y, third))
+        return Code(
+            self._shared.gb_input_table(
+                self._sim, index, kind, len(x), x.ctypes.data, y.ctypes.data, _address(third), period
+            )
+        )
+
+    def set_function(self, index: int, function: Callable[[float], float]) -> None:
+        """Input `index` follows a Python function of time, called per stage. Its exception stops the run (`error`)."""
+
+        def call(_user: int | None, _index: int, t: float, value: Any) -> int:
+            try:
+                value[0] = float(function(t))
+            except BaseException as error:  # noqa: BLE001  an exception must not cross the C code; the caller raises it
+                self.error = error
+                return 1
+            return 0
+
+        native = InputFunction(call)
+        self._kept.append(native)
+        self._shared.gb_input_callback(self._sim, index, native, None)
+
+    def start(self, options: Options, t0: float, y0: Array | None = None) -> Code:
+        """Start at t0 from the model's start values, or from y0 (length n_total)."""
+        if y0 is not None:
+            y0 = self._state_vector(y0)
+        return Code(self._shared.gb_start(self._sim, ctypes.byref(options), t0, _address(y0)))
+
+    def advance(self, t: float) -> Code:
+        """Go on to the communication point t."""
+        return Code(self._shared.gb_advance(self._sim, t))
+
+    @property
+    def time(self) -> float:
+        """The present communication point."""
+        return float(self._shared.gb_time(self._sim))
+
+    def state(self) -> Array:
+        """The state at the communication point, length n_total."""
+        return self._filled("gb_state", self._program.n_total)
+
+    def outputs(self) -> Array:
+        """All outputs at the communication point."""
+        return self._filled("gb_outputs", len(self._program.outputs))
+
+    def energies(self) -> Array:
+        """All energies at the communication point."""
+        return self._filled("gb_energies", len(self._program.energies))
+
+    def run(self, samples: Array | None, t_end: float, record: Record, seconds: float = 0.05) -> Code:
+        """Runs through the samples, or records every accepted step up to t_end; back about every `seconds` of CPU time.
+
+        The array of samples must stay the same one from call to call of a run.
+        """
+        count = 0 if samples is None else len(samples)
+        return Code(self._shared.gb_run(self._sim, _address(samples), count, t_end, ctypes.byref(record._raw), seconds))
+
+    def evaluate(self, rows: Array, pick: NDArray[np.intc], energies: bool = False) -> tuple[Code, Array, Array]:
+        """Outputs pick[j] of recorded rows, shape (rows, picks), and energies, shape (rows, energies) or (rows, 0)."""
+        rows = np.ascontiguousarray(rows, dtype=np.float64)
+        pick = np.ascontiguousarray(pick, dtype=np.intc)
+        out = np.empty((len(rows), len(pick)))
+        energy = np.empty((len(rows), len(self._program.energies) if energies else 0))
+        code = self._shared.gb_evaluate(
+            self._sim,
+            rows.ctypes.data,
+            len(rows),
+            pick.ctypes.data,
+            len(pick),
+            out.ctypes.data,
+            energy.ctypes.data if energies else None,
+        )
+        return Code(code), out, energy
+
+    def rhs(self, t: float, y: Array) -> Array:
+        """dy/dt at (t, y) with the present modes; length n_total."""
+        dy = np.zeros(self._program.n_total)
+        y = self._state_vector(y)
+        _expect(self._shared.gb_rhs(self._sim, t, y.ctypes.data, dy.ctypes.data), "gb_rhs")
+        return dy
+
+    def pattern(self) -> Pattern | None:
+        """The pattern of the matrix of implicit methods; None where the model has none."""
+        self._pattern = self._pattern or pattern_of(self._shared, self._sim)
+        return self._pattern
+
+    def _needed_pattern(self) -> Pattern:
+        pattern = self.pattern()
+        if pattern is None:
+            raise RuntimeError(f"the model '{self._program.name}' has no Jacobian")
+        return pattern
+
+    @property
+    def has_jacobian(self) -> bool:
+        """Whether the model has what implicit methods need."""
+        return bool(self._shared.gb_pattern_of(self._sim))
+
+    def linear_sizes(self) -> tuple[int, int, int]:
+        """Numbers of simple states, of hidden speeds, and of what the Jacobian keeps (zeros without a pattern)."""
+        return sizes_of(self._shared, self._sim)
+
+    def step_matrix(
+        self, t: float, y: Array, g: float, modes: Array | None = None, *, inputs: Array | None = None,
+        means: bool = False,
+    ) -> StepMatrix:  # fmt: skip
+        """The matrix of a step at (t, y), g = gamma h; modes, inputs and means as for `probe` (None: the present modes)."""
+        modes, inputs = _doubles(modes), _doubles(inputs)
+        point = _Point(t, int(means), _address(modes), _address(inputs), None)
+        code, matrix = matrix_at(self._shared, self._sim, point, self._state_vector(y), g)
+        _expect(code, "gb_linear_matrix")
+        return matrix
+
+    def jacobian(
+        self, t: float, y: Array, modes: Array | None = None, *, inputs: Array | None = None, means: bool = False
+    ) -> Any:
+        """d(dy)/dy of the n states, a scipy.sparse CSC array; arguments as for `step_matrix`.
+
+        Raises RuntimeError where the model has no pattern, ArithmeticError where a derivative has no bound or the speeds
+        of shafts without inertia are not determined.
+        """
+        pattern, sizes = self._needed_pattern(), self.linear_sizes()
+
+        def matrix(g: float) -> StepMatrix:
+            return self.step_matrix(t, y, g, modes, inputs=inputs, means=means)
+
+        made, self._groups = state_jacobian(self, pattern, sizes[:2], matrix, self._groups)
+        return made
+
+    def inertia(self, t: float, y: Array) -> Any:
+        """E of c/gb_model.h by the states that are not simple, a scipy.sparse CSC array: inertias of the speeds, 1 for
+        states of blocks. Raises RuntimeError as `jacobian`."""
+        pattern = self._needed_pattern()
+        last = len(pattern.order) - self.linear_sizes()[1]
+        return whole(pattern, self.step_matrix(t, y, 0.0))[:last, :last]
+
+    def right_side(self, m: StepMatrix, r: Array) -> Array:
+        """E r_x + g dG/ds r_s of a vector over the n states; one number per unknown."""
+        r, out = np.ascontiguousarray(r, dtype=np.float64), np.empty(len(m.diag))
+        code = self._shared.gb_linear_side(self._sim, m.kept.ctypes.data, m.g, r.ctypes.data, out.ctypes.data)
+        _expect(code, "gb_linear_side")
+        return out
+
+    def simple_rates(self, m: StepMatrix, x: Array) -> Array:
+        """B x: rates of the simple states from the unknowns."""
+        x, out = np.ascontiguousarray(x, dtype=np.float64), np.empty(self.linear_sizes()[0])
+        code = self._shared.gb_linear_rates(self._sim, m.kept.ctypes.data, x.ctypes.data, out.ctypes.data)
+        _expect(code, "gb_linear_rates")
+        return out
+
+    def modes(self) -> Array:
+        """The present modes of all switches. Only after `start`."""
+        return self._filled("gb_modes", len(self._program.switches))
+
+    def locks(self) -> LocksOf:
+        """What can stick: friction and stops."""
+        return locks_of(self._shared, self._sim)
+
+    def locks_at(
+        self, t: float, y: Array, modes: Array | None, *, inputs: Array | None = None, means: bool = False
+    ) -> Locks:
+        """What sticks at a point; arguments as for `probe`."""
+        modes, inputs = _doubles(modes), _doubles(inputs)
+        point = _Point(t, int(means), _address(modes), _address(inputs), None)
+        code, made = locks_at(self._shared, self._sim, point, self._state_vector(y))
+        _expect(code, "gb_locks_at")
+        return made
+
+    def probe(
+        self, t: float, y: Array, modes: Array | None, wanted: str, *, inputs: Array | None = None, means: bool = False,
+        rates: Array | None = None,
+    ) -> Array:  # fmt: skip
+        """One thing at a point, the run untouched: "rates" (n_total), "outputs", "energies" or "modes" (those that fit).
+
+        modes: of all switches (None: the present ones); inputs: values of all inputs (None: their sources at t); means:
+        excitations of time alone at their means; rates: n_total of them that outputs take as given. Only after `start`.
+        Raises RuntimeError where an input fails.
+        """
+        program = self._program
+        lengths = {
+            "rates": program.n_total, "outputs": len(program.outputs), "energies": len(program.energies),
+            "modes": len(program.switches),
+        }  # fmt: skip
+        result = np.zeros(lengths[wanted])
+        y, modes, values, rates = self._state_vector(y), _doubles(modes), _doubles(inputs), _doubles(rates)
+        point = _Point(t, int(means), _address(modes), _address(values), _address(rates))
+        targets = [result.ctypes.data if name == wanted else None for name in lengths]
+        _expect(self._shared.gb_probe(self._sim, ctypes.byref(point), y.ctypes.data, *targets), "gb_probe")
+        return result
+
+    def save(self) -> bytes:
+        """The whole changing state."""
+        block = ctypes.create_string_buffer(self._shared.gb_snapshot_size(self._sim))
+        self._shared.gb_save(self._sim, block)
+        return block.raw
+
+    def restore(self, block: bytes) -> Code:
+        """Back to a saved state; ERR_STATE where the block has another length or belongs to another model."""
+        if len(block) != self._shared.gb_snapshot_size(self._sim):
+            return Code.ERR_STATE
+        return Code(self._shared.gb_restore(self._sim, block))
+
+    @property
+    def counters(self) -> Counters:
+        """The counters at this moment."""
+        counters = Counters()
+        self._shared.gb_get_stats(self._sim, ctypes.byref(counters))
+        return counters
+
+    @property
+    def report(self) -> Report:
+        """Where and why the last call could not go on."""
+        report = Report()
+        self._shared.gb_get_report(self._sim, ctypes.byref(report))
+        return report
+
+    def _view(self, name: str, length: int) -> Array:
+        """A numpy view into the solver's memory."""
+        if length == 0:
+            return np.empty(0)
+        return np.ctypeslib.as_array(getattr(self._shared, name)(self._sim), shape=(length,))
+
+    def _filled(self, name: str, length: int) -> Array:
+        values = np.zeros(length)
+        _expect(getattr(self._shared, name)(self._sim, values.ctypes.data), name)
+        return values
+
+    def _state_vector(self, y: Array) -> Array:
+        y = np.ascontiguousarray(y, dtype=np.float64)
+        if y.shape != (self._program.n_total,):
+            raise ValueError(f"a state vector of length {self._program.n_total} is needed, not shape {y.shape}")
+        return y
+
+
+def _doubles(values: Array | None) -> Array | None:
+    return None if values is None else np.ascontiguousarray(values, dtype=np.float64)
+
+
+def _address(values: Array | None) -> int | None:
+    return None if values is None else values.ctypes.data
+
+
+def _expect(code: int, name: str) -> None:
+    if code < 0:
+        raise RuntimeError(f"{name} answered {Code(code).name}")

@@ -1,0 +1,179 @@
+"""From C text to a loaded library: the core is compiled once per machine, a model once per content.
+
+Nothing here imports sympy or jinja2 unless the core itself has to be compiled, so a cached model loads in milliseconds.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import functools
+import os
+import tempfile
+import threading
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gearblocks.codegen.program import Program
+from gearblocks.errors import CompileError, GearblocksError
+from gearblocks.solver.binding import Array, Simulation, open_shared
+from gearblocks.solver.cache import digest, user_cache
+from gearblocks.solver.compiler import FLAGS, GENERATED_FLAGS, SHARED_SUFFIX, Compiler, cpu_identity, find_compiler
+
+SOURCES = Path(__file__).parent / "c"
+
+# Read before the model: the one function of it that can be seen from outside.
+_EXPORTS = '#include "gb_core.h"\nGB_API const gb_model *gb_get_model(void);\n'
+_HOT = ("gb_control.c", "gb_dense.c", "gb_kernel.c", "gb_sparse.c", "gb_step.c", "gb_stiff.c", "gb_watch.c")
+"""What every step runs through."""
+_COOL = ("-O2",)  # the rest of the core: a third quicker to compile
+_builds: dict[tuple[int, str], Future[tuple[Path, ...]]] = {}
+_lock = threading.Lock()
+
+
+class Library:
+    """A compiled program, loaded. Travels to other processes as its program and is found in the cache there."""
+
+    def __init__(self, program: Program, path: Path) -> None:
+        self.program = program
+        self.path = path
+        self.shared: ctypes.CDLL = open_shared(str(path))
+
+    def open(self) -> Simulation:
+        """A new simulation of this model."""
+        return Simulation(self.shared, self.program)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return compile_program, (self.program,)
+
+    def __repr__(self) -> str:
+        return f"Library('{self.program.name}', n={self.program.n})"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """A train that is ready to run. values: start values of the parameters, in the order of `program.parameters`."""
+
+    program: Program
+    library: Library
+    values: Array
+
+
+def compile_program(program: Program) -> Library:
+    """The library of a program, from the cache where it was compiled before. Raises CompileError."""
+    compiler = find_compiler()
+    cache, core = user_cache(), _core_key(compiler)
+    key = digest(core, *GENERATED_FLAGS, _EXPORTS, program.source)
+    path = cache.find("models", key, SHARED_SUFFIX)
+    if path is None:
+        objects = _core_objects(compiler, core).result()
+        path = cache.write("models", key, _linked(compiler, program.source, objects), SHARED_SUFFIX)
+    return Library(program, path)
+
+
+def start_core_build() -> None:
+    """Begins to compile the core in the background, where this machine has not got it yet; whoever needs it will wait.
+
+    Returns at once. What goes wrong is said by the call that needs the core.
+    """
+    threading.Thread(target=_begin_core, name="gearblocks-core").start()
+
+
+def _begin_core() -> None:
+    with contextlib.suppress(GearblocksError, RuntimeError):  # said by whoever needs the core
+        compiler = find_compiler()
+        _core_objects(compiler, _core_key(compiler))
+
+
+def core_files() -> dict[str, bytes]:
+    """All C files of the core by name, the rendered tables among them; they compile in an empty folder."""
+    from gearblocks.solver.methods import render_tables
+
+    return {**_written("c"), **_written("h"), "gb_methods.h": render_tables().encode()}
+
+
+@functools.cache
+def _core_snapshot() -> dict[str, bytes]:
+    """What the core is made of, read once, so that what is compiled is what its key was taken from."""
+    paths = [*SOURCES.glob("gb_*.[ch]"), SOURCES / "gb_methods.h.jinja"]
+    paths += [SOURCES.parent / name for name in ("methods.py", "rosenbrock.py")]
+    return {path.name: path.read_bytes() for path in sorted(paths)}
+
+
+def _written(ending: str) -> dict[str, bytes]:
+    """The hand-written files of the core with that ending."""
+    return {name: data for name, data in _core_snapshot().items() if name.endswith("." + ending)}
+
+
+@functools.cache
+def _core_digest() -> str:
+    """A sum over everything the core is made of, the tables as the program that renders them."""
+    return digest(*(part for item in _core_snapshot().items() for part in item))
+
+
+def _core_key(compiler: Compiler) -> str:
+    return digest(compiler.identity, *FLAGS, *_COOL, *_HOT, *compiler.native, cpu_identity(), _core_digest())
+
+
+def _core_objects(compiler: Compiler, key: str) -> Future[tuple[Path, ...]]:
+    """The core's object files, being compiled in the background or ready. One build at a time in a process."""
+    place = (os.getpid(), key)
+    with _lock:
+        build = _builds.get(place)
+        if build is None or (build.done() and not _usable(build)):
+            worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="gearblocks-core")
+            build = _builds[place] = worker.submit(_build_core, compiler, key)
+            worker.shutdown(wait=False)
+        return build
+
+
+def _usable(build: Future[tuple[Path, ...]]) -> bool:
+    return build.exception() is None and all(path.is_file() for path in build.result())
+
+
+def _build_core(compiler: Compiler, key: str) -> tuple[Path, ...]:
+    """Compiles what is missing, file by file and side by side."""
+    cache = user_cache()
+    names = list(_written("c"))
+    found = {name: cache.find("core", digest(key, name), ".o") for name in names}
+    missing = [name for name in names if found[name] is None]
+    if missing:
+        files = core_files()
+        with ThreadPoolExecutor(max_workers=min(len(missing), os.cpu_count() or 1)) as workers:
+            products = workers.map(lambda name: _compiled(compiler, files, name), missing)
+            for name, data in zip(missing, products, strict=True):
+                found[name] = cache.write("core", digest(key, name), data, ".o")
+    return tuple(path for path in found.values() if path is not None)
+
+
+def _compiled(compiler: Compiler, files: dict[str, bytes], name: str) -> bytes:
+    """The object of one C file of the core."""
+    arguments = (*FLAGS, *(() if name in _HOT else _COOL), *compiler.native, "-c", name, "-o", "core.o")
+    return produced(compiler, files, arguments, "core.o")
+
+
+def _linked(compiler: Compiler, source: str, objects: Sequence[Path]) -> bytes:
+    """The shared object of a model: its C text and the objects of the core."""
+    files = {**_written("h"), "exports.h": _EXPORTS.encode(), "model.c": source.encode()}
+    files.update({f"core{number}.o": path.read_bytes() for number, path in enumerate(objects)})
+    cores = [f"core{number}.o" for number in range(len(objects))]
+    product = "model" + SHARED_SUFFIX
+    flags = (*FLAGS, *GENERATED_FLAGS, *compiler.native, "-include", "exports.h")
+    return produced(compiler, files, (*flags, "-shared", "model.c", *cores, "-o", product, "-lm"), product)
+
+
+def produced(compiler: Compiler, files: dict[str, bytes], arguments: Sequence[str], product: str) -> bytes:
+    """Runs the compiler in a fresh folder that holds these files, under plain names whatever the user's paths are."""
+    try:
+        with tempfile.TemporaryDirectory(prefix="gearblocks-", ignore_cleanup_errors=True) as place:
+            directory = Path(place)
+            for name, data in files.items():
+                (directory / name).write_bytes(data)
+            compiler.run(arguments, directory)
+            return (directory / product).read_bytes()
+    except OSError as error:
+        place = tempfile.gettempdir()
+        raise CompileError(f"the model cannot be compiled in {place}: {error.strerror or error}") from error

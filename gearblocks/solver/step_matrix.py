@@ -1,0 +1,205 @@
+"""The matrix of implicit methods as Python sees it: the linear calls of c/gb_core.h."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from ctypes import POINTER, c_double, c_int, c_void_p
+from itertools import pairwise
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from gearblocks.codegen.jacobian.sparsity import Pattern
+from gearblocks.solver.sparse_maps import Array, Indices, disjoint, recovered, solved
+
+
+class _Pattern(ctypes.Structure):
+    """gb_pattern."""
+
+    _fields_ = [
+        ("n", c_int),
+        ("n_places", c_int),
+        ("tree", c_int),
+        ("order", POINTER(c_int)),
+        ("start", POINTER(c_int)),
+        ("row", POINTER(c_int)),
+        ("pair", POINTER(c_int)),
+    ]
+
+
+PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "gb_pattern_of": (POINTER(_Pattern), (c_void_p,)),
+    "gb_linear_sizes": (None, (c_void_p, POINTER(c_int), POINTER(c_int), POINTER(c_int))),
+    "gb_linear_matrix": (c_int, (c_void_p, c_void_p, c_void_p, c_double, *[c_void_p] * 4)),
+    "gb_linear_side": (c_int, (c_void_p, c_void_p, c_double, c_void_p, c_void_p)),
+    "gb_linear_rates": (c_int, (c_void_p, c_void_p, c_void_p, c_void_p)),
+}
+
+
+class StepMatrix(NamedTuple):
+    """S = E - g dG/dx - g^2 dG/ds B of c/gb_model.h: by unknown, by place below and above the diagonal, and the numbers
+    that right_side and simple_rates need."""
+
+    g: float
+    diag: Array
+    lower: Array
+    upper: Array
+    kept: Array
+
+
+def pattern_of(shared: ctypes.CDLL, sim: int | None) -> Pattern | None:
+    """The pattern of the matrix; None where the model has none."""
+    raw = shared.gb_pattern_of(sim)
+    if not raw:
+        return None
+    p = raw.contents
+    start, order = tuple(p.start[: p.n + 1]), tuple(p.order[: p.n])
+    n_pairs = sum((b - a) * (b - a - 1) // 2 for a, b in pairwise(start))
+    steps = [0] * p.n
+    for step, unknown in enumerate(order):
+        steps[unknown] = step
+    return Pattern(order, tuple(steps), start, tuple(p.row[: p.n_places]), tuple(p.pair[:n_pairs]))
+
+
+def sizes_of(shared: ctypes.CDLL, sim: int | None) -> tuple[int, int, int]:
+    """Numbers of simple states, of hidden speeds, and of what the Jacobian keeps (zeros without a pattern)."""
+    sizes = (c_int(), c_int(), c_int())
+    shared.gb_linear_sizes(sim, *(ctypes.byref(x) for x in sizes))
+    return sizes[0].value, sizes[1].value, sizes[2].value
+
+
+def matrix_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array, g: float) -> tuple[int, StepMatrix]:
+    """The answer of the call and the matrix at a point (gb_point)."""
+    pattern = shared.gb_pattern_of(sim)
+    n, places = (pattern.contents.n, pattern.contents.n_places) if pattern else (0, 0)
+    made = StepMatrix(g, *(np.zeros(k) for k in (n, places, places, sizes_of(shared, sim)[2])))
+    code = shared.gb_linear_matrix(sim, ctypes.byref(point), y.ctypes.data, g, *(part.ctypes.data for part in made[1:]))
+    return code, made
+
+
+class Linear(Protocol):
+    """The linear parts of a model at one instant, as a `Simulation` gives them."""
+
+    def right_side(self, m: StepMatrix, r: Array) -> Array:
+        """E r_x + g dG/ds r_s."""
+
+    def simple_rates(self, m: StepMatrix, x: Array) -> Array:
+        """B x."""
+
+
+class Groups(NamedTuple):
+    """Columns that share no row: of what the right side makes of the states, and of the rates of simple states."""
+
+    side: list[Indices]
+    rates: list[Indices]
+
+
+def guessed_groups(pattern: Pattern, simple_rates: Callable[[Array], Array], n_simple: int, n_others: int) -> Groups:
+    """Groups that the pattern suggests: unknowns in the rate of a simple state are coupled to each other and to all
+    equations in which that state stands. Few other states stand in a deflection: those of a prescribed angle."""
+    colour = _colours(pattern)
+    rates: list[list[int]] = [[] for _ in range(max(colour, default=-1) + 1)]
+    for unknown, c in enumerate(colour):
+        rates[c].append(unknown)
+    B, served = recovered(simple_rates, (n_simple, len(colour)), rates, len(colour))
+    around = [[i] for i in range(len(colour))]
+    for k, column in enumerate(pattern.order):
+        for row in pattern.row[pattern.start[k] : pattern.start[k + 1]]:
+            around[column].append(pattern.order[row])
+            around[pattern.order[row]].append(column)
+    B = B.tocsr()
+    first = [int(B.indices[start]) if start < end else -1 for start, end in pairwise(B.indptr)]
+    by_simple = disjoint([around[u] if u >= 0 else [-1 - i] for i, u in enumerate(first)])
+    rest = n_simple + np.arange(n_others)
+    return Groups([*(np.array(g, dtype=np.intp) for g in by_simple), rest], served)
+
+
+def _colours(pattern: Pattern) -> list[int]:
+    """Colours of the unknowns, coupled ones different: backwards through the elimination, as gb_colours."""
+    colour = [0] * len(pattern.order)
+    for k in reversed(range(len(pattern.order))):
+        used = 0
+        for row in pattern.row[pattern.start[k] : pattern.start[k + 1]]:
+            used |= 1 << colour[pattern.order[row]]
+        colour[pattern.order[k]] = (~used & (used + 1)).bit_length() - 1
+    return colour
+
+
+def state_jacobian(
+    sim: Linear, pattern: Pattern, sizes: tuple[int, int], matrix: Callable[[float], StepMatrix], groups: Groups | None
+) -> tuple[Any, Groups]:
+    """d(dy)/dy of the states as a scipy.sparse matrix (CSC), the speeds of nodes without inertia eliminated, and the
+    groups of columns that served (for the next time).
+
+    With y = [s | x] and hidden speeds w: E x' = G, s' = B [x, w], 0 = the hidden rows of G. sizes: numbers of simple
+    states and of hidden speeds; matrix: the matrix of a step for g. The right side holds what deflections make of simple
+    states and of prescribed angles among the others, the matrix the rest. Raises ArithmeticError where a derivative is not
+    finite or the hidden speeds are not determined.
+    """
+    from scipy import sparse
+
+    (n_simple, n_hidden), n = sizes, len(pattern.order)
+    k = n - n_hidden
+    first, last = _decades(matrix)
+    far, near = matrix(10.0 ** (last + 6)), matrix(0.0)
+
+    def rates(x: Array) -> Array:
+        return sim.simple_rates(near, x)
+
+    def slopes(r: Array) -> Array:
+        return (sim.right_side(far, r) - sim.right_side(near, r)) / far.g
+
+    guess = groups or guessed_groups(pattern, rates, n_simple, k)
+    by_y, for_side = recovered(slopes, (n, n_simple + k), guess.side, n_simple + k)
+    speeds, for_rates = recovered(rates, (n_simple, n), guess.rates, n)
+    by_x = _rate_part(pattern, matrix, first, last)
+    rows = by_y + sparse.hstack([sparse.csc_array((n, n_simple)), by_x[:, :k]], format="csc")
+    simple = sparse.hstack([sparse.csc_array((n_simple, n_simple)), speeds[:, :k]], format="csc")
+    if n_hidden:
+        hidden = solved(by_x[k:, k:], rows[k:])
+        rows, simple = rows[:k] - by_x[:k, k:] @ hidden, simple - speeds[:, k:] @ hidden
+    others = solved(whole(pattern, near)[:k, :k], rows)
+    full = sparse.csc_array(sparse.vstack([simple, others], format="csc"))
+    full.eliminate_zeros()
+    if not np.isfinite(full.data).all():
+        raise ArithmeticError("a derivative is NaN or infinite")
+    return full, Groups(for_side, for_rates)
+
+
+def whole(pattern: Pattern, m: StepMatrix) -> Any:
+    """The matrix by unknown, a CSC array."""
+    from scipy import sparse
+
+    order, n = np.array(pattern.order, dtype=np.intp), len(pattern.order)
+    column = order[np.repeat(np.arange(n), np.diff(pattern.start))]
+    row = order[np.array(pattern.row, dtype=np.intp)]
+    places = np.concatenate([order, row, column]), np.concatenate([order, column, row])
+    made = sparse.csc_array((np.concatenate([m.diag[order], m.lower, m.upper]), places), shape=(n, n))
+    made.eliminate_zeros()
+    return made
+
+
+def _decades(matrix: Callable[[float], StepMatrix]) -> tuple[int, int]:
+    """Powers of ten that enclose, of all unknowns with a stiffness, the g at which it is as large as the inertia."""
+    far = 1e30  # the stiffness shows alone, and nothing overflows
+    inertia = np.abs(matrix(0.0).diag)
+    stiffness = np.abs(matrix(far).diag / 2 + matrix(-far).diag / 2) / far**2
+    known = (inertia > 0) & (stiffness > 1e-55 * inertia)
+    if not known.any():
+        return -9, 0
+    found = np.log10(inertia[known] / stiffness[known]) / 2
+    return int(np.floor(found.min())), int(np.ceil(found.max()))
+
+
+def _rate_part(pattern: Pattern, matrix: Callable[[float], StepMatrix], first: int, last: int) -> Any:
+    """dG/dx, the part of the matrix that is odd in g: each entry from the g that leaves the least rounding."""
+    best = [np.zeros_like(part) for part in matrix(0.0)[1:4]]
+    least = [np.full(len(part), np.inf) for part in best]
+    for exponent in (first - 6, *range(first, last + 1), last + 6):
+        g = 10.0**exponent
+        for i, (p, m) in enumerate(zip(matrix(g)[1:4], matrix(-g)[1:4], strict=True)):
+            noise = np.maximum(abs(p), abs(m)) / g
+            best[i] = np.where(noise < least[i], (m - p) / (2 * g), best[i])
+            least[i] = np.minimum(noise, least[i])
+    return whole(pattern, StepMatrix(0.0, best[0], best[1], best[2], np.zeros(0)))

@@ -1,0 +1,1 @@
+"""What a train is: components, connections, paths, values."""
