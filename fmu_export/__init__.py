@@ -5,8 +5,8 @@
 >>> print(fmu_export.check("rig.fmu"))       # doctest: +SKIP
 """
 
-from fmu_export.checking import check
+from fmu_export.checks.check_fmu import check
+from fmu_export.checks.report import Item, Report
 from fmu_export.exporter import export
-from fmu_export.report import Item, Report
 
 __all__ = ["Item", "Report", "check", "export"]

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-from fmu_export.templates import C_FOLDER
+from fmu_export.templates import C_FOLDER, VERSION_FOLDERS
 from gearblocks.errors import ParameterError
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, GENERATED_FLAGS, SHARED_SUFFIX, Compiler, find_compiler
@@ -30,7 +30,8 @@ KNOWN_PLATFORMS = ("native", "linux64", "win64", "darwin64", "aarch64-linux", "a
 
 def source_files(fmi: str, model: str, table: str) -> dict[str, bytes]:
     """All C files by name; those that end in .c, compiled and linked with libm, are the whole library."""
-    glue = {name: (C_FOLDER / name).read_bytes() for name in (*SHARED_GLUE, *VERSION_GLUE[fmi])}
+    glue = {name: (C_FOLDER / name).read_bytes() for name in SHARED_GLUE}
+    glue |= {name: (VERSION_FOLDERS[fmi] / name).read_bytes() for name in VERSION_GLUE[fmi]}
     return {**core_files(), **glue, "model.c": model.encode(), "fmu_table.c": table.encode()}
 
 

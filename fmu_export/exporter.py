@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from fmu_export import manifest
 from fmu_export.archive import write_archive
 from fmu_export.binary import build_binary, checked_platforms, source_files
-from fmu_export.description2 import Header, describe
+from fmu_export.fmi2.description import Header, describe
 from fmu_export.options import Experiment, SolverOptions, solver_options
 from fmu_export.start import start_vector
 from fmu_export.tables import render_table, token_of

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from gearblocks.errors import ParameterError
 from gearblocks.simulation.arguments import method_options
-from gearblocks.solver.binding import Method, Options
+from gearblocks.solver.structures import Method, Options
 
 RTOL_RANGE = (1e-14, 0.1)
 """Tolerances that an FMU accepts; c/gb_fmu.c holds the same limits."""

@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     import jinja2
 
 C_FOLDER = Path(__file__).with_name("c")
+"""The C that all versions of FMI share."""
+VERSION_FOLDERS = {"2.0": Path(__file__).with_name("fmi2")}
+"""The C of one version."""
 
 
 def render(name: str, /, **values: Any) -> str:

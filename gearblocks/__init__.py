@@ -66,15 +66,15 @@ from gearblocks.errors import (
     SimulationError,
     UnknownNameError,
 )  # fmt: skip
-from gearblocks.geometry.pitch_curves import design_ratio
-from gearblocks.geometry.ratio_law import RatioLaw, RatioLawError, driver_angle
-from gearblocks.language.block import (
+from gearblocks.geometry.ratio_curves import RatioLawError
+from gearblocks.geometry.ratio_design import design_ratio
+from gearblocks.geometry.ratio_fit import driver_angle
+from gearblocks.geometry.ratio_law import RatioLaw
+from gearblocks.language.block import Block, Effect
+from gearblocks.language.contributions import (
     Acts,
-    Block,
     Body,
-    Effect,
     Energy,
-    Flange,
     Hold,
     LossyTie,
     Motion,
@@ -83,18 +83,13 @@ from gearblocks.language.block import (
     Rate,
     Shows,
     Start,
-    State,
     Stick,
     Stop,
     Switch,
     Tie,
-    effect,
-    exact,
-    option,
-    param,
-    signal,
-)  # fmt: skip
+)
 from gearblocks.language.expression import cos, piecewise, sin
+from gearblocks.language.fields import Flange, State, effect, exact, option, param, signal
 from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
 from gearblocks.language.tables import Table2
 from gearblocks.language.units import rpm

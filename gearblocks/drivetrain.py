@@ -9,14 +9,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.errors import GearblocksError, ModelError, by_name, check_arguments, did_you_mean
-from gearblocks.language.block import Block, _Declared
+from gearblocks.language.block import Block, Declared
 from gearblocks.language.expression import as_expr
 from gearblocks.model.build import build_train, check_user_blocks
 from gearblocks.solver.library import Model
-from gearblocks.train.graph import Coordinate, Train, Tree, field_paths, flatten, replaced, unique_path, value_problems
+from gearblocks.train.graph import Coordinate, Train, Tree, flatten
 from gearblocks.train.handles import FlangeHandle, Handle
 from gearblocks.train.merging import released_angles
 from gearblocks.train.translational import start_fields, unit_along
+from gearblocks.train.values import field_paths, replaced, unique_path, value_problems
 
 if TYPE_CHECKING:
     from gearblocks.equations.equations import Equations
@@ -363,5 +364,5 @@ def _summary(block: Block, slides: bool) -> str:
         value = block.__dict__[name]
         if value is not None and value != field.default:
             unit = "" if field.unit == "1" else f" {unit_along(field.unit, slides)}"
-            parts.append(f"{name} = {value!r}{unit}" if not isinstance(value, _Declared) else f"{name}: {value!r}")
+            parts.append(f"{name} = {value!r}{unit}" if not isinstance(value, Declared) else f"{name}: {value!r}")
     return ", ".join(parts)

@@ -13,10 +13,11 @@ from gearblocks.analysis.modes import body_speeds, modes_at
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
 from gearblocks.simulation.arguments import resolve
-from gearblocks.simulation.equilibrium import motion
-from gearblocks.solver.binding import Array
+from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.solver.library import Model
+from gearblocks.solver.motion import motion
 from gearblocks.solver.point import Point
+from gearblocks.solver.structures import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,7 +55,6 @@ class Campbell:
 
     def plot(self, path: Any = None) -> Figure:
         """Frequencies, order lines and crossings over the speed in rpm; saved to `path` where given."""
-        from gearblocks.analysis.pictures import campbell_picture
 
         return campbell_picture(self, path)
 
@@ -176,3 +176,30 @@ def _crossings(speeds: Array, table: Array, orders: Mapping[str, float]) -> tupl
                 speed = speeds[i] + share * (speeds[i + 1] - speeds[i])
                 found.append(Crossing(float(speed), float(order * speed), mode + 1, name))
     return tuple(sorted(found))
+
+
+def campbell_picture(diagram: Campbell, path: Any) -> Figure:
+    """Frequencies over the speed with the order lines and their crossings."""
+    rpm, hertz = diagram.speeds * 30 / np.pi, diagram.frequencies / (2 * np.pi)
+    with style():
+        figure, (axis,) = new_figure(path, size=(8.4, 4.8))
+        top = 1.15 * float(hertz.max(initial=0.0)) or 1.0
+        for mode in range(hertz.shape[1]):
+            axis.plot(
+                rpm, hertz[:, mode], color="#333333", linewidth=1.2, label="natural frequencies" if mode == 0 else None
+            )
+        for number, (name, order) in enumerate(diagram.orders.items()):
+            colour = COLOURS[number % 6]
+            axis.plot(rpm, order * rpm / 60, color=colour, linestyle="--", label=f"{name} ({order:.4g})")
+            mine = [c for c in diagram.crossings if c.order == name]
+            axis.plot(
+                [c.speed * 30 / np.pi for c in mine], [c.frequency / (2 * np.pi) for c in mine], "o", color=colour,
+                markersize=5, markeredgecolor="white",
+            )  # fmt: skip
+        axis.set_ylim(0.0, top)
+        axis.set_xlim(float(rpm.min()), float(rpm.max()))
+        axis.set_xlabel("speed in rpm")
+        axis.set_ylabel("frequency in Hz")
+        axis.set_title(f"Campbell diagram of {diagram.name}")
+        axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        return finished(figure, path)

@@ -30,14 +30,16 @@ from gearblocks.simulation.arguments import (
     start_state,
 )
 from gearblocks.simulation.equilibrium import equilibrium
+from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.simulation.trajectory import Trajectory
-from gearblocks.solver.binding import Array
 from gearblocks.solver.library import Model
 from gearblocks.solver.point import Point, derivative, opened, restarted, state_matrix, steps_of
 from gearblocks.solver.sparse_maps import Indices
+from gearblocks.solver.structures import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
 
 Place: TypeAlias = "Mapping[str, float] | Trajectory | str | None"
 Complex = NDArray[np.complex128]
@@ -319,7 +321,6 @@ class FrequencyResponse:
 
     def plot(self, path: Any = None) -> Figure:
         """Magnitude and phase over the frequency in Hz (Bode); saved to `path` where given."""
-        from gearblocks.analysis.pictures import bode
 
         return bode(self, path)
 
@@ -336,3 +337,21 @@ def frequency_response(
     return FrequencyResponse(
         model.program.name, input, found.outputs, w, found.response(w)[:, :, 0], tuple(units[n] for n in found.outputs)
     )
+
+
+def bode(response: FrequencyResponse, path: Any) -> Figure:
+    """Magnitude and phase over the frequency in Hz."""
+    hertz = response.frequencies / (2 * np.pi)
+    with style():
+        figure, (upper, lower) = new_figure(path, rows=2, size=(7.2, 4.8))
+        for i, name in enumerate(response.outputs):
+            value = response.values[:, i]
+            upper.loglog(hertz, np.abs(value), color=COLOURS[i % 8], label=name)
+            lower.semilogx(hertz, np.rad2deg(np.unwrap(np.angle(value))), color=COLOURS[i % 8])
+        units = set(response.units)
+        upper.set_ylabel("magnitude" + (f" in {units.pop()}\nper unit of the input" if len(units) == 1 else ""))
+        lower.set_ylabel("phase in degrees")
+        lower.set_xlabel("frequency in Hz")
+        upper.set_title(f"{response.name}: response to {response.input}")
+        upper.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        return finished(figure, path)

@@ -13,14 +13,17 @@ from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
-from gearblocks.simulation.equilibrium import Motion, motion
-from gearblocks.solver.binding import Array
+from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.solver.library import Model
+from gearblocks.solver.motion import Motion, motion
 from gearblocks.solver.point import Point, state_matrix, steps_of
+from gearblocks.solver.structures import Array
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from scipy.sparse import csc_array
+
 
 _FEW = 20  # modes of a long train where none are asked for
 _ROUNDING = 1e-10  # of a damping ratio
@@ -87,7 +90,6 @@ class Modes:
 
     def plot(self, path: Any = None, *, most: int = 6) -> Figure:
         """Shapes and strain energies of the first modes that swing; saved to `path` where given."""
-        from gearblocks.analysis.pictures import shapes
 
         return shapes(self, path, most)
 
@@ -282,3 +284,55 @@ def _along(program: Program, whole: Motion, place: Array, shape: Array) -> Array
     largest = float(np.abs(shape[whole.coordinates]).max(initial=0.0))
     at_point = float(np.abs(place[whole.coordinates]).max(initial=0.0))
     return step * ((at_point or 1e-3) / largest if largest > 0 else 1.0)
+
+
+_LABELLED = 30  # bodies or elements that still have room for their names
+
+
+def shapes(modes: Modes, path: Any, most: int) -> Figure:
+    """One row per mode: motion of the bodies on the left, shares of the strain energy on the right."""
+    chosen = range(modes.free, min(len(modes), modes.free + most)) or range(min(len(modes), most))
+    with style():
+        figure, axes = new_figure(
+            path, rows=max(1, len(chosen)), columns=2, size=(9.0, 0.8 + 1.25 * max(1, len(chosen)))
+        )
+        for row, i in enumerate(chosen):
+            left, right = axes[2 * row], axes[2 * row + 1]
+            _shape(left, modes, i)
+            _shares(right, modes, i)
+            last = row == len(chosen) - 1
+            _names(left, modes.bodies, last)
+            _names(right, modes.elements, last)
+        axes[0].set_title("motion of the bodies")
+        axes[1].set_title("share of the strain energy")
+        figure.suptitle(f"modes of {modes.name}", x=0.01, ha="left", fontsize=10)
+        return finished(figure, path)
+
+
+def _shape(axis: Axes, modes: Modes, i: int) -> None:
+    place = np.arange(len(modes.bodies))
+    few = len(place) <= 60
+    axis.axhline(0.0, color="#888888", linewidth=0.7)
+    axis.plot(place, modes.shapes[i].real, color=COLOURS[0], marker="o" if few else "", markersize=4)
+    axis.set_ylim(-1.15, 1.15)
+    damping = f"\n{100 * modes.damping[i]:.2g} % damped" if modes.damping[i] > 1e-9 else ""
+    axis.set_ylabel(f"{modes.hertz[i]:.5g} Hz{damping}", rotation=0, ha="right", va="center")
+
+
+def _shares(axis: Axes, modes: Modes, i: int) -> None:
+    axis.bar(np.arange(len(modes.elements)), 100 * modes.strain[i], color=COLOURS[1], width=0.6)
+    axis.set_ylim(0.0, 100.0)
+    axis.set_ylabel("%")
+
+
+def _names(axis: Axes, names: tuple[str, ...], last: bool) -> None:
+    axis.set_xlim(-0.5, max(len(names) - 0.5, 0.5))
+    if len(names) > _LABELLED:
+        axis.locator_params(axis="x", integer=True)
+        axis.set_xlabel("number in the list" if last else "")
+        axis.tick_params(labelbottom=last)
+        return
+    long = len(names) > 6 or any(len(name) > 10 for name in names)
+    turned: dict[str, Any] = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if long else {}
+    axis.set_xticks(np.arange(len(names)), names if last else [""] * len(names), **turned)
+    axis.tick_params(axis="x", labelsize=7 if len(names) > 14 else 9)

@@ -7,11 +7,12 @@ from typing import Any, final
 
 import numpy as np
 
-from gearblocks.simulation.equilibrium import Motion, fixed_combinations, motion
+from gearblocks.simulation.equilibrium import fixed_combinations
 from gearblocks.solver.active_set import Rows, reduced
-from gearblocks.solver.binding import Array
+from gearblocks.solver.motion import Motion, motion
 from gearblocks.solver.point import Point, derivative, steps_of
 from gearblocks.solver.sparse_maps import Indices
+from gearblocks.solver.structures import Array
 
 
 @final

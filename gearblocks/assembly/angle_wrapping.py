@@ -16,13 +16,13 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.assemble import HELD, Assembly, Batch
+from gearblocks.assembly.assemble import HELD
 from gearblocks.assembly.coordinates import Combination
 from gearblocks.assembly.kinematics import Driven
+from gearblocks.assembly.tables import Assembly, Batch
 from gearblocks.errors import ModelError
-from gearblocks.laws.law import exact_value
-from gearblocks.laws.rational import Exact, over
-from gearblocks.laws.symbols import TableAt
+from gearblocks.laws.functions import TableAt
+from gearblocks.laws.rational import Exact, exact_value, over
 
 MOST = 10**6
 """Turns beyond which an angle is left to grow: it would not stay small."""

@@ -14,8 +14,9 @@ import sympy as sp
 
 from gearblocks.assembly.kinematics import Follower
 from gearblocks.assembly.rigid_constraints import Groups
-from gearblocks.laws.law import Law, exact_value, vanishes
-from gearblocks.laws.rational import Exact, over
+from gearblocks.laws.energy_balance import vanishes
+from gearblocks.laws.law import Law
+from gearblocks.laws.rational import Exact, exact_value, over
 from gearblocks.train.graph import GROUND, Component
 
 Row = dict[int, Exact]

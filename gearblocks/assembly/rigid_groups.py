@@ -9,20 +9,19 @@ from typing import TYPE_CHECKING, Any
 from gearblocks.assembly.coordinates import Combination
 from gearblocks.assembly.kinematics import Driven, Follower, GroupRow, Kinematics, follow
 from gearblocks.assembly.massless_groups import Known, Shafts, floating
+from gearblocks.assembly.tables import HELD
 from gearblocks.errors import ModelError
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Parameter
-from gearblocks.laws.law import Law, exact_value
+from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import Drive
-from gearblocks.laws.rational import Exact, exact, over
-from gearblocks.train.graph import Component, Train, numbers_of
+from gearblocks.laws.rational import Exact, exact, exact_value, over
+from gearblocks.train.graph import Component, Train
 from gearblocks.train.translational import start_fields
+from gearblocks.train.values import numbers_of
 
 if TYPE_CHECKING:
-    from gearblocks.assembly.assemble import Assembly
-
-HELD = -1
-"""Group number of a flange that the ground holds."""
+    from gearblocks.assembly.tables import Assembly
 
 
 @dataclass(slots=True)
@@ -250,7 +249,7 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
 
     A shaft without any body is named by the first flange at it.
     """
-    from gearblocks.assembly.assemble import StartValues
+    from gearblocks.assembly.tables import StartValues
 
     found: dict[str, dict[int, tuple[str, Exact, bool]]] = {"phi0": {}, "w0": {}}
     for c, law in zip(assembly.train.components, laws, strict=True):

@@ -8,7 +8,9 @@ from typing import Any
 
 from gearblocks.geometry.backlash_fit import polynomial_fit
 from gearblocks.geometry.spline_teeth import segments
-from gearblocks.language.block import Contribution, Effect, State, Switch, option, param
+from gearblocks.language.block import Effect
+from gearblocks.language.contributions import Contribution, Switch
+from gearblocks.language.fields import State, option, param
 from gearblocks.language.signals import Value
 
 
@@ -85,7 +87,7 @@ class Backlash(Effect):
         """g(x), the part of the deflection that loads the teeth."""
         import sympy as sp
 
-        from gearblocks.laws.symbols import DeadZone
+        from gearblocks.laws.functions import DeadZone
 
         b = s.half_gap
         if self.gaps is not None:
@@ -104,7 +106,7 @@ class Backlash(Effect):
         """G(x), the integral of g from zero deflection."""
         import sympy as sp
 
-        from gearblocks.laws.symbols import DeadZone
+        from gearblocks.laws.functions import DeadZone
 
         b = s.half_gap
         if self.gaps is not None:
@@ -130,7 +132,7 @@ class Backlash(Effect):
         """-1 coast side, 0 no contact, +1 drive side."""
         import sympy as sp
 
-        from gearblocks.laws.symbols import ContactSide
+        from gearblocks.laws.functions import ContactSide
 
         if self.gaps is None:
             return ContactSide(x, s.half_gap)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.language.block import Block, Body, Contribution, Flange, Shows, Tie, param
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Body, Contribution, Shows, Tie
+from gearblocks.language.fields import Flange, param
 from gearblocks.language.signals import Value
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gearblocks.blocks.effects import Backlash, HuntCrossley
-from gearblocks.language.block import Acts, Contribution, Energy, Force, Hold, Rate, Shows, Switch
+from gearblocks.language.contributions import Acts, Contribution, Energy, Force, Hold, Rate, Shows, Switch
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +129,7 @@ def _impact(law: Contact, elastic: Any, side: Any) -> Generator[Contribution, No
     """The damping of Hunt and Crossley, and the approach speed that each contact keeps."""
     import sympy as sp
 
-    from gearblocks.laws.symbols import RestitutionDamping
+    from gearblocks.laws.functions import RestitutionDamping
 
     inward, s = side * law.rate, law.choice_symbols
     factor = 1 + RestitutionDamping(s.restitution) * s.slowness * inward

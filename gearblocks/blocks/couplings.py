@@ -7,20 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from gearblocks.language.block import (
-    Acts,
-    Block,
-    Contribution,
-    Effect,
-    Energy,
-    Flange,
-    Shows,
-    Tie,
-    effect,
-    exact,
-    option,
-    param,
-)
+from gearblocks.language.block import Block, Effect
+from gearblocks.language.contributions import Acts, Contribution, Energy, Shows, Tie
+from gearblocks.language.fields import Flange, effect, exact, option, param
 from gearblocks.language.signals import Table, Value
 
 _REST = 1e-6  # rad/s: keeps the speed ratio of a torque converter defined at rest

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from gearblocks.blocks.backlash import Backlash, HuntCrossley
-from gearblocks.language.block import Effect, State, effect, option, param, signal
+from gearblocks.language.block import Effect
+from gearblocks.language.fields import State, effect, option, param, signal
 from gearblocks.language.signals import Table, Value
 
 __all__ = [

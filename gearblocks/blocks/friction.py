@@ -9,21 +9,9 @@ from typing import Any
 import numpy as np
 
 from gearblocks.blocks.couplings import table_values
-from gearblocks.language.block import (
-    Block,
-    Contribution,
-    Effect,
-    Flange,
-    Rate,
-    Shows,
-    Start,
-    State,
-    Stick,
-    effect,
-    option,
-    param,
-    signal,
-)
+from gearblocks.language.block import Block, Effect
+from gearblocks.language.contributions import Contribution, Rate, Shows, Start, Stick
+from gearblocks.language.fields import Flange, State, effect, option, param, signal
 from gearblocks.language.signals import Table, Value
 
 CAPACITY: Any = signal("torque that it transmits while it slips", "N m", default=None, ge=0)

@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
-from gearblocks.language.block import Block, Contribution, Flange, Shows, Tie, exact, option
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Contribution, Shows, Tie
+from gearblocks.language.fields import Flange, exact, option
 
 
 class IdealGear(Block):

@@ -18,7 +18,9 @@ from gearblocks.blocks.friction import (
     relative_motion,
     rubs,
 )
-from gearblocks.language.block import Block, Contribution, Flange, Shows, State, Stick, Switch, signal
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Contribution, Shows, Stick, Switch
+from gearblocks.language.fields import Flange, State, signal
 from gearblocks.language.signals import Value
 
 _LEAST = 1e-4  # break-away torque while not engaged, over that of the largest normal force

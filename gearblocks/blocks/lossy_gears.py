@@ -8,7 +8,9 @@ from math import cos, isfinite, tan
 from typing import Any
 
 from gearblocks.errors import ModelError
-from gearblocks.language.block import Block, Contribution, Flange, LossyTie, Parts, Shows, Tie, exact, option, param
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Contribution, LossyTie, Parts, Shows, Tie
+from gearblocks.language.fields import Flange, exact, option, param
 from gearblocks.language.signals import Table
 
 

@@ -5,19 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.language.block import (
-    Acts,
-    Block,
-    Contribution,
-    Energy,
-    Flange,
-    Rate,
-    Shows,
-    State,
-    option,
-    param,
-    signal,
-)
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Acts, Contribution, Energy, Rate, Shows
+from gearblocks.language.fields import Flange, State, option, param, signal
 from gearblocks.language.signals import Value
 from gearblocks.language.tables import Table2
 

@@ -21,7 +21,9 @@ from gearblocks.blocks.gears import teeth_problems
 from gearblocks.blocks.rigid_impact import hits, impact, without
 from gearblocks.blocks.tooth_friction import rub
 from gearblocks.geometry.involute import NUMBERS, ToothPair, contact_ratio_or_nan, iso_problems, mesh_stiffness
-from gearblocks.language.block import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Contribution, Shows, Tie
+from gearblocks.language.fields import Flange, effect, exact, option, param
 from gearblocks.language.signals import Value
 
 
@@ -161,7 +163,7 @@ class GearMesh(Block):
 
     def _radius(self, s: Any) -> Any:
         """Base radius of the pinion; that of the wheel follows from the teeth."""
-        from gearblocks.laws.symbols import SYMBOLS
+        from gearblocks.laws.functions import SYMBOLS
 
         if self.r_base is not None:
             return s.r_base[0]
@@ -175,7 +177,7 @@ class GearMesh(Block):
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Contact along the line of action, or the rigid tie."""
-        from gearblocks.laws.symbols import SYMBOLS
+        from gearblocks.laws.functions import SYMBOLS
 
         sign = 1 if self.external else -1
         ratio = sign * s.teeth[1] / s.teeth[0]

@@ -8,23 +8,10 @@ from typing import Any
 from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, theta_of
 from gearblocks.blocks.effects import Backlash, Harmonic, Profile, ToothFriction, as_profile
 from gearblocks.geometry.ratio_law import RatioLaw
-from gearblocks.language.block import (
-    Acts,
-    Block,
-    Contribution,
-    Flange,
-    Force,
-    Rate,
-    Shows,
-    Start,
-    State,
-    Tie,
-    effect,
-    option,
-    param,
-    signal,
-)
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Acts, Contribution, Force, Rate, Shows, Start, Tie
 from gearblocks.language.expression import Expr
+from gearblocks.language.fields import Flange, State, effect, option, param, signal
 from gearblocks.language.signals import Input, Parameter, Signal, Table, Value
 
 _CORNERS = {"Abs", "sign", "Min", "Max", "Heaviside", "Piecewise"}

@@ -11,7 +11,9 @@ from gearblocks.blocks.bodies import Inertia
 from gearblocks.blocks.effects import MeshLaw, ToothFriction
 from gearblocks.blocks.gears import teeth_problems
 from gearblocks.blocks.meshes import GearMesh
-from gearblocks.language.block import Block, Contribution, Flange, Parts, effect, exact, option, param
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Contribution, Parts
+from gearblocks.language.fields import Flange, effect, exact, option, param
 from gearblocks.language.signals import Value
 
 

@@ -7,7 +7,8 @@ from typing import Any
 
 from gearblocks.blocks.effects import HuntCrossley
 from gearblocks.blocks.stops import Limits, pressing, stops
-from gearblocks.language.block import Block, Contribution, Shows
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Contribution, Shows
 
 
 def _gap_field(block: Any) -> str:

@@ -5,22 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.language.block import (
-    Acts,
-    Block,
-    Contribution,
-    Energy,
-    Flange,
-    Motion,
-    Rate,
-    Shows,
-    Start,
-    State,
-    Stick,
-    Tie,
-    param,
-    signal,
-)
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Acts, Contribution, Energy, Motion, Rate, Shows, Start, Stick, Tie
+from gearblocks.language.fields import Flange, State, param, signal
 from gearblocks.language.signals import Value
 
 

@@ -8,7 +8,9 @@ from typing import Any
 from gearblocks.blocks.contact import Line, damping, damping_problems, mesh
 from gearblocks.blocks.effects import Backlash, Fourier, HuntCrossley, Profile, Square, as_profile
 from gearblocks.blocks.rigid_impact import hits, impact, without
-from gearblocks.language.block import Block, Contribution, Flange, Shows, Tie, effect, exact, option, param
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Contribution, Shows, Tie
+from gearblocks.language.fields import Flange, effect, exact, option, param
 from gearblocks.language.signals import Value
 
 

@@ -9,22 +9,9 @@ from gearblocks.blocks.bodies import Inertia
 from gearblocks.blocks.contact import Contact, contact, damping, damping_problems
 from gearblocks.blocks.effects import Backlash, HuntCrossley, Hysteresis
 from gearblocks.blocks.rigid_impact import hits, impact, without
-from gearblocks.language.block import (
-    Block,
-    Contribution,
-    Energy,
-    Flange,
-    Force,
-    Parts,
-    Rate,
-    Shows,
-    Stick,
-    Tie,
-    effect,
-    option,
-    param,
-    signal,
-)
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Contribution, Energy, Force, Parts, Rate, Shows, Stick, Tie
+from gearblocks.language.fields import Flange, effect, option, param, signal
 from gearblocks.language.signals import Value
 
 

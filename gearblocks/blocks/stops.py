@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from gearblocks.language.block import Block, Contribution, Flange, Shows, State, Stop, param
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Contribution, Shows, Stop
+from gearblocks.language.fields import Flange, State, param
 from gearblocks.language.signals import Value
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from gearblocks.blocks.contact import Line, theta_of
 from gearblocks.geometry.involute import ToothPair
-from gearblocks.language.block import Acts, Contribution, Energy, Force, Shows, Switch
+from gearblocks.language.contributions import Acts, Contribution, Energy, Force, Shows, Switch
 
 
 def rub(block: Any, s: Any, found: Iterable[Contribution], line: Line, pair: ToothPair) -> Iterator[Contribution]:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.language import block as declare
-from gearblocks.language.block import Acts, Block, Body, Contribution, Flange, Shows, Tie, exact, param, signal
+from gearblocks.language import contributions
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Acts, Body, Contribution, Shows, Tie
+from gearblocks.language.fields import Flange, exact, param, signal
 from gearblocks.language.signals import Value
 
 
@@ -65,7 +67,7 @@ class Force(Block):
     def __new__(cls, *values: Any, **named: Any) -> Any:
         """The block, or the contribution of a law."""
         if cls is Force and (len(values) > 1 or {"deflection", "force"} & set(named)):
-            return declare.Force(*values, **named)
+            return contributions.Force(*values, **named)
         return super().__new__(cls)
 
     def physics(self, s: Any) -> Iterator[Contribution]:

@@ -5,22 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.language.block import (
-    Acts,
-    Block,
-    Body,
-    Contribution,
-    Effect,
-    Energy,
-    Flange,
-    Rate,
-    Shows,
-    State,
-    Stick,
-    effect,
-    param,
-    signal,
-)
+from gearblocks.language.block import Block, Effect
+from gearblocks.language.contributions import Acts, Body, Contribution, Energy, Rate, Shows, Stick
+from gearblocks.language.fields import Flange, State, effect, param, signal
 from gearblocks.language.signals import Value
 
 GRAVITY = 9.80665  # m/s2, standard

@@ -2,63 +2,24 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.assemble import HELD, Batch
+from gearblocks.assembly.assemble import HELD
+from gearblocks.assembly.tables import Batch
+from gearblocks.codegen.function import Column, Function, Statement, column, identifier
 from gearblocks.codegen.hoisting import Hoister
-from gearblocks.codegen.layout import Column, Layout, column, speed_index
-from gearblocks.codegen.massless_groups import Balance, HiddenRows, balance_of
+from gearblocks.codegen.layout import Layout, speed_index
+from gearblocks.codegen.massless_balance import balance_of
+from gearblocks.codegen.parts import Balance, HiddenRows
 from gearblocks.laws.prescribed_motion import frozen_drive
 from gearblocks.laws.printer import c_text
 from gearblocks.laws.symbols import CONSTANT, MOVING, TIMED, clock
 
 _OF_STICKS = ("lower", "upper", "forward", "backward", "engaged", "restitution", "share")
-
-UNROLLED = 8
-"""Batches of at most this many instances are called one by one, with numbers in place of table columns."""
-
-
-@dataclass(slots=True)
-class Statement:
-    """lhs op rhs, for the template."""
-
-    lhs: str
-    op: str
-    rhs: str
-    full: bool = False
-
-
-@dataclass(slots=True)
-class Function:
-    """One function of a batch. args: (C type, name, column); prologue: (name, text) of its constants."""
-
-    name: str
-    args: list[tuple[str, str, Column]]
-    prologue: list[tuple[str, str]]
-    body: list[Statement]
-    count: int
-
-    @property
-    def calls(self) -> list[str]:
-        """Argument lists of one call per instance, or of the single call inside a loop."""
-        if self.count <= UNROLLED:
-            return [", ".join([str(e), *(c.at(e) for _, _, c in self.args)]) for e in range(self.count)]
-        return [", ".join(["e", *(c.text() for _, _, c in self.args)])]
-
-    @property
-    def looped(self) -> bool:
-        """Whether the calls stand in a loop."""
-        return self.count > UNROLLED
-
-    @property
-    def tables(self) -> list[Column]:
-        """Columns that need an array."""
-        return [c for _, _, c in self.args if self.looped and c.is_table]
 
 
 @dataclass(slots=True)
@@ -78,11 +39,6 @@ class Places:
     tau: dict[str, int] = field(default_factory=dict)
     senses: Mapping[str, int] = field(default_factory=dict)
     tables: Mapping[Any, str] = field(default_factory=dict)
-
-
-def identifier(text: str) -> str:
-    """A C identifier from a path."""
-    return re.sub(r"\W+", "_", text).strip("_")
 
 
 def _by_name(*exprs: Any) -> list[Any]:
@@ -198,7 +154,7 @@ class BatchCode:
         return " + ".join(terms)
 
     def _exact_column(self, expr: Any) -> list[Any]:
-        from gearblocks.laws.law import exact_value
+        from gearblocks.laws.rational import exact_value
 
         return [exact_value(expr, {s: v[e] for s, v in self.batch.exact.items()}) for e in range(self.n)]
 
@@ -350,7 +306,11 @@ class BatchCode:
         for name, stick in law.sticks.items():
             self.stick_values[name] |= {f"loss_{i}": hoist(x) for i, x in enumerate(stick.losses or ())}
         self.late_loss = None if law.late_loss is None else hoist(law.late_loss)
-        self.balance = balance_of(self, self.places.hidden, self.places.floats) if self.places.hidden else Balance()
+        self.balance = (
+            balance_of(self.batch, self.hoister.hoist, self.places.hidden, self.places.floats)
+            if self.places.hidden
+            else Balance()
+        )
 
     def _held(self, value: Any, when: Any, *, state: str) -> Any:
         """What a held state is after an event: the value where `when` has just turned to 1, else as it was."""

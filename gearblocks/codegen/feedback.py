@@ -3,26 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 from gearblocks.assembly.angle_wrapping import located
-from gearblocks.assembly.assemble import Assembly
-from gearblocks.codegen.batch import BatchCode, Function
+from gearblocks.assembly.tables import Assembly
+from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.parts import Sense
 from gearblocks.errors import ModelError, did_you_mean
-
-
-@dataclass(slots=True)
-class Sense:
-    """An output that a signal reads: its place in sense[], where it is shown, and the code that fills it."""
-
-    path: str
-    index: int
-    batch: int = 0
-    instance: int = 0
-    expr: Any = None
-    function: Function | None = None
-    call: str = ""
 
 
 def _shown(codes: Iterable[BatchCode], assembly: Assembly, path: str) -> tuple[BatchCode, int, Any, int]:

@@ -9,12 +9,14 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.assembly.angle_wrapping import Turns, find_turns, located
-from gearblocks.assembly.assemble import HELD, Assembly
-from gearblocks.codegen.batch import BatchCode, Places, Statement, identifier
-from gearblocks.codegen.feedback import Sense, order_senses, reads_angles
-from gearblocks.codegen.generator import Band, Generator, Prediction
+from gearblocks.assembly.assemble import HELD
+from gearblocks.assembly.tables import Assembly
+from gearblocks.codegen.batch import BatchCode, Places
+from gearblocks.codegen.feedback import order_senses, reads_angles
+from gearblocks.codegen.function import Statement, column, identifier
+from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.jacobian.matrix import linear_part
-from gearblocks.codegen.layout import column, lay_out, padded
+from gearblocks.codegen.layout import lay_out, padded
 from gearblocks.codegen.mass_matrix import check_mobility, drive_functions, lay_out_mass
 from gearblocks.codegen.massless_groups import hidden_rows, lay_out_massless
 from gearblocks.codegen.mean_excitation import mean_of_column
@@ -27,6 +29,7 @@ from gearblocks.codegen.output_names import (
     state_quantities,
     unknown_outputs,
 )
+from gearblocks.codegen.parts import Band, Prediction, Sense
 from gearblocks.codegen.program import EnergyInfo, InputInfo, IntegralInfo, Program, SwitchInfo
 from gearblocks.codegen.switched_constraints import held_torques, lay_out_locks, lock_functions, loss_places
 from gearblocks.codegen.template_values import view

@@ -2,58 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from gearblocks.assembly.assemble import HELD, Assembly, Batch
+from gearblocks.assembly.assemble import HELD
+from gearblocks.assembly.tables import Assembly, Batch
 from gearblocks.codegen.program import ParameterInfo
-from gearblocks.language.block import Field
+from gearblocks.language.fields import Field
 from gearblocks.language.signals import Input, Parameter
-from gearblocks.laws.rational import Exact
-from gearblocks.train.graph import leaves_of, numbers_of
 from gearblocks.train.translational import field_along, slider_names, start_names, unit_along, words_along
+from gearblocks.train.values import leaves_of, numbers_of
 
 PAD = 8
-
-
-@dataclass(frozen=True, slots=True)
-class Column:
-    """One number per instance of a batch: a constant, an arithmetic progression or a table."""
-
-    name: str
-    values: tuple[float | int, ...]
-
-    @property
-    def is_table(self) -> bool:
-        """Whether it needs an array in C."""
-        return len(self.values) > 2 and self._progression() is None
-
-    def _progression(self) -> tuple[Any, Any] | None:
-        v = self.values
-        step = v[1] - v[0] if len(v) > 1 else 0
-        if all(isinstance(x, int) for x in v) and all(v[i] == v[0] + i * step for i in range(len(v))):
-            return v[0], step
-        return (v[0], 0) if all(x == v[0] for x in v) else None
-
-    def at(self, i: int) -> str:
-        """C for the entry of instance i."""
-        return repr(self.values[i])
-
-    def text(self) -> str:
-        """C for the entry of instance `e`."""
-        found = self._progression()
-        if found is None:
-            return f"{self.name}[e]"
-        start, step = found
-        if step == 0:
-            return repr(start)
-        return "e" if (start, step) == (0, 1) else f"{start} + {step} * e"
-
-    @property
-    def is_constant(self) -> bool:
-        """Whether all instances share the value."""
-        return all(x == self.values[0] for x in self.values)
 
 
 def padded(n: int) -> int:
@@ -202,11 +163,6 @@ def _start_values(lay: Layout) -> None:
                 c = lay.assembly.train.components[index]
                 unit = "1" if "." in state else unit_along(type(c.block).states[state].unit, c.slides)
                 _add(lay, f"{c.path}.{state}", Field("start value", unit, "param"), tunable=False)
-
-
-def column(name: str, values: Sequence[float | Exact]) -> Column:
-    """A column with plain numbers."""
-    return Column(name, tuple(v if isinstance(v, int) else float(v) for v in values))
 
 
 def speed_index(lay: Layout, batch: Batch, flange: str) -> list[int]:

@@ -7,46 +7,18 @@ of the shafts that have speeds of their own through its row over them.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from gearblocks.assembly.kinematics import Driven, Follower
-from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
-from gearblocks.codegen.layout import column
+from gearblocks.assembly.kinematics import Driven
+from gearblocks.codegen.function import column
+from gearblocks.codegen.jacobian.sparsity import eliminate
+from gearblocks.codegen.parts import Motions
 from gearblocks.errors import ModelError
 
 if TYPE_CHECKING:
-    from gearblocks.codegen.batch import BatchCode, Function
+    from gearblocks.codegen.batch import BatchCode
+    from gearblocks.codegen.function import Function
     from gearblocks.codegen.generator import Generator
-
-
-@dataclass(slots=True)
-class Motions:
-    """followers[i] has entries [start[i], start[i + 1]) of index (group) and value (gain; 0 where a drive gives it).
-
-    rows: by follower that carries inertia: (speed number -> place in the array of row entries). steps: how these entries
-    are computed, (target, gain, source entry or -1); products: what they add to the mass matrix, (target: place, or -1 -
-    step for the diagonal; entry; entry; group).
-    """
-
-    followers: list[Follower]
-    start: list[int] = field(default_factory=lambda: [0])
-    index: list[int] = field(default_factory=list)
-    value: list[float] = field(default_factory=list)
-    slots: dict[tuple[int, str], int] = field(default_factory=dict)
-    rows: dict[int, dict[int, int]] = field(default_factory=dict)
-    steps: list[tuple[int, int, int]] = field(default_factory=list)
-    products: list[tuple[int, int, int, int]] = field(default_factory=list)
-    pattern: Pattern = field(default_factory=lambda: eliminate(0, ()))
-    dynamic: bool = False
-    n_entries: int = 0
-    calls: dict[int, str] = field(default_factory=dict)
-    powered: list[int] = field(default_factory=list)
-
-    @property
-    def paced(self) -> bool:
-        """Whether a drive moves by itself (bias) or has accelerations that its gains do not explain."""
-        return any(f.drive is not None for f in self.followers)
 
 
 def lay_out_mass(g: Generator, at: int) -> int:

@@ -6,81 +6,22 @@ it, dT/dt = 0 gives it, and its angle is put into balance at the start and after
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from gearblocks.assembly.rigid_groups import HELD
-from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
-from gearblocks.codegen.layout import Column, column
+from gearblocks.codegen.function import Column, column
+from gearblocks.codegen.jacobian.sparsity import eliminate
+from gearblocks.codegen.parts import HiddenRows, Massless
 from gearblocks.errors import ModelError
 from gearblocks.laws.rational import Exact
-from gearblocks.laws.symbols import clock
 
 if TYPE_CHECKING:
-    from gearblocks.assembly.assemble import Assembly
-    from gearblocks.codegen.batch import BatchCode, Function
+    from gearblocks.assembly.tables import Assembly
+    from gearblocks.codegen.batch import BatchCode
+    from gearblocks.codegen.function import Function
     from gearblocks.codegen.generator import Generator
-
-
-HiddenRows = dict[int, dict[int, Exact]]
-"""By group: factors of its speed on those of hidden shafts, by their number."""
-
-
-@dataclass(slots=True)
-class Balance:
-    """Torques of one batch on shafts that may have no inertia, and their slopes.
-
-    torques, growths: torque on a flange and its rate of change; drags, stiffnesses: their derivatives by the speed of a
-    flange, by (flange, flange).
-    """
-
-    torques: dict[str, Any] = field(default_factory=dict)
-    growths: dict[str, Any] = field(default_factory=dict)
-    drags: dict[tuple[str, str], Any] = field(default_factory=dict)
-    stiffnesses: dict[tuple[str, str], Any] = field(default_factory=dict)
-
-
-@dataclass(slots=True)
-class Massless:
-    """Hidden shafts by number. floats: those that stand for several; damped: or not; free_start: whether the angle at the
-    start is one of balance. pattern: of their coupling; affine: whether one step solves for the speeds. shifts: by state,
-    what an angle moves it.
-    """
-
-    rows: HiddenRows
-    floats: frozenset[int]
-    damped: list[bool]
-    free_start: list[bool]
-    pattern: Pattern
-    affine: bool
-    shifts: list[dict[int, Exact]]
-
-    @property
-    def n_entries(self) -> int:
-        """Diagonal, lower and upper entries and one for what goes nowhere."""
-        return len(self.pattern.order) + 2 * len(self.pattern.row) + 1
-
-    def entry(self, one: int, other: int) -> int:
-        """Place of the entry (one, other)."""
-        n, places = len(self.pattern.order), len(self.pattern.row)
-        if one == other:
-            return self.pattern.steps[one]
-        return n + self.pattern.place(one, other) + (0 if self.pattern.is_lower(one, other) else places)
-
-    @property
-    def entry_rows(self) -> list[int]:
-        """The hidden shaft whose balance each entry belongs to."""
-        rows = [-1] * self.n_entries
-        n, places = len(self.pattern.order), len(self.pattern.row)
-        rows[:n] = self.pattern.order
-        for k in range(n):
-            for p in range(self.pattern.start[k], self.pattern.start[k + 1]):
-                rows[n + p] = self.pattern.order[self.pattern.row[p]]
-                rows[n + places + p] = self.pattern.order[k]
-        return rows
 
 
 def hidden_rows(assembly: Assembly) -> HiddenRows:
@@ -100,59 +41,6 @@ def hidden_rows(assembly: Assembly) -> HiddenRows:
                     row[number] = row.get(number, 0) + f.row.groups[source] * c
             found[f.group] = {number: c for number, c in row.items() if c}
     return found
-
-
-def balance_of(code: BatchCode, rows: HiddenRows, floats: frozenset[int]) -> Balance:
-    """The balance of a batch, hoisted; empty where none of its flanges is at such a shaft."""
-    law, hoist = code.law, code.hoister.hoist
-    at = [f for f in code.batch.flanges if any(group in rows for group in code.batch.groups[f])]
-    speeds = {f: law.pool.symbol("w", f, f"w_{f}") for f in at}
-    result = Balance()
-    for f in at:
-        if f not in law.torques or code.batch.groups[f][0] == HELD:
-            continue
-        torque = law.torques[f].xreplace(law.forces)
-        alone = all(floats.isdisjoint(rows.get(group, ())) for group in code.batch.groups[f])
-        growth = _rate(code, torque, damped=alone)
-        result.torques[f], result.growths[f] = hoist(torque), hoist(growth)
-        for other, w in speeds.items():
-            drag, stiffness = sp.diff(torque, w), _stiffness(code, torque, other)
-            if drag != 0:
-                result.drags[f, other] = hoist(drag)
-            if stiffness != 0:
-                result.stiffnesses[f, other] = hoist(stiffness)
-    return result
-
-
-def _stiffness(code: BatchCode, torque: Any, flange: str) -> Any:
-    """Derivative of a torque by the angle of a flange."""
-    law = code.law
-    total = sp.diff(torque, law.pool.symbol("phi", flange, f"phi_{flange}"))
-    for form, u in zip(law.forms, law.coordinates, strict=True):
-        total += sp.diff(torque, u) * form.coefficients.get(flange, 0)
-    return total
-
-
-def _rate(code: BatchCode, torque: Any, *, damped: bool) -> Any:
-    """Rate of change of a torque. What dampers add to it is left aside: where springs alone give the speed of several
-    shafts, it cancels, and a shaft that is `damped` needs no rate (0)."""
-    law = code.law
-    speeds = [x for x in torque.free_symbols if law.pool.slots[x].role == "w"]
-    if speeds and damped:
-        return sp.Integer(0)
-    torque = torque.xreplace(dict.fromkeys(speeds, sp.Integer(0)))
-    total = sp.diff(torque, clock())
-    for form, u in zip(law.forms, law.coordinates, strict=True):
-        slope = sp.diff(torque, u)
-        if slope != 0:
-            total += slope * sum(c * law.pool.symbol("w", n, f"w_{n}") for n, c in form.coefficients.items())
-    for x in list(torque.free_symbols):
-        slot = law.pool.slots[x]
-        if slot.role == "phi":
-            total += sp.diff(torque, x) * law.pool.symbol("w", slot.of, f"w_{slot.of}")
-        elif slot.role == "state":
-            total += sp.diff(torque, x) * law.rates[slot.of]
-    return total
 
 
 def lay_out_massless(g: Generator) -> None:

@@ -16,8 +16,9 @@ import sympy as sp
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.hoisting import HoistedColumn
 from gearblocks.language.signals import Table
+from gearblocks.laws.functions import TableAt
 from gearblocks.laws.switching import Mode
-from gearblocks.laws.symbols import TIMED, TableAt, clock
+from gearblocks.laws.symbols import TIMED, clock
 
 _LARGEST_POWER = 8  # of sums, which are written out term by term
 

@@ -6,64 +6,19 @@ The row of a lock is its slip as a form of the speeds; a force on it goes back t
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.assembly.assemble import HELD
-from gearblocks.codegen.batch import Statement
-from gearblocks.codegen.layout import Column
+from gearblocks.codegen.function import Column, Statement
+from gearblocks.codegen.parts import VALUES, Lock, Locks
 from gearblocks.errors import ModelError
-from gearblocks.laws.law import exact_value
+from gearblocks.laws.rational import exact_value
 
 if TYPE_CHECKING:
-    from gearblocks.codegen.batch import BatchCode, Function
+    from gearblocks.codegen.batch import BatchCode
+    from gearblocks.codegen.function import Function
     from gearblocks.codegen.generator import Generator
     from gearblocks.laws.switched_constraints import StickOfKind
-
-VALUES = 5
-"""Numbers per lock that the solver asks for at an event: lower and upper limit, forces against the slip, engaged."""
-
-
-@dataclass(slots=True)
-class Lock:
-    """One lock: its component and stick, its slip over the groups, switches (-1: none) and places of states (-1: none)."""
-
-    path: str
-    stick: StickOfKind
-    row: dict[int, float]
-    slip: int = -1
-    hold: int = -1
-    free: int = -1
-    impulse: int = -1
-    impacts: int = -1
-    loss: int = -1
-    partner: int = -1
-
-    @property
-    def kind(self) -> str:
-        """Name of its kind in C."""
-        return f"GB_{self.stick.kind.upper()}"
-
-
-@dataclass(slots=True)
-class Locks:
-    """All locks of a train. rows: over the speeds that they reach (values count where gains do not change with the
-    position); speeds: by column. matrix0: where the responses to their forces lie in par[], where they are constant."""
-
-    locks: list[Lock] = field(default_factory=list)
-    first: dict[tuple[int, str], int] = field(default_factory=dict)
-    rows: list[dict[int, float]] = field(default_factory=list)
-    speeds: list[int] = field(default_factory=list)
-    dynamic: bool = False
-    paced: bool = False
-    lossy: bool = False
-    matrix0: int = 0
-
-    @property
-    def size(self) -> int:
-        """Doubles of the memory behind the modes, as gb_lock_size in gb_lock.h."""
-        n, m = len(self.locks), len(self.speeds)
-        return 1 + 3 * n + 2 * n * n + n * m if n else 0
 
 
 def lay_out_locks(g: Generator, at: int) -> int:

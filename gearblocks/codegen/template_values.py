@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -10,32 +9,15 @@ from itertools import accumulate
 from typing import Any, NamedTuple
 
 from gearblocks.assembly.coordinates import Combination
-from gearblocks.codegen.batch import Function
-from gearblocks.codegen.generator import Following, Generator
+from gearblocks.codegen.function import Function, FunctionView, function_view
+from gearblocks.codegen.generator import Generator
+from gearblocks.codegen.parts import Following
 from gearblocks.codegen.reactions import tie_tables
 from gearblocks.codegen.switched_constraints import lock_columns
 from gearblocks.laws.rational import Exact, over
 
-_VECTORS = (
-    "par", "before", "mode", "tau", "y", "loop", "phi", "whole", "gain", "bias", "surplus", "w", "alpha", "torque", "growth",
-    "drag", "stiff", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo",
-    "hi", "kept", "diag", "lower", "upper", "slope", "change", "speed", "turn", "rise",
-    "coef", "entry", "held", "limit", "skew",
-)  # fmt: skip
-_INTEGERS = ("full", "i")
-_SCALARS = ("g",)
 _FEW = 16  # loops that are written out
 _SMALL = 64  # states of a train whose derivatives stay in registers
-
-
-@dataclass(frozen=True, slots=True)
-class FunctionView:
-    """A function ready to print: signature, body, and the calls of all instances."""
-
-    name: str
-    signature: str
-    function: Function
-    calls: list[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,33 +43,6 @@ class CountedView:
     switches: list[int]
     steps: list[int]
     starts: list[tuple[int, float, float]]
-
-
-def function_view(function: Function) -> FunctionView:
-    """Gives a function the vectors that its text names."""
-    text = " ".join([*(x for _, x in function.prologue), *(f"{s.lhs} {s.rhs}" for s in function.body)])
-    written = {word for s in function.body for word in re.findall(r"\w+", s.lhs.split("[")[0])}
-    if any(s.op in ("call", "below", "above") for s in function.body):
-        text += " mode lo hi"
-        written |= {"lo", "hi"}
-    if any(s.op in ("spread", "spread_terms") for s in function.body):
-        text += " diag lower upper"
-        written |= {"diag", "lower", "upper"}
-    if any(s.op == "spread_terms" for s in function.body):
-        text += " coef entry"
-        written.add("entry")
-    words = set(re.findall(r"[A-Za-z_]\w*", text))
-    if any(s.full for s in function.body):
-        words.add("full")
-    used = [
-        (f"{'' if name in written else 'const '}double *restrict {name}", name) for name in _VECTORS if name in words
-    ]
-    used += [(f"const double {name}", name) for name in _SCALARS if name in words]
-    used += [(f"const int {name}", name) for name in _INTEGERS if name in words]
-    args = [f"const {kind} {name}" for kind, name, _ in function.args]
-    signature = ", ".join([*(kind for kind, _ in used), "const int e", *args])
-    prefix = "".join(f"{name}, " for _, name in used)
-    return FunctionView(function.name, signature, function, [prefix + call for call in function.calls])
 
 
 def sparse(name: str, rows: Sequence[Mapping[int, Exact]] | Sequence[Mapping[int, float]]) -> Sparse:

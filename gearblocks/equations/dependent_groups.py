@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.assemble import Assembly
+from gearblocks.assembly.tables import Assembly
 from gearblocks.laws.prescribed_motion import Drive
 from gearblocks.laws.rational import Exact
 

@@ -11,8 +11,9 @@ import sympy as sp
 
 from gearblocks.equations.latex import latex_name
 from gearblocks.equations.switched_constraints import Rub, Sentence, held_torques, in_order, wanted
+from gearblocks.laws.functions import ContactSide, DeadZone
 from gearblocks.laws.printer import latex_text, plain_text
-from gearblocks.laws.symbols import ContactSide, DeadZone, clock
+from gearblocks.laws.symbols import clock
 
 
 @dataclass(frozen=True)

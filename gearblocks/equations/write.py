@@ -10,18 +10,21 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.assemble import HELD, Assembly, assemble
+from gearblocks.assembly.assemble import HELD, assemble
+from gearblocks.assembly.tables import Assembly
 from gearblocks.equations.dependent_groups import carry
 from gearblocks.equations.equations import Equations
 from gearblocks.equations.latex import latex_name
 from gearblocks.equations.switched_constraints import Rub
 from gearblocks.errors import ModelError
 from gearblocks.language.expression import to_sympy
-from gearblocks.laws.law import Law, derive
+from gearblocks.laws.derivation import derive
+from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import Drive, frozen_drive
 from gearblocks.laws.switched_constraints import StickOfKind
 from gearblocks.laws.symbols import Slot, clock
-from gearblocks.train.graph import GROUND, Component, Train, structure_of
+from gearblocks.train.graph import GROUND, Component, Train
+from gearblocks.train.structure import structure_of
 from gearblocks.train.translational import flange_names, slider_names
 
 _OF_RUBS = {"friction": "T", "slip": "w_rel", "direction": "direction", "stuck": "stuck", "held": "held"}

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearblocks.errors import ParameterError
-from gearblocks.geometry.ratio_curves import Array
-from gearblocks.geometry.ratio_law import TURN, RatioLaw
+from gearblocks.geometry.ratio_curves import TURN, Array, Curve
 from gearblocks.language.expression import finite_number
 
 _GRID = 7200  # angles per turn at which curvatures are searched
@@ -37,6 +37,22 @@ class Curvature:
         return self.smallest >= 0
 
 
+class TransmissionFunction(Protocol):
+    """F(phi), m = F' and its derivatives, and how often they repeat: see `RatioLaw`."""
+
+    @property
+    def n1(self) -> int: ...
+    @property
+    def n2(self) -> int: ...
+    @property
+    def curve(self) -> Curve: ...
+    @property
+    def period(self) -> float: ...
+    def F(self, phi: ArrayLike) -> Array: ...
+    def m(self, phi: ArrayLike) -> Array: ...
+    def dm(self, phi: ArrayLike, order: int = 1) -> Array: ...
+
+
 @dataclass(frozen=True)
 class PitchPair:
     """The pitch curves of an external pair: r1 + r2 = distance, r1 = distance m/(1 + m).
@@ -45,7 +61,7 @@ class PitchPair:
     of the gears. Concave curves are legal (a shaper cuts them, a rack does not).
     """
 
-    law: RatioLaw
+    law: TransmissionFunction
     distance: float
 
     def radii(self, phi: ArrayLike) -> tuple[Array, Array]:
@@ -236,38 +252,3 @@ def _index(gear: int) -> int:
     if gear not in (1, 2):
         raise ParameterError(f"gear = {gear!r} must be 1 or 2")
     return gear - 1
-
-
-@dataclass(frozen=True, slots=True)
-class RatioDesign:
-    """A law of `RatioLaw.segments` with what a designer asks first. Angles in rad, lengths in m.
-
-    pressure_angle_increment: the largest; module: the largest without undercut at 20 deg and a rack addendum of 1.15.
-    """
-
-    law: RatioLaw
-    pair: PitchPair
-    transition: float
-    pressure_angle_increment: float
-    pressure_angle_increment_at: float
-    module: float
-
-
-def design_ratio(k: float, b: float, X: float, E: float, n: float = 1.0) -> RatioDesign:
-    """The law m = k phi + b on [0, X] with the mean ratio n, and its pair with the centre distance E [m].
-
-    transition: the C of the transition (see RatioLaw.segments). Raises RatioLawError where no such pair exists.
-    """
-    from gearblocks.geometry.ratio_fit import transition_size
-
-    law = RatioLaw.segments(k, b, X, TURN, n * TURN)
-    pair = law.pair(E)
-    phi = np.linspace(0.0, TURN, _GRID + 1)
-    coarse = np.abs(law.pressure_angle_increment(phi))
-    near = np.linspace(-1, 1, 2001) * TURN / _GRID + phi[int(coarse.argmax())]
-    fine = np.abs(law.pressure_angle_increment(near))
-    best = int(fine.argmax())
-    return RatioDesign(
-        law, pair, transition_size(k, b, X, TURN, n * TURN), float(fine[best]), float(near[best]),
-        pair.largest_module(math.radians(20), 1.15),
-    )  # fmt: skip

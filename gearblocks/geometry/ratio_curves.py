@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from dataclasses import dataclass
 from math import comb
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from gearblocks.errors import ParameterError
+
+if TYPE_CHECKING:
+    pass
 
 Array: TypeAlias = NDArray[np.float64]
 ORDERS = 4
@@ -133,3 +139,50 @@ class Waves:
 
 
 Curve: TypeAlias = Pieces | Ellipse | Waves
+
+
+TURN = 2 * math.pi
+
+
+class RatioLawError(ParameterError):
+    """A ratio law that no pair of gears can have.
+
+    m_min, at: the smallest ratio and where it lies [rad]; largest_X: the longest working segment [rad] that the same
+    k and b allow. None where the refusal has another reason.
+    """
+
+    def __init__(
+        self, message: str, m_min: float | None = None, at: float | None = None, largest_X: float | None = None
+    ) -> None:
+        self.message, self.m_min, self.at, self.largest_X = message, m_min, at, largest_X
+        super().__init__(message, m_min, at, largest_X)
+
+    def __str__(self) -> str:
+        return self.message
+
+
+@dataclass(frozen=True, slots=True)
+class Extremes:
+    """Smallest and largest value over a turn, and the angles of gear 1 [rad] where they are."""
+
+    smallest: float
+    smallest_at: float
+    largest: float
+    largest_at: float
+
+
+def extremes(value: Any, slope: Any, period: float, points: int = 4096) -> Extremes:
+    """Extremes of a smooth periodic function of the angle: the best of a grid, refined between its neighbours."""
+    step = period / points
+    phi = step * np.arange(points)
+    values = value(phi)
+
+    def refined(i: int, sign: float) -> tuple[float, float]:
+        low, high = phi[i] - step, phi[i] + step
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if sign * float(slope(middle)) < 0 else (low, middle)
+        best = min((float(value(x)) * sign, x) for x in (low, phi[i]))
+        return best[0] * sign, float(best[1] % period)
+
+    return Extremes(*refined(int(values.argmin()), 1.0), *refined(int(values.argmax()), -1.0))

@@ -1,23 +1,50 @@
-"""How ratio laws are made from their descriptions, and refused."""
+"""Curves of ratio laws from their descriptions: a line with a transition, functions, points; and what is refused.
+
+Knows nothing of the law itself, nor of pitch curves.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from gearblocks.errors import ParameterError
-from gearblocks.geometry.ratio_curves import Array, Curve, Pieces, Waves, derivatives
-from gearblocks.geometry.ratio_law import TURN, RatioLaw, RatioLawError, driver_angle, extremes
+from gearblocks.geometry.ratio_curves import (
+    TURN,
+    Array,
+    Curve,
+    Pieces,
+    RatioLawError,
+    Waves,
+    derivatives,
+    extremes,
+)
 from gearblocks.language.expression import Expr, as_expr, evaluate, is_sympy, leaf_symbol_class, to_sympy
+
+if TYPE_CHECKING:
+    pass
 
 FIT_DEGREE = 12
 FIT_WANTED, FIT_ALLOWED = 1e-13, 1e-10
 """Errors of m, relative to its largest value: what the fit goes for, and what it is refused at."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """The periodic curve of a law, the recipe that it was made from, and what the fit did; see `RatioLaw` for the fields."""
+
+    recipe: tuple[str, tuple[Any, ...]]
+    n1: int
+    n2: int
+    curve: Curve
+    fit_error: float = 0.0
+    scaled: float = 1.0
 
 
 def parts_of_turn(what: str, angle: float) -> int:
@@ -33,22 +60,12 @@ def parts_of_turn(what: str, angle: float) -> int:
 # -- a line and a transition ------------------------------------------------------------------------------------------
 
 
-def segments(k: float, b: float, X: float, T: float, G: float) -> RatioLaw:
-    """RatioLaw.segments."""
+def segments(k: float, b: float, X: float, T: float, G: float) -> Fit:
+    """Fit of `RatioLaw.segments`; m may still fall to 0 or below."""
     n1, n2 = parts_of_turn("RatioLaw.segments: T", T), parts_of_turn("RatioLaw.segments: G", G)
     if not 0 < X < T:
         raise RatioLawError(f"RatioLaw.segments: X = {X!r} rad must be > 0 and < T = {T!r} rad")
-    recipe = ("segments", (k, b, X, T, G))
-    try:
-        return RatioLaw(recipe, n1, n2, _line_and_transition(k, b, X, n1, n2))
-    except RatioLawError as error:
-        largest = largest_segment(k, b, n1, n2)
-        way_out = (
-            "no working segment is possible with this k and b"
-            if largest is None
-            else f"with this k and b the largest feasible X is {math.degrees(largest):.2f} deg"
-        )
-        raise RatioLawError(f"{error}; {way_out}", error.m_min, error.at, largest) from None
+    return Fit(("segments", (k, b, X, T, G)), n1, n2, _line_and_transition(k, b, X, n1, n2))
 
 
 def transition_size(k: float, b: float, X: float, T: float, G: float) -> float:
@@ -112,8 +129,8 @@ def largest_segment(k: float, b: float, n1: int, n2: int) -> float | None:
 # -- functions --------------------------------------------------------------------------------------------------------
 
 
-def from_function(m: Any, T: float, normalise: bool) -> RatioLaw:
-    """RatioLaw.from_function."""
+def from_function(m: Any, T: float, normalise: bool) -> Fit:
+    """Fit of `RatioLaw.from_function`."""
     expr = _of_driver_angle(m)
     n1 = parts_of_turn("RatioLaw.from_function: T", T)
     recipe = ("from_function", (str(expr), T, normalise))
@@ -239,8 +256,8 @@ def _check_joints(text: str, x: Array, slopes: Array) -> None:
 
 def _closed(
     recipe: tuple[str, tuple[Any, ...]], n1: int, mean: float, curve: Curve, normalise: bool, error: float
-) -> RatioLaw:
-    """The law, if gear 2 closes, or is made to. mean: of m; curve: the ripple that goes with it."""
+) -> Fit:
+    """The fit, if gear 2 closes, or is made to. mean: of m; curve: the ripple that goes with it."""
     what = f"RatioLaw.{recipe[0]}"
     if mean <= 0:
         raise RatioLawError(f"{what}: m has the mean {mean:.9g}, but m must stay > 0")
@@ -261,14 +278,14 @@ def _closed(
         curve = Pieces(curve.x, curve.y * scaled, curve.joints)
     elif isinstance(curve, Waves):
         curve = Waves(curve.frequency, tuple(a * scaled for a in curve.cos), tuple(b * scaled for b in curve.sin))
-    return RatioLaw(recipe, n1, n2, curve, error, scaled)
+    return Fit(recipe, n1, n2, curve, error, scaled)
 
 
 # -- tables -----------------------------------------------------------------------------------------------------------
 
 
-def from_table(phi: ArrayLike, m: ArrayLike, normalise: bool) -> RatioLaw:
-    """RatioLaw.from_table."""
+def from_table(phi: ArrayLike, m: ArrayLike, normalise: bool) -> Fit:
+    """Fit of `RatioLaw.from_table`."""
     from scipy.interpolate import CubicSpline
 
     x, y = np.array(phi, dtype=float), np.array(m, dtype=float)
@@ -286,3 +303,6 @@ def from_table(phi: ArrayLike, m: ArrayLike, normalise: bool) -> RatioLaw:
     slopes[:, 0] -= mean
     recipe = ("from_table", (tuple(x.tolist()), tuple(y.tolist()), normalise))
     return _closed(recipe, n1, mean, _integrated(x, slopes, joints=True), normalise, 0.0)
+
+
+driver_angle = Expr("local", "driver_angle")  # angle of gear 1 from its carrier in rad, for laws and stiffnesses

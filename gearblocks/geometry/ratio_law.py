@@ -5,47 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearblocks.errors import ParameterError
-from gearblocks.geometry.ratio_curves import Array, Curve, Ellipse
-from gearblocks.language.expression import Expr, finite_number
-
-if TYPE_CHECKING:
-    from gearblocks.geometry.pitch_curves import PitchPair
-
-TURN = 2 * math.pi
-driver_angle = Expr("local", "driver_angle")  # angle of gear 1 from its carrier in rad, for laws and stiffnesses
-
-
-class RatioLawError(ParameterError):
-    """A ratio law that no pair of gears can have.
-
-    m_min, at: the smallest ratio and where it lies [rad]; largest_X: the longest working segment [rad] that the same
-    k and b allow. None where the refusal has another reason.
-    """
-
-    def __init__(
-        self, message: str, m_min: float | None = None, at: float | None = None, largest_X: float | None = None
-    ) -> None:
-        self.message, self.m_min, self.at, self.largest_X = message, m_min, at, largest_X
-        super().__init__(message, m_min, at, largest_X)
-
-    def __str__(self) -> str:
-        return self.message
-
-
-@dataclass(frozen=True, slots=True)
-class Extremes:
-    """Smallest and largest value over a turn, and the angles of gear 1 [rad] where they are."""
-
-    smallest: float
-    smallest_at: float
-    largest: float
-    largest_at: float
+from gearblocks.geometry.pitch_curves import PitchPair
+from gearblocks.geometry.ratio_curves import TURN, Array, Curve, Ellipse, Extremes, RatioLawError, extremes
+from gearblocks.geometry.ratio_fit import Fit, driver_angle, from_function, from_table, largest_segment, segments
+from gearblocks.language.expression import finite_number
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +49,17 @@ class RatioLaw:
 
         k in 1/rad; X, T, G in rad. The joints 0 and X are located in a run (m''' jumps there). Raises RatioLawError.
         """
-        from gearblocks.geometry.ratio_fit import segments
-
-        return segments(*(finite_number(f"RatioLaw: {n}", v) for n, v in zip("kbXTG", (k, b, X, T, G), strict=True)))
+        fit = segments(*(finite_number(f"RatioLaw: {n}", v) for n, v in zip("kbXTG", (k, b, X, T, G), strict=True)))
+        try:
+            return RatioLaw._of(fit)
+        except RatioLawError as error:
+            largest = largest_segment(k, b, fit.n1, fit.n2)
+            way_out = (
+                "no working segment is possible with this k and b"
+                if largest is None
+                else f"with this k and b the largest feasible X is {math.degrees(largest):.2f} deg"
+            )
+            raise RatioLawError(f"{error}; {way_out}", error.m_min, error.at, largest) from None
 
     @staticmethod
     def ellipse(e: float, order: int = 1) -> RatioLaw:
@@ -107,9 +84,7 @@ class RatioLaw:
         Gear 2 must close: the gain of F over a period must be 2 pi over a whole number. normalise=True scales m to the
         nearest such gain (see scaled). Raises RatioLawError.
         """
-        from gearblocks.geometry.ratio_fit import from_function
-
-        return from_function(m, finite_number("RatioLaw.from_function: T", T), bool(normalise))
+        return RatioLaw._of(from_function(m, finite_number("RatioLaw.from_function: T", T), bool(normalise)))
 
     @staticmethod
     def from_table(phi: ArrayLike, m: ArrayLike, normalise: bool = False) -> RatioLaw:
@@ -117,9 +92,11 @@ class RatioLaw:
 
         Gear 2 must close, as for `from_function`. Raises RatioLawError.
         """
-        from gearblocks.geometry.ratio_fit import from_table
+        return RatioLaw._of(from_table(phi, m, bool(normalise)))
 
-        return from_table(phi, m, bool(normalise))
+    @staticmethod
+    def _of(fit: Fit) -> RatioLaw:
+        return RatioLaw(fit.recipe, fit.n1, fit.n2, fit.curve, fit.fit_error, fit.scaled)
 
     # -- values --------------------------------------------------------------------------------------------------------
 
@@ -187,8 +164,6 @@ class RatioLaw:
 
     def pair(self, distance: float) -> PitchPair:
         """The pitch curves of an external pair with the centre distance [m], their curvature, teeth and limits."""
-        from gearblocks.geometry.pitch_curves import PitchPair
-
         distance = finite_number("RatioLaw.pair: distance", distance)
         if distance <= 0:
             raise ParameterError(f"RatioLaw.pair: distance = {distance!r} m must be > 0")
@@ -205,23 +180,6 @@ class RatioLaw:
     def __repr__(self) -> str:
         how, values = self.recipe
         return f"RatioLaw.{how}({', '.join(repr(v) for v in values)})"
-
-
-def extremes(value: Any, slope: Any, period: float, points: int = 4096) -> Extremes:
-    """Extremes of a smooth periodic function of the angle: the best of a grid, refined between its neighbours."""
-    step = period / points
-    phi = step * np.arange(points)
-    values = value(phi)
-
-    def refined(i: int, sign: float) -> tuple[float, float]:
-        low, high = phi[i] - step, phi[i] + step
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if sign * float(slope(middle)) < 0 else (low, middle)
-        best = min((float(value(x)) * sign, x) for x in (low, phi[i]))
-        return best[0] * sign, float(best[1] % period)
-
-    return Extremes(*refined(int(values.argmin()), 1.0), *refined(int(values.argmax()), -1.0))
 
 
 __all__ = ["Extremes", "RatioLaw", "RatioLawError", "driver_angle", "extremes"]

@@ -13,7 +13,8 @@ import numpy as np
 import gearblocks as gb
 from gearblocks.errors import GearblocksError, SimulationError
 from gearblocks.simulation.trajectory import Trajectory
-from gearblocks.solver.binding import Code, Counters, Options, Simulation
+from gearblocks.solver.binding import Simulation
+from gearblocks.solver.structures import Code, Counters, Options
 
 RTOL = 1e-6
 """The default tolerance of a run."""

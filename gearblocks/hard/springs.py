@@ -13,7 +13,7 @@ import gearblocks as gb
 from gearblocks.errors import SimulationError
 from gearblocks.hard.judging import RTOL, Check, Meter, below, count, fact, largest
 from gearblocks.hard.parts import line, swing
-from gearblocks.language.block import Contribution
+from gearblocks.language.contributions import Contribution
 
 CALLS = 150_000
 

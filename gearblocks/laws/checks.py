@@ -11,20 +11,38 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from gearblocks.errors import GearblocksError, ModelError, did_you_mean
-from gearblocks.language import block as d
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import (
+    Acts,
+    Body,
+    Energy,
+    Force,
+    Hold,
+    LossyTie,
+    Motion,
+    Potential,
+    Rate,
+    Shows,
+    Start,
+    Stick,
+    Stop,
+    Switch,
+    Tie,
+)
 from gearblocks.language.expression import Expr
+from gearblocks.language.fields import Flange
 from gearblocks.laws.symbols import CONSTANT, FlangeSymbols, Pool, Symbols
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _EXPRESSIONS: dict[type, tuple[str, ...]] = {
-    d.Body: ("J",), d.Force: ("deflection", "force"), d.Potential: ("energy",), d.Acts: ("tau",), d.Tie: ("zero",),
-    d.Motion: ("zero",), d.Start: ("value",), d.Hold: ("value", "when"),
-    d.LossyTie: ("tie", "slip"), d.Stick: ("slip", "engaged"), d.Stop: ("gap", "restitution"),
-    d.Rate: ("expr",), d.Switch: ("surface", "when"), d.Shows: ("expr",), d.Energy: ("stored", "loss"),
+    Body: ("J",), Force: ("deflection", "force"), Potential: ("energy",), Acts: ("tau",), Tie: ("zero",),
+    Motion: ("zero",), Start: ("value",), Hold: ("value", "when"),
+    LossyTie: ("tie", "slip"), Stick: ("slip", "engaged"), Stop: ("gap", "restitution"),
+    Rate: ("expr",), Switch: ("surface", "when"), Shows: ("expr",), Energy: ("stored", "loss"),
 }  # fmt: skip
 
 
-def physics_problems(path: str, block: d.Block, grounded: frozenset[str]) -> list[str]:
+def physics_problems(path: str, block: Block, grounded: frozenset[str]) -> list[str]:
     """Everything that is wrong with what the physics of a block yields, each as one sentence."""
     name = f"{type(block).__name__} '{path}'"
     pool = Pool()
@@ -85,7 +103,7 @@ class _Number:
     _sympy_ = refuse
 
 
-def _guarded(block: d.Block) -> Any:
+def _guarded(block: Block) -> Any:
     """The block with its numbers out of reach."""
     copy = object.__new__(type(block))
     for name, field in type(block).fields.items():
@@ -99,7 +117,7 @@ def _guarded(block: d.Block) -> Any:
     return copy
 
 
-def _raised(error: Exception, block: d.Block, s: Symbols) -> str:
+def _raised(error: Exception, block: Block, s: Symbols) -> str:
     """Words for an exception of a user's code."""
     frames = traceback.extract_tb(error.__traceback__)
     file = getattr(getattr(type(block).physics, "__code__", None), "co_filename", "")
@@ -119,7 +137,7 @@ def _raised(error: Exception, block: d.Block, s: Symbols) -> str:
 class _Check:
     """The contributions of one block against what it declares."""
 
-    def __init__(self, block: d.Block, s: Symbols, pool: Pool) -> None:
+    def __init__(self, block: Block, s: Symbols, pool: Pool) -> None:
         self.block, self.pool = block, pool
         self.flanges = {name: getattr(s, name) for name in type(block).flanges}
         self.states = {name: getattr(s, name) for name in type(block).states}
@@ -130,62 +148,62 @@ class _Check:
         if kind not in _EXPRESSIONS:
             yield f"physics yields {item!r:.80}, which is no contribution such as gb.Acts(...)"
             return
-        showing, optional = kind is d.Shows, kind is d.Energy
+        showing, optional = kind is Shows, kind is Energy
         problems = [p for f in _EXPRESSIONS[kind] if (p := self.expression(getattr(item, f), showing, optional))]
         problems += [p for p in self.rest(item, not problems) if p]
         yield from (f"{kind.__name__}: {problem}" for problem in problems)
 
     def rest(self, item: Any, sound: bool) -> Iterator[str]:
         """What depends on the kind of contribution; `sound`: its expressions are in order."""
-        if isinstance(item, (d.Body, d.Acts)):
+        if isinstance(item, (Body, Acts)):
             yield self.flange(item.flange)
-        if isinstance(item, d.Body) and sound:
+        if isinstance(item, Body) and sound:
             inertia = sp.sympify(item.J)
             if self.pool.level(inertia) != CONSTANT:
                 yield f"J = '{inertia}' changes during a run; give an expression of parameters"
             elif inertia.is_negative:
                 yield f"J = {inertia} kg m2 must be >= 0"
-        if isinstance(item, (d.Force, d.Potential)) and sound:
+        if isinstance(item, (Force, Potential)) and sound:
             yield self.angles(next(iter(getattr(item, f) for f in _EXPRESSIONS[type(item)])))
-        if isinstance(item, (d.Tie, d.Motion)) and sound:
+        if isinstance(item, (Tie, Motion)) and sound:
             yield self.tie(item)
-        if isinstance(item, (d.Rate, d.Start, d.Hold)) and not any(
+        if isinstance(item, (Rate, Start, Hold)) and not any(
             item.state is x for x in (*self.states.values(), *self.inner())
         ):
             has = ", ".join(f"s.{name}" for name in self.states) or "none: declare one with gb.State('words', 'unit')"
             yield f"'{item.state}' is no state of the block; it has {has}"
-        if isinstance(item, (d.Stick, d.Stop)):
+        if isinstance(item, (Stick, Stop)):
             yield from self.stick(item, sound)
-        if isinstance(item, d.LossyTie):
+        if isinstance(item, LossyTie):
             yield from (p for x in (*item.driving, *item.coasting) if (p := self.expression(x, False, False)))
             for slip in (item.tie, item.slip) if sound else ():
-                yield from self.stick(d.Stick("", slip, 0), True)
-        if isinstance(item, (d.Shows, d.Switch, d.Stick, d.Stop)) and not isinstance(item.name, str):
+                yield from self.stick(Stick("", slip, 0), True)
+        if isinstance(item, (Shows, Switch, Stick, Stop)) and not isinstance(item.name, str):
             yield f"its name {item.name!r} must be text"
-        elif isinstance(item, d.Shows) and not _WORD.fullmatch(item.name):
+        elif isinstance(item, Shows) and not _WORD.fullmatch(item.name):
             yield f"the name '{item.name}' must be a word of letters, digits and '_'"
-        if isinstance(item, d.Shows) and not isinstance(item.unit, str):
+        if isinstance(item, Shows) and not isinstance(item.unit, str):
             yield f"unit = {item.unit!r} must be text such as 'N m'"
 
     def whole(self, items: list[Any]) -> Iterator[str]:
         """What is wrong with all contributions together."""
         for name, state in self.states.items():
-            rates = sum(isinstance(x, (d.Rate, d.Hold)) and x.state is state for x in items)
+            rates = sum(isinstance(x, (Rate, Hold)) and x.state is state for x in items)
             rates += sum(
-                isinstance(x, (d.Stick, d.Stop)) and state in (x.impulse, getattr(x, "impacts", None)) for x in items
+                isinstance(x, (Stick, Stop)) and state in (x.impulse, getattr(x, "impacts", None)) for x in items
             )
             if rates != 1:
                 yield f"the state '{name}' has {rates} rates; yield one gb.Rate(s.{name}, ...)"
-        shown = [x.name for x in items if isinstance(x, d.Shows)]
+        shown = [x.name for x in items if isinstance(x, Shows)]
         yield from (f"the output '{name}' is shown twice" for name in dict.fromkeys(shown) if shown.count(name) > 1)
 
     def inner(self) -> Iterator[Any]:
         """States of the effects."""
         return (x for x, slot in self.pool.slots.items() if slot.role == "state")
 
-    def stick(self, item: d.Stick | d.Stop, sound: bool) -> Iterator[str]:
+    def stick(self, item: Stick | Stop, sound: bool) -> Iterator[str]:
         """Whether a slip or gap is linear in flange speeds or angles, and what else belongs to it."""
-        if isinstance(item, d.Stick):
+        if isinstance(item, Stick):
             sizes = [x for x in (*in_pair(item.limit), *in_pair(item.sliding)) if x not in (None, sp.oo, -sp.oo)]
             problems = [p for x in sizes if (p := self.expression(x, False, False))]
             yield from problems
@@ -195,7 +213,7 @@ class _Check:
                 yield f"{name} = '{state}' is no state of the block; declare one with gb.State('words', 'unit')"
         if not sound:
             return
-        expr, role = (item.slip, "w") if isinstance(item, d.Stick) else (item.gap, "phi")
+        expr, role = (item.slip, "w") if isinstance(item, Stick) else (item.gap, "phi")
         moving = {x for x in sp.sympify(expr).free_symbols if self.pool.slots[x].role == role}
         slopes = [sp.diff(expr, x) for x in moving]
         rest = sp.sympify(expr).xreplace(dict.fromkeys(moving, sp.Integer(0)))
@@ -220,9 +238,9 @@ class _Check:
         grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
         return "" if "phi" in roles or grounded else f"'{expr}' contains no angle of a flange (s.flange.phi)"
 
-    def tie(self, item: d.Tie | d.Motion) -> str:
+    def tie(self, item: Tie | Motion) -> str:
         """Whether a tie speaks of the flanges: of their angles, or of their speeds alone."""
-        wanted, other = ("phi", "w") if isinstance(item, d.Tie) else ("w", "phi")
+        wanted, other = ("phi", "w") if isinstance(item, Tie) else ("w", "phi")
         roles = {self.pool.slots[x].role for x in sp.sympify(item.zero).free_symbols}
         grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
         if other in roles:
@@ -265,6 +283,6 @@ def in_pair(x: Any) -> tuple[Any, Any]:
 
 
 def _shown(x: Any) -> str:
-    if isinstance(x, d.Flange):
+    if isinstance(x, Flange):
         return "a flange of self (write s.<flange>)"
     return "a flange of s" if isinstance(x, FlangeSymbols) else f"{x!r:.80}"

@@ -9,7 +9,8 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.errors import ModelError
-from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, TableAt, clock
+from gearblocks.laws.functions import TableAt
+from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, clock
 
 
 @dataclass(slots=True)

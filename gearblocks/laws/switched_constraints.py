@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.language import block as d
+from gearblocks.language.contributions import LossyTie, Stick, Stop
 from gearblocks.laws.checks import in_pair
 from gearblocks.laws.symbols import Pool
 
@@ -87,10 +87,10 @@ def sticks_of(pool: Pool, flanges: Mapping[str, Any], items: list[Any]) -> dict[
     """The sticks, stops and lossy ties that a block yields, by name."""
     found: dict[str, StickOfKind] = {}
     for x in items:
-        if isinstance(x, d.LossyTie):
+        if isinstance(x, LossyTie):
             found |= {"tie": _tie(pool, flanges, x), "loss": _loss(pool, flanges, x)}
         else:
-            found[x.name] = _stick(pool, flanges, x) if isinstance(x, d.Stick) else _stop(pool, flanges, x)
+            found[x.name] = _stick(pool, flanges, x) if isinstance(x, Stick) else _stop(pool, flanges, x)
     return found
 
 
@@ -106,7 +106,7 @@ def _either(pool: Pool, driving: Any, coasting: Any) -> Any:
     return same * sp.sympify(driving) + (1 - same) * sp.sympify(coasting)
 
 
-def _tie(pool: Pool, flanges: Mapping[str, Any], item: d.LossyTie) -> StickOfKind:
+def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> StickOfKind:
     slip = sp.expand(sp.sympify(item.tie))
     push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
     direction, _ = _directions(pool)
@@ -116,7 +116,7 @@ def _tie(pool: Pool, flanges: Mapping[str, Any], item: d.LossyTie) -> StickOfKin
     return made
 
 
-def _loss(pool: Pool, flanges: Mapping[str, Any], item: d.LossyTie) -> StickOfKind:
+def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> StickOfKind:
     slip = sp.expand(sp.sympify(item.slip))
     push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
     size = _either(pool, item.driving[1], item.coasting[1])
@@ -137,7 +137,7 @@ def _state(pool: Pool, state: Any) -> str | None:
     return None if state is None else pool.slots[state].of
 
 
-def _stick(pool: Pool, flanges: Mapping[str, Any], item: d.Stick) -> StickOfKind:
+def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> StickOfKind:
     slip = sp.expand(sp.sympify(item.slip))
     push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
     lower, upper = item.limit if isinstance(item.limit, tuple) else (-item.limit, item.limit)
@@ -154,7 +154,7 @@ def _stick(pool: Pool, flanges: Mapping[str, Any], item: d.Stick) -> StickOfKind
     return made
 
 
-def _stop(pool: Pool, flanges: Mapping[str, Any], item: d.Stop) -> StickOfKind:
+def _stop(pool: Pool, flanges: Mapping[str, Any], item: Stop) -> StickOfKind:
     gap = sp.expand(sp.sympify(item.gap))
     push = {n: c for n, f in flanges.items() if (c := sp.diff(gap, f.phi)) != 0}
     slip = sum((c * flanges[n].w for n, c in push.items()), sp.Integer(0))

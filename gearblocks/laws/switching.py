@@ -13,10 +13,11 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.errors import GearblocksError
-from gearblocks.language.block import Switch
+from gearblocks.language.contributions import Switch
 from gearblocks.language.signals import Table
+from gearblocks.laws.functions import ContactSide, DeadZone, Table2At, TableAt
 from gearblocks.laws.switched_constraints import StickOfKind
-from gearblocks.laws.symbols import CONSTANT, MOVING, ContactSide, DeadZone, Pool, Table2At, TableAt
+from gearblocks.laws.symbols import CONSTANT, MOVING, Pool
 
 _COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
 """Its segments are numbered by the whole part of what it is taken over."""

@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
-import functools
 import gc
-import inspect
-import sys
-from abc import ABC
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from itertools import pairwise
-from pathlib import Path
-from types import CodeType, FunctionType, ModuleType
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import ModelError
-from gearblocks.language.block import _Declared
+from gearblocks.language.block import Declared
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Input, Parameter
+from gearblocks.model.cache_key import _classes_digest, _package_digest
 from gearblocks.model.start_values import contradictions, follow, follow_moved, parameter_value
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.library import Model, compile_program, start_core_build
-from gearblocks.train.graph import GROUND, Train, leaves_of, numbers_of, structural_text, structure_of
+from gearblocks.train.graph import GROUND, Train
+from gearblocks.train.structure import structural_text, structure_of
+from gearblocks.train.values import leaves_of, numbers_of
 
 
 def build_train(train: Train) -> Model:
@@ -133,12 +129,12 @@ def _check_against(program: Program, train: Train, values: dict[str, float], nam
         raise ModelError(problems)
 
 
-def _starts(path: str, owner: _Declared, values: dict[str, float], prefix: str = "") -> None:
+def _starts(path: str, owner: Declared, values: dict[str, float], prefix: str = "") -> None:
     for name, state in type(owner).states.items():
         values[f"{path}.{prefix}{name}"] = state.start
     for name in type(owner).fields:
         part = owner.__dict__[name]
-        if isinstance(part, _Declared):
+        if isinstance(part, Declared):
             _starts(path, part, values, f"{prefix}{name}.")
 
 
@@ -157,95 +153,3 @@ def check_user_blocks(train: Train) -> None:
                 problems += physics_problems(c.path, c.block, frozenset(n for n, node in flanges if node == GROUND))
     if problems:
         raise ModelError(problems)
-
-
-@functools.cache
-def _package_digest() -> str:
-    """A sum over the sources of this package: another version makes its own programs."""
-    here = Path(__file__).parents[1]
-    paths = sorted([*here.rglob("*.py"), *here.rglob("*.jinja")])
-    return digest(*(part for path in paths for part in (path.name, path.read_bytes())))
-
-
-def _classes_digest(train: Train) -> str:
-    """A sum over the code of every class that is not ours."""
-    classes: set[type[_Declared]] = {type(c.block) for c in train.components}
-    for c in train.components:
-        classes |= {type(v) for v in c.block.__dict__.values() if isinstance(v, _Declared)}
-    foreign = sorted(
-        (cls for cls in classes if not cls.__module__.startswith("gearblocks.")),
-        key=lambda c: (c.__qualname__, c.__module__),
-    )
-    for one, other in pairwise(foreign):
-        if (one.__module__, one.__qualname__) == (other.__module__, other.__qualname__):
-            raise ModelError(f"two classes of blocks are named {one.__qualname__}; rename one, or make its blocks anew")
-    return digest(*(_class_text(cls) for cls in foreign))
-
-
-def _class_text(cls: type) -> str:
-    """Source file of a class where there is one, and the code of its methods with what they call."""
-    parts = [cls.__qualname__]
-    with suppress(OSError, TypeError):
-        parts.append(Path(inspect.getfile(cls)).read_text(encoding="utf-8"))
-    return "\n".join([*parts, _members_text(cls, set())])
-
-
-_NOT_CODE = ("__dict__", "__weakref__", "_abc_impl", "__abstractmethods__")
-
-
-def _members_text(cls: type, seen: set[int]) -> str:
-    """The members of a class and of its bases that are not ours."""
-    foreign = [base for base in cls.__mro__ if base is not object and base is not ABC and not _is_ours(base)]
-    members = [(n, m) for base in foreign for n, m in sorted(vars(base).items()) if n not in _NOT_CODE]
-    return digest(*(part for name, member in members for part in (name, _value_text(member, seen))))
-
-
-def _is_ours(thing: Any) -> bool:
-    return str(getattr(thing, "__module__", "")).startswith("gearblocks.")
-
-
-def _value_text(value: Any, seen: set[int]) -> str:
-    """What a value that a law can reach contributes to its form: functions and classes by code, data by content."""
-    value = getattr(value, "__func__", value.fget if isinstance(value, property) else value)
-    if isinstance(value, FunctionType):
-        return value.__qualname__ if _is_ours(value) else _function_text(value, seen)
-    if isinstance(value, type):
-        if _is_ours(value) or id(value) in seen or _is_installed(sys.modules.get(value.__module__)):
-            return value.__qualname__
-        seen.add(id(value))
-        return _members_text(value, seen)
-    if isinstance(value, ModuleType):
-        file = getattr(value, "__file__", None)
-        if file is None or _is_installed(value):
-            return value.__name__
-        with suppress(OSError):
-            return digest(value.__name__, Path(file).read_bytes())
-    if isinstance(value, np.ndarray):
-        return digest(str(value.dtype), str(value.shape), value.tobytes())
-    return repr(value)
-
-
-def _is_installed(module: ModuleType | None) -> bool:
-    """Whether a module came with Python or was installed: its version stands for its content."""
-    file = getattr(module, "__file__", None) or ""
-    return module is not None and (not file or "site-packages" in file or file.startswith(sys.base_prefix))
-
-
-def _function_text(function: FunctionType, seen: set[int]) -> str:
-    """Bytecode, constants, defaults and closure of a function, and all that it names, followed."""
-    if id(function.__code__) in seen:
-        return ""
-    cells = []
-    for cell in function.__closure__ or ():
-        with suppress(ValueError):  # an empty cell
-            cells.append(cell.cell_contents)
-    kept = [*cells, *(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
-    return digest(_code_text(function.__code__, function.__globals__, seen), *(_value_text(x, seen) for x in kept))
-
-
-def _code_text(code: CodeType, scope: dict[str, Any], seen: set[int]) -> str:
-    """The bytecode with its constants and the values it names."""
-    seen.add(id(code))
-    constants = [_code_text(x, scope, seen) if isinstance(x, CodeType) else repr(x) for x in code.co_consts]
-    named = [name + (_value_text(scope[name], seen) if name in scope else "") for name in code.co_names]
-    return digest(code.co_code, *constants, *named)

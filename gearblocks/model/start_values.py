@@ -10,8 +10,8 @@ from gearblocks.codegen.program import FollowerInfo, Program
 from gearblocks.errors import ModelError
 from gearblocks.language.block import Block
 from gearblocks.language.expression import Expr, evaluate
-from gearblocks.solver.binding import Array, Options
 from gearblocks.solver.library import Model
+from gearblocks.solver.structures import Array, Options
 from gearblocks.train.graph import Train
 
 _START = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)

@@ -14,7 +14,8 @@ from gearblocks.errors import ParameterError, UnknownNameError, by_name, did_you
 from gearblocks.language.expression import finite_number
 from gearblocks.language.signals import Table
 from gearblocks.simulation.trajectory import Trajectory, matches
-from gearblocks.solver.binding import Array, Counters, Kind, Method, Options, Simulation
+from gearblocks.solver.binding import Simulation
+from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
 
 InputSource: TypeAlias = "float | Table | Callable[[float], float]"
 STATIC = ("static", "static_at_start")

@@ -14,7 +14,6 @@ that side, where the contact takes over. A gap without load stays where it is.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,9 +23,11 @@ from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError, SimulationError
 from gearblocks.simulation.friction_at_rest import by_slips, judged
 from gearblocks.solver.active_set import Rows, null_space, reduced
-from gearblocks.solver.binding import Array, Simulation
+from gearblocks.solver.binding import Simulation
+from gearblocks.solver.motion import Motion, _knows_derivatives, motion
 from gearblocks.solver.point import Point, dependents, derivative, opened, restarted, state_matrix, steps_of
-from gearblocks.solver.sparse_maps import Indices, disjoint
+from gearblocks.solver.sparse_maps import Indices
+from gearblocks.solver.structures import Array
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -35,122 +36,6 @@ _ROUNDS = 200
 _WEAK, _WEAKEST = 1e-2, 1e-6  # spring on a coordinate relative to its stiffness, after a change of modes and at the end
 _NOTHING = 1e-14  # the same where the torques that are left do not shrink
 _NEAR, _STUCK = 1e-13, 1e-11  # of the largest torque: what rounding leaves, and at most where it does not shrink
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """How coordinates and angles follow from speeds: q' = B v, angles' = E v; N: free rotations, B N = 0, E N = 1.
-
-    held: what sticks, conditions on the speeds (None: nothing does); free rotations are those that it allows.
-    """
-
-    coordinates: Indices
-    angles: Indices
-    states: Indices
-    speeds: Indices
-    B: csc_array
-    E: csc_array
-    N: csc_array
-    M: csc_array
-    held: Rows | None = None
-
-    @property
-    def hidden(self) -> bool:
-        """Whether there are shafts without inertia, whose speeds are no states."""
-        return len(self.coordinates) + len(self.angles) > len(self.speeds)
-
-
-_KINDS = {"relative angle": "coordinate", "relative position": "coordinate", "position": "angle"}
-
-
-def kinds(program: Program) -> tuple[Indices, Indices, Indices, Indices]:
-    """Places of coordinates, absolute angles, states of blocks and speeds in the state vector."""
-    found: dict[str, list[int]] = {"coordinate": [], "angle": [], "state": [], "speed": []}
-    for i, quantity in enumerate(program.states):
-        found[_KINDS.get(quantity.words, quantity.words)].append(i)
-    found["angle"] += [x.place for x in program.integrals if x.part == "angle"]
-    groups = (found["coordinate"], sorted(found["angle"]), found["state"], found["speed"])
-    return tuple(np.array(g, dtype=np.intp) for g in groups)  # type: ignore[return-value]
-
-
-def motion(point: Point) -> Motion:
-    """The kinematics and the inertia matrix of a train."""
-    from scipy.sparse import csc_array, identity, vstack
-    from scipy.sparse.linalg import splu
-
-    q, angles, z, v = kinds(point.program)
-    still = point.y.copy()
-    still[v] = 0.0
-    rows = np.concatenate([q, angles])
-    S = _rates_by_speed(point, still, rows, v)
-    B = csc_array(S[: len(q)])
-    turning = np.asarray(abs(S[len(q) :]).sum(axis=1)).ravel() > 0  # angles that are prescribed do not follow speeds
-    angles = angles[turning]
-    S, rows = csc_array(S[np.concatenate([np.ones(len(q), bool), turning])]), np.concatenate([q, angles])
-    M = _inertia(point, still, v)
-    right = vstack([csc_array((len(q), len(angles))), identity(len(angles))], format="csc").toarray()
-    if len(rows) == 0 or len(angles) == 0:
-        N = np.zeros((len(v), 0))
-    elif len(rows) == len(v):
-        N = splu(S).solve(right)
-    else:  # more coordinates than speeds: shafts without inertia
-        N = np.linalg.lstsq(S.toarray(), right, rcond=None)[0]
-    held = point.held_rows()
-    if held is not None and N.shape[1]:
-        N = N @ null_space(held.W @ N, np.max(np.abs(held.W) @ np.abs(N), axis=1, initial=0.0))
-    return Motion(q, angles, z, v, B, csc_array(S[len(q) :]), csc_array(N), M, held)
-
-
-def _knows_derivatives(point: Point) -> bool:
-    """Whether the laws have derivatives and every speed is a state."""
-    return point.sim.has_jacobian and point.sim.linear_sizes()[1] == 0
-
-
-def _rates_by_speed(point: Point, still: Array, rows: Indices, v: Indices) -> csc_array:
-    """Derivatives of the rates of coordinates and angles by the speeds; angles that ride along come last."""
-    from scipy.sparse import csc_array, vstack
-
-    ones = np.ones(point.program.n_total)  # the rates are linear in the speeds: any step is exact
-    n = point.program.n if _knows_derivatives(point) else 0
-    riders = rows[rows >= n]
-    beside = derivative(lambda y: point.rates(y)[riders], still, v, ones)
-    if n == 0:
-        return beside
-    return csc_array(vstack([state_matrix(point.at(y=still))[rows[rows < n]][:, v], beside]))
-
-
-def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
-    """The inertia matrix of the speeds: where the laws do not give it, second derivatives of the kinetic energy."""
-    from scipy.sparse import csc_array
-
-    if _knows_derivatives(point):
-        unknowns = v - point.sim.linear_sizes()[0]
-        return csc_array(point.sim.inertia(point.t, still)[unknowns][:, unknowns])
-    kinetic = np.array([e.place for e in point.program.energies if e.part == "kinetic"], dtype=np.intp)
-
-    def energy(y: Array) -> Array:
-        return point.energies(y)[kinetic]
-
-    def moved(*numbers: int) -> Array:
-        y = still.copy()
-        y[v[list(numbers)]] = 1.0
-        return energy(y)
-
-    own = dependents(energy, still, v, np.ones(len(still)))
-    diagonal = np.zeros(len(v))
-    for group in disjoint(own):
-        found = moved(*group)
-        diagonal[group] = [2 * float(found[own[j]].sum()) for j in group]
-    owners: dict[int, list[int]] = {}
-    for j, entries in enumerate(own):
-        for e in entries:
-            owners.setdefault(int(e), []).append(j)
-    pairs = sorted({(i, j) for js in owners.values() for i in js for j in js if i < j})
-    beside = [float(moved(i, j).sum()) - (diagonal[i] + diagonal[j]) / 2 for i, j in pairs]
-    left, right = (np.array([pair[side] for pair in pairs], dtype=np.intp) for side in (0, 1))
-    rows = np.concatenate([np.arange(len(v)), left, right])
-    columns = np.concatenate([np.arange(len(v)), right, left])
-    return csc_array((np.concatenate([diagonal, beside, beside]), (rows, columns)), shape=(len(v), len(v)))
 
 
 # -- equilibrium ------------------------------------------------------------------------------------------------------

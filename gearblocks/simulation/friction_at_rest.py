@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from gearblocks.errors import SimulationError
-from gearblocks.solver.binding import Array
 from gearblocks.solver.point import Point
+from gearblocks.solver.structures import Array
 from gearblocks.solver.switched_constraints import LockKind, LockPlace, Locks
 
 _ROUNDING = 64 * np.finfo(float).eps  # of the largest speed times the numbers of a row
@@ -91,7 +91,7 @@ def _reach(point: Point, locks: Locks, i: int) -> float:
 
 def _moved_out(point: Point, locks: Locks, i: int) -> Array:
     """The state with the gap of a stop at 0, all that holds kept where it is."""
-    from gearblocks.simulation.equilibrium import motion
+    from gearblocks.solver.motion import motion
 
     whole, holding = motion(point), [*point.holding(), i]
     wanted = np.zeros(len(holding))

@@ -32,8 +32,9 @@ from gearblocks.simulation.arguments import (
 )
 from gearblocks.simulation.records import EnergyLedger, Event, FinalState, Stats
 from gearblocks.simulation.trajectory import Trajectory
-from gearblocks.solver.binding import Array, Code, Method, Options, Simulation
+from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
+from gearblocks.solver.structures import Array, Code, Method, Options
 
 
 def run_model(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from gearblocks.solver.binding import Array
 from gearblocks.solver.sparse_maps import Indices
+from gearblocks.solver.structures import Array
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array

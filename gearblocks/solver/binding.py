@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from ctypes import POINTER, c_char_p, c_double, c_int, c_long, c_longlong, c_size_t, c_void_p
-from enum import IntEnum
+from ctypes import POINTER, c_char_p, c_double, c_int, c_long, c_size_t, c_void_p
 from types import TracebackType
 from typing import Any, Self
 
@@ -25,113 +24,20 @@ from gearblocks.solver.step_matrix import (
     state_jacobian,
     whole,
 )
+from gearblocks.solver.structures import (
+    EVENT,
+    Array,
+    Code,
+    Counters,
+    InputFunction,
+    Kind,
+    Options,
+    Report,
+    _Point,
+    _Record,
+)
 from gearblocks.solver.switched_constraints import PROTOTYPES as OF_LOCKS
 from gearblocks.solver.switched_constraints import Locks, LocksOf, locks_at, locks_of
-
-Array = NDArray[np.float64]
-
-
-class Code(IntEnum):
-    """What a call of the solver answers; negative: the run cannot go on."""
-
-    DONE = 0
-    FULL = 1
-    PAUSE = 2
-    ERR_STEP = -1
-    ERR_NAN_RATE = -2
-    ERR_NAN_INPUT = -3
-    ERR_NAN_START = -4
-    ERR_CHATTER = -5
-    ERR_BRANCH = -6
-    ERR_STATE = -7
-    ERR_MEMORY = -8
-    ERR_CALLBACK = -9
-    ERR_SINGULAR = -10
-    ERR_METHOD = -11
-    ERR_LOSS = -12
-    ERR_BEYOND = -13
-
-
-class Method(IntEnum):
-    """Numbers of the integration methods."""
-
-    RK4 = 0
-    DP5 = 1
-    DP8 = 2
-    RODAS = 3
-    AUTO = 4
-
-
-class Kind(IntEnum):
-    """How a table of input values is read between its points."""
-
-    LINEAR = 1
-    STEP = 2
-    CUBIC = 3
-
-
-class Options(ctypes.Structure):
-    """gb_options."""
-
-    _fields_ = [
-        ("method", c_int),
-        ("locate", c_int),
-        ("rtol", c_double),
-        ("step", c_double),
-        ("max_step", c_double),
-        ("t_stop", c_double),
-    ]
-
-
-class Counters(ctypes.Structure):
-    """gb_stats."""
-
-    _fields_ = [
-        ("t", c_double),
-        ("step", c_double),
-        ("turnover", c_double),
-        ("steps", c_longlong),
-        ("rejected", c_longlong),
-        ("rhs_calls", c_longlong),
-        ("events", c_longlong),
-        ("jacobians", c_longlong),
-        ("steps_by", c_longlong * int(Method.AUTO)),
-        ("method", c_int),
-        ("n_switches", c_int),
-        ("switch_method", c_int * 8),
-        ("switch_t", c_double * 8),
-    ]
-
-
-class Report(ctypes.Structure):
-    """gb_report."""
-
-    _fields_ = [("code", c_int), ("index", c_int), ("t", c_double), ("value", c_double)]
-
-
-class _Record(ctypes.Structure):
-    """gb_record."""
-
-    _fields_ = [
-        ("rows", c_void_p),
-        ("n_rows", c_long),
-        ("row_capacity", c_long),
-        ("events", c_void_p),
-        ("n_events", c_long),
-        ("event_capacity", c_long),
-    ]
-
-
-class _Point(ctypes.Structure):
-    """gb_point."""
-
-    _fields_ = [("t", c_double), ("means", c_int), ("mode", c_void_p), ("input", c_void_p), ("rate", c_void_p)]
-
-
-EVENT = np.dtype([("t", "f8"), ("before", "f8"), ("after", "f8"), ("index", "i4"), ("kind", "i4")], align=True)
-"""gb_event: kind 0 is a state event, 1 a time event."""
-
-InputFunction = ctypes.CFUNCTYPE(c_int, c_void_p, c_int, c_double, POINTER(c_double))
 
 _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_get_model": (POINTER(c_char_p), ()),

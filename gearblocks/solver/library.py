@@ -19,9 +19,10 @@ from typing import Any
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError, GearblocksError
-from gearblocks.solver.binding import Array, Simulation, open_shared
+from gearblocks.solver.binding import Simulation, open_shared
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, GENERATED_FLAGS, SHARED_SUFFIX, Compiler, cpu_identity, find_compiler
+from gearblocks.solver.structures import Array
 
 SOURCES = Path(__file__).parent / "c"
 

@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from gearblocks.codegen.program import Program
 from gearblocks.errors import SimulationError
 from gearblocks.solver.active_set import Rows, reduced
-from gearblocks.solver.binding import Array, Options, Simulation
+from gearblocks.solver.binding import Simulation
 from gearblocks.solver.sparse_maps import Indices, disjoint
+from gearblocks.solver.structures import Array, Options
 from gearblocks.solver.switched_constraints import Locks
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import gearblocks.blocks.effects as effects
 from gearblocks.errors import GearblocksError, ModelError, StorageError, did_you_mean
 from gearblocks.files import write_text
 from gearblocks.geometry.ratio_law import RatioLaw
-from gearblocks.language.block import Block, _Declared
+from gearblocks.language.block import Block, Declared
 from gearblocks.language.expression import FUNCTIONS, Expr, number
 from gearblocks.language.signals import Input, Parameter, Table
 from gearblocks.language.tables import Table2
@@ -67,7 +67,7 @@ def _tree(tree: Tree, leaves: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _owner(path: str, owner: _Declared, leaves: dict[str, Any]) -> dict[str, Any]:
+def _owner(path: str, owner: Declared, leaves: dict[str, Any]) -> dict[str, Any]:
     kind = type(owner)
     if _class(kind.__name__) is not kind:
         raise ModelError(f"'{path}': {kind.__name__} is no block of the catalogue; only those can be stored")
@@ -82,7 +82,7 @@ def _owner(path: str, owner: _Declared, leaves: dict[str, Any]) -> dict[str, Any
 def _value(path: str, value: Any, leaves: dict[str, Any]) -> Any:
     if isinstance(value, tuple):
         return [_value(path, v, leaves) for v in value]
-    if isinstance(value, _Declared):
+    if isinstance(value, Declared):
         return _owner(path, value, leaves)
     if isinstance(value, RatioLaw):
         return {
@@ -135,7 +135,7 @@ def _leaf(item: Mapping[str, Any]) -> Parameter | Input | Table | Table2:
 def _class(name: str) -> Any:
     """A block or effect of the catalogue by name, or None."""
     found = getattr(catalogue, name, None) or getattr(effects, name, None)
-    return found if isinstance(found, type) and issubclass(found, _Declared) else None
+    return found if isinstance(found, type) and issubclass(found, Declared) else None
 
 
 def _read_tree(data: Mapping[str, Any], leaves: Mapping[str, Any]) -> Tree:
@@ -166,7 +166,7 @@ def _flanges_of(part: Tree | Block) -> tuple[str, ...]:
     return tuple(n for n, _ in part.exposed) if isinstance(part, Tree) else tuple(type(part).flanges)
 
 
-def _read_owner(path: str, item: Mapping[str, Any], leaves: Mapping[str, Any]) -> _Declared:
+def _read_owner(path: str, item: Mapping[str, Any], leaves: Mapping[str, Any]) -> Declared:
     kind = _class(item["type"])
     if kind is None:
         raise ModelError(f"'{path}': there is no block or effect '{item['type']}' in the catalogue")
@@ -175,7 +175,7 @@ def _read_owner(path: str, item: Mapping[str, Any], leaves: Mapping[str, Any]) -
         made = kind(**fields)
     except GearblocksError as error:
         raise ModelError(f"'{path}': {error}") from error
-    assert isinstance(made, _Declared)
+    assert isinstance(made, Declared)
     return made
 
 

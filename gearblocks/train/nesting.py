@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
-from gearblocks.language.block import Block, _Declared
+from gearblocks.language.block import Block, Declared
 from gearblocks.language.expression import Expr
 from gearblocks.language.signals import Input
 
@@ -18,13 +18,13 @@ def localised(block: Block, prefix: str, names: Collection[str]) -> Block:
     return changed
 
 
-def _owner(owner: _Declared, prefix: str, names: Collection[str]) -> _Declared:
+def _owner(owner: Declared, prefix: str, names: Collection[str]) -> Declared:
     store = owner.__dict__
     new = {name: _value(store[name], prefix, names) for name in type(owner).fields}
     if all(new[name] is store[name] for name in new):
         return owner
     changed = owner.changed(**new)
-    assert isinstance(changed, _Declared)
+    assert isinstance(changed, Declared)
     return changed
 
 
@@ -33,7 +33,7 @@ def _value(value: Any, prefix: str, names: Collection[str]) -> Any:
         return replace(value, name=prefix + value.name)
     if isinstance(value, Expr):
         return _expr(value, prefix, names)
-    if isinstance(value, _Declared):
+    if isinstance(value, Declared):
         return _owner(value, prefix, names)
     if isinstance(value, tuple):
         items = tuple(_value(v, prefix, names) for v in value)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import fmu_export
-from fmu_export.instance import Unpacked
+from fmu_export.checks.instance import Unpacked
 from gearblocks.codegen.program import (
     EnergyInfo,
     InputInfo,

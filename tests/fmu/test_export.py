@@ -14,9 +14,9 @@ import pytest
 from lxml import etree
 
 import fmu_export
-from fmu_export.check_file import check_sources
+from fmu_export.checks.file import check_sources
+from fmu_export.checks.instance import Unpacked
 from fmu_export.exporter import model_identifier
-from fmu_export.instance import Unpacked
 from gearblocks.codegen.program import StartInfo
 from gearblocks.errors import GearblocksError
 from gearblocks.solver.library import Model

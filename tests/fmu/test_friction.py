@@ -11,7 +11,7 @@ import pytest
 
 import fmu_export
 import gearblocks as gb
-from fmu_export.instance import Instance, Unpacked
+from fmu_export.checks.instance import Instance, Unpacked
 
 LOCK_UP = 4.0 / 3.0  # s: 100 rad/s of slip go at 50 N m (1/1 + 1/2) per s
 

@@ -14,7 +14,7 @@ import pytest
 
 import fmu_export
 import gearblocks as gb
-from fmu_export.instance import Instance, Unpacked
+from fmu_export.checks.instance import Instance, Unpacked
 
 
 def _shipped() -> Any:

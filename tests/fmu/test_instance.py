@@ -16,8 +16,8 @@ from fmpy.fmi1 import FMICallException
 
 import fmu_export
 from fmu_export import manifest
-from fmu_export.instance import Instance, Unpacked
-from fmu_export.replay import replay
+from fmu_export.checks.instance import Instance, Unpacked
+from fmu_export.checks.replay import replay
 from gearblocks.solver.library import Model
 
 OUTPUTS = ("wheel.phi", "wheel.w", "wheel.alpha", "spring.torque", "spring.contact")

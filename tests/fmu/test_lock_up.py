@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import fmu_export
 import gearblocks as gb
-from fmu_export.instance import Instance, Unpacked
+from fmu_export.checks.instance import Instance, Unpacked
 
 LOCK, SPEED, HEAT = 4 / 3, 100 / 3, 1e4 / 3
 NAMES = ("one.w", "two.w", "one.phi", "two.phi", "clutch.w_rel", "clutch.mode")

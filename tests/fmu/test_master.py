@@ -10,9 +10,9 @@ import pytest
 
 from fmu_export import manifest
 from fmu_export.binary import native_platform
-from fmu_export.instance import Unpacked
-from fmu_export.replay import replay
-from fmu_export.templates import C_FOLDER
+from fmu_export.checks.instance import Unpacked
+from fmu_export.checks.replay import replay
+from fmu_export.templates import VERSION_FOLDERS
 from gearblocks.solver.compiler import SHARED_SUFFIX, find_compiler
 
 SHOWN = ("wheel.phi", "wheel.w", "spring.torque")
@@ -21,7 +21,7 @@ SHOWN = ("wheel.phi", "wheel.w", "spring.torque")
 @pytest.fixture(scope="module")
 def master(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("master")
-    for source in (C_FOLDER / "fmi2.h", Path(__file__).with_name("master.c")):
+    for source in (VERSION_FOLDERS["2.0"] / "fmi2.h", Path(__file__).with_name("master.c")):
         (folder / source.name).write_bytes(source.read_bytes())
     flags = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
     find_compiler().run((*flags, "master.c", "-o", "master", "-ldl", "-lm"), folder)

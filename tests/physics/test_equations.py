@@ -8,10 +8,11 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.laws.symbols import ContactSide, DeadZone, clock
-from gearblocks.solver.binding import Code, Method, Options
-from gearblocks.train.graph import numbers_of
+from gearblocks.laws.functions import ContactSide, DeadZone
+from gearblocks.laws.symbols import clock
+from gearblocks.solver.structures import Code, Method, Options
 from gearblocks.train.handles import FlangeHandle
+from gearblocks.train.values import numbers_of
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "models"))
 

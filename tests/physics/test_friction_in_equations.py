@@ -6,8 +6,8 @@ import sympy as sp
 
 import gearblocks as gb
 from gearblocks.laws.symbols import clock
-from gearblocks.solver.binding import Options
-from gearblocks.train.graph import numbers_of
+from gearblocks.solver.structures import Options
+from gearblocks.train.values import numbers_of
 
 
 class Disc(gb.Block):

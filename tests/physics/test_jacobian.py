@@ -9,8 +9,9 @@ import sympy as sp
 import gearblocks as gb
 from gearblocks.cli.scripts import make
 from gearblocks.codegen.jacobian.sparsity import Pattern
-from gearblocks.solver.binding import Options, Simulation
+from gearblocks.solver.binding import Simulation
 from gearblocks.solver.step_matrix import StepMatrix
+from gearblocks.solver.structures import Options
 from gearblocks.train.handles import FlangeHandle
 
 NEAR = 1e-9  # differences of fourth order with steps of 1e-3 of each state: 1e-12, times what terms cancel

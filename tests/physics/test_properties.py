@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 import gearblocks as gb
-from gearblocks.solver.binding import Code, Method, Options
+from gearblocks.solver.structures import Code, Method, Options
 
 GROUND = -1
 T = np.linspace(0.0, 1.0, 21)

@@ -7,7 +7,9 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.language.block import Block, Contribution, Flange, Stick, Stop, param, signal
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import Contribution, Stick, Stop
+from gearblocks.language.fields import Flange, param, signal
 
 METHODS = [{"method": "auto"}, {"method": "dp5"}, {"method": "rodas"}, {"method": "rk4", "step": 0.01}]
 

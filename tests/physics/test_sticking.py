@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 import gearblocks as gb
-from gearblocks.solver.binding import Options
+from gearblocks.solver.structures import Options
 
 EXACT = 1e-12  # closed forms that are polynomials of time: only rounding over some ten steps is left
 METHODS = [

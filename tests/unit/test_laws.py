@@ -3,7 +3,7 @@
 import pytest
 
 import gearblocks as gb
-from gearblocks.laws.law import derive
+from gearblocks.laws.derivation import derive
 
 MESH = {"teeth": (23, 41), "r_base": (0.03, 0.03 * 41 / 23), "external": True, "k": 2e8, "c": 300.0}
 TEETH = {

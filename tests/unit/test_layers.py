@@ -1,7 +1,8 @@
-"""Imports between rooms lead downward only."""
+"""Imports lead downward only: between rooms, and between the files of a room."""
 
 import ast
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -69,3 +70,12 @@ def test_a_file_imports_only_from_its_own_room_and_those_above_it(module: str) -
     own = _room(module)
     upward = [f"line {line}: {name}" for line, name in _imports(module, MODULES[module]) if _room(name) > own]
     assert not upward, f"{module} looks down"
+
+
+def test_no_file_reaches_itself_through_its_imports() -> None:
+    # the name of a room stands for what its __init__.py imports, and only then
+    graph = {module: {name for _, name in _imports(module, path) if name != module} for module, path in MODULES.items()}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        pytest.fail(" -> ".join(error.args[1]))

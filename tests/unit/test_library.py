@@ -14,9 +14,10 @@ import pytest
 from gearblocks.codegen.program import EnergyInfo, InputInfo, ParameterInfo, Program, Quantity
 from gearblocks.errors import CompileError, GearblocksWarning
 from gearblocks.solver import library as stage
-from gearblocks.solver.binding import Code, Kind, Method, Options, Simulation
+from gearblocks.solver.binding import Simulation
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler, zig_compiler
 from gearblocks.solver.library import Library, compile_program, core_files, start_core_build
+from gearblocks.solver.structures import Code, Kind, Method, Options
 
 HERE = Path(__file__).parent
 

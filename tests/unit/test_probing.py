@@ -7,9 +7,9 @@ import scipy.sparse
 import gearblocks as gb
 from benchmarks.cases import P4
 from benchmarks.problems import p1, train
-from gearblocks.solver.binding import Code, Method, Options
 from gearblocks.solver.point import dependents, derivative, differenced_state_matrix, opened, state_matrix
 from gearblocks.solver.sparse_maps import disjoint, recovered, solved
+from gearblocks.solver.structures import Code, Method, Options
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (7, 1), (1, 9), (40, 40), (30, 57)])

@@ -15,7 +15,7 @@ import sympy as sp
 
 from gearblocks.assembly.assemble import HELD
 from gearblocks.codegen.batch import BatchCode
-from gearblocks.laws.law import vanishes
+from gearblocks.laws.energy_balance import vanishes
 
 Target = tuple[str, str, Any, bool]
 """A statement for BatchCode.function."""

@@ -12,13 +12,14 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.codegen.batch import BatchCode, Function
-from gearblocks.codegen.generator import Computed, Following, Generator, Linear, SenseCode
+from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.function import Column, Function, column
+from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.jacobian.law_derivatives import Slopes, Target
 from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
 from gearblocks.codegen.jacobian.unknowns import Unknowns
 from gearblocks.codegen.jacobian.unknowns_varying import Varying
-from gearblocks.codegen.layout import Column, column
+from gearblocks.codegen.parts import Computed, Following, Linear, SenseCode
 
 Argument = tuple[str, str, Column]
 """An argument of a function, see Function.args."""

@@ -10,12 +10,11 @@ import sympy as sp
 
 from gearblocks.assembly.assemble import HELD
 from gearblocks.assembly.kinematics import Driven
-from gearblocks.codegen.batch import BatchCode, Function
+from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.function import Function, column
 from gearblocks.codegen.jacobian.law_derivatives import partial
 from gearblocks.codegen.jacobian.row_values import Numbers
-from gearblocks.codegen.layout import column
-from gearblocks.laws.law import exact_value
-from gearblocks.laws.rational import Exact, exact
+from gearblocks.laws.rational import Exact, exact, exact_value
 
 Slope = dict[Any, list[int]]
 """By symbol: the number of each instance."""

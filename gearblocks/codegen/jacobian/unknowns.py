@@ -12,8 +12,7 @@ from gearblocks.assembly.kinematics import Driven
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.jacobian.sparsity import Pattern
-from gearblocks.laws.law import exact_value
-from gearblocks.laws.rational import Exact
+from gearblocks.laws.rational import Exact, exact_value
 
 Row = dict[int, Exact]
 """Something of a group as a combination of unknowns."""

@@ -19,7 +19,8 @@ from typing import Any
 
 from gearblocks.assembly.coordinates import Combination
 from gearblocks.assembly.kinematics import Driven, Follower
-from gearblocks.codegen.batch import BatchCode, Function
+from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.function import Function
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.jacobian.prescribed_derivatives import DriveSlopes, Slope, drive_slopes, number_of
 from gearblocks.codegen.jacobian.row_values import Numbers, Row

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from fmu_export.manifest import Manifest
 from gearblocks.errors import SimulationError
-from gearblocks.solver.binding import Code
 from gearblocks.solver.library import compile_program
+from gearblocks.solver.structures import Code
 
 
 def replay(manifest: Manifest, times: NDArray[np.float64], stop: float | None) -> NDArray[np.float64]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
-from fmu_export.instance import Instance, Unpacked
-from fmu_export.report import Item
+from fmu_export.checks.instance import Instance, Unpacked
+from fmu_export.checks.report import Item
 
 Rows = list[list[float]]
 

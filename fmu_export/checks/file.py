@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from fmu_export.archive import irregularities
-from fmu_export.elf import read_shared_library
-from fmu_export.instance import Unpacked
-from fmu_export.report import Item
+from fmu_export.checks.elf import read_shared_library
+from fmu_export.checks.instance import Unpacked
+from fmu_export.checks.report import Item
 from gearblocks.errors import CompileError
 from gearblocks.solver.compiler import SHARED_SUFFIX, find_compiler
 

@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fmu_export import check_file, check_life, manifest
+from fmu_export import manifest
 from fmu_export.binary import native_platform
-from fmu_export.instance import Unpacked
-from fmu_export.replay import replay
-from fmu_export.report import Item, Report
+from fmu_export.checks import file as check_file
+from fmu_export.checks import lifecycle
+from fmu_export.checks.instance import Unpacked
+from fmu_export.checks.replay import replay
+from fmu_export.checks.report import Item, Report
 from gearblocks.errors import ParameterError
 
 
@@ -71,14 +73,14 @@ def _checks(unpacked: Unpacked, t_end: float | None, steps: int, differences: di
     h = (stop - begin) / steps
     calls: dict[str, Callable[[], Item]] = {
         "binary": lambda: check_file.check_binary(unpacked, native_platform()),
-        "token": lambda: check_life.check_token(unpacked),
-        "start values": lambda: check_life.check_start_values(unpacked),
-        "refusals": lambda: check_life.check_refusals(unpacked, h),
-        "saved state": lambda: check_life.check_saved_state(unpacked, h),
-        "reset": lambda: check_life.check_reset(unpacked, h),
-        "instances": lambda: check_life.check_instances(unpacked, h),
-        "communication step": lambda: check_life.check_steps(unpacked, h, _tolerance(description)),
-        "log": lambda: check_life.check_log(unpacked, h),
+        "token": lambda: lifecycle.check_token(unpacked),
+        "start values": lambda: lifecycle.check_start_values(unpacked),
+        "refusals": lambda: lifecycle.check_refusals(unpacked, h),
+        "saved state": lambda: lifecycle.check_saved_state(unpacked, h),
+        "reset": lambda: lifecycle.check_reset(unpacked, h),
+        "instances": lambda: lifecycle.check_instances(unpacked, h),
+        "communication step": lambda: lifecycle.check_steps(unpacked, h, _tolerance(description)),
+        "log": lambda: lifecycle.check_log(unpacked, h),
         "sources": lambda: check_file.check_sources(unpacked),
     }
     items += [_guarded(name, call) for name, call in calls.items()]

@@ -1,0 +1,94 @@
+"""None"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.kinematics import Driven, Follower
+from gearblocks.assembly.rigid_constraints import Groups
+from gearblocks.laws.law import Law
+from gearblocks.laws.rational import Exact
+from gearblocks.train.graph import Train
+
+HELD = -1
+"""Group number of a flange that the ground holds."""
+
+
+@dataclass(slots=True)
+class Batch:
+    """Instances of one kind that share code: the law, and one table column per flange and coordinate.
+
+    flanges: names of the flanges that are not the ground; groups and gains: one entry per instance (group HELD: held).
+    sources: per coordinate of the law and instance, the number of a coordinate, or of a dependent combination.
+    """
+
+    name: str
+    law: Law
+    components: list[int] = field(default_factory=list)
+    flanges: tuple[str, ...] = ()
+    groups: dict[str, list[int]] = field(default_factory=dict)
+    gains: dict[str, list[Exact]] = field(default_factory=dict)
+    nodes: dict[str, list[int]] = field(default_factory=dict)
+    sources: list[list[int]] = field(default_factory=list)
+    dependent: tuple[bool, ...] = ()
+    exact: dict[Any, list[Exact]] = field(default_factory=dict)
+    used: tuple[bool, ...] = ()
+
+
+@dataclass(slots=True)
+class StartValues:
+    """Where the start angle and speed of a group come from: the component and the gain of its node."""
+
+    phi0: str
+    phi0_gain: Exact
+    w0: str
+    w0_gain: Exact
+
+
+@dataclass(slots=True)
+class Assembly:
+    """Tables of a train's equations.
+
+    Groups are numbered: those with a speed of their own (n_speeds), hidden ones without inertia (n_hidden), those whose
+    speed alone is prescribed (n_paced), then the other followers. rows[i]: coordinate i as a form of group angles;
+    dependents: combinations that close loops; angles: groups whose absolute angle is a state; definitions (in order, with
+    drives in between): how other group angles follow. in_law: a law reads angles. steady: groups whose speeds are fixed
+    combinations; n_steady: coordinates at the front whose rates are. floating: hidden groups that are a part of another
+    (floating.py), with that other; floats: numbers of the hidden ones that stand for several.
+    """
+
+    train: Train
+    batches: list[Batch]
+    groups: Groups
+    group_of_node: list[tuple[int, Exact]] = field(default_factory=list)
+    held_offset: dict[int, str | None] = field(default_factory=dict)
+    n_groups: int = 0
+    n_speeds: int = 0
+    n_hidden: int = 0
+    n_paced: int = 0
+    floating: dict[int, int] = field(default_factory=dict)
+    floats: frozenset[int] = frozenset()
+    followers: list[Follower] = field(default_factory=list)
+    massive: frozenset[int] = frozenset()
+    rows: list[dict[int, Exact]] = field(default_factory=list)
+    row_offsets: list[dict[str, Exact]] = field(default_factory=list)
+    dependents: list[Combination] = field(default_factory=list)
+    angles: list[int] = field(default_factory=list)
+    definitions: list[tuple[int, Combination | Driven]] = field(default_factory=list)
+    starts: list[StartValues] = field(default_factory=list)
+    steady: frozenset[int] = frozenset()
+    n_steady: int = 0
+    in_law: bool = False
+    structural: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def plain(self) -> bool:
+        """Whether every shaft has a speed of its own: nothing follows and nothing is hidden."""
+        return self.n_groups == self.n_speeds
+
+    @property
+    def driven(self) -> bool:
+        """Whether angles follow by laws of their own."""
+        return any(isinstance(row, Driven) for _, row in self.definitions)

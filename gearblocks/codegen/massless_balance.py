@@ -1,0 +1,69 @@
+"""Balance of torques at a massless group: torque rate, damping and stiffness entries of one law.
+
+Knows nothing of groups as a whole: what several laws give one group is added up elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from gearblocks.assembly.tables import HELD, Batch
+from gearblocks.codegen.parts import Balance, HiddenRows
+from gearblocks.laws.law import Law
+from gearblocks.laws.symbols import clock
+
+if TYPE_CHECKING:
+    pass
+
+
+def balance_of(batch: Batch, hoist: Callable[[Any], Any], rows: HiddenRows, floats: frozenset[int]) -> Balance:
+    """The balance of a batch, hoisted; empty where none of its flanges is at such a shaft."""
+    law = batch.law
+    at = [f for f in batch.flanges if any(group in rows for group in batch.groups[f])]
+    speeds = {f: law.pool.symbol("w", f, f"w_{f}") for f in at}
+    result = Balance()
+    for f in at:
+        if f not in law.torques or batch.groups[f][0] == HELD:
+            continue
+        torque = law.torques[f].xreplace(law.forces)
+        alone = all(floats.isdisjoint(rows.get(group, ())) for group in batch.groups[f])
+        growth = _rate(law, torque, damped=alone)
+        result.torques[f], result.growths[f] = hoist(torque), hoist(growth)
+        for other, w in speeds.items():
+            drag, stiffness = sp.diff(torque, w), _stiffness(law, torque, other)
+            if drag != 0:
+                result.drags[f, other] = hoist(drag)
+            if stiffness != 0:
+                result.stiffnesses[f, other] = hoist(stiffness)
+    return result
+
+
+def _stiffness(law: Law, torque: Any, flange: str) -> Any:
+    """Derivative of a torque by the angle of a flange."""
+    total = sp.diff(torque, law.pool.symbol("phi", flange, f"phi_{flange}"))
+    for form, u in zip(law.forms, law.coordinates, strict=True):
+        total += sp.diff(torque, u) * form.coefficients.get(flange, 0)
+    return total
+
+
+def _rate(law: Law, torque: Any, *, damped: bool) -> Any:
+    """Rate of change of a torque. What dampers add to it is left aside: where springs alone give the speed of several
+    shafts, it cancels, and a shaft that is `damped` needs no rate (0)."""
+    speeds = [x for x in torque.free_symbols if law.pool.slots[x].role == "w"]
+    if speeds and damped:
+        return sp.Integer(0)
+    torque = torque.xreplace(dict.fromkeys(speeds, sp.Integer(0)))
+    total = sp.diff(torque, clock())
+    for form, u in zip(law.forms, law.coordinates, strict=True):
+        slope = sp.diff(torque, u)
+        if slope != 0:
+            total += slope * sum(c * law.pool.symbol("w", n, f"w_{n}") for n, c in form.coefficients.items())
+    for x in list(torque.free_symbols):
+        slot = law.pool.slots[x]
+        if slot.role == "phi":
+            total += sp.diff(torque, x) * law.pool.symbol("w", slot.of, f"w_{slot.of}")
+        elif slot.role == "state":
+            total += sp.diff(torque, x) * law.rates[slot.of]
+    return total

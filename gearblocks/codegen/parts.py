@@ -1,0 +1,252 @@
+"""Parts of one program while it is generated: what each stage of code generation fills and the template prints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from gearblocks.assembly.kinematics import Follower
+from gearblocks.codegen.function import Function
+from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
+from gearblocks.laws.rational import Exact
+
+if TYPE_CHECKING:
+    from gearblocks.laws.switched_constraints import StickOfKind
+
+VALUES = 5
+"""Numbers per lock that the solver asks for at an event: lower and upper limit, forces against the slip, engaged."""
+
+
+@dataclass(slots=True)
+class Lock:
+    """One lock: its component and stick, its slip over the groups, switches (-1: none) and places of states (-1: none)."""
+
+    path: str
+    stick: StickOfKind
+    row: dict[int, float]
+    slip: int = -1
+    hold: int = -1
+    free: int = -1
+    impulse: int = -1
+    impacts: int = -1
+    loss: int = -1
+    partner: int = -1
+
+    @property
+    def kind(self) -> str:
+        """Name of its kind in C."""
+        return f"GB_{self.stick.kind.upper()}"
+
+
+@dataclass(slots=True)
+class Locks:
+    """All locks of a train. rows: over the speeds that they reach (values count where gains do not change with the
+    position); speeds: by column. matrix0: where the responses to their forces lie in par[], where they are constant."""
+
+    locks: list[Lock] = field(default_factory=list)
+    first: dict[tuple[int, str], int] = field(default_factory=dict)
+    rows: list[dict[int, float]] = field(default_factory=list)
+    speeds: list[int] = field(default_factory=list)
+    dynamic: bool = False
+    paced: bool = False
+    lossy: bool = False
+    matrix0: int = 0
+
+    @property
+    def size(self) -> int:
+        """Doubles of the memory behind the modes, as gb_lock_size in gb_lock.h."""
+        n, m = len(self.locks), len(self.speeds)
+        return 1 + 3 * n + 2 * n * n + n * m if n else 0
+
+
+HiddenRows = dict[int, dict[int, Exact]]
+"""By group: factors of its speed on those of hidden shafts, by their number."""
+
+
+@dataclass(slots=True)
+class Balance:
+    """Torques of one batch on shafts that may have no inertia, and their slopes.
+
+    torques, growths: torque on a flange and its rate of change; drags, stiffnesses: their derivatives by the speed of a
+    flange, by (flange, flange).
+    """
+
+    torques: dict[str, Any] = field(default_factory=dict)
+    growths: dict[str, Any] = field(default_factory=dict)
+    drags: dict[tuple[str, str], Any] = field(default_factory=dict)
+    stiffnesses: dict[tuple[str, str], Any] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class Massless:
+    """Hidden shafts by number. floats: those that stand for several; damped: or not; free_start: whether the angle at the
+    start is one of balance. pattern: of their coupling; affine: whether one step solves for the speeds. shifts: by state,
+    what an angle moves it.
+    """
+
+    rows: HiddenRows
+    floats: frozenset[int]
+    damped: list[bool]
+    free_start: list[bool]
+    pattern: Pattern
+    affine: bool
+    shifts: list[dict[int, Exact]]
+
+    @property
+    def n_entries(self) -> int:
+        """Diagonal, lower and upper entries and one for what goes nowhere."""
+        return len(self.pattern.order) + 2 * len(self.pattern.row) + 1
+
+    def entry(self, one: int, other: int) -> int:
+        """Place of the entry (one, other)."""
+        n, places = len(self.pattern.order), len(self.pattern.row)
+        if one == other:
+            return self.pattern.steps[one]
+        return n + self.pattern.place(one, other) + (0 if self.pattern.is_lower(one, other) else places)
+
+    @property
+    def entry_rows(self) -> list[int]:
+        """The hidden shaft whose balance each entry belongs to."""
+        rows = [-1] * self.n_entries
+        n, places = len(self.pattern.order), len(self.pattern.row)
+        rows[:n] = self.pattern.order
+        for k in range(n):
+            for p in range(self.pattern.start[k], self.pattern.start[k + 1]):
+                rows[n + p] = self.pattern.order[self.pattern.row[p]]
+                rows[n + places + p] = self.pattern.order[k]
+        return rows
+
+
+@dataclass(slots=True)
+class Motions:
+    """followers[i] has entries [start[i], start[i + 1]) of index (group) and value (gain; 0 where a drive gives it).
+
+    rows: by follower that carries inertia: (speed number -> place in the array of row entries). steps: how these entries
+    are computed, (target, gain, source entry or -1); products: what they add to the mass matrix, (target: place, or -1 -
+    step for the diagonal; entry; entry; group).
+    """
+
+    followers: list[Follower]
+    start: list[int] = field(default_factory=lambda: [0])
+    index: list[int] = field(default_factory=list)
+    value: list[float] = field(default_factory=list)
+    slots: dict[tuple[int, str], int] = field(default_factory=dict)
+    rows: dict[int, dict[int, int]] = field(default_factory=dict)
+    steps: list[tuple[int, int, int]] = field(default_factory=list)
+    products: list[tuple[int, int, int, int]] = field(default_factory=list)
+    pattern: Pattern = field(default_factory=lambda: eliminate(0, ()))
+    dynamic: bool = False
+    n_entries: int = 0
+    calls: dict[int, str] = field(default_factory=dict)
+    powered: list[int] = field(default_factory=list)
+
+    @property
+    def paced(self) -> bool:
+        """Whether a drive moves by itself (bias) or has accelerations that its gains do not explain."""
+        return any(f.drive is not None for f in self.followers)
+
+
+@dataclass(slots=True)
+class Sense:
+    """An output that a signal reads: its place in sense[], where it is shown, and the code that fills it."""
+
+    path: str
+    index: int
+    batch: int = 0
+    instance: int = 0
+    expr: Any = None
+    function: Function | None = None
+    call: str = ""
+
+
+@dataclass(slots=True)
+class Prediction:
+    """How a time switch is foretold: the C function of gb_table.h, its constant arguments, its place."""
+
+    name: str
+    predictor: str
+    args: list[str]
+    prologue: list[tuple[str, str]]
+    first: int
+    count: int
+    table: str
+
+
+@dataclass(slots=True)
+class Band:
+    """A switch whose mode is a side of a band: the function that holds its half width, and its first place."""
+
+    function: Function
+    first: int
+
+
+@dataclass(slots=True)
+class SenseCode:
+    """The functions of one sensed output for implicit methods and the numbers of its instance: slopes, and change."""
+
+    slope: Function
+    slope_args: str
+    change: Function
+    change_args: str
+
+
+@dataclass(frozen=True, slots=True)
+class Following:
+    """Rows by group over unknowns: the speed of each, that of those with inertia, the equations that its torque and (with
+    by_rate) the rate of its torque belong to; and how defined angles change with those of groups and with y."""
+
+    speeds: list[dict[int, Exact]]
+    heavy: list[dict[int, Exact]]
+    torques: list[dict[int, Exact]]
+    growths: list[dict[int, Exact]]
+    by_rate: bool
+    tilts: list[dict[int, Exact]]
+    state_tilts: list[dict[int, Exact]]
+
+
+@dataclass(slots=True)
+class Computed:
+    """Where rows are computed (varying.py): values that numbers start with, places of g and of gains (by number of the
+    gain), steps, rows of equations with inertia; entries of dG/ds as (unknown, simple state); B over unknowns.
+
+    first_surplus, first_carried, rates: further rows of the spreading table; carried: groups of the second.
+    """
+
+    start: list[float]
+    g: int
+    gains: list[tuple[int, int]]
+    steps: list[tuple[int, int, int]]
+    heavy: list[dict[int, int]]
+    entries: list[tuple[int, int]]
+    simple: list[dict[int, Exact]]
+    carried: list[int]
+    first_surplus: int = 0
+    first_carried: int = 0
+    rates: int = 0
+
+
+@dataclass(slots=True)
+class Linear:
+    """What implicit methods need. first_speed: the unknown of the first speed; n_kept: numbers that jacobian keeps.
+
+    following: where some groups follow others; computed: where their gains change. spread, or then terms: rows of the
+    table that spreads entries; those of the inertias begin at first_mass. senses: in the order of their calls.
+    """
+
+    pattern: Pattern
+    n_simple: int
+    first_speed: int
+    n_kept: int
+    n_slopes: int
+    following: Following | None = None
+    computed: Computed | None = None
+    functions: dict[str, list[Function]] = field(default_factory=dict)
+    senses: list[SenseCode] = field(default_factory=list)
+    spread: list[dict[int, Exact]] = field(default_factory=list)
+    terms: list[list[tuple[int, int, int]]] = field(default_factory=list)
+    first_mass: int = 0
+
+    def keep(self, what: str, function: Function) -> None:
+        """Adds a function unless it does nothing."""
+        if function.body:
+            self.functions.setdefault(what, []).append(function)

@@ -1,0 +1,203 @@
+"""Contributions: what the `physics` of a block yields, from inertias and forces to switched constraints and the ledger.
+
+Each is one term of M(q) v' = f(t, q, v, u), an event function, an output or an energy. Knows nothing of blocks and trains."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A rotating inertia J [kg m2] at a flange."""
+
+    flange: Any
+    J: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Force:
+    """A force along a deflection: every flange gets the torque -force * d deflection / d phi.
+
+    Factors of angles in a deflection are taken as they are, floats too; what is left where floats cancel (1e-14 of their
+    sizes, as of three cosines 120 degrees apart) counts as 0. Two deflections that differ by less are the same.
+    """
+
+    deflection: Any
+    force: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Potential:
+    """An energy [J] of the flange angles: every flange gets the torque -d energy / d phi."""
+
+    energy: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Acts:
+    """The torque tau [N m] that the block exerts ON the flange."""
+
+    flange: Any
+    tau: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Tie:
+    """A rigid relation that stays zero.
+
+    Linear in the flange angles with exact ratios; or, where it moves with time, with states or not linearly with angles,
+    solved for a flange that it contains linearly by itself (phi_b - F(phi_a)). Then it must be smooth twice over.
+    """
+
+    zero: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A prescribed speed: `zero`, linear in the flange speeds with the factors 1 and -1, stays zero. The rest must be
+    continuous."""
+
+    zero: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """The value of a state of the block at the start, computed from angles, time and parameters there."""
+
+    state: Any
+    value: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """The time derivative of a state of the block."""
+
+    state: Any
+    expr: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """A state that stays as it is until `when` turns from 0 to 1 at an event; it then takes `value` of that instant.
+
+    when: an expression of conditions that the law has anyway (a contact, say), 0 or 1.
+    """
+
+    state: Any
+    value: Any
+    when: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """A named located switch: mode `high` where surface >= 0, else `low`; watched only while `when` is not zero.
+
+    Conditions written with Piecewise, Abs, sign, Min, Max or Heaviside are located without one; a Switch gives them a
+    name and the values shown in the events. The events name the block and the switch, or the block alone when the name
+    is empty (a mode of the block as a whole, such as its contact).
+    """
+
+    name: str
+    surface: Any
+    when: Any = 1
+    low: float = 0.0
+    high: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Stick:
+    """Friction that can stick, or a lock, along a slip: linear in the flange speeds with constant factors.
+
+    A force > 0 drives the slip up: every flange gets the torque force * d slip / d w. While stuck the slip is exactly 0
+    and the held force stays in [-limit, limit], or in limit = (lower, upper) (sympy.oo: without limit); while it slides,
+    the force against the slip is `sliding` (default: limit; a pair: while slip > 0, while slip < 0), which may contain
+    sympy.Abs(slip). engaged <= 0: free. An unlimited lock closes on a speed difference by a plastic impact; `impulse`: a
+    state of the block that keeps it [N m s]. Loss, events and modes come by themselves, see Symbols.stick.
+    """
+
+    name: str
+    slip: Any
+    limit: Any
+    sliding: Any = None
+    engaged: Any = 1
+    impulse: Any = None
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A rigid unilateral contact: the gap, linear in the flange angles with constant factors, stays >= 0.
+
+    It closes by an impact with Newton's restitution (rate after = -restitution * rate before) and stays closed while it
+    is pressed. impulse: a state of the block that keeps the last impulse [N m s]; impacts: one that counts them.
+    """
+
+    name: str
+    gap: Any
+    restitution: Any
+    impulse: Any = None
+    impacts: Any = None
+
+
+@dataclass(frozen=True, slots=True)
+class LossyTie:
+    """A rigid tie whose losses depend on the force that it carries, and that sticks at rest.
+
+    tie: the speed that stays 0, linear in the flange speeds; its force is Symbols.stick("tie"). slip: the speed at which
+    loss is taken from the shafts; force lost = share * force of the tie + rest, against the slip: (share, rest) =
+    `driving` where slip * force >= 0, else `coasting` (both may contain sympy.Abs(slip)). At rest it holds what lies
+    between the losses of either direction; Symbols.stick("loss") tells.
+    """
+
+    tie: Any
+    slip: Any
+    driving: Any
+    coasting: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Shows:
+    """An output of the block."""
+
+    name: str
+    expr: Any
+    unit: str = "1"
+    words: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """Entry of the ledger: stored energy [J] and lost power [W]. What neither explains counts as supplied."""
+
+    stored: Any = None
+    loss: Any = None
+
+
+Contribution: TypeAlias = (
+    Body
+    | Force
+    | Potential
+    | Acts
+    | Tie
+    | Motion
+    | Rate
+    | Start
+    | Hold
+    | Switch
+    | Stick
+    | Stop
+    | LossyTie
+    | Shows
+    | Energy
+)
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a composite block stands for: blocks by name, links between (name, flange) pairs, and its own flanges."""
+
+    blocks: Mapping[str, Any]
+    links: tuple[tuple[tuple[str, str], tuple[str, str]], ...]
+    flanges: Mapping[str, tuple[str, str]]

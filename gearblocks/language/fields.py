@@ -1,0 +1,122 @@
+"""Fields of a block: parameters, options, signals and effects with words, unit, default and bounds; flanges and states.
+
+Knows nothing of blocks: it only says what a field is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from gearblocks.errors import ModelError
+from gearblocks.language.expression import finite_number
+
+
+class _Required:
+    """Stands for the default that a required field has not; printed alike in every process."""
+
+    def __repr__(self) -> str:
+        return "required"
+
+
+_REQUIRED: Any = _Required()
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """The declaration of one field: words, unit, default and bounds.
+
+    role: "param" (a number, runs as a tunable value), "exact" (integers that enter ratios exactly), "option" (part of
+    the structure), "signal", "effect". belongs_to: the effect that goes when this field is None ("compliance").
+    convert: turns a short form (a Table, say) into the effect that it stands for. over: the quantity of the block
+    ("twist") that an expression in the field may contain, and a Table in it is read at.
+    """
+
+    words: str
+    unit: str
+    role: str
+    default: Any = _REQUIRED
+    gt: float | None = None
+    ge: float | None = None
+    lt: float | None = None
+    le: float | None = None
+    many: bool = False
+    belongs_to: str | None = None
+    convert: Callable[[Any], Any] | None = None
+    over: str | None = None
+
+    @property
+    def required(self) -> bool:
+        """Whether a block cannot be made without it."""
+        return self.default is _REQUIRED
+
+
+def param(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
+    lt: float | None = None, le: float | None = None, many: bool = False, belongs_to: str | None = None,
+) -> Any:  # fmt: skip
+    """A number in SI units; a `Parameter` may stand for it. Bounds: gt (>), ge (>=), lt (<), le (<=).
+
+    default=None makes it optional: None means absent. many=True: a tuple of numbers.
+    """
+    return Field(words, unit, "param", default, gt, ge, lt, le, many, belongs_to)
+
+
+def exact(words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False) -> Any:
+    """A number that enters ratios exactly (tooth counts; a float stands for its exact binary fraction). Structural."""
+    return Field(words, unit, "exact", default, many=many)
+
+
+def option(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, belongs_to: str | None = None
+) -> Any:
+    """A choice (text, truth, number) that decides the form of the law. Structural. many=True: a tuple of them."""
+    return Field(words, unit, "option", default, many=many, belongs_to=belongs_to)
+
+
+def signal(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, ge: float | None = None, belongs_to: str | None = None,
+    over: str | None = None,
+) -> Any:  # fmt: skip
+    """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense).
+
+    ge: the least value of a number or Parameter; what varies is not judged. over: a quantity of the block that may stand
+    in it too, see Symbols.local; a Table then goes over that quantity.
+    """
+    return Field(words, unit, "signal", default, ge=ge, belongs_to=belongs_to, over=over)
+
+
+def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None) -> Any:
+    """An effect object, or None: absent. convert: turns a short form into the effect it stands for."""
+    return Field(words, "1", "effect", default, convert=convert)
+
+
+@dataclass(frozen=True, slots=True)
+class Flange:
+    """A rotating connection point, or a sliding one.
+
+    ground: means the ground when nothing is connected; spare: may stay open; both: is the ground then, but a chain passes
+    through it. slider: True for positions [m], speeds [m/s] and forces [N] in place of angles and torques; None for a
+    flange that is what it is connected to.
+    """
+
+    words: str
+    ground: bool = False
+    spare: bool = False
+    slider: bool | None = False
+
+    def __post_init__(self) -> None:
+        if self.slider not in (True, False, None):
+            raise ModelError(f"Flange '{self.words}': slider = {self.slider!r} must be True, False or None (both)")
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """A state of a block's own. The block yields Rate(s.name, expression), or Hold(s.name, value, when)."""
+
+    words: str
+    unit: str = "1"
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "start", finite_number(f"State '{self.words}': start", self.start))

@@ -1,0 +1,287 @@
+"""Derivation of a law: one symbolic pass per kind of block, from contributions to torques, rates, event functions, energies.
+
+A kind is a class with a structure (which fields are present) and a set of grounded flanges. All its instances share
+the law; their numbers come from tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import sympy as sp
+
+from gearblocks.errors import ModelError
+from gearblocks.language.block import Block
+from gearblocks.language.contributions import (
+    Acts,
+    Body,
+    Energy,
+    Force,
+    Hold,
+    LossyTie,
+    Motion,
+    Potential,
+    Rate,
+    Shows,
+    Start,
+    Stick,
+    Stop,
+    Switch,
+    Tie,
+)
+from gearblocks.laws.energy_balance import add_energy_balance
+from gearblocks.laws.functions import Table2At, TableAt
+from gearblocks.laws.law import Form, Law
+from gearblocks.laws.prescribed_motion import drive_of, frozen_drive, is_constant_tie, linear_tie, motion_of
+from gearblocks.laws.relative_angles import in_coordinates
+from gearblocks.laws.switched_constraints import along, carried_loss, sliding_force, sticks_of
+from gearblocks.laws.switching import Freezer
+from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, Symbols
+
+
+class _Contributions:
+    """The contributions of one call of physics, sorted, with every value turned into sympy."""
+
+    def __init__(self, block: Block, s: Symbols) -> None:
+        self.bodies: list[Body] = []
+        self.forces: list[Force] = []
+        self.potentials: list[Potential] = []
+        self.acts: list[Acts] = []
+        self.ties: list[Tie] = []
+        self.motions: list[Motion] = []
+        self.rates: list[Rate] = []
+        self.starts: list[Start] = []
+        self.holds: list[Hold] = []
+        self.switches: list[Switch] = []
+        self.sticks: list[Stick] = []
+        self.stops: list[Stop] = []
+        self.lossy: list[LossyTie] = []
+        self.shows: list[Shows] = []
+        self.energies: list[Energy] = []
+        lists: dict[type, list[Any]] = {
+            Body: self.bodies, Force: self.forces, Potential: self.potentials, Acts: self.acts,
+            Tie: self.ties, Motion: self.motions, Start: self.starts,
+            Rate: self.rates, Switch: self.switches, Shows: self.shows, Energy: self.energies,
+            Hold: self.holds, Stick: self.sticks, Stop: self.stops,
+            LossyTie: self.lossy,
+        }  # fmt: skip
+        for item in block.physics(s):
+            if type(item) not in lists:
+                raise ModelError(f"{type(block).__name__}.physics yields {item!r}, which is no contribution")
+            lists[type(item)].append(item)
+
+
+def derive(block: Block, grounded: frozenset[str], *, reading: bool = False) -> Law:
+    """The law of the kind that `block` is an instance of.
+
+    reading=True keeps angles, conditions and named parts (a mesh force, say) as they are, for people to read.
+    """
+    law = Law(Pool(reading=reading))
+    s = Symbols(block, law.pool, grounded)
+    found = _Contributions(block, s)
+    flanges = {name: getattr(s, name) for name in type(block).flanges if name not in grounded}
+    law.bodies = [(_flange_name(flanges, b.flange), sp.sympify(b.J)) for b in found.bodies if b.flange.phi.is_Symbol]
+    law.rates = {law.pool.slots[r.state].of: sp.sympify(r.expr) for r in found.rates}
+    law.starts = {law.pool.slots[x.state].of: sp.sympify(x.value) for x in found.starts}
+    law.holds = [(law.pool.slots[h.state].of, sp.sympify(h.value), sp.sympify(h.when)) for h in found.holds]
+    law.rates |= {state: sp.Integer(0) for state, _, _ in law.holds}
+    for zero in (sp.expand(sp.sympify(t.zero)) for t in found.ties):
+        if is_constant_tie(law, flanges, zero):
+            tie = linear_tie(flanges, zero)
+            law.ties += [tie] if tie[0] else []
+        else:
+            law.drives.append(drive_of(law, type(block).__name__, flanges, zero))
+    law.drives += [motion_of(law, type(block).__name__, flanges, sp.expand(m.zero)) for m in found.motions]
+    law.sticks = sticks_of(law.pool, flanges, [*found.sticks, *found.stops, *found.lossy])
+    law.rates |= {x: sp.Integer(0) for k in law.sticks.values() for x in (k.impulse, k.impacts) if x is not None}
+    law.torques = _torques(law, flanges, found, reading)
+    stored = [sp.sympify(e.stored) for e in found.energies if e.stored is not None]
+    losses = [sp.sympify(e.loss) for e in found.energies if e.loss is not None]
+    losses += [-sliding_force(law.pool, k) * k.slip for k in law.sticks.values()]
+    law.stored = sp.Add(*stored) if stored and not _is_driven(law.pool, stored) else None
+    law.loss = sp.Add(*losses) if losses else None
+    law.shows = [Shows(x.name, sp.sympify(x.expr), x.unit, x.words) for x in found.shows]
+    for stick in law.sticks.values():
+        law.shows = [Shows(x.name, along(law.pool, stick, x.expr), x.unit, x.words) for x in law.shows]
+    if not reading:
+        _introduce_coordinates(law, flanges, [*found.forces, *(Force(x.gap, 0) for x in found.stops)])
+        _freeze(law, found.switches)
+        if law.stored is not None and _jumps_in_time(law):
+            law.stored = None
+        add_energy_balance(law, flanges)
+    return law
+
+
+def _flange_name(flanges: Mapping[str, Any], wanted: Any) -> str:
+    return next(name for name, f in flanges.items() if f is wanted)
+
+
+def _is_driven(pool: Pool, exprs: Iterable[Any]) -> bool:
+    """Whether an input or sense stands in a stored energy: its jumps would be lost, so the work counts as exchange."""
+    return any(pool.slots[x].role in ("input", "sense") for e in exprs for x in e.free_symbols)
+
+
+def _jumps_in_time(law: Law) -> bool:
+    """Whether a switch of time or a step table stands in a stored energy: its jumps would be lost, so the work counts as
+    exchange."""
+    slots = law.pool.slots
+    modes = {x for x in law.stored.free_symbols if slots[x].role == "mode" and slots[x].of.level != MOVING}
+    smooth = {mode for e in law.stored.atoms(Table2At) for mode in e.args[5:]}
+    smooth |= {e.args[3] for e in law.stored.atoms(TableAt) if len(e.args) == 4 and slots[e.args[0]].of.kind != "step"}
+    return bool(modes - smooth)
+
+
+def _torques(law: Law, flanges: Mapping[str, Any], found: _Contributions, reading: bool) -> dict[str, Any]:
+    """Torque that the block exerts on each flange: virtual work of its forces and potentials, and what acts."""
+    total: dict[str, Any] = {}
+
+    def add(name: str, tau: Any) -> None:
+        if tau != 0:
+            total[name] = total.get(name, 0) + tau
+
+    for force in found.forces:
+        form = None if reading else _linear_form(law.pool, flanges, sp.sympify(force.deflection))
+        if form is not None and form.whole:
+            symbol = law.pool.symbol("force", len(law.forces), f"force{len(law.forces)}")
+            law.forces[symbol] = form.scale * sp.sympify(force.force)
+            for name, c in form.coefficients.items():
+                add(name, -c * symbol)
+            continue
+        for name, flange in flanges.items():
+            add(name, -sp.sympify(force.force) * sp.diff(force.deflection, flange.phi))
+    for potential in found.potentials:
+        for name, flange in flanges.items():
+            add(name, -sp.diff(potential.energy, flange.phi))
+    for act in found.acts:
+        if act.flange.phi.is_Symbol:
+            add(_flange_name(flanges, act.flange), sp.sympify(act.tau))
+    for stick in law.sticks.values():
+        whole = law.pool.symbol("friction", stick.name, f"T_{stick.name}".rstrip("_"))
+        for name, c in stick.push.items():
+            add(name, c * (whole if reading else sliding_force(law.pool, stick)))
+    return total
+
+
+def _introduce_coordinates(law: Law, flanges: Mapping[str, Any], forces: Iterable[Force]) -> None:
+    """Writes the law in relative coordinates: one per independent deflection, and absolute angles only where left."""
+    replace: dict[Any, Any] = {}
+    for force in forces:
+        form = _linear_form(law.pool, flanges, sp.sympify(force.deflection))
+        if form is None:
+            continue
+        u = law.pool.symbol("coordinate", len(law.forms), f"u{len(law.forms)}")
+        solved = _solve(law.pool, form, u, flanges, replace)
+        if solved is not None:
+            replace = solved
+            law.forms.append(form)
+            law.coordinates.append(u)
+    law.replaced = replace
+    if replace:
+        _substitute(law)
+
+
+def _solve(
+    pool: Pool, form: Form, u: Any, flanges: Mapping[str, Any], replace: dict[Any, Any]
+) -> dict[Any, Any] | None:  # fmt: skip
+    """The replacements with one more angle expressed by the coordinate u, or None when the form adds nothing new."""
+    expr = sum(c * flanges[n].phi for n, c in form.coefficients.items())
+    expr = sp.expand(expr.xreplace(replace)) if replace else expr
+    pivots = [f.phi for n in reversed(form.coefficients) if expr.has((f := flanges[n]).phi) and f.phi not in replace]
+    if not pivots:
+        return None
+    slopes = {x: sp.diff(expr, x) for x in pivots}
+    pivot = next((x for x in pivots if not _may_vanish(pool, slopes[x])), pivots[0])
+    slope = slopes[pivot]
+    solved = (u - expr.xreplace({pivot: sp.Integer(0)})) / slope
+    return {**{k: v.xreplace({pivot: solved}) for k, v in replace.items()}, pivot: solved}
+
+
+def _linear_form(pool: Pool, flanges: Mapping[str, Any], deflection: Any) -> Form | None:
+    """The part of a deflection linear in the angles, scaled so that one of its coefficients is 1 or -1: the first that is no
+    number of the block, which might be 0, else the first."""
+    slopes = {n: sp.diff(deflection, f.phi) for n, f in flanges.items()}
+    angles = {f.phi: 0 for f in flanges.values()}
+    linear = {n: sp.expand(c) for n, c in slopes.items() if c != 0}
+    linear = {n: c if not c.free_symbols & set(angles) else _constant_part(c, set(angles)) for n, c in linear.items()}
+    linear = {n: c for n, c in linear.items() if c != 0}
+    if not linear or any(pool.level(c) != CONSTANT for c in linear.values()):
+        return None
+    first = next(iter(linear.values()))
+    if _may_vanish(pool, first):
+        first = next((c for c in linear.values() if c.is_number), first)
+    scale = -first if first.could_extract_minus_sign() else first
+    whole = not any(c.free_symbols & set(angles) for c in slopes.values())
+    return Form({n: sp.cancel(c / scale) for n, c in linear.items()}, scale, whole)
+
+
+def _may_vanish(pool: Pool, coefficient: Any) -> bool:
+    """Whether a number of the block in a coefficient may be 0."""
+    return any(pool.slots[x].of not in pool.nonzero for x in coefficient.free_symbols)
+
+
+def _constant_part(slope: Any, angles: set[Any]) -> Any:
+    """Terms of a slope free of the angles (the rest belongs to a term over the angle, such as an error)."""
+    return sp.Add(*(term for term in sp.Add.make_args(slope) if not term.free_symbols & angles))
+
+
+def _substitute(law: Law) -> None:
+    def new(expr: Any) -> Any:
+        return None if expr is None else in_coordinates(law.pool, expr, law.replaced)
+
+    law.forces = {n: new(e) for n, e in law.forces.items()}
+    law.torques = {n: new(e) for n, e in law.torques.items()}
+    law.rates = {n: new(e) for n, e in law.rates.items()}
+    law.starts = {n: new(e) for n, e in law.starts.items()}
+    law.holds = [(state, new(value), new(when)) for state, value, when in law.holds]
+    law.stored, law.loss = new(law.stored), new(law.loss)
+    for stick in law.sticks.values():
+        stick.changed(new)
+    law.shows = [Shows(x.name, new(x.expr), x.unit, x.words) for x in law.shows]
+
+
+def _freeze(law: Law, declared: Iterable[Switch]) -> None:
+    """Conditions of the dynamics become modes; outputs reuse these modes and locate nothing of their own."""
+    freezer = Freezer(law.pool)
+
+    def new(expr: Any) -> Any:
+        return in_coordinates(law.pool, expr, law.replaced)
+
+    freezer.declare(Switch(x.name, new(x.surface), new(x.when), x.low, x.high) for x in declared)
+    law.forces = {n: freezer.freeze(e) for n, e in law.forces.items()}
+    law.torques = {n: freezer.freeze(e) for n, e in law.torques.items()}
+    law.rates = {n: freezer.freeze(e) for n, e in law.rates.items()}
+    law.drives = [frozen_drive(x, freezer.freeze) for x in law.drives]
+    law.starts = {n: freezer.freeze(e) for n, e in law.starts.items()}
+    law.stored = None if law.stored is None else freezer.freeze(law.stored)
+    law.loss = None if law.loss is None else freezer.freeze(law.loss)
+    for stick in law.sticks.values():
+        stick.changed(freezer.freeze)
+        freezer.watch(stick)
+    law.late_loss = carried_loss(law.pool, law.sticks)
+    freezer.locating = False
+    law.holds = [(state, freezer.freeze(value), freezer.freeze(when)) for state, value, when in law.holds]
+    law.shows = [Shows(x.name, freezer.freeze(x.expr), x.unit, x.words) for x in law.shows]
+    law.switches = freezer.switches
+
+
+def check_senses(law: Law, path: str) -> None:
+    """ModelError where the component at `path` needs a sensed output before there is one: at the start, or for a motion."""
+    slots = law.pool.slots
+
+    def sensed(*exprs: Any) -> str:
+        return next(
+            (slots[x].of for e in exprs if e is not None for x in e.free_symbols if slots[x].role == "sense"), ""
+        )
+
+    for x in law.drives:
+        if found := sensed(*x.gains.values(), x.bias, x.surplus, x.angle):
+            raise ModelError(
+                f"'{path}': the sensed output '{found}' cannot prescribe a rigid motion, not through a filter either: it may "
+                f"follow from the torques of that motion; prescribe an Input, or drive with a torque that depends on it"
+            )
+    for state, value in law.starts.items():
+        if found := sensed(value):
+            raise ModelError(
+                f"'{path}': the state '{state}' starts from the sensed output '{found}', which is not known before the "
+                f"start; give Start a number, a Parameter or an Input"
+            )

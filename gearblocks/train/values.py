@@ -1,0 +1,218 @@
+"""Values of blocks: parameters by path, their bounds, and copies with other values."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import math
+import re
+import sys
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any, get_args
+
+from gearblocks.errors import ModelError, did_you_mean
+from gearblocks.language.block import Block, Declared, Effect
+from gearblocks.language.expression import Expr, evaluate
+from gearblocks.language.fields import Field
+from gearblocks.language.signals import Input, Parameter, Table
+from gearblocks.language.tables import Table2
+
+
+def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
+    """(path, number or Parameter or expression, field) of every numeric field that is present, effects included."""
+    store = owner.__dict__
+    for name, field in type(owner).fields.items():
+        value = store[name]
+        if isinstance(value, Declared):
+            yield from numbers_of(value, f"{prefix}{name}.")
+        elif value is None or field.role == "option":
+            continue
+        elif isinstance(value, tuple):
+            for i, v in enumerate(value):
+                yield f"{prefix}{name}[{i}]", v, field
+        elif field.role != "effect" and not isinstance(value, str):
+            yield prefix + name, value, field
+
+
+def leaves_of(block: Any) -> Iterator[Parameter | Input]:
+    """Every Parameter and Input that a block or its effects refer to."""
+    for _, value, _ in numbers_of(block, ""):
+        if isinstance(value, (Parameter, Input)):
+            yield value
+        elif isinstance(value, Expr):
+            for leaf in value.leaves():
+                if leaf.op in ("parameter", "input"):
+                    yield leaf.args[0]
+
+
+def value_problems(path: str, block: Block) -> Iterator[str]:
+    """Numbers that are not finite or out of bounds, and what the block itself finds wrong."""
+    kind = f"{type(block).__name__} '{path}'"
+    found = [f"{kind}: {problem}" for problem in _field_problems(block, "")]
+    yield from found
+    if not found:
+        yield from (f"{kind}: {p}" for p in block.problems())
+        for part in block.__dict__.values():
+            if isinstance(part, Declared):
+                yield from (f"{kind}: {p}" for p in part.problems())
+
+
+def _field_problems(owner: Declared, prefix: str) -> Iterator[str]:
+    """What is wrong with the fields taken one by one, those of effects included."""
+    for name, field in type(owner).fields.items():
+        value = owner.__dict__[name]
+        if field.role == "effect":
+            if value is not None:
+                problem = _effect_problem(owner, name, value)
+                yield from [problem] if problem else _field_problems(value, f"{prefix}{name}.")
+        elif field.role == "option":
+            if isinstance(field.default, bool) and not isinstance(value, bool):
+                yield f"{prefix}{name} = {value!r} must be True or False"
+            elif isinstance(value, Declared):
+                yield from _field_problems(value, f"{prefix}{name}.")
+        elif value is None:
+            if field.default is not None and field.belongs_to is None:
+                yield f"{prefix}{name} = None ({field.words}): a value must be given"
+        elif field.many and not isinstance(value, tuple):
+            yield f"{prefix}{name} = {value!r:.80} must be a row of numbers such as ({value!r:.40},)"
+        elif field.many:
+            yield from filter(None, (_problem(f"{prefix}{name}[{i}]", v, field) for i, v in enumerate(value)))
+        elif not (isinstance(value, str) and value in (field.default, "angle")):  # the effect itself judges "angle"
+            problem = _problem(prefix + name, value, field)
+            if problem:
+                yield problem
+
+
+def _effect_problem(owner: Declared, name: str, value: Any) -> str:
+    """An effect that is no effect object, or not of a class that the field is annotated with."""
+    if isinstance(value, Effect):
+        kind: Any = type(owner)
+        allowed = _annotated(kind, name)
+        if not allowed or type(value) in allowed:
+            return ""
+        if not type(value).__module__.startswith("gearblocks.") and isinstance(value, allowed):
+            return ""
+        return f"{name} = {value!r:.80} must be {' or '.join(f'gb.{kind.__name__}(...)' for kind in allowed)}, or None"
+    return f"{name} = {value!r:.80} must be an effect object such as gb.Backlash(...), or None"
+
+
+@functools.cache
+def _annotated(kind: type, name: str) -> tuple[type, ...]:
+    """The effect classes that the annotation of a field names; empty where it names none."""
+    for base in kind.__mro__:
+        annotation = inspect.get_annotations(base).get(name)
+        if annotation is not None:
+            words = re.findall(r"\w+", annotation) if isinstance(annotation, str) else []
+            known = vars(sys.modules[base.__module__])
+            found = [known.get(word) for word in words] or [*get_args(annotation), annotation]
+            return tuple(t for t in found if isinstance(t, type) and issubclass(t, Effect))
+    return ()
+
+
+def _problem(name: str, value: Any, field: Field) -> str:
+    unit = "" if field.unit == "1" else f" {field.unit}"
+    if isinstance(value, (Parameter, Input, Table, Expr)):
+        problem = _signal_problem(name, value, field)
+        if problem or isinstance(value, (Input, Table)) or (isinstance(value, Expr) and not _is_constant(value)):
+            return problem
+        number, shown = _constant(value), f" ({value!r})" if isinstance(value, Parameter) else f" ('{value}')"
+    elif isinstance(value, Table2):
+        return f"{name} = {value!r} is no signal by itself: call it with two quantities, such as table(gb.sense('motor.w'), u)"
+    elif isinstance(value, bool) or not isinstance(value, (int, float, Fraction if field.role == "exact" else int)):
+        return (
+            f"{name} = {value!r:.80} is no number{', Parameter, Input, Table or expression' * (field.role == 'signal')}"
+        )
+    else:
+        number, shown = _float(value), ""
+    if not math.isfinite(number):
+        return f"{name} = {number!r}{unit}{shown} must be a finite number"
+    return bound_problem(name, number, unit + shown, (field.gt, field.ge, field.lt, field.le))
+
+
+def _float(value: float | Fraction) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def _is_constant(value: Expr) -> bool:
+    return all(leaf.op == "parameter" for leaf in value.leaves())
+
+
+def _constant(value: Parameter | Expr) -> float:
+    """The number of a Parameter, or of an expression of Parameters; NaN where it has none."""
+    if isinstance(value, Parameter):
+        return value.value
+    try:
+        return evaluate(value, lambda leaf: float(leaf.args[0].value))
+    except (ArithmeticError, ValueError, TypeError):
+        return math.nan
+
+
+def _signal_problem(name: str, value: Any, field: Field) -> str:
+    if field.role == "exact":
+        return f"{name} = {value!r:.80} enters a ratio: give a plain number, and another one with rig.set(...)"
+    if isinstance(value, Expr) and value.op in ("<", "<=", ">", ">=", "And", "Or", "Not"):
+        return f"{name} = '{value}' is a condition, not a value: give gb.piecewise((value, condition), (other, True))"
+    if field.role == "signal":
+        leaves = value.leaves() if isinstance(value, Expr) else ()
+        local = next((x.args[0] for x in leaves if x.op == "local" and x.args[0] != field.over), None)
+        by = {"twist": "the torque of a Shaft", "driver_angle": "the k of a NonCircularGear"}.get(
+            str(local), "its block"
+        )
+        return "" if local is None else f"{name} = '{value}' contains gb.{local}, which only {by} knows"
+    changing = not isinstance(value, (Expr, Parameter)) or (isinstance(value, Expr) and not _is_constant(value))
+    return (
+        f"{name} is a parameter: it takes a number, a gb.Parameter or an expression of Parameters" if changing else ""
+    )
+
+
+def bound_problem(name: str, x: float, unit: str, bounds: tuple[float | None, ...]) -> str:
+    """What is wrong with x against (gt, ge, lt, le), or the empty text."""
+    gt, ge, lt, le = bounds
+    broken = [
+        f"{sign} {limit:g}"
+        for sign, limit, holds in (
+            (">", gt, gt is None or x > gt), (">=", ge, ge is None or x >= ge),
+            ("<", lt, lt is None or x < lt), ("<=", le, le is None or x <= le),
+        ) if not holds
+    ]  # fmt: skip
+    return f"{name} = {x!r}{unit} must be {' and '.join(broken)}" if broken else ""
+
+
+def field_paths(owner: Declared) -> Iterator[str]:
+    """Paths of all fields inside a block, those of its effects and the entries of rows included."""
+    for name in type(owner).fields:
+        yield name
+        value = owner.__dict__[name]
+        if isinstance(value, Declared):
+            yield from (f"{name}.{rest}" for rest in field_paths(value))
+        elif isinstance(value, tuple):
+            yield from (f"{name}[{i}]" for i in range(len(value)))
+
+
+def unique_path(path: str, known: set[str]) -> str:
+    """The full path that a path, or a unique end of one, means."""
+    if not isinstance(path, str):
+        raise ModelError(f"path {path!r} must be text such as 'mesh.k'")
+    if path in known:
+        return path
+    ends = sorted(p for p in known if p.endswith("." + path))
+    if len(ends) == 1:
+        return ends[0]
+    if ends:
+        raise ModelError(f"'{path}' is not unique: it could be {', '.join(ends)}")
+    raise ModelError(f"'{path}' does not exist{did_you_mean(path, known)}")
+
+
+def replaced(owner: Any, path: list[str], value: Any) -> Any:
+    """A copy of a block or effect with another value at a path inside it."""
+    name, *rest = path
+    match = re.fullmatch(r"(\w+)\[(\d+)\]", name)
+    if match:
+        values = list(owner.__dict__[match[1]])
+        values[int(match[2])] = value
+        return owner.changed(**{match[1]: tuple(values)})
+    return owner.changed(**{name: replaced(owner.__dict__[name], rest, value) if rest else value})
