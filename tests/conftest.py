@@ -1,4 +1,4 @@
-"""An independent integrator for hand-derived equations: scipy's DOP853, stopped at every corner."""
+"""An independent integrator for hand-derived equations (scipy's DOP853, stopped at every corner), and the tiers."""
 
 from __future__ import annotations
 
@@ -7,12 +7,20 @@ from typing import TypeAlias
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_ivp
 
 Array: TypeAlias = NDArray[np.float64]
 Rates: TypeAlias = Callable[[float, Array, Array], ArrayLike]
 Surfaces: TypeAlias = Callable[[float, Array], ArrayLike]
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """The quick tier draws a quarter of the examples of every random test."""
+    if "not long" in config.getoption("markexpr"):
+        settings.register_profile("quick", max_examples=25)
+        settings.load_profile("quick")
 
 
 def _integrate(

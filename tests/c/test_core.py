@@ -39,13 +39,16 @@ def _build_and_run(folder: Path, *flags: str) -> subprocess.CompletedProcess[str
     return subprocess.run([str(program)], capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize("flags", [FAST, ("-O2",)], ids=["fast", "plain"])
+@pytest.mark.parametrize(
+    "flags", [pytest.param(FAST, id="fast"), pytest.param(("-O2",), id="plain", marks=pytest.mark.long)]
+)
 def test_the_core_passes_its_checks(tmp_path: Path, flags: tuple[str, ...]) -> None:
     ran = _build_and_run(tmp_path, *flags)
     assert ran.returncode == 0, ran.stdout + ran.stderr
     assert ran.stdout.endswith("ok: 0 failed\n")
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not shutil.which("gcc"), reason="the sanitizers' libraries come with gcc")
 def test_the_core_passes_its_checks_under_sanitizers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", "gcc")

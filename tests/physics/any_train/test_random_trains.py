@@ -4,6 +4,7 @@ Examples are drawn anew from the same seed in every run. Numbers are coarse and 
 train turns and hits some tens of times within the second that is simulated.
 """
 
+import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -21,9 +22,10 @@ NEAR = 1e-9  # the same steps but for rounding (1e-16), which some hundred steps
 
 
 def examples(count):
-    """The same `count` examples in every run, no search for smaller ones (each would be compiled), no time limit."""
+    """The same `count` examples in every run, in the quick tier a quarter of them; no search for smaller ones (each would
+    be compiled), no time limit."""
     return settings(
-        max_examples=count, derandomize=True, deadline=None, database=None,
+        max_examples=math.ceil(count * settings().max_examples / 100), derandomize=True, deadline=None, database=None,
         phases=[Phase.generate], report_multiple_bugs=False,
         suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
     )  # fmt: skip

@@ -78,7 +78,7 @@ def test_a_motion_that_escapes_along_a_polynomial_ends_with_the_component_named(
     assert any("beyond the polynomial" in e.component for e in caught.value.trajectory.events)
 
 
-@pytest.mark.parametrize("choice", ["always", "clipped"])
+@pytest.mark.parametrize("choice", [pytest.param("always", marks=pytest.mark.long), "clipped"])
 def test_a_smooth_gap_tends_to_the_exact_one_as_its_width_shrinks(choice, distance):
     exact = gb.simulate(_rig(gb.Backlash(half_gap=B), choice), t=T, **TIGHT)["body.phi"]
     model = gb.build(_rig(gb.Backlash(half_gap=B, law="smooth", width=1e-3), choice))

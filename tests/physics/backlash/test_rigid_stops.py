@@ -94,7 +94,13 @@ def _mesh(carrier):
 
 
 @pytest.mark.parametrize(
-    "rig", [_lash(), _spline(), _mesh(False), _mesh(True)], ids=["lash", "spline", "mesh", "carrier"]
+    "rig",
+    [
+        pytest.param(_lash(), id="lash"),
+        pytest.param(_spline(), id="spline", marks=pytest.mark.long),
+        pytest.param(_mesh(False), id="mesh"),
+        pytest.param(_mesh(True), id="carrier", marks=pytest.mark.long),
+    ],
 )
 def test_a_gap_without_compliance_is_the_limit_of_a_hard_contact(rig):
     rigid = rig.without("part.compliance")

@@ -33,7 +33,7 @@ def _rig(gear, free=False):
     return rig
 
 
-@pytest.mark.parametrize("planets", [1, 2, 3, 6])
+@pytest.mark.parametrize("planets", [1, 2, 3, pytest.param(6, marks=pytest.mark.long)])
 def test_planets_share_the_load_and_the_ring_takes_the_reaction(planets):
     run = gb.simulate(
         _rig(_gear(z=(30, 15, 60) if planets > 3 else (ZS, ZP, ZR), planets=planets)), t=[0.3], rtol=1e-10
@@ -102,6 +102,7 @@ def test_the_meshes_of_later_planets_pass_through_their_cycle_in_the_order_of_th
     assert then[k.format(2)][0] == pytest.approx(now[k.format(1)][0], rel=1e-12)
 
 
+@pytest.mark.long
 def test_phases_driven_by_a_frequency_agree_with_those_of_the_angle():
     """The same set in the same turn: by angle, and by the mesh frequency with the sun turning forward."""
     z, w = (25, 14, 53), 30.0
@@ -132,6 +133,7 @@ def test_a_free_set_keeps_energy_and_angular_momentum():
     assert run.energy.end == pytest.approx(run.energy.start, rel=1e-9)  # a hundred steps and more at 1e-11
 
 
+@pytest.mark.long
 def test_friction_loses_as_much_forwards_as_backwards():
     lost = []
     for sign, flank in ((1.0, "drive"), (-1.0, "coast")):

@@ -71,7 +71,7 @@ def test_friction_acts_on_the_lever_arms_of_the_pairs_in_contact(external, turni
 
 
 @pytest.mark.parametrize("gap", [None, gb.Backlash(half_gap=2e-5)], ids=["linear", "backlash"])
-@pytest.mark.parametrize("choice", ["clipped", "always"])
+@pytest.mark.parametrize("choice", ["clipped", pytest.param("always", marks=pytest.mark.long)])
 @pytest.mark.parametrize("transition", [None, 0.02])
 def test_friction_only_takes_energy_and_the_ledger_closes(gap, choice, transition):
     friction = gb.ToothFriction(mu=MU, transition=transition)

@@ -27,7 +27,7 @@ def _split(parts: int, c: float | None, empty: bool) -> gb.Drivetrain:
 
 
 @pytest.mark.parametrize("c", [None, 0.5])
-@pytest.mark.parametrize("empty", [False, True])
+@pytest.mark.parametrize("empty", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_shaft_split_into_parts_without_inertia_between_moves_as_the_whole(c: float | None, empty: bool) -> None:
     t = np.linspace(0, 1, 101)
     whole = gb.simulate(_split(1, c, False), t=t, rtol=1e-11)

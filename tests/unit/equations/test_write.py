@@ -101,7 +101,9 @@ def _number(expr, known):
     return sp.Float(sp.N(value.replace(sp.Heaviside, lambda x, *_: sp.Integer(1 if x >= 0 else 0)), 30))
 
 
-@pytest.mark.parametrize("name", ["meshes", "internal", "teeth", "excited", "rigid"])
+@pytest.mark.parametrize(
+    "name", ["meshes", "internal", pytest.param("teeth", marks=pytest.mark.long), "excited", "rigid"]
+)
 def test_the_c_computes_what_the_equations_say(name):
     rig = _train(name)
     model = gb.build(rig)

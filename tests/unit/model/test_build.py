@@ -60,6 +60,7 @@ def _elsewhere(processes: int = 1) -> list[float]:
         return pool.map(_speed, ["elsewhere"] * processes, chunksize=1)
 
 
+@pytest.mark.long
 def test_damaged_entries_of_the_cache_are_made_anew(cache: Path) -> None:
     assert _elsewhere() == [pytest.approx(1.0, rel=1e-12)]
     for damage in (b"", b"\0" * 4096):
@@ -76,5 +77,6 @@ def test_a_cache_that_vanishes_is_made_anew(cache: Path) -> None:
         shutil.rmtree(cache)
 
 
+@pytest.mark.long
 def test_two_processes_that_build_one_model_at_once_both_run(cache: Path) -> None:
     assert _elsewhere(2) == [pytest.approx(1.0, rel=1e-12)] * 2

@@ -74,7 +74,10 @@ FEEDBACKS = {
 }
 
 
-@pytest.mark.parametrize("name", FEEDBACKS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.long) if name in ("speed", "angle", "force") else name for name in FEEDBACKS],
+)
 def test_what_is_sensed_adds_its_derivative(check, name):
     rig = between(gb.Lash(k=20.0, half_gap=0.1, c=0.3), gb.Shaft(k=30.0, c=0.1), ends=(gb.Torque(tau=FEEDBACKS[name]),))
     start = FlangeHandle(rig, "disc0", "a")
