@@ -25,12 +25,14 @@ def links(page: Path) -> list[str]:
     return [str(link) for _, _, link, _ in tree.iterlinks()]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["index.html", "equations.html"])
 def test_the_pages_need_no_network(page: Path, name: str) -> None:
     text = page.with_name(name).read_text(encoding="utf-8")
     assert 'src="http' not in text and 'href="http' not in text and "<script" not in text and "@import" not in text
 
 
+@pytest.mark.long
 def test_every_link_leads_to_a_file_and_every_file_is_linked(page: Path) -> None:
     found = {unquote(link) for link in links(page)}
     files = {path.name for path in page.parent.iterdir()}
@@ -38,12 +40,14 @@ def test_every_link_leads_to_a_file_and_every_file_is_linked(page: Path) -> None
     assert files - found == {"index.html"}
 
 
+@pytest.mark.long
 def test_the_regimes_of_set_s_are_found(page: Path) -> None:
     tree = html.fromstring(page.read_text(encoding="utf-8"))
     rows = [[cell.text_content() for cell in row.findall("td")] for row in tree.findall(".//table")[0].findall("tr")]
     assert {row[0]: row[2] for row in rows if row} == EXPECTED
 
 
+@pytest.mark.long
 def test_the_equations_are_shown_in_both_forms(page: Path) -> None:
     tree = html.fromstring(page.with_name("equations.html").read_text(encoding="utf-8"))
     headings = [heading.text for heading in tree.findall(".//h2")]
@@ -51,6 +55,7 @@ def test_the_equations_are_shown_in_both_forms(page: Path) -> None:
     assert len(tree.findall(".//math")) > 10
 
 
+@pytest.mark.long
 def test_the_cost_falls_with_the_error_and_locating_corners_pays(page: Path) -> None:
     lines = page.with_name("cost.csv").read_text(encoding="utf-8").splitlines()[1:]
     rows = [line.split(",") for line in lines]
@@ -63,6 +68,7 @@ def test_the_cost_falls_with_the_error_and_locating_corners_pays(page: Path) -> 
     assert all(best[method, "1"] < best[method, "0"] for method in ("dp8", "dp5", "rk4"))
 
 
+@pytest.mark.long
 def test_the_check_of_the_fmu_is_passed(page: Path) -> None:
     assert "passed" in page.with_name("check.txt").read_text(encoding="utf-8").splitlines()[0]
 

@@ -42,14 +42,16 @@ def _references(path: Path, *names: str) -> list[int]:
     return [known[n] for n in (names or outputs)]
 
 
-@pytest.mark.parametrize("make", [_lock_up, _busy])
+@pytest.mark.parametrize("make", [pytest.param(_lock_up, marks=pytest.mark.long), _busy])
 def test_a_train_with_friction_passes_every_check(make: Callable[[], gb.Drivetrain], tmp_path: Path) -> None:
     report = fmu_export.check(fmu_export.export(make(), tmp_path / "rig.fmu", t_end=2.0))
     assert all(item.ok for item in report.items), str(report)
     assert max(difference for _, difference in report.differences) == 0.0
 
 
-@pytest.mark.parametrize("step", [1e-1, 1e-2, 1e-3, LOCK_UP / 4])
+@pytest.mark.parametrize(
+    "step", [1e-1, pytest.param(1e-2, marks=pytest.mark.long), pytest.param(1e-3, marks=pytest.mark.long), LOCK_UP / 4]
+)
 @pytest.mark.parametrize("make", [_lock_up, _busy])
 def test_the_file_has_the_bits_of_the_run_at_every_communication_step(
     make: Callable[[], gb.Drivetrain], step: float, tmp_path: Path

@@ -39,7 +39,14 @@ def packed(model: gb.Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return fmu_export.export(model, tmp_path_factory.mktemp("gearbox") / "gearbox.fmu", t_end=60.0)
 
 
-@pytest.mark.parametrize(("t_end", "steps"), [(60.0, 600), (60.0, 6000), (6.0, 6000)], ids=["100 ms", "10 ms", "1 ms"])
+@pytest.mark.parametrize(
+    ("t_end", "steps"),
+    [
+        pytest.param(60.0, 600, id="100 ms"),
+        pytest.param(60.0, 6000, id="10 ms", marks=pytest.mark.long),
+        pytest.param(6.0, 6000, id="1 ms", marks=pytest.mark.long),
+    ],
+)
 def test_it_passes_every_check_at_any_step(packed: Path, t_end: float, steps: int) -> None:
     report = fmu_export.check(packed, t_end=t_end, steps=steps)
     assert all(item.ok is not False for item in report.items), str(report)

@@ -57,7 +57,14 @@ def test_fmu_and_in_process_runs_are_equal_bit_for_bit(unpacked: Unpacked, refer
     np.testing.assert_array_equal(rows, in_process(unpacked, times, end))
 
 
-@pytest.mark.parametrize("options", [{"method": "dp5"}, {"method": "rk4", "step": 2e-5}, {"step": 5e-5}])
+@pytest.mark.parametrize(
+    "options",
+    [
+        pytest.param({"method": "dp5"}, marks=pytest.mark.long),
+        {"method": "rk4", "step": 2e-5},
+        pytest.param({"step": 5e-5}, marks=pytest.mark.long),
+    ],
+)
 def test_every_method_runs_as_in_process(model: Model, tmp_path: Path, options: dict[str, float]) -> None:
     report = fmu_export.check(fmu_export.export(model, tmp_path / "m.fmu", t_end=0.02, **options))
     assert all(item.ok for item in report.items), str(report)

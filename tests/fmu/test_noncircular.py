@@ -16,10 +16,18 @@ ELLIPSE = gb.RatioLaw.ellipse(0.3)
 @pytest.mark.parametrize(
     "gear",
     [
-        {"law": NORM, "phase": gb.Input("shift", start=0.4, unit="rad"), "filter": 20.0},
-        {"law": ELLIPSE, "k": 400 + 50 * gb.cos(gb.driver_angle), "c": 0.01, "backlash": gb.Backlash(half_gap=1e-4)},
+        pytest.param({"law": NORM, "phase": gb.Input("shift", start=0.4, unit="rad"), "filter": 20.0}, id="rigid"),
+        pytest.param(
+            {
+                "law": ELLIPSE,
+                "k": 400 + 50 * gb.cos(gb.driver_angle),
+                "c": 0.01,
+                "backlash": gb.Backlash(half_gap=1e-4),
+            },
+            id="compliant",
+            marks=pytest.mark.long,
+        ),
     ],
-    ids=["rigid", "compliant"],
 )
 def test_an_fmu_of_a_non_circular_pair_passes_every_check(gear: dict[str, object], tmp_path: Path) -> None:
     rig = gb.Drivetrain("pair")

@@ -54,7 +54,11 @@ def _kind(before, after):
 
 
 @pytest.mark.parametrize(
-    ("make", "data"), [(cvt.build, "cvt_60_clutches"), (cvt.dogs, "cvt_120_dogs")], ids=["clutches", "dogs"]
+    ("make", "data"),
+    [
+        pytest.param(cvt.build, "cvt_60_clutches", id="clutches", marks=pytest.mark.long),
+        pytest.param(cvt.dogs, "cvt_120_dogs", id="dogs"),
+    ],
 )
 def test_the_states_are_those_of_the_reference(make, data):
     true = _json(data)
@@ -93,6 +97,7 @@ def test_dogs_change_over_with_the_impulses_of_the_reference():
             assert abs(after) == pytest.approx(abs(impulse), rel=1e-7)
 
 
+@pytest.mark.long
 def test_geared_neutral_holds_the_output_and_goes_on():
     run = gb.simulate(cvt.neutral(), t_end=0.1)
     before = run.t < 0.0019  # the first change-over begins at 2 ms

@@ -1,0 +1,72 @@
+"""An independent integrator for hand-derived equations (scipy's DOP853, stopped at every corner), and the tiers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+import pytest
+from hypothesis import settings
+from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import solve_ivp
+
+Array: TypeAlias = NDArray[np.float64]
+Rates: TypeAlias = Callable[[float, Array, Array], ArrayLike]
+Surfaces: TypeAlias = Callable[[float, Array], ArrayLike]
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """The quick tier draws a quarter of the examples of every random test."""
+    if "not long" in config.getoption("markexpr"):
+        settings.register_profile("quick", max_examples=25)
+        settings.load_profile("quick")
+
+
+def _integrate(
+    rates: Rates, y0: ArrayLike, t: ArrayLike, surfaces: Surfaces = lambda t, y: (), *, max_step: float = np.inf
+) -> Array:
+    """Rows of y at the times t. rates(t, y, modes): modes[i] is +1 or -1, the side of surfaces(t, y)[i], frozen between
+    corners; a run stops and restarts at each. rtol 1e-12, atol 1e-15."""
+    t = np.asarray(t, dtype=float)
+    y = np.array(y0, dtype=float)
+    at, end = float(t[0]), float(t[-1])
+    modes = np.where(np.asarray(surfaces(at, y), dtype=float) >= 0, 1.0, -1.0)
+    rows = np.empty((len(t), len(y)))
+    while True:
+        events = []
+        for i in range(len(modes)):
+
+            def event(time: float, state: Array, i: int = i) -> float:
+                return float(np.asarray(surfaces(time, state))[i])
+
+            event.terminal, event.direction = True, -modes[i]
+            events.append(event)
+        found = solve_ivp(
+            lambda time, state: np.asarray(rates(time, state, modes)), (at, end), y, "DOP853", dense_output=True,
+            events=events or None, rtol=1e-12, atol=1e-15, max_step=max_step,
+        )  # fmt: skip
+        inside = (t >= at) & (t <= found.t[-1])
+        if inside.any():
+            rows[inside] = found.sol(t[inside]).T
+        at, y = float(found.t[-1]), found.y[:, -1].copy()
+        if found.status != 1:
+            return rows
+        hit = next(i for i, times in enumerate(found.t_events) if len(times))
+        values = np.asarray(surfaces(at, y), dtype=float)
+        clear = np.abs(values) > 1e-12
+        clear[hit] = False
+        modes[clear] = np.where(values[clear] >= 0, 1.0, -1.0)
+        modes[hit] = -modes[hit]
+
+
+@pytest.fixture(scope="session")
+def reference() -> Callable[..., Array]:
+    """reference(rates, y0, t, surfaces): see _integrate."""
+    return _integrate
+
+
+@pytest.fixture(scope="session")
+def distance() -> Callable[[ArrayLike, ArrayLike], float]:
+    """distance(ours, true): the largest difference relative to the largest true value."""
+    return lambda ours, true: float(np.abs(np.asarray(ours) - np.asarray(true)).max() / np.abs(np.asarray(true)).max())

@@ -1,0 +1,103 @@
+"""Several stuck elements share one load: evenly, within their capacities."""
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+EXACT = 1e-12  # closed forms that are polynomials of time: only rounding over some ten steps is left
+
+
+def _modes(run, name):
+    """(time, mode after) of one element."""
+    return [(e.t, e.after) for e in run.events if e.component == name]
+
+
+def _planetary(tau, **between):
+    """Sun, carrier and ring of 2 kg m2 together, a torque on the sun; clutches of 9 N m between two members each."""
+    rig = gb.Drivetrain("block")
+    gear = rig.add("gear", gb.IdealPlanetary(ratio=2.3))
+    body = {}
+    for name, J in (("sun", 0.3), ("carrier", 1.0), ("ring", 0.7)):
+        body[name] = rig.add(name, gb.Inertia(J=J))
+        rig.connect(body[name].a, getattr(gear, name))
+    rig.connect(rig.add("drive", gb.Torque(tau=tau)).flange, gear.sun)
+    for name, (a, b) in between.items():
+        clutch = rig.add(name, gb.Clutch(capacity=9.0))
+        rig.connect(body[a].b, clutch.a)
+        rig.connect(body[b].b, clutch.b)
+    return rig
+
+
+def _two_brakes(tau, one, two):
+    rig = gb.Drivetrain("two brakes")
+    body = rig.add("body", gb.Inertia(J=1.0))
+    left, right = rig.add("left", gb.Brake(capacity=one)), rig.add("right", gb.Brake(capacity=two))
+    rig.connect(rig.add("drive", gb.Torque(tau=tau)).flange, body.a, left.a, right.a)
+    return rig
+
+
+@pytest.mark.parametrize(("tau", "shares"), [(3.0, (1.5, 1.5)), (5.0, (3.0, 2.0)), (-5.5, (-3.5, -2.0))])
+def test_two_brakes_share_a_load_evenly_and_the_stronger_takes_what_the_weaker_cannot(tau, shares):
+    run = gb.simulate(_two_brakes(tau, 4.0, 2.0), t_end=1.0)
+    assert run.events == ()
+    for name, share in zip(("left", "right"), shares, strict=True):
+        assert run[f"{name}.torque"] == pytest.approx(share, rel=1e-9)
+
+
+def test_two_brakes_share_a_load_that_swings_without_an_event():
+    t = np.linspace(0, 20, 201)
+    run = gb.simulate(_two_brakes(5.7 * gb.sin(3 * gb.time), 4.0, 2.0), t=t)
+    assert run.events == ()
+    assert run["left.torque"] + run["right.torque"] == pytest.approx(5.7 * np.sin(3 * t), abs=1e-8)
+    assert np.abs(run["right.torque"]).max() <= 2.0 and (run["body.phi"] == 0.0).all()
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_two_brakes_let_go_together_at_the_sum_of_what_they_hold(way):
+    run = gb.simulate(_two_brakes(way * gb.time, 4.0, 2.0), t_end=8.0)
+    for name in ("left", "right"):
+        ((t, after),) = _modes(run, name)
+        assert (t, after) == (pytest.approx(6.0, rel=1e-9), way)
+    assert run["body.w"][-1] == pytest.approx(way * 2.0, rel=1e-8)
+
+
+def test_three_clutches_that_lock_a_planetary_twice_over_turn_it_as_one_body():
+    rig = _planetary(4.0, one=("sun", "carrier"), two=("carrier", "ring"), three=("sun", "ring"))
+    run = gb.simulate(rig, t_end=1.0)
+    assert run.events == ()
+    for name in ("sun", "carrier", "ring"):
+        assert run[f"{name}.w"][-1] == pytest.approx(2.0, rel=EXACT)
+    assert max(np.abs(run[f"{name}.torque"]).max() for name in ("one", "two", "three")) < 4.0
+
+
+def test_clutches_of_gears_that_close_a_loop_hold_as_two_of_them_do():
+    rig = gb.Drivetrain("loop")
+    body = [rig.add(f"body{i}", gb.Inertia(J=J)) for i, J in enumerate((1.0, 2.0, 0.5))]
+    rig.connect(rig.add("drive", gb.Torque(tau=9.0)).flange, body[0].a)
+    for i, (one, two, teeth) in enumerate(((0, 1, (30, 70)), (1, 2, (70, 110)), (0, 2, (30, 110)))):
+        clutch = rig.add(f"clutch{i}", gb.Clutch(capacity=20.0))
+        gear = rig.add(f"gear{i}", gb.IdealGear(teeth=teeth, external=False))
+        rig.connect(body[one].b, clutch.a)
+        rig.connect(clutch.b, gear.a)
+        rig.connect(gear.b, body[two].b)
+    run = gb.simulate(rig, t_end=1.0)
+    assert run.events == ()
+    alpha = 9.0 / (1.0 + 2.0 * (3 / 7) ** 2 + 0.5 * (3 / 11) ** 2)
+    for i, ratio in enumerate((1.0, 3 / 7, 3 / 11)):
+        assert run[f"body{i}.w"][-1] == pytest.approx(alpha * ratio, rel=EXACT)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_of_three_brakes_on_a_planetary_the_weak_ones_slide_and_the_strong_one_holds(way):
+    rig = gb.Drivetrain("three brakes")
+    gear = rig.add("gear", gb.IdealPlanetary(ratio=2.0))
+    for name, J, capacity in (("sun", 0.1, 1.0), ("carrier", 1.0, 100.0), ("ring", 0.8, 2.0)):
+        body = rig.add(name, gb.Inertia(J=J))
+        rig.connect(body.a, getattr(gear, name), rig.add(f"{name}_brake", gb.Brake(capacity=capacity)).a)
+    rig.connect(rig.add("drive", gb.Torque(tau=way * gb.time)).flange, gear.sun)
+    run = gb.simulate(rig, t_end=3.0)
+    assert _modes(run, "sun_brake") == [(pytest.approx(2.0, rel=1e-9), way)]  # 1 of its own, 2 of the ring by half
+    assert _modes(run, "ring_brake") == [(pytest.approx(2.0, rel=1e-9), -way)]
+    assert (run["carrier_brake.mode"] == 0.0).all() and (run["carrier.phi"] == 0.0).all()
+    assert run["sun.w"][-1] == pytest.approx(way * 0.5 / (0.1 + 0.8 / 4), rel=1e-9)

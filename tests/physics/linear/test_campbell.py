@@ -1,0 +1,68 @@
+"""Campbell diagrams: orders of the teeth, frequencies over speed, pictures."""
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+
+def _mass(J=2.0, k=500.0, c=3.0):
+    """One body on a spring and damper, driven by the input tau and a constant torque."""
+    rig = gb.Drivetrain("one mass")
+    drive, load = rig.add("drive", gb.Torque(tau=gb.Input("tau"))), rig.add("load", gb.Torque(tau=1.0))
+    body = rig.add("body", gb.Inertia(J=J))
+    rig.chain(drive, load, body, rig.add("shaft", gb.Shaft(k=k, c=c)), rig.add("ground", gb.Fixed()))
+    return rig
+
+
+# -- speeds and orders ------------------------------------------------------------------------------------------------
+
+
+def _geared_pair():
+    rig = gb.Drivetrain("spur pair")
+    motor, wheel = rig.add("motor", gb.Inertia(J=0.02)), rig.add("wheel", gb.Inertia(J=0.05))
+    pinion = rig.add("pinion", gb.Inertia(J=2e-4))
+    mesh = rig.add("mesh", gb.GearMesh(teeth=(23, 41), r_base=(0.023, 0.041), external=True, k=2e8, damping_ratio=0.05))
+    rig.chain(motor, rig.add("shaft", gb.Shaft(k=2e4, c=3.0)), pinion, mesh, wheel)
+    return rig
+
+
+def test_orders_follow_from_the_teeth_and_cross_where_they_should():
+    rig = _geared_pair()
+    speeds = gb.rpm(np.linspace(10, 30000, 31))
+    found = gb.campbell(rig, "motor.w", speeds)
+    assert found.orders == pytest.approx({
+        "shaft of motor, pinion": 1.0, "shaft of wheel": 23 / 41, "teeth of mesh": 23.0
+    }, rel=1e-8)  # fmt: skip
+    swinging = gb.modes(rig).frequencies[1:]
+    assert found.frequencies == pytest.approx(np.tile(swinging, (31, 1)), rel=1e-6)
+    mesh = [c for c in found.crossings if c.order == "teeth of mesh"]
+    assert [c.speed for c in mesh] == pytest.approx(swinging / 23, rel=1e-6)
+    assert [c.mode for c in mesh] == [1, 2]
+    assert gb.campbell(rig, "motor.w", speeds, reference="wheel").orders["teeth of mesh"] == pytest.approx(41.0)
+
+
+def test_frequencies_that_depend_on_a_speed_are_followed():
+    speed = gb.Parameter("speed", 1.0, "rad/s")
+    rig = gb.Drivetrain("stiffened")
+    body = rig.add("body", gb.Inertia(J=1.0))
+    rig.chain(body, rig.add("shaft", gb.Shaft(k=100.0 + speed**2)), rig.add("ground", gb.Fixed()))
+    speeds = np.linspace(1.0, 20.0, 39)
+    found = gb.campbell(rig, "speed", speeds, orders={"unbalance": 2.0})
+    assert found.frequencies[:, 0] == pytest.approx(np.sqrt(100 + speeds**2), rel=1e-8)
+    (crossing,) = found.crossings
+    assert crossing.speed == pytest.approx(10 / np.sqrt(3), rel=1e-3)  # straight lines between speeds 0.5 rad/s apart
+    with pytest.raises(gb.ParameterError, match="cannot turn freely"):
+        gb.campbell(rig, "speed", speeds)
+
+
+# -- pictures ---------------------------------------------------------------------------------------------------------
+
+
+def test_every_tool_draws_a_picture(tmp_path):
+    rig = _geared_pair()
+    with_input = rig.set({})
+    gb.modes(with_input).plot(tmp_path / "modes.png")
+    gb.campbell(rig, "motor.w", gb.rpm(np.linspace(10, 3000, 5))).plot(tmp_path / "campbell.svg")
+    gb.frequency_response(_mass(), "tau", "shaft.*", [1.0, 10.0, 100.0]).plot(tmp_path / "bode.pdf")
+    assert sorted(p.suffix for p in tmp_path.iterdir()) == [".pdf", ".png", ".svg"]

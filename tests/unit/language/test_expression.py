@@ -1,0 +1,110 @@
+"""Expressions take what a signal can be, and refuse the rest with words."""
+
+import math
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import gearblocks as gb
+from gearblocks.language.expression import as_expr, evaluate, finite_number, from_sympy, to_sympy
+from gearblocks.train.json_form import parse
+
+NAN, INF = float("nan"), float("inf")
+P, U = gb.Parameter("P", 2.0), gb.Input("u", 3.0)
+
+
+def _at(expr: Any, t: float) -> float:
+    return evaluate(as_expr(expr), lambda leaf: t if leaf.op == "time" else leaf.args[0].value)
+
+
+@pytest.mark.parametrize(
+    ("expr", "value"),
+    [
+        (3 + 2 * gb.time, 7.0),
+        (P * gb.time**2 - 1, 7.0),
+        (1 / (gb.time + 2), 0.25),
+        (gb.sin(gb.time) + gb.cos(0 * gb.time), math.sin(2.0) + 1),
+        (np.sin(gb.time), math.sin(2.0)),
+        (np.float64(3) * gb.time, 6.0),
+        (np.maximum(gb.time, P), 2.0),
+        (gb.piecewise((1, gb.time < 1), (5, True)), 5.0),
+        (abs(-P), 2.0),
+    ],
+)
+def test_arithmetic_of_signals_gives_the_numbers_it_says(expr: Any, value: float) -> None:
+    assert _at(expr, 2.0) == pytest.approx(value, rel=1e-15)
+
+
+def test_an_expression_survives_printing_pickling_and_sympy() -> None:
+    expr = gb.sin(3 * gb.time) * P + gb.sense("a.w") ** 2 - 1 / (gb.time + 4)
+    assert str(parse(str(expr), {"P": P})) == str(expr)
+    assert str(pickle.loads(pickle.dumps(expr))) == str(expr)
+    assert to_sympy(from_sympy(to_sympy(expr))) == to_sympy(expr)
+
+
+@pytest.mark.parametrize("x", [NAN, INF, "3", True, None, 1j, np.array([1.0, 2.0]), 10**400, object()])
+def test_what_is_no_finite_number_is_refused_by_name(x: Any) -> None:
+    with pytest.raises(gb.ParameterError, match="J of the motor = "):
+        finite_number("J of the motor", x)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: gb.time * NAN, "nan must be a finite number"),
+        (lambda: gb.time + INF, "inf must be a finite number"),
+        (lambda: gb.time * (1 + 2j), "neither a number nor an expression"),
+        (lambda: gb.time * "a", "neither a number nor an expression"),
+        (lambda: gb.time * np.array([1.0, 2.0]), "neither a number nor an expression"),
+        (lambda: np.array([1.0, 2.0]) * gb.time, "neither a number nor an expression"),
+        (lambda: gb.sin(None), "neither a number nor an expression"),
+        (lambda: math.sin(gb.time), "is an expression, not a number: use gb.sin"),
+        (lambda: math.sin(P), "is an expression, not a number"),
+        (lambda: np.floor(gb.time), "np.floor takes no expression"),
+        (lambda: gb.piecewise(1, 2), r"must be \(value, condition\)"),
+        (lambda: gb.piecewise((1, gb.time == 1), (2, True)), "made with < or >"),
+        (lambda: gb.piecewise((1, gb.time < 1)), "end it with"),
+        (lambda: gb.sense(3), "name of an output as text"),
+        (lambda: gb.sense(gb.Inertia(J=1.0)), "name of an output as text"),
+        (lambda: to_sympy(1 / as_expr(0)), "no finite real number"),
+        (lambda: to_sympy(as_expr(9) ** (as_expr(9) ** 9) + gb.time), "no finite real number"),
+        (lambda: to_sympy(1 / (gb.time - gb.time)), "no finite real number"),
+    ],
+)
+def test_an_expression_that_means_nothing_is_refused(make: Any, words: str) -> None:
+    with pytest.raises(gb.GearblocksError, match=words):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("expr", "words"),
+    [
+        (sp.Symbol("x") + 1, "the symbol 'x'.*make it gb.Parameter"),
+        (sp.Symbol("t"), "the symbol 't'"),
+        (sp.Function("phi")(sp.Symbol("t")), "cannot stand in a signal"),
+        (sp.I, "cannot stand"),
+        (sp.zoo, "cannot stand"),
+        (sp.oo, "finite"),
+        (sp.nan, "finite"),
+    ],
+)
+def test_foreign_sympy_is_refused_with_the_field_it_was_meant_for(expr: Any, words: str) -> None:
+    with pytest.raises(gb.GearblocksError, match=f"(?s)tau.*{words}"):
+        gb.Drivetrain("r").add("load", gb.Torque(tau=expr))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "__import__('os').system('true')", "().__class__", "time.__class__", "lambda: 1", "[1]", "open('x')", "1e999",
+        "sin()", "sin(1, 2)", "sin(x=1)", "Piecewise(1)", "Min()", "table('x')", "parameter('none')", "input('P')",
+        "time and 1", "f'{time}'", "x := 3", "1+", "", "*time", "(" * 3000 + ")" * 3000, "1" + "+1" * 20000, "nan", "1j",
+        "'a'", "True", "\0",
+    ],
+)  # fmt: skip
+def test_text_is_read_as_an_expression_and_never_run(text: str) -> None:
+    with pytest.raises(gb.GearblocksError):
+        parse(text, {"P": P})

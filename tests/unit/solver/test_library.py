@@ -1,0 +1,100 @@
+"""C text becomes a library, once per content, on any machine that has Python."""
+
+import math
+import os
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from gearblocks.codegen.program import Program
+from gearblocks.errors import CompileError, GearblocksWarning
+from gearblocks.solver import library as stage
+from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler, zig_compiler
+from gearblocks.solver.library import Library, compile_program, core_files, start_core_build
+
+
+def test_the_same_program_is_compiled_once(
+    program: Callable[..., Program], oscillator: Library, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stage, "produced", None)
+    assert compile_program(program()).path == oscillator.path
+
+
+def test_another_text_is_another_library(program: Callable[..., Program], oscillator: Library) -> None:
+    assert compile_program(program("/* another */\n")).path != oscillator.path
+
+
+def test_a_damaged_library_is_compiled_again(
+    program: Callable[..., Program], begin: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("GEARBLOCKS_CACHE", str(tmp_path / "größer als ein Wort"))
+    first = compile_program(program())
+    content = first.path.read_bytes()
+    # another file under the old name: what is loaded stays as it is
+    first.path.unlink()
+    first.path.write_bytes(content[: len(content) // 2])
+    second = compile_program(program())
+    with second.open() as sim:
+        begin(sim)
+
+
+def test_a_cache_that_cannot_be_written_costs_only_time(
+    program: Callable[..., Program], begin: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("GEARBLOCKS_CACHE", str(tmp_path / "file"))
+    with pytest.warns(GearblocksWarning, match="cannot be written"), compile_program(program()).open() as sim:
+        begin(sim)
+
+
+@pytest.mark.parametrize("find", [find_compiler, pytest.param(zig_compiler, marks=pytest.mark.long)])
+def test_the_core_compiles_in_an_empty_folder_without_a_remark(find: Callable[[], Compiler], tmp_path: Path) -> None:
+    files = core_files()
+    for name, data in files.items():
+        (tmp_path / name).write_bytes(data)
+    remarks = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
+    sources = [name for name in files if name.endswith(".c")]
+    find().run([*FLAGS, *remarks, "-shared", *sources, "-o", "core" + SHARED_SUFFIX, "-lm"], tmp_path)
+
+
+def test_c_that_is_wrong_is_shown_with_the_compilers_words(program: Callable[..., Program]) -> None:
+    with pytest.raises(CompileError, match="no_such_thing"):
+        compile_program(program("int f(void) { return no_such_thing; }\n"))
+
+
+def test_a_library_travels_to_another_process_as_its_program(oscillator: Library) -> None:
+    again = pickle.loads(pickle.dumps(oscillator))
+    assert again.path == oscillator.path
+    assert again.program == oscillator.program
+
+
+def test_a_cached_library_is_found_without_heavy_imports(oscillator: Library, tmp_path: Path) -> None:
+    stored = tmp_path / "program"
+    stored.write_bytes(pickle.dumps(oscillator.program))
+    script = (
+        "import pickle, sys\n"
+        "from gearblocks.solver.library import compile_program\n"
+        f"compile_program(pickle.loads(open({str(stored)!r}, 'rb').read()))\n"
+        "print([name for name in ('sympy', 'jinja2', 'matplotlib', 'fmpy', 'scipy') if name in sys.modules])\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env={**os.environ}
+    )
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.long
+def test_it_works_without_a_compiler_on_path(
+    program: Callable[..., Program], begin: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    start_core_build()
+    with compile_program(program()).open() as sim:
+        begin(sim)
+        sim.advance(1.0)
+        assert sim.outputs()[0] == pytest.approx(math.cos(2.0), abs=1e-8)
