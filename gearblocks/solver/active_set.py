@@ -13,7 +13,7 @@ from gearblocks.solver.structures import Array
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-_NOTHING = 1e-9  # of the largest number of a row: what is left of it says nothing new (as GB_LOCK in gb_lock.h)
+_NOTHING = 1e-9  # of the largest number of a row: what is left of it says nothing new (as in gb_constraint_rows.h)
 
 
 @final

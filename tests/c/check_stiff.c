@@ -2,7 +2,7 @@
  */
 #include "checks.h"
 
-#include "gb_sparse.h"
+#include "gb_sparse_ldu.h"
 
 enum { SAMPLES = 21, SIZES = 5, LENGTH = 20 };
 

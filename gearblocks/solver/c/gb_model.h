@@ -134,12 +134,12 @@ typedef struct gb_model {
     void (*energies)(const double *par, const double *mode, const double *tau, const double *y, double *energy);
 
     /* What sticks (n_locks 0: nothing does). Behind the modes lie n_memory doubles that `remember` fills from them and
-     * that every function with `mode` reads: which rows hold, see gb_lock.h. slips: of all locks, with dy their rates;
-     * pulls: n_locks x n_locks, slip acceleration i per force j; grip: the row of one of them over the speeds
-     * (with `force` what its force does to them); push:
-     * adds what impulses along the slips do to the speeds of y; project: removes slips of what sticks; limits: five
-     * numbers per lock (least and largest held force, sizes of the force against forward and backward slip, engagement;
-     * of a stop the third is its restitution); holding: held forces, and by how much they exceed their limits. */
+     * that every function with `mode` reads: which rows hold, see gb_constraint_rows.h. slips: of all locks, with dy
+     * their rates; pulls: n_locks x n_locks, slip acceleration i per force j; grip: the row of one of them over the
+     * speeds (with `force` what its force does to them); push: adds what impulses along the slips do to the speeds of
+     * y; project: removes slips of what sticks; limits: five numbers per lock (least and largest held force, sizes of
+     * the force against forward and backward slip, engagement; of a stop the third is its restitution); holding: held
+     * forces, and by how much they exceed their limits. */
     int n_locks, n_memory;
     int steady_locks; /* their rows do not change with the position, and time moves none of them */
     const gb_lock *locks;

@@ -1,5 +1,13 @@
-/* Running: to communication points, through samples, or recording every step. */
-#include "gb_internal.h"
+#include "gb_run.h"
+#include "gb_constraint_state.h"
+#include "gb_dense_output.h"
+#include "gb_evaluate.h"
+#include "gb_event.h"
+#include "gb_inputs.h"
+#include "gb_report.h"
+#include "gb_start.h"
+#include "gb_step.h"
+#include "gb_vector.h"
 
 #include <time.h>
 
@@ -19,12 +27,13 @@ static int begin(gb_sim *sim) {
 
 /* The front moves on: what is due there, or else a step. After an error the last good front stands. */
 static int move(gb_sim *sim, double target) {
-    const int code = sim->head->pending ? gb_apply_event(sim) : gb_step(sim, gb_max(sim->head->options.t_stop, target));
+    const int code =
+        sim->head->events.pending ? gb_apply_event(sim) : gb_step(sim, gb_max(sim->head->options.t_stop, target));
     if (code != GB_DONE) {
-        sim->head->t0 = sim->head->t1;
-        sim->head->h = 0.0;
-        sim->head->have_dense = sim->head->have_tail = 0;
-        sim->head->t_comm = sim->head->t1;
+        sim->head->front.t0 = sim->head->front.t1;
+        sim->head->front.h = 0.0;
+        sim->head->front.have_dense = sim->head->front.have_quadratures = 0;
+        sim->head->front.t_comm = sim->head->front.t1;
     }
     return code;
 }
@@ -32,26 +41,26 @@ static int move(gb_sim *sim, double target) {
 int gb_advance(gb_sim *sim, double t) {
     gb_head *head = sim->head;
     int code = begin(sim);
-    while (code == GB_DONE && (head->t1 < t || (head->t1 == t && head->pending))) {
+    while (code == GB_DONE && (head->front.t1 < t || (head->front.t1 == t && head->events.pending))) {
         code = move(sim, t);
-        sim->n_log = sim->n_flushed = 0;
+        sim->log.count = sim->log.flushed = 0;
     }
-    if (code == GB_DONE && t < head->t1) {
+    if (code == GB_DONE && t < head->front.t1) {
         code = gb_dense_tail(sim);
     }
     if (code == GB_DONE) {
-        head->t_comm = t;
+        head->front.t_comm = t;
     }
     return code;
 }
 
 double gb_time(const gb_sim *sim) {
-    return sim->head->t_comm;
+    return sim->head->front.t_comm;
 }
 
 int gb_state(gb_sim *sim, double *y) {
     const int code = begin(sim);
-    gb_dense_all(sim, sim->head->t_comm, y);
+    gb_dense_all(sim, sim->head->front.t_comm, y);
     return code;
 }
 
@@ -59,12 +68,12 @@ int gb_state(gb_sim *sim, double *y) {
 static int here(gb_sim *sim) {
     int code = gb_state(sim, sim->z);
     if (code == GB_DONE) {
-        code = gb_columns_at(sim, sim->head->t_comm);
+        code = gb_columns_at(sim, sim->head->front.t_comm);
     }
     if (code == GB_DONE) {
-        sim->model->rhs_full(sim->par, sim->mode, sim->tau_one, sim->z, sim->z2);
+        sim->model->rhs_full(sim->par, sim->mode, sim->instant.time_terms, sim->z, sim->z2);
         if (sim->model->times_late) {
-            sim->model->times_late(sim->par, sim->mode, 1, sim->t_one, sim->u_one, sim->tau_one);
+            sim->model->times_late(sim->par, sim->mode, 1, sim->instant.t, sim->instant.u, sim->instant.time_terms);
         }
     }
     return code;
@@ -73,7 +82,7 @@ static int here(gb_sim *sim) {
 int gb_outputs(gb_sim *sim, double *out) {
     const int code = here(sim);
     if (code == GB_DONE) {
-        sim->model->outputs(sim->par, sim->mode, sim->tau_one, sim->z, sim->z2, out);
+        sim->model->outputs(sim->par, sim->mode, sim->instant.time_terms, sim->z, sim->z2, out);
     }
     return code;
 }
@@ -81,7 +90,7 @@ int gb_outputs(gb_sim *sim, double *out) {
 int gb_energies(gb_sim *sim, double *energy) {
     const int code = here(sim);
     if (code == GB_DONE) {
-        sim->model->energies(sim->par, sim->mode, sim->tau_one, sim->z, energy);
+        sim->model->energies(sim->par, sim->mode, sim->instant.time_terms, sim->z, energy);
     }
     return code;
 }
@@ -89,20 +98,20 @@ int gb_energies(gb_sim *sim, double *energy) {
 int gb_rhs(gb_sim *sim, double t, const double *y, double *dy) {
     const int code = gb_columns_at(sim, t);
     if (code == GB_DONE) {
-        sim->model->rhs_full(sim->par, sim->mode, sim->tau_one, y, dy);
+        sim->model->rhs_full(sim->par, sim->mode, sim->instant.time_terms, y, dy);
     }
     return code;
 }
 
 /* Moves waiting events into the record; 0 when it is full. */
 static int flush(gb_sim *sim, gb_record *record) {
-    while (sim->n_flushed < sim->n_log) {
+    while (sim->log.flushed < sim->log.count) {
         if (record->n_events >= record->event_capacity) {
             return 0;
         }
-        record->events[record->n_events++] = sim->log[sim->n_flushed++];
+        record->events[record->n_events++] = sim->log.event[sim->log.flushed++];
     }
-    sim->n_log = sim->n_flushed = 0;
+    sim->log.count = sim->log.flushed = 0;
     return 1;
 }
 
@@ -111,7 +120,7 @@ static int write_row(gb_sim *sim, gb_record *record, double t) {
     if (record->n_rows >= record->row_capacity) {
         return GB_FULL;
     }
-    if (t < sim->head->t1) {
+    if (t < sim->head->front.t1) {
         const int code = gb_dense_tail(sim);
         if (code != GB_DONE) {
             return code;
@@ -125,7 +134,7 @@ static int write_row(gb_sim *sim, gb_record *record, double t) {
     const int code = gb_input_values(sim, t, row + m->n_switches);
     if (code == GB_DONE) {
         record->n_rows++;
-        sim->head->t_comm = t;
+        sim->head->front.t_comm = t;
     }
     return code;
 }
@@ -133,38 +142,38 @@ static int write_row(gb_sim *sim, gb_record *record, double t) {
 /* Every row that the present segment can give; GB_PAUSE: the front must move; GB_DONE: all samples are done. */
 static int write_samples(gb_sim *sim, const double *t, long n, gb_record *record) {
     gb_head *head = sim->head;
-    for (; head->sample < n; head->sample++) {
-        const double at = t[head->sample];
-        if (!(at < head->t1 || (at == head->t1 && !head->pending))) {
+    for (; head->front.sample < n; head->front.sample++) {
+        const double at = t[head->front.sample];
+        if (!(at < head->front.t1 || (at == head->front.t1 && !head->events.pending))) {
             return GB_PAUSE;
         }
-        const int code = write_row(sim, record, gb_max(at, head->t0));
+        const int code = write_row(sim, record, gb_max(at, head->front.t0));
         if (code != GB_DONE) {
             return code;
         }
     }
-    head->sample = 0;
+    head->front.sample = 0;
     return GB_DONE;
 }
 
 /* The row of the front, or of t_end where the front is beyond; answers as write_samples. */
 static int write_front(gb_sim *sim, double t_end, gb_record *record) {
     gb_head *head = sim->head;
-    if (head->t1 > t_end) {
-        return head->t_comm < t_end ? write_row(sim, record, t_end) : GB_DONE;
+    if (head->front.t1 > t_end) {
+        return head->front.t_comm < t_end ? write_row(sim, record, t_end) : GB_DONE;
     }
-    if (head->row_due) {
-        const int code = write_row(sim, record, head->t1);
+    if (head->front.row_due) {
+        const int code = write_row(sim, record, head->front.t1);
         if (code != GB_DONE) {
             return code;
         }
-        head->row_due = 0;
+        head->front.row_due = 0;
     }
-    return head->pending || head->t1 < t_end ? GB_PAUSE : GB_DONE;
+    return head->events.pending || head->front.t1 < t_end ? GB_PAUSE : GB_DONE;
 }
 
 int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record *record, double slice) {
-    const double target = t_out ? (n_out > 0 ? t_out[n_out - 1] : sim->head->t1) : t_end;
+    const double target = t_out ? (n_out > 0 ? t_out[n_out - 1] : sim->head->front.t1) : t_end;
     const clock_t until = clock() + (clock_t)(gb_min(slice, 1e6) * CLOCKS_PER_SEC);
     int code = begin(sim), count = 0;
     while (code == GB_DONE) {
@@ -206,25 +215,25 @@ int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, i
         const int count = same_modes(m, row, n_rows - r);
         for (int l = 0; l < GB_LANES; l++) {
             const double *at = row + (size_t)(l < count ? l : count - 1) * length;
-            sim->t_one[l] = at[0];
+            sim->instant.t[l] = at[0];
             for (int i = 0; i < m->n_inputs; i++) {
-                sim->u_one[i * GB_LANES + l] = at[1 + m->n_total + m->n_switches + i];
+                sim->instant.u[i * GB_LANES + l] = at[1 + m->n_total + m->n_switches + i];
             }
         }
         if (m->n_time > 0) {
-            m->times(sim->par, mode, count, sim->t_one, sim->u_one, sim->tau_one);
+            m->times(sim->par, mode, count, sim->instant.t, sim->instant.u, sim->instant.time_terms);
             if (m->times_late) {
-                m->times_late(sim->par, mode, count, sim->t_one, sim->u_one, sim->tau_one);
+                m->times_late(sim->par, mode, count, sim->instant.t, sim->instant.u, sim->instant.time_terms);
             }
         }
-        mode = gb_full_modes(sim, mode, sim->tau_one, row + 1);
+        mode = gb_full_modes(sim, mode, sim->instant.time_terms, row + 1);
         for (int l = 0; l < count; l++, r++) {
-            const double *y = rows + (size_t)r * length + 1, *tau = sim->tau_one + l;
+            const double *y = rows + (size_t)r * length + 1, *tau = sim->instant.time_terms + l;
             if (n_pick > 0) {
                 m->rhs_full(sim->par, mode, tau, y, sim->z2);
-                m->outputs(sim->par, mode, tau, y, sim->z2, sim->z_out);
+                m->outputs(sim->par, mode, tau, y, sim->z2, sim->scratch.outputs);
                 for (int j = 0; j < n_pick; j++) {
-                    out[(size_t)r * (size_t)n_pick + (size_t)j] = sim->z_out[pick[j]];
+                    out[(size_t)r * (size_t)n_pick + (size_t)j] = sim->scratch.outputs[pick[j]];
                 }
             }
             if (energy) {

@@ -1,5 +1,16 @@
-/* One accepted step. Knows methods only as tables, and switches only through gb_watch. */
-#include "gb_combine.h"
+#include "gb_step.h"
+#include "gb_angle_wrapping.h"
+#include "gb_constraint_state.h"
+#include "gb_dense_output.h"
+#include "gb_error_control.h"
+#include "gb_evaluate.h"
+#include "gb_locate_polynomial.h"
+#include "gb_method_choice.h"
+#include "gb_modes.h"
+#include "gb_report.h"
+#include "gb_rosenbrock.h"
+#include "gb_runge_kutta.h"
+#include "gb_vector.h"
 
 /* log2 of the error of the states, in units of the tolerance, below which the ledger may need shorter steps. */
 static const double QUIET = -14.0;
@@ -7,55 +18,20 @@ static const double QUIET = -14.0;
 /* Another try with a shorter step, and how often in one step. */
 enum { AGAIN = 100, MOST_AGAIN = 8 };
 
-/* Inputs and time columns at `lanes` instants; the last instant fills the lanes that are left. */
-int gb_columns(gb_sim *sim, int lanes, double *t, double *u, double *tau) {
-    for (int l = lanes; l < GB_LANES; l++) {
-        t[l] = t[lanes - 1];
-    }
-    if (sim->n_moving > 0) {
-        const int code = gb_input_lanes(sim, lanes, t, u);
-        if (code != GB_DONE) {
-            return code;
-        }
-    }
-    if (sim->model->n_time > 0) {
-        sim->model->times(sim->par, sim->mode, lanes, t, u, tau);
-    }
-    return GB_DONE;
-}
-
-/* The same at one instant, into tau_one. */
-int gb_columns_at(gb_sim *sim, double t) {
-    sim->t_one[0] = t;
-    return gb_columns(sim, 1, sim->t_one, sim->u_one, sim->tau_one);
-}
-
-/* The derivative at the front, into k1. */
-int gb_first_derivative(gb_sim *sim, const double *tau) {
-    const gb_model *model = sim->model;
-    model->rhs_full(sim->par, sim->mode, tau, sim->y, sim->k1);
-    sim->head->rhs_calls++;
-    if (!(gb_taint(sim->k1, model->n_total) == 0.0)) {
-        return gb_check_finite(sim, GB_ERR_NAN_RATE, sim->k1, model->n_total, 0, sim->head->t1);
-    }
-    sim->head->have_k1 = 1;
-    return GB_DONE;
-}
-
 static void last_derivative(gb_sim *sim) {
     const int last = sim->method->stages;
-    sim->model->rhs_full(sim->par, sim->mode, sim->tau + last, sim->z,
+    sim->model->rhs_full(sim->par, sim->mode, sim->lanes.time_terms + last, sim->z,
                          sim->k + (size_t)last * (size_t)sim->model->n_total);
-    sim->head->rhs_calls++;
+    sim->head->counts.rhs_calls++;
 }
 
 /* Where a step of size h from the front ends: on the grid, at an announced instant, or where it likes. */
 static double end_of_step(const gb_sim *sim, double h, double limit) {
     const gb_head *head = sim->head;
-    const double t = head->t1, step = head->options.step;
+    const double t = head->front.t1, step = head->options.step;
     if (step > 0.0) {
-        const double count = floor((t - head->t_start) / step + 1e-9) + 1.0;
-        const double grid = head->t_start + count * step;
+        const double count = floor((t - head->front.t_start) / step + 1e-9) + 1.0;
+        const double grid = head->front.t_start + count * step;
         return limit - grid < 1e-9 * step ? limit : grid;
     }
     if (t + 1.01 * h >= limit) {
@@ -77,61 +53,61 @@ static double energy_exchange(const gb_sim *sim) {
 static int accept(gb_sim *sim, double end, int may_shorten) {
     const gb_model *model = sim->model;
     gb_head *head = sim->head;
-    const double from = head->t1;
+    const double from = head->front.t1;
     double theta = 2.0;
-    head->t0 = from;
-    head->h = end - from;
+    head->front.t0 = from;
+    head->front.h = end - from;
     if (model->n_surfaces > 0 && head->options.locate) {
         const int code = gb_watch(sim, &theta);
         if (code != GB_DONE) {
             return code;
         }
-        if (sim->untold && !(head->options.step > 0.0) && may_shorten) {
+        if (sim->events.undersampled && !(head->options.step > 0.0) && may_shorten) {
             return AGAIN;
         }
     }
     if (theta <= 1.0) {
         gb_dense_cut(sim, theta);
-        head->pending = 1;
-        head->have_k1 = 0;
+        head->events.pending = 1;
+        head->front.have_k1 = 0;
     } else {
         gb_copy(sim->y, sim->z, model->n_total);
         gb_copy(sim->k1, sim->k + (size_t)sim->method->stages * (size_t)model->n_total, model->n_total);
         if (model->n_counted > 0) {
             gb_turns_advance(sim);
         }
-        head->t1 = end;
+        head->front.t1 = end;
         if (!head->options.locate) {
             gb_mark_modes(sim);
         }
     }
-    if (head->t1 >= head->t_break) { /* also where a switch of the state is due at the same instant */
+    if (head->front.t1 >= head->events.t_break) { /* also where a switch of the state is due at the same instant */
         gb_mark_time_events(sim);
     }
-    if (!head->pending && gb_project(sim, sim->tau + sim->method->stages)) {
-        head->have_k1 = 0;
+    if (!head->events.pending && gb_project(sim, sim->lanes.time_terms + sim->method->stages)) {
+        head->front.have_k1 = 0;
     }
-    if (head->sitting && head->t1 - from > 10.0 * gb_rounding(from, head->h)) {
-        memset(sim->on, 0, sizeof(double) * (size_t)model->n_surfaces);
-        head->sitting = 0;
+    if (head->events.armed && head->front.t1 - from > 10.0 * gb_rounding(from, head->front.h)) {
+        memset(sim->events.armed, 0, sizeof(double) * (size_t)model->n_surfaces);
+        head->events.armed = 0;
     }
     gb_weights_grow(sim, sim->y);
-    head->turnover_segment = energy_exchange(sim);
-    head->turnover += head->turnover_segment;
-    head->h_largest = gb_max(head->h_largest, head->t1 - from);
-    head->steps++;
-    head->steps_by[head->method]++;
-    head->row_due |= head->t1 > from;
+    head->ledger.turnover_segment = energy_exchange(sim);
+    head->ledger.turnover += head->ledger.turnover_segment;
+    head->control.h_largest = gb_max(head->control.h_largest, head->front.t1 - from);
+    head->counts.steps++;
+    head->counts.steps_by[head->method]++;
+    head->front.row_due |= head->front.t1 > from;
     return GB_DONE;
 }
 
 /* A step too short to be told from rounding: the front jumps to the announced instant. */
 static int jump(gb_sim *sim, double limit) {
-    sim->head->t0 = sim->head->t1;
-    sim->head->h = 0.0;
-    sim->head->t1 = limit;
-    sim->head->turnover_segment = 0.0;
-    if (limit >= sim->head->t_break) {
+    sim->head->front.t0 = sim->head->front.t1;
+    sim->head->front.h = 0.0;
+    sim->head->front.t1 = limit;
+    sim->head->ledger.turnover_segment = 0.0;
+    if (limit >= sim->head->events.t_break) {
         gb_mark_time_events(sim);
     }
     return GB_DONE;
@@ -152,11 +128,13 @@ static double judge(gb_sim *sim, double h) {
         last_derivative(sim);
     }
     if (!(head->options.step > 0.0)) {
-        const int old = implicit && head->t1 - head->t_start > 2.0 * (head->t_weights - head->t_start) + h;
-        if (head->h_weights == 0.0 || h > 2.0 * head->h_weights || head->poor || old) {
-            gb_weights_refresh(sim, h, sim->tau, head->poor || head->steps == 0 ? sim->z : NULL);
+        const int old = implicit && head->front.t1 - head->front.t_start >
+                                        2.0 * (head->control.t_weights - head->front.t_start) + h;
+        if (head->control.h_weights == 0.0 || h > 2.0 * head->control.h_weights || head->control.unscaled || old) {
+            gb_weights_refresh(sim, h, sim->lanes.time_terms,
+                               head->control.unscaled || head->counts.steps == 0 ? sim->z : NULL);
         }
-        error = head->leap ? gb_leap_error(sim, h) : gb_log_error(sim, h);
+        error = head->choice.large_step ? gb_leap_error(sim, h) : gb_log_error(sim, h);
     }
     error += gb_taint(sim->z, implicit ? model->n_padded : model->n_total);
     if (error <= 0.0) {
@@ -180,27 +158,28 @@ static int name_taint(gb_sim *sim) {
     const int total = sim->model->n_total;
     for (int j = 0; j <= sim->method->stages; j++) {
         const int full = sim->method->full[j] ? total : sim->model->n_padded;
-        if (gb_check_finite(sim, GB_ERR_NAN_RATE, sim->k + (size_t)j * (size_t)total, full, 0, sim->t[j]) != GB_DONE) {
+        if (gb_check_finite(sim, GB_ERR_NAN_RATE, sim->k + (size_t)j * (size_t)total, full, 0, sim->lanes.t[j]) !=
+            GB_DONE) {
             return sim->head->report.code;
         }
     }
-    return gb_check_finite(sim, GB_ERR_NAN_RATE, sim->z, total, 0, sim->t[sim->method->stages]);
+    return gb_check_finite(sim, GB_ERR_NAN_RATE, sim->z, total, 0, sim->lanes.t[sim->method->stages]);
 }
 
 /* Time columns, the derivative at the front and all stages of a step that ends at `end`. */
 static int try_step(gb_sim *sim, double end) {
     const gb_method *method = sim->method;
-    const double from = sim->head->t1, h = end - from;
+    const double from = sim->head->front.t1, h = end - from;
     for (int j = 0; j < method->all_stages; j++) {
-        sim->t[j] = method->c[j] == 1.0 ? end : from + method->c[j] * h;
+        sim->lanes.t[j] = method->c[j] == 1.0 ? end : from + method->c[j] * h;
     }
     const int implicit = method->gamma > 0.0;
-    const int more = implicit ? gb_stiff_lanes(sim, from, h, sim->t + method->all_stages) : 0;
-    const int code = gb_columns(sim, method->all_stages + more, sim->t, sim->u, sim->tau);
+    const int more = implicit ? gb_stiff_lanes(sim, from, h, sim->lanes.t + method->all_stages) : 0;
+    const int code = gb_columns(sim, method->all_stages + more, &sim->lanes);
     if (code != GB_DONE) {
         return code;
     }
-    if (!sim->head->have_k1 && gb_first_derivative(sim, sim->tau) != GB_DONE) {
+    if (!sim->head->front.have_k1 && gb_first_derivative(sim, sim->lanes.time_terms) != GB_DONE) {
         return sim->head->report.code;
     }
     if (implicit) {
@@ -213,13 +192,13 @@ static int try_step(gb_sim *sim, double end) {
 
 /* Before the first step: its size, once the derivative is known. */
 static int prepare_first(gb_sim *sim) {
-    int code = gb_columns_at(sim, sim->head->t1);
-    if (code == GB_DONE && !sim->head->have_k1) {
-        code = gb_first_derivative(sim, sim->tau_one);
+    int code = gb_columns_at(sim, sim->head->front.t1);
+    if (code == GB_DONE && !sim->head->front.have_k1) {
+        code = gb_first_derivative(sim, sim->instant.time_terms);
     }
     if (code == GB_DONE) {
         memcpy(sim->k, sim->k1, sizeof(double) * (size_t)sim->model->n_total);
-        sim->head->h_next = gb_first_step(sim);
+        sim->head->control.h_next = gb_first_step(sim);
     }
     return code;
 }
@@ -228,37 +207,37 @@ static int prepare_first(gb_sim *sim) {
 static void propose(gb_sim *sim, double error, double size, double wanted, int rejected) {
     gb_head *head = sim->head;
     const double factor = head->options.step > 0.0 ? 1.0 : gb_step_factor(sim, error, 1);
-    head->h_next = size * (rejected ? gb_min(factor, 1.0) : factor);
-    head->h_worked = gb_min(head->h_next, size);
+    head->control.h_next = size * (rejected ? gb_min(factor, 1.0) : factor);
+    head->control.h_worked = gb_min(head->control.h_next, size);
     if (size < 0.9 * wanted && !rejected) {
-        head->h_worked = head->h_next = gb_max(head->h_next, wanted);
+        head->control.h_worked = head->control.h_next = gb_max(head->control.h_next, wanted);
     }
 }
 
 int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
-    const double limit = gb_min(head->t_break, stop);
+    const double limit = gb_min(head->events.t_break, stop);
     int rejected = 0, tainted = 0, again = 0, code = sim->model->n_counted > 0 ? gb_turns_wrap(sim, 1) : GB_DONE;
     gb_copy(sim->y0, sim->y, sim->model->n_total);
-    head->have_dense = head->have_tail = 0;
-    head->h = 0.0;
-    if (code == GB_DONE && limit - head->t1 <= 4.0 * DBL_EPSILON * fabs(head->t1)) {
+    head->front.have_dense = head->front.have_quadratures = 0;
+    head->front.h = 0.0;
+    if (code == GB_DONE && limit - head->front.t1 <= 4.0 * DBL_EPSILON * fabs(head->front.t1)) {
         return jump(sim, limit);
     }
-    if (code == GB_DONE && !fixed && head->h_next == 0.0) {
+    if (code == GB_DONE && !fixed && head->control.h_next == 0.0) {
         code = prepare_first(sim);
     }
     if (code == GB_DONE) {
         code = gb_auto_look(sim, limit);
     }
-    double h = gb_min(head->h_next, head->options.max_step);
+    double h = gb_min(head->control.h_next, head->options.max_step);
     if (sim->model->n_counted > 0) {
         h = gb_turns_step(sim, h);
     }
     while (code == GB_DONE) {
         const double end = end_of_step(sim, h, limit);
-        const double size = end - head->t1;
+        const double size = end - head->front.t1;
         code = try_step(sim, end);
         if (code != GB_DONE && (code != GB_ERR_SINGULAR || fixed || tainted > 12)) {
             break;
@@ -272,13 +251,13 @@ int gb_step(gb_sim *sim, double stop) {
             }
             code = GB_DONE;
             again++;
-            head->have_dense = 0;
-            head->rejected++;
+            head->front.have_dense = 0;
+            head->counts.rejected++;
             rejected = 1;
             h = 0.25 * size;
             continue;
         }
-        head->rejected++;
+        head->counts.rejected++;
         rejected = 1;
         if (!(error > 0.0) && (fixed || ++tainted > 12)) {
             code = code == GB_DONE ? name_taint(sim) : code;
@@ -286,8 +265,8 @@ int gb_step(gb_sim *sim, double stop) {
         }
         code = sim->head->report.code = GB_DONE;
         h = gb_auto_rejected(sim, size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1));
-        if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->t1), head->h_largest) || h < 1e-200) {
-            code = gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), head->t1, h);
+        if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->front.t1), head->control.h_largest) || h < 1e-200) {
+            code = gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), head->front.t1, h);
         }
     }
     return code;

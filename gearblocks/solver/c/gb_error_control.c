@@ -1,0 +1,323 @@
+#include "gb_error_control.h"
+#include "gb_rosenbrock.h"
+#include "gb_vector.h"
+
+/* Tolerance of the ledger below which rounding of powers that cancel would decide. */
+static const double LEAST = 1e-12;
+
+/* exp2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
+static double rough_exp2(double x) {
+    const double within = gb_min(gb_max(x, -1000.0), 1000.0), whole = floor(within), f = within - whole;
+    const uint64_t bits = (uint64_t)(int64_t)(whole + 1023.0) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return power * (1.0 + f * (0.6951 + f * (0.2276 + f * 0.0773)));
+}
+
+/* log2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
+static double rough_log2(double x) {
+    uint64_t bits;
+    double m;
+    memcpy(&bits, &x, sizeof bits);
+    const double exponent = (double)(int)(bits >> 52) - 1023.0;
+    bits = (bits & 0xfffffffffffffu) | 0x3ff0000000000000u;
+    memcpy(&m, &bits, sizeof m);
+    const double f = m - 1.0;
+    return exponent + f * (1.4234 + f * (-0.5877 + f * 0.1643));
+}
+
+/* How far rounding moves each rate: the response to a change of the states in their last bits, of alternating sign. */
+static void measure_noise(gb_sim *sim, const double *tau) {
+    const gb_model *model = sim->model;
+    const int implicit = sim->method->gamma > 0.0;
+    double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
+    for (int i = 0; i < model->n_padded; i++) {
+        const double bit = 2.0 * DBL_EPSILON * sim->control.largest[i];
+        sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
+    }
+    model->rhs(sim->par, sim->mode, tau, sim->z2, rate);
+    sim->head->counts.rhs_calls++;
+    for (int i = 0; i < model->n; i++) {
+        rate[i] -= sim->k1[i];
+    }
+    if (implicit) {
+        gb_stiff_response(sim, rate);
+    }
+    for (int i = 0; i < model->n; i++) {
+        const double noise = fabs(rate[i]);
+        sim->control.noise[i] = noise > sim->control.noise[i] || implicit ? noise : sim->control.noise[i];
+    }
+}
+
+/* The largest of peak and abs(trial) in [from, to). */
+static double largest_in(const double *restrict peak, const double *restrict trial, int from, int to) {
+    double most[GB_PAD] = {0.0};
+    int i = from;
+    for (; i + GB_PAD <= to; i += GB_PAD) {
+        for (int l = 0; l < GB_PAD; l++) {
+            const double size = fabs(trial[i + l]), larger = size > peak[i + l] ? size : peak[i + l];
+            most[l] = larger > most[l] ? larger : most[l];
+        }
+    }
+    for (; i < to; i++) {
+        most[0] = gb_max(most[0], gb_max(peak[i], fabs(trial[i])));
+    }
+    for (int l = 1; l < GB_PAD; l++) {
+        most[0] = gb_max(most[0], most[l]);
+    }
+    return most[0];
+}
+
+/* What the weights of a range of states are made of. least: a part of the largest of their kind; per_time: makes a size
+ * of sim->control.least_scale; first, trial: by state, sizes in their own right. */
+typedef struct gb_sizes {
+    double rtol, h, least, per_time;
+    const double *first, *trial;
+} gb_sizes;
+
+/* The weights in [from, to); whether a state there has no size yet, for which the trial counts. */
+static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
+    const double *restrict peak = sim->control.largest, *restrict scale = sim->control.natural_scale,
+                           *restrict noise = sim->control.noise;
+    const double *restrict floor = sim->control.least_scale, *restrict first = sizes->first,
+                           *restrict trial = sizes->trial;
+    const double rtol = sizes->rtol, h = sizes->h, least = sizes->least, per_time = sizes->per_time;
+    double *restrict out = sim->control.error_weight;
+    int poor = 0;
+    for (int i = from; i < to; i++) {
+        const double known = gb_max(gb_max(peak[i], scale[i]), gb_max(least, floor[i] * per_time));
+        const double own = gb_max(known, fabs(h * first[i]));
+        const double size = peak[i] <= least ? gb_max(own, fabs(trial[i])) : own;
+        const double weight = rtol * size + h * noise[i];
+        poor |= peak[i] <= least;
+        out[i] = weight > 0.0 ? 1.0 / weight : 0.0;
+    }
+    return poor;
+}
+
+void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial) {
+    gb_head *head = sim->head;
+    const int n = sim->model->n, speeds = n - sim->model->n_speeds;
+    const int implicit = sim->method->gamma > 0.0;
+    if (head->counts.steps >= head->control.noise_at || (implicit && h > 4.0 * head->control.h_noise)) {
+        measure_noise(sim, tau);
+        head->control.h_noise = h;
+        head->control.noise_at = 2 * head->counts.steps + 1;
+    }
+    if (implicit && head->counts.steps >= head->control.least_scale_at) {
+        gb_stiff_floor(sim);
+        head->control.least_scale_at = head->counts.steps + head->counts.steps / 4 + 1;
+    }
+    gb_sizes sizes = {.rtol = head->options.rtol,
+                      .h = h,
+                      .per_time = implicit ? 1.0 / (head->front.t1 - head->front.t_start + h) : 0.0,
+                      .first = head->counts.steps == 0 ? sim->k1 : sim->zero,
+                      .trial = trial ? trial : sim->zero};
+    sizes.least = 1e-10 * largest_in(sim->control.largest, sizes.trial, 0, speeds);
+    head->control.unscaled = weigh(sim, &sizes, 0, speeds);
+    sizes.least = 1e-6 * largest_in(sim->control.largest, sizes.trial, speeds, n);
+    head->control.unscaled |= weigh(sim, &sizes, speeds, n);
+    head->control.h_weights = h;
+    head->control.t_weights = head->front.t1;
+}
+
+void gb_weights_grow(gb_sim *sim, const double *y) {
+    const double slack = sim->method->gamma > 0.0 ? sim->head->options.rtol / 1.1 : HUGE_VAL;
+    double grown = 0.0;
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        for (int l = b; l < b + GB_PAD; l++) {
+            const double size = fabs(y[l]), peak = sim->control.largest[l];
+            grown = size > peak && !(size * slack * sim->control.error_weight[l] <= 1.0) ? 1.0 : grown;
+            sim->control.largest[l] = size > peak ? size : peak;
+        }
+    }
+    if (grown != 0.0) {
+        sim->head->control.h_weights = 0.0;
+    }
+}
+
+int gb_worst_state(const gb_sim *sim) {
+    int worst = 0;
+    double largest = -1.0;
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        double error[GB_PAD];
+        gb_combine(&sim->method->e[0], sim->k + b, sim->model->n_total, 0, GB_PAD, sim->zero, 1.0, error);
+        for (int l = 0; l < GB_PAD && b + l < sim->model->n; l++) {
+            const double ratio = fabs(error[l]) * sim->control.error_weight[b + l];
+            if (ratio > largest) {
+                largest = ratio;
+                worst = b + l;
+            }
+        }
+    }
+    return worst;
+}
+
+double gb_step_factor(gb_sim *sim, double log_error, int accepted) {
+    gb_head *head = sim->head;
+    const double order = (double)sim->method->error_order, beta = sim->method->beta;
+    if (!accepted) {
+        return gb_min(gb_max(0.85 * rough_exp2(-log_error / order), 0.2), 0.95);
+    }
+    const double factor = 0.85 * rough_exp2((0.75 * beta - 1.0 / order) * log_error + beta * head->control.log_error);
+    head->control.log_error = gb_max(log_error, -13.0);
+    return gb_min(gb_max(factor, 0.3), head->counts.steps == 0 ? 100.0 : 6.0);
+}
+
+/* Largest size-relative rate of x: max |x_i| / (size_i), over the states that have a size. */
+static double relative(const gb_sim *sim, const double *x, const double *minus) {
+    double most = 0.0;
+    for (int i = 0; i < sim->model->n; i++) {
+        const double size = gb_max(sim->control.largest[i], sim->control.natural_scale[i]);
+        if (size > 0.0) {
+            most = gb_max(most, fabs(x[i] - (minus ? minus[i] : 0.0)) / size);
+        }
+    }
+    return most;
+}
+
+double gb_first_step(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const gb_head *head = sim->head;
+    const double first = relative(sim, sim->k, NULL);
+    const double h = first > 0.0 ? gb_min(1e-3 / first, 1e-3) : 1e-6;
+    double *rate = sim->k + (size_t)model->n_total;
+    for (int i = 0; i < model->n_padded; i++) {
+        sim->z2[i] = sim->y0[i] + h * sim->k[i];
+    }
+    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
+    sim->head->counts.rhs_calls++;
+    const double second = sqrt(relative(sim, rate, sim->k) / h);
+    const double pace = gb_max(first, second);
+    const double small = pow(0.01 * head->options.rtol, 1.0 / sim->method->error_order);
+    return pace > 0.0 && pace < HUGE_VAL ? gb_min(small / pace, 1e3 * h) : h;
+}
+
+static double largest_of(double *worst) {
+    for (int half = GB_PAD / 2; half > 0; half /= 2) {
+        for (int l = 0; l < half; l++) {
+            worst[l] = gb_max(worst[l], worst[l + half]);
+        }
+    }
+    return worst[0];
+}
+
+/* max |sum_j e_j k_j| weight over the states, without the factor h. */
+static double error_norm(const gb_sim *sim, const gb_weights *e) {
+    double worst[GB_PAD] = {0.0};
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        double error[GB_PAD];
+        gb_combine(e, sim->k + b, sim->model->n_total, 0, GB_PAD, sim->zero, 1.0, error);
+        for (int l = 0; l < GB_PAD; l++) {
+            const double ratio = fabs(error[l]) * sim->control.error_weight[b + l];
+            worst[l] = ratio > worst[l] ? ratio : worst[l];
+        }
+    }
+    return largest_of(worst);
+}
+
+/* The same where the estimate is the last stage. */
+static double last_norm(const gb_sim *sim) {
+    const double *k = sim->k + (size_t)(sim->method->stages - 1) * (size_t)sim->model->n_total;
+    double worst[GB_PAD] = {0.0};
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        for (int l = 0; l < GB_PAD; l++) {
+            const double ratio = fabs(k[b + l]) * sim->control.error_weight[b + l];
+            worst[l] = ratio > worst[l] ? ratio : worst[l];
+        }
+    }
+    return largest_of(worst);
+}
+
+/* How far the energies of the step just computed may be off, all together, without the factor h. */
+static double exchange_error(const gb_sim *sim, const gb_weights *e) {
+    const gb_model *model = sim->model;
+    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_tail;
+    double sum = 0.0;
+    for (int i = from; i < to; i++) {
+        double error = 0.0;
+        for (int j = 0; j < e->count; j++) {
+            error += e->value[j] * sim->k[(size_t)e->index[j] * (size_t)model->n_total + (size_t)i];
+        }
+        sum += fabs(error);
+    }
+    return sum;
+}
+
+/* The second and third differences of the rates of the energies at the four points of an implicit step: for a power
+ * sin wt at most (wh)^2/60 and (wh)^3/450 of it, so that third and second powers exceed the error (wh)^6/1512000. */
+static void exchange_bend(const gb_sim *sim, double *second, double *third) {
+    const gb_model *model = sim->model;
+    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_tail;
+    const size_t total = (size_t)model->n_total;
+    const double *first = sim->k1, *end = sim->k + (size_t)sim->method->stages * total, *one = end + total,
+                 *two = one + total, root = sqrt(5.0);
+    *second = *third = 0.0;
+    for (int i = from; i < to; i++) {
+        *second += fabs((first[i] - one[i]) + (end[i] - two[i])) / 12.0;
+        *third += fabs((end[i] - first[i]) - root * (two[i] - one[i])) / 15.0;
+    }
+}
+
+/* The exchange of the step just computed, and a small part of the turnover so far and of what is stored. */
+static double exchange_size(gb_sim *sim, int with_stored) {
+    const gb_model *model = sim->model;
+    gb_head *head = sim->head;
+    double step = 0.0;
+    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_tail; i++) {
+        step += fabs(sim->z[i] - sim->y0[i]);
+    }
+    if (with_stored) {
+        double stored = 0.0;
+        model->energies(sim->par, sim->mode, sim->lanes.time_terms + sim->method->stages, sim->z,
+                        sim->scratch.energies);
+        for (int i = 0; i < model->n_energies; i++) {
+            stored += fabs(sim->scratch.energies[i]);
+        }
+        head->ledger.stored = gb_max(head->ledger.stored, stored);
+    }
+    return step + 0.05 * (head->ledger.turnover + head->ledger.stored);
+}
+
+double gb_log_exchange_error(gb_sim *sim, double h) {
+    const gb_method *method = sim->method;
+    const int implicit = method->gamma > 0.0;
+    const double rtol = gb_max(sim->head->options.rtol, LEAST);
+    double first, second = 0.0, found = -100.0;
+    if (implicit) {
+        exchange_bend(sim, &first, &second);
+    } else {
+        first = exchange_error(sim, &method->e[0]);
+        second = method->n_errors > 1 ? exchange_error(sim, &method->e[1]) : 0.0;
+    }
+    for (int with_stored = 0; with_stored < 2; with_stored++) {
+        const double size = exchange_size(sim, with_stored) / h, one = first / size, two = second / size;
+        if (!(size > 0.0 && one + two > 1e-30)) {
+            return -100.0;
+        }
+        if (implicit) {
+            found = rough_log2(gb_max(one * one * one, two * two) / rtol + 1e-30);
+        } else if (method->n_errors == 1) {
+            found = rough_log2(one / rtol);
+        } else {
+            found = rough_log2(one * one / sqrt(one * one + 0.01 * two * two) / rtol + 1e-30);
+        }
+        if (found <= 0.0) {
+            return found;
+        }
+    }
+    return found;
+}
+
+double gb_log_error(const gb_sim *sim, double h) {
+    const gb_method *method = sim->method;
+    const double first = h * (method->gamma > 0.0 ? last_norm(sim) : error_norm(sim, &method->e[0]));
+    if (!(first > 1e-30)) {
+        return -100.0;
+    }
+    if (method->n_errors == 1) {
+        return rough_log2(first);
+    }
+    const double second = h * error_norm(sim, &method->e[1]);
+    return 2.0 * rough_log2(first) - 0.5 * rough_log2(first * first + 0.01 * second * second);
+}

@@ -1,0 +1,39 @@
+/* Error estimates and step sizes:  err = max_i |e_i| / weight_i,   h_next = h err^(-1/p) with PI control. Error weight
+ * of a state: rtol times its tolerance scale, which is the largest value it had, its natural scale, or what its rate
+ * gives at first, plus h times the noise of its rate. There is no absolute tolerance: every state is measured against
+ * its own history. The ledger is controlled by what a step exchanges.
+ * Assumed: the stages of the step just computed.
+ * Sources: Hairer, Norsett and Wanner 1993, II.4 (first step, error of order 8 from two estimates: II.10); Hairer and
+ * Wanner 1996, IV.2 (PI control); exp2 and log2 to about 1e-3 here.
+ * Knows nothing of events. */
+#ifndef GB_ERROR_CONTROL_H
+#define GB_ERROR_CONTROL_H
+
+#include "gb_internal.h"
+
+/* 1 / (rtol size + h noise). The size of a state is its largest value so far, its natural scale where the train knows
+ * one, and before the first step what its rate gives; never less than a small part of the largest of its kind (a front
+ * that runs along a chain is not followed into its last digit). `trial` counts too where a state has no size at all. */
+void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial);
+
+/* Takes the front into the sizes of the states. The weights of an implicit method are
+ * kept until a size is by a tenth beyond what they were made for: the tolerance lags behind on the safe side. */
+void gb_weights_grow(gb_sim *sim, const double *y);
+
+/* The state whose error decided. */
+int gb_worst_state(const gb_sim *sim);
+
+/* Factor of the next step size after a step with this error (PI control: Hairer, Wanner 1996, IV.2). */
+double gb_step_factor(gb_sim *sim, double log_error, int accepted);
+
+/* A first step from the rates at the start and after a small Euler step (after Hairer, Norsett, Wanner 1993, II.4). */
+double gb_first_step(gb_sim *sim);
+
+/* log2 of the error of the ledger in the step just computed, in units of the tolerance times its exchange. What is
+ * stored counts too, and is asked for only where it decides. */
+double gb_log_exchange_error(gb_sim *sim, double h);
+
+/* log2 of the largest error of a state in units of its weight. */
+double gb_log_error(const gb_sim *sim, double h);
+
+#endif

@@ -1,0 +1,68 @@
+#include "gb_evaluate.h"
+#include "gb_inputs.h"
+#include "gb_report.h"
+#include "gb_vector.h"
+
+int gb_columns(gb_sim *sim, int lanes, gb_lanes *at) {
+    for (int l = lanes; l < GB_LANES; l++) {
+        at->t[l] = at->t[lanes - 1];
+    }
+    if (sim->inputs.n_moving > 0) {
+        const int code = gb_input_lanes(sim, lanes, at->t, at->u);
+        if (code != GB_DONE) {
+            return code;
+        }
+    }
+    if (sim->model->n_time > 0) {
+        sim->model->times(sim->par, sim->mode, lanes, at->t, at->u, at->time_terms);
+    }
+    return GB_DONE;
+}
+
+int gb_columns_at(gb_sim *sim, double t) {
+    sim->instant.t[0] = t;
+    return gb_columns(sim, 1, &sim->instant);
+}
+
+int gb_point_columns(gb_sim *sim, const gb_point *at) {
+    const gb_model *model = sim->model;
+    const int code = at->input ? GB_DONE : gb_input_values(sim, at->t, sim->scratch.inputs);
+    const double *value = at->input ? at->input : sim->scratch.inputs, *mode = at->mode ? at->mode : sim->mode;
+    for (int l = 0; l < GB_LANES; l++) {
+        sim->instant.t[l] = at->t;
+        for (int i = 0; i < model->n_inputs; i++) {
+            sim->instant.u[i * GB_LANES + l] = value[i];
+        }
+    }
+    if (code == GB_DONE && model->n_time > 0) {
+        const int mean = at->means && model->means;
+        (mean ? model->means : model->times)(sim->par, mode, 1, sim->instant.t, sim->instant.u,
+                                             sim->instant.time_terms);
+        if (!mean && model->times_late) {
+            model->times_late(sim->par, mode, 1, sim->instant.t, sim->instant.u, sim->instant.time_terms);
+        }
+    }
+    return code;
+}
+
+int gb_first_derivative(gb_sim *sim, const double *tau) {
+    const gb_model *model = sim->model;
+    model->rhs_full(sim->par, sim->mode, tau, sim->y, sim->k1);
+    sim->head->counts.rhs_calls++;
+    if (!(gb_taint(sim->k1, model->n_total) == 0.0)) {
+        return gb_check_finite(sim, GB_ERR_NAN_RATE, sim->k1, model->n_total, 0, sim->head->front.t1);
+    }
+    sim->head->front.have_k1 = 1;
+    return GB_DONE;
+}
+
+int gb_surfaces_now(gb_sim *sim) {
+    if (sim->model->n_surfaces > sim->model->n_affine) {
+        const int code = gb_columns_at(sim, sim->head->front.t1);
+        if (code != GB_DONE) {
+            return code;
+        }
+    }
+    sim->model->surfaces(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->events.s);
+    return GB_DONE;
+}

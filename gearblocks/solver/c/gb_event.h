@@ -1,0 +1,20 @@
+/* Events at the front: pending switches flip, modes and switched constraints are settled until nothing changes.
+ * Knows nothing of where events lie in a step. */
+#ifndef GB_EVENT_H
+#define GB_EVENT_H
+
+#include "gb_internal.h"
+
+/* Makes the limits follow the modes and flips what is inconsistent, until nothing is. */
+int gb_settle(gb_sim *sim, int log);
+
+/* What sticks, and what else flips because of it. */
+int gb_settle_all(gb_sim *sim, int log);
+
+/* Shafts without inertia into balance, and the modes that belong to it. */
+int gb_balance(gb_sim *sim, int starting);
+
+/* Carries out what is due at the front. */
+int gb_apply_event(gb_sim *sim);
+
+#endif

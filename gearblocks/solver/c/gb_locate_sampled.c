@@ -1,0 +1,272 @@
+#include "gb_locate_sampled.h"
+#include "gb_dense_output.h"
+#include "gb_evaluate.h"
+#include "gb_modes.h"
+#include "gb_vector.h"
+
+enum { CLOSEST = 7 };             /* halvings of a quarter of a step, in search of a dip of a held force */
+enum { POINTS = GB_EIGHTHS + 2 }; /* the start, one close to it, and the eighths */
+
+static const double places[POINTS] = {0.0, 0.03125, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
+
+/* All surfaces at theta, into s. */
+static int surfaces_at(gb_sim *sim, double theta, double *s) {
+    const gb_head *head = sim->head;
+    const int code = gb_columns_at(sim, head->front.t0 + theta * head->front.h);
+    if (code == GB_DONE) {
+        gb_dense_states(sim, theta, sim->z2);
+        sim->model->surfaces(sim->par, sim->mode, sim->instant.time_terms, sim->z2, s);
+    }
+    return code;
+}
+
+/* Distance of surface i to its limit `side`; from its start value where it sits on the limit. */
+static double distance(const gb_sim *sim, int i, double side, double s) {
+    const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
+    const double rounding = gb_limit_rounding(sim, i, limit);
+    const double start = side * (limit - sim->events.s0[i]);
+    const double from = sim->events.armed[i] == side || start <= rounding ? sim->events.s0[i] : limit;
+    return side * (from - s);
+}
+
+/* The root in [a, b] with distance(a) >= 0 > distance(b): false position with the Illinois rule, then halving. */
+static int true_root(gb_sim *sim, int i, double side, double a, double b, double fa, double fb, double tolerance,
+                     double *root) {
+    int code = GB_DONE;
+    for (int count = 0; count < 100 && b - a > tolerance && code == GB_DONE; count++) {
+        double x = a + (b - a) * (fa / (fa - fb));
+        if (count % 4 == 3 || !(x > a && x < b)) {
+            x = 0.5 * (a + b);
+        }
+        code = surfaces_at(sim, x, sim->events.s);
+        const double f = distance(sim, i, side, sim->events.s[i]);
+        if (f < 0.0) {
+            b = x;
+            fb = f;
+            fa *= 0.5;
+        } else {
+            a = x;
+            fa = f;
+            fb *= 0.5;
+        }
+    }
+    *root = 0.5 * (a + b);
+    return code;
+}
+
+/* Looks for a negative distance between a and b around the low sample m; *x is where it was found, *f its value. */
+static int true_dip(gb_sim *sim, int i, double side, double a, double m, double b, double fm, double *x, double *f) {
+    const double golden = 0.3819660112501051;
+    int code = GB_DONE;
+    *x = m;
+    *f = fm;
+    for (int count = 0; count < 30 && *f >= 0.0 && b - a > 1e-5 && code == GB_DONE; count++) {
+        const double trial = b - m > m - a ? m + golden * (b - m) : m - golden * (m - a);
+        code = surfaces_at(sim, trial, sim->events.s);
+        const double value = distance(sim, i, side, sim->events.s[i]);
+        if (value < *f) {
+            if (trial > m) {
+                a = m;
+            } else {
+                b = m;
+            }
+            m = *x = trial;
+            *f = value;
+        } else if (trial > m) {
+            b = trial;
+        } else {
+            a = trial;
+        }
+    }
+    return code;
+}
+
+/* A low sample between two higher ones: could the true minimum be below zero? */
+static int may_dip(double before, double here, double after) {
+    const double drop = gb_max(before, after) - here;
+    return here <= before && here <= after && here < 0.5 * drop;
+}
+
+/* A surface that sits on its limit and is beyond it at b, by -fb: it may have moved inside first. Between 0 and b that
+ * is looked for ever closer to the start; the root is the return, or 0 where the surface was never inside. */
+static int return_root(gb_sim *sim, int i, double side, double b, double fb, double tolerance, double *root) {
+    const double rounding = gb_limit_rounding(sim, i, 0.0);
+    int code = GB_DONE;
+    *root = 0.0;
+    for (double a = 0.0625 * b; fb < -rounding && a > tolerance && code == GB_DONE; a *= 0.0625) {
+        code = surfaces_at(sim, a, sim->events.s);
+        const double fa = distance(sim, i, side, sim->events.s[i]);
+        if (code == GB_DONE && fa > rounding) {
+            return true_root(sim, i, side, a, b, fa, fb, tolerance, root);
+        }
+        b = a;
+        fb = fa;
+    }
+    return code;
+}
+
+/* The lowest point may lie between an end of the step and the sample next to it: where the end, at `low`, has the lower
+ * value (f, at `next` it is `other`), the slope there tells. The root is between `low` and `next`, or stays 2. */
+static int end_dip(gb_sim *sim, int i, double side, double low, double next, double f, double other, double tolerance,
+                   double *root) {
+    if (f < 0.0 || !(f < 0.5 * (other - f))) {
+        return GB_DONE;
+    }
+    const double inside = low + 1e-3 * (next - low);
+    int code = surfaces_at(sim, inside, sim->events.s);
+    const double there = distance(sim, i, side, sim->events.s[i]);
+    if (code != GB_DONE || there >= f) {
+        return code;
+    }
+    double x, value;
+    code = true_dip(sim, i, side, gb_min(low, next), inside, gb_max(low, next), there, &x, &value);
+    if (code == GB_DONE && value < 0.0) {
+        const double a = gb_min(low, next), fa = low < next ? f : other;
+        code = true_root(sim, i, side, a, x, fa, value, tolerance, root);
+    }
+    return code;
+}
+
+/* Does a held force reach its limit between samples at a, m and b that are far apart beside what its limits do? Looks
+ * closer until what bends is small beside the distance to the limit. */
+static int look_closer(gb_sim *sim, int i, double side, double a, double b, const double *f, double bend, int depth,
+                       double tolerance, double *first) {
+    const double least = gb_min(gb_min(f[0], f[1]), f[2]), most = gb_max(gb_max(f[0], f[1]), f[2]);
+    const double rough = gb_max(fabs(f[0] - 2.0 * f[1] + f[2]), bend), width = 0.25 * (b - a);
+    if (depth == 0 || rough <= 0.5 * least || rough <= 1e-9 * most) {
+        return GB_DONE;
+    }
+    double at[5] = {f[0], 0.0, f[1], 0.0, f[2]};
+    for (int q = 1; q < 4; q += 2) {
+        const int code = surfaces_at(sim, a + q * width, sim->events.s);
+        at[q] = distance(sim, i, side, sim->events.s[i]);
+        if (code != GB_DONE || at[q] < 0.0) {
+            const double x = a + (q - 1) * width;
+            return code != GB_DONE ? code : true_root(sim, i, side, x, x + width, at[q - 1], at[q], tolerance, first);
+        }
+    }
+    const double off = fabs(at[1] - (0.375 * f[0] + 0.75 * f[1] - 0.125 * f[2]));
+    for (int half = 0; half < 2 && *first > 1.0; half++) {
+        const double from = a + 2.0 * half * width;
+        const int code =
+            look_closer(sim, i, side, from, from + 2.0 * width, at + 2 * half, 0.25 * off, depth - 1, tolerance, first);
+        if (code != GB_DONE) {
+            return code;
+        }
+    }
+    return GB_DONE;
+}
+
+/* The quarters of the step before *first for a held force. */
+static int look_at_hold(gb_sim *sim, int i, double side, const double *f, double tolerance, double *first) {
+    /* how far the sample at 1/32 lies off the parabola through those at 0, 1/8 and 1/4: samples alone could all be
+     * equal */
+    const double bend = fabs(f[1] - (21.0 * f[0] + 14.0 * f[2] - 3.0 * f[3]) / 32.0);
+    for (int l = 0; l < 4 && 0.25 * (l + 1) <= *first; l++) {
+        double earlier = 2.0;
+        const double three[3] = {l == 0 ? f[0] : f[2 * l + 1], f[2 * l + 2], f[2 * l + 3]};
+        const int code =
+            look_closer(sim, i, side, 0.25 * l, 0.25 * l + 0.25, three, bend, CLOSEST, tolerance, &earlier);
+        if (code != GB_DONE || earlier <= 1.0) {
+            *first = gb_min(*first, earlier);
+            return code;
+        }
+    }
+    return GB_DONE;
+}
+
+/* When surface i leaves through its limit `side`, by its samples. */
+static int first_seen(gb_sim *sim, int i, double side, double tolerance, double *first) {
+    const int n = sim->model->n_surfaces;
+    double f[POINTS];
+    *first = 2.0;
+    if (fabs(side < 0.0 ? sim->events.lo[i] : sim->events.hi[i]) >= HUGE_VAL) {
+        return GB_DONE;
+    }
+    for (int l = 0; l < POINTS; l++) {
+        f[l] = distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
+    }
+    const int sitting = f[0] == 0.0;
+    const double rounding = gb_limit_rounding(sim, i, 0.0);
+    if (!sitting) {
+        const int code = end_dip(sim, i, side, 0.0, places[1], f[0], f[1], tolerance, first);
+        if (code != GB_DONE || *first <= 1.0) {
+            return code;
+        }
+    }
+    for (int l = 1; l < POINTS; l++) {
+        if (f[l] < (sitting ? -rounding : 0.0)) {
+            if (sitting && l == 1) {
+                return return_root(sim, i, side, places[l], f[l], tolerance, first);
+            }
+            return true_root(sim, i, side, places[l - 1], places[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
+        }
+        if (l + 1 < POINTS && f[l + 1] >= 0.0 && !(sitting && l == 1) && may_dip(f[l - 1], f[l], f[l + 1])) {
+            double x, value;
+            const int code = true_dip(sim, i, side, places[l - 1], places[l], places[l + 1], f[l], &x, &value);
+            if (code != GB_DONE || value < 0.0) {
+                const double a = x > places[l] ? places[l] : places[l - 1];
+                const double fa = x > places[l] ? f[l] : f[l - 1];
+                return code != GB_DONE ? code : true_root(sim, i, side, a, x, fa, value, tolerance, first);
+            }
+        }
+    }
+    return end_dip(sim, i, side, 1.0, places[POINTS - 2], f[POINTS - 1], f[POINTS - 2], tolerance, first);
+}
+
+/* The same; of a held force also between samples. */
+static int first_through(gb_sim *sim, int i, double side, double tolerance, double *first) {
+    const int n = sim->model->n_surfaces;
+    double f[POINTS];
+    const int code = first_seen(sim, i, side, tolerance, first);
+    if (code != GB_DONE || sim->events.role[i] != GB_LOCKED || side < 0.0 || sim->events.hi[i] >= HUGE_VAL) {
+        return code;
+    }
+    for (int l = 0; l < POINTS; l++) {
+        f[l] = distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
+    }
+    return f[0] > 0.0 ? look_at_hold(sim, i, side, f, tolerance, first) : code;
+}
+
+/* The step is so long that the samples do not tell what the force of held lock switch i does, which could reach its
+ * limit: what bends between samples is no small part of what changes at all. A train at rest has no other reason for
+ * its steps. */
+static int is_untold(const gb_sim *sim, int i) {
+    const int n = sim->model->n_surfaces;
+    double least = HUGE_VAL, most = -HUGE_VAL, bend = 0.0, f[POINTS];
+    for (int l = 0; l < POINTS; l++) {
+        f[l] = distance(sim, i, 1.0, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
+        least = gb_min(least, f[l]);
+        most = gb_max(most, f[l]);
+    }
+    for (int l = 3; l + 1 < POINTS; l++) {
+        bend = gb_max(bend, fabs((l == 3 ? f[2] : f[l - 1]) - 2.0 * f[l] + f[l + 1]));
+    }
+    const double start = fabs(f[1] - (21.0 * f[0] + 14.0 * f[2] - 3.0 * f[3]) / 32.0);
+    const double range = gb_max(most - least, start);
+    return least < 2.0 * range && gb_max(bend, 4.0 * start) > 0.3 * range;
+}
+
+int gb_watch_general(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int n = model->n_surfaces;
+    const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
+    int code = gb_dense_complete(sim);
+    memcpy(sim->events.samples, sim->events.s0, sizeof(double) * (size_t)n);
+    for (int l = 1; l < POINTS && code == GB_DONE; l++) {
+        code = surfaces_at(sim, places[l], sim->events.samples + (size_t)l * (size_t)n);
+    }
+    sim->events.undersampled = 0;
+    for (int i = model->n_affine; i < n && code == GB_DONE; i++) {
+        double low = 2.0, high = 2.0;
+        code = first_through(sim, i, -1.0, tolerance, &low);
+        if (code == GB_DONE) {
+            code = first_through(sim, i, 1.0, tolerance, &high);
+        }
+        sim->events.located[i] = gb_min(low, high);
+        sim->events.side[i] = low < high ? -1.0 : 1.0;
+        sim->events.undersampled = sim->events.undersampled ||
+                                   (sim->events.role[i] == GB_LOCKED && sim->events.hi[i] == 0.0 && is_untold(sim, i));
+    }
+    return code;
+}

@@ -1,0 +1,16 @@
+/* Where event functions that are not affine in the state (or need a rate) leave their mode: the first th in [0, 1]
+ * with
+ *     side (limit - s(th)) < 0,
+ * from true values at points along the step. Roots by false position with the Illinois rule (Dowell and Jarratt 1971),
+ * dips between samples by golden section (Kiefer 1953); a constraint force is looked at closer until what bends is
+ * small beside its distance to the bound. One that starts on its limit is watched from its start value (armed).
+ * Knows nothing of what an event does. */
+#ifndef GB_LOCATE_SAMPLED_H
+#define GB_LOCATE_SAMPLED_H
+
+#include "gb_internal.h"
+
+/* The surfaces [n_affine, n_surfaces); fills root and side. */
+int gb_watch_general(gb_sim *sim);
+
+#endif

@@ -1,0 +1,216 @@
+#include "gb_memory.h"
+#include "gb_methods.h"
+#include "gb_sparse_ldu.h"
+
+#include <stdlib.h>
+
+enum { LINE = 64 };
+
+void gb_set_method(gb_sim *sim, int method) {
+    sim->head->method = method;
+    sim->method = &gb_method_table[method];
+}
+
+/* The next `bytes` at cache line boundaries; a null base only counts. */
+static void *take(char *base, size_t *at, size_t bytes) {
+    const size_t here = *at;
+    *at += (bytes + LINE - 1) / LINE * LINE;
+    return base ? base + here : NULL;
+}
+
+static double *doubles(char *base, size_t *at, long count) {
+    return take(base, at, sizeof(double) * (size_t)(count > 0 ? count : 1));
+}
+
+/* What changes during a run. Returns its size. */
+static size_t lay_block(gb_sim *sim, char *base) {
+    const gb_model *m = sim->model;
+    struct gb_events *events = &sim->events;
+    struct gb_control *control = &sim->control;
+    size_t at = 0;
+    sim->head = take(base, &at, sizeof(gb_head));
+    double **const by_input[] = {&sim->inputs.value, &sim->inputs.cell, &sim->inputs.cell_end};
+    double **const by_switch[] = {&events->lo,        &events->hi,        &events->armed,     &events->pending,
+                                  &events->next_mode, &events->next_time, &events->flip_time, &events->flips};
+    double **const by_state[] = {&control->largest, &control->natural_scale, &control->noise, &control->error_weight,
+                                 &control->least_scale};
+    double **const whole[] = {&sim->y0, &sim->y, &sim->k1};
+    sim->par = doubles(base, &at, m->n_par > m->n_parameters ? m->n_par : m->n_parameters);
+    for (size_t i = 0; i < sizeof by_input / sizeof by_input[0]; i++) {
+        *by_input[i] = doubles(base, &at, m->n_inputs);
+    }
+    sim->constraints.row_size = doubles(base, &at, m->n_locks);
+    sim->mode = doubles(base, &at, m->n_switches + m->n_memory);
+    for (size_t i = 0; i < sizeof by_switch / sizeof by_switch[0]; i++) {
+        *by_switch[i] = doubles(base, &at, m->n_switches);
+    }
+    for (size_t i = 0; i < sizeof by_state / sizeof by_state[0]; i++) {
+        *by_state[i] = doubles(base, &at, m->n_padded);
+    }
+    for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
+        *whole[i] = doubles(base, &at, m->n_total);
+    }
+    sim->rows = doubles(base, &at, (long)GB_ROWS * m->n_total);
+    return at;
+}
+
+/* What events need to decide about switched constraints. */
+static void lay_constraints(gb_sim *sim, char *base, size_t *at) {
+    const gb_model *m = sim->model;
+    const long n = m->n_locks;
+    struct gb_constraints *c = &sim->constraints;
+    struct gb_lossy *lossy = &sim->lossy;
+    double **const by_constraint[] = {&c->slip,
+                                      &c->slip_rounding,
+                                      &c->right,
+                                      &c->lo,
+                                      &c->hi,
+                                      &c->force,
+                                      &c->other,
+                                      &c->force_before,
+                                      &c->slip_before,
+                                      &c->free_acceleration,
+                                      &c->mode_before,
+                                      &c->shrink,
+                                      &lossy->base_mode,
+                                      &lossy->base_sign,
+                                      &lossy->best_mode,
+                                      &lossy->best_rate};
+    double **const by_pair[] = {&c->delassus, &c->matrix, &sim->implicit.row_inverse};
+    int **const marks[] = {&c->index,  &c->decision,          &c->was_redundant,     &c->released,
+                           &c->struck, &lossy->base_decision, &lossy->best_decision, &lossy->option};
+    for (size_t i = 0; i < sizeof by_constraint / sizeof by_constraint[0]; i++) {
+        *by_constraint[i] = doubles(base, at, n);
+    }
+    for (size_t i = 0; i < sizeof by_pair / sizeof by_pair[0]; i++) {
+        *by_pair[i] = doubles(base, at, n * n);
+    }
+    for (size_t i = 0; i < sizeof marks / sizeof marks[0]; i++) {
+        *marks[i] = take(base, at, sizeof(int) * (size_t)(n + 1));
+    }
+    c->bounds = doubles(base, at, 5 * n);
+    c->full_mode = doubles(base, at, n > 0 ? m->n_switches + m->n_memory : 0);
+    c->row = doubles(base, at, n * m->n_speeds);
+    sim->implicit.row_response = doubles(base, at, n > 0 && m->pattern ? n * m->pattern->n : 0);
+}
+
+static void lay_implicit(gb_sim *sim, char *base, size_t *at) {
+    const gb_model *m = sim->model;
+    struct gb_implicit *s = &sim->implicit;
+    double **const by_unknown[] = {&s->diag,    &s->inverse,       &s->work,
+                                   &s->unknown, &sim->choice.rate, &sim->choice.inertia};
+    for (size_t i = 0; i < sizeof by_unknown / sizeof by_unknown[0]; i++) {
+        *by_unknown[i] = doubles(base, at, m->pattern->n);
+    }
+    s->lower = doubles(base, at, m->pattern->n_places);
+    s->upper = doubles(base, at, m->pattern->n_places);
+    s->kinematic = doubles(base, at, m->n_kept);
+    s->n_colours = gb_colour_count(m->pattern);
+    const size_t links = (size_t)s->n_colours * (size_t)(m->n_simple + 1);
+    s->colour = take(base, at, sizeof(int) * (size_t)(m->pattern->n + 1));
+    s->link = take(base, at, sizeof(int) * links);
+    s->gain = take(base, at, sizeof(double) * links);
+}
+
+static void lay_events(gb_sim *sim, char *base, size_t *at) {
+    const gb_model *m = sim->model;
+    struct gb_events *e = &sim->events;
+    double **const by_surface[] = {&e->s0, &e->s, &e->located, &e->side};
+    for (size_t i = 0; i < sizeof by_surface / sizeof by_surface[0]; i++) {
+        *by_surface[i] = doubles(base, at, m->n_surfaces);
+    }
+    e->slopes = doubles(base, at, (long)GB_ROWS * m->n_affine);
+    e->mode_before = doubles(base, at, m->hold ? m->n_switches : 0);
+    e->samples = doubles(base, at, (m->n_surfaces > m->n_affine ? (long)GB_STAGES : 0) * m->n_surfaces);
+    e->role = take(base, at, sizeof(int) * (size_t)(m->n_switches + 1));
+    sim->log.capacity = 4L * m->n_switches + m->n_inputs + 64;
+    sim->log.event = take(base, at, sizeof(gb_event) * (size_t)sim->log.capacity);
+}
+
+/* Scratch that may be forgotten between calls. Returns its size. */
+static size_t lay_scratch(gb_sim *sim, char *base) {
+    const gb_model *m = sim->model;
+    size_t at = 0;
+    double **const whole[] = {&sim->z, &sim->z2, &sim->zero};
+    gb_lanes *const lanes[] = {&sim->lanes, &sim->instant};
+    sim->k = doubles(base, &at, (long)GB_STAGES * m->n_total);
+    for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
+        *whole[i] = doubles(base, &at, m->n_total);
+    }
+    sim->scratch.energies = doubles(base, &at, m->n_energies);
+    sim->scratch.outputs = doubles(base, &at, m->n_outputs);
+    sim->scratch.inputs = doubles(base, &at, m->n_inputs);
+    for (size_t i = 0; i < sizeof lanes / sizeof lanes[0]; i++) {
+        lanes[i]->t = doubles(base, &at, GB_LANES);
+        lanes[i]->u = doubles(base, &at, (long)GB_LANES * m->n_inputs);
+        lanes[i]->time_terms = doubles(base, &at, (long)GB_LANES * m->n_time);
+    }
+    if (m->pattern) {
+        lay_implicit(sim, base, &at);
+    }
+    lay_events(sim, base, &at);
+    lay_constraints(sim, base, &at);
+    sim->inputs.source = take(base, &at, sizeof(gb_source) * (size_t)(m->n_inputs + 1));
+    sim->inputs.moving = take(base, &at, sizeof(int) * (size_t)(m->n_inputs + 1));
+    return at;
+}
+
+static uint64_t hash_text(const char *text) {
+    uint64_t hash = 1469598103934665603u;
+    for (const char *c = text; *c; c++) {
+        hash = (hash ^ (unsigned char)*c) * 1099511628211u;
+    }
+    return hash;
+}
+
+gb_sim *gb_open(const gb_model *model) {
+    gb_sim *sim = calloc(1, sizeof *sim);
+    if (!sim) {
+        return NULL;
+    }
+    sim->model = model;
+    sim->method = &gb_method_table[GB_DP8];
+    const size_t block = lay_block(sim, NULL), scratch = lay_scratch(sim, NULL);
+    sim->memory = calloc(1, block + scratch + LINE);
+    if (!sim->memory) {
+        free(sim);
+        return NULL;
+    }
+    char *base = sim->memory;
+    base += LINE - (uintptr_t)base % LINE;
+    sim->block_bytes = lay_block(sim, base);
+    lay_scratch(sim, base + block);
+    sim->head->key = hash_text(model->key);
+    sim->head->bytes = block;
+    for (int i = 0; i < model->n_locks; i++) {
+        const gb_lock *lock = &model->locks[i];
+        sim->events.role[lock->slip] = sim->events.role[lock->hold] = GB_LOCKED;
+        if (lock->free >= 0) {
+            sim->events.role[lock->free] = GB_SILENT;
+        }
+    }
+    return sim;
+}
+
+void gb_close(gb_sim *sim) {
+    if (sim) {
+        free(sim->memory);
+        free(sim);
+    }
+}
+
+const gb_model *gb_model_of(const gb_sim *sim) {
+    return sim->model;
+}
+
+double *gb_parameters(gb_sim *sim) {
+    return sim->par;
+}
+
+double *gb_inputs(gb_sim *sim) {
+    return sim->inputs.value;
+}
+
+void gb_changed(gb_sim *sim) {
+    sim->head->changed = 1;
+}

@@ -1,0 +1,211 @@
+#include "gb_method_choice.h"
+#include "gb_evaluate.h"
+#include "gb_memory.h"
+#include "gb_rosenbrock.h"
+#include "gb_sparse_ldu.h"
+#include "gb_vector.h"
+
+enum { FIRST_LOOKS = 8, GAP = 16, LONGEST_GAP = 1024, TRIAL = 4, CALM = 256 };
+
+/* So many steps still to come at the present pace that a trial is worth its cost whatever the reason of the pace. */
+static const double MANY_STEPS = 2e4;
+
+/* So many that a leap is tried; fastest rate times size of a leap, and from which product on a shaft counts as leapt.
+ */
+static const double HOPELESS = 1e6, LEAP = 1e4, LEAPT = 30.0;
+
+/* Step size times fastest rate at which explicit steps are at the limit of stability, and where a look is worth it. */
+static double stability(const gb_sim *sim) {
+    return sim->head->choice.explicit_method == GB_DP8 ? 6.0 : 3.3;
+}
+
+/* Cost of an implicit step in explicit ones, counted in right-hand sides; calibrated on a chain. */
+static double implicit_cost(const gb_sim *sim) {
+    const gb_pattern *p = sim->model->pattern;
+    const double places = (double)p->n_places / (p->n + 1), pairs = (double)gb_pair_count(p) / (p->n + 1);
+    const double solve = p->tree ? 0.2 + 0.4 * places : 0.5 + 0.7 * places;
+    const double units = 12.0 + 8.0 * solve + 0.7 * pairs;
+    return units / (sim->head->choice.explicit_method == GB_DP8 ? 12.0 : 6.0);
+}
+
+/* The largest rate of a single unknown against the rest held still: of E x'' + C x' + K x with the diagonals alone. */
+static double fastest_rate(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    double *mass = sim->implicit.inverse, *once = sim->implicit.work, *twice = sim->implicit.diag;
+    double *const into[] = {mass, once, twice};
+    double most = 0.0;
+    for (int i = 0; i < 3; i++) {
+        model->jacobian(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->k1, i * h, into[i],
+                        sim->implicit.lower, sim->implicit.upper, sim->implicit.kinematic);
+    }
+    for (int u = 0; u < model->pattern->n; u++) {
+        if (mass[u] > 0.0) {
+            const double s1 = once[u] / mass[u] - 1.0, s2 = twice[u] / mass[u] - 1.0;
+            const double b = fabs(0.5 * s2 - s1), a = fabs(2.0 * s1 - 0.5 * s2), under = 0.25 * a * a - b;
+            const double rate = under > 0.0 ? 0.5 * a + sqrt(under) : sqrt(b);
+            most = gb_max(most, rate);
+            sim->choice.rate[u] = rate / h;
+        } else {
+            sim->choice.rate[u] = 0.0;
+        }
+        sim->choice.inertia[u] = mass[u];
+    }
+    return most / h;
+}
+
+/* Another method from the front on: what the step control knows of the old one is forgotten. */
+static void change_method(gb_sim *sim, int method, double h) {
+    gb_head *head = sim->head;
+    gb_set_method(sim, method);
+    memset(sim->control.noise, 0, sizeof(double) * (size_t)sim->model->n_padded);
+    memset(head->events.remembered_step, 0, sizeof head->events.remembered_step);
+    head->control.noise_at = head->counts.steps;
+    head->control.h_noise = head->control.h_weights = head->control.log_error = 0.0;
+    head->control.h_next = h;
+}
+
+/* By how much a change must pay: more after every change of late, so that near break-even there are few. */
+static double margin(const gb_head *head) {
+    return 1.3 * gb_min(1.0 + 0.25 * head->choice.restless, 2.5);
+}
+
+static void note(gb_head *head) {
+    const int at = head->choice.n_switches < GB_KEPT ? head->choice.n_switches : GB_KEPT - 1;
+    head->choice.switch_method[at] = head->method;
+    head->choice.switch_t[at] = head->front.t1;
+    head->choice.n_switches++;
+    head->choice.restless++;
+    head->choice.calm_at = head->counts.steps + CALM;
+}
+
+static void look_later(gb_head *head, int factor) {
+    if (head->choice.looks > FIRST_LOOKS) {
+        head->choice.gap = head->choice.gap * factor < LONGEST_GAP ? head->choice.gap * factor : LONGEST_GAP;
+    }
+    head->choice.look_at = head->counts.steps + head->choice.gap;
+    head->choice.t_look = head->front.t1;
+    head->choice.steps_look = head->counts.steps + head->counts.rejected;
+}
+
+void gb_auto_start(gb_sim *sim) {
+    gb_head *head = sim->head;
+    const gb_options *options = &head->options;
+    head->choice.explicit_method = options->rtol <= 1e-4 ? GB_DP8 : GB_DP5;
+    head->choice.automatic = options->method == GB_AUTO && !(options->step > 0.0) && sim->model->pattern;
+    head->choice.gap = head->choice.look_at = GAP;
+    head->choice.t_look = head->front.t1;
+}
+
+/* The end of a trial, between two tries of a step: h is the step size that the control wants next. */
+static void decide(gb_sim *sim, double h) {
+    gb_head *head = sim->head;
+    head->choice.trial = 0;
+    if (h >= head->choice.h_pays) {
+        head->choice.looks = 0;
+        head->choice.gap = GAP;
+    } else {
+        head->choice.n_switches--;
+        head->choice.restless--;
+        change_method(sim, head->choice.explicit_method, head->choice.h_explicit);
+        head->choice.looks += FIRST_LOOKS / 2;
+        look_later(head, 4);
+    }
+}
+
+/* Energy of the vibrations that a leap of size h drops: of every shaft so fast that it swings many times within. */
+static double dropped_energy(const gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    double sum = 0.0;
+    for (int i = model->n - model->n_speeds; i < model->n; i++) {
+        const double rate = sim->choice.rate[i - model->n_simple], mass = sim->choice.inertia[i - model->n_simple];
+        const double change = sim->z[i] - sim->y0[i], swing = rate > 0.0 ? sim->k1[i] / rate : 0.0;
+        sum += rate * h > LEAPT ? 0.5 * mass * (change * change + swing * swing) : 0.0;
+    }
+    return sum;
+}
+
+double gb_leap_error(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const double *last = sim->k + (size_t)(sim->method->stages - 1) * (size_t)model->n_total;
+    double *error = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total, worst = 1e-30, energy = 0.0;
+    memcpy(error, last, sizeof(double) * (size_t)model->n_padded);
+    gb_stiff_response(sim, error);
+    for (int i = 0; i < model->n; i++) {
+        worst = gb_max(worst, h * fabs(error[i]) * sim->control.error_weight[i]);
+    }
+    model->energies(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->scratch.energies);
+    for (int i = 0; i < model->n_energies; i++) {
+        energy += fabs(sim->scratch.energies[i]);
+    }
+    const double rtol = sim->head->options.rtol;
+    return dropped_energy(sim, h) > rtol * rtol * energy ? 100.0 : log2(worst);
+}
+
+double gb_auto_rejected(gb_sim *sim, double h) {
+    gb_head *head = sim->head;
+    if (head->choice.large_step) { /* it drops too much: back at once, and the next look may try plain implicit steps */
+        head->choice.large_step = head->choice.trial = 0;
+        head->choice.n_switches--;
+        head->choice.restless--;
+        change_method(sim, head->choice.explicit_method, head->choice.h_explicit);
+        head->choice.look_at = head->counts.steps + 1;
+        return head->control.h_next;
+    }
+    if (head->choice.trial > 1 && --head->choice.trial == 1) {
+        decide(sim, h);
+        return sim->method->gamma > 0.0 ? h : head->control.h_next;
+    }
+    return h;
+}
+
+int gb_auto_look(gb_sim *sim, double limit) {
+    gb_head *head = sim->head;
+    const long long count = head->counts.steps + head->counts.rejected - head->choice.steps_look;
+    const double span = head->front.t1 - head->choice.t_look, mean = span / (double)(count > 0 ? count : 1);
+    head->choice.large_step = 0;
+    if (head->choice.trial > 1 && --head->choice.trial == 1) {
+        decide(sim, head->control.h_next);
+    }
+    if (!head->choice.automatic || head->counts.steps < head->choice.look_at || head->choice.trial > 0 ||
+        !(mean > 0.0)) {
+        return GB_DONE;
+    }
+    int code = gb_columns_at(sim, head->front.t1);
+    if (code == GB_DONE && !head->front.have_k1) {
+        code = gb_first_derivative(sim, sim->instant.time_terms);
+    }
+    if (code != GB_DONE) {
+        return code;
+    }
+    const double rate = fastest_rate(sim, mean), cost = implicit_cost(sim);
+    head->counts.jacobians += 3;
+    head->choice.looks++;
+    if (head->choice.restless > 0 && head->counts.steps >= head->choice.calm_at) {
+        head->choice.restless--;
+        head->choice.calm_at = head->counts.steps + CALM;
+    }
+    if (sim->method->gamma > 0.0) {
+        const double explicit_steps = gb_max(span * rate / stability(sim), (double)count);
+        const int back = margin(head) * explicit_steps < cost * (double)count;
+        look_later(head, back ? 4 : 2);
+        if (back) {
+            change_method(sim, head->choice.explicit_method, gb_min(head->control.h_next, stability(sim) / rate));
+            note(head);
+        }
+        return GB_DONE;
+    }
+    look_later(head, 2);
+    const double pace = mean * rate / stability(sim);
+    const int odd = pace > 0.15 || (pace < 0.02 && head->choice.looks > 1);
+    const int slow = head->choice.looks > FIRST_LOOKS && limit - head->front.t1 > MANY_STEPS * mean;
+    if ((odd || slow) && limit - head->front.t1 > TRIAL * cost * mean) {
+        head->choice.trial = TRIAL + 1;
+        head->choice.h_pays = margin(head) * cost * mean;
+        head->choice.h_explicit = head->control.h_next;
+        head->choice.large_step = slow && head->choice.looks % 2 == 0 && limit - head->front.t1 > HOPELESS * mean;
+        change_method(sim, GB_RODAS,
+                      head->choice.large_step ? gb_min(LEAP / rate, 1e-3 * (limit - head->front.t1)) : cost * mean);
+        note(head);
+    }
+    return GB_DONE;
+}

@@ -1,0 +1,107 @@
+#include "gb_modes.h"
+#include "gb_report.h"
+#include "gb_vector.h"
+
+static uint64_t mix(uint64_t x) {
+    x ^= x >> 31;
+    x *= 0x9e3779b97f4a7c15u;
+    x ^= x >> 29;
+    x *= 0xbf58476d1ce4e5b9u;
+    return x ^ (x >> 32);
+}
+
+static uint64_t mode_hash(int i, double mode) {
+    uint64_t bits;
+    memcpy(&bits, &mode, sizeof bits);
+    return mix(bits + 0x9e3779b97f4a7c15u * (uint64_t)(i + 1));
+}
+
+void gb_set_mode(gb_sim *sim, int i, double mode, int log) {
+    if (log) {
+        gb_log(sim, i, i >= sim->model->n_surfaces, sim->mode[i], mode);
+    }
+    sim->head->events.mode_hash ^= mode_hash(i, sim->mode[i]) ^ mode_hash(i, mode);
+    sim->mode[i] = mode;
+}
+
+void gb_rehash(gb_sim *sim) {
+    sim->head->events.mode_hash = 0;
+    for (int i = 0; i < sim->model->n_switches; i++) {
+        sim->head->events.mode_hash ^= mode_hash(i, sim->mode[i]) ^ mode_hash(i, 0.0);
+    }
+}
+
+int gb_count_flip(gb_sim *sim, int i) {
+    const gb_head *head = sim->head;
+    const int stands = head->front.t1 - sim->events.flip_time[i] <= 10.0 * gb_rounding(head->front.t1, head->front.h);
+    sim->events.flips[i] = stands ? sim->events.flips[i] + 1.0 : 1.0;
+    sim->events.flip_time[i] = head->front.t1;
+    return sim->events.flips[i] > GB_FLIPS ? gb_fail(sim, GB_ERR_CHATTER, i, head->front.t1, sim->events.flips[i])
+                                           : GB_DONE;
+}
+
+int gb_modes(const gb_sim *sim, double *mode) {
+    memcpy(mode, sim->mode, sizeof(double) * (size_t)sim->model->n_switches);
+    return sim->head->started ? GB_DONE : GB_ERR_STATE;
+}
+
+double gb_far_side(const gb_sim *sim, int i, double side) {
+    return sim->model->mode_at(sim->par, i, side < 0.0 ? nextafter(sim->events.lo[i], -HUGE_VAL) : sim->events.hi[i]);
+}
+
+void gb_refresh_breaks(gb_sim *sim, int all) {
+    const gb_model *model = sim->model;
+    double first = HUGE_VAL;
+    for (int i = model->n_surfaces; i < model->n_switches; i++) {
+        if (all || sim->events.next_time[i] <= sim->head->front.t1) {
+            sim->events.next_time[i] =
+                model->next_time(sim->par, i, sim->mode[i], sim->head->front.t1, &sim->events.next_mode[i]);
+        }
+        first = gb_min(first, sim->events.next_time[i]);
+    }
+    for (int j = 0; j < sim->inputs.n_moving; j++) {
+        first = gb_min(first, sim->inputs.cell_end[sim->inputs.moving[j]]);
+    }
+    sim->head->events.t_break = first;
+}
+
+void gb_time_modes(gb_sim *sim, int log) {
+    const gb_model *model = sim->model;
+    const double t = sim->head->front.t1, after = t + 4.0 * DBL_EPSILON * fabs(t) + 1e-290;
+    for (int i = model->n_surfaces; i < model->n_switches; i++) {
+        const double mode = model->mode_at(sim->par, i, model->clock(sim->par, i, after));
+        if (mode != sim->mode[i]) {
+            gb_set_mode(sim, i, mode, log && sim->events.role[i] == GB_ORDINARY);
+        }
+    }
+    gb_refresh_breaks(sim, 1);
+}
+
+void gb_mark_time_events(gb_sim *sim) {
+    for (int i = sim->model->n_surfaces; i < sim->model->n_switches; i++) {
+        sim->events.pending[i] = sim->events.next_time[i] <= sim->head->front.t1 ? 2.0 : 0.0;
+    }
+    sim->head->events.pending = 1;
+}
+
+void gb_mark_modes(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    if (model->n_surfaces == 0) {
+        return;
+    }
+    model->surfaces(sim->par, sim->mode, sim->lanes.time_terms + sim->method->stages, sim->y, sim->events.s);
+    for (int i = 0; i < model->n_surfaces; i++) {
+        if (sim->events.role[i] == GB_LOCKED) {
+            sim->events.pending[i] =
+                sim->events.s[i] < sim->events.lo[i] || sim->events.s[i] > sim->events.hi[i] ? 3.0 : 0.0;
+            sim->head->events.pending = sim->head->events.pending || sim->events.pending[i] != 0.0;
+            continue;
+        }
+        const double mode = model->mode_at(sim->par, i, sim->events.s[i]);
+        if (mode != sim->mode[i]) {
+            sim->events.pending[i] = 3.0;
+            sim->events.next_mode[i] = mode;
+            sim->head->events.pending = 1;
+        }
+    }
+}

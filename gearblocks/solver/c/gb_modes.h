@@ -1,0 +1,46 @@
+/* Modes of the switches: set and hashed one by one, flips counted, and when time changes them. How finely instants and
+ * limits are told apart.
+ * Knows nothing of what a mode does to the motion. */
+#ifndef GB_MODES_H
+#define GB_MODES_H
+
+#include "gb_internal.h"
+
+/* How finely an instant can be told near t in a step of size h. */
+static inline double gb_rounding(double t, double h) {
+    return 100.0 * DBL_EPSILON * (fabs(t) + fabs(h));
+}
+
+/* How far beyond a limit switch i may go by rounding. A state that comes to rest on the limit of a continuous law moves
+ * by the rounding of rates that cancel: each flip without progress of time doubles it, until the next that stands
+ * alone. */
+static inline double gb_limit_rounding(const gb_sim *sim, int i, double limit) {
+    return ldexp(64.0 * DBL_EPSILON * (fabs(sim->events.s0[i]) + fabs(limit)),
+                 sim->events.flips[i] > 1.0 ? (int)sim->events.flips[i] - 1 : 0);
+}
+
+/* Gives switch i its mode; with `log` that is an event. */
+void gb_set_mode(gb_sim *sim, int i, double mode, int log);
+
+/* The hash of all modes anew. */
+void gb_rehash(gb_sim *sim);
+
+/* A switch may flip again at once a few times, not for ever. */
+int gb_count_flip(gb_sim *sim, int i);
+
+/* Mode of switch i on the far side of the limit that it leaves through. */
+double gb_far_side(const gb_sim *sim, int i, double side);
+
+/* The next instant that time switches and tables announce. With `all`, or else only where the last one has come. */
+void gb_refresh_breaks(gb_sim *sim, int all);
+
+/* Modes of the time switches just after the front, and what they announce. */
+void gb_time_modes(gb_sim *sim, int log);
+
+/* The front has reached an announced instant. */
+void gb_mark_time_events(gb_sim *sim);
+
+/* Without location: modes follow their surfaces at the end of the step. */
+void gb_mark_modes(gb_sim *sim);
+
+#endif

@@ -1,0 +1,306 @@
+#include "gb_rosenbrock.h"
+#include "gb_constraint_rows.h"
+#include "gb_report.h"
+#include "gb_sparse_ldu.h"
+#include "gb_vector.h"
+
+/* Part of a step in which the rates are differenced in time: rounding and truncation are of equal weight there. */
+static const double SHARE = 1e-4;
+
+void gb_stiff_links(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const gb_pattern *p = model->pattern;
+    double *mark = sim->implicit.work, *named = sim->implicit.inverse, *one = sim->z, *two = sim->z2;
+    if (!p) {
+        return;
+    }
+    gb_colours(p, sim->implicit.colour);
+    for (int c = 0; c < sim->implicit.n_colours; c++) {
+        int *link = sim->implicit.link + (size_t)c * (size_t)model->n_simple;
+        for (int u = 0; u < p->n; u++) {
+            mark[u] = sim->implicit.colour[u] == c ? 1.0 : 0.0;
+            named[u] = mark[u] * (u + 1);
+        }
+        model->simple_rates(sim->par, sim->implicit.kinematic, mark, one);
+        model->simple_rates(sim->par, sim->implicit.kinematic, named, two);
+        for (int i = 0; i < model->n_simple; i++) {
+            link[i] = one[i] != 0.0 ? (int)(two[i] / one[i] - 0.5) : -1;
+            sim->implicit.gain[(size_t)c * (size_t)model->n_simple + (size_t)i] = 1.0 / fabs(one[i]);
+        }
+    }
+    memset(sim->z, 0, sizeof(double) * (size_t)model->n_total);
+    memset(sim->z2, 0, sizeof(double) * (size_t)model->n_total);
+}
+
+void gb_stiff_floor(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    double *restrict floor = sim->control.least_scale;
+    for (int i = 0; i < model->n; i++) {
+        floor[i] = HUGE_VAL;
+    }
+    for (int c = 0; c < sim->implicit.n_colours; c++) {
+        const int *restrict link = sim->implicit.link + (size_t)c * (size_t)model->n_simple;
+        const double *restrict gain = sim->implicit.gain + (size_t)c * (size_t)model->n_simple;
+        for (int i = 0; i < model->n_simple; i++) {
+            const int at = model->n_simple + link[i];
+            if (link[i] >= 0 && at < model->n) {
+                floor[at] = gb_min(floor[at], gb_max(sim->control.largest[i], sim->control.natural_scale[i]) * gain[i]);
+            }
+        }
+    }
+    for (int i = 0; i < model->n; i++) {
+        floor[i] = floor[i] < HUGE_VAL ? floor[i] : 0.0;
+    }
+}
+
+int gb_stiff_lanes(const gb_sim *sim, double from, double h, double *t) {
+    if (sim->model->n_time == 0) {
+        return 0;
+    }
+    const double step = gb_max(SHARE * h, 1e4 * DBL_EPSILON * fabs(from));
+    t[0] = from + step;
+    t[1] = from + 2.0 * step;
+    return 2;
+}
+
+/* h df/dt at the front, from a difference of second order. */
+static void slope_in_time(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const int lane = sim->method->all_stages;
+    double *first = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total, *second = sim->z2;
+    if (model->n_time == 0) {
+        return;
+    }
+    const double one = sim->lanes.t[lane] - sim->lanes.t[0], two = sim->lanes.t[lane + 1] - sim->lanes.t[0];
+    const double a = h * two / (one * (two - one)), b = h * one / (two * (two - one));
+    model->rhs(sim->par, sim->mode, sim->lanes.time_terms + lane, sim->y0, first);
+    model->rhs(sim->par, sim->mode, sim->lanes.time_terms + lane + 1, sim->y0, second);
+    sim->head->counts.rhs_calls += 2;
+    for (int i = 0; i < model->n_padded; i++) {
+        first[i] = a * (first[i] - sim->k1[i]) - b * (second[i] - sim->k1[i]);
+    }
+}
+
+/* How many rows hold because of what sticks, and which lock the j-th of them belongs to. */
+static int n_holding(const gb_sim *sim) {
+    return sim->model->n_locks > 0 ? (int)sim->mode[sim->model->n_switches] : 0;
+}
+
+static int holding(const gb_sim *sim, int j) {
+    return (int)sim->mode[sim->model->n_switches + GB_LOCK_INDEX + j];
+}
+
+static double along(const gb_sim *sim, int j, const double *speeds) {
+    const double *row = sim->constraints.row + (size_t)j * (size_t)sim->model->n_speeds;
+    double sum = 0.0;
+    for (int i = 0; i < sim->model->n_speeds; i++) {
+        sum += row[i] * speeds[i];
+    }
+    return sum;
+}
+
+/* The rows that hold, what the matrix answers to forces along them, and the inverse of the slips that result. */
+static void factor_holding(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int n = n_holding(sim), size = n > 0 ? model->pattern->n : 0;
+    const int first = model->n - model->n_speeds - model->n_simple;
+    for (int j = 0; j < n; j++) {
+        double *row = sim->constraints.row + (size_t)j * (size_t)model->n_speeds;
+        double *answer = sim->implicit.row_response + (size_t)j * (size_t)size;
+        model->grip(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, holding(sim, j), 0, row);
+        memset(sim->implicit.unknown, 0, sizeof(double) * (size_t)size);
+        model->grip(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, holding(sim, j), 1,
+                    sim->implicit.unknown + first);
+        gb_solve(model->pattern, sim->implicit.inverse, sim->implicit.lower, sim->implicit.upper, sim->implicit.unknown,
+                 sim->implicit.work, answer);
+    }
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++) {
+            sim->constraints.matrix[i * n + j] =
+                along(sim, i, sim->implicit.row_response + (size_t)j * (size_t)size + first);
+            sim->implicit.row_inverse[i * n + j] = i == j ? 1.0 : 0.0;
+        }
+    }
+    gb_lock_solve(n, n, sim->constraints.matrix, n, sim->implicit.row_inverse);
+}
+
+/* Forces of what holds, so that the speeds of x slip as `wanted` says. */
+static void hold(gb_sim *sim, double *x) {
+    const gb_model *model = sim->model;
+    const int n = n_holding(sim), size = n > 0 ? model->pattern->n : 0;
+    double *speeds = x + model->n - model->n_speeds - model->n_simple;
+    for (int i = 0; i < n; i++) {
+        sim->constraints.right[i] -= along(sim, i, speeds);
+    }
+    for (int j = 0; j < n; j++) {
+        double force = 0.0;
+        for (int i = 0; i < n; i++) {
+            force += sim->implicit.row_inverse[j * n + i] * sim->constraints.right[i];
+        }
+        for (int k = 0; k < size; k++) {
+            x[k] += force * sim->implicit.row_response[(size_t)j * (size_t)size + (size_t)k];
+        }
+    }
+    if (n > 0 && model->steady_locks) {
+        gb_lock_fix(model->lock_rows, sim->mode + model->n_switches, NULL, speeds);
+    }
+}
+
+/* k = gamma (I - g J)^-1 k, in the first n entries. With what holds, J is that of the held motion: the answer to k has
+ * gamma times its slips, since the held motion has none that depend on the state. */
+static void solve_stage(gb_sim *sim, double *k) {
+    const gb_model *model = sim->model;
+    const int simple = model->n_simple, n = n_holding(sim);
+    const double gamma = sim->method->gamma, g = gamma * sim->implicit.h;
+    double *x = model->n_hidden > 0 ? sim->implicit.unknown : k + simple, *rates = sim->z2;
+    for (int j = 0; j < n; j++) {
+        sim->constraints.right[j] = model->steady_locks ? 0.0 : gamma * along(sim, j, k + model->n - model->n_speeds);
+    }
+    model->right_side(sim->par, sim->implicit.kinematic, g, k, sim->implicit.unknown);
+    gb_solve(model->pattern, sim->implicit.inverse, sim->implicit.lower, sim->implicit.upper, sim->implicit.unknown,
+             sim->implicit.work, x);
+    if (n > 0) {
+        hold(sim, x);
+    }
+    model->simple_rates(sim->par, sim->implicit.kinematic, x, rates);
+    for (int i = 0; i < simple; i++) {
+        k[i] = gamma * k[i] + g * rates[i];
+    }
+    if (model->n_hidden > 0) {
+        memcpy(k + simple, x, sizeof(double) * (size_t)(model->n - simple));
+    }
+}
+
+/* The matrix of a step of size h from the front, factored. */
+static int factor(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const double gamma = sim->method->gamma;
+    model->jacobian(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->k1, gamma * h, sim->implicit.diag,
+                    sim->implicit.lower, sim->implicit.upper, sim->implicit.kinematic);
+    sim->head->counts.jacobians++;
+    sim->implicit.h = h;
+    const int bad = gb_factor(model->pattern, gamma, sim->implicit.diag, sim->implicit.lower, sim->implicit.upper,
+                              sim->implicit.inverse);
+    if (bad < 0) {
+        factor_holding(sim);
+    }
+    return bad < 0 ? GB_DONE
+                   : gb_fail(sim, GB_ERR_SINGULAR, model->n_simple + bad, sim->head->front.t1, sim->implicit.diag[bad]);
+}
+
+/* The sums of stage j (a constant) over those before it: z = y0 + h sum a K, and in z2 what its right side has beside
+ * the rates. */
+GB_INLINE void sums_of(const gb_sim *sim, int j, double h) {
+    const double *a = sim->method->stage[j][0], *c = sim->method->stage[j][1], *k = sim->k, *y0 = sim->y0;
+    const double weight = sim->model->n_time > 0 ? sim->method->slope[j] : 0.0;
+    const size_t total = (size_t)sim->model->n_total;
+    const int padded = sim->model->n_padded;
+    double *z = sim->z, *z2 = sim->z2;
+    for (int b = 0; b < padded; b += GB_PAD) {
+        gb_block state = a[0] * *gb_block_at(k + b), side = c[0] * *gb_block_at(k + b);
+        for (int i = 1; i < j; i++) {
+            const gb_block one = *gb_block_at(k + (size_t)i * total + b);
+            state += a[i] * one;
+            side += c[i] * one;
+        }
+        if (weight != 0.0) {
+            side += weight * *gb_block_at(k + GB_SLOPE * total + b);
+        }
+        *(gb_block *)(void *)(z + b) = *gb_block_at(y0 + b) + h * state;
+        *(gb_block *)(void *)(z2 + b) = side;
+    }
+}
+
+static void sum_stages(const gb_sim *sim, int j, double h) {
+    switch (j) {
+    case 1:
+        sums_of(sim, 1, h);
+        break;
+    case 2:
+        sums_of(sim, 2, h);
+        break;
+    case 3:
+        sums_of(sim, 3, h);
+        break;
+    case 4:
+        sums_of(sim, 4, h);
+        break;
+    case 5:
+        sums_of(sim, 5, h);
+        break;
+    case 6:
+        sums_of(sim, 6, h);
+        break;
+    case 7:
+        sums_of(sim, 7, h);
+        break;
+    default:
+        sums_of(sim, j, h);
+    }
+}
+
+/* k = f + weight more. */
+static void add(const gb_sim *sim, const double *f, double weight, const double *more, double *k) {
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        *(gb_block *)(void *)(k + b) = *gb_block_at(f + b) + weight * *gb_block_at(more + b);
+    }
+}
+
+/* The states at a node of the quadrature. */
+static double *node(const gb_sim *sim, int i) {
+    return sim->k + (size_t)(GB_SPARE + i) * (size_t)sim->model->n_total;
+}
+
+int gb_stiff_stages(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const gb_method *method = sim->method;
+    const int total = model->n_total, padded = model->n_padded;
+    const int code = factor(sim, h);
+    if (code != GB_DONE) {
+        return code;
+    }
+    slope_in_time(sim, h);
+    if (model->n_time > 0) {
+        add(sim, sim->k1, method->slope[0], sim->k + (size_t)GB_SLOPE * (size_t)total, sim->k);
+    } else {
+        gb_copy(sim->k, sim->k1, padded);
+    }
+    solve_stage(sim, sim->k);
+    for (int j = 1; j < method->stages; j++) {
+        double *k = sim->k + (size_t)j * (size_t)total;
+        sum_stages(sim, j, h);
+        model->rhs(sim->par, sim->mode, sim->lanes.time_terms + j, sim->z, k);
+        add(sim, k, 1.0, sim->z2, k);
+        solve_stage(sim, k);
+    }
+    const double *const from[] = {sim->y0, sim->y0, sim->y0}, sizes[] = {h, h, h};
+    double *const out[] = {sim->z, node(sim, 0), node(sim, 1)};
+    gb_combine_all(1 + GB_NODES, method->points, method->stages, sim->k, total, padded, from, sizes, out);
+    sim->head->counts.rhs_calls += method->stages - 1;
+    return GB_DONE;
+}
+
+void gb_stiff_tail(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const gb_method *method = sim->method;
+    const int total = model->n_total, padded = model->n_padded;
+    if (model->n_tail == 0) {
+        return;
+    }
+    gb_copy(sim->k + padded, sim->k1 + padded, total - padded);
+    for (int c = 0; c < model->n_counted; c++) {
+        const int i = model->counted[c].state;
+        sim->k[i] = sim->k1[i];
+    }
+    for (int i = 0; i < GB_NODES; i++) {
+        const int j = method->stages + 1 + i;
+        model->rhs_full(sim->par, sim->mode, sim->lanes.time_terms + j, node(sim, i),
+                        sim->k + (size_t)j * (size_t)total);
+        sim->head->counts.rhs_calls++;
+    }
+    gb_combine(&method->tail[0], sim->k, total, padded, total, sim->y0, h, sim->z);
+}
+
+void gb_stiff_response(gb_sim *sim, double *change) {
+    solve_stage(sim, change);
+}

@@ -1,0 +1,211 @@
+#include "gb_start.h"
+#include "gb_angle_wrapping.h"
+#include "gb_constraint_state.h"
+#include "gb_constraint_switching.h"
+#include "gb_dense_output.h"
+#include "gb_error_control.h"
+#include "gb_evaluate.h"
+#include "gb_event.h"
+#include "gb_inputs.h"
+#include "gb_memory.h"
+#include "gb_method_choice.h"
+#include "gb_modes.h"
+#include "gb_report.h"
+#include "gb_rosenbrock.h"
+
+/* Derived parameters, natural scales and lanes of constants. */
+static int take_values(gb_sim *sim, double t) {
+    const gb_model *model = sim->model;
+    int code = gb_check_finite(sim, GB_ERR_NAN_START, sim->par, model->n_parameters, model->n, t);
+    if (code == GB_DONE) {
+        code = gb_check_finite(sim, GB_ERR_NAN_INPUT, sim->inputs.value, model->n_inputs, 0, t);
+    }
+    if (code == GB_DONE) {
+        model->prepare(sim->par);
+        model->scales(sim->par, sim->control.natural_scale);
+        gb_size_locks(sim);
+        gb_stiff_links(sim);
+        gb_input_broadcast(sim);
+        gb_input_find(sim, t, 0);
+    }
+    return code;
+}
+
+static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
+    const gb_model *m = sim->model;
+    gb_head *head = sim->head;
+    const gb_head fresh = {.key = head->key, .bytes = head->bytes, .options = *options};
+    const size_t switches = sizeof(double) * (size_t)m->n_switches, states = sizeof(double) * (size_t)m->n_padded;
+    *head = fresh;
+    head->front.t_start = head->front.t0 = head->front.t1 = head->front.t_comm = t0;
+    head->events.t_break = HUGE_VAL;
+    head->front.row_due = 1;
+    memset(sim->mode, 0, switches + sizeof(double) * (size_t)m->n_memory);
+    memset(sim->events.armed, 0, switches);
+    memset(sim->events.pending, 0, switches);
+    memset(sim->events.flips, 0, switches);
+    for (int i = 0; i < m->n_switches; i++) {
+        sim->events.flip_time[i] = -HUGE_VAL;
+    }
+    memset(sim->control.largest, 0, states);
+    memset(sim->control.natural_scale, 0, states);
+    memset(sim->control.noise, 0, states);
+    memset(sim->control.error_weight, 0, states);
+    memset(sim->control.least_scale, 0, states);
+    gb_auto_start(sim);
+    gb_set_method(sim, options->method == GB_AUTO ? head->choice.explicit_method : options->method);
+    sim->log.count = sim->log.flushed = 0;
+}
+
+/* On a limit exactly: the mode follows the direction of motion (right limit). Affine surfaces; the others are told by
+ * the first step. */
+static int start_on_limits(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    int code = gb_columns_at(sim, sim->head->front.t1);
+    if (code == GB_DONE) {
+        code = gb_first_derivative(sim, sim->instant.time_terms);
+    }
+    sim->head->front.have_k1 = 0;
+    if (code != GB_DONE) {
+        return code;
+    }
+    model->directions(sim->par, sim->k1, sim->events.slopes);
+    for (int i = 0; i < model->n_affine; i++) {
+        if (sim->events.role[i] == GB_LOCKED) {
+            continue;
+        }
+        const double rounding = 64.0 * DBL_EPSILON * fabs(sim->events.s[i]) + DBL_MIN;
+        const double side = fabs(sim->events.s[i] - sim->events.lo[i]) <= rounding
+                                ? -1.0
+                                : fabs(sim->events.s[i] - sim->events.hi[i]) <= rounding;
+        if (side != 0.0 && side * sim->events.slopes[i] > 0.0) {
+            gb_set_mode(sim, i, gb_far_side(sim, i, side), 0);
+            sim->events.armed[i] = -side;
+            sim->head->events.armed = 1;
+        }
+    }
+    code = gb_settle(sim, 0);
+    return code == GB_DONE ? gb_settle_all(sim, 0) : code;
+}
+
+/* Modes of the state's switches until they agree with each other. */
+static int modes_of_state(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    int code = GB_DONE, changed = model->n_surfaces > 0, last = 0;
+    for (int round = 0; round < GB_FLIPS && changed; round++) {
+        changed = 0;
+        code = gb_surfaces_now(sim);
+        for (int i = 0; i < model->n_surfaces && code == GB_DONE; i++) {
+            const double mode = model->mode_at(sim->par, i, sim->events.s[i]);
+            if (sim->events.role[i] != GB_LOCKED && mode != sim->mode[i]) {
+                gb_set_mode(sim, i, mode, 0);
+                changed = 1;
+                last = i;
+            }
+        }
+    }
+    return code == GB_DONE && changed ? gb_fail(sim, GB_ERR_BRANCH, last, sim->head->front.t1, sim->events.s[last])
+                                      : code;
+}
+
+/* Start values are worked out with modes (a ratio law on its segment), and modes with start values: until both stay. */
+static int start_with_modes(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const size_t size = sizeof(double) * (size_t)model->n_total;
+    int code = modes_of_state(sim);
+    for (int round = 0; round < GB_FLIPS && code == GB_DONE; round++) {
+        memcpy(sim->z, sim->y, size);
+        code = gb_columns_at(sim, sim->head->front.t1);
+        model->start(sim->par, sim->mode, sim->instant.time_terms, sim->y);
+        gb_turns_wrap(sim, 0);
+        if (code != GB_DONE || memcmp(sim->z, sim->y, size) == 0) {
+            break;
+        }
+        gb_weights_grow(sim, sim->y);
+        code = modes_of_state(sim);
+    }
+    return code;
+}
+
+/* Modes at the start: those of time just after it, then those of the state. fresh: its values are those of
+ * model->start. */
+static int start_modes(gb_sim *sim, int fresh) {
+    const gb_model *model = sim->model;
+    gb_time_modes(sim, 0);
+    int code = fresh && model->n_surfaces > 0 ? start_with_modes(sim) : modes_of_state(sim);
+    if (code != GB_DONE) {
+        return code;
+    }
+    code = gb_settle(sim, 0);
+    if (code == GB_DONE) {
+        code = gb_settle_all(sim, 0);
+    }
+    if (code == GB_DONE) {
+        code = gb_balance(sim, 1);
+    }
+    return code == GB_DONE && model->n_affine > 0 ? start_on_limits(sim) : code;
+}
+
+int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0) {
+    const gb_model *model = sim->model;
+    if (options->method < 0 || options->method > GB_AUTO) {
+        return gb_fail(sim, GB_ERR_STATE, options->method, t0, 0.0);
+    }
+    if (options->method == GB_RODAS && !model->pattern) {
+        return gb_fail(sim, GB_ERR_METHOD, options->method, t0, 0.0);
+    }
+    clear_run(sim, options, t0);
+    int code = take_values(sim, t0);
+    if (code == GB_DONE) {
+        memset(sim->y, 0, sizeof(double) * (size_t)model->n_total);
+        gb_time_modes(sim, 0);
+        code = gb_columns_at(sim, t0);
+    }
+    if (code == GB_DONE) {
+        model->start(sim->par, sim->mode, sim->instant.time_terms, sim->y);
+        if (y0) {
+            memcpy(sim->y, y0, sizeof(double) * (size_t)model->n_total);
+        }
+        code = gb_check_finite(sim, GB_ERR_NAN_START, sim->y, model->n, 0, t0);
+    }
+    if (code == GB_DONE) {
+        gb_turns_wrap(sim, 0);
+        gb_weights_grow(sim, sim->y);
+        code = start_modes(sim, y0 == NULL);
+    }
+    sim->head->started = code == GB_DONE;
+    return code;
+}
+
+int gb_apply_changes(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    gb_head *head = sim->head;
+    if (!head->changed || !head->started) {
+        return head->report.code;
+    }
+    gb_dense_all(sim, head->front.t_comm, sim->z);
+    if (head->front.t_comm < head->front.t1) {
+        const double share =
+            head->front.h > 0.0 ? (head->front.t_comm - head->front.t0) / (head->front.t1 - head->front.t0) : 1.0;
+        head->ledger.turnover -= (1.0 - share) * head->ledger.turnover_segment;
+        head->events.pending = 0;
+        memset(sim->events.pending, 0, sizeof(double) * (size_t)sim->model->n_switches);
+    }
+    memcpy(sim->y, sim->z, sizeof(double) * (size_t)sim->model->n_total);
+    head->front.t0 = head->front.t1 = head->front.t_comm;
+    head->front.h = 0.0;
+    head->front.have_dense = head->front.have_quadratures = head->front.have_k1 = head->changed = 0;
+    head->control.h_weights = 0.0;
+    head->control.least_scale_at = 0;
+    head->control.log_error = 0.0;
+    head->report.code = GB_DONE;
+    int code = take_values(sim, head->front.t1);
+    if (code == GB_DONE) {
+        gb_time_modes(sim, 1);
+        code = gb_settle(sim, 1);
+    }
+    if (code == GB_DONE && model->n_locks > 0) {
+        code = gb_settle_locks(sim, 1);
+    }
+    return code;
+}

@@ -1,0 +1,80 @@
+/* Vectors padded to blocks of GB_PAD:  out = y + h sum_j w_j k_j,  copies, and a test for NaN and infinity. The inner
+ * loops of every step: the same operations in the same order whatever the width of the machine's registers.
+ * Knows nothing of methods, steps and models. */
+#ifndef GB_VECTOR_H
+#define GB_VECTOR_H
+
+#include "gb_internal.h"
+
+static inline double gb_max(double a, double b) {
+    return a > b ? a : b;
+}
+
+static inline double gb_min(double a, double b) {
+    return a < b ? a : b;
+}
+
+static inline const gb_block *gb_block_at(const double *x) {
+    return (const gb_block *)(const void *)x;
+}
+
+#define GB_INLINE static inline __attribute__((always_inline))
+
+/* out = y + h sum_j w_j k_j in the entries [from, to), both multiples of GB_PAD. The last entry of w is the latest
+ * stage, which everything waits for: it enters last and through one product. */
+GB_INLINE void gb_combine(const gb_weights *w, const double *k, int stride, int from, int to, const double *y, double h,
+                          double *out) {
+    const int last = w->count - 1;
+    const double final = h * w->value[last];
+    for (int b = from; b < to; b += GB_PAD) {
+        gb_block sum = {0.0};
+        for (int j = 0; j < last; j++) {
+            sum += w->value[j] * *gb_block_at(k + (size_t)w->index[j] * (size_t)stride + b);
+        }
+        *(gb_block *)(void *)(out + b) =
+            (*gb_block_at(y + b) + h * sum) + final * *gb_block_at(k + (size_t)w->index[last] * (size_t)stride + b);
+    }
+}
+
+/* out[m] = y[m] + h[m] sum_j w[m][j] k_j for `count` (a constant) sums over the same stages j < stages at once: what
+ * memory holds is read once. y[m] NULL: nothing is added. */
+GB_INLINE void gb_combine_all(int count, const double (*w)[GB_STAGES], int stages, const double *k, int stride, int to,
+                              const double *const *y, const double *h, double *const *out) {
+    for (int b = 0; b < to; b += GB_PAD) {
+        gb_block sum[GB_ROWS];
+        for (int m = 0; m < count; m++) {
+            sum[m] = w[m][0] * *gb_block_at(k + b);
+        }
+        for (int j = 1; j < stages; j++) {
+            const gb_block one = *gb_block_at(k + (size_t)j * (size_t)stride + b);
+            for (int m = 0; m < count; m++) {
+                sum[m] += w[m][j] * one;
+            }
+        }
+        for (int m = 0; m < count; m++) {
+            gb_block all = h[m] * sum[m];
+            if (y[m]) {
+                all += *gb_block_at(y[m] + b);
+            }
+            *(gb_block *)(void *)(out[m] + b) = all;
+        }
+    }
+}
+
+/* out = x, count being a multiple of GB_PAD. */
+static inline void gb_copy(double *out, const double *x, int count) {
+    for (int b = 0; b < count; b += GB_PAD) {
+        *(gb_block *)(void *)(out + b) = *gb_block_at(x + b);
+    }
+}
+
+/* Zero when all entries of x are finite, else NaN. count must be a multiple of GB_PAD. */
+static inline double gb_taint(const double *restrict x, int count) {
+    gb_block sum = {0.0};
+    for (int b = 0; b < count; b += GB_PAD) {
+        sum += *gb_block_at(x + b) - *gb_block_at(x + b);
+    }
+    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+}
+
+#endif

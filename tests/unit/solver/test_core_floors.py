@@ -1,0 +1,116 @@
+"""The C core stands on floors: a file includes and calls only what lies on lower ones."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+CORE = Path(__file__).parents[3] / "gearblocks" / "solver" / "c"
+
+FLOORS: tuple[tuple[str, ...], ...] = (
+    ("gb_runge_kutta", "gb_sparse_ldu", "gb_report"),
+    ("gb_rosenbrock", "gb_inputs", "gb_modes", "gb_constraint_state", "gb_memory"),
+    ("gb_error_control", "gb_evaluate", "gb_constraint_forces", "gb_impact", "gb_snapshot"),
+    ("gb_angle_wrapping", "gb_lossy_gear", "gb_method_choice", "gb_point", "gb_step_matrix"),
+    ("gb_dense_output", "gb_constraint_switching"),
+    ("gb_locate_sampled", "gb_event"),
+    ("gb_locate_polynomial", "gb_start"),
+    ("gb_step",),
+    ("gb_run",),
+)
+"""From the ground up: a .c and its header each."""
+
+ALONE = (
+    "gb_model.h",
+    "gb_core.h",
+    "gb_internal.h",
+    "gb_methods.h",
+    "gb_constraints.h",
+    "gb_double_double.h",
+    "gb_lcp.h",
+    "gb_constraint_rows.h",
+    "gb_mass.h",
+    "gb_math.h",
+    "gb_table.h",
+    "gb_vector.h",
+)
+"""Headers without a .c: every file may include them, they themselves those before them in this list."""
+
+MAX_LINES, MAX_FUNCTION = 350, 60
+FILES = sorted(path.name for path in CORE.glob("*.[ch]"))
+FLOOR = {name: number for number, names in enumerate(FLOORS, 1) for name in names}
+
+
+def _text(name: str) -> str:
+    return (CORE / name).read_text(encoding="utf-8")
+
+
+def _included(name: str) -> list[str]:
+    return re.findall(r'^#include "([^"]+)"', _text(name), re.M)
+
+
+def _code(name: str) -> str:
+    """The text without comments and strings."""
+    return re.sub(r'/\*.*?\*/|"(?:\\.|[^"\\])*"', " ", _text(name), flags=re.S)
+
+
+def _functions(name: str) -> dict[str, int]:
+    """Lines of every function that a file defines, by name."""
+    found, lines = {}, _text(name).splitlines()
+    for number, line in enumerate(lines):
+        match = re.match(r"[A-Za-z][\w \*]*?\b(\w+)\(", line)
+        if match and not line.startswith(("typedef", "#")):
+            head = next(i for i in range(number, len(lines)) if lines[i].endswith(("{", ";")))
+            if lines[head].endswith("{"):
+                found[match[1]] = lines.index("}", head) - number + 1
+    return found
+
+
+DEFINED = {function: Path(name).stem for name in FILES if Path(name).stem in FLOOR for function in _functions(name)}
+
+
+def test_every_file_of_the_core_has_one_place() -> None:
+    placed = {f"{name}.{ending}" for name in FLOOR for ending in "ch"} | set(ALONE)
+    assert placed - set(FILES) == {"gb_methods.h"}, "gb_methods.h is rendered, all others lie in the folder"
+    assert set(FILES) <= placed, f"no floor: {sorted(set(FILES) - placed)}"
+    assert sum(map(len, FLOORS)) == len(FLOOR)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_includes_its_own_header_and_lower_ones(name: str) -> None:
+    own = Path(name).stem
+    if name in ALONE:
+        lower = ALONE[: ALONE.index(name)]
+        assert set(_included(name)) <= set(lower), f"{name} looks up"
+        return
+    if name.endswith(".c"):
+        assert _included(name)[0] == f"{own}.h", "its own header comes first, so that it stands by itself"
+    for header in _included(name):
+        stem = Path(header).stem
+        assert header in ALONE or stem == own or FLOOR[stem] < FLOOR[own], f"{name} looks up to {header}"
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if name.endswith(".c")])
+def test_a_file_calls_only_what_lies_on_lower_floors(name: str) -> None:
+    """gb_core.h declares functions of all floors: whoever includes it sees them, and must not use those above."""
+    own = Path(name).stem
+    called = set(re.findall(r"\b(gb_\w+)\(", _code(name))) & set(DEFINED)
+    upward = {call: DEFINED[call] for call in called if DEFINED[call] != own and FLOOR[DEFINED[call]] >= FLOOR[own]}
+    assert not upward, f"{name} calls upward"
+    seen = {DEFINED[call] for call in called} - {own}
+    included = {Path(header).stem for header in _included(name)} & set(FLOOR) - {own}
+    assert included == seen, "it includes what it calls, and nothing else"
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_is_short_and_so_are_its_functions(name: str) -> None:
+    assert len(_text(name).splitlines()) <= MAX_LINES
+    long = {function: lines for function, lines in _functions(name).items() if lines > MAX_FUNCTION}
+    assert not long, f"functions of {name} longer than {MAX_FUNCTION} lines"
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in FILES if name.endswith(".h") and name not in ("gb_core.h", "gb_model.h")]
+)
+def test_a_header_says_what_it_is(name: str) -> None:
+    assert _text(name).startswith("/* ")
