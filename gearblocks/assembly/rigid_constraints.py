@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from gearblocks.errors import ModelError
 from gearblocks.laws.rational import Exact, over
+from gearblocks.train.disjoint_sets import DisjointSets
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +31,7 @@ class Groups:
     shaft was taken as one of two shafts.
     """
 
-    parents: list[int]
-    gains: list[Exact]
+    nodes: DisjointSets[int] = field(default_factory=DisjointSets)
     grounded: dict[int, str | None] = field(default_factory=dict)
     held: dict[int, tuple[float, str]] = field(default_factory=dict)
     used: list[TieRow] = field(default_factory=list)
@@ -46,21 +46,12 @@ class Groups:
 
     def find(self, node: int) -> tuple[int, Exact]:
         """(root, gain) of a node."""
-        path = []
-        i = node
-        while self.parents[i] != i:
-            path.append(i)
-            i = self.parents[i]
-        gain: Exact = 1
-        for j in reversed(path):
-            gain = gain * self.gains[j] if self.parents[j] != i else self.gains[j]
-            self.gains[j], self.parents[j] = gain, i
-        return (i, self.gains[node]) if node != i else (i, 1)
+        return self.nodes.find(node)
 
 
 def merge(n_nodes: int, rows: list[TieRow]) -> Groups:
     """Merges nodes by all ties of two groups. ModelError names the loop where ties contradict each other."""
-    groups = Groups(list(range(n_nodes)), [1] * n_nodes)
+    groups = Groups()
     waiting: list[TieRow] = []
     for row in rows:
         if len(row.coefficients) > 2:
@@ -73,22 +64,19 @@ def merge(n_nodes: int, rows: list[TieRow]) -> Groups:
             break
         waiting = left
     groups.waiting = waiting
-    _measure_by_fastest(groups)
+    _measure_by_fastest(groups, n_nodes)
     return groups
 
 
-def _measure_by_fastest(groups: Groups) -> None:
+def _measure_by_fastest(groups: Groups, n_nodes: int) -> None:
     """Makes the fastest shaft of a group its root: the scale of its state does not depend on the order of the ties."""
     fastest: dict[int, tuple[int, Exact]] = {}
-    found = [groups.find(node) for node in range(len(groups.parents))]
-    for node, (root, gain) in enumerate(found):
+    for node in range(n_nodes):
+        root, gain = groups.find(node)
         most: Exact = fastest[root][1] if root in fastest else 1
         if gain * gain > most * most and root not in groups.grounded:
             fastest[root] = node, gain
-    for node, (root, gain) in enumerate(found):
-        if root in fastest:
-            first, most = fastest[root]
-            groups.parents[node], groups.gains[node] = first, over(gain, most)
+    groups.nodes.reroot({root: node for root, (node, _) in fastest.items()})
 
 
 def _joined(groups: Groups, row: TieRow) -> bool:
@@ -129,8 +117,7 @@ def _join(groups: Groups, row: TieRow, whole: TieRow | None = None) -> None:
                 _agree(groups, row, ra, float(over(-(cb * gb), ca * ga)) * groups.held[rb][0], rb)
                 return
             a, b, ca, cb, ra, rb, ga, gb = b, a, cb, ca, rb, ra, gb, ga
-        # b's root hangs below a's root: phi_b = -(ca/cb) phi_a
-        groups.parents[rb], groups.gains[rb] = ra, over(-(ca * ga), cb * gb)
+        groups.nodes.join(rb, ra, over(-(ca * ga), cb * gb))
         used.append(whole or row)
 
 
