@@ -17,7 +17,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.assembly.assemble import HELD
-from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.kinematics import Driven
 from gearblocks.assembly.tables import Assembly, Batch
 from gearblocks.errors import ModelError

@@ -12,14 +12,14 @@ from typing import Any, Protocol
 
 import sympy as sp
 
+from gearblocks.assembly.elimination import Combination, Elimination, Row, row_sum
 from gearblocks.assembly.kinematics import Follower
 from gearblocks.assembly.rigid_constraints import Groups
 from gearblocks.laws.energy_balance import vanishes
 from gearblocks.laws.law import Law
-from gearblocks.laws.rational import Exact, exact_value, over
+from gearblocks.laws.rational import Exact, exact_value
 from gearblocks.train.graph import GROUND, Component
 
-Row = dict[int, Exact]
 _ROUNDING = 1e-12  # of the sizes of what cancels: factors that are floats
 
 
@@ -44,7 +44,7 @@ class Shafts:
         found: dict[int, Row] = {group: {group: 1} for group in self.hidden}
         for f in self.followers:
             if f.row is not None:
-                found[f.group] = _combined((c, found.get(source, {})) for source, c in f.row.groups.items())
+                found[f.group] = row_sum(((c, found.get(g, {})) for g, c in f.row.groups.items()), _ROUNDING)
         return found
 
 
@@ -54,7 +54,7 @@ def floating(
     """The groups that turn along with others at no damper's cost: by group, its speed over those that stand for them."""
     if len(shafts.hidden) < 2:
         return {}
-    free: dict[int, Row] = {}  # solved rows: group -> its speed over the others
+    elimination = Elimination(_ROUNDING)  # of the forms that dampers keep at zero
     rows = shafts.rows()
     forms: dict[int, list[Mapping[str, Any]]] = {}
     for c, law, values in zip(components, laws, known, strict=True):
@@ -66,32 +66,10 @@ def floating(
             forms[id(law)] = list(damped_forms(law))
         for form in forms[id(law)]:
             terms = ((exact_value(c, values.values) * at[n][1], rows.get(at[n][0], {})) for n, c in form.items())
-            _take(free, _combined(terms))
-    return {group: row for group, row in free.items() if row}
-
-
-def _combined(terms: Iterable[tuple[Exact, Row]]) -> Row:
-    total: Row = {}
-    sizes: dict[int, float] = {}
-    for factor, row in terms:
-        for group, c in row.items():
-            total[group] = total.get(group, 0) + factor * c
-            sizes[group] = max(sizes.get(group, 0.0), abs(float(factor * c)))
-    return {group: c for group, c in total.items() if abs(float(c)) > _ROUNDING * sizes[group]}
-
-
-def _take(free: dict[int, Row], form: Row) -> None:
-    """Solves one more form, which a damper keeps at zero, for the last of its groups."""
-    left = _combined((c, free.get(group, {group: 1})) for group, c in form.items())
-    if not left:
-        return
-    pivot = max(left)
-    c = left.pop(pivot)
-    solved = {group: over(-x, c) for group, x in left.items()}
-    for group, row in free.items():
-        if pivot in row:
-            free[group] = _combined((x, solved if g == pivot else {g: 1}) for g, x in row.items())
-    free[pivot] = solved
+            left = elimination.left(row_sum(terms, _ROUNDING))
+            if left:
+                elimination.solve(Combination(left), max(left))
+    return {group: row for group in elimination.definitions if (row := elimination.gains(group))}
 
 
 # -- what a law damps -------------------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.kinematics import Driven, Follower, GroupRow, Kinematics, follow
 from gearblocks.assembly.massless_groups import Known, Shafts, floating
 from gearblocks.assembly.tables import HELD

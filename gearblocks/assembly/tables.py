@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.kinematics import Driven, Follower
 from gearblocks.assembly.rigid_constraints import Groups
 from gearblocks.laws.law import Law

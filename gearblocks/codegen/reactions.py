@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from gearblocks.assembly.elimination import Combination, Elimination, Row, add_row, row_sum
 from gearblocks.errors import ModelError
 from gearblocks.laws.rational import Exact, over
 
@@ -137,56 +138,43 @@ def _coupled(ties: list[Reaction], spare: list[Reaction]) -> list[tuple[Reaction
             raise ModelError(
                 f"the reaction of '{tie.component}' belongs to a closed loop of rigid ties; give one of them compliance"
             )
-    rows = {k: dict(tie.coefficients) for k, tie in enumerate(ties)}
-    shares: dict[int, dict[int, Exact]] = {k: {k: 1} for k in rows}
-    pivots: dict[int, int] = {}
-    for k in rows:
-        node = next(n for n in rows[k])
-        pivots[k] = node
-        for other in rows:
-            if other != k and node in rows[other]:
-                factor = over(rows[other][node], rows[k][node])
-                _subtract(rows[other], rows[k], factor)
-                _subtract(shares[other], shares[k], factor)
-    # rows[k] = sum_j shares[k][j] ties[j] vanishes at the pivots of all others: tie j gets its share of that node's lack
-    lacks: dict[int, dict[int, Exact]] = {k: {} for k in range(len(ties) + len(spare))}
-    for k, node in pivots.items():
-        for j, share in shares[k].items():
-            lacks[j][node] = lacks[j].get(node, 0) - over(share, rows[k][node])
-    for idle in _idle(spare, rows, shares, pivots):
+    elimination = Elimination()  # C x = y: x of nodes, y_k the value of tie k
+    for k, tie in enumerate(ties):
+        form = elimination.reduced(Combination(dict(tie.coefficients), {k: -1}))
+        elimination.solve(form, next(iter(form.groups)))
+    # x_p = sum_k e_k y_k + what is no pivot: by virtual work tie k gets the share e_k of the lack of node p
+    lacks: dict[int, Row] = {k: {} for k in range(len(ties) + len(spare))}
+    for node in elimination.definitions:
+        for k, share in elimination.reduced(Combination({node: 1})).coordinates.items():
+            lacks[k][node] = -share
+    for idle in _idle(spare, elimination, len(ties)):
         _leave_out(lacks, idle)
     return [(tie, lacks[k]) for k, tie in enumerate((*ties, *spare))]
 
 
-def _idle(
-    spare: list[Reaction], rows: dict[int, dict[int, Exact]], shares: dict[int, dict[int, Exact]], pivots: dict[int, int]
-) -> list[dict[int, Exact]]:  # fmt: skip
-    """Sets of multipliers of all ties that push nothing, each orthogonal to the others: one for each spare tie."""
-    found: list[dict[int, Exact]] = []
-    for number, tie in enumerate(spare):
-        rest = dict(tie.coefficients)
-        idle: dict[int, Exact] = {len(rows) + number: 1}
-        for k, node in pivots.items():
-            if node in rest:
-                factor = over(rest[node], rows[k][node])
-                _subtract(rest, rows[k], factor)
-                _subtract(idle, shares[k], factor)
-        if rest:
+def _idle(spare: list[Reaction], elimination: Elimination, first: int) -> list[Row]:
+    """Sets of multipliers of all ties that push nothing, each orthogonal to the others: one for each spare tie.
+
+    first: number of the first spare tie.
+    """
+    found: list[Row] = []
+    for k, tie in enumerate(spare, first):
+        rest = elimination.reduced(Combination(dict(tie.coefficients), {k: -1}))
+        if rest.groups:
             continue  # two holds of one shaft that agree to rounding only
+        idle = rest.coordinates
         for other in found:
-            _subtract(idle, other, over(_dot(idle, other), _dot(other, other)))
+            add_row(idle, other, over(-_dot(idle, other), _dot(other, other)))
         found.append(idle)
     return found
 
 
-def _leave_out(lacks: dict[int, dict[int, Exact]], idle: dict[int, Exact]) -> None:
+def _leave_out(lacks: dict[int, Row], idle: Row) -> None:
     """Takes out of all multipliers, linear forms of the lacks of nodes, their part along `idle`."""
-    along: dict[int, Exact] = {}
-    for k, x in idle.items():
-        _subtract(along, lacks[k], -x)
+    along = row_sum((x, lacks[k]) for k, x in idle.items())
     size = _dot(idle, idle)
     for k, x in idle.items():
-        _subtract(lacks[k], along, over(x, size))
+        add_row(lacks[k], along, over(-x, size))
 
 
 def _dot(a: Mapping[int, Exact], b: Mapping[int, Exact]) -> Exact:
@@ -194,12 +182,3 @@ def _dot(a: Mapping[int, Exact], b: Mapping[int, Exact]) -> Exact:
     for key in a.keys() & b.keys():
         total = total + a[key] * b[key]
     return total
-
-
-def _subtract(target: dict[int, Exact], source: Mapping[int, Exact], factor: Exact) -> None:
-    for key, value in source.items():
-        total = target.get(key, 0) - factor * value
-        if total:
-            target[key] = total
-        else:
-            target.pop(key, None)
