@@ -6,15 +6,14 @@ All ratios are exact fractions. Numbers of parameters take no part: they are rea
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 from gearblocks.assembly.coordinates import Coordinates
 from gearblocks.assembly.elimination import Combination, dependency_order
 from gearblocks.assembly.kinematics import Driven, Follower
-from gearblocks.assembly.rigid_constraints import TieRow, merge
+from gearblocks.assembly.rigid_constraints import RigidConstraint, merge
 from gearblocks.assembly.rigid_groups import inertias, number_groups, start_values
-from gearblocks.assembly.tables import HELD, Assembly, Batch, StartValues
+from gearblocks.assembly.tables import HELD, Assembly, Batch, ExactValues, StartValues
 from gearblocks.errors import ModelError
 from gearblocks.laws.derivation import check_senses, derive
 from gearblocks.laws.law import Law
@@ -28,9 +27,9 @@ __all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble", "expand_rows"
 
 
 def assemble(train: Train, *, reading: bool = False) -> Assembly:
-    """Laws per kind, ties, groups, relative coordinates and batches of a train.
+    """Laws per kind, rigid constraints, groups, relative coordinates and batches of a train.
 
-    reading: for people, every shaft as it is. Raises ModelError for contradicting ties.
+    reading: for people, every shaft as it is. Raises ModelError for contradicting rigid constraints.
     """
     laws = _laws(train)
     known = _exact_values(train, laws)
@@ -68,14 +67,6 @@ def _laws(train: Train) -> list[Law]:
     return laws
 
 
-@dataclass(slots=True)
-class ExactValues:
-    """Fractions of the symbols that enter ratios of one component, and which float parameters became structural."""
-
-    values: dict[Any, Exact]
-    structural: list[tuple[str, float]]
-
-
 def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
     result = []
     wanted: dict[int, list[tuple[Any, Any]]] = {}
@@ -104,7 +95,7 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
     return result
 
 
-def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[TieRow]:
+def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[RigidConstraint]:
     for index, (c, law, values) in enumerate(zip(train.components, laws, known, strict=True)):
         names = list(type(c.block).flanges)
         for coefficients, constant in law.ties:
@@ -121,7 +112,7 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
                     )
                 offset = f"{c.path}.{slot.of}"
                 held = float(getattr(c.block, slot.of))
-            yield TieRow(c.path, {n: v for n, v in row.items() if v}, offset, held, index)
+            yield RigidConstraint(c.path, {n: v for n, v in row.items() if v}, offset, held, index)
 
 
 # -- coordinates and batches ------------------------------------------------------------------------------------------
@@ -210,7 +201,7 @@ def expand_rows(assembly: Assembly) -> dict[int, Combination]:
 def _ordered(
     rows: dict[int, Combination | Driven], follows: dict[int, Follower]
 ) -> list[tuple[int, Combination | Driven]]:
-    """Definitions of angles, each after those it reads. ModelError where they go round in a circle."""
+    """Definitions of angles, each after those it reads."""
 
     def sources(group: int) -> Iterable[int]:
         row = rows[group]

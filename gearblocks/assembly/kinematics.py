@@ -1,8 +1,10 @@
-"""How the motion of every shaft follows from a few: ties of three and more shafts, and driven shafts.
+"""Dependent groups: how their motion follows from that of others by rigid constraints and prescribed motions.
 
-After the ties of two shafts have merged nodes into groups, what is left are rows over groups (an ideal planetary) and
-drives (a prescribed angle, a non-circular pair). A group that follows has a place in `followers`, after all those that
-it follows from; the others are free.
+    A phi + B offsets = 0    each row solved for one group of least reluctance;    phi_d = F(t, phi_s) for prescribed motions
+
+After the rigid constraints of two groups have merged them, what is left are rows over three and more (an ideal planetary)
+and prescribed motions (a prescribed angle, a non-circular pair). Dependent groups are ordered, each after its sources;
+the others are free. Knows nothing of inertia: reluctance says which group had better stay free.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from gearblocks.laws.rational import Exact
 
 @dataclass(frozen=True, slots=True)
 class GroupRow:
-    """A tie over groups: sum of coefficient * angle + sum of factor * parameter (an angle held by the ground) = 0.
+    """A rigid constraint over groups: sum of coefficient * angle + sum of factor * parameter (an angle held by the ground) = 0.
 
     grounded: whether one of its shafts is held by the ground.
     """
@@ -48,7 +50,7 @@ class Driven:
 
 @dataclass(frozen=True, slots=True)
 class Follower:
-    """A group that follows: by a row over other groups and parameters, or by a drive (row None)."""
+    """A dependent group: by a row over other groups and parameters, or by a drive (row None)."""
 
     group: int
     row: Combination | None
@@ -65,14 +67,14 @@ class Follower:
 
 @dataclass(slots=True)
 class Kinematics:
-    """Followers in an order in which each comes after its sources; new: whether each row says something new."""
+    """Dependent groups in an order in which each comes after its sources; new: whether each row says something new."""
 
     followers: list[Follower] = field(default_factory=list)
     new: list[bool] = field(default_factory=list)
 
     @property
-    def moved(self) -> dict[int, Follower]:
-        """Followers by group."""
+    def dependent(self) -> dict[int, Follower]:
+        """By group."""
         return {f.group: f for f in self.followers}
 
 
@@ -104,7 +106,7 @@ class _Solver:
         self.drives: dict[int, Driven] = {}
 
     def drive(self, drive: Driven) -> None:
-        """Notes a driven group."""
+        """Notes a prescribed motion."""
         before = self.drives.setdefault(drive.group, drive)
         if before is not drive:
             raise ModelError(
@@ -139,7 +141,7 @@ class _Solver:
         return True
 
     def _upstream(self, groups: Iterable[int]) -> set[int]:
-        """Every group that the motion of these driven ones depends on."""
+        """Every group that the motion of these prescribed ones depends on."""
         found: set[int] = set()
         stack = list(groups)
         while stack:
@@ -179,10 +181,10 @@ class _Solver:
         return f"the ties of {loop} contradict each other: nothing could move; check their ratios and tooth counts"
 
     def finish(self, new: list[bool]) -> Kinematics:
-        """Followers, each after its sources."""
+        """Dependent groups, each after its sources."""
         result = Kinematics(new=new)
-        moved = {**self.rows.definitions, **self.drives}
-        for g in dependency_order(moved, moved, self._sources):
+        dependent = {**self.rows.definitions, **self.drives}
+        for g in dependency_order(dependent, dependent, self._sources):
             follower = self._follower(g)
             assert follower is not None
             result.followers.append(follower)
@@ -190,11 +192,11 @@ class _Solver:
         return result
 
     def _circles(self, result: Kinematics) -> None:
-        """Nonlinear ties that depend on each other in a circle."""
+        """Refuses prescribed motions that depend on each other in a circle."""
         seen: set[int] = set()
-        moved = {f.group for f in result.followers}
+        dependent = result.dependent
         for f in result.followers:
-            if any(s in moved and s not in seen for s in f.sources):
+            if any(s in dependent and s not in seen for s in f.sources):
                 names = ", ".join(f"'{d.path}'" for d in self.drives.values())
                 raise ModelError(f"the motions prescribed by {names} depend on each other; give one of them compliance")
             seen.add(f.group)

@@ -1,4 +1,12 @@
-"""Torques that ties carry: in which order they follow from what the nodes of a train lack."""
+"""Constraint torques of rigid constraints and prescribed motions: in which order they follow from the torques of nodes.
+
+    tau_n + sum of c_kn lambda_k = 0    at every node n, over its constraints k; where some are redundant lambda is
+                                        the minimum-norm split
+
+tau_n, the lack of a node, is what all else leaves unbalanced there. A node with one unknown constraint determines it;
+those that are coupled are solved together by exact elimination when the program is made. Knows nothing of time: the
+numbers are gains of node torques, or slots of gains that the program computes.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +24,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Reaction:
-    """A tie with one unknown: nodes with their coefficients. slots: nodes whose coefficient is multiplied by a gain.
+    """A constraint with one unknown lambda: c by node. slots: nodes whose coefficient is multiplied by a gain.
 
-    pivot: the only node at which a tie with slots can be solved, else None.
+    pivot: the only node at which a constraint with slots can be solved, else None.
     """
 
     component: str
@@ -28,9 +36,9 @@ class Reaction:
 
 
 def tie_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) -> dict[str, Any]:
-    """Tables for the template: phases of ties; the unknown of each from node torques, and its effect on flanges."""
+    """Tables for the template: phases of constraints; lambda of each from node torques, and its effect on flanges."""
     ties = _reactions(g)
-    spare = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.spare if row.coefficients]
+    spare = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.redundant if row.coefficients]
     curved = any(tie.slots for tie in ties)
     phases = _phases(g.assembly.train.n_nodes, ties, [] if curved else spare)
     tables: dict[str, Any] = {"phase": [0], "lack_start": [0], "lack_node": [], "lack_value": []}
@@ -52,8 +60,8 @@ def tie_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) -> dict
 
 
 def _reactions(g: Generator) -> list[Reaction]:
-    """Every tie that says something new, prescribed motions among them."""
-    found = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.used]
+    """The independent rigid constraints, and prescribed motions."""
+    found = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.independent]
     if g.motion is None:
         return found
     for i, f in enumerate(g.motion.followers):
@@ -81,9 +89,9 @@ def _reactions(g: Generator) -> list[Reaction]:
 def _phases(
     n_nodes: int, ties: list[Reaction], spare: list[Reaction]
 ) -> list[list[tuple[Reaction, dict[int, Exact]]]]:  # fmt: skip
-    """Ties in an order in which each follows from a node where all others are known; those that are coupled together.
+    """Constraints in an order in which each follows from a node where all others are known; those that are coupled, together.
 
-    spare: ties that say what the others say already.
+    spare: redundant constraints.
     """
     independent, ties = len(ties), ties + spare
     at: list[set[int]] = [set() for _ in range(n_nodes)]
@@ -121,7 +129,7 @@ def _phases(
 
 
 def _scaled(tie: Reaction, node: int) -> Reaction:
-    """The tie with the coefficient 1 at a node."""
+    """The constraint with the coefficient 1 at a node."""
     c = tie.coefficients[node]
     if c == 1:
         return tie
@@ -129,9 +137,9 @@ def _scaled(tie: Reaction, node: int) -> Reaction:
 
 
 def _coupled(ties: list[Reaction], spare: list[Reaction]) -> list[tuple[Reaction, dict[int, Exact]]]:
-    """Ties that can only be solved together: by exact elimination over their nodes.
+    """Coupled constraints: lambda from C' lambda = -tau by exact elimination of C over its nodes.
 
-    spare: ties that follow from the others; torques are then shared by minimum norm of the multipliers of the ties.
+    spare: redundant constraints; lambda is then the minimum-norm split.
     """
     for tie in ties:
         if tie.slots:
@@ -153,9 +161,9 @@ def _coupled(ties: list[Reaction], spare: list[Reaction]) -> list[tuple[Reaction
 
 
 def _idle(spare: list[Reaction], elimination: Elimination, first: int) -> list[Row]:
-    """Sets of multipliers of all ties that push nothing, each orthogonal to the others: one for each spare tie.
+    """Null space of C', lambda that acts on no node: one vector for each redundant constraint, orthogonal by Gram and Schmidt.
 
-    first: number of the first spare tie.
+    first: number of the first redundant constraint.
     """
     found: list[Row] = []
     for k, tie in enumerate(spare, first):
@@ -170,7 +178,7 @@ def _idle(spare: list[Reaction], elimination: Elimination, first: int) -> list[R
 
 
 def _leave_out(lacks: dict[int, Row], idle: Row) -> None:
-    """Takes out of all multipliers, linear forms of the lacks of nodes, their part along `idle`."""
+    """Takes out of all lambda, linear forms of the lacks of nodes, their part along `idle`."""
     along = row_sum((x, lacks[k]) for k, x in idle.items())
     size = _dot(idle, idle)
     for k, x in idle.items():

@@ -32,7 +32,7 @@ def test_followers_come_after_their_sources():
     found = follow(rows, [drive("cam", 6, 5)], FREE, {})
     done = set()
     for f in found.followers:
-        assert not (set(f.sources) - done) & found.moved.keys(), f
+        assert not (set(f.sources) - done) & found.dependent.keys(), f
         done.add(f.group)
     assert len(found.followers) == 4
 
