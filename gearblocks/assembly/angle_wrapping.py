@@ -16,10 +16,9 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.assemble import HELD
-from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.kinematics import Driven
-from gearblocks.assembly.tables import Assembly, Batch
+from gearblocks.assembly.tables import HELD, Assembly, Batch
 from gearblocks.errors import ModelError
 from gearblocks.laws.functions import TableAt
 from gearblocks.laws.rational import Exact, exact_value, over

@@ -6,14 +6,14 @@ All ratios are exact fractions. Numbers of parameters take no part: they are rea
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
-from gearblocks.assembly.coordinates import Combination, Elimination
+from gearblocks.assembly.coordinates import Coordinates
+from gearblocks.assembly.elimination import Combination, dependency_order
 from gearblocks.assembly.kinematics import Driven, Follower
-from gearblocks.assembly.rigid_constraints import TieRow, merge
+from gearblocks.assembly.rigid_constraints import RigidConstraint, merge
 from gearblocks.assembly.rigid_groups import inertias, number_groups, start_values
-from gearblocks.assembly.tables import HELD, Assembly, Batch, StartValues
+from gearblocks.assembly.tables import HELD, Assembly, Batch, ExactValues, StartValues
 from gearblocks.errors import ModelError
 from gearblocks.laws.derivation import check_senses, derive
 from gearblocks.laws.law import Law
@@ -27,9 +27,9 @@ __all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble", "expand_rows"
 
 
 def assemble(train: Train, *, reading: bool = False) -> Assembly:
-    """Laws per kind, ties, groups, relative coordinates and batches of a train.
+    """Laws per kind, rigid constraints, groups, relative coordinates and batches of a train.
 
-    reading: for people, every shaft as it is. Raises ModelError for contradicting ties.
+    reading: for people, every shaft as it is. Raises ModelError for contradicting rigid constraints.
     """
     laws = _laws(train)
     known = _exact_values(train, laws)
@@ -67,14 +67,6 @@ def _laws(train: Train) -> list[Law]:
     return laws
 
 
-@dataclass(slots=True)
-class ExactValues:
-    """Fractions of the symbols that enter ratios of one component, and which float parameters became structural."""
-
-    values: dict[Any, Exact]
-    structural: list[tuple[str, float]]
-
-
 def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
     result = []
     wanted: dict[int, list[tuple[Any, Any]]] = {}
@@ -103,7 +95,7 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
     return result
 
 
-def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[TieRow]:
+def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[RigidConstraint]:
     for index, (c, law, values) in enumerate(zip(train.components, laws, known, strict=True)):
         names = list(type(c.block).flanges)
         for coefficients, constant in law.ties:
@@ -120,7 +112,7 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
                     )
                 offset = f"{c.path}.{slot.of}"
                 held = float(getattr(c.block, slot.of))
-            yield TieRow(c.path, {n: v for n, v in row.items() if v}, offset, held, index)
+            yield RigidConstraint(c.path, {n: v for n, v in row.items() if v}, offset, held, index)
 
 
 # -- coordinates and batches ------------------------------------------------------------------------------------------
@@ -141,7 +133,7 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
         g: [root for s in f.sources for root in (expanded[s].groups if s in expanded else (s,))]
         for g, f in follows.items() if f.drive is not None and not f.drive.by_speed
     }  # fmt: skip
-    elimination = Elimination(given)
+    coordinates = Coordinates(given)
     batches: dict[Any, Batch] = {}
     facts: dict[int, tuple[tuple[bool, ...], bool]] = {}
     for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
@@ -152,7 +144,7 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
         used, reads = facts[id(law)]
         assembly.in_law |= reads
         nodes = {n: node for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node != GROUND}
-        sources, dependent = _take(c.path, assembly, elimination, expanded, law, nodes, known[index], used)
+        sources, dependent = _take(c.path, assembly, coordinates, expanded, law, nodes, known[index], used)
         held = frozenset(n for n, node in nodes.items() if assembly.group_of_node[node][0] == HELD)
         key = (id(law), held, dependent)
         if key not in batches:
@@ -161,10 +153,10 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
             batches[key].sources = [[] for _ in law.forms]
         _append(batches[key], assembly, index, nodes, sources, known[index])
     assembly.batches = list(batches.values())
-    assembly.rows = elimination.rows
+    assembly.rows = coordinates.rows
     assembly.steady = _steady(assembly, laws)
-    _put_in_front(assembly, elimination.definitions.values())
-    rows: dict[int, Combination | Driven] = dict(elimination.definitions)
+    _put_in_front(assembly, coordinates.definitions.values())
+    rows: dict[int, Combination | Driven] = dict(coordinates.definitions)
     rows |= {g: f.row if f.row is not None else f.drive for g, f in follows.items() if f.row is not None or g in given}  # type: ignore[misc]
     assembly.angles = [g for g in range(assembly.n_groups) if g not in rows]
     assembly.definitions = _ordered(rows, follows)
@@ -209,21 +201,13 @@ def expand_rows(assembly: Assembly) -> dict[int, Combination]:
 def _ordered(
     rows: dict[int, Combination | Driven], follows: dict[int, Follower]
 ) -> list[tuple[int, Combination | Driven]]:
-    """Definitions of angles, each after those it reads. ModelError where they go round in a circle."""
-    done: dict[int, None] = {}
-    for start in rows:
-        stack = [(start, False)]
-        while stack:
-            group, ready = stack.pop()
-            if group in done or group not in rows:
-                continue
-            if ready:
-                done[group] = None
-                continue
-            stack.append((group, True))
-            row = rows[group]
-            stack.extend((g, False) for g in (row.groups if isinstance(row, Combination) else follows[group].sources))
-    return [(g, rows[g]) for g in done]
+    """Definitions of angles, each after those it reads."""
+
+    def sources(group: int) -> Iterable[int]:
+        row = rows[group]
+        return row.groups if isinstance(row, Combination) else follows[group].sources
+
+    return [(g, rows[g]) for g in dependency_order(rows, rows, sources)]
 
 
 def _factor(path: str, flange: str, expr: Any, values: ExactValues) -> Exact:
@@ -239,7 +223,7 @@ def _factor(path: str, flange: str, expr: Any, values: ExactValues) -> Exact:
 
 
 def _take(
-    path: str, assembly: Assembly, elimination: Elimination, expanded: dict[int, Combination], law: Law, nodes: dict[str, int],
+    path: str, assembly: Assembly, coordinates: Coordinates, expanded: dict[int, Combination], law: Law, nodes: dict[str, int],
     values: ExactValues, used: tuple[bool, ...],
 ) -> tuple[list[int], tuple[bool, ...]]:  # fmt: skip
     """Where each coordinate of one instance comes from."""
@@ -262,7 +246,7 @@ def _take(
                 combination.add(expanded[group], c * gain)
             else:
                 combination.add(Combination({group: gain}), c)
-        taken = elimination.take(combination)
+        taken = coordinates.take(combination)
         if isinstance(taken, int):
             assembly.row_offsets.append(dict(combination.offsets))
             sources.append(taken)

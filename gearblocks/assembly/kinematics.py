@@ -1,8 +1,10 @@
-"""How the motion of every shaft follows from a few: ties of three and more shafts, and driven shafts.
+"""Dependent groups: how their motion follows from that of others by rigid constraints and prescribed motions.
 
-After the ties of two shafts have merged nodes into groups, what is left are rows over groups (an ideal planetary) and
-drives (a prescribed angle, a non-circular pair). A group that follows has a place in `followers`, after all those that
-it follows from; the others are free.
+    A phi + B offsets = 0    each row solved for one group of least reluctance;    phi_d = F(t, phi_s) for prescribed motions
+
+After the rigid constraints of two groups have merged them, what is left are rows over three and more (an ideal planetary)
+and prescribed motions (a prescribed angle, a non-circular pair). Dependent groups are ordered, each after its sources;
+the others are free. Knows nothing of inertia: reluctance says which group had better stay free.
 """
 
 from __future__ import annotations
@@ -10,14 +12,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.elimination import Combination, Elimination, dependency_order
 from gearblocks.errors import ModelError
-from gearblocks.laws.rational import Exact, over
+from gearblocks.laws.rational import Exact
 
 
 @dataclass(frozen=True, slots=True)
 class GroupRow:
-    """A tie over groups: sum of coefficient * angle + sum of factor * parameter (an angle held by the ground) = 0.
+    """A rigid constraint over groups: sum of coefficient * angle + sum of factor * parameter (an angle held by the ground) = 0.
 
     grounded: whether one of its shafts is held by the ground.
     """
@@ -48,7 +50,7 @@ class Driven:
 
 @dataclass(frozen=True, slots=True)
 class Follower:
-    """A group that follows: by a row over other groups and parameters, or by a drive (row None)."""
+    """A dependent group: by a row over other groups and parameters, or by a drive (row None)."""
 
     group: int
     row: Combination | None
@@ -65,14 +67,14 @@ class Follower:
 
 @dataclass(slots=True)
 class Kinematics:
-    """Followers in an order in which each comes after its sources; new: whether each row says something new."""
+    """Dependent groups in an order in which each comes after its sources; new: whether each row says something new."""
 
     followers: list[Follower] = field(default_factory=list)
     new: list[bool] = field(default_factory=list)
 
     @property
-    def moved(self) -> dict[int, Follower]:
-        """Followers by group."""
+    def dependent(self) -> dict[int, Follower]:
+        """By group."""
         return {f.group: f for f in self.followers}
 
 
@@ -99,11 +101,12 @@ class _Solver:
     def __init__(self, reluctance: dict[int, tuple[int, ...]], held: dict[str, float]) -> None:
         self.reluctance, self.held = reluctance, held
         self.count: dict[int, int] = {}
-        self.rows: dict[int, tuple[Combination, str]] = {}
+        self.rows = Elimination()
+        self.paths: dict[int, str] = {}  # of the component whose row was solved for a group
         self.drives: dict[int, Driven] = {}
 
     def drive(self, drive: Driven) -> None:
-        """Notes a driven group."""
+        """Notes a prescribed motion."""
         before = self.drives.setdefault(drive.group, drive)
         if before is not drive:
             raise ModelError(
@@ -118,7 +121,7 @@ class _Solver:
 
     def take(self, row: GroupRow) -> bool:
         """Solves one row; False if it says nothing new."""
-        left = self._reduced(Combination(dict(row.coefficients), {}, dict(row.offsets)))
+        left = self.rows.reduced(Combination(dict(row.coefficients), {}, dict(row.offsets)))
         if not left.groups:
             self._agree(row, left)
             return False
@@ -133,35 +136,29 @@ class _Solver:
         if len(left.groups) == 1 and not row.grounded:
             raise ModelError(self._locked(row))
         pivot = min(free, key=lambda g: (*self.reluctance[g], self.count.get(g, 0), g))
-        c = left.groups.pop(pivot)
-        definition = Combination()
-        definition.add(left, over(-1, c))
-        self.rows[pivot] = definition, row.path
+        self.rows.solve(left, pivot)
+        self.paths[pivot] = row.path
         return True
 
-    def _reduced(self, form: Combination) -> Combination:
-        """The form over groups that do not follow from rows."""
-        while followers := [g for g in form.groups if g in self.rows]:
-            for g in followers:
-                c = form.groups.pop(g, 0)
-                if c:
-                    form.add(self.rows[g][0], c)
-        return form
-
     def _upstream(self, groups: Iterable[int]) -> set[int]:
-        """Every group that the motion of these driven ones depends on."""
+        """Every group that the motion of these prescribed ones depends on."""
         found: set[int] = set()
         stack = list(groups)
         while stack:
-            g = stack.pop()
-            if g in self.drives:
-                sources = [group for group, _ in self.drives[g].factors.values()]
-            else:
-                sources = list(self.rows[g][0].groups) if g in self.rows else []
-            new = [s for s in sources if s not in found]
+            new = [s for s in self._sources(stack.pop()) if s not in found]
             found.update(new)
             stack.extend(new)
         return found
+
+    def _sources(self, g: int) -> list[int]:
+        """The groups that a group follows from directly."""
+        follower = self._follower(g)
+        return follower.sources if follower else []
+
+    def _follower(self, g: int) -> Follower | None:
+        if g in self.drives:
+            return Follower(g, None, self.drives[g])
+        return Follower(g, self.rows.definitions[g]) if g in self.rows.definitions else None
 
     def _agree(self, row: GroupRow, left: Combination) -> None:
         """A row that contains nothing new: the angles that the ground holds must satisfy it."""
@@ -177,38 +174,29 @@ class _Solver:
         stack = list(row.coefficients)
         while stack:
             g = stack.pop()
-            if g in self.rows and self.rows[g][1] not in names:
-                names.add(self.rows[g][1])
-                stack.extend(self.rows[g][0].groups)
+            if g in self.paths and self.paths[g] not in names:
+                names.add(self.paths[g])
+                stack.extend(self.rows.definitions[g].groups)
         loop = ", ".join(f"'{name}'" for name in sorted(names))
         return f"the ties of {loop} contradict each other: nothing could move; check their ratios and tooth counts"
 
     def finish(self, new: list[bool]) -> Kinematics:
-        """Followers, each after its sources."""
+        """Dependent groups, each after its sources."""
         result = Kinematics(new=new)
-        done: set[int] = set()
-        for start in (*self.rows, *self.drives):
-            stack = [(start, False)]
-            while stack:
-                g, ready = stack.pop()
-                if g in done or (g not in self.rows and g not in self.drives):
-                    continue
-                follower = Follower(g, self.rows[g][0]) if g in self.rows else Follower(g, None, self.drives[g])
-                if ready:
-                    done.add(g)
-                    result.followers.append(follower)
-                    continue
-                stack.append((g, True))
-                stack.extend((s, False) for s in follower.sources)
+        dependent = {**self.rows.definitions, **self.drives}
+        for g in dependency_order(dependent, dependent, self._sources):
+            follower = self._follower(g)
+            assert follower is not None
+            result.followers.append(follower)
         self._circles(result)
         return result
 
     def _circles(self, result: Kinematics) -> None:
-        """Nonlinear ties that depend on each other in a circle."""
+        """Refuses prescribed motions that depend on each other in a circle."""
         seen: set[int] = set()
-        moved = {f.group for f in result.followers}
+        dependent = result.dependent
         for f in result.followers:
-            if any(s in moved and s not in seen for s in f.sources):
+            if any(s in dependent and s not in seen for s in f.sources):
                 names = ", ".join(f"'{d.path}'" for d in self.drives.values())
                 raise ModelError(f"the motions prescribed by {names} depend on each other; give one of them compliance")
             seen.add(f.group)

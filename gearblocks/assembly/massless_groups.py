@@ -1,97 +1,71 @@
-"""Shafts without inertia that are damped only against each other.
+"""Floating massless groups: without inertia, and damped only against each other.
 
-Their balances of torque give the differences of their speeds; how they turn together follows from springs alone. One of
-them stands for that, and the others follow it and a part of their own: w[i] = z[i] w[one] + part[i].
+    w_i = sum of z_ij w_j + part_i      z: null space of what dampers see, D w = 0
+
+Their balances of torque D' c D w = ... are singular: they give differences of speeds (the parts), and how the groups turn
+together follows from springs alone. Some groups j stand for that, and the others depend on them. Knows nothing of the
+numbers of dampers, only of the linear forms that they damp.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import sympy as sp
 
+from gearblocks.assembly.elimination import Combination, Elimination, Row, row_sum
 from gearblocks.assembly.kinematics import Follower
 from gearblocks.assembly.rigid_constraints import Groups
+from gearblocks.assembly.tables import ExactValues
 from gearblocks.laws.energy_balance import vanishes
 from gearblocks.laws.law import Law
-from gearblocks.laws.rational import Exact, exact_value, over
+from gearblocks.laws.rational import exact_value
 from gearblocks.train.graph import GROUND, Component
 
-Row = dict[int, Exact]
 _ROUNDING = 1e-12  # of the sizes of what cancels: factors that are floats
 
 
-class Known(Protocol):
-    """Exact values of the symbols that enter ratios of one component."""
-
-    @property
-    def values(self) -> dict[Any, Exact]:
-        """By symbol."""
-
-
 @dataclass(slots=True)
-class Shafts:
-    """The groups of a train for which dampers are looked up: hidden ones, and how others follow."""
+class MasslessGroups:
+    """The groups of a train for which dampers are looked up: massless ones, and how dependent ones follow."""
 
     groups: Groups
-    hidden: Sequence[int]
+    massless: Sequence[int]
     followers: Sequence[Follower]
 
     def rows(self) -> dict[int, Row]:
-        """The hidden groups that the speed of each group depends on."""
-        found: dict[int, Row] = {group: {group: 1} for group in self.hidden}
+        """Speeds of groups over the massless ones; what else they depend on is left aside."""
+        found: dict[int, Row] = {group: {group: 1} for group in self.massless}
         for f in self.followers:
             if f.row is not None:
-                found[f.group] = _combined((c, found.get(source, {})) for source, c in f.row.groups.items())
+                found[f.group] = row_sum(((c, found.get(g, {})) for g, c in f.row.groups.items()), _ROUNDING)
         return found
 
 
 def floating(
-    shafts: Shafts, components: Iterable[Component], laws: Iterable[Law], known: Iterable[Known]
+    among: MasslessGroups, components: Iterable[Component], laws: Iterable[Law], known: Iterable[ExactValues]
 ) -> dict[int, Row]:
-    """The groups that turn along with others at no damper's cost: by group, its speed over those that stand for them."""
-    if len(shafts.hidden) < 2:
+    """Floating groups: each with its speed over those that stand for them while no damper sees a speed."""
+    if len(among.massless) < 2:
         return {}
-    free: dict[int, Row] = {}  # solved rows: group -> its speed over the others
-    rows = shafts.rows()
+    elimination = Elimination(_ROUNDING)  # of the forms that dampers keep at zero
+    rows = among.rows()
     forms: dict[int, list[Mapping[str, Any]]] = {}
     for c, law, values in zip(components, laws, known, strict=True):
         nodes = {n: node for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node != GROUND}
-        at = {n: shafts.groups.find(node) for n, node in nodes.items()}
+        at = {n: among.groups.find(node) for n, node in nodes.items()}
         if not any(root in rows for root, _ in at.values()):
             continue
         if id(law) not in forms:
             forms[id(law)] = list(damped_forms(law))
         for form in forms[id(law)]:
             terms = ((exact_value(c, values.values) * at[n][1], rows.get(at[n][0], {})) for n, c in form.items())
-            _take(free, _combined(terms))
-    return {group: row for group, row in free.items() if row}
-
-
-def _combined(terms: Iterable[tuple[Exact, Row]]) -> Row:
-    total: Row = {}
-    sizes: dict[int, float] = {}
-    for factor, row in terms:
-        for group, c in row.items():
-            total[group] = total.get(group, 0) + factor * c
-            sizes[group] = max(sizes.get(group, 0.0), abs(float(factor * c)))
-    return {group: c for group, c in total.items() if abs(float(c)) > _ROUNDING * sizes[group]}
-
-
-def _take(free: dict[int, Row], form: Row) -> None:
-    """Solves one more form, which a damper keeps at zero, for the last of its groups."""
-    left = _combined((c, free.get(group, {group: 1})) for group, c in form.items())
-    if not left:
-        return
-    pivot = max(left)
-    c = left.pop(pivot)
-    solved = {group: over(-x, c) for group, x in left.items()}
-    for group, row in free.items():
-        if pivot in row:
-            free[group] = _combined((x, solved if g == pivot else {g: 1}) for g, x in row.items())
-    free[pivot] = solved
+            left = elimination.left(row_sum(terms, _ROUNDING))
+            if left:
+                elimination.solve(Combination(left), max(left))
+    return {group: row for group in elimination.definitions if (row := elimination.gains(group))}
 
 
 # -- what a law damps -------------------------------------------------------------------------------------------------

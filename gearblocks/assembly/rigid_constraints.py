@@ -1,4 +1,9 @@
-"""Rigid ties between nodes: groups of nodes that turn together, with exact ratios."""
+"""Rigid constraints, and the rigid groups that they merge nodes into, with exact ratios.
+
+    sum of c_i phi_i = offset      two nodes: phi_a = gain phi_b, merged by union-find; one node: held by the ground
+
+Constraints over three groups and more stay unmerged (kinematics.py solves them). Knows nothing of inertia or of speeds.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +13,12 @@ from dataclasses import dataclass, field
 
 from gearblocks.errors import ModelError
 from gearblocks.laws.rational import Exact, over
+from gearblocks.train.disjoint_sets import DisjointSets
 
 
 @dataclass(frozen=True, slots=True)
-class TieRow:
-    """One tie of a component: sum of coefficient * angle over nodes = offset (a path of a parameter, or None: 0)."""
+class RigidConstraint:
+    """A rigid constraint of a component: sum of coefficient * angle over nodes = offset (a path of a parameter, or None: 0)."""
 
     component: str
     coefficients: Mapping[int, Exact]
@@ -23,45 +29,30 @@ class TieRow:
 
 @dataclass(slots=True)
 class Groups:
-    """Nodes merged by ties: phi(node) = gain * phi(root). held: angle of a grounded root and who holds it.
+    """Rigid groups: phi(node) = gain * phi(root). held_angles: angle of a grounded root and who holds it.
 
-    used: ties that say something new; spare: those that say what others say already, redundant: their components;
-    waiting: those over more than two groups; zeros: parameters of held angles that must stay 0, because a tie over a held
-    shaft was taken as one of two shafts.
+    independent: constraints that say something new; redundant: those that the others imply; unmerged: those over more than
+    two groups; zeros: parameters of held angles that must stay 0, because a constraint over a held shaft was taken as one
+    of two shafts.
     """
 
-    parents: list[int]
-    gains: list[Exact]
+    nodes: DisjointSets[int] = field(default_factory=DisjointSets)
     grounded: dict[int, str | None] = field(default_factory=dict)
-    held: dict[int, tuple[float, str]] = field(default_factory=dict)
-    used: list[TieRow] = field(default_factory=list)
-    waiting: list[TieRow] = field(default_factory=list)
-    spare: list[TieRow] = field(default_factory=list)
+    held_angles: dict[int, tuple[float, str]] = field(default_factory=dict)
+    independent: list[RigidConstraint] = field(default_factory=list)
+    unmerged: list[RigidConstraint] = field(default_factory=list)
+    redundant: list[RigidConstraint] = field(default_factory=list)
     zeros: set[str] = field(default_factory=set)
-
-    @property
-    def redundant(self) -> list[str]:
-        """Components of the spare ties."""
-        return [row.component for row in self.spare]
 
     def find(self, node: int) -> tuple[int, Exact]:
         """(root, gain) of a node."""
-        path = []
-        i = node
-        while self.parents[i] != i:
-            path.append(i)
-            i = self.parents[i]
-        gain: Exact = 1
-        for j in reversed(path):
-            gain = gain * self.gains[j] if self.parents[j] != i else self.gains[j]
-            self.gains[j], self.parents[j] = gain, i
-        return (i, self.gains[node]) if node != i else (i, 1)
+        return self.nodes.find(node)
 
 
-def merge(n_nodes: int, rows: list[TieRow]) -> Groups:
-    """Merges nodes by all ties of two groups. ModelError names the loop where ties contradict each other."""
-    groups = Groups(list(range(n_nodes)), [1] * n_nodes)
-    waiting: list[TieRow] = []
+def merge(n_nodes: int, rows: list[RigidConstraint]) -> Groups:
+    """Merges nodes by all constraints of two groups. ModelError names the loop where they contradict each other."""
+    groups = Groups()
+    waiting: list[RigidConstraint] = []
     for row in rows:
         if len(row.coefficients) > 2:
             waiting.append(row)
@@ -72,32 +63,29 @@ def merge(n_nodes: int, rows: list[TieRow]) -> Groups:
         if len(left) == len(waiting):
             break
         waiting = left
-    groups.waiting = waiting
-    _measure_by_fastest(groups)
+    groups.unmerged = waiting
+    _measure_by_fastest(groups, n_nodes)
     return groups
 
 
-def _measure_by_fastest(groups: Groups) -> None:
+def _measure_by_fastest(groups: Groups, n_nodes: int) -> None:
     """Makes the fastest shaft of a group its root: the scale of its state does not depend on the order of the ties."""
     fastest: dict[int, tuple[int, Exact]] = {}
-    found = [groups.find(node) for node in range(len(groups.parents))]
-    for node, (root, gain) in enumerate(found):
+    for node in range(n_nodes):
+        root, gain = groups.find(node)
         most: Exact = fastest[root][1] if root in fastest else 1
         if gain * gain > most * most and root not in groups.grounded:
             fastest[root] = node, gain
-    for node, (root, gain) in enumerate(found):
-        if root in fastest:
-            first, most = fastest[root]
-            groups.parents[node], groups.gains[node] = first, over(gain, most)
+    groups.nodes.reroot({root: node for root, (node, _) in fastest.items()})
 
 
-def _joined(groups: Groups, row: TieRow) -> bool:
-    """Whether a tie of three nodes or more turned out to join two groups, the others being held at angle zero."""
+def _joined(groups: Groups, row: RigidConstraint) -> bool:
+    """Whether a constraint of three nodes or more turned out to join two groups, the others being held at angle zero."""
     left: dict[int, Exact] = {}
     held: set[str | None] = set()
     for node, c in row.coefficients.items():
         root, gain = groups.find(node)
-        if groups.held.get(root, (1.0, ""))[0] == 0.0:
+        if groups.held_angles.get(root, (1.0, ""))[0] == 0.0:
             held.add(groups.grounded[root])
         else:
             left[root] = left.get(root, 0) + c * gain
@@ -105,15 +93,14 @@ def _joined(groups: Groups, row: TieRow) -> bool:
     if len(left) != 2 or any(root in groups.grounded for root in left):
         return False
     groups.zeros.update(path for path in held if path is not None)
-    _join(groups, TieRow(row.component, left, None, 0.0, row.index), row)
+    _join(groups, RigidConstraint(row.component, left, None, 0.0, row.index), row)
     return True
 
 
-def _join(groups: Groups, row: TieRow, whole: TieRow | None = None) -> None:
-    """Merges what a tie of two nodes joins; `whole`: the tie that it is a part of."""
-    used = groups.used
+def _join(groups: Groups, row: RigidConstraint, whole: RigidConstraint | None = None) -> None:
+    """Merges the groups of two nodes; `whole`: the constraint that it is a part of."""
     if len(row.coefficients) == 0:
-        groups.spare.append(row)
+        groups.redundant.append(row)
     elif len(row.coefficients) == 1:
         _ground(groups, row)
     else:
@@ -121,20 +108,19 @@ def _join(groups: Groups, row: TieRow, whole: TieRow | None = None) -> None:
         (ra, ga), (rb, gb) = groups.find(a), groups.find(b)
         if ra == rb:
             if ca * ga + cb * gb != 0:
-                raise ModelError(_contradiction(row, a, b, over(-cb, ca), over(ga, gb), used))
-            groups.spare.append(whole or row)
+                raise ModelError(_contradiction(row, a, b, over(-cb, ca), over(ga, gb), groups.independent))
+            groups.redundant.append(whole or row)
             return
         if rb in groups.grounded:
             if ra in groups.grounded:
-                _agree(groups, row, ra, float(over(-(cb * gb), ca * ga)) * groups.held[rb][0], rb)
+                _agree(groups, row, ra, float(over(-(cb * gb), ca * ga)) * groups.held_angles[rb][0], rb)
                 return
             a, b, ca, cb, ra, rb, ga, gb = b, a, cb, ca, rb, ra, gb, ga
-        # b's root hangs below a's root: phi_b = -(ca/cb) phi_a
-        groups.parents[rb], groups.gains[rb] = ra, over(-(ca * ga), cb * gb)
-        used.append(whole or row)
+        groups.nodes.join(rb, ra, over(-(ca * ga), cb * gb))
+        groups.independent.append(whole or row)
 
 
-def _ground(groups: Groups, row: TieRow) -> None:
+def _ground(groups: Groups, row: RigidConstraint) -> None:
     ((node, c),) = row.coefficients.items()
     root, gain = groups.find(node)
     angle = row.offset_value / float(c * gain)
@@ -142,21 +128,25 @@ def _ground(groups: Groups, row: TieRow) -> None:
         _agree(groups, row, root, angle, root)
         return
     groups.grounded[root] = row.offset
-    groups.held[root] = angle, row.component
-    groups.used.append(row)
+    groups.held_angles[root] = angle, row.component
+    groups.independent.append(row)
 
 
-def _agree(groups: Groups, row: TieRow, root: int, angle: float, other: int) -> None:
-    """A shaft that is held twice must be held at one angle."""
-    held, holder = groups.held[root]
+def _agree(groups: Groups, row: RigidConstraint, root: int, angle: float, other: int) -> None:
+    """A group that is held twice must be held at one angle."""
+    held, holder = groups.held_angles[root]
     if abs(held - angle) > 1e-12 * max(abs(held), abs(angle)):
-        names = " and ".join(f"'{name}'" for name in dict.fromkeys((holder, groups.held[other][1], row.component)))
+        names = " and ".join(
+            f"'{name}'" for name in dict.fromkeys((holder, groups.held_angles[other][1], row.component))
+        )
         raise ModelError(f"{names} hold one shaft at {held:.9g} and {angle:.9g} rad: give both the same angle")
-    groups.spare.append(row)
+    groups.redundant.append(row)
 
 
-def _contradiction(row: TieRow, a: int, b: int, asked: Exact, given: Exact, used: list[TieRow]) -> str:
-    """The message for a loop of ties: its components and what they ask for."""
+def _contradiction(
+    row: RigidConstraint, a: int, b: int, asked: Exact, given: Exact, used: list[RigidConstraint]
+) -> str:
+    """The message for a loop of constraints: its components and what they ask for."""
     neighbours: dict[int, list[tuple[int, str]]] = {}
     for tie in used:
         nodes = list(tie.coefficients)

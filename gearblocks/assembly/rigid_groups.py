@@ -1,4 +1,11 @@
-"""Which shafts have a speed of their own: groups with inertia, without, and those that follow others."""
+"""Rigid groups, numbered by what determines their speed: independent (a state), massless (a balance of torques),
+prescribed, or dependent on others; and which component owns the start values of each.
+
+    speeds of all groups = K speeds of the independent and massless ones + prescribed
+
+A group counts as independent where it has inertia itself or drives inertia through what depends on it. Knows nothing of
+relative coordinates.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +13,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.kinematics import Driven, Follower, GroupRow, Kinematics, follow
-from gearblocks.assembly.massless_groups import Known, Shafts, floating
-from gearblocks.assembly.tables import HELD
+from gearblocks.assembly.massless_groups import MasslessGroups, floating
+from gearblocks.assembly.tables import HELD, ExactValues
 from gearblocks.errors import ModelError
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Parameter
@@ -73,40 +80,40 @@ def _is_zero(c: Component, law: Law, inertia: Any, zeros: set[tuple[str, float]]
 # -- numbers of groups ------------------------------------------------------------------------------------------------
 
 
-def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Sequence[Known] | None) -> None:
-    """Numbers the groups that turn and finds how followers follow. known: exact values by component, or None: shafts that
-    are damped only against each other stay as they are."""
+def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Sequence[ExactValues] | None) -> None:
+    """Numbers the groups that are not held and finds how dependent ones follow. known: exact values by component, or None:
+    massless groups that are damped only against each other stay as they are."""
     groups, train = assembly.groups, assembly.train
     roots = dict.fromkeys(groups.find(node)[0] for node in (*bodies.present, *bodies.empty, *range(train.n_nodes)))
-    turning = [r for r in roots if r not in groups.grounded]
-    massive = {groups.find(node)[0] for node in bodies.present}
+    free = [r for r in roots if r not in groups.grounded]
+    with_inertia = {groups.find(node)[0] for node in bodies.present}
     given = _given_starts(assembly, laws)
-    reluctance = {r: (int(r in given), int(r in massive)) for r in turning}
-    held = {path: groups.held[r][0] for r, path in groups.grounded.items() if path is not None}
+    reluctance = {r: (int(r in given), int(r in with_inertia)) for r in free}
+    held = {path: groups.held_angles[r][0] for r, path in groups.grounded.items() if path is not None}
     kinematics = follow(_rows(assembly), _drives(assembly, laws), reluctance, held)
-    for row, new in zip(groups.waiting, kinematics.new, strict=True):
+    for row, new in zip(groups.unmerged, kinematics.new, strict=True):
         if new:
-            groups.used.append(row)
+            groups.independent.append(row)
         else:
-            groups.spare.append(row)
-    moved = kinematics.moved
-    inert = set(massive)
+            groups.redundant.append(row)
+    dependent = kinematics.dependent
+    driving = set(with_inertia)  # groups that move inertia, their own or that of dependent ones
     for f in reversed(kinematics.followers):
-        if f.group in inert:
-            inert.update(f.sources)
-    speeds = [r for r in turning if r not in moved and r in inert]
-    hidden = [r for r in turning if r not in moved and r not in inert]
-    along = _along(assembly, laws, known, hidden, kinematics, given) if known is not None else {}
-    hidden = [along.get(r, r) for r in hidden]
-    paced = [f.group for f in kinematics.followers if f.drive is not None and f.drive.by_speed]
-    others = [f.group for f in kinematics.followers if f.group not in set(paced)]
-    number = {r: i for i, r in enumerate((*speeds, *hidden, *paced, *others))}
-    assembly.n_groups, assembly.n_speeds = len(number), len(speeds)
-    assembly.n_hidden, assembly.n_paced = len(hidden), len(paced)
-    assembly.massive = frozenset(number[r] for r in massive if r in number)
-    assembly.floating = {number[part]: number[r] for r, part in along.items()}
-    stand = {g for f in kinematics.followers[: len(along)] for g in f.sources if g < train.n_nodes}
-    assembly.floats = frozenset(number[g] - len(speeds) for g in stand)
+        if f.group in driving:
+            driving.update(f.sources)
+    independent = [r for r in free if r not in dependent and r in driving]
+    massless = [r for r in free if r not in dependent and r not in driving]
+    parts = {} if known is None else _floating_parts(assembly, laws, known, massless, kinematics, given)
+    massless = [parts.get(r, r) for r in massless]
+    prescribed = [f.group for f in kinematics.followers if f.drive is not None and f.drive.by_speed]
+    others = [f.group for f in kinematics.followers if f.group not in set(prescribed)]
+    number = {r: i for i, r in enumerate((*independent, *massless, *prescribed, *others))}
+    assembly.n_groups, assembly.n_speeds = len(number), len(independent)
+    assembly.n_hidden, assembly.n_paced = len(massless), len(prescribed)
+    assembly.massive = frozenset(number[r] for r in with_inertia if r in number)
+    assembly.floating = {number[part]: number[r] for r, part in parts.items()}
+    bases = {g for f in kinematics.followers[: len(parts)] for g in f.sources if g < train.n_nodes}
+    assembly.floats = frozenset(number[g] - len(independent) for g in bases)
     assembly.followers = [_renumbered(f, number) for f in kinematics.followers]
     for node in range(train.n_nodes):
         root, gain = groups.find(node)
@@ -115,13 +122,14 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Se
             assembly.held_offset[node] = groups.grounded[root]
 
 
-def _along(
-    assembly: Assembly, laws: list[Law], known: Sequence[Known], hidden: list[int], kinematics: Kinematics,
+def _floating_parts(
+    assembly: Assembly, laws: list[Law], known: Sequence[ExactValues], massless: list[int], kinematics: Kinematics,
     given: Mapping[int, str],
 ) -> dict[int, int]:  # fmt: skip
-    """Makes followers of the shafts that turn along with others at no damper's cost; by root: the number of its part."""
-    shafts = Shafts(assembly.groups, hidden, kinematics.followers)
-    rows = floating(shafts, assembly.train.components, laws, known)
+    """Makes floating groups dependent, each on those that it floats with and on a part of its own; by root: the number of
+    its part."""
+    groups = MasslessGroups(assembly.groups, massless, kinematics.followers)
+    rows = floating(groups, assembly.train.components, laws, known)
     bound = {g for r, row in rows.items() for g in (r, *row)} & given.keys()
     if bound:
         raise ModelError(
@@ -146,7 +154,7 @@ def _renumbered(f: Follower, number: dict[int, int]) -> Follower:
 def _rows(assembly: Assembly) -> Iterable[GroupRow]:
     """Ties that union-find could not take, over the roots of groups."""
     groups = assembly.groups
-    for row in groups.waiting:
+    for row in groups.unmerged:
         coefficients: dict[int, Exact] = {}
         offsets: dict[str, Exact] = {}
         grounded = False
@@ -173,8 +181,9 @@ def _drives(assembly: Assembly, laws: list[Law]) -> Iterable[Driven]:
         for number, drive in enumerate(law.drives):
             root, gain = groups.find(nodes[drive.flange])
             if root in groups.grounded:
+                holder = groups.held_angles[root][1]
                 raise ModelError(
-                    f"'{c.path}' prescribes the motion of a shaft that '{groups.held[root][1]}' holds; leave one of them out"
+                    f"'{c.path}' prescribes the motion of a shaft that '{holder}' holds; leave one of them out"
                 )
             scale = over(1, gain)
             factors = {}

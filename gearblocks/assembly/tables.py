@@ -1,11 +1,14 @@
-"""None"""
+"""Tables of the equations of a train: groups, relative coordinates, dependent groups, and batches of equal kinds.
+
+Numbers of parameters are not in them: what is here decides the form of the equations. Knows nothing of how it is found.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Any
 
-from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.kinematics import Driven, Follower
 from gearblocks.assembly.rigid_constraints import Groups
 from gearblocks.laws.law import Law
@@ -14,6 +17,14 @@ from gearblocks.train.graph import Train
 
 HELD = -1
 """Group number of a flange that the ground holds."""
+
+
+@dataclass(slots=True)
+class ExactValues:
+    """Fractions of the symbols that enter ratios of one component, and which float parameters became structural."""
+
+    values: dict[Any, Exact]
+    structural: list[tuple[str, float]]
 
 
 @dataclass(slots=True)
@@ -51,12 +62,13 @@ class StartValues:
 class Assembly:
     """Tables of a train's equations.
 
-    Groups are numbered: those with a speed of their own (n_speeds), hidden ones without inertia (n_hidden), those whose
-    speed alone is prescribed (n_paced), then the other followers. rows[i]: coordinate i as a form of group angles;
-    dependents: combinations that close loops; angles: groups whose absolute angle is a state; definitions (in order, with
-    drives in between): how other group angles follow. in_law: a law reads angles. steady: groups whose speeds are fixed
-    combinations; n_steady: coordinates at the front whose rates are. floating: hidden groups that are a part of another
-    (floating.py), with that other; floats: numbers of the hidden ones that stand for several.
+    Groups are numbered: independent ones (n_speeds), massless ones (n_hidden), those whose speed alone is prescribed
+    (n_paced), then the other dependent ones. rows[i]: coordinate i as a form of group angles; dependents: dependent
+    coordinates, combinations that close loops; angles: groups whose absolute angle is a state; definitions (in order, with
+    prescribed motions in between): how other group angles follow. in_law: a law reads angles. steady: groups whose speeds
+    are fixed combinations; n_steady: coordinates at the front whose rates are. massive: groups with inertia. floating:
+    massless groups that are a part of another (massless_groups.py), with that other; floats: numbers of the massless ones
+    that stand for several.
     """
 
     train: Train
@@ -85,10 +97,10 @@ class Assembly:
 
     @property
     def plain(self) -> bool:
-        """Whether every shaft has a speed of its own: nothing follows and nothing is hidden."""
+        """Whether every group is independent."""
         return self.n_groups == self.n_speeds
 
     @property
     def driven(self) -> bool:
-        """Whether angles follow by laws of their own."""
+        """Whether an angle is prescribed."""
         return any(isinstance(row, Driven) for _, row in self.definitions)

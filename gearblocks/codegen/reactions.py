@@ -1,4 +1,12 @@
-"""Torques that ties carry: in which order they follow from what the nodes of a train lack."""
+"""Constraint torques of rigid constraints and prescribed motions: in which order they follow from the torques of nodes.
+
+    tau_n + sum of c_kn lambda_k = 0    at every node n, over its constraints k; where some are redundant lambda is
+                                        the minimum-norm split
+
+tau_n, the lack of a node, is what all else leaves unbalanced there. A node with one unknown constraint determines it;
+those that are coupled are solved together by exact elimination when the program is made. Knows nothing of time: the
+numbers are gains of node torques, or slots of gains that the program computes.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from gearblocks.assembly.elimination import Combination, Elimination, Row, add_row, row_sum
 from gearblocks.errors import ModelError
 from gearblocks.laws.rational import Exact, over
 
@@ -15,9 +24,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Reaction:
-    """A tie with one unknown: nodes with their coefficients. slots: nodes whose coefficient is multiplied by a gain.
+    """A constraint with one unknown lambda: c by node. slots: nodes whose coefficient is multiplied by a gain.
 
-    pivot: the only node at which a tie with slots can be solved, else None.
+    pivot: the only node at which a constraint with slots can be solved, else None.
     """
 
     component: str
@@ -27,9 +36,9 @@ class Reaction:
 
 
 def tie_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) -> dict[str, Any]:
-    """Tables for the template: phases of ties; the unknown of each from node torques, and its effect on flanges."""
+    """Tables for the template: phases of constraints; lambda of each from node torques, and its effect on flanges."""
     ties = _reactions(g)
-    spare = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.spare if row.coefficients]
+    spare = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.redundant if row.coefficients]
     curved = any(tie.slots for tie in ties)
     phases = _phases(g.assembly.train.n_nodes, ties, [] if curved else spare)
     tables: dict[str, Any] = {"phase": [0], "lack_start": [0], "lack_node": [], "lack_value": []}
@@ -51,8 +60,8 @@ def tie_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) -> dict
 
 
 def _reactions(g: Generator) -> list[Reaction]:
-    """Every tie that says something new, prescribed motions among them."""
-    found = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.used]
+    """The independent rigid constraints, and prescribed motions."""
+    found = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.independent]
     if g.motion is None:
         return found
     for i, f in enumerate(g.motion.followers):
@@ -80,9 +89,9 @@ def _reactions(g: Generator) -> list[Reaction]:
 def _phases(
     n_nodes: int, ties: list[Reaction], spare: list[Reaction]
 ) -> list[list[tuple[Reaction, dict[int, Exact]]]]:  # fmt: skip
-    """Ties in an order in which each follows from a node where all others are known; those that are coupled together.
+    """Constraints in an order in which each follows from a node where all others are known; those that are coupled, together.
 
-    spare: ties that say what the others say already.
+    spare: redundant constraints.
     """
     independent, ties = len(ties), ties + spare
     at: list[set[int]] = [set() for _ in range(n_nodes)]
@@ -120,7 +129,7 @@ def _phases(
 
 
 def _scaled(tie: Reaction, node: int) -> Reaction:
-    """The tie with the coefficient 1 at a node."""
+    """The constraint with the coefficient 1 at a node."""
     c = tie.coefficients[node]
     if c == 1:
         return tie
@@ -128,65 +137,52 @@ def _scaled(tie: Reaction, node: int) -> Reaction:
 
 
 def _coupled(ties: list[Reaction], spare: list[Reaction]) -> list[tuple[Reaction, dict[int, Exact]]]:
-    """Ties that can only be solved together: by exact elimination over their nodes.
+    """Coupled constraints: lambda from C' lambda = -tau by exact elimination of C over its nodes.
 
-    spare: ties that follow from the others; torques are then shared by minimum norm of the multipliers of the ties.
+    spare: redundant constraints; lambda is then the minimum-norm split.
     """
     for tie in ties:
         if tie.slots:
             raise ModelError(
                 f"the reaction of '{tie.component}' belongs to a closed loop of rigid ties; give one of them compliance"
             )
-    rows = {k: dict(tie.coefficients) for k, tie in enumerate(ties)}
-    shares: dict[int, dict[int, Exact]] = {k: {k: 1} for k in rows}
-    pivots: dict[int, int] = {}
-    for k in rows:
-        node = next(n for n in rows[k])
-        pivots[k] = node
-        for other in rows:
-            if other != k and node in rows[other]:
-                factor = over(rows[other][node], rows[k][node])
-                _subtract(rows[other], rows[k], factor)
-                _subtract(shares[other], shares[k], factor)
-    # rows[k] = sum_j shares[k][j] ties[j] vanishes at the pivots of all others: tie j gets its share of that node's lack
-    lacks: dict[int, dict[int, Exact]] = {k: {} for k in range(len(ties) + len(spare))}
-    for k, node in pivots.items():
-        for j, share in shares[k].items():
-            lacks[j][node] = lacks[j].get(node, 0) - over(share, rows[k][node])
-    for idle in _idle(spare, rows, shares, pivots):
+    elimination = Elimination()  # C x = y: x of nodes, y_k the value of tie k
+    for k, tie in enumerate(ties):
+        form = elimination.reduced(Combination(dict(tie.coefficients), {k: -1}))
+        elimination.solve(form, next(iter(form.groups)))
+    # x_p = sum_k e_k y_k + what is no pivot: by virtual work tie k gets the share e_k of the lack of node p
+    lacks: dict[int, Row] = {k: {} for k in range(len(ties) + len(spare))}
+    for node in elimination.definitions:
+        for k, share in elimination.reduced(Combination({node: 1})).coordinates.items():
+            lacks[k][node] = -share
+    for idle in _idle(spare, elimination, len(ties)):
         _leave_out(lacks, idle)
     return [(tie, lacks[k]) for k, tie in enumerate((*ties, *spare))]
 
 
-def _idle(
-    spare: list[Reaction], rows: dict[int, dict[int, Exact]], shares: dict[int, dict[int, Exact]], pivots: dict[int, int]
-) -> list[dict[int, Exact]]:  # fmt: skip
-    """Sets of multipliers of all ties that push nothing, each orthogonal to the others: one for each spare tie."""
-    found: list[dict[int, Exact]] = []
-    for number, tie in enumerate(spare):
-        rest = dict(tie.coefficients)
-        idle: dict[int, Exact] = {len(rows) + number: 1}
-        for k, node in pivots.items():
-            if node in rest:
-                factor = over(rest[node], rows[k][node])
-                _subtract(rest, rows[k], factor)
-                _subtract(idle, shares[k], factor)
-        if rest:
+def _idle(spare: list[Reaction], elimination: Elimination, first: int) -> list[Row]:
+    """Null space of C', lambda that acts on no node: one vector for each redundant constraint, orthogonal by Gram and Schmidt.
+
+    first: number of the first redundant constraint.
+    """
+    found: list[Row] = []
+    for k, tie in enumerate(spare, first):
+        rest = elimination.reduced(Combination(dict(tie.coefficients), {k: -1}))
+        if rest.groups:
             continue  # two holds of one shaft that agree to rounding only
+        idle = rest.coordinates
         for other in found:
-            _subtract(idle, other, over(_dot(idle, other), _dot(other, other)))
+            add_row(idle, other, over(-_dot(idle, other), _dot(other, other)))
         found.append(idle)
     return found
 
 
-def _leave_out(lacks: dict[int, dict[int, Exact]], idle: dict[int, Exact]) -> None:
-    """Takes out of all multipliers, linear forms of the lacks of nodes, their part along `idle`."""
-    along: dict[int, Exact] = {}
-    for k, x in idle.items():
-        _subtract(along, lacks[k], -x)
+def _leave_out(lacks: dict[int, Row], idle: Row) -> None:
+    """Takes out of all lambda, linear forms of the lacks of nodes, their part along `idle`."""
+    along = row_sum((x, lacks[k]) for k, x in idle.items())
     size = _dot(idle, idle)
     for k, x in idle.items():
-        _subtract(lacks[k], along, over(x, size))
+        add_row(lacks[k], along, over(-x, size))
 
 
 def _dot(a: Mapping[int, Exact], b: Mapping[int, Exact]) -> Exact:
@@ -194,12 +190,3 @@ def _dot(a: Mapping[int, Exact], b: Mapping[int, Exact]) -> Exact:
     for key in a.keys() & b.keys():
         total = total + a[key] * b[key]
     return total
-
-
-def _subtract(target: dict[int, Exact], source: Mapping[int, Exact], factor: Exact) -> None:
-    for key, value in source.items():
-        total = target.get(key, 0) - factor * value
-        if total:
-            target[key] = total
-        else:
-            target.pop(key, None)

@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import accumulate
 from typing import Any, NamedTuple
 
-from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.elimination import Combination
 from gearblocks.codegen.function import Function, FunctionView, function_view
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.parts import Following

@@ -1,4 +1,10 @@
-"""Equations of a train whose shafts follow others, for people: everything over the shafts that turn by themselves."""
+"""Dependent groups written out: the equations of motion over the independent groups alone.
+
+    w = K w_i + b,  w' = K w_i' + a      K: gains, b: velocity bias, a: acceleration bias
+    K' J K w_i' = K' (tau - J a)         virtual work of the inertias and torques of all groups
+
+Knows nothing of blocks: inertias and torques are expressions by group.
+"""
 
 from __future__ import annotations
 
@@ -14,39 +20,39 @@ from gearblocks.laws.rational import Exact
 
 
 @dataclass(slots=True)
-class Carried:
-    """angles, speeds: of followers, over free ones; rows: their speeds' slopes; surplus: accelerations besides.
+class DependentGroups:
+    """symbols: angles and speeds of dependent groups over the others; gains: rows of K; acceleration_bias: a.
 
-    n: number of free shafts (with a speed of their own, or without inertia). paced: rates of angles of which only the
-    speed is prescribed.
+    n: number of groups that are not dependent (independent or massless). rates: of angles of which only the speed is
+    prescribed.
     """
 
     n: int
     n_groups: int
     symbols: dict[Any, Any] = field(default_factory=dict)
-    rows: list[dict[int, Any]] = field(default_factory=list)
-    surplus: list[Any] = field(default_factory=list)
-    paced: dict[Any, Any] = field(default_factory=dict)
+    gains: list[dict[int, Any]] = field(default_factory=list)
+    acceleration_bias: list[Any] = field(default_factory=list)
+    rates: dict[Any, Any] = field(default_factory=dict)
 
     def put(self, expr: Any) -> Any:
-        """An expression over free shafts."""
+        """An expression over groups that are not dependent."""
         return sp.sympify(expr).xreplace(self.symbols) if self.symbols else expr
 
     def balance(self, masses: Sequence[Any], torques: Sequence[Any]) -> tuple[Any, list[Any]]:
-        """Mass matrix and right side from the inertias and torques of all groups."""
+        """K' J K and K' (tau - J a) from the inertias and torques of all groups."""
         mass = sp.zeros(self.n, self.n)
         forcing = [sp.Integer(0)] * self.n
         for group in range(self.n_groups):
             torque = self.put(torques[group])
-            for i, a in self.rows[group].items():
-                forcing[i] += a * (torque - masses[group] * self.surplus[group])
-                for j, b in self.rows[group].items():
+            for i, a in self.gains[group].items():
+                forcing[i] += a * (torque - masses[group] * self.acceleration_bias[group])
+                for j, b in self.gains[group].items():
                     mass[i, j] += a * b * masses[group]
         return mass, forcing
 
     def inertia(self, mass: Any, group: int) -> Any:
-        """The inertia that a torque on a group meets: 1 / (row M^-1 row')."""
-        row = self.rows[group]
+        """The inertia that a torque on a group meets: 1 / (k M^-1 k'), k: its row of K."""
+        row = self.gains[group]
         speeds = [i for i in range(self.n) if any(mass[i, j] != 0 for j in range(self.n))]
         if not row or not set(row) <= set(speeds):
             return sp.Symbol("oo", real=True)
@@ -56,22 +62,22 @@ class Carried:
 
 
 def _block(mass: Any, rows: set[int]) -> list[int]:
-    """The shafts that are coupled to some by the mass matrix, these included."""
+    """The groups that are coupled to some by the mass matrix, these included."""
     found = set(rows)
     while new := {j for i in found for j in range(mass.shape[0]) if mass[i, j] != 0} - found:
         found |= new
     return sorted(found)
 
 
-def carry(
+def over_independent_groups(
     assembly: Assembly, drives: Mapping[tuple[int, int], Drive], q: Sequence[Any], v: Sequence[Any],
     offset: Callable[[str], Any],
-) -> Carried:  # fmt: skip
-    """How followers follow, in the symbols q, v of all groups."""
+) -> DependentGroups:  # fmt: skip
+    """How dependent groups follow, in the symbols q, v of all groups."""
     n = assembly.n_speeds + assembly.n_hidden
-    carried = Carried(n, assembly.n_groups)
-    carried.rows = [{i: sp.Integer(1)} if i < n else {} for i in range(assembly.n_groups)]
-    carried.surplus = [sp.Integer(0)] * assembly.n_groups
+    found = DependentGroups(n, assembly.n_groups)
+    found.gains = [{i: sp.Integer(1)} if i < n else {} for i in range(assembly.n_groups)]
+    found.acceleration_bias = [sp.Integer(0)] * assembly.n_groups
     for f in assembly.followers:
         speed: Any = sp.Integer(0)
         if f.row is not None:
@@ -81,21 +87,21 @@ def carry(
         else:
             assert f.drive is not None
             drive, scale = drives[f.drive.component, f.drive.number], _rational(f.drive.scale)
-            gains = {g: carried.put(drive.gains[name]) * _rational(c) for name, (g, c) in f.drive.factors.items()}
+            gains = {g: found.put(drive.gains[name]) * _rational(c) for name, (g, c) in f.drive.factors.items()}
             angle = None if drive.angle is None else scale * drive.angle
-            speed += carried.put(scale * drive.bias)
-            carried.surplus[f.group] = carried.put(scale * drive.surplus)
+            speed += found.put(scale * drive.bias)
+            found.acceleration_bias[f.group] = found.put(scale * drive.surplus)
         for source, c in gains.items():
-            speed += c * carried.put(v[source])
-            carried.surplus[f.group] += c * carried.surplus[source]
-            for i, a in carried.rows[source].items():
-                carried.rows[f.group][i] = carried.rows[f.group].get(i, 0) + c * a
-        carried.symbols[v[f.group]] = speed
+            speed += c * found.put(v[source])
+            found.acceleration_bias[f.group] += c * found.acceleration_bias[source]
+            for i, a in found.gains[source].items():
+                found.gains[f.group][i] = found.gains[f.group].get(i, 0) + c * a
+        found.symbols[v[f.group]] = speed
         if angle is None:
-            carried.paced[q[f.group]] = speed
+            found.rates[q[f.group]] = speed
         else:
-            carried.symbols[q[f.group]] = carried.put(angle)
-    return carried
+            found.symbols[q[f.group]] = found.put(angle)
+    return found
 
 
 def _rational(c: Exact) -> Any:

@@ -10,9 +10,9 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.assemble import HELD, assemble
-from gearblocks.assembly.tables import Assembly
-from gearblocks.equations.dependent_groups import carry
+from gearblocks.assembly.assemble import assemble
+from gearblocks.assembly.tables import HELD, Assembly
+from gearblocks.equations.dependent_groups import over_independent_groups
 from gearblocks.equations.equations import Equations
 from gearblocks.equations.latex import latex_name
 from gearblocks.equations.switched_constraints import Rub
@@ -193,18 +193,18 @@ class _Writer:
 
     def finish(self) -> Equations:
         """The frozen equations."""
-        carried = carry(self.assembly, self.drives, self.q, self.v, self._offset)
-        mass, torque = carried.balance(self.mass, self.torque)
+        dependent = over_independent_groups(self.assembly, self.drives, self.q, self.v, self._offset)
+        mass, torque = dependent.balance(self.mass, self.torque)
         mobility = {
-            sp.Symbol(f"__J{i}"): m if self.assembly.plain else carried.inertia(mass, i) for i, m in enumerate(self.mass)
+            sp.Symbol(f"__J{i}"): m if self.assembly.plain else dependent.inertia(mass, i) for i, m in enumerate(self.mass)
         }  # fmt: skip
         torque = [self._sensed(e.xreplace(mobility)) for e in torque]
-        definitions = {s: self._sensed(carried.put(e).xreplace(mobility)) for s, e in self.definitions.items()}
-        self.states = {s: self._sensed(carried.put(e)) for s, e in self.states.items()} | carried.paced
-        self.shows = {path: carried.put(e) for path, e in self.shows.items()}
-        self.rubs = [r.mapped(lambda e: self._sensed(carried.put(e).xreplace(mobility))) for r in self.rubs]
-        self.deflections = {x: carried.put(e) for x, e in self.deflections.items()}
-        self.q, self.v = self.q[: carried.n], self.v[: carried.n]
+        definitions = {s: self._sensed(dependent.put(e).xreplace(mobility)) for s, e in self.definitions.items()}
+        self.states = {s: self._sensed(dependent.put(e)) for s, e in self.states.items()} | dependent.rates
+        self.shows = {path: dependent.put(e) for path, e in self.shows.items()}
+        self.rubs = [r.mapped(lambda e: self._sensed(dependent.put(e).xreplace(mobility))) for r in self.rubs]
+        self.deflections = {x: dependent.put(e) for x, e in self.deflections.items()}
+        self.q, self.v = self.q[: dependent.n], self.v[: dependent.n]
         used: set[Any] = set()
         for e in [*torque, *self.states.values(), *(e for r in self.rubs for e in r.expressions())]:
             used |= e.free_symbols

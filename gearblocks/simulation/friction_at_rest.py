@@ -1,4 +1,11 @@
-"""Friction and stops at rest: what is stuck at start values, and whether it can carry what balance asks of it."""
+"""Active set of switched constraints at rest: which are active at start values, and whether their constraint forces are
+within their bounds once balance is found.
+
+    |G v| <= rounding   ->   active (friction stuck, stop closed);    lower <= lambda <= upper for all that are active
+
+At rest the constraint forces follow from balance alone, so that one which exceeds its bounds makes its constraint inactive
+(a stop, a freewheel) or shows that there is no equilibrium (friction). Knows nothing of how balance is found.
+"""
 
 from __future__ import annotations
 
@@ -9,59 +16,58 @@ from gearblocks.solver.point import Point
 from gearblocks.solver.structures import Array
 from gearblocks.solver.switched_constraints import LockKind, LockPlace, Locks
 
-_ROUNDING = 64 * np.finfo(float).eps  # of the largest speed times the numbers of a row
-_OVER = 1e-9  # a held force that exceeds its limit by less, relative to it, is rounding
+_ROUNDING = 64 * np.finfo(float).eps  # of the sum of |G| |v| of a row
+_EXCESS = 1e-9  # a constraint force that exceeds its bound by less, relative to it, is rounding
 
 
 def by_slips(point: Point) -> Point:
-    """The point with modes by slips alone: stuck where there is none, sliding where there is one; closed without a gap."""
+    """The point with modes by slips alone: friction is stuck where there is none, a stop is closed without a gap."""
     places = point.sim.locks().places
     if not places:
         return point
     locks, modes = point.locks(), point.modes.copy()
     first = point.program.n - locks.rows.shape[1]
-    rates = locks.rows @ point.y[first : point.program.n]
+    slips = locks.rows @ point.y[first : point.program.n]
     terms = np.abs(locks.rows) @ np.abs(point.y[first : point.program.n])
     for i, place in enumerate(places):
         if place.kind is LockKind.TIE:
             continue
-        slip = rates[i] if place.is_stop else locks.slip[i]
-        rests = bool(abs(slip) <= _ROUNDING * terms[i])
+        slip = slips[i] if place.is_stop else locks.slip[i]
+        still = bool(abs(slip) <= _ROUNDING * terms[i])
         if place.is_stop:
-            modes[place.hold] = rests and locks.slip[i] <= 0.0
+            modes[place.hold] = still and locks.slip[i] <= 0.0
         else:
-            rubs = _rubs(point, place, locks, i)
-            modes[place.hold] = rubs and rests
-            modes[place.slip] = float(np.sign(slip)) if rubs and not rests else 0.0
+            engaged = _is_engaged(point, place, locks, i)
+            modes[place.hold] = engaged and still
+            modes[place.slip] = float(np.sign(slip)) if engaged and not still else 0.0
     return point.at(modes=modes).settled()
 
 
-def _rubs(point: Point, place: LockPlace, locks: Locks, i: int) -> bool:
+def _is_engaged(point: Point, place: LockPlace, locks: Locks, i: int) -> bool:
+    """Whether friction is pressed at all."""
     return bool(locks.limits[i, 4] > 0.0) and not (place.free >= 0 and point.modes[place.free] > 0.5)
 
 
 def judged(found: Point) -> Point | None:
-    """None where everything that holds can do so, and nothing has gone through a stop; else the point with the stop
-    closed, or with that opened which holds one way only. Raises SimulationError for friction that cannot hold."""
+    """None where all constraint forces lie within their bounds and no gap is negative; else the point with that stop
+    closed, or with the constraint inactive that has one bound and exceeds it. SimulationError for friction that does."""
     places = found.sim.locks().places
     if not places:
         return None
     locks, modes = found.locks(), found.modes.copy()
-    met = [
-        i for i, x in enumerate(places) if x.is_stop and not modes[x.hold] and locks.slip[i] < -_reach(found, locks, i)
-    ]
-    if met:
-        deepest = min(met, key=lambda i: locks.slip[i])
+    overlaps = [i for i, place in enumerate(places) if _overlaps(found, place, locks, i)]
+    if overlaps:
+        deepest = min(overlaps, key=lambda i: locks.slip[i])
         modes[places[deepest].hold] = 1.0
-        return found.at(y=_moved_out(found, locks, deepest), modes=modes).settled()
-    turned = [i for i, x in enumerate(places) if x.kind is LockKind.TIE and locks.held[i] * modes[x.slip] < 0.0]
-    if turned:  # the force of a tie has the other sign
-        for i in turned:
+        return found.at(y=_without_overlap(found, locks, deepest), modes=modes).settled()
+    reversed_ties = [i for i, x in enumerate(places) if x.kind is LockKind.TIE and locks.held[i] * modes[x.slip] < 0.0]
+    if reversed_ties:  # the constraint force of a lossy tie has the other sign than its mode
+        for i in reversed_ties:
             modes[places[i].slip] *= -1.0
         return found.at(modes=modes).settled()
-    over = np.array([_excess(locks, i, x.kind) if modes[x.hold] > 0.5 else 0.0 for i, x in enumerate(places)])
-    worst = int(np.argmax(over))
-    if over[worst] <= _OVER:
+    excess = np.array([_excess(locks, i, x.kind) if modes[x.hold] > 0.5 else 0.0 for i, x in enumerate(places)])
+    worst = int(np.argmax(excess))
+    if excess[worst] <= _EXCESS:
         return None
     place, (lower, upper) = places[worst], locks.limits[worst, :2]
     if place.kind is LockKind.LOSS or (np.isfinite(lower) and np.isfinite(upper)):
@@ -72,34 +78,37 @@ def judged(found: Point) -> Point | None:
 
 
 def _excess(locks: Locks, i: int, kind: LockKind) -> float:
-    """By how much a held force exceeds its limits, relative to the largest force around."""
+    """By how much a constraint force exceeds its bounds, relative to the largest one around."""
     lower, upper = locks.limits[i, :2]
     size = float(np.abs(locks.held).max())
     if kind is LockKind.LOSS:
-        over = locks.excess[i]
+        excess = locks.excess[i]
     else:
-        over = max(locks.held[i] - upper, lower - locks.held[i])
+        excess = max(locks.held[i] - upper, lower - locks.held[i])
         size = max(size, min(abs(lower), abs(upper)))
-    return float(over / size) if over > 0.0 and size > 0.0 else 0.0
+    return float(excess / size) if excess > 0.0 and size > 0.0 else 0.0
 
 
-def _reach(point: Point, locks: Locks, i: int) -> float:
-    """What rounding makes of a gap of 0."""
+def _overlaps(point: Point, place: LockPlace, locks: Locks, i: int) -> bool:
+    """Whether a stop is open with a gap below 0, by more than rounding makes of a gap of 0."""
+    if not place.is_stop or point.modes[place.hold]:
+        return False
     first = point.program.n - locks.rows.shape[1]
-    return float(_ROUNDING * np.abs(locks.rows[i]).max() * np.abs(point.y[:first]).max(initial=0.0))
+    size = np.abs(locks.rows[i]).max() * np.abs(point.y[:first]).max(initial=0.0)
+    return bool(locks.slip[i] < -_ROUNDING * size)
 
 
-def _moved_out(point: Point, locks: Locks, i: int) -> Array:
-    """The state with the gap of a stop at 0, all that holds kept where it is."""
+def _without_overlap(point: Point, locks: Locks, i: int) -> Array:
+    """The state with the gap of a stop at 0 and the slips of the active set unchanged: the smallest such displacement."""
     from gearblocks.solver.motion import motion
 
-    whole, holding = motion(point), [*point.holding(), i]
-    wanted = np.zeros(len(holding))
+    whole, active = motion(point), [*point.holding(), i]
+    wanted = np.zeros(len(active))
     wanted[-1] = -locks.slip[i]
-    turned = np.linalg.lstsq(locks.rows[holding], wanted, rcond=1e-9)[0]
+    moved = np.linalg.lstsq(locks.rows[active], wanted, rcond=1e-9)[0]
     y = point.y.copy()
-    y[whole.coordinates] += whole.B @ turned
-    y[whole.angles] += whole.E @ turned
+    y[whole.coordinates] += whole.B @ moved
+    y[whole.angles] += whole.E @ moved
     return y
 
 

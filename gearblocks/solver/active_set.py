@@ -1,4 +1,11 @@
-"""What sticks as a constraint on the speeds: W v = 0, solved for as many speeds as there are independent rows."""
+"""Active set of switched constraints as velocity constraints, in reduced row form:
+
+    G v = 0    ->    W v = 0,  W = steps G    each row of W is 1 at its pivot and 0 at all other pivots
+
+so that the speeds at the pivots (dependent) follow from the others: v = basis v_kept. Gauss-Jordan elimination with the
+largest entry of a row as its pivot; a row that is within rounding a combination of those before is left out. The C core
+reduces its rows by the same rule while it steps (docs/decisions/0018). Knows nothing of friction laws, modes or time.
+"""
 
 from __future__ import annotations
 
@@ -13,15 +20,15 @@ from gearblocks.solver.structures import Array
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-_NOTHING = 1e-9  # of the largest number of a row: what is left of it says nothing new (as in gb_constraint_rows.h)
+_DEPENDENT = 1e-9  # of the largest entry of a row: what is left of it is rounding (as in gb_constraint_rows.h)
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Independent linear conditions W x = 0 in reduced form: each row has a 1 at its pivot and 0 at all other pivots.
+    """Reduced row form W x = 0 of given rows.
 
-    W: shape (k, n); pivots: shape (k,); which: the rows of those given that are independent; steps: W = steps @ given rows.
+    W: shape (k, n); pivots: shape (k,); which: the given rows that are independent; steps: W = steps @ given rows.
     """
 
     W: Array
@@ -31,25 +38,28 @@ class Rows:
 
     @property
     def kept(self) -> Indices:
-        """The entries that the others follow."""
+        """The entries that are no pivots: the others depend on them."""
         return np.setdiff1d(np.arange(self.W.shape[1]), self.pivots)
 
     def basis(self) -> csc_array:
-        """All entries from the kept ones, shape (n, n - k)."""
+        """Null space of W as columns, shape (n, n - k): x = basis x_kept, 1 at the kept entries."""
         from scipy.sparse import csc_array
 
         kept, n = self.kept, self.W.shape[1]
-        place = np.zeros(n, dtype=np.intp)
-        place[kept] = np.arange(len(kept))
+        column = np.zeros(n, dtype=np.intp)
+        column[kept] = np.arange(len(kept))
         r, c = np.nonzero(self.W)
-        beside = ~np.isin(c, self.pivots)
-        r, c = r[beside], c[beside]
+        off_pivot = ~np.isin(c, self.pivots)
+        r, c = r[off_pivot], c[off_pivot]
         values = np.concatenate([np.ones(len(kept)), -self.W[r, c]])
-        rows, columns = np.concatenate([kept, self.pivots[r]]), np.concatenate([np.arange(len(kept)), place[c]])
+        rows, columns = np.concatenate([kept, self.pivots[r]]), np.concatenate([np.arange(len(kept)), column[c]])
         return csc_array((values, (rows, columns)), shape=(n, len(kept)))
 
     def projected(self, M: csc_array, rates: Any) -> Any:
-        """Rates of the speeds (columns of a matrix) with the forces that keep W times them at 0; M: inertia matrix."""
+        """Accelerations, columns of `rates`, with constraint forces added: a - M^-1 W' lambda with W (...) = 0.
+
+        M: mass matrix. The least change in the metric of M (Gauss 1829, principle of least constraint).
+        """
         from scipy.sparse import csc_array
         from scipy.sparse.linalg import splu
 
@@ -59,25 +69,23 @@ class Rows:
 
 
 def reduced(rows: Array, largest: Array | None = None) -> Rows:
-    """Independent ones of some rows, reduced. largest: size of each row's terms, where what is left may be rounding."""
+    """Reduced row form. largest: size of the terms of each row, where the row itself may be what cancellation left of them."""
     n = rows.shape[1]
     W, pivots, which, steps = np.zeros((0, n)), np.zeros(0, dtype=np.intp), [], np.zeros((0, len(rows)))
     for i, given in enumerate(rows):
-        own, step = given - given[pivots] @ W, np.eye(len(rows))[i] - given[pivots] @ steps
+        row, step = given - given[pivots] @ W, np.eye(len(rows))[i] - given[pivots] @ steps
         size = np.abs(given).max(initial=0.0) if largest is None else largest[i]
-        if not np.abs(own).max(initial=0.0) > _NOTHING * size:
+        if not np.abs(row).max(initial=0.0) > _DEPENDENT * size:
             continue
-        pivot = int(np.argmax(np.abs(own)))
-        step, own = step / own[pivot], own / own[pivot]
-        steps, W = (
-            np.vstack([steps - np.outer(W[:, pivot], step), step]),
-            np.vstack([W - np.outer(W[:, pivot], own), own]),
-        )
+        pivot = int(np.argmax(np.abs(row)))
+        step, row = step / row[pivot], row / row[pivot]
+        steps = np.vstack([steps - np.outer(W[:, pivot], step), step])
+        W = np.vstack([W - np.outer(W[:, pivot], row), row])
         pivots = np.append(pivots, pivot)
         which.append(i)
     return Rows(W, pivots, np.array(which, dtype=np.intp), steps)
 
 
 def null_space(matrix: Array, largest: Array | None = None) -> Array:
-    """Vectors that a small matrix takes to 0, as columns."""
+    """Null space of a small matrix, as columns."""
     return np.asarray(reduced(matrix, largest).basis().toarray())

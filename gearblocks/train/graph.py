@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 from gearblocks.errors import ModelError
 from gearblocks.language.block import Block
 from gearblocks.language.expression import Expr
+from gearblocks.train.disjoint_sets import DisjointSets
 from gearblocks.train.nesting import localised
 from gearblocks.train.translational import sliders_of, sliding_nodes
 
@@ -58,18 +59,25 @@ class Train:
 
 def flatten(tree: Tree, *, complete: bool = True) -> Train:
     """The train with full paths. All problems are gathered into one ModelError; complete=False accepts open ends."""
-    blocks: list[tuple[str, Block]] = []
-    flanges: dict[tuple[str, str], int] = {}
-    parents: list[int] = []
+    parts = _Parts([], DisjointSets(), set())
+    parts.enter(tree, "")
+    return _number(tree, parts, complete)
 
-    def find(i: int) -> int:
-        while parents[i] != i:
-            parents[i] = parents[parents[i]]
-            i = parents[i]
-        return i
 
-    def enter(node: Tree, prefix: str) -> dict[str, int]:
-        local: dict[tuple[str, str], int] = {}
+_End: TypeAlias = "tuple[str, str]"  # full path of a block, name of its flange
+
+
+@dataclass(frozen=True, slots=True)
+class _Parts:
+    """Blocks with their full paths; nodes: flanges that are connected are one; joined: flanges that stand in a link."""
+
+    blocks: list[tuple[str, Block]]
+    nodes: DisjointSets[_End]
+    joined: set[_End]
+
+    def enter(self, node: Tree, prefix: str) -> dict[str, _End]:
+        """Takes the parts and links of a tree; what its exposed flanges are."""
+        local: dict[tuple[str, str], _End] = {}
         names = {name for name, _ in node.parts}
         for name, part in node.parts:
             path = prefix + name
@@ -77,25 +85,15 @@ def flatten(tree: Tree, *, complete: bool = True) -> Train:
                 part = localised(part, prefix, names)
             inner = _inside(name, part)
             if inner is not None:
-                for flange, i in enter(inner, path + ".").items():
-                    local[name, flange] = i
+                local |= {(name, flange): end for flange, end in self.enter(inner, path + ".").items()}
                 continue
-            blocks.append((path, part))
-            for flange in type(part).flanges:
-                local[name, flange] = flanges[path, flange] = len(parents)
-                parents.append(len(parents))
+            self.blocks.append((path, part))
+            local |= {(name, flange): (path, flange) for flange in type(part).flanges}
         for link in node.links:
-            first = find(local[link[0]])
             for end in link[1:]:
-                parents[find(local[end])] = first
-                joined.update((first, find(local[end])))
-            joined.update(local[end] for end in link)
+                self.nodes.join(local[end], local[link[0]])
+            self.joined.update(local[end] for end in link)
         return {name: local[end] for name, end in node.exposed}
-
-    joined: set[int] = set()
-    for name, i in enter(tree, "").items():
-        flanges["", name] = i
-    return _number(tree, blocks, flanges, joined, find, complete)
 
 
 def _inside(name: str, part: Any) -> Tree | None:
@@ -108,21 +106,19 @@ def _inside(name: str, part: Any) -> Tree | None:
     return Tree(name, tuple(parts.blocks.items()), tuple(parts.links), tuple(parts.flanges.items()))
 
 
-def _number(
-    tree: Tree, blocks: list[tuple[str, Block]], flanges: dict[Any, int], joined: set[int], find: Any, complete: bool
-) -> Train:
+def _number(tree: Tree, parts: _Parts, complete: bool) -> Train:
     """Numbers the nodes in the order of the components and refuses open ends."""
-    numbers, components, problems = dict[int, int](), [], []
-    for path, block in blocks:
+    numbers, components, problems = dict[_End, int](), [], []
+    for path, block in parts.blocks:
         nodes, who = [], f"{type(block).__name__} '{path}'"
         for flange, spec in type(block).flanges.items():
-            i = flanges[path, flange]
-            if i not in joined and spec.ground:
+            connected = (path, flange) in parts.joined
+            if not connected and spec.ground:
                 nodes.append(GROUND)
                 continue
-            if i not in joined and not spec.spare:
+            if not connected and not spec.spare:
                 problems.append(f"flange '{flange}' of {who} is open: connect it (to an Inertia, a Fixed, ...)")
-            nodes.append(numbers.setdefault(find(i), len(numbers)))
+            nodes.append(numbers.setdefault(parts.nodes.root((path, flange)), len(numbers)))
         if len({n for n in nodes if n != GROUND}) < sum(n != GROUND for n in nodes) and len(nodes) > 1:
             problems.append(f"{who} is connected to itself: two of its flanges share one node")
         components.append((path, block, tuple(nodes)))

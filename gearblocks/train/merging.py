@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
+from gearblocks.train.disjoint_sets import DisjointSets
 from gearblocks.train.graph import GROUND, Train
 from gearblocks.train.translational import start_fields
 
@@ -13,29 +14,22 @@ def released_angles(train: Train, stiffened: Collection[str]) -> Iterator[str]:
 
     The deflections that these angles described are gone with the compliance.
     """
-    parents = list(range(train.n_nodes))
-
-    def find(i: int) -> int:
-        while parents[i] != i:
-            parents[i] = parents[parents[i]]
-            i = parents[i]
-        return i
-
+    shafts = DisjointSets[int]()
     touched: set[int] = set()
     for c in train.components:
         nodes = [n for n in c.nodes if n != GROUND]
         if nodes and (c.path in stiffened or start_fields(c.block)[0] in type(c.block).fields):
             for node in nodes[1:]:
-                parents[find(node)] = find(nodes[0])
+                shafts.join(node, nodes[0])
             if c.path in stiffened:
                 touched.update(nodes)
-    roots = {find(node) for node in touched}
+    roots = {shafts.root(node) for node in touched}
     seen: set[int] = set()
     for c in train.components:
         if (
             len(c.nodes) == 2
             and getattr(c.block, start_fields(c.block)[0], None) is not None
-            and (root := find(c.nodes[0])) in roots
+            and (root := shafts.root(c.nodes[0])) in roots
         ):
             if root in seen:
                 yield c.path

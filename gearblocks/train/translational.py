@@ -8,6 +8,7 @@ from typing import Protocol, TypeAlias
 
 from gearblocks.language.block import Block
 from gearblocks.language.fields import Field
+from gearblocks.train.disjoint_sets import DisjointSets
 
 Ends: TypeAlias = "tuple[str, Block, Sequence[int]]"  # path, block, and the node of each flange (below 0: the ground)
 
@@ -93,14 +94,7 @@ def sliding_nodes(components: Sequence[Ends], n_nodes: int) -> tuple[frozenset[i
     """
     if not any(f.slider for kind in {type(block) for _, block, _ in components} for f in kind.flanges.values()):
         return frozenset(), []
-    parents = list(range(n_nodes))
-
-    def find(i: int) -> int:
-        while parents[i] != i:
-            parents[i] = parents[parents[i]]
-            i = parents[i]
-        return i
-
+    alike = DisjointSets[int]()
     fixed: list[tuple[int, str, bool]] = []
     carriers: list[tuple[int, str]] = []
     for path, block, nodes in components:
@@ -112,20 +106,20 @@ def sliding_nodes(components: Sequence[Ends], n_nodes: int) -> tuple[frozenset[i
             if f.slider is not None
         ]  # fmt: skip
         for n in both[1:]:
-            parents[find(n)] = find(both[0])
+            alike.join(n, both[0])
         if len(both) > 1:
             carriers.append((both[0], f"{type(block).__name__} '{path}'"))
     lines: dict[int, _Line] = {}
     for n, name, slides in fixed:
-        line = lines.setdefault(find(n), _Line())
+        line = lines.setdefault(alike.root(n), _Line())
         if slides:
             line.sliding = line.sliding or name
         else:
             line.turning = line.turning or name
     for n, name in carriers:
-        lines.setdefault(find(n), _Line()).through.append(name)
+        lines.setdefault(alike.root(n), _Line()).through.append(name)
     slide = {root for root, line in lines.items() if line.sliding}
-    return frozenset(n for n in range(n_nodes) if find(n) in slide), list(_contradictions(lines))
+    return frozenset(n for n in range(n_nodes) if alike.root(n) in slide), list(_contradictions(lines))
 
 
 def _contradictions(lines: Mapping[int, _Line]) -> Iterable[str]:

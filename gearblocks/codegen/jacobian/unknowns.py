@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.kinematics import Driven
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from heapq import heappop, heappush
 from typing import Any
 
-from gearblocks.assembly.coordinates import Combination
+from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.kinematics import Driven, Follower
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.function import Function
