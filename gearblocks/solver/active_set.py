@@ -4,7 +4,7 @@
 
 so that the speeds at the pivots (dependent) follow from the others: v = basis v_kept. Gauss-Jordan elimination with the
 largest entry of a row as its pivot; a row that is within rounding a combination of those before is left out. The C core
-reduces its rows by the same rule while it steps (docs/decisions/0018). Knows nothing of friction laws, modes or time.
+reduces its rows by the same rule while it steps (docs/decisions/0019). Knows nothing of friction laws, modes or time.
 """
 
 from __future__ import annotations
