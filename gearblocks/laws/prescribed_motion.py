@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy as sp
@@ -25,6 +25,10 @@ class Drive:
     bias: Any
     surplus: Any
     angle: Any = None
+
+    def map_rates(self, f: Callable[[Any], Any]) -> Drive:
+        """With f(expression) in place of gains, bias and surplus."""
+        return replace(self, gains={n: f(g) for n, g in self.gains.items()}, bias=f(self.bias), surplus=f(self.surplus))
 
 
 def is_constant_tie(law: Any, flanges: Mapping[str, Any], zero: Any) -> bool:
@@ -77,10 +81,7 @@ def motion_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> Dri
 
 def frozen_drive(drive: Drive, freeze: Callable[[Any], Any]) -> Drive:
     """The drive with every condition as a mode."""
-    return Drive(
-        drive.flange, {n: freeze(g) for n, g in drive.gains.items()}, freeze(drive.bias), freeze(drive.surplus),
-        None if drive.angle is None else freeze(drive.angle),
-    )  # fmt: skip
+    return replace(drive.map_rates(freeze), angle=None if drive.angle is None else freeze(drive.angle))
 
 
 def is_steady(law: Any, number: int) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import sympy as sp
@@ -11,6 +11,8 @@ import sympy as sp
 from gearblocks.language.contributions import LossyTie, Stick, Stop
 from gearblocks.laws.checks import in_pair
 from gearblocks.laws.symbols import Pool
+
+_EVALUATED = ("lower", "upper", "forward", "backward", "engaged", "gap", "restitution", "share")
 
 
 @dataclass(slots=True)
@@ -46,41 +48,20 @@ class StickOfKind:
         """Whether it is a unilateral contact."""
         return self.gap is not None
 
-    def expressions(self) -> list[Any]:
-        """Everything that the solver evaluates at an event."""
-        found = [
-            self.lower,
-            self.upper,
-            self.forward,
-            self.backward,
-            self.engaged,
-            self.gap,
-            self.restitution,
-            self.share,
-        ]
-        return [x for x in (*found, *(self.losses or ())) if x is not None]
-
-    def changed(self, new: Callable[[Any], Any]) -> None:
-        """Replaces every expression by new(expression)."""
-        for name in ("lower", "upper", "forward", "backward", "engaged", "gap", "restitution", "share"):
-            value = getattr(self, name)
-            if value is not None:
-                setattr(self, name, new(value))
-        if self.losses is not None:
-            self.losses = tuple(new(x) for x in self.losses)
+    def map(self, f: Callable[[Any], Any]) -> StickOfKind:
+        """With f(expression) in place of everything that the solver evaluates at an event."""
+        values = {n: f(x) for n in _EVALUATED if (x := getattr(self, n)) is not None}
+        losses = None if self.losses is None else tuple(f(x) for x in self.losses)
+        return replace(self, **values, losses=losses)
 
     @property
     def kind(self) -> str:
         """friction, stop, tie (of a LossyTie) or loss."""
-        return (
-            "stop"
-            if self.gap is not None
-            else "tie"
-            if self.share is not None
-            else "loss"
-            if self.losses
-            else "friction"
-        )
+        if self.is_stop:
+            return "stop"
+        if self.share is not None:
+            return "tie"
+        return "loss" if self.losses else "friction"
 
 
 def sticks_of(pool: Pool, flanges: Mapping[str, Any], items: list[Any]) -> dict[str, StickOfKind]:
@@ -112,8 +93,7 @@ def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> StickOfKind:
     direction, _ = _directions(pool)
     made = StickOfKind("tie", slip, push, partner="loss")
     made.share = direction**2 * _either(pool, item.driving[0], item.coasting[0])
-    made.changed(lambda e: _along(e, sp.expand(item.slip), direction))
-    return made
+    return made.map(lambda e: _along(e, sp.expand(item.slip), direction))
 
 
 def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> StickOfKind:
@@ -122,8 +102,7 @@ def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> StickOfKind
     size = _either(pool, item.driving[1], item.coasting[1])
     made = StickOfKind("loss", slip, push, forward=size, backward=size, partner="tie")
     made.losses = tuple(sp.sympify(x) for x in (*item.driving, *item.coasting))
-    made.changed(lambda e: _along(e, slip, _directions(pool)[0]))
-    return made
+    return made.map(lambda e: _along(e, slip, _directions(pool)[0]))
 
 
 def carried_loss(pool: Pool, sticks: Mapping[str, StickOfKind]) -> Any:
@@ -150,8 +129,7 @@ def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> StickOfKind:
     made = StickOfKind(item.name, slip, push, lower, upper, sp.sympify(forward), sp.sympify(backward))
     made.engaged = sp.sympify(item.engaged)
     made.impulse = _state(pool, item.impulse)
-    made.changed(lambda e: _along(e, slip, direction))
-    return made
+    return made.map(lambda e: _along(e, slip, direction))
 
 
 def _stop(pool: Pool, flanges: Mapping[str, Any], item: Stop) -> StickOfKind:

@@ -77,8 +77,8 @@ class Freezer:
                     if item.when != 1:
                         switch.when = self.freeze(sp.sympify(item.when))
 
-    def watch(self, stick: StickOfKind) -> None:
-        """The switches of a stick: its slip (or gap), its held force, and whether it is engaged."""
+    def watch(self, stick: StickOfKind) -> StickOfKind:
+        """The switched constraint with its switches: its slip (or gap), its constraint force, and whether it is engaged."""
         first = {"stop": "gap", "tie": "sign"}.get(stick.kind, "slip")
         name = "" if stick.kind in ("tie", "loss") else stick.name
         for what, surface in ((first, stick.gap if stick.is_stop else stick.slip), ("hold", sp.Integer(0))):
@@ -86,12 +86,12 @@ class Freezer:
             mode = Mode(len(self.switches), MOVING)
             symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
             self.switches.append(SurfaceOfKind(name, surface, symbol, MOVING, lock=what))
-        if self.pool.level(stick.engaged) == CONSTANT:
-            return
-        mode = Mode(len(self.switches), level := self.pool.level(stick.engaged))
-        stick.switches["engaged"] = mode.number
-        symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
-        self.switches.append(SurfaceOfKind(stick.name, -stick.engaged, symbol, level, lock="free"))
+        if (level := self.pool.level(stick.engaged)) != CONSTANT:
+            mode = Mode(len(self.switches), level)
+            stick.switches["engaged"] = mode.number
+            symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
+            self.switches.append(SurfaceOfKind(stick.name, -stick.engaged, symbol, level, lock="free"))
+        return stick
 
     def freeze(self, expr: Any) -> Any:
         """expr with every condition replaced."""
