@@ -116,7 +116,7 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
                 slot = law.pool.slots.get(-constant)
                 if slot is None or slot.role != "own" or len(row) != 1:
                     raise ModelError(
-                        f"'{c.path}': the tie has the constant '{constant}'; only -phi0 at one flange is known"
+                        f"'{c.path}': the tie has the constant '{constant}'; only a start angle at one flange is known"
                     )
                 offset = f"{c.path}.{slot.of}"
                 held = float(getattr(c.block, slot.of))

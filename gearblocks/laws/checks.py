@@ -156,8 +156,19 @@ class _Check:
             rates = sum(any(getattr(x, a) is state for a in _KINDS[type(x)].rates) for x in items if type(x) in _KINDS)
             if rates != 1:
                 yield f"the state '{name}' has {rates} rates; yield one gb.Rate(s.{name}, ...)"
+        if any(isinstance(x, Body) and not self.flange(x.flange) and x.flange.phi.is_Symbol for x in items):
+            yield from self.start_values(items)
         shown = [x.name for x in items if isinstance(x, Shows)]
         yield from (f"the output '{name}' is shown twice" for name in dict.fromkeys(shown) if shown.count(name) > 1)
+
+    def start_values(self, items: list[Any]) -> Iterator[str]:
+        """Start values of a body that the law reads: they are no numbers of a run."""
+        exprs = [getattr(x, name) for x in items for name in _KINDS.get(type(x), _Kind(())).expressions]
+        read = {x for e in exprs if isinstance(e, sp.Expr) for x in e.free_symbols}
+        for symbol in sorted(read, key=str):
+            slot = self.pool.slots.get(symbol)
+            if slot is not None and slot.role == "own" and slot.of in self.pool.starts:
+                yield f"the physics reads the start value '{slot.of}': declare a parameter of its own for what the law needs"
 
     # -- one check for each kind of contribution; `sound`: its expressions are in order --------------------------------
 

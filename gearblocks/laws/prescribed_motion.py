@@ -38,7 +38,7 @@ def is_constant_tie(law: Any, flanges: Mapping[str, Any], zero: Any) -> bool:
         return False
     rest = zero.xreplace({f.phi: sp.Integer(0) for f in flanges.values()})
     slot = law.pool.slots.get(-rest)
-    return bool(rest == 0) or (slot is not None and slot.role == "own" and slot.of == "phi0")
+    return bool(rest == 0) or (slot is not None and slot.role == "own" and slot.of in law.pool.starts)
 
 
 def linear_tie(flanges: Mapping[str, Any], zero: Any) -> tuple[dict[str, Any], Any]:

@@ -60,6 +60,8 @@ class Pool:
         self.slots: dict[Any, Slot] = {clock(): Slot("time", None)}
         self.nonzero: set[str] = set()
         """Numbers of the block that its bounds keep from 0."""
+        self.starts: set[str] = set()
+        """Numbers of the block that are start values of its shafts."""
         self._made: dict[Slot, Any] = {}
 
     def symbol(self, role: str, of: Any, text: str) -> Any:
@@ -171,6 +173,8 @@ class Symbols:
                 setattr(self, name, self._value(name, field.role, value))
                 if field.role == "exact" or (field.gt is not None and field.gt >= 0):
                     pool.nonzero.add(prefix + name)
+                if field.start is not None:
+                    pool.starts.add(prefix + name)
 
     def _value(self, name: str, role: str, value: Any) -> Any:
         if isinstance(value, tuple):
