@@ -1,4 +1,4 @@
-"""Backlash: what a contact does around zero deflection."""
+"""Backlash: dead zones g(x) with exact corners, as polynomials, smooth, or of many teeth; damping of impacts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The law that every compliant contact shares: spring, dead zone, damping, excitation."""
+"""Compliant contact: N = k(.) g(x) + d(x, x'), with dead zone g, damping d, and excitation by stiffness and error.
+
+The law that meshes, splines, lashes and non-circular gears share. Knows nothing of their geometry.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Effects that meshes and other compliant elements may have: excitation here, those of contact from `gaps`."""
+"""Effects of meshes and other compliant elements: excitation, friction, hysteresis; those of contact from `backlash`."""
 
 from __future__ import annotations
 

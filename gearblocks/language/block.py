@@ -1,7 +1,6 @@
-"""How a block says what it is, what it has and what it does.
+"""Blocks and effects: classes whose attributes declare flanges, fields and states, and whose `physics` yields contributions.
 
-A block is a class with flanges, parameters, signals, states and effects as class attributes, and a method `physics`
-that yields contributions. Instances are frozen and keyword-only. `self` holds numbers, `s` holds symbols.
+Instances are frozen and keyword-only. `self` holds numbers, `s` holds symbols. Knows nothing of laws, nor of trains.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Light expressions for signals: built from `time`, parameters, inputs, tables and senses without importing sympy.
+"""Expression trees of signals: built from `time`, parameters, inputs, tables and feedback signals without importing sympy.
 
 They print to text, parse back from text (nothing is evaluated as code) and turn into sympy when asked. A sympy
 expression of these leaves is taken as well.

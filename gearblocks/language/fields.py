@@ -1,6 +1,8 @@
-"""Fields of a block: parameters, options, signals and effects with words, unit, default and bounds; flanges and states.
+"""Declarations of fields (parameters, exact numbers, options, signals, effects) with words, unit, default, bounds and role;
+of flanges and states.
 
-Knows nothing of blocks: it only says what a field is."""
+What a field means is declared here, never read off its name. Knows nothing of blocks, nor of values.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""What a block written by a user yields, looked through before anything is made of it."""
+"""Checks of contributions that a user's block yields, before a law is derived: one for each kind, and one of all together.
+
+Every problem is one sentence with its way out. Knows nothing of derivation, nor of the values of the block.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +59,7 @@ def physics_problems(path: str, block: Block, grounded: frozenset[str]) -> list[
 
 
 class _Number:
-    """Stands for a number of `self` while physics is looked through: present, but good for nothing else.
+    """Stands for a number of `self` while physics is checked: present, but good for nothing else.
 
     A number of `self` would be baked into the law, which all blocks of a kind share.
     """

@@ -1,4 +1,8 @@
-"""Ties as a law states them: linear ones, and those that prescribe the motion of one flange."""
+"""Prescribed motions: constraints solved for one flange, w = sum gains_f w_f + bias, w' = sum gains_f w_f' + surplus.
+
+The velocity bias is the rate of what moves with time and states, the acceleration bias the rest of w'. Constraints that are
+linear with constant factors are rigid constraints instead. Knows nothing of trains, nor of who moves the other flanges.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +19,7 @@ from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, clock
 
 @dataclass(slots=True)
 class Drive:
-    """A flange whose motion follows: phi = angle, w = sum gains w + bias, w' = sum gains w' + surplus.
+    """A prescribed motion of a flange: phi = angle, w = sum gains w + bias, w' = sum gains w' + surplus.
 
     angle: None where only the speed is prescribed. gains: by the other flanges.
     """
@@ -32,7 +36,7 @@ class Drive:
 
 
 def is_constant_tie(law: Any, flanges: Mapping[str, Any], zero: Any) -> bool:
-    """Whether a tie is linear in the angles with constant ratios, and rests on nothing else than them and a start angle."""
+    """Whether a relation of angles is a rigid constraint: sum c_f phi_f = 0, or = the start angle of the block."""
     slopes = [sp.diff(zero, f.phi) for f in flanges.values() if f.phi.is_Symbol]
     if any(law.pool.level(c) != CONSTANT for c in slopes):
         return False

@@ -1,4 +1,8 @@
-"""Friction with stick, locks and stops of one kind: slips, limits of held forces, sizes of sliding forces."""
+"""Switched constraints of one kind (friction, locks, stops, lossy gears): a row v = sum push_f w_f over the flange speeds.
+
+Active: v = 0 with a constraint force in [lower, upper]. Inactive: a sliding force against v, forward or backward; of a stop,
+none. Knows nothing of what is active, nor of trains.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +21,9 @@ _EVALUATED = ("lower", "upper", "forward", "backward", "engaged", "gap", "restit
 
 @dataclass(slots=True)
 class StickOfKind:
-    """One Stick or Stop of a kind.
+    """One switched constraint of a kind: a Stick, a Stop, or one of the two of a LossyTie.
 
-    push: by flange, d slip / d w. lower, upper: of the held force (None: without limit). forward, backward: sizes of the
+    push: by flange, d slip / d w. lower, upper: force bounds (None: without limit). forward, backward: sizes of the sliding
     force against the slip. of a Stop: gap and restitution. switches: numbers of its switches in the law by what they
     watch: "slip" (or "gap", or "sign"), "hold", "engaged". impulse, impacts: names of states. of a LossyTie: the tie has
     `share`, the part of its force that its partner loses while it slides; the loss has `losses` (share and rest driving, then
@@ -65,7 +69,7 @@ class StickOfKind:
 
 
 def sticks_of(pool: Pool, flanges: Mapping[str, Any], items: list[Any]) -> dict[str, StickOfKind]:
-    """The sticks, stops and lossy ties that a block yields, by name."""
+    """The switched constraints that a block yields, by name."""
     found: dict[str, StickOfKind] = {}
     for x in items:
         if isinstance(x, LossyTie):
@@ -76,12 +80,12 @@ def sticks_of(pool: Pool, flanges: Mapping[str, Any], items: list[Any]) -> dict[
 
 
 def _directions(pool: Pool) -> tuple[Any, Any]:
-    """Direction of the loss, and sign of the force of the tie."""
+    """Symbols: direction of the loss, and sign of the constraint force of the tie."""
     return pool.symbol("direction", "loss", "dir_loss"), pool.symbol("direction", "tie", "dir_tie")
 
 
 def _either(pool: Pool, driving: Any, coasting: Any) -> Any:
-    """What holds for the present directions."""
+    """The value for the present directions: driving where slip and force have one sign, else coasting."""
     direction, sign = _directions(pool)
     same = (1 + direction * sign) / 2
     return same * sp.sympify(driving) + (1 - same) * sp.sympify(coasting)
@@ -106,7 +110,7 @@ def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> StickOfKind
 
 
 def carried_loss(pool: Pool, sticks: Mapping[str, StickOfKind]) -> Any:
-    """Power that a lossy tie loses in proportion to its force, or None."""
+    """Power that a lossy tie loses in proportion to its constraint force, or None."""
     if "tie" not in sticks or sticks["tie"].share is None:
         return None
     return sticks["tie"].share * pool.symbol("held", "tie", "held_tie") * sticks["loss"].slip
@@ -142,12 +146,12 @@ def _stop(pool: Pool, flanges: Mapping[str, Any], item: Stop) -> StickOfKind:
 
 
 def along(pool: Pool, stick: StickOfKind, expr: Any) -> Any:
-    """An expression with the size and sign of the slip written with the direction of the stick."""
+    """An expression with abs(slip) and sign(slip) of a switched constraint written with its direction."""
     return _along(expr, stick.slip, pool.symbol("direction", stick.name, f"dir_{stick.name}".rstrip("_")))
 
 
 def _along(expr: Any, slip: Any, direction: Any) -> Any:
-    """The size of the slip as direction * slip, so that the law stays on one branch within a step."""
+    """abs(slip) as direction * slip, so that the law stays on one branch within a step."""
 
     def is_of_slip(e: Any) -> bool:
         return isinstance(e, (sp.Abs, sp.sign)) and sp.expand(e.args[0]) in (slip, sp.expand(-slip))

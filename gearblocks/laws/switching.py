@@ -1,7 +1,7 @@
-"""Conditions become frozen modes: Piecewise, Abs, sign, Min, Max, Heaviside and tables turn into located switches.
+"""Conditions as modes: Piecewise, Abs, sign, Min, Max, Heaviside and tables become event functions and mode symbols.
 
-Within a step a law runs on the branch that its modes name, continued smoothly past the surface; only the event
-handler of the solver changes a mode.
+H(g(x)) becomes a mode m in {0, 1} with the event function g. Within a step a law runs on the branch that its modes name,
+continued smoothly past the surface. Knows nothing of when a mode changes: the solver does that at events.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ class Mode:
 
 @dataclass(slots=True)
 class SurfaceOfKind:
-    """One switch of a kind, with its name and the values in the events.
+    """One event function of a kind, with its name and the values in the events.
 
     Its mode is the sign of the surface (0 or 1), the segment of a `table` over it, or its side of a `band` about zero
-    of that half width (-1, 0, 1). lock: what it watches of a stick: "slip", "gap", "sign" (of a force), "hold" or
-    "free"; the solver then
-    decides about its mode together with those of all other sticks ("free" apart: 1 where nothing rubs).
+    of that half width (-1, 0, 1). lock: what it watches of a switched constraint: "slip", "gap", "sign" (of a force), "hold"
+    or "free"; the solver then decides about its mode together with those of all others ("free" apart: 1 where it is not
+    engaged).
     """
 
     name: str

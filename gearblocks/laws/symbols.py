@@ -1,4 +1,7 @@
-"""The symbols that a block's physics is written in."""
+"""Symbols of a law and their roles: what each stands for, and what can change it during a run.
+
+Knows nothing of values, nor of generated code.
+"""
 
 from __future__ import annotations
 
@@ -230,7 +233,7 @@ class Symbols:
 
     def stick(self, name: str) -> tuple[Any, Any, Any]:
         """Of the Stick or Stop of that name: direction of sliding (-1, 1; 0 when stuck or free), 1 while stuck (closed),
-        and the held force (0 unless stuck), which only Shows can read."""
+        and the constraint force (0 unless stuck), which only Shows can read."""
         direction = self._pool.symbol("direction", name, f"dir_{name}".rstrip("_"))
         stuck = self._pool.symbol("stuck", name, f"stuck_{name}".rstrip("_"))
         return direction, stuck, self._pool.symbol("held", name, f"held_{name}".rstrip("_"))
