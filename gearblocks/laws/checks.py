@@ -143,10 +143,10 @@ class _Check:
     def item(self, item: Any) -> Iterator[str]:
         """What is wrong with one contribution by itself."""
         kind = type(item)
-        if kind not in _KINDS:
+        if kind not in KINDS:
             yield f"physics yields {item!r:.80}, which is no contribution such as gb.Acts(...)"
             return
-        known = _KINDS[kind]
+        known = KINDS[kind]
         showing, optional = kind is Shows, kind is Energy
         problems = [p for f in known.expressions if (p := self.expression(getattr(item, f), showing, optional))]
         if known.check is not None:
@@ -156,7 +156,7 @@ class _Check:
     def whole(self, items: list[Any]) -> Iterator[str]:
         """What is wrong with all contributions together."""
         for name, state in self.states.items():
-            rates = sum(any(getattr(x, a) is state for a in _KINDS[type(x)].rates) for x in items if type(x) in _KINDS)
+            rates = sum(any(getattr(x, a) is state for a in KINDS[type(x)].rates) for x in items if type(x) in KINDS)
             if rates != 1:
                 yield f"the state '{name}' has {rates} rates; yield one gb.Rate(s.{name}, ...)"
         if any(isinstance(x, Body) and not self.flange(x.flange) and x.flange.phi.is_Symbol for x in items):
@@ -166,7 +166,7 @@ class _Check:
 
     def start_values(self, items: list[Any]) -> Iterator[str]:
         """Start values of a body that the law reads: they are no numbers of a run."""
-        exprs = [getattr(x, name) for x in items for name in _KINDS.get(type(x), _Kind(())).expressions]
+        exprs = [getattr(x, name) for x in items for name in KINDS.get(type(x), _Kind(())).expressions]
         read = {x for e in exprs if isinstance(e, sp.Expr) for x in e.free_symbols}
         for symbol in sorted(read, key=str):
             slot = self.pool.slots.get(symbol)
@@ -325,7 +325,7 @@ class _Kind:
     rates: tuple[str, ...] = ()
 
 
-_KINDS: dict[type, _Kind] = {
+KINDS: dict[type, _Kind] = {
     Body: _Kind(("J",), _Check.body),
     Force: _Kind(("deflection", "force"), _Check.force),
     Potential: _Kind(("energy",), _Check.potential),

@@ -73,10 +73,10 @@ class Law:
 
     def map(self, f: Replace, *of: str) -> Law:
         """The law with f(expression) in place of every expression of these parts: a part by its name ("torques"), or all
-        parts of a role (COORDINATES, LOCATED, READ, STAGE, RATIOS). Absent expressions stay absent."""
+        parts of a role (COORDINATES, LOCATED, READ, STAGE, RATIOS), or without any name all. Absent expressions stay absent."""
         law = replace(self)
         for name in _parts(of):
-            part = _PARTS[name]
+            part = PARTS[name]
             setattr(law, part.member, part.walk(getattr(law, part.member), f))
         return law
 
@@ -112,7 +112,7 @@ def _values(x: Mapping[Any, Any], f: Replace) -> dict[Any, Any]:
     return {name: f(e) for name, e in x.items()}
 
 
-_PARTS: dict[str, _Part] = {
+PARTS: dict[str, _Part] = {
     "forms": _Part("forms", lambda x, f: [replace(form, coefficients=_values(form.coefficients, f)) for form in x], (RATIOS,)),
     "ties": _Part("ties", lambda x, f: [(_values(coefficients, f), constant) for coefficients, constant in x], (RATIOS,)),
     "slips": _Part("sticks", lambda x, f: {n: replace(k, push=_values(k.push, f)) for n, k in x.items()}, (RATIOS,)),
@@ -138,4 +138,5 @@ _PARTS: dict[str, _Part] = {
 
 def _parts(of: tuple[str, ...]) -> list[str]:
     """Names of the parts that are asked for, in the order of the traversal."""
-    return [name for name, part in _PARTS.items() if name in of or not set(of).isdisjoint(part.roles)]
+    assert set(of) <= {*PARTS, COORDINATES, LOCATED, READ, STAGE, RATIOS}, of
+    return [name for name, part in PARTS.items() if not of or name in of or not set(of).isdisjoint(part.roles)]
