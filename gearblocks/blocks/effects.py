@@ -168,7 +168,7 @@ class Hysteresis(Effect):
 
 
 class MeshLaw(Effect):
-    """What the meshes of a composite have beyond their teeth: compliance and what lives on it; the fields of GearMesh."""
+    """Law of the meshes of a composite: compliance and the effects that rest on it; the fields of GearMesh."""
 
     face_width: Value | None = param("common face width", "m", default=None, gt=0)
     profile_shift: tuple[Value, Value] | None = param(
@@ -192,7 +192,7 @@ class MeshLaw(Effect):
         return {name: self.__dict__[name] for name in type(self).fields}
 
     def shifted(self, phase: float) -> MeshLaw:
-        """The same law with everything that is driven by the mesh cycle ahead by a phase [rad]."""
+        """The law with every excitation over the mesh cycle ahead by a phase [rad]."""
         if phase == 0:
             return self
         moved = {}

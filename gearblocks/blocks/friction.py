@@ -35,7 +35,7 @@ class DryFriction:
 
 
 def friction_problems(block: Any) -> Iterator[str]:
-    """What is wrong with capacity, or mu, force_max and engagement; geometry and force_max belong to the latter."""
+    """Problems of capacity, or of mu, force_max and engagement; geometry and force_max belong to the latter."""
     normal = ("mu", "force_max", "engagement")
     given = [name for name in normal if getattr(block, name) is not None]
     if block.capacity is not None and given:
@@ -50,7 +50,7 @@ def friction_problems(block: Any) -> Iterator[str]:
 
 
 def over_slip_problems(name: str, table: Any) -> Iterator[str]:
-    """Why a table cannot stand over the size of a slip."""
+    """Problems of a table over abs(slip): it must not be periodic, nor negative."""
     if not isinstance(table, Table):
         return
     if table.periodic:

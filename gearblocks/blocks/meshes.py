@@ -109,7 +109,7 @@ class GearMesh(Block):
             )
 
     def _geometry_problems(self) -> Iterator[str]:
-        """What the stiffness of the standard and the lever arms of friction ask for."""
+        """Fields that the stiffness of the standard and the lever arms of friction need."""
         iso, rubbing = self.stiffness is not None, self.friction is not None and self.friction.direction == "geometry"
         if self.stiffness not in (None, "iso6336"):
             yield f"stiffness = {self.stiffness!r} is not known; give 'iso6336', or k"
@@ -127,7 +127,7 @@ class GearMesh(Block):
             yield from self._limits(iso, rubbing)
 
     def _limits(self, iso: bool, rubbing: bool) -> Iterator[str]:
-        """Where given numbers lie outside of what the formulas hold for; Parameters are not judged."""
+        """Numbers outside of the range of the formulas; Parameters are not judged."""
         shape = (
             self.module,
             self.pressure_angle,

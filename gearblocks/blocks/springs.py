@@ -98,7 +98,7 @@ class Shaft(Block):
 
 
 def _inner_friction(block: Shaft, s: Any, twist: Any, rate: Any) -> Generator[Contribution, None, tuple[Any, Any]]:
-    """The torque of the slider that pulls the ends together, and the power it loses."""
+    """Torque of the dry slider of Jenkins and Iwan, with the sign of the twist, and the power that it loses."""
     import sympy as sp
 
     if block.hysteresis is None:

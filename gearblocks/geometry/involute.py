@@ -29,7 +29,7 @@ def inverse_involute(y: float) -> float:
 
 
 class Functions(NamedTuple):
-    """What geometry computes with: the functions of numbers, or those of symbols."""
+    """Elementary functions that geometry computes with: of numbers, or of symbols."""
 
     sqrt: Callable[[Any], Any] = math.sqrt
     sin: Callable[[Any], Any] = math.sin
@@ -154,7 +154,7 @@ def mesh_stiffness(pair: ToothPair, face_width: Any, first_is_smaller: bool = Tr
 
 
 def iso_problems(pair: ToothPair, first_is_smaller: bool) -> list[str]:
-    """Where numbers lie outside of what the formula holds for."""
+    """Problems of numbers outside of the range of the formula (ISO 6336-1, method B)."""
     found = []
     x = list(pair.shifts or (0.0, 0.0))
     if not first_is_smaller:

@@ -46,7 +46,7 @@ class Fit:
 
 
 def parts_of_turn(what: str, angle: float) -> int:
-    """How often an angle [rad] goes into a turn."""
+    """Whole number of times that an angle [rad] goes into a turn."""
     n = round(TURN / angle) if angle > 0 else 0
     if n < 1 or abs(TURN / angle - n) > 1e-9 * n:
         raise RatioLawError(

@@ -102,7 +102,7 @@ class Declared:
         return type(self)(**{**self.__dict__, **values})
 
     def problems(self) -> Iterator[str]:
-        """What is wrong with the combination of values, each as one sentence without the block's name."""
+        """Problems of the combination of values, each as one sentence without the block's name."""
         return iter(())
 
 
@@ -185,7 +185,7 @@ class Block(Declared, ABC):
         return present
 
     def without_effect(self, name: str) -> Block:
-        """The same block with one effect taken away; without compliance nothing that lives on it stays."""
+        """The block without one effect; without compliance, without all effects that rest on it."""
         fields = type(self).fields
         gone = set(self.effects()) if name == COMPLIANCE else {name}
         owners = {n: n if spec.role == "effect" else spec.belongs_to for n, spec in fields.items()}

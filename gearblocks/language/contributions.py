@@ -199,7 +199,7 @@ Contribution: TypeAlias = (
 
 @dataclass(frozen=True)
 class Parts:
-    """What a composite block stands for: blocks by name, links between (name, flange) pairs, and its own flanges."""
+    """Composition of a composite block: blocks by name, links between (name, flange) pairs, and its own flanges."""
 
     blocks: Mapping[str, Any]
     links: tuple[tuple[tuple[str, str], tuple[str, str]], ...]

@@ -24,7 +24,7 @@ class _Required:
 _REQUIRED: Any = _Required()
 
 ANGLE, SPEED = "angle", "speed"
-"""What a start value may be of."""
+"""Roles of start values: the angle or the speed of a shaft; of a slider, position or speed."""
 COMPLIANCE = "compliance"
 """The effect that all others of a compliant block rest on."""
 GIVING_WAY = (COMPLIANCE, "backlash")

@@ -141,7 +141,7 @@ class _Check:
         self.states = {name: getattr(s, name) for name in type(block).states}
 
     def item(self, item: Any) -> Iterator[str]:
-        """What is wrong with one contribution by itself."""
+        """Problems of one contribution by itself."""
         kind = type(item)
         if kind not in KINDS:
             yield f"physics yields {item!r:.80}, which is no contribution such as gb.Acts(...)"
@@ -154,7 +154,7 @@ class _Check:
         yield from (f"{kind.__name__}: {problem}" for problem in problems)
 
     def whole(self, items: list[Any]) -> Iterator[str]:
-        """What is wrong with all contributions together."""
+        """Problems of all contributions together."""
         for name, state in self.states.items():
             rates = sum(any(getattr(x, a) is state for a in KINDS[type(x)].rates) for x in items if type(x) in KINDS)
             if rates != 1:
@@ -318,7 +318,7 @@ class _Check:
 
 @dataclass(frozen=True, slots=True)
 class _Kind:
-    """What is checked of one kind of contribution: its expressions, whatever else it is, and the states it gives rates."""
+    """Check of one kind of contribution: its expressions, a check of the rest, and the states that it gives rates to."""
 
     expressions: tuple[str, ...]
     check: Callable[[_Check, Any, bool], Iterator[str]] | None = None

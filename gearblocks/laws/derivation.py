@@ -44,7 +44,7 @@ from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, Symbols
 
 
 def _contributions(block: Block, s: Symbols) -> defaultdict[type, list[Any]]:
-    """What one call of physics yields, by kind of contribution."""
+    """Contributions of one call of physics, by kind."""
     found: defaultdict[type, list[Any]] = defaultdict(list)
     for item in block.physics(s):
         if type(item) not in get_args(Contribution):

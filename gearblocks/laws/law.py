@@ -42,7 +42,7 @@ class Form:
 
 @dataclass(slots=True)
 class Law:
-    """What all instances of a kind share, in symbols (see Pool.slots for their meaning).
+    """Law of a kind, shared by all its instances, in symbols (see Pool.slots for their roles).
 
     forms: relative coordinates of the law as linear forms; coordinates: their symbols. bodies: (flange, inertia). ties:
     rigid constraints, (coefficients by flange, constant). drives: prescribed motions. forces: symbols of generalised

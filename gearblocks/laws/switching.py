@@ -20,7 +20,7 @@ from gearblocks.laws.switched_constraints import StickOfKind
 from gearblocks.laws.symbols import CONSTANT, MOVING, Pool
 
 _COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
-"""Its segments are numbered by the whole part of what it is taken over."""
+"""floor(x) as a periodic step table over x: its segments are numbered by the whole part."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,7 @@ from gearblocks.laws.functions import EllipseLead, Table2At, TableAt
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """What a symbol stands for.
+    """Role of a symbol: what it stands for.
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
     w, alpha, tau, state, coordinate, mode, direction, stuck, held, friction (of a Stick: by its name; the last one is its
@@ -55,7 +55,7 @@ def clock() -> Any:
 
 
 class Pool:
-    """Makes the symbols of one kind of block and remembers what each stands for."""
+    """Symbols of one kind of block with their roles, each made on first use."""
 
     def __init__(self, *, reading: bool = False) -> None:
         self.reading = reading
