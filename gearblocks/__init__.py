@@ -112,3 +112,8 @@ __all__ = [
     "design_ratio", "driver_angle", "effect", "exact", "frequency_response", "linearize", "modes", "option", "param",
     "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
 ]  # fmt: skip
+
+
+def __dir__() -> list[str]:
+    """The public names; the rooms of the package are no part of them."""
+    return sorted([*__all__, *(name for name in globals() if name.startswith("__"))])

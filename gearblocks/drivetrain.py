@@ -9,14 +9,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.errors import GearblocksError, ModelError, by_name, check_arguments, did_you_mean
-from gearblocks.language.block import Block, Declared
+from gearblocks.language.block import Block, Declared, start_fields
 from gearblocks.language.expression import as_expr
+from gearblocks.language.fields import ANGLE, COMPLIANCE, GIVING_WAY
 from gearblocks.model.build import build_train, check_user_blocks
 from gearblocks.solver.library import Model
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
 from gearblocks.train.handles import FlangeHandle, Handle
 from gearblocks.train.merging import released_angles
-from gearblocks.train.translational import start_fields, unit_along
+from gearblocks.train.translational import unit_along
 from gearblocks.train.values import field_paths, replaced, unique_path, value_problems
 
 if TYPE_CHECKING:
@@ -206,7 +207,7 @@ class Drivetrain:
     def only(self, *patterns: str) -> Drivetrain:
         """A new train with only the effects that match, and what they need."""
         kept = self._matching("only", patterns)
-        needed = {f"{name.rsplit('.', 1)[0]}.compliance" for name in kept}
+        needed = {f"{name.rsplit('.', 1)[0]}.{COMPLIANCE}" for name in kept}
         return self._leaving(lambda name: name not in kept and name not in needed)
 
     def _matching(self, what: str, patterns: tuple[str, ...]) -> dict[str, Any]:
@@ -231,7 +232,7 @@ class Drivetrain:
         other = self._copy()
         before = self.effects()
         for path, owner, name, block in list(other._walk()):
-            for effect in sorted(block.effects(), key=lambda e: e == "compliance"):
+            for effect in sorted(block.effects(), key=lambda e: e == COMPLIANCE):
                 if goes(f"{path}.{effect}") and effect in block.effects():
                     block = block.without_effect(effect)
             owner._parts[name] = block
@@ -239,13 +240,15 @@ class Drivetrain:
         other.dropped = tuple(name for name in before if name not in after)
         gone = {name.rpartition(".")[::2] for name in other.dropped}  # a rigid impact is no tie as long as it has a gap
         stiffened = [
-            p for p, effect in sorted(gone) if effect in ("compliance", "backlash") and not _gives_way(p, after)
+            p
+            for p, effect in sorted(gone)
+            if effect in GIVING_WAY and after.keys().isdisjoint(f"{p}.{e}" for e in GIVING_WAY)
         ]
         for path in list(released_angles(flatten(other.tree(), complete=False), stiffened)) if stiffened else ():
             owner, name, _ = other._locate(path)
             body = owner._parts[name]
             assert isinstance(body, Block)
-            start = start_fields(body)[0]
+            start = start_fields(type(body))[ANGLE]
             owner._parts[name] = body.changed(**{start: None})
             other.dropped += (f"{path}.{start}",)
         return other
@@ -306,11 +309,6 @@ class Drivetrain:
         for c in tree.coordinates:
             train.coordinate(c.name, c.expr, c.unit)
         return train
-
-
-def _gives_way(path: str, effects: Mapping[str, Any]) -> bool:
-    """Whether the shafts of an element turn on their own, by its effects."""
-    return f"{path}.compliance" in effects or f"{path}.backlash" in effects
 
 
 def _part_problems(path: str, part: Any) -> Iterator[str]:

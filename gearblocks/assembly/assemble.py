@@ -16,7 +16,7 @@ from gearblocks.assembly.rigid_groups import inertias, number_groups, start_valu
 from gearblocks.assembly.tables import HELD, Assembly, Batch, ExactValues, StartValues
 from gearblocks.errors import ModelError
 from gearblocks.laws.derivation import check_senses, derive
-from gearblocks.laws.law import Law
+from gearblocks.laws.law import STAGE, Law
 from gearblocks.laws.prescribed_motion import is_steady
 from gearblocks.laws.rational import Exact, exact, exact_value
 from gearblocks.train.graph import GROUND, Component, Train
@@ -108,7 +108,7 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
                 slot = law.pool.slots.get(-constant)
                 if slot is None or slot.role != "own" or len(row) != 1:
                     raise ModelError(
-                        f"'{c.path}': the tie has the constant '{constant}'; only -phi0 at one flange is known"
+                        f"'{c.path}': the tie has the constant '{constant}'; only a start angle at one flange is known"
                     )
                 offset = f"{c.path}.{slot.of}"
                 held = float(getattr(c.block, slot.of))
@@ -116,14 +116,6 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
 
 
 # -- coordinates and batches ------------------------------------------------------------------------------------------
-
-
-def _dynamics(law: Law) -> list[Any]:
-    """Every expression that a run evaluates at each stage."""
-    exprs = [*law.forces.values(), *law.torques.values(), *law.rates.values(), *(s.surface for s in law.switches)]
-    exprs += [e for x in law.drives for e in (*x.gains.values(), x.bias, x.surplus)]
-    exprs += [e for x in law.sticks.values() for e in x.expressions()]
-    return exprs + [e for e in (law.stored, law.loss, law.supplied) if e is not None]
 
 
 def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) -> None:
@@ -138,7 +130,7 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
     facts: dict[int, tuple[tuple[bool, ...], bool]] = {}
     for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
         if id(law) not in facts:
-            symbols = {x for e in _dynamics(law) for x in e.free_symbols}
+            symbols = {x for e in law.expressions(STAGE) for x in e.free_symbols}
             reads = any(law.pool.slots[x].role == "phi" for x in symbols)
             facts[id(law)] = (tuple(u in symbols for u in law.coordinates), reads)
         used, reads = facts[id(law)]

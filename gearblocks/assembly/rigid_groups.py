@@ -18,13 +18,15 @@ from gearblocks.assembly.kinematics import Driven, Follower, GroupRow, Kinematic
 from gearblocks.assembly.massless_groups import MasslessGroups, floating
 from gearblocks.assembly.tables import HELD, ExactValues
 from gearblocks.errors import ModelError
+from gearblocks.language.block import given_start, start_fields
 from gearblocks.language.expression import Expr, evaluate
+from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Parameter
 from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import Drive
 from gearblocks.laws.rational import Exact, exact, exact_value, over
 from gearblocks.train.graph import Component, Train
-from gearblocks.train.translational import start_fields
+from gearblocks.train.translational import takes_start
 from gearblocks.train.values import numbers_of
 
 if TYPE_CHECKING:
@@ -215,7 +217,7 @@ def _given_starts(assembly: Assembly, laws: list[Law]) -> dict[int, str]:
     found: dict[int, str] = {}
     for c, law in zip(assembly.train.components, laws, strict=True):
         for flange, _ in law.bodies:
-            if any(getattr(c.block, name, None) is not None for name in start_fields(c.block)):
+            if any(given_start(c.block, of) is not None for of in (ANGLE, SPEED)):
                 node = c.nodes[list(type(c.block).flanges).index(flange)]
                 found.setdefault(assembly.groups.find(node)[0], c.path)
     return found
@@ -260,20 +262,22 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
     """
     from gearblocks.assembly.tables import StartValues
 
-    found: dict[str, dict[int, tuple[str, Exact, bool]]] = {"phi0": {}, "w0": {}}
+    found: dict[str, dict[int, tuple[str, Exact, bool]]] = {ANGLE: {}, SPEED: {}}
     for c, law in zip(assembly.train.components, laws, strict=True):
         for flange, _ in law.bodies:
             group, gain = assembly.group_of_node[c.nodes[list(type(c.block).flanges).index(flange)]]
-            for (key, owners), name in zip(found.items(), start_fields(c.block), strict=True):
-                value = getattr(c.block, name, None)
+            for of, owners in found.items():
+                value = given_start(c.block, of)
                 given = value is not None
-                if group == HELD and key == "w0" and isinstance(value, (int, float)) and value != 0:
+                if group == HELD and of == SPEED and isinstance(value, (int, float)) and value != 0:
+                    name = start_fields(type(c.block))[of]
                     shown = f"{name} = {value!r} {'m/s' if flange in c.sliders else 'rad/s'}"
                     raise ModelError(f"'{c.path}': {shown}, but a Fixed holds this shaft; leave {name} out")
                 if group != HELD and (group not in owners or (given and not owners[group][2])):
-                    owners[group] = (c.path, gain, given)
+                    owner = c.path if takes_start(c.block, of) else f"{c.path}.{flange}"
+                    owners[group] = (owner, gain, given)
     count = assembly.n_speeds + assembly.n_hidden + assembly.n_paced
-    if any(group not in found["phi0"] for group in range(count)):
+    if any(group not in found[ANGLE] for group in range(count)):
         for c in assembly.train.components:
             for name, node in zip(type(c.block).flanges, c.nodes, strict=True):
                 group, gain = assembly.group_of_node[node] if node >= 0 else (HELD, 1)
@@ -285,4 +289,4 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
     for part, whole in assembly.floating.items():  # a part is named as its shaft
         for owners in found.values():
             owners[part] = owners[whole]
-    return [StartValues(*found["phi0"][g][:2], *found["w0"][g][:2]) for g in range(count)]
+    return [StartValues(*found[ANGLE][g][:2], *found[SPEED][g][:2]) for g in range(count)]

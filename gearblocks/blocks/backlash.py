@@ -1,4 +1,4 @@
-"""Backlash: what a contact does around zero deflection."""
+"""Backlash: dead zones g(x) with exact corners, as polynomials, smooth, or of many teeth; damping of impacts."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ class Backlash(Effect):
         return -sp.Float(min(self.coast_gaps or self.gaps), 17), sp.Float(min(self.gaps), 17)
 
     def engaged(self, s: Any, x: Any) -> Any:
-        """How many teeth carry load, where each has its gap."""
+        """Number of teeth that carry load, where each has its gap."""
         import sympy as sp
 
         assert self.gaps is not None
@@ -165,7 +165,7 @@ class Backlash(Effect):
         return self._rows(s, x)[0]
 
     def watches(self, s: Any, x: Any) -> Iterator[Contribution]:
-        """Where the law stops to hold."""
+        """Event functions where the law ceases to hold."""
         if self.law == "polynomial":
             yield Switch("beyond the polynomial, drive side", x - self.interval * s.half_gap)
             yield Switch("beyond the polynomial, coast side", -x - self.interval * s.half_gap)

@@ -19,8 +19,8 @@ class Inertia(Block):
 
     a, b = Flange("left end", spare=True), Flange("right end", spare=True)
     J: Value = param("moment of inertia", "kg m2", ge=0)
-    phi0: Value | None = param("start angle", "rad", default=None)
-    w0: Value | None = param("start speed", "rad/s", default=None)
+    phi0: Value | None = param("start angle", "rad", default=None, start="angle")
+    w0: Value | None = param("start speed", "rad/s", default=None, start="speed")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """J phi'' = sum of the torques on both flanges."""
@@ -39,7 +39,7 @@ class Fixed(Block):
     """
 
     flange = Flange("held flange", slider=None)
-    phi0: Value = param("angle at which the flange is held", "rad", default=0.0)
+    phi0: Value = param("angle at which the flange is held", "rad", default=0.0, start="angle")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """phi = phi0."""

@@ -1,4 +1,7 @@
-"""The law that every compliant contact shares: spring, dead zone, damping, excitation."""
+"""Compliant contact: N = k(.) g(x) + d(x, x'), with dead zone g, damping d, and excitation by stiffness and error.
+
+The law that meshes, splines, lashes and non-circular gears share. Knows nothing of their geometry.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +57,7 @@ def damping_problems(block: Any) -> Iterator[str]:
 
 
 def _impact_problems(block: Any, damped: bool) -> Iterator[str]:
-    """What impacts ask for: corners, and no other damping."""
+    """Problems of damping by Hunt and Crossley: it needs corners, and no other damping beside it."""
     gap = getattr(block, "backlash", None)
     if damped:
         yield "contact_damping=HuntCrossley(...) takes the place of c and damping_ratio; leave these out"
@@ -168,7 +171,7 @@ class Line:
 
 
 def mesh(block: Any, s: Any, line: Line) -> Iterator[Contribution]:
-    """What GearMesh and SplineCoupling share."""
+    """Compliant mesh along a line, with excitation: x = lever - e, N = c x' + k (1 + variation) g(x); of gears and splines."""
     import sympy as sp
 
     error: Any = sp.Integer(0)

@@ -1,4 +1,4 @@
-"""Effects that meshes and other compliant elements may have: excitation here, those of contact from `gaps`."""
+"""Effects of meshes and other compliant elements: excitation, friction, hysteresis; those of contact from `backlash`."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ class Hysteresis(Effect):
 
 
 class MeshLaw(Effect):
-    """What the meshes of a composite have beyond their teeth: compliance and what lives on it; the fields of GearMesh."""
+    """Law of the meshes of a composite: compliance and the effects that rest on it; the fields of GearMesh."""
 
     face_width: Value | None = param("common face width", "m", default=None, gt=0)
     profile_shift: tuple[Value, Value] | None = param(
@@ -192,7 +192,7 @@ class MeshLaw(Effect):
         return {name: self.__dict__[name] for name in type(self).fields}
 
     def shifted(self, phase: float) -> MeshLaw:
-        """The same law with everything that is driven by the mesh cycle ahead by a phase [rad]."""
+        """The law with every excitation over the mesh cycle ahead by a phase [rad]."""
         if phase == 0:
             return self
         moved = {}

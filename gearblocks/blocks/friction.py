@@ -1,4 +1,7 @@
-"""Dry friction that sticks: what such elements share, clutch, brake and bearing."""
+"""Dry friction with stick: clutch, brake, bearing, and what such elements share.
+
+Slides: force mu N against the slip. Stuck: slip = 0, constraint force within +-peak times the sliding force at rest.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +26,8 @@ PEAK: Any = param("largest torque while stuck over the slip torque at rest", def
 
 
 @dataclass(frozen=True, slots=True)
-class Hold:
-    """Symbols of a friction element: it rubs where engaged > 0; force against the slip; largest held force."""
+class DryFriction:
+    """Symbols of a friction element: free where engaged <= 0; sliding force; bounds of the constraint force."""
 
     engaged: Any
     sliding: Any
@@ -32,7 +35,7 @@ class Hold:
 
 
 def friction_problems(block: Any) -> Iterator[str]:
-    """What is wrong with capacity, or mu, force_max and engagement; geometry and force_max belong to the latter."""
+    """Problems of capacity, or of mu, force_max and engagement; geometry and force_max belong to the latter."""
     normal = ("mu", "force_max", "engagement")
     given = [name for name in normal if getattr(block, name) is not None]
     if block.capacity is not None and given:
@@ -47,7 +50,7 @@ def friction_problems(block: Any) -> Iterator[str]:
 
 
 def over_slip_problems(name: str, table: Any) -> Iterator[str]:
-    """Why a table cannot stand over the size of a slip."""
+    """Problems of a table over abs(slip): it must not be periodic, nor negative."""
     if not isinstance(table, Table):
         return
     if table.periodic:
@@ -57,15 +60,15 @@ def over_slip_problems(name: str, table: Any) -> Iterator[str]:
         yield f"{name} = {table!r} must be >= 0 everywhere: friction takes energy, it gives none"
 
 
-def hold(block: Any, s: Any, slip: Any) -> Hold:
+def dry_friction(block: Any, s: Any, slip: Any) -> DryFriction:
     """The friction of a block with the common fields, over the slip."""
     import sympy as sp
 
     if block.capacity is not None:
-        return Hold(s.capacity, s.capacity, s.peak * s.capacity)
+        return DryFriction(s.capacity, s.capacity, s.peak * s.capacity)
     pressed = s.geometry * s.force_max * s.engagement
     mu, mu_0 = s.local("mu", slip=sp.Abs(slip)), s.local("mu", slip=sp.Integer(0))
-    return Hold(s.engagement, pressed * mu, s.peak * pressed * mu_0)
+    return DryFriction(s.engagement, pressed * mu, s.peak * pressed * mu_0)
 
 
 def relative_motion(s: Any, slip: Any, angle: Any, direction: Any, stuck: Any) -> Iterator[Contribution]:
@@ -78,7 +81,9 @@ def relative_motion(s: Any, slip: Any, angle: Any, direction: Any, stuck: Any) -
     yield Shows("mode", mode, "1", "0 stuck, +1 slips forward, -1 backward, 2 free")
 
 
-def rubs(s: Any, slip: Any, angle: Any, found: Hold, against: bool = False) -> Iterator[Contribution]:
+def friction_element(
+    s: Any, slip: Any, angle: Any, found: DryFriction, against: bool = False
+) -> Iterator[Contribution]:
     """A friction element and its outputs. against: the torque counts positive where it brakes forward slip."""
     yield Stick("", slip, found.limit, found.sliding, found.engaged)
     direction, stuck, held = s.stick("")
@@ -119,7 +124,7 @@ class Clutch(Block):
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Friction along w_b - w_a."""
         slip = s.b.w - s.a.w
-        yield from rubs(s, slip, s.b.phi - s.a.phi, hold(self, s, slip))
+        yield from friction_element(s, slip, s.b.phi - s.a.phi, dry_friction(self, s, slip))
 
 
 class Brake(Block):
@@ -148,7 +153,7 @@ class Brake(Block):
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Friction along w_a - w_housing."""
         slip = s.a.w - s.housing.w
-        yield from rubs(s, slip, s.a.phi - s.housing.phi, hold(self, s, slip), against=True)
+        yield from friction_element(s, slip, s.a.phi - s.housing.phi, dry_friction(self, s, slip), against=True)
 
 
 class Stribeck(Effect):
@@ -195,8 +200,8 @@ class BearingFriction(Block):
 
         slip = s.a.w - s.housing.w
         size = self._size(s, sp.Abs(slip), slip)
-        found = Hold(sp.Integer(1), size, s.peak * self._size(s, sp.Integer(0), sp.Integer(0)))
-        yield from rubs(s, slip, s.a.phi - s.housing.phi, found, against=True)
+        found = DryFriction(sp.Integer(1), size, s.peak * self._size(s, sp.Integer(0), sp.Integer(0)))
+        yield from friction_element(s, slip, s.a.phi - s.housing.phi, found, against=True)
 
     def _size(self, s: Any, speed: Any, w: Any) -> Any:
         """Friction torque at abs(w) = speed."""

@@ -1,4 +1,4 @@
-"""Couplings that lock: one way, by teeth, or by a cone before the teeth."""
+"""Locking couplings: one way, by teeth, or by a cone before the teeth."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from gearblocks.blocks.friction import (
     GEOMETRY,
     MU,
     PEAK,
-    Hold,
+    DryFriction,
+    dry_friction,
+    friction_element,
     friction_problems,
-    hold,
     relative_motion,
-    rubs,
 )
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Stick, Switch
@@ -51,11 +51,11 @@ class OneWayClutch(Block):
         yield from friction_problems(self)
 
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """A held force between the break-away and infinity."""
+        """A constraint force between the break-away and infinity."""
         import sympy as sp
 
         slip = s.b.w - s.a.w
-        found = hold(self, s, slip)
+        found = dry_friction(self, s, slip)
         least: Any = sp.Integer(0)
         if self.capacity is None:
             least = sp.Float(_LEAST) * s.geometry * s.force_max * s.local("mu", slip=sp.Integer(0))
@@ -63,7 +63,9 @@ class OneWayClutch(Block):
         on = 1 - sp.Heaviside(-found.engaged, 1)
         yield Switch("engagement", -found.engaged, low=1.0, high=0.0)
         lower = -on * found.limit if self.capacity is not None else -sp.Max(found.limit, least)
-        yield from rubs(s, slip, s.b.phi - s.a.phi, Hold(sp.Integer(1), on * found.sliding, (lower, sp.oo)))
+        yield from friction_element(
+            s, slip, s.b.phi - s.a.phi, DryFriction(sp.Integer(1), on * found.sliding, (lower, sp.oo))
+        )
 
 
 class Freewheel(Block):
@@ -79,11 +81,13 @@ class Freewheel(Block):
     phi_rel = State("relative angle", "rad")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """A held force that pushes b forward alone."""
+        """A constraint force >= 0, which pushes b forward alone."""
         import sympy as sp
 
         zero = sp.Integer(0)
-        yield from rubs(s, s.b.w - s.a.w, s.b.phi - s.a.phi, Hold(sp.Integer(1), zero, (zero, sp.oo)))
+        yield from friction_element(
+            s, s.b.w - s.a.w, s.b.phi - s.a.phi, DryFriction(sp.Integer(1), zero, (zero, sp.oo))
+        )
 
 
 class DogClutch(Block):
@@ -143,7 +147,7 @@ class Synchronizer(Block):
         import sympy as sp
 
         slip = s.b.w - s.a.w
-        cone = hold(self, s, slip)
+        cone = dry_friction(self, s, slip)
         direction, stuck, held = s.stick("cone")
         _, locked, teeth = s.stick("teeth")
         together = 1 - (1 - stuck) * (1 - locked)

@@ -19,7 +19,7 @@ from gearblocks.blocks.effects import (
 )
 from gearblocks.blocks.gears import teeth_problems
 from gearblocks.blocks.rigid_impact import hits, impact, without
-from gearblocks.blocks.tooth_friction import rub
+from gearblocks.blocks.tooth_friction import with_tooth_friction
 from gearblocks.geometry.involute import NUMBERS, ToothPair, contact_ratio_or_nan, iso_problems, mesh_stiffness
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Tie
@@ -109,7 +109,7 @@ class GearMesh(Block):
             )
 
     def _geometry_problems(self) -> Iterator[str]:
-        """What the stiffness of the standard and the lever arms of friction ask for."""
+        """Fields that the stiffness of the standard and the lever arms of friction need."""
         iso, rubbing = self.stiffness is not None, self.friction is not None and self.friction.direction == "geometry"
         if self.stiffness not in (None, "iso6336"):
             yield f"stiffness = {self.stiffness!r} is not known; give 'iso6336', or k"
@@ -127,7 +127,7 @@ class GearMesh(Block):
             yield from self._limits(iso, rubbing)
 
     def _limits(self, iso: bool, rubbing: bool) -> Iterator[str]:
-        """Where given numbers lie outside of what the formulas hold for; Parameters are not judged."""
+        """Numbers outside of the range of the formulas; Parameters are not judged."""
         shape = (
             self.module,
             self.pressure_angle,
@@ -201,4 +201,4 @@ class GearMesh(Block):
         c = damping(s, k, r1**2 * s.pinion.mobility + r2**2 * s.wheel.mobility)
         line = Line(r1 * (turn + ratio * back), r1 * (speeds[0] + ratio * speeds[1]), k, c, s.teeth[0] * turn)
         found = mesh(self, s, line)
-        yield from found if self.friction is None else rub(self, s, found, line, self._pair(s, SYMBOLS))
+        yield from found if self.friction is None else with_tooth_friction(self, s, found, line, self._pair(s, SYMBOLS))

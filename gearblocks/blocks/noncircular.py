@@ -59,7 +59,7 @@ class NonCircularGear(Block):
     )
 
     def problems(self) -> Iterator[str]:
-        """What is no law, a phase that a rigid pair cannot follow, effects that need compliance."""
+        """A law that is none, a phase that a rigid pair cannot follow, effects that need compliance."""
         yield from damping_problems(self)
         if not isinstance(self.law, RatioLaw):
             yield f"law = {self.law!r:.80} must be a gb.RatioLaw, such as gb.RatioLaw.ellipse(e=0.3)"
@@ -149,7 +149,7 @@ class NonCircularGear(Block):
 
 
 def _corner(phase: Any) -> str | None:
-    """Why a signal has no second derivative, or None."""
+    """The reason why a signal has no second derivative, or None."""
     if isinstance(phase, Input):
         return "an Input may jump"
     if isinstance(phase, Table):

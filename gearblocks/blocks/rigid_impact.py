@@ -1,4 +1,4 @@
-"""Contacts without compliance that have a gap and a restitution: rigid impacts at both of its ends."""
+"""Rigid impacts: contacts without compliance that have a gap and a restitution, two unilateral constraints at its ends."""
 
 from __future__ import annotations
 

@@ -33,7 +33,9 @@ class Shaft(Block):
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     allow_negative: bool = option("admit k < 0", default=False)
     hysteresis: Hysteresis | None = effect("inner friction", default=None)
-    rigid: bool = option("turns as one piece; what is left when compliance is taken away", default=False)
+    rigid: bool = option(
+        "turns as one piece; what is left when compliance is taken away", default=False, absence_of="compliance"
+    )
     segments: int = option("number of springs in a row", default=1)
     J: Value | None = param("own moment of inertia, with segments", "kg m2", default=None, ge=0)
 
@@ -96,7 +98,7 @@ class Shaft(Block):
 
 
 def _inner_friction(block: Shaft, s: Any, twist: Any, rate: Any) -> Generator[Contribution, None, tuple[Any, Any]]:
-    """The torque of the slider that pulls the ends together, and the power it loses."""
+    """Torque of the dry slider of Jenkins and Iwan, with the sign of the twist, and the power that it loses."""
     import sympy as sp
 
     if block.hysteresis is None:

@@ -1,4 +1,4 @@
-"""Rigid stops: unilateral contacts with restitution."""
+"""Rigid stops: unilateral constraints with Newton's restitution."""
 
 from __future__ import annotations
 

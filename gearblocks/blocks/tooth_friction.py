@@ -1,4 +1,4 @@
-"""Friction of the teeth of a mesh."""
+"""Sliding friction of the teeth of a mesh (Vaishya and Singh 2003): torques -F rho_i of the pairs in contact."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from gearblocks.geometry.involute import ToothPair
 from gearblocks.language.contributions import Acts, Contribution, Energy, Force, Shows, Switch
 
 
-def rub(block: Any, s: Any, found: Iterable[Contribution], line: Line, pair: ToothPair) -> Iterator[Contribution]:
+def with_tooth_friction(
+    block: Any, s: Any, found: Iterable[Contribution], line: Line, pair: ToothPair
+) -> Iterator[Contribution]:
     """The contributions of a mesh together with those of its friction (see `gearblocks.ToothFriction`)."""
     items = list(found)
     (force,) = (x for x in items if isinstance(x, Force))

@@ -20,8 +20,8 @@ class Mass(Block):
 
     a, b = Flange("left end", spare=True, slider=True), Flange("right end", spare=True, slider=True)
     m: Value = param("mass", "kg", ge=0)
-    s0: Value | None = param("start position", "m", default=None)
-    v0: Value | None = param("start speed", "m/s", default=None)
+    s0: Value | None = param("start position", "m", default=None, start="angle")
+    v0: Value | None = param("start speed", "m/s", default=None, start="speed")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """m s'' = sum of the forces on both flanges."""

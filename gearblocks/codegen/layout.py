@@ -9,9 +9,10 @@ from typing import Any
 from gearblocks.assembly.assemble import HELD
 from gearblocks.assembly.tables import Assembly, Batch
 from gearblocks.codegen.program import ParameterInfo
-from gearblocks.language.fields import Field
+from gearblocks.language.block import given_start
+from gearblocks.language.fields import ANGLE, SPEED, Field
 from gearblocks.language.signals import Input, Parameter
-from gearblocks.train.translational import field_along, slider_names, start_names, unit_along, words_along
+from gearblocks.train.translational import field_along, slider_names, start_name, unit_along, words_along
 from gearblocks.train.values import leaves_of, numbers_of
 
 PAD = 8
@@ -73,9 +74,9 @@ def lay_out(assembly: Assembly, *, angles_in_law: bool, n_counted: int = 0) -> L
     return lay
 
 
-def is_start(batch: Batch, path: str) -> bool:
-    """Whether an own number of a block is a start value."""
-    return bool(batch.law.bodies) and path in ("phi0", "w0", "s0", "v0")
+def is_start(batch: Batch, spec: Field) -> bool:
+    """Whether an own number of a block is a start value: where the block has a body."""
+    return bool(batch.law.bodies) and spec.start is not None
 
 
 def own_numbers(batch: Batch, assembly: Assembly) -> Iterator[tuple[str, Field, int, Any]]:
@@ -91,7 +92,7 @@ def _parameters(lay: Layout) -> None:
     for b, batch in enumerate(lay.assembly.batches):
         columns: dict[str, list[tuple[str, Field]]] = {}
         for path, spec, e, _ in own_numbers(batch, lay.assembly):
-            if not is_start(batch, path):
+            if not is_start(batch, spec):
                 owner = components[batch.components[e]]
                 columns.setdefault(path, []).append((owner.path, field_along(spec, owner.slides)))
         for path, entries in columns.items():
@@ -131,11 +132,11 @@ def _shared_bounds(lay: Layout) -> dict[str, tuple[float | None, float | None]]:
     return found
 
 
-def _add(lay: Layout, path: str, spec: Field, *, tunable: bool) -> int:
+def _add(lay: Layout, path: str, spec: Field, *, tunable: bool, start: str = "") -> int:
     lower = spec.gt if spec.ge is None else spec.ge
     upper = spec.lt if spec.le is None else spec.le
     lay.path_of[path] = len(lay.parameters)
-    lay.parameters.append(ParameterInfo(path, spec.unit, spec.words, lower, upper, tunable))
+    lay.parameters.append(ParameterInfo(path, spec.unit, spec.words, lower, upper, tunable, start))
     return len(lay.parameters) - 1
 
 
@@ -144,25 +145,25 @@ def _start_values(lay: Layout) -> None:
     blocks = {c.path: c.block for c in lay.assembly.train.components}
     sliders = slider_names(lay.assembly.train.components)
     for group, start in enumerate(lay.assembly.starts):
-        wanted = [(start.phi0, 0, "rad", "start angle", lay.phi0)]
+        wanted = [(start.phi0, ANGLE, "rad", "start angle", lay.phi0)]
         if group < lay.assembly.n_speeds:
-            wanted.append((start.w0, 1, "rad/s", "start speed", lay.w0))
-        for path, i, unit, words, target in wanted:
+            wanted.append((start.w0, SPEED, "rad/s", "start speed", lay.w0))
+        for path, of, unit, words, target in wanted:
             slides = path in sliders
-            name = start_names(slides)[i]
-            given = getattr(blocks.get(path), name, None)
-            unit, words = unit_along(unit, slides), words_along(words, slides)
+            given = given_start(blocks[path], of) if path in blocks else None
             if isinstance(given, Parameter):
                 target.append(lay.shared[given.name])
             else:
-                target.append(_add(lay, f"{path}.{name}", Field(words, unit, "param"), tunable=False))
+                name = start_name(blocks.get(path), of, slides)
+                spec = Field(words_along(words, slides), unit_along(unit, slides), "param")
+                target.append(_add(lay, f"{path}.{name}", spec, tunable=False, start=of))
     for b, batch in enumerate(lay.assembly.batches):
         for state in batch.law.rates:
             lay.state_start[b, state] = len(lay.parameters)
             for index in batch.components:
                 c = lay.assembly.train.components[index]
                 unit = "1" if "." in state else unit_along(type(c.block).states[state].unit, c.slides)
-                _add(lay, f"{c.path}.{state}", Field("start value", unit, "param"), tunable=False)
+                _add(lay, f"{c.path}.{state}", Field("start value", unit, "param"), tunable=False, start="state")
 
 
 def speed_index(lay: Layout, batch: Batch, flange: str) -> list[int]:

@@ -15,6 +15,8 @@ from gearblocks.codegen.function import Column, column
 from gearblocks.codegen.jacobian.sparsity import eliminate
 from gearblocks.codegen.parts import HiddenRows, Massless
 from gearblocks.errors import ModelError
+from gearblocks.language.block import given_start
+from gearblocks.language.fields import ANGLE
 from gearblocks.laws.rational import Exact
 
 if TYPE_CHECKING:
@@ -85,7 +87,7 @@ def _given(assembly: Assembly, rows: HiddenRows) -> set[int]:
     """Hidden shafts with a given start angle, or with one that such an angle follows from."""
     found: set[int] = set()
     for c in assembly.train.components:
-        if any(getattr(c.block, name, None) is not None for name in ("phi0", "s0")):
+        if given_start(c.block, ANGLE) is not None:
             for node in c.nodes:
                 found.update(rows.get(assembly.group_of_node[node][0], ()) if node >= 0 else ())
     return found

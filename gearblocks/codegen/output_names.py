@@ -8,6 +8,7 @@ from gearblocks.assembly.assemble import HELD, expand_rows
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.program import FollowerInfo, MovedInfo, Quantity, StartInfo
+from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import flange_names, slider_names, unit_along, words_along
 
@@ -44,25 +45,26 @@ def flange_outputs(g: Generator) -> Iterator[Quantity]:
 def state_quantities(g: Generator) -> list[Quantity]:
     """The states of the program, but for the riders."""
     lay = g.lay
-    states: list[Quantity] = [Quantity("", "rad", "coordinate")] * lay.n
+    states: list[Quantity] = [Quantity("", "rad", "coordinate", "coordinate")] * lay.n
     for code in g.codes:
         for e, c in enumerate(components_of(g, code)):
             for j in range(len(code.law.forms)):
                 if code.batch.used[j] and not code.batch.dependent[j]:
                     unit, words = unit_along("rad", c.slides), words_along("relative angle", c.slides)
-                    states[code.batch.sources[j][e]] = Quantity(f"{c.path}.coordinate", unit, words)
+                    states[code.batch.sources[j][e]] = Quantity(f"{c.path}.coordinate", unit, words, "coordinate")
             for state in code.law.rates:
-                states[lay.state0[code.number, state] + e] = Quantity(f"{c.path}.{state}", "1", "state")
+                states[lay.state0[code.number, state] + e] = Quantity(f"{c.path}.{state}", "1", "state", "state")
     sliders = slider_names(g.assembly.train.components)
     for i, start in enumerate(g.assembly.starts[: g.assembly.n_speeds]):
         slides = start.w0 in sliders
-        states[lay.v0 + i] = Quantity(f"{start.w0}.{flange_names(slides)[1]}", unit_along("rad/s", slides), "speed")
+        name, unit = f"{start.w0}.{flange_names(slides)[1]}", unit_along("rad/s", slides)
+        states[lay.v0 + i] = Quantity(name, unit, "speed", "speed")
     if lay.angle0 < lay.n:
         for i, group in enumerate(g.assembly.angles):
             owner = g.assembly.starts[group].phi0
             slides = owner in sliders
             unit, words = unit_along("rad", slides), words_along("angle", slides)
-            states[lay.angle0 + i] = Quantity(f"{owner}.{flange_names(slides)[0]}", unit, words)
+            states[lay.angle0 + i] = Quantity(f"{owner}.{flange_names(slides)[0]}", unit, words, "angle")
     return states
 
 
@@ -74,13 +76,13 @@ def start_infos(g: Generator) -> Iterator[StartInfo]:
             for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
                 if group != HELD and group < len(g.assembly.starts):
                     start, (angle, speed, _, _) = g.assembly.starts[group], flange_names(flange in c.sliders)
-                    yield StartInfo(f"{c.path}.{angle}", g.lay.phi0[group], float(start.phi0_gain / gain))
+                    yield StartInfo(f"{c.path}.{angle}", g.lay.phi0[group], float(start.phi0_gain / gain), ANGLE)
                     if group < g.assembly.n_speeds:
-                        yield StartInfo(f"{c.path}.{speed}", g.lay.w0[group], float(start.w0_gain / gain))
+                        yield StartInfo(f"{c.path}.{speed}", g.lay.w0[group], float(start.w0_gain / gain), SPEED)
         for state in code.law.rates:
             first = g.lay.state_start[code.number, state]
             for e in range(code.n):
-                yield StartInfo(f"{code.paths[e]}.{state}", first + e, 1.0)
+                yield StartInfo(f"{code.paths[e]}.{state}", first + e, 1.0, "state")
 
 
 def follower_infos(g: Generator) -> Iterator[FollowerInfo]:
@@ -96,10 +98,10 @@ def follower_infos(g: Generator) -> Iterator[FollowerInfo]:
                 row, (angle, speed, _, _) = expanded[group], flange_names(flange in c.sliders)
                 offsets = {lay.path_of[path]: float(gain * x) for path, x in row.offsets.items()}
                 phi = {lay.phi0[s]: float(gain * x / a.starts[s].phi0_gain) for s, x in row.groups.items()}
-                yield FollowerInfo(f"{c.path}.{angle}", (*phi, *offsets), (*phi.values(), *offsets.values()))
+                yield FollowerInfo(f"{c.path}.{angle}", (*phi, *offsets), (*phi.values(), *offsets.values()), ANGLE)
                 if all(s < a.n_speeds for s in row.groups):
                     w = {lay.w0[s]: float(gain * x / a.starts[s].w0_gain) for s, x in row.groups.items()}
-                    yield FollowerInfo(f"{c.path}.{speed}", tuple(w), tuple(w.values()))
+                    yield FollowerInfo(f"{c.path}.{speed}", tuple(w), tuple(w.values()), SPEED)
 
 
 def moved_infos(g: Generator) -> Iterator[MovedInfo]:
@@ -111,9 +113,9 @@ def moved_infos(g: Generator) -> Iterator[MovedInfo]:
                 found = causes.get(group, {})
                 names = flange_names(flange in c.sliders)
                 if "speed" in found:
-                    yield MovedInfo(f"{c.path}.{names[1]}", f"{c.path}.{flange}.{names[1]}", *found["speed"])
+                    yield MovedInfo(f"{c.path}.{names[1]}", f"{c.path}.{flange}.{names[1]}", *found["speed"], SPEED)
                 if "angle" in found:
-                    yield MovedInfo(f"{c.path}.{names[0]}", f"{c.path}.{flange}.{names[0]}", *found["angle"])
+                    yield MovedInfo(f"{c.path}.{names[0]}", f"{c.path}.{flange}.{names[0]}", *found["angle"], ANGLE)
 
 
 def _causes(g: Generator) -> dict[int, dict[str, tuple[str, bool]]]:

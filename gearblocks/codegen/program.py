@@ -11,15 +11,22 @@ from typing import Any, NamedTuple
 
 
 class Quantity(NamedTuple):
-    """Name, SI unit and description of one number in a vector."""
+    """Name, SI unit and description of one number in a vector.
+
+    kind, of a state: "coordinate" (relative), "angle" (absolute), "speed", or "state" of a block; positions count as angles.
+    """
 
     name: str
     unit: str
     words: str
+    kind: str = ""
 
 
 class ParameterInfo(NamedTuple):
-    """One entry of the parameter vector. `tunable` is False for start values, which are fixed once a run has begun."""
+    """One entry of the parameter vector. `tunable` is False for start values, which are fixed once a run has begun.
+
+    start: what a start value is of: "angle" or "speed" of a shaft, or "state" of a block.
+    """
 
     path: str
     unit: str
@@ -27,6 +34,7 @@ class ParameterInfo(NamedTuple):
     lower: float | None
     upper: float | None
     tunable: bool
+    start: str = ""
 
 
 class InputInfo(NamedTuple):
@@ -67,29 +75,38 @@ class IntegralInfo(NamedTuple):
 
 
 class StartInfo(NamedTuple):
-    """An initial value by the name of an output ("motor.w"): parameter number `place` takes value * factor."""
+    """An initial value by the name of an output ("motor.w"): parameter number `place` takes value * factor.
+
+    of: "angle" or "speed" of a shaft, or "state" of a block.
+    """
 
     name: str
     place: int
     factor: float
+    of: str = ""
 
 
 class FollowerInfo(NamedTuple):
-    """A start value that follows from others through ties: the sum of factors times parameters number `places`."""
+    """A start value that follows from others through ties: the sum of factors times parameters number `places`.
+
+    of: "angle" or "speed".
+    """
 
     name: str
     places: tuple[int, ...]
     factors: tuple[float, ...]
+    of: str = ""
 
 
 class MovedInfo(NamedTuple):
     """A start value of a shaft that something else moves: its name, the output that tells, and what does it, in words; tied:
-    rigidly, so that others follow from it."""
+    rigidly, so that others follow from it; of: "angle" or "speed"."""
 
     name: str
     output: str
     by: str
     tied: bool
+    of: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,6 @@
-"""The dead zone as a polynomial: the fit that papers use in place of the corners."""
+"""Least-squares fit of the dead zone max(abs(x) - 1, 0) sign(x) by an odd polynomial, which papers use in place of the
+corners. Knows nothing of blocks.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Geometry of a pair of involute gears in the transverse section, and their stiffness after ISO 6336-1.
+"""Involute gear pairs in the transverse section (ISO 21771), and their mesh stiffness after ISO 6336-1, method B.
 
-Every function takes numbers, or symbols with the functions that go with them: nothing here knows of blocks.
+Every function takes numbers, or symbols with the functions that go with them. Knows nothing of blocks, nor of sympy.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 _C = (0.04723, 0.15551, 0.25791, -0.00635, -0.11654, -0.00193, -0.24188, 0.00529, 0.00182)
+"""C1 to C9 of ISO 6336-1 [mm um/N]."""
 
 
 def inverse_involute(y: float) -> float:
@@ -18,9 +19,7 @@ def inverse_involute(y: float) -> float:
     if not y > 0.0:
         return 0.0 if y == 0.0 else math.nan
     a = min(math.cbrt(3.0 * y), 1.5)
-    for _ in range(
-        40
-    ):  # the function is convex: Newton falls onto the root from above, the other way round after one step
+    for _ in range(40):  # the function is convex: after one step Newton falls onto the root from above
         t = math.tan(a)
         step = (t - a - y) / (t * t)
         a -= step
@@ -30,7 +29,7 @@ def inverse_involute(y: float) -> float:
 
 
 class Functions(NamedTuple):
-    """What geometry computes with: the functions of numbers, or those of symbols."""
+    """Elementary functions that geometry computes with: of numbers, or of symbols."""
 
     sqrt: Callable[[Any], Any] = math.sqrt
     sin: Callable[[Any], Any] = math.sin
@@ -92,7 +91,7 @@ class ToothPair:
 
     @property
     def lever_arms(self) -> tuple[Any, Any]:
-        """Radii of curvature at the pitch point [m], signed like z: what friction there has as lever arms."""
+        """Lever arms of friction at the pitch point [m]: radii of curvature r_b tan(a_w), signed like z."""
         t = self.f.tan(self.working_angle)
         return self.base_radius(self.z1) * t, self.base_radius(self.z2) * t
 
@@ -155,7 +154,7 @@ def mesh_stiffness(pair: ToothPair, face_width: Any, first_is_smaller: bool = Tr
 
 
 def iso_problems(pair: ToothPair, first_is_smaller: bool) -> list[str]:
-    """Where numbers lie outside of what the formula holds for."""
+    """Problems of numbers outside of the range of the formula (ISO 6336-1, method B)."""
     found = []
     x = list(pair.shifts or (0.0, 0.0))
     if not first_is_smaller:

@@ -1,4 +1,8 @@
-"""Geometry of non-circular gear pairs: pitch curves, their curvature, teeth made by a rack. SI units, radians."""
+"""Pitch curves of non-circular gear pairs: r1 = E m/(1 + m), r2 = E/(1 + m), their curvature and arc length, and tooth flanks
+as the envelope of a rack (Litvin and Fuentes, Gear Geometry and Applied Theory, 2004).
+
+SI units, radians. Knows nothing of how a ratio law is made, nor of blocks.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +18,8 @@ from gearblocks.errors import ParameterError
 from gearblocks.geometry.ratio_curves import TURN, Array, Curve
 from gearblocks.language.expression import finite_number
 
-_GRID = 7200  # angles per turn at which curvatures are searched
+GRID = 7200
+"""Angles per turn at which extremes of curves are searched."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +97,8 @@ class PitchPair:
     def _curvature(self, gear: int) -> Curvature:
         from scipy.optimize import minimize_scalar
 
-        step = TURN / _GRID
-        phi = step * np.arange(_GRID)
+        step = TURN / GRID
+        phi = step * np.arange(GRID)
         values = self.curvature_at(phi, gear)
 
         def best(i: int, sign: float) -> tuple[float, float]:

@@ -1,4 +1,7 @@
-"""Periodic parts of ratio laws: what remains of F(phi), the angle of gear 2, without its mean slope."""
+"""Ripples of ratio laws: the periodic part F(phi) - n1/n2 phi of the angle of gear 2, with derivatives up to order 4.
+
+Piecewise polynomials, ellipses, Fourier sums. Knows nothing of how they are fitted, nor of gears.
+"""
 
 from __future__ import annotations
 
@@ -6,15 +9,12 @@ import hashlib
 import math
 from dataclasses import dataclass
 from math import comb
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.errors import ParameterError
-
-if TYPE_CHECKING:
-    pass
 
 Array: TypeAlias = NDArray[np.float64]
 ORDERS = 4

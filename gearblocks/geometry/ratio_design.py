@@ -1,4 +1,7 @@
-"""Design of a pair of non-circular gears for a line of the ratio and a transition."""
+"""Design of a non-circular gear pair whose ratio is m = k phi + b on [0, X] with a transition that closes the curve.
+
+Knows nothing of blocks, nor of loads.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearblocks.geometry.pitch_curves import _GRID, PitchPair
+from gearblocks.geometry.pitch_curves import GRID, PitchPair
 from gearblocks.geometry.ratio_curves import TURN
 from gearblocks.geometry.ratio_law import RatioLaw
 
@@ -36,9 +39,9 @@ def design_ratio(k: float, b: float, X: float, E: float, n: float = 1.0) -> Rati
 
     law = RatioLaw.segments(k, b, X, TURN, n * TURN)
     pair = law.pair(E)
-    phi = np.linspace(0.0, TURN, _GRID + 1)
+    phi = np.linspace(0.0, TURN, GRID + 1)
     coarse = np.abs(law.pressure_angle_increment(phi))
-    near = np.linspace(-1, 1, 2001) * TURN / _GRID + phi[int(coarse.argmax())]
+    near = np.linspace(-1, 1, 2001) * TURN / GRID + phi[int(coarse.argmax())]
     fine = np.abs(law.pressure_angle_increment(near))
     best = int(fine.argmax())
     return RatioDesign(

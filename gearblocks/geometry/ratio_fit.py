@@ -1,6 +1,7 @@
-"""Curves of ratio laws from their descriptions: a line with a transition, functions, points; and what is refused.
+"""Ratio laws from their descriptions: periodic polynomial or trigonometric curves F(phi) with F(T) - F(0) = 2 pi/n2.
 
-Knows nothing of the law itself, nor of pitch curves.
+A line m = k phi + b with a transition; functions, as Fourier sums (exact) or by Chebyshev interpolation on halved
+segments; points, joined by a periodic cubic spline. Knows nothing of the law itself, nor of pitch curves.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -26,9 +27,6 @@ from gearblocks.geometry.ratio_curves import (
     extremes,
 )
 from gearblocks.language.expression import Expr, as_expr, evaluate, is_sympy, leaf_symbol_class, to_sympy
-
-if TYPE_CHECKING:
-    pass
 
 FIT_DEGREE = 12
 FIT_WANTED, FIT_ALLOWED = 1e-13, 1e-10
@@ -48,7 +46,7 @@ class Fit:
 
 
 def parts_of_turn(what: str, angle: float) -> int:
-    """How often an angle [rad] goes into a turn."""
+    """Whole number of times that an angle [rad] goes into a turn."""
     n = round(TURN / angle) if angle > 0 else 0
     if n < 1 or abs(TURN / angle - n) > 1e-9 * n:
         raise RatioLawError(
@@ -226,13 +224,13 @@ def _fitted(text: str, m: Callable[[Any], Array], T: float) -> tuple[Array, Arra
             f"m = '{text}' is not smooth near phi = {math.degrees(at):.4g} deg (a fit is off by {wrong.max():.2g}); "
             "give segments or a table with points at its kinks"
         )
-    slopes = np.array([_powers(row) for row in rows])
+    slopes = np.array([power_series(row) for row in rows])
     _check_joints(text, x, slopes)
     return x, slopes, float(wrong.max())
 
 
-def _powers(row: Array) -> Array:
-    """The Chebyshev series as a power series of the same length.
+def power_series(row: Array) -> Array:
+    """Coefficients of a Chebyshev series as those of a power series of the same length.
 
     cheb2poly drops trailing coefficients that are exactly 0; whether rounding leaves a 0 depends on the processor.
     """

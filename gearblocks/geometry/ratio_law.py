@@ -1,4 +1,7 @@
-"""Ratio laws of non-circular gear pairs: how far gear 2 turns while gear 1 turns."""
+"""Ratio laws (transmission functions) of non-circular gear pairs: F(phi) and m = F'(phi) = w2/w1 > 0.
+
+Knows nothing of blocks, trains or loads.
+"""
 
 from __future__ import annotations
 

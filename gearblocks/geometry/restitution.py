@@ -1,4 +1,4 @@
-"""Impacts of teeth: how much damping a restitution asks for."""
+"""Contact damping chi of Hunt and Crossley (1975) from the coefficient of restitution e. Knows nothing of blocks."""
 
 from __future__ import annotations
 

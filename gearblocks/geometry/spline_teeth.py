@@ -1,7 +1,7 @@
-"""Teeth of a spline that come into contact one after the other, in closed form.
+"""Load sharing of spline teeth with a gap of their own each, in closed form: F(s) = kt sum_j max(s - b_j, 0).
 
 Every tooth has its gap b_j; a tooth pair carries kt (s - b_j) once the deflection s is past it. Gaps in m, forces in N,
-stiffness of one pair kt in N/m. The coast side is the same with its own gaps.
+stiffness of one pair kt in N/m. The coast side is the same with its own gaps. Knows nothing of blocks.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
-"""How a block says what it is, what it has and what it does.
+"""Blocks and effects: classes whose attributes declare flanges, fields and states, and whose `physics` yields contributions.
 
-A block is a class with flanges, parameters, signals, states and effects as class attributes, and a method `physics`
-that yields contributions. Instances are frozen and keyword-only. `self` holds numbers, `s` holds symbols.
+Instances are frozen and keyword-only. `self` holds numbers, `s` holds symbols. Knows nothing of laws, nor of trains.
 """
 
 from __future__ import annotations
@@ -14,7 +13,17 @@ from typing import Any, ClassVar, dataclass_transform
 from gearblocks.errors import GearblocksError, ModelError, did_you_mean
 from gearblocks.language.contributions import Contribution, Parts
 from gearblocks.language.expression import from_sympy, is_sympy
-from gearblocks.language.fields import Field, Flange, State, effect, exact, option, param, signal
+from gearblocks.language.fields import (
+    COMPLIANCE,
+    Field,
+    Flange,
+    State,
+    effect,
+    exact,
+    option,
+    param,
+    signal,
+)
 
 _TAKEN = {
     "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics",
@@ -45,6 +54,9 @@ class Declared:
         for name, kind in (("fields", Field), ("flanges", Flange), ("states", State)):
             own = {n: v for n, v in members.items() if isinstance(v, kind)}
             setattr(cls, name, MappingProxyType({**getattr(cls, name), **own}))
+        starts = [f"{name} ({spec.start})" for name, spec in cls.fields.items() if spec.start is not None]
+        if len(starts) > len(start_fields(cls)):
+            raise ModelError(f"{cls.__name__}: {', '.join(starts)}: declare one start value of each kind")
 
     def __init__(self, *unnamed: Any, **values: Any) -> None:
         fields, kind, store = type(self).fields, type(self).__name__, self.__dict__
@@ -90,8 +102,19 @@ class Declared:
         return type(self)(**{**self.__dict__, **values})
 
     def problems(self) -> Iterator[str]:
-        """What is wrong with the combination of values, each as one sentence without the block's name."""
+        """Problems of the combination of values, each as one sentence without the block's name."""
         return iter(())
+
+
+def start_fields(kind: type[Declared]) -> dict[str, str]:
+    """Names of the fields that are start values, by what they are of: "angle" and "speed", where they are declared."""
+    return {spec.start: name for name, spec in kind.fields.items() if spec.start is not None}
+
+
+def given_start(block: Declared, of: str) -> Any:
+    """The start angle or speed that a block gives (a number, Parameter or expression), or None."""
+    name = start_fields(type(block)).get(of)
+    return None if name is None else block.__dict__[name]
 
 
 def _plain(value: Any, many: bool) -> Any:
@@ -109,6 +132,13 @@ def _plain(value: Any, many: bool) -> Any:
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(param, exact, option, signal, effect))
 class Effect(Declared, ABC):
     """A modelled phenomenon that a block has or has not. Subclasses declare fields like blocks do."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if starts := start_fields(cls):
+            raise ModelError(
+                f"{cls.__name__}.{next(iter(starts.values()))}: an effect has no start values; its block has"
+            )
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(param, exact, option, signal, effect))
@@ -133,6 +163,7 @@ class Block(Declared, ABC):
     (None when absent), s.<effect> the symbols of an effect, s.<state> a state, s.time the time. In Shows also
     s.<flange>.alpha [rad/s2] and s.<flange>.tau [N m], the torque that the block exerts on the flange. On a slider
     s.<flange>.s, .v and .f are other names of phi, w and tau (in m, m/s and N).
+    A parameter declared with start="angle" or "speed" is a start value of the shaft that the block has a Body at.
     s.<flange>.mobility is 1/J of all inertia tied rigidly to the flange (0 at the ground).
     """
 
@@ -154,15 +185,14 @@ class Block(Declared, ABC):
         return present
 
     def without_effect(self, name: str) -> Block:
-        """The same block with one effect taken away; without compliance nothing that lives on it stays."""
+        """The block without one effect; without compliance, without all effects that rest on it."""
         fields = type(self).fields
-        gone = set(self.effects()) if name == "compliance" else {name}
+        gone = set(self.effects()) if name == COMPLIANCE else {name}
         owners = {n: n if spec.role == "effect" else spec.belongs_to for n, spec in fields.items()}
         dropped: dict[str, Any] = {
             n: fields[n].default if fields[n].role == "option" else None for n, owner in owners.items() if owner in gone
         }
-        if name == "compliance" and "rigid" in fields:
-            dropped["rigid"] = True
+        dropped |= {n: True for n, spec in fields.items() if spec.absence_of == name}
         changed = self.changed(**dropped)
         assert isinstance(changed, Block)
         return changed

@@ -1,6 +1,9 @@
 """Contributions: what the `physics` of a block yields, from inertias and forces to switched constraints and the ledger.
 
-Each is one term of M(q) v' = f(t, q, v, u), an event function, an output or an energy. Knows nothing of blocks and trains."""
+Each is one term of M(q) v' = f(t, q, v, u), a constraint, an event function, an output or an energy. A further kind is a class
+here, a check (laws/checks.py), a part of the traversal (laws/law.py) and its physics (laws/derivation.py). Knows nothing of
+blocks, trains or sympy.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from typing import Any, TypeAlias
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A rotating inertia J [kg m2] at a flange."""
+    """An inertia at a flange: J [kg m2], or the mass [kg] of a slider."""
 
     flange: Any
     J: Any
@@ -19,7 +22,7 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class Force:
-    """A force along a deflection: every flange gets the torque -force * d deflection / d phi.
+    """A generalised force along a deflection: every flange gets the torque -force * d deflection / d phi (virtual work).
 
     Factors of angles in a deflection are taken as they are, floats too; what is left where floats cancel (1e-14 of their
     sizes, as of three cosines 120 degrees apart) counts as 0. Two deflections that differ by less are the same.
@@ -46,7 +49,7 @@ class Acts:
 
 @dataclass(frozen=True, slots=True)
 class Tie:
-    """A rigid relation that stays zero.
+    """A rigid constraint: `zero` stays 0.
 
     Linear in the flange angles with exact ratios; or, where it moves with time, with states or not linearly with angles,
     solved for a flange that it contains linearly by itself (phi_b - F(phi_a)). Then it must be smooth twice over.
@@ -57,7 +60,7 @@ class Tie:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A prescribed speed: `zero`, linear in the flange speeds with the factors 1 and -1, stays zero. The rest must be
+    """A prescribed motion by speed: `zero`, linear in the flange speeds with the factors 1 and -1, stays zero. The rest must be
     continuous."""
 
     zero: Any
@@ -65,7 +68,7 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """The value of a state of the block at the start, computed from angles, time and parameters there."""
+    """The start value of a state of the block, computed from angles, time and parameters at the start."""
 
     state: Any
     value: Any
@@ -109,10 +112,10 @@ class Switch:
 
 @dataclass(frozen=True, slots=True)
 class Stick:
-    """Friction that can stick, or a lock, along a slip: linear in the flange speeds with constant factors.
+    """A switched constraint along a slip, linear in the flange speeds with constant factors: dry friction, or a lock.
 
     A force > 0 drives the slip up: every flange gets the torque force * d slip / d w. While stuck the slip is exactly 0
-    and the held force stays in [-limit, limit], or in limit = (lower, upper) (sympy.oo: without limit); while it slides,
+    and the constraint force stays in [-limit, limit], or in limit = (lower, upper) (sympy.oo: without limit); while it slides,
     the force against the slip is `sliding` (default: limit; a pair: while slip > 0, while slip < 0), which may contain
     sympy.Abs(slip). engaged <= 0: free. An unlimited lock closes on a speed difference by a plastic impact; `impulse`: a
     state of the block that keeps it [N m s]. Loss, events and modes come by themselves, see Symbols.stick.
@@ -128,7 +131,7 @@ class Stick:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A rigid unilateral contact: the gap, linear in the flange angles with constant factors, stays >= 0.
+    """A unilateral constraint: the gap, linear in the flange angles with constant factors, stays >= 0.
 
     It closes by an impact with Newton's restitution (rate after = -restitution * rate before) and stays closed while it
     is pressed. impulse: a state of the block that keeps the last impulse [N m s]; impacts: one that counts them.
@@ -143,7 +146,7 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class LossyTie:
-    """A rigid tie whose losses depend on the force that it carries, and that sticks at rest.
+    """A rigid constraint with losses in proportion to its constraint force, and that sticks at rest.
 
     tie: the speed that stays 0, linear in the flange speeds; its force is Symbols.stick("tie"). slip: the speed at which
     loss is taken from the shafts; force lost = share * force of the tie + rest, against the slip: (share, rest) =
@@ -196,7 +199,7 @@ Contribution: TypeAlias = (
 
 @dataclass(frozen=True)
 class Parts:
-    """What a composite block stands for: blocks by name, links between (name, flange) pairs, and its own flanges."""
+    """Composition of a composite block: blocks by name, links between (name, flange) pairs, and its own flanges."""
 
     blocks: Mapping[str, Any]
     links: tuple[tuple[tuple[str, str], tuple[str, str]], ...]

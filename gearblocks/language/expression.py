@@ -1,4 +1,4 @@
-"""Light expressions for signals: built from `time`, parameters, inputs, tables and senses without importing sympy.
+"""Expression trees of signals: built from `time`, parameters, inputs, tables and feedback signals without importing sympy.
 
 They print to text, parse back from text (nothing is evaluated as code) and turn into sympy when asked. A sympy
 expression of these leaves is taken as well.
@@ -191,7 +191,7 @@ _NUMPY_FUNCTIONS = {
 
 
 def numpy_call(ufunc: Any, method: str, inputs: tuple[Any, ...]) -> Any:
-    """What a numpy function of expressions and numbers means; ParameterError for arrays and for other functions."""
+    """The expression that a numpy function of expressions and numbers means; ParameterError for arrays, other functions."""
     name = ufunc.__name__
     arguments = [as_expr(x) for x in inputs]
     if method == "__call__" and name in _NUMPY_OPERATORS:

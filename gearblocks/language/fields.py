@@ -1,6 +1,8 @@
-"""Fields of a block: parameters, options, signals and effects with words, unit, default and bounds; flanges and states.
+"""Declarations of fields (parameters, exact numbers, options, signals, effects) with words, unit, default, bounds and role;
+of flanges and states.
 
-Knows nothing of blocks: it only says what a field is."""
+What a field means is declared here, never read off its name. Knows nothing of blocks, nor of values.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +23,13 @@ class _Required:
 
 _REQUIRED: Any = _Required()
 
+ANGLE, SPEED = "angle", "speed"
+"""Roles of start values: the angle or the speed of a shaft; of a slider, position or speed."""
+COMPLIANCE = "compliance"
+"""The effect that all others of a compliant block rest on."""
+GIVING_WAY = (COMPLIANCE, "backlash")
+"""Effects that let the flanges of a block turn apart."""
+
 
 @dataclass(frozen=True, slots=True)
 class Field:
@@ -29,7 +38,9 @@ class Field:
     role: "param" (a number, runs as a tunable value), "exact" (integers that enter ratios exactly), "option" (part of
     the structure), "signal", "effect". belongs_to: the effect that goes when this field is None ("compliance").
     convert: turns a short form (a Table, say) into the effect that it stands for. over: the quantity of the block
-    ("twist") that an expression in the field may contain, and a Table in it is read at.
+    ("twist") that an expression in the field may contain, and a Table in it is read at. start: the start value that the
+    field is, of the shaft that its block has a body at: "angle" or "speed". absence_of: the effect that True in this
+    option says is absent.
     """
 
     words: str
@@ -44,6 +55,8 @@ class Field:
     belongs_to: str | None = None
     convert: Callable[[Any], Any] | None = None
     over: str | None = None
+    start: str | None = None
+    absence_of: str | None = None
 
     @property
     def required(self) -> bool:
@@ -54,12 +67,17 @@ class Field:
 def param(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
     lt: float | None = None, le: float | None = None, many: bool = False, belongs_to: str | None = None,
+    start: str | None = None,
 ) -> Any:  # fmt: skip
     """A number in SI units; a `Parameter` may stand for it. Bounds: gt (>), ge (>=), lt (<), le (<=).
 
-    default=None makes it optional: None means absent. many=True: a tuple of numbers.
+    default=None makes it optional: None means absent. many=True: a tuple of numbers. start="angle" or "speed": the start
+    angle [rad, m] or start speed [rad/s, m/s] of the shaft that the block has a Body at, fixed once a run has begun; the
+    physics of the block cannot read it.
     """
-    return Field(words, unit, "param", default, gt, ge, lt, le, many, belongs_to)
+    if start not in (None, ANGLE, SPEED) or (start is not None and many):
+        raise ModelError(f"param '{words}': start = {start!r} must be 'angle' or 'speed', of one number")
+    return Field(words, unit, "param", default, gt, ge, lt, le, many, belongs_to, start=start)
 
 
 def exact(words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False) -> Any:
@@ -68,10 +86,14 @@ def exact(words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool =
 
 
 def option(
-    words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, belongs_to: str | None = None
-) -> Any:
-    """A choice (text, truth, number) that decides the form of the law. Structural. many=True: a tuple of them."""
-    return Field(words, unit, "option", default, many=many, belongs_to=belongs_to)
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, belongs_to: str | None = None,
+    absence_of: str | None = None,
+) -> Any:  # fmt: skip
+    """A choice (text, truth, number) that decides the form of the law. Structural. many=True: a tuple of them.
+
+    absence_of: the effect ("compliance") that True stands for the absence of.
+    """
+    return Field(words, unit, "option", default, many=many, belongs_to=belongs_to, absence_of=absence_of)
 
 
 def signal(

@@ -1,4 +1,7 @@
-"""What may stand where a value is wanted: Parameter, Input, Table, `time`, `sense`."""
+"""Signals, leaves of expressions: Parameter, Input, Table, `time`, feedback by `sense`.
+
+Knows nothing of blocks, nor of when a signal is evaluated.
+"""
 
 from __future__ import annotations
 

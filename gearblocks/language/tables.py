@@ -1,4 +1,6 @@
-"""Tables of two variables: maps of a grid of points, such as the torque of an engine over speed and throttle."""
+"""Tables of two variables: bilinear or bicubic interpolation on a grid, such as the torque of an engine over speed and
+throttle.
+"""
 
 from __future__ import annotations
 

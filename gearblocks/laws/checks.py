@@ -1,10 +1,14 @@
-"""What a block written by a user yields, looked through before anything is made of it."""
+"""Checks of contributions that a user's block yields, before a law is derived: one for each kind, and one of all together.
+
+Every problem is one sentence with its way out. Knows nothing of derivation, nor of the values of the block.
+"""
 
 from __future__ import annotations
 
 import re
 import traceback
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
@@ -34,12 +38,6 @@ from gearblocks.language.fields import Flange
 from gearblocks.laws.symbols import CONSTANT, FlangeSymbols, Pool, Symbols
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
-_EXPRESSIONS: dict[type, tuple[str, ...]] = {
-    Body: ("J",), Force: ("deflection", "force"), Potential: ("energy",), Acts: ("tau",), Tie: ("zero",),
-    Motion: ("zero",), Start: ("value",), Hold: ("value", "when"),
-    LossyTie: ("tie", "slip"), Stick: ("slip", "engaged"), Stop: ("gap", "restitution"),
-    Rate: ("expr",), Switch: ("surface", "when"), Shows: ("expr",), Energy: ("stored", "loss"),
-}  # fmt: skip
 
 
 def physics_problems(path: str, block: Block, grounded: frozenset[str]) -> list[str]:
@@ -61,7 +59,7 @@ def physics_problems(path: str, block: Block, grounded: frozenset[str]) -> list[
 
 
 class _Number:
-    """Stands for a number of `self` while physics is looked through: present, but good for nothing else.
+    """Stands for a number of `self` while physics is checked: present, but good for nothing else.
 
     A number of `self` would be baked into the law, which all blocks of a kind share.
     """
@@ -143,59 +141,100 @@ class _Check:
         self.states = {name: getattr(s, name) for name in type(block).states}
 
     def item(self, item: Any) -> Iterator[str]:
-        """What is wrong with one contribution by itself."""
+        """Problems of one contribution by itself."""
         kind = type(item)
-        if kind not in _EXPRESSIONS:
+        if kind not in KINDS:
             yield f"physics yields {item!r:.80}, which is no contribution such as gb.Acts(...)"
             return
+        known = KINDS[kind]
         showing, optional = kind is Shows, kind is Energy
-        problems = [p for f in _EXPRESSIONS[kind] if (p := self.expression(getattr(item, f), showing, optional))]
-        problems += [p for p in self.rest(item, not problems) if p]
+        problems = [p for f in known.expressions if (p := self.expression(getattr(item, f), showing, optional))]
+        if known.check is not None:
+            problems += [p for p in known.check(self, item, not problems) if p]
         yield from (f"{kind.__name__}: {problem}" for problem in problems)
 
-    def rest(self, item: Any, sound: bool) -> Iterator[str]:
-        """What depends on the kind of contribution; `sound`: its expressions are in order."""
-        if isinstance(item, (Body, Acts)):
-            yield self.flange(item.flange)
-        if isinstance(item, Body) and sound:
+    def whole(self, items: list[Any]) -> Iterator[str]:
+        """Problems of all contributions together."""
+        for name, state in self.states.items():
+            rates = sum(any(getattr(x, a) is state for a in KINDS[type(x)].rates) for x in items if type(x) in KINDS)
+            if rates != 1:
+                yield f"the state '{name}' has {rates} rates; yield one gb.Rate(s.{name}, ...)"
+        if any(isinstance(x, Body) and not self.flange(x.flange) and x.flange.phi.is_Symbol for x in items):
+            yield from self.start_values(items)
+        shown = [x.name for x in items if isinstance(x, Shows)]
+        yield from (f"the output '{name}' is shown twice" for name in dict.fromkeys(shown) if shown.count(name) > 1)
+
+    def start_values(self, items: list[Any]) -> Iterator[str]:
+        """Start values of a body that the law reads: they are no numbers of a run."""
+        exprs = [getattr(x, name) for x in items for name in KINDS.get(type(x), _Kind(())).expressions]
+        read = {x for e in exprs if isinstance(e, sp.Expr) for x in e.free_symbols}
+        for symbol in sorted(read, key=str):
+            slot = self.pool.slots.get(symbol)
+            if slot is not None and slot.role == "own" and slot.of in self.pool.starts:
+                yield f"the physics reads the start value '{slot.of}': declare a parameter of its own for what the law needs"
+
+    # -- one check for each kind of contribution; `sound`: its expressions are in order --------------------------------
+
+    def body(self, item: Body, sound: bool) -> Iterator[str]:
+        """An inertia at a flange: constant and not negative."""
+        yield self.flange(item.flange)
+        if sound:
             inertia = sp.sympify(item.J)
             if self.pool.level(inertia) != CONSTANT:
                 yield f"J = '{inertia}' changes during a run; give an expression of parameters"
             elif inertia.is_negative:
                 yield f"J = {inertia} kg m2 must be >= 0"
-        if isinstance(item, (Force, Potential)) and sound:
-            yield self.angles(next(iter(getattr(item, f) for f in _EXPRESSIONS[type(item)])))
-        if isinstance(item, (Tie, Motion)) and sound:
+
+    def acts(self, item: Acts, _sound: bool) -> Iterator[str]:
+        """A torque on a flange."""
+        yield self.flange(item.flange)
+
+    def force(self, item: Force, sound: bool) -> Iterator[str]:
+        """A force along a deflection of angles."""
+        if sound:
+            yield self.angles(item.deflection)
+
+    def potential(self, item: Potential, sound: bool) -> Iterator[str]:
+        """An energy of angles."""
+        if sound:
+            yield self.angles(item.energy)
+
+    def relation(self, item: Tie | Motion, sound: bool) -> Iterator[str]:
+        """A relation of flange angles, or of flange speeds alone."""
+        if sound:
             yield self.tie(item)
-        if isinstance(item, (Rate, Start, Hold)) and not any(
-            item.state is x for x in (*self.states.values(), *self.inner())
-        ):
+
+    def of_state(self, item: Rate | Start | Hold, _sound: bool) -> Iterator[str]:
+        """Something about a state of the block or of its effects."""
+        if not any(item.state is x for x in (*self.states.values(), *self.inner())):
             has = ", ".join(f"s.{name}" for name in self.states) or "none: declare one with gb.State('words', 'unit')"
             yield f"'{item.state}' is no state of the block; it has {has}"
-        if isinstance(item, (Stick, Stop)):
-            yield from self.stick(item, sound)
-        if isinstance(item, LossyTie):
-            yield from (p for x in (*item.driving, *item.coasting) if (p := self.expression(x, False, False)))
-            for slip in (item.tie, item.slip) if sound else ():
-                yield from self.stick(Stick("", slip, 0), True)
-        if isinstance(item, (Shows, Switch, Stick, Stop)) and not isinstance(item.name, str):
+
+    def switched(self, item: Stick | Stop, sound: bool) -> Iterator[str]:
+        """A switched constraint along a slip or gap."""
+        yield from self.stick(item, sound)
+        yield from self.named(item, sound)
+
+    def lossy(self, item: LossyTie, sound: bool) -> Iterator[str]:
+        """A rigid constraint with losses: shares and rests, and two slips."""
+        yield from (p for x in (*item.driving, *item.coasting) if (p := self.expression(x, False, False)))
+        for slip in (item.tie, item.slip) if sound else ():
+            yield from self.stick(Stick("", slip, 0), True)
+
+    def named(self, item: Stick | Stop | Switch | Shows, _sound: bool) -> Iterator[str]:
+        """The name of something that events or outputs show."""
+        if not isinstance(item.name, str):
             yield f"its name {item.name!r} must be text"
-        elif isinstance(item, Shows) and not _WORD.fullmatch(item.name):
+
+    def shows(self, item: Shows, sound: bool) -> Iterator[str]:
+        """The name and unit of an output."""
+        yield from self.named(item, sound)
+        if isinstance(item.name, str) and not _WORD.fullmatch(item.name):
             yield f"the name '{item.name}' must be a word of letters, digits and '_'"
-        if isinstance(item, Shows) and not isinstance(item.unit, str):
+        if not isinstance(item.unit, str):
             yield f"unit = {item.unit!r} must be text such as 'N m'"
 
-    def whole(self, items: list[Any]) -> Iterator[str]:
-        """What is wrong with all contributions together."""
-        for name, state in self.states.items():
-            rates = sum(isinstance(x, (Rate, Hold)) and x.state is state for x in items)
-            rates += sum(
-                isinstance(x, (Stick, Stop)) and state in (x.impulse, getattr(x, "impacts", None)) for x in items
-            )
-            if rates != 1:
-                yield f"the state '{name}' has {rates} rates; yield one gb.Rate(s.{name}, ...)"
-        shown = [x.name for x in items if isinstance(x, Shows)]
-        yield from (f"the output '{name}' is shown twice" for name in dict.fromkeys(shown) if shown.count(name) > 1)
+    # -- what they share ------------------------------------------------------------------------------------------------
 
     def inner(self) -> Iterator[Any]:
         """States of the effects."""
@@ -275,6 +314,34 @@ class _Check:
             if slot.role in ("alpha", "tau", "held") and not showing:
                 return f"'{symbol}' in '{expr}' is a result of the motion, which only Shows can read"
         return ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Kind:
+    """Check of one kind of contribution: its expressions, a check of the rest, and the states that it gives rates to."""
+
+    expressions: tuple[str, ...]
+    check: Callable[[_Check, Any, bool], Iterator[str]] | None = None
+    rates: tuple[str, ...] = ()
+
+
+KINDS: dict[type, _Kind] = {
+    Body: _Kind(("J",), _Check.body),
+    Force: _Kind(("deflection", "force"), _Check.force),
+    Potential: _Kind(("energy",), _Check.potential),
+    Acts: _Kind(("tau",), _Check.acts),
+    Tie: _Kind(("zero",), _Check.relation),
+    Motion: _Kind(("zero",), _Check.relation),
+    Rate: _Kind(("expr",), _Check.of_state, ("state",)),
+    Start: _Kind(("value",), _Check.of_state),
+    Hold: _Kind(("value", "when"), _Check.of_state, ("state",)),
+    Switch: _Kind(("surface", "when"), _Check.named),
+    Stick: _Kind(("slip", "engaged"), _Check.switched, ("impulse",)),
+    Stop: _Kind(("gap", "restitution"), _Check.switched, ("impulse", "impacts")),
+    LossyTie: _Kind(("tie", "slip"), _Check.lossy),
+    Shows: _Kind(("expr",), _Check.shows),
+    Energy: _Kind(("stored", "loss")),
+}
 
 
 def in_pair(x: Any) -> tuple[Any, Any]:

@@ -1,12 +1,15 @@
 """Derivation of a law: one symbolic pass per kind of block, from contributions to torques, rates, event functions, energies.
 
-A kind is a class with a structure (which fields are present) and a set of grounded flanges. All its instances share
-the law; their numbers come from tables."""
+Virtual work: a force F along a deflection x(phi) gives the torque -F dx/dphi on each flange, a potential V(phi) the torque
+-dV/dphi. A kind is a class with a structure (which fields are present) and a set of grounded flanges; all its instances
+share the law. Knows nothing of numbers, which come from tables, nor of trains."""
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from typing import Any
+from functools import partial
+from typing import Any, get_args
 
 import sympy as sp
 
@@ -15,6 +18,7 @@ from gearblocks.language.block import Block
 from gearblocks.language.contributions import (
     Acts,
     Body,
+    Contribution,
     Energy,
     Force,
     Hold,
@@ -31,44 +35,22 @@ from gearblocks.language.contributions import (
 )
 from gearblocks.laws.energy_balance import add_energy_balance
 from gearblocks.laws.functions import Table2At, TableAt
-from gearblocks.laws.law import Form, Law
-from gearblocks.laws.prescribed_motion import drive_of, frozen_drive, is_constant_tie, linear_tie, motion_of
+from gearblocks.laws.law import COORDINATES, LOCATED, READ, Form, Law
+from gearblocks.laws.prescribed_motion import drive_of, is_constant_tie, linear_tie, motion_of
 from gearblocks.laws.relative_angles import in_coordinates
 from gearblocks.laws.switched_constraints import along, carried_loss, sliding_force, sticks_of
 from gearblocks.laws.switching import Freezer
 from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, Symbols
 
 
-class _Contributions:
-    """The contributions of one call of physics, sorted, with every value turned into sympy."""
-
-    def __init__(self, block: Block, s: Symbols) -> None:
-        self.bodies: list[Body] = []
-        self.forces: list[Force] = []
-        self.potentials: list[Potential] = []
-        self.acts: list[Acts] = []
-        self.ties: list[Tie] = []
-        self.motions: list[Motion] = []
-        self.rates: list[Rate] = []
-        self.starts: list[Start] = []
-        self.holds: list[Hold] = []
-        self.switches: list[Switch] = []
-        self.sticks: list[Stick] = []
-        self.stops: list[Stop] = []
-        self.lossy: list[LossyTie] = []
-        self.shows: list[Shows] = []
-        self.energies: list[Energy] = []
-        lists: dict[type, list[Any]] = {
-            Body: self.bodies, Force: self.forces, Potential: self.potentials, Acts: self.acts,
-            Tie: self.ties, Motion: self.motions, Start: self.starts,
-            Rate: self.rates, Switch: self.switches, Shows: self.shows, Energy: self.energies,
-            Hold: self.holds, Stick: self.sticks, Stop: self.stops,
-            LossyTie: self.lossy,
-        }  # fmt: skip
-        for item in block.physics(s):
-            if type(item) not in lists:
-                raise ModelError(f"{type(block).__name__}.physics yields {item!r}, which is no contribution")
-            lists[type(item)].append(item)
+def _contributions(block: Block, s: Symbols) -> defaultdict[type, list[Any]]:
+    """Contributions of one call of physics, by kind."""
+    found: defaultdict[type, list[Any]] = defaultdict(list)
+    for item in block.physics(s):
+        if type(item) not in get_args(Contribution):
+            raise ModelError(f"{type(block).__name__}.physics yields {item!r}, which is no contribution")
+        found[type(item)].append(item)
+    return found
 
 
 def derive(block: Block, grounded: frozenset[str], *, reading: bool = False) -> Law:
@@ -77,39 +59,45 @@ def derive(block: Block, grounded: frozenset[str], *, reading: bool = False) -> 
     reading=True keeps angles, conditions and named parts (a mesh force, say) as they are, for people to read.
     """
     law = Law(Pool(reading=reading))
-    s = Symbols(block, law.pool, grounded)
-    found = _Contributions(block, s)
+    pool, kind = law.pool, type(block).__name__
+    s = Symbols(block, pool, grounded)
+    found = _contributions(block, s)
     flanges = {name: getattr(s, name) for name in type(block).flanges if name not in grounded}
-    law.bodies = [(_flange_name(flanges, b.flange), sp.sympify(b.J)) for b in found.bodies if b.flange.phi.is_Symbol]
-    law.rates = {law.pool.slots[r.state].of: sp.sympify(r.expr) for r in found.rates}
-    law.starts = {law.pool.slots[x.state].of: sp.sympify(x.value) for x in found.starts}
-    law.holds = [(law.pool.slots[h.state].of, sp.sympify(h.value), sp.sympify(h.when)) for h in found.holds]
+    law.bodies = [(_flange_name(flanges, b.flange), sp.sympify(b.J)) for b in found[Body] if b.flange.phi.is_Symbol]
+    law.rates = {pool.slots[r.state].of: sp.sympify(r.expr) for r in found[Rate]}
+    law.starts = {pool.slots[x.state].of: sp.sympify(x.value) for x in found[Start]}
+    law.holds = [(pool.slots[h.state].of, sp.sympify(h.value), sp.sympify(h.when)) for h in found[Hold]]
     law.rates |= {state: sp.Integer(0) for state, _, _ in law.holds}
-    for zero in (sp.expand(sp.sympify(t.zero)) for t in found.ties):
+    for zero in (sp.expand(sp.sympify(t.zero)) for t in found[Tie]):
         if is_constant_tie(law, flanges, zero):
             tie = linear_tie(flanges, zero)
             law.ties += [tie] if tie[0] else []
         else:
-            law.drives.append(drive_of(law, type(block).__name__, flanges, zero))
-    law.drives += [motion_of(law, type(block).__name__, flanges, sp.expand(m.zero)) for m in found.motions]
-    law.sticks = sticks_of(law.pool, flanges, [*found.sticks, *found.stops, *found.lossy])
+            law.drives.append(drive_of(law, kind, flanges, zero))
+    law.drives += [motion_of(law, kind, flanges, sp.expand(m.zero)) for m in found[Motion]]
+    law.sticks = sticks_of(pool, flanges, [*found[Stick], *found[Stop], *found[LossyTie]])
     law.rates |= {x: sp.Integer(0) for k in law.sticks.values() for x in (k.impulse, k.impacts) if x is not None}
     law.torques = _torques(law, flanges, found, reading)
-    stored = [sp.sympify(e.stored) for e in found.energies if e.stored is not None]
-    losses = [sp.sympify(e.loss) for e in found.energies if e.loss is not None]
-    losses += [-sliding_force(law.pool, k) * k.slip for k in law.sticks.values()]
-    law.stored = sp.Add(*stored) if stored and not _is_driven(law.pool, stored) else None
-    law.loss = sp.Add(*losses) if losses else None
-    law.shows = [Shows(x.name, sp.sympify(x.expr), x.unit, x.words) for x in found.shows]
+    _energies(law, found[Energy])
+    law.shows = [Shows(x.name, sp.sympify(x.expr), x.unit, x.words) for x in found[Shows]]
     for stick in law.sticks.values():
-        law.shows = [Shows(x.name, along(law.pool, stick, x.expr), x.unit, x.words) for x in law.shows]
+        law = law.map(partial(along, pool, stick), "shows")
     if not reading:
-        _introduce_coordinates(law, flanges, [*found.forces, *(Force(x.gap, 0) for x in found.stops)])
-        _freeze(law, found.switches)
+        law = _in_coordinates(law, flanges, [*found[Force], *(Force(x.gap, 0) for x in found[Stop])])
+        law = _frozen(law, found[Switch])
         if law.stored is not None and _jumps_in_time(law):
             law.stored = None
         add_energy_balance(law, flanges)
     return law
+
+
+def _energies(law: Law, entries: Iterable[Energy]) -> None:
+    """Stored energy and lost power, that of sliding friction included."""
+    stored = [sp.sympify(e.stored) for e in entries if e.stored is not None]
+    losses = [sp.sympify(e.loss) for e in entries if e.loss is not None]
+    losses += [-sliding_force(law.pool, k) * k.slip for k in law.sticks.values()]
+    law.stored = sp.Add(*stored) if stored and not _is_driven(law.pool, stored) else None
+    law.loss = sp.Add(*losses) if losses else None
 
 
 def _flange_name(flanges: Mapping[str, Any], wanted: Any) -> str:
@@ -131,7 +119,9 @@ def _jumps_in_time(law: Law) -> bool:
     return bool(modes - smooth)
 
 
-def _torques(law: Law, flanges: Mapping[str, Any], found: _Contributions, reading: bool) -> dict[str, Any]:
+def _torques(
+    law: Law, flanges: Mapping[str, Any], found: Mapping[type, list[Any]], reading: bool
+) -> dict[str, Any]:  # fmt: skip
     """Torque that the block exerts on each flange: virtual work of its forces and potentials, and what acts."""
     total: dict[str, Any] = {}
 
@@ -139,7 +129,7 @@ def _torques(law: Law, flanges: Mapping[str, Any], found: _Contributions, readin
         if tau != 0:
             total[name] = total.get(name, 0) + tau
 
-    for force in found.forces:
+    for force in found[Force]:
         form = None if reading else _linear_form(law.pool, flanges, sp.sympify(force.deflection))
         if form is not None and form.whole:
             symbol = law.pool.symbol("force", len(law.forces), f"force{len(law.forces)}")
@@ -149,10 +139,10 @@ def _torques(law: Law, flanges: Mapping[str, Any], found: _Contributions, readin
             continue
         for name, flange in flanges.items():
             add(name, -sp.sympify(force.force) * sp.diff(force.deflection, flange.phi))
-    for potential in found.potentials:
+    for potential in found[Potential]:
         for name, flange in flanges.items():
             add(name, -sp.diff(potential.energy, flange.phi))
-    for act in found.acts:
+    for act in found[Acts]:
         if act.flange.phi.is_Symbol:
             add(_flange_name(flanges, act.flange), sp.sympify(act.tau))
     for stick in law.sticks.values():
@@ -162,8 +152,8 @@ def _torques(law: Law, flanges: Mapping[str, Any], found: _Contributions, readin
     return total
 
 
-def _introduce_coordinates(law: Law, flanges: Mapping[str, Any], forces: Iterable[Force]) -> None:
-    """Writes the law in relative coordinates: one per independent deflection, and absolute angles only where left."""
+def _in_coordinates(law: Law, flanges: Mapping[str, Any], forces: Iterable[Force]) -> Law:
+    """The law in relative coordinates: one per independent deflection, and absolute angles only where left."""
     replace: dict[Any, Any] = {}
     for force in forces:
         form = _linear_form(law.pool, flanges, sp.sympify(force.deflection))
@@ -176,8 +166,7 @@ def _introduce_coordinates(law: Law, flanges: Mapping[str, Any], forces: Iterabl
             law.forms.append(form)
             law.coordinates.append(u)
     law.replaced = replace
-    if replace:
-        _substitute(law)
+    return law.map(lambda e: in_coordinates(law.pool, e, replace), COORDINATES) if replace else law
 
 
 def _solve(
@@ -224,63 +213,38 @@ def _constant_part(slope: Any, angles: set[Any]) -> Any:
     return sp.Add(*(term for term in sp.Add.make_args(slope) if not term.free_symbols & angles))
 
 
-def _substitute(law: Law) -> None:
-    def new(expr: Any) -> Any:
-        return None if expr is None else in_coordinates(law.pool, expr, law.replaced)
-
-    law.forces = {n: new(e) for n, e in law.forces.items()}
-    law.torques = {n: new(e) for n, e in law.torques.items()}
-    law.rates = {n: new(e) for n, e in law.rates.items()}
-    law.starts = {n: new(e) for n, e in law.starts.items()}
-    law.holds = [(state, new(value), new(when)) for state, value, when in law.holds]
-    law.stored, law.loss = new(law.stored), new(law.loss)
-    for stick in law.sticks.values():
-        stick.changed(new)
-    law.shows = [Shows(x.name, new(x.expr), x.unit, x.words) for x in law.shows]
-
-
-def _freeze(law: Law, declared: Iterable[Switch]) -> None:
-    """Conditions of the dynamics become modes; outputs reuse these modes and locate nothing of their own."""
-    freezer = Freezer(law.pool)
+def _frozen(law: Law, declared: Iterable[Switch]) -> Law:
+    """The law with the conditions of its dynamics as modes; outputs read these modes and locate nothing of their own."""
+    pool, freezer = law.pool, Freezer(law.pool)
 
     def new(expr: Any) -> Any:
-        return in_coordinates(law.pool, expr, law.replaced)
+        return in_coordinates(pool, expr, law.replaced)
 
     freezer.declare(Switch(x.name, new(x.surface), new(x.when), x.low, x.high) for x in declared)
-    law.forces = {n: freezer.freeze(e) for n, e in law.forces.items()}
-    law.torques = {n: freezer.freeze(e) for n, e in law.torques.items()}
-    law.rates = {n: freezer.freeze(e) for n, e in law.rates.items()}
-    law.drives = [frozen_drive(x, freezer.freeze) for x in law.drives]
-    law.starts = {n: freezer.freeze(e) for n, e in law.starts.items()}
-    law.stored = None if law.stored is None else freezer.freeze(law.stored)
-    law.loss = None if law.loss is None else freezer.freeze(law.loss)
-    for stick in law.sticks.values():
-        stick.changed(freezer.freeze)
-        freezer.watch(stick)
-    law.late_loss = carried_loss(law.pool, law.sticks)
+    frozen = law.map(freezer.freeze, LOCATED)
+    # the switches of each constraint follow those of its own expressions
+    frozen.sticks = {name: freezer.watch(stick.map(freezer.freeze)) for name, stick in law.sticks.items()}
+    frozen.late_loss = carried_loss(pool, frozen.sticks)
     freezer.locating = False
-    law.holds = [(state, freezer.freeze(value), freezer.freeze(when)) for state, value, when in law.holds]
-    law.shows = [Shows(x.name, freezer.freeze(x.expr), x.unit, x.words) for x in law.shows]
-    law.switches = freezer.switches
+    frozen = frozen.map(freezer.freeze, READ)
+    frozen.switches = freezer.switches
+    return frozen
 
 
 def check_senses(law: Law, path: str) -> None:
     """ModelError where the component at `path` needs a sensed output before there is one: at the start, or for a motion."""
-    slots = law.pool.slots
 
-    def sensed(*exprs: Any) -> str:
-        return next(
-            (slots[x].of for e in exprs if e is not None for x in e.free_symbols if slots[x].role == "sense"), ""
+    def sensed(exprs: Iterable[Any]) -> str:
+        slots = (law.pool.slots[x] for e in exprs for x in e.free_symbols)
+        return next((slot.of for slot in slots if slot.role == "sense"), "")
+
+    if found := sensed(law.expressions("drives", "driven angles")):
+        raise ModelError(
+            f"'{path}': the sensed output '{found}' cannot prescribe a rigid motion, not through a filter either: it may "
+            f"follow from the torques of that motion; prescribe an Input, or drive with a torque that depends on it"
         )
-
-    for x in law.drives:
-        if found := sensed(*x.gains.values(), x.bias, x.surplus, x.angle):
-            raise ModelError(
-                f"'{path}': the sensed output '{found}' cannot prescribe a rigid motion, not through a filter either: it may "
-                f"follow from the torques of that motion; prescribe an Input, or drive with a torque that depends on it"
-            )
     for state, value in law.starts.items():
-        if found := sensed(value):
+        if found := sensed([value]):
             raise ModelError(
                 f"'{path}': the state '{state}' starts from the sensed output '{found}', which is not known before the "
                 f"start; give Start a number, a Parameter or an Input"

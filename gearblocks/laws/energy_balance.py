@@ -1,6 +1,7 @@
-"""Energy balance of a law: stored energy, lost power, and the power that sources supply.
+"""Energy balance of a law: supplied = d stored/dt + loss + sum tau_f w_f over the flanges.
 
-What neither a stored energy nor a loss explains of the power of all torques is exchange with sources.
+What neither a stored energy nor a loss explains of the power of all torques is exchange with sources. Whether a rest vanishes
+is asked at fixed points. Knows nothing of kinetic energy, nor of trains.
 """
 
 from __future__ import annotations

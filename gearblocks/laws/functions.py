@@ -1,4 +1,7 @@
-"""sympy functions of laws: tables, dead zones, tooth geometry, with their derivatives and their definitions for readers."""
+"""sympy functions of laws: tables, dead zones, tooth geometry, with their derivatives and their definitions for readers.
+
+Knows nothing of how they are evaluated in C, nor of modes.
+"""
 
 from __future__ import annotations
 
@@ -127,7 +130,7 @@ class InverseInvolute(sp.Function):  # type: ignore[misc]  # sympy carries no ty
 
 
 class RestitutionDamping(sp.Function):  # type: ignore[misc]  # sympy carries no types
-    """What a restitution asks for; see `gearblocks.geometry.restitution.restitution_damping`."""
+    """a(e), the contact damping of a restitution; see `gearblocks.geometry.restitution.restitution_damping`."""
 
     nargs = 1
 
@@ -138,4 +141,4 @@ class RestitutionDamping(sp.Function):  # type: ignore[misc]  # sympy carries no
 
 
 SYMBOLS = Functions(sp.sqrt, sp.sin, sp.cos, sp.tan, sp.atan, InverseInvolute, sp.pi)
-"""What tooth geometry computes with in laws."""
+"""The functions of tooth geometry, of symbols."""

@@ -1,9 +1,13 @@
-"""Ties as a law states them: linear ones, and those that prescribe the motion of one flange."""
+"""Prescribed motions: constraints solved for one flange, w = sum gains_f w_f + bias, w' = sum gains_f w_f' + surplus.
+
+The velocity bias is the rate of what moves with time and states, the acceleration bias the rest of w'. Constraints that are
+linear with constant factors are rigid constraints instead. Knows nothing of trains, nor of who moves the other flanges.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy as sp
@@ -15,7 +19,7 @@ from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, clock
 
 @dataclass(slots=True)
 class Drive:
-    """A flange whose motion follows: phi = angle, w = sum gains w + bias, w' = sum gains w' + surplus.
+    """A prescribed motion of a flange: phi = angle, w = sum gains w + bias, w' = sum gains w' + surplus.
 
     angle: None where only the speed is prescribed. gains: by the other flanges.
     """
@@ -26,15 +30,19 @@ class Drive:
     surplus: Any
     angle: Any = None
 
+    def map_rates(self, f: Callable[[Any], Any]) -> Drive:
+        """With f(expression) in place of gains, bias and surplus."""
+        return replace(self, gains={n: f(g) for n, g in self.gains.items()}, bias=f(self.bias), surplus=f(self.surplus))
+
 
 def is_constant_tie(law: Any, flanges: Mapping[str, Any], zero: Any) -> bool:
-    """Whether a tie is linear in the angles with constant ratios, and rests on nothing else than them and a start angle."""
+    """Whether a relation of angles is a rigid constraint: sum c_f phi_f = 0, or = the start angle of the block."""
     slopes = [sp.diff(zero, f.phi) for f in flanges.values() if f.phi.is_Symbol]
     if any(law.pool.level(c) != CONSTANT for c in slopes):
         return False
     rest = zero.xreplace({f.phi: sp.Integer(0) for f in flanges.values()})
     slot = law.pool.slots.get(-rest)
-    return bool(rest == 0) or (slot is not None and slot.role == "own" and slot.of == "phi0")
+    return bool(rest == 0) or (slot is not None and slot.role == "own" and slot.of in law.pool.starts)
 
 
 def linear_tie(flanges: Mapping[str, Any], zero: Any) -> tuple[dict[str, Any], Any]:
@@ -77,10 +85,7 @@ def motion_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> Dri
 
 def frozen_drive(drive: Drive, freeze: Callable[[Any], Any]) -> Drive:
     """The drive with every condition as a mode."""
-    return Drive(
-        drive.flange, {n: freeze(g) for n, g in drive.gains.items()}, freeze(drive.bias), freeze(drive.surplus),
-        None if drive.angle is None else freeze(drive.angle),
-    )  # fmt: skip
+    return replace(drive.map_rates(freeze), angle=None if drive.angle is None else freeze(drive.angle))
 
 
 def is_steady(law: Any, number: int) -> bool:

@@ -1,4 +1,7 @@
-"""sympy becomes text here and nowhere else."""
+"""C text of sympy expressions; sympy becomes text here and nowhere else.
+
+Knows nothing of statements, nor of what a symbol stands for.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Exact ratios: whole numbers where they suffice (they are fast), fractions elsewhere."""
+"""Exact ratios: rational numbers, whole where that suffices (these are fast), fractions elsewhere.
+
+Knows nothing of what a ratio is of.
+"""
 
 from __future__ import annotations
 

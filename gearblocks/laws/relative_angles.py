@@ -1,4 +1,7 @@
-"""Angles replaced by relative coordinates, without absolute angles that cancel."""
+"""Relative coordinates in place of angles, without absolute angles that cancel.
+
+Knows nothing of which coordinates a law has.
+"""
 
 from __future__ import annotations
 

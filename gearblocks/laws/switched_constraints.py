@@ -1,9 +1,13 @@
-"""Friction with stick, locks and stops of one kind: slips, limits of held forces, sizes of sliding forces."""
+"""Switched constraints of one kind (friction, locks, stops, lossy gears): a row v = sum push_f w_f over the flange speeds.
+
+Active: v = 0 with a constraint force in [lower, upper]. Inactive: a sliding force against v, forward or backward; of a stop,
+none. Knows nothing of what is active, nor of trains.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import sympy as sp
@@ -12,12 +16,14 @@ from gearblocks.language.contributions import LossyTie, Stick, Stop
 from gearblocks.laws.checks import in_pair
 from gearblocks.laws.symbols import Pool
 
+_EVALUATED = ("lower", "upper", "forward", "backward", "engaged", "gap", "restitution", "share")
+
 
 @dataclass(slots=True)
 class StickOfKind:
-    """One Stick or Stop of a kind.
+    """One switched constraint of a kind: a Stick, a Stop, or one of the two of a LossyTie.
 
-    push: by flange, d slip / d w. lower, upper: of the held force (None: without limit). forward, backward: sizes of the
+    push: by flange, d slip / d w. lower, upper: force bounds (None: without limit). forward, backward: sizes of the sliding
     force against the slip. of a Stop: gap and restitution. switches: numbers of its switches in the law by what they
     watch: "slip" (or "gap", or "sign"), "hold", "engaged". impulse, impacts: names of states. of a LossyTie: the tie has
     `share`, the part of its force that its partner loses while it slides; the loss has `losses` (share and rest driving, then
@@ -46,45 +52,24 @@ class StickOfKind:
         """Whether it is a unilateral contact."""
         return self.gap is not None
 
-    def expressions(self) -> list[Any]:
-        """Everything that the solver evaluates at an event."""
-        found = [
-            self.lower,
-            self.upper,
-            self.forward,
-            self.backward,
-            self.engaged,
-            self.gap,
-            self.restitution,
-            self.share,
-        ]
-        return [x for x in (*found, *(self.losses or ())) if x is not None]
-
-    def changed(self, new: Callable[[Any], Any]) -> None:
-        """Replaces every expression by new(expression)."""
-        for name in ("lower", "upper", "forward", "backward", "engaged", "gap", "restitution", "share"):
-            value = getattr(self, name)
-            if value is not None:
-                setattr(self, name, new(value))
-        if self.losses is not None:
-            self.losses = tuple(new(x) for x in self.losses)
+    def map(self, f: Callable[[Any], Any]) -> StickOfKind:
+        """With f(expression) in place of everything that the solver evaluates at an event."""
+        values = {n: f(x) for n in _EVALUATED if (x := getattr(self, n)) is not None}
+        losses = None if self.losses is None else tuple(f(x) for x in self.losses)
+        return replace(self, **values, losses=losses)
 
     @property
     def kind(self) -> str:
         """friction, stop, tie (of a LossyTie) or loss."""
-        return (
-            "stop"
-            if self.gap is not None
-            else "tie"
-            if self.share is not None
-            else "loss"
-            if self.losses
-            else "friction"
-        )
+        if self.is_stop:
+            return "stop"
+        if self.share is not None:
+            return "tie"
+        return "loss" if self.losses else "friction"
 
 
 def sticks_of(pool: Pool, flanges: Mapping[str, Any], items: list[Any]) -> dict[str, StickOfKind]:
-    """The sticks, stops and lossy ties that a block yields, by name."""
+    """The switched constraints that a block yields, by name."""
     found: dict[str, StickOfKind] = {}
     for x in items:
         if isinstance(x, LossyTie):
@@ -95,12 +80,12 @@ def sticks_of(pool: Pool, flanges: Mapping[str, Any], items: list[Any]) -> dict[
 
 
 def _directions(pool: Pool) -> tuple[Any, Any]:
-    """Direction of the loss, and sign of the force of the tie."""
+    """Symbols: direction of the loss, and sign of the constraint force of the tie."""
     return pool.symbol("direction", "loss", "dir_loss"), pool.symbol("direction", "tie", "dir_tie")
 
 
 def _either(pool: Pool, driving: Any, coasting: Any) -> Any:
-    """What holds for the present directions."""
+    """The value for the present directions: driving where slip and force have one sign, else coasting."""
     direction, sign = _directions(pool)
     same = (1 + direction * sign) / 2
     return same * sp.sympify(driving) + (1 - same) * sp.sympify(coasting)
@@ -112,8 +97,7 @@ def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> StickOfKind:
     direction, _ = _directions(pool)
     made = StickOfKind("tie", slip, push, partner="loss")
     made.share = direction**2 * _either(pool, item.driving[0], item.coasting[0])
-    made.changed(lambda e: _along(e, sp.expand(item.slip), direction))
-    return made
+    return made.map(lambda e: _along(e, sp.expand(item.slip), direction))
 
 
 def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> StickOfKind:
@@ -122,12 +106,11 @@ def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> StickOfKind
     size = _either(pool, item.driving[1], item.coasting[1])
     made = StickOfKind("loss", slip, push, forward=size, backward=size, partner="tie")
     made.losses = tuple(sp.sympify(x) for x in (*item.driving, *item.coasting))
-    made.changed(lambda e: _along(e, slip, _directions(pool)[0]))
-    return made
+    return made.map(lambda e: _along(e, slip, _directions(pool)[0]))
 
 
 def carried_loss(pool: Pool, sticks: Mapping[str, StickOfKind]) -> Any:
-    """Power that a lossy tie loses in proportion to its force, or None."""
+    """Power that a lossy tie loses in proportion to its constraint force, or None."""
     if "tie" not in sticks or sticks["tie"].share is None:
         return None
     return sticks["tie"].share * pool.symbol("held", "tie", "held_tie") * sticks["loss"].slip
@@ -150,8 +133,7 @@ def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> StickOfKind:
     made = StickOfKind(item.name, slip, push, lower, upper, sp.sympify(forward), sp.sympify(backward))
     made.engaged = sp.sympify(item.engaged)
     made.impulse = _state(pool, item.impulse)
-    made.changed(lambda e: _along(e, slip, direction))
-    return made
+    return made.map(lambda e: _along(e, slip, direction))
 
 
 def _stop(pool: Pool, flanges: Mapping[str, Any], item: Stop) -> StickOfKind:
@@ -164,12 +146,12 @@ def _stop(pool: Pool, flanges: Mapping[str, Any], item: Stop) -> StickOfKind:
 
 
 def along(pool: Pool, stick: StickOfKind, expr: Any) -> Any:
-    """An expression with the size and sign of the slip written with the direction of the stick."""
+    """An expression with abs(slip) and sign(slip) of a switched constraint written with its direction."""
     return _along(expr, stick.slip, pool.symbol("direction", stick.name, f"dir_{stick.name}".rstrip("_")))
 
 
 def _along(expr: Any, slip: Any, direction: Any) -> Any:
-    """The size of the slip as direction * slip, so that the law stays on one branch within a step."""
+    """abs(slip) as direction * slip, so that the law stays on one branch within a step."""
 
     def is_of_slip(e: Any) -> bool:
         return isinstance(e, (sp.Abs, sp.sign)) and sp.expand(e.args[0]) in (slip, sp.expand(-slip))

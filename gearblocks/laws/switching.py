@@ -1,7 +1,7 @@
-"""Conditions become frozen modes: Piecewise, Abs, sign, Min, Max, Heaviside and tables turn into located switches.
+"""Conditions as modes: Piecewise, Abs, sign, Min, Max, Heaviside and tables become event functions and mode symbols.
 
-Within a step a law runs on the branch that its modes name, continued smoothly past the surface; only the event
-handler of the solver changes a mode.
+H(g(x)) becomes a mode m in {0, 1} with the event function g. Within a step a law runs on the branch that its modes name,
+continued smoothly past the surface. Knows nothing of when a mode changes: the solver does that at events.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from gearblocks.laws.switched_constraints import StickOfKind
 from gearblocks.laws.symbols import CONSTANT, MOVING, Pool
 
 _COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
-"""Its segments are numbered by the whole part of what it is taken over."""
+"""floor(x) as a periodic step table over x: its segments are numbered by the whole part."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,12 +33,12 @@ class Mode:
 
 @dataclass(slots=True)
 class SurfaceOfKind:
-    """One switch of a kind, with its name and the values in the events.
+    """One event function of a kind, with its name and the values in the events.
 
     Its mode is the sign of the surface (0 or 1), the segment of a `table` over it, or its side of a `band` about zero
-    of that half width (-1, 0, 1). lock: what it watches of a stick: "slip", "gap", "sign" (of a force), "hold" or
-    "free"; the solver then
-    decides about its mode together with those of all other sticks ("free" apart: 1 where nothing rubs).
+    of that half width (-1, 0, 1). lock: what it watches of a switched constraint: "slip", "gap", "sign" (of a force), "hold"
+    or "free"; the solver then decides about its mode together with those of all others ("free" apart: 1 where it is not
+    engaged).
     """
 
     name: str
@@ -77,8 +77,8 @@ class Freezer:
                     if item.when != 1:
                         switch.when = self.freeze(sp.sympify(item.when))
 
-    def watch(self, stick: StickOfKind) -> None:
-        """The switches of a stick: its slip (or gap), its held force, and whether it is engaged."""
+    def watch(self, stick: StickOfKind) -> StickOfKind:
+        """The switched constraint with its switches: its slip (or gap), its constraint force, and whether it is engaged."""
         first = {"stop": "gap", "tie": "sign"}.get(stick.kind, "slip")
         name = "" if stick.kind in ("tie", "loss") else stick.name
         for what, surface in ((first, stick.gap if stick.is_stop else stick.slip), ("hold", sp.Integer(0))):
@@ -86,12 +86,12 @@ class Freezer:
             mode = Mode(len(self.switches), MOVING)
             symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
             self.switches.append(SurfaceOfKind(name, surface, symbol, MOVING, lock=what))
-        if self.pool.level(stick.engaged) == CONSTANT:
-            return
-        mode = Mode(len(self.switches), level := self.pool.level(stick.engaged))
-        stick.switches["engaged"] = mode.number
-        symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
-        self.switches.append(SurfaceOfKind(stick.name, -stick.engaged, symbol, level, lock="free"))
+        if (level := self.pool.level(stick.engaged)) != CONSTANT:
+            mode = Mode(len(self.switches), level)
+            stick.switches["engaged"] = mode.number
+            symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
+            self.switches.append(SurfaceOfKind(stick.name, -stick.engaged, symbol, level, lock="free"))
+        return stick
 
     def freeze(self, expr: Any) -> Any:
         """expr with every condition replaced."""

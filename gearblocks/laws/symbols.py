@@ -1,4 +1,7 @@
-"""The symbols that a block's physics is written in."""
+"""Symbols of a law and their roles: what each stands for, and what can change it during a run.
+
+Knows nothing of values, nor of generated code.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ from gearblocks.laws.functions import EllipseLead, Table2At, TableAt
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """What a symbol stands for.
+    """Role of a symbol: what it stands for.
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
     w, alpha, tau, state, coordinate, mode, direction, stuck, held, friction (of a Stick: by its name; the last one is its
@@ -52,7 +55,7 @@ def clock() -> Any:
 
 
 class Pool:
-    """Makes the symbols of one kind of block and remembers what each stands for."""
+    """Symbols of one kind of block with their roles, each made on first use."""
 
     def __init__(self, *, reading: bool = False) -> None:
         self.reading = reading
@@ -60,6 +63,8 @@ class Pool:
         self.slots: dict[Any, Slot] = {clock(): Slot("time", None)}
         self.nonzero: set[str] = set()
         """Numbers of the block that its bounds keep from 0."""
+        self.starts: set[str] = set()
+        """Numbers of the block that are start values of its shafts."""
         self._made: dict[Slot, Any] = {}
 
     def symbol(self, role: str, of: Any, text: str) -> Any:
@@ -171,6 +176,8 @@ class Symbols:
                 setattr(self, name, self._value(name, field.role, value))
                 if field.role == "exact" or (field.gt is not None and field.gt >= 0):
                     pool.nonzero.add(prefix + name)
+                if field.start is not None:
+                    pool.starts.add(prefix + name)
 
     def _value(self, name: str, role: str, value: Any) -> Any:
         if isinstance(value, tuple):
@@ -226,7 +233,7 @@ class Symbols:
 
     def stick(self, name: str) -> tuple[Any, Any, Any]:
         """Of the Stick or Stop of that name: direction of sliding (-1, 1; 0 when stuck or free), 1 while stuck (closed),
-        and the held force (0 unless stuck), which only Shows can read."""
+        and the constraint force (0 unless stuck), which only Shows can read."""
         direction = self._pool.symbol("direction", name, f"dir_{name}".rstrip("_"))
         stuck = self._pool.symbol("stuck", name, f"stuck_{name}".rstrip("_"))
         return direction, stuck, self._pool.symbol("held", name, f"held_{name}".rstrip("_"))

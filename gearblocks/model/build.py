@@ -92,10 +92,10 @@ def _values(train: Train) -> tuple[dict[str, float], set[str]]:
     shared: dict[str, Parameter | Input] = {}
     problems: dict[str, None] = {}
     for c in train.components:
-        for path, value, _ in numbers_of(c.block, c.path + "."):
+        for path, value, spec in numbers_of(c.block, c.path + "."):
             if isinstance(value, (int, float)):
                 values[path] = float(value)
-            elif isinstance(value, Expr) and path.endswith((".phi0", ".w0", ".s0", ".v0")):
+            elif isinstance(value, Expr) and spec.start is not None:
                 values[path] = evaluate(value, parameter_value)
         _starts(c.path, c.block, values)
         for leaf in leaves_of(c.block):

@@ -8,8 +8,9 @@ import numpy as np
 
 from gearblocks.codegen.program import FollowerInfo, Program
 from gearblocks.errors import ModelError
-from gearblocks.language.block import Block
+from gearblocks.language.block import Block, given_start, start_fields
 from gearblocks.language.expression import Expr, evaluate
+from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array, Options
 from gearblocks.train.graph import Train
@@ -18,9 +19,9 @@ _START = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
 _ROUNDING = 1e-9  # of the size of a start value: balances of torque are found by Newton steps
 
 
-def start_of(block: Block, field: str) -> float | None:
-    """The number of a start value that is given."""
-    value = getattr(block, field, None)
+def start_of(block: Block, of: str) -> float | None:
+    """The number of the start angle or speed that a block gives."""
+    value = given_start(block, of)
     if isinstance(value, Expr):
         return evaluate(value, parameter_value)
     value = getattr(value, "value", value)
@@ -36,11 +37,11 @@ def parameter_value(leaf: Expr) -> float:
 
 def contradictions(program: Program, train: Train) -> Iterator[str]:
     """Start values of one shaft that contradict each other through ties of two shafts."""
-    starts = {s.name: (s.place, s.factor) for s in program.starts}
+    starts = {(s.name.rpartition(".")[0], s.of): (s.place, s.factor) for s in program.starts}
     given: dict[int, tuple[str, str, float, float]] = {}
     for c in train.components:
-        for field, output in (("phi0", "phi"), ("w0", "w"), ("s0", "s"), ("v0", "v")):
-            value, place = start_of(c.block, field), starts.get(f"{c.path}.{output}")
+        for of, field in start_fields(type(c.block)).items():
+            value, place = start_of(c.block, of), starts.get((c.path, of))
             if value is not None and place is not None:
                 scaled = value * place[1]
                 before = given.setdefault(place[0], (c.path, field, value, scaled))
@@ -57,19 +58,19 @@ def follow(program: Program, train: Train, values: dict[str, float]) -> Iterator
     blocks = {c.path: c.block for c in train.components}
     rows = []
     for info in program.followers:
-        path, _, output = info.name.rpartition(".")
-        value = start_of(blocks[path], f"{output}0")
+        path = info.name.rpartition(".")[0]
+        value = start_of(blocks[path], info.of)
         if value is not None:
-            rows.append((info, path, output, value))
+            rows.append((info, path, start_fields(type(blocks[path]))[info.of], value))
     if not rows:
         return
     _solve(program, blocks, [(info, value) for info, _, _, value in rows], values)
-    for info, path, output, value in rows:
+    for info, path, field, value in rows:
         paths = [program.parameters[i].path for i in info.places]
         terms = [f * values.get(p, 0.0) for p, f in zip(paths, info.factors, strict=True)]
         if abs(value - sum(terms)) > 1e-12 * (abs(value) + sum(map(abs, terms))):
             yield (
-                f"'{path}': {output}0 = {value!r} contradicts the {sum(terms):.9g} that follows through its ties from "
+                f"'{path}': {field} = {value!r} contradicts the {sum(terms):.9g} that follows through its ties from "
                 f"{', '.join(paths)}; leave one of them out"
             )
 
@@ -96,9 +97,9 @@ def _solve(
 
 def _is_open(program: Program, blocks: dict[str, Block], place: int) -> bool:
     """Whether a parameter is a start value that nobody gives."""
-    path, _, field = program.parameters[place].path.rpartition(".")
-    is_start = field in ("phi0", "w0", "s0", "v0") and not program.parameters[place].tunable
-    return is_start and (path not in blocks or start_of(blocks[path], field) is None)
+    info = program.parameters[place]
+    path = info.path.rpartition(".")[0]
+    return info.start in (ANGLE, SPEED) and (path not in blocks or start_of(blocks[path], info.start) is None)
 
 
 def follow_moved(model: Model, train: Train) -> None:
@@ -107,10 +108,10 @@ def follow_moved(model: Model, train: Train) -> None:
     blocks: dict[str, Block] = {c.path: c.block for c in train.components}
     given = []
     for info in model.program.moved:
-        path, _, output = info.name.rpartition(".")
-        value = start_of(blocks[path], f"{output}0")
+        path = info.name.rpartition(".")[0]
+        value = start_of(blocks[path], info.of)
         if value is not None:
-            given.append((info, path, output, value))
+            given.append((info, path, start_fields(type(blocks[path]))[info.of], value))
     if not given:
         return
     asked = np.array([value for *_, value in given])
@@ -122,8 +123,8 @@ def follow_moved(model: Model, train: Train) -> None:
         tied = np.array([info.tied for info, *_ in given])
         found = _fitted(model, names, np.where(tied, asked, found), found, blocks)
     problems = [
-        f"'{path}': {output}0 = {value!r}, but {info.by} it: {x:.9g} at t = 0; leave {output}0 out"
-        for (info, path, output, value), x in zip(given, found, strict=True)
+        f"'{path}': {field} = {value!r}, but {info.by} it: {x:.9g} at t = 0; leave {field} out"
+        for (info, path, field, value), x in zip(given, found, strict=True)
         if abs(value - x) > _ROUNDING * max(abs(value), abs(x))
     ]
     if problems:
@@ -142,7 +143,7 @@ def _at_start(model: Model, names: list[str], values: Array) -> Array | None:
 
 def _fitted(model: Model, names: list[str], asked: Array, found: Array, blocks: dict[str, Block]) -> Array:
     """Chooses the start values that nobody gives. One linear step: nonlinear ties may leave a difference."""
-    starts = [s.place for s in model.program.starts if s.name.endswith((".w", ".v", ".phi", ".s"))]
+    starts = [s.place for s in model.program.starts if s.of in (ANGLE, SPEED)]
     free = [i for i in dict.fromkeys(starts) if _is_open(model.program, blocks, i)]
     columns = []
     for i in free:

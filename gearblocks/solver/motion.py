@@ -40,14 +40,11 @@ class Motion:
         return len(self.coordinates) + len(self.angles) > len(self.speeds)
 
 
-_KINDS = {"relative angle": "coordinate", "relative position": "coordinate", "position": "angle"}
-
-
 def kinds(program: Program) -> tuple[Indices, Indices, Indices, Indices]:
     """Places of coordinates, absolute angles, states of blocks and speeds in the state vector."""
     found: dict[str, list[int]] = {"coordinate": [], "angle": [], "state": [], "speed": []}
     for i, quantity in enumerate(program.states):
-        found[_KINDS.get(quantity.words, quantity.words)].append(i)
+        found[quantity.kind].append(i)
     found["angle"] += [x.place for x in program.integrals if x.part == "angle"]
     groups = (found["coordinate"], sorted(found["angle"]), found["state"], found["speed"])
     return tuple(np.array(g, dtype=np.intp) for g in groups)  # type: ignore[return-value]

@@ -130,7 +130,7 @@ def opened(sim: Simulation, program: Program, t: float, y0: Array | None = None)
 def steps_of(program: Program, y: Array) -> Array:
     """Size of the step of each entry of the state vector for differences."""
     floor = np.full(program.n_total, _FLOOR)
-    speeds = [i for i, s in enumerate(program.states) if s.words == "speed"]
+    speeds = [i for i, s in enumerate(program.states) if s.kind == "speed"]
     floor[speeds] = _FLOOR_OF_SPEED
     return np.asarray(_SHARE * np.maximum(np.abs(y), floor))
 

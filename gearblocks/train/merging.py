@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
+from gearblocks.language.block import given_start, start_fields
+from gearblocks.language.fields import ANGLE
 from gearblocks.train.disjoint_sets import DisjointSets
 from gearblocks.train.graph import GROUND, Train
-from gearblocks.train.translational import start_fields
 
 
 def released_angles(train: Train, stiffened: Collection[str]) -> Iterator[str]:
@@ -18,7 +19,7 @@ def released_angles(train: Train, stiffened: Collection[str]) -> Iterator[str]:
     touched: set[int] = set()
     for c in train.components:
         nodes = [n for n in c.nodes if n != GROUND]
-        if nodes and (c.path in stiffened or start_fields(c.block)[0] in type(c.block).fields):
+        if nodes and (c.path in stiffened or ANGLE in start_fields(type(c.block))):
             for node in nodes[1:]:
                 shafts.join(node, nodes[0])
             if c.path in stiffened:
@@ -26,11 +27,7 @@ def released_angles(train: Train, stiffened: Collection[str]) -> Iterator[str]:
     roots = {shafts.root(node) for node in touched}
     seen: set[int] = set()
     for c in train.components:
-        if (
-            len(c.nodes) == 2
-            and getattr(c.block, start_fields(c.block)[0], None) is not None
-            and (root := shafts.root(c.nodes[0])) in roots
-        ):
+        if len(c.nodes) == 2 and given_start(c.block, ANGLE) is not None and (root := shafts.root(c.nodes[0])) in roots:
             if root in seen:
                 yield c.path
             seen.add(root)

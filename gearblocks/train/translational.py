@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol, TypeAlias
 
-from gearblocks.language.block import Block
-from gearblocks.language.fields import Field
+from gearblocks.language.block import Block, start_fields
+from gearblocks.language.fields import SPEED, Field
 from gearblocks.train.disjoint_sets import DisjointSets
 
 Ends: TypeAlias = "tuple[str, Block, Sequence[int]]"  # path, block, and the node of each flange (below 0: the ground)
@@ -29,20 +29,28 @@ class Placed(Protocol):
         """Its flanges that slide."""
 
 
-def start_names(slides: bool) -> tuple[str, str]:
-    """Names of the start angle and start speed of a body."""
-    return ("s0", "v0") if slides else ("phi0", "w0")
+def start_name(block: Block | None, of: str, slides: bool) -> str:
+    """Name of the start angle or speed of a shaft among the parameters: that of the field which its block declares, else phi0
+    or w0, and s0 or v0 of a slider."""
+    names = {} if block is None else start_fields(type(block))
+    return names[of] if of in names else f"{flange_names(slides)[of == SPEED]}0"
 
 
-def start_fields(block: Block) -> tuple[str, str]:
-    """Those of a block: phi0 and w0, or s0 and v0 where all its flanges slide."""
-    return start_names(all(f.slider for f in type(block).flanges.values()))
+def takes_start(block: Block, of: str) -> bool:
+    """Whether a start value can bear the name of the block: nothing else of the block is called so."""
+    kind, name = type(block), start_name(block, of, _slides(block))
+    return of in start_fields(kind) or not (name in kind.fields or name in kind.states)
+
+
+def _slides(block: Block) -> bool:
+    """Whether all flanges of a block slide, whatever they are connected to."""
+    return all(f.slider for f in type(block).flanges.values())
 
 
 def slider_names(components: Iterable[Placed]) -> set[str]:
     """Paths of all blocks whose flanges all slide, and of all flanges that slide."""
     found = {f"{c.path}.{flange}" for c in components for flange in c.sliders}
-    return found | {c.path for c in components if all(f.slider for f in type(c.block).flanges.values())}
+    return found | {c.path for c in components if _slides(c.block)}
 
 
 def flange_names(slides: bool) -> tuple[str, str, str, str]:

@@ -43,7 +43,7 @@ def oscillator(name: str = "play and spring") -> Program:
             ParameterInfo("wheel.phi0", "rad", "start angle", None, None, False),
         ),
         inputs=(InputInfo("tau", "N m", 5.0),),
-        states=(Quantity("wheel.phi", "rad", "angle"), Quantity("wheel.w", "rad/s", "speed")),
+        states=(Quantity("wheel.phi", "rad", "angle", "angle"), Quantity("wheel.w", "rad/s", "speed", "speed")),
         switches=(SwitchInfo("spring", "contact", "state"),),
         outputs=(
             Quantity("wheel.phi", "rad", "angle"),

@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.geometry.ratio_fit import _powers
+from gearblocks.geometry.ratio_fit import power_series
 
 TURN = 2 * np.pi
 PHI = sp.Symbol("phi")
@@ -37,7 +37,7 @@ def test_an_ellipse_is_the_same_law_however_it_is_given(ratio_laws):
 def test_coefficients_that_rounding_makes_zero_keep_their_place(zeros):
     row = np.ones(13)
     row[13 - zeros :] = 0.0
-    powers = _powers(row)
+    powers = power_series(row)
     v = np.linspace(-1, 1, 41)
     assert powers.shape == (13,)
     assert (
