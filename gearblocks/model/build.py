@@ -14,7 +14,7 @@ from gearblocks.errors import ModelError
 from gearblocks.language.block import Declared
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Input, Parameter
-from gearblocks.model.cache_key import _classes_digest, _package_digest
+from gearblocks.model.cache_key import classes_digest, package_digest
 from gearblocks.model.start_values import contradictions, follow, follow_moved, parameter_value
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.library import Model, compile_program, start_core_build
@@ -44,7 +44,7 @@ def _without_collector() -> Iterator[None]:
 def _build(train: Train) -> Model:
     values, names = _values(train)
     cache = user_cache()
-    key = digest("program", _package_digest(), _classes_digest(train), structural_text(train))
+    key = digest("program", package_digest(), classes_digest(train), structural_text(train))
     program = _stored(cache.read("programs", key), values)
     if program is None:
         start_core_build()
