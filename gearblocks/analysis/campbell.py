@@ -45,6 +45,10 @@ class Campbell:
     orders: Mapping[str, float]
     crossings: tuple[Crossing, ...]
 
+    def __repr__(self) -> str:
+        counts = f"{len(self.speeds)} speeds, {self.frequencies.shape[1]} modes, {len(self.orders)} orders"
+        return f"<Campbell of '{self.name}' over {self.speed}: {counts}, {len(self.crossings)} crossings>"
+
     def __str__(self) -> str:
         head = f"{self.name}: {self.frequencies.shape[1]} modes over {self.speed}, {len(self.crossings)} crossings"
         rows = [

@@ -111,6 +111,10 @@ class Linearization:
     def __str__(self) -> str:
         return self.words
 
+    def __repr__(self) -> str:
+        counts = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
+        return f"<Linearization of {self.words.partition(':')[0]!r} at t = {self.t:g} s: {counts}>"
+
     def response(self, frequencies: Any) -> Complex:
         """C (i w - A)^-1 B + D at angular frequencies [rad/s], shape (frequencies, outputs, inputs).
 
@@ -318,6 +322,10 @@ class FrequencyResponse:
         if output not in self.outputs:
             raise UnknownNameError(f"there is no output '{output}'{did_you_mean(output, self.outputs)}")
         return self.values[:, self.outputs.index(output)]
+
+    def __repr__(self) -> str:
+        listed = ", ".join(self.outputs[:3]) + (f", ... ({len(self.outputs)})" if len(self.outputs) > 3 else "")
+        return f"<FrequencyResponse of '{self.name}' to {self.input} at {len(self.frequencies)} frequencies: {listed}>"
 
     def plot(self, path: Any = None) -> Figure:
         """Magnitude and phase over the frequency in Hz (Bode); saved to `path` where given."""

@@ -68,6 +68,10 @@ class Modes:
     def __len__(self) -> int:
         return len(self.frequencies)
 
+    def __repr__(self) -> str:
+        span = f", {self.hertz.min():.6g} .. {self.hertz.max():.6g} Hz" if len(self) else ""
+        return f"<Modes of '{self.name}': {len(self)} modes, {self.free} of them free rotation{span}>"
+
     def __str__(self) -> str:
         head = f"{self.name}: {len(self)} modes, {self.free} of them free rotation"
         rows = [("", "Hz", "rad/s", "damping", "moves most", "strained most")]

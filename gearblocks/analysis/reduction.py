@@ -23,6 +23,9 @@ class Reduction:
     kept: Indices
     R: Any
 
+    def __repr__(self) -> str:
+        return f"<Reduction: {self.R.shape[1]} of {self.R.shape[0]} deviations are independent>"
+
     def matrix(self, A: Any) -> Any:
         """A of the deviations that stay."""
         return (A[self.kept] @ self.R).tocsc()

@@ -123,6 +123,9 @@ class Simulation:
     def __del__(self) -> None:
         self.close()
 
+    def __repr__(self) -> str:
+        return f"<Simulation of '{self._program.name}'{', closed' if self._sim is None else ''}>"
+
     def close(self) -> None:
         """Gives the memory back. Views of `parameters` and `inputs` end here; a second call does nothing."""
         if self._sim is not None:

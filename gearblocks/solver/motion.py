@@ -34,6 +34,10 @@ class Motion:
     M: csc_array
     held: Rows | None = None
 
+    def __repr__(self) -> str:
+        counts = f"{len(self.coordinates)} coordinates, {len(self.angles)} angles, {len(self.speeds)} speeds"
+        return f"<Motion: {counts}, {self.N.shape[1]} free rotations>"
+
     @property
     def hidden(self) -> bool:
         """Whether there are shafts without inertia, whose speeds are no states."""

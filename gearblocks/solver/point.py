@@ -43,6 +43,9 @@ class Point:
     u: Array | None = None
     means: bool = False
 
+    def __repr__(self) -> str:
+        return f"<Point of '{self.program.name}' at t = {self.t:g} s: {len(self.y)} states, {len(self.modes)} modes>"
+
     def at(self, **changes: Any) -> Point:
         """The same with other values."""
         return replace(self, **changes)

@@ -47,6 +47,11 @@ class StepMatrix(NamedTuple):
     upper: Array
     kept: Array
 
+    def __repr__(self) -> str:
+        return (
+            f"<StepMatrix at g = {self.g:g} s: {len(self.diag)} unknowns, {len(self.lower)} entries below the diagonal>"
+        )
+
 
 def pattern_of(shared: ctypes.CDLL, sim: int | None) -> Pattern | None:
     """The pattern of the matrix; None where the model has none."""
@@ -93,6 +98,9 @@ class Groups(NamedTuple):
 
     side: list[Indices]
     rates: list[Indices]
+
+    def __repr__(self) -> str:
+        return f"<Groups: {len(self.side)} of states, {len(self.rates)} of unknowns>"
 
 
 def guessed_groups(pattern: Pattern, simple_rates: Callable[[Array], Array], n_simple: int, n_others: int) -> Groups:

@@ -67,6 +67,9 @@ class Locks(NamedTuple):
     excess: Array
     slip: Array
 
+    def __repr__(self) -> str:
+        return f"<{self.rows.shape[0]} switched constraints over {self.rows.shape[1]} speeds at a point>"
+
 
 class LocksOf(NamedTuple):
     """The locks of a model; whether their rows never change; number of speeds."""
@@ -74,6 +77,9 @@ class LocksOf(NamedTuple):
     places: tuple[LockPlace, ...]
     steady: bool
     n_speeds: int
+
+    def __repr__(self) -> str:
+        return f"<{len(self.places)} switched constraints over {self.n_speeds} speeds>"
 
     @property
     def shown(self) -> tuple[LockPlace, ...]:
