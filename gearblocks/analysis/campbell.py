@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, final
 
 import numpy as np
 
-from gearblocks.analysis.linearization import Place, held
+from gearblocks.analysis.linearization import Place, operating_point
 from gearblocks.analysis.modes import body_speeds, modes_at
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
@@ -83,7 +83,9 @@ def campbell(
     path = None if body is not None else model.program.parameters[resolve(speed, names, "parameter")].path
     found, damping = [], []
     for value in values:
-        with held(model, at, None, {**(parameters or {}), **({path: float(value)} if path else {})}) as point:
+        with operating_point(
+            model, at, None, {**(parameters or {}), **({path: float(value)} if path else {})}
+        ) as point:
             turning = point if body is None else _turning(point, body, float(value))
             swinging = modes_at(turning, count)
             found.append(swinging.frequencies[swinging.free :])
