@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 _ROUNDS = 200
 _WEAK, _WEAKEST = 1e-2, 1e-6  # spring on a coordinate relative to its stiffness, after a change of modes and at the end
 _NOTHING = 1e-14  # the same where the torques that are left do not shrink
-_NEAR, _STUCK = 1e-13, 1e-11  # of the largest torque: what rounding leaves, and at most where it does not shrink
+_NEAR, _STALLED = 1e-13, 1e-11  # of the largest torque: what rounding leaves, and at most where it does not shrink
 
 
 # -- equilibrium ------------------------------------------------------------------------------------------------------
@@ -138,7 +138,7 @@ def _check_speeds(point: Point, whole: Motion) -> None:
 
 
 class _Search:
-    """Newton's method with modes that follow.
+    """Newton's method; after each step the modes are those of the state.
 
     D: changes of the coordinates that the active set allows; L: the balances of torque that its constraint forces do not
     enter (both 1 where nothing is active).
@@ -175,7 +175,7 @@ class _Search:
             y[self.unknown] += step
             fit = self.point.at(y=y).settled()
             same = np.array_equal(fit.modes, self.point.modes)
-            if same and (error <= _NEAR or (error <= _STUCK and error > 0.3 * last)):
+            if same and (error <= _NEAR or (error <= _STALLED and error > 0.3 * last)):
                 return fit.at(y=restarted(fit)) if self.whole.massless else fit
             lowest = _WEAKEST if error < 0.3 * last else _NOTHING  # a small load crosses a wide gap
             self.weak = max(self.weak / 10, lowest) if same else _WEAK
