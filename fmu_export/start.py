@@ -15,7 +15,7 @@ from gearblocks.simulation.trajectory import Trajectory
 
 
 def start_places(program: Program) -> list[tuple[str, str, int]]:
-    """Name, unit and index in the state vector of everything that a start state sets: states and riding angles."""
+    """Name, unit and index in the state vector of everything that a start state sets: states and unread angles."""
     places = [(state.name, state.unit, index) for index, state in enumerate(program.states[: program.n])]
     return places + [(f"{r.component}.angle", "rad", r.place) for r in program.integrals if r.part == "angle"]
 

@@ -284,7 +284,9 @@ class Drivetrain:
         return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows)])
 
     def __repr__(self) -> str:
-        return f"<Drivetrain '{self.name}': {', '.join(self._parts)}>"
+        names = [*self._parts]
+        more = f", ... ({len(names)} parts)" if len(names) > 20 else ""
+        return f"<Drivetrain '{self.name}': {', '.join(names[:20])}{more}>"
 
     def to_json(self, path: str | Path) -> None:
         """Writes the train to a file from which `from_json` makes an equal one."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, final
 
 import numpy as np
 
-from gearblocks.analysis.linearization import Place, held
+from gearblocks.analysis.linearization import Place, operating_point
 from gearblocks.analysis.modes import body_speeds, modes_at
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
@@ -45,6 +45,10 @@ class Campbell:
     orders: Mapping[str, float]
     crossings: tuple[Crossing, ...]
 
+    def __repr__(self) -> str:
+        counts = f"{len(self.speeds)} speeds, {self.frequencies.shape[1]} modes, {len(self.orders)} orders"
+        return f"<Campbell of '{self.name}' over {self.speed}: {counts}, {len(self.crossings)} crossings>"
+
     def __str__(self) -> str:
         head = f"{self.name}: {self.frequencies.shape[1]} modes over {self.speed}, {len(self.crossings)} crossings"
         rows = [
@@ -79,7 +83,9 @@ def campbell(
     path = None if body is not None else model.program.parameters[resolve(speed, names, "parameter")].path
     found, damping = [], []
     for value in values:
-        with held(model, at, None, {**(parameters or {}), **({path: float(value)} if path else {})}) as point:
+        with operating_point(
+            model, at, None, {**(parameters or {}), **({path: float(value)} if path else {})}
+        ) as point:
             turning = point if body is None else _turning(point, body, float(value))
             swinging = modes_at(turning, count)
             found.append(swinging.frequencies[swinging.free :])

@@ -1,6 +1,8 @@
-"""Linear tools on the equations of a train: state matrices, modes, frequency response. Contacts keep their side.
+"""Linearization of a train about an operating point: state matrices and frequency response, in frozen modes.
 
-Everything is taken at a point: at="static" (equilibrium with every excitation at its mean, contact side from the load),
+    dx/dt = A x + B u,   y = C x + D u        for small deviations; contacts keep their side, the active set stays
+
+The operating point: at="static" (equilibrium with every excitation at its mean, contact side from the load),
 "static_at_start" (equilibrium under everything as it is at t), None (the start values), a dict of start values, or an
 earlier run (its end).
 """
@@ -51,11 +53,11 @@ _SIDES = {-1.0: "coast side", 0.0: "no contact", 1.0: "drive side"}
 
 
 @contextmanager
-def held(
+def operating_point(
     model: Model, at: Place, t: float | None = None, parameters: Mapping[str, float] | None = None,
     inputs: Mapping[str, float] | None = None,
 ) -> Iterator[Point]:  # fmt: skip
-    """The model held at a point (see above); inputs: their values, else those they start with."""
+    """The model at an operating point (see above); inputs: their values, else those they start with."""
     program = model.program
     begin = begin_of(t, at)
     with model.library.open() as sim:
@@ -89,8 +91,9 @@ def _named(t: float) -> Iterator[None]:
 class Linearization:
     """dx/dt = A x + B u, y = C x + D u for small deviations from a point, contacts keeping their side.
 
-    What is stuck or closed is a tie: states that follow from others are left out. What slides acts by the slope of its
-    force over the slip. `modes` has for friction 0 stuck, 1 and -1 sliding, 2 free; for a stop 1 closed, 0 open.
+    Active switched constraints (stuck, closed) act as rigid constraints: dependent states are left out. What slides acts by
+    the slope of its force over the slip. `modes` has for friction 0 stuck, 1 and -1 sliding, 2 free; for a stop 1 closed,
+    0 open.
 
     A, B, C, D: arrays (A and C sparse beyond 1000 states); states, inputs, outputs: their names; modes: the side or
     branch of every switch by the name of its component; point: the state that they hold at, by name; t [s].
@@ -110,6 +113,10 @@ class Linearization:
 
     def __str__(self) -> str:
         return self.words
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
+        return f"<Linearization of {self.words.partition(':')[0]!r} at t = {self.t:g} s: {counts}>"
 
     def response(self, frequencies: Any) -> Complex:
         """C (i w - A)^-1 B + D at angular frequencies [rad/s], shape (frequencies, outputs, inputs).
@@ -154,7 +161,7 @@ def linearize(
     model = build(train)
     program = model.program
     values = {n: v for n, v in inputs.items() if _is_input(program, n)} if isinstance(inputs, Mapping) else {}
-    with held(model, at, t, parameters, values) as point:
+    with operating_point(model, at, t, parameters, values) as point:
         columns, pick = _outputs(point, outputs)
         A = _with_angles(point, columns)
         C = _output_matrix(point, columns, pick, A)
@@ -166,8 +173,8 @@ def linearize(
             A, B, C, columns = small.matrix(A), B[small.kept], C @ small.R, columns[small.kept]
         states = tuple(_state_names(program, columns))
         switches = {s.component: float(m) for s, m in zip(program.switches, point.modes, strict=True)}
-        for lock in point.sim.locks().shown:
-            switches[program.switches[lock.slip].component] = lock.shown(point.modes)
+        for constraint in point.sim.locks().shown:
+            switches[program.switches[constraint.slip].component] = constraint.shown(point.modes)
         full = len(columns) <= DENSE
         return Linearization(
             A.toarray() if full else A, B, C.toarray() if full else C, D, states, tuple(names),
@@ -182,12 +189,12 @@ def _is_input(program: Program, name: str) -> bool:
 
 def _words(point: Point, states: Sequence[str]) -> str:
     """What was linearised, in a sentence, with the side of every contact."""
-    locks = point.sim.locks().places
-    of_locks = {i for x in locks for i in (x.slip, x.hold, x.free)}
+    constraints = point.sim.locks().places
+    of_constraints = {i for x in constraints for i in (x.slip, x.hold, x.free)}
     contacts = [
         f"{s.component}: {_SIDES[float(m)]}"
         for i, (s, m) in enumerate(zip(point.program.switches, point.modes, strict=True))
-        if not s.name and float(m) in _SIDES and i not in of_locks
+        if not s.name and float(m) in _SIDES and i not in of_constraints
     ]
     shown = point.sim.locks().shown
     contacts += [f"{point.program.switches[x.slip].component}: {x.words(point.modes)}" for x in shown]
@@ -197,20 +204,20 @@ def _words(point: Point, states: Sequence[str]) -> str:
 
 
 def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[int]]:
-    """Places of the states and numbers of the outputs; angles that ride along only where an output needs them."""
+    """Indices of the states and of the outputs; unread angles only where an output needs them."""
     program = point.program
     patterns = [wanted] if isinstance(wanted, str) else list(wanted)
     numbers = dict.fromkeys(i for pattern in patterns for i in picked_outputs(program, pattern))
     pick = np.array(list(numbers), dtype=np.intp)
-    riders = np.array([x.place for x in program.integrals if x.part == "angle"], dtype=np.intp)
+    unread = np.array([x.place for x in program.integrals if x.part == "angle"], dtype=np.intp)
     columns = np.arange(program.n)
     turned = point.y.copy()
-    turned[riders] += 1.0
+    turned[unread] += 1.0
     needing = (point.outputs(turned) != point.outputs())[pick]
     if wanted == "*":
         pick = pick[~needing]
     elif needing.any():
-        columns = np.concatenate([columns, riders])
+        columns = np.concatenate([columns, unread])
     return columns, [int(i) for i in pick]
 
 
@@ -224,26 +231,26 @@ def _output_matrix(point: Point, columns: Indices, pick: list[int], A: Any) -> A
 
 
 def _with_angles(point: Point, columns: Indices) -> Any:
-    """A over these entries of the state vector: the states, and angles that ride along, which move no state."""
+    """A over these entries of the state vector: the states, and unread angles, which move no state."""
     from scipy.sparse import block_array, csc_array
 
     n = point.program.n
-    A, riders = state_matrix(point), columns[n:]
-    if len(riders) == 0:
+    A, unread = state_matrix(point), columns[n:]
+    if len(unread) == 0:
         return A
-    turning = derivative(lambda y: point.rates(y)[riders], point.y, np.arange(n), steps_of(point.program, point.y))
-    return block_array([[A, None], [turning, csc_array((len(riders), len(riders)))]], format="csc")
+    turning = derivative(lambda y: point.rates(y)[unread], point.y, np.arange(n), steps_of(point.program, point.y))
+    return block_array([[A, None], [turning, csc_array((len(unread), len(unread)))]], format="csc")
 
 
 def _state_names(program: Program, columns: Indices) -> Iterator[str]:
     outputs = {q.name for q in program.outputs}
-    riders = {
+    unread = {
         x.place: f"{x.component}.{'s' if f'{x.component}.s' in outputs else 'phi'}"
         for x in program.integrals
         if x.part == "angle"
     }
     for i in columns:
-        yield program.states[i].name if i < program.n else riders[int(i)]
+        yield program.states[i].name if i < program.n else unread[int(i)]
 
 
 def _inputs(point: Point, names: Sequence[str], columns: Indices, pick: list[int]) -> tuple[Array, Array]:
@@ -318,6 +325,10 @@ class FrequencyResponse:
         if output not in self.outputs:
             raise UnknownNameError(f"there is no output '{output}'{did_you_mean(output, self.outputs)}")
         return self.values[:, self.outputs.index(output)]
+
+    def __repr__(self) -> str:
+        listed = ", ".join(self.outputs[:3]) + (f", ... ({len(self.outputs)})" if len(self.outputs) > 3 else "")
+        return f"<FrequencyResponse of '{self.name}' to {self.input} at {len(self.frequencies)} frequencies: {listed}>"
 
     def plot(self, path: Any = None) -> Figure:
         """Magnitude and phase over the frequency in Hz (Bode); saved to `path` where given."""

@@ -1,4 +1,9 @@
-"""Natural frequencies, damping, shapes and energies of a train about a point, contacts keeping their side."""
+"""Modes of a train about an operating point: natural frequencies, damping, shapes and energies, contacts keeping their side.
+
+    A x = s x        A: state matrix of the independent deviations; s = -zeta w +- i w sqrt(1 - zeta^2)
+
+Free rotations are known from the structure (B N = 0 and no torque that answers), not from the size of an eigenvalue.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +13,7 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from gearblocks.analysis.linearization import DENSE, Complex, Place, held
+from gearblocks.analysis.linearization import DENSE, Complex, Place, operating_point
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain, build
@@ -68,6 +73,10 @@ class Modes:
     def __len__(self) -> int:
         return len(self.frequencies)
 
+    def __repr__(self) -> str:
+        span = f", {self.hertz.min():.6g} .. {self.hertz.max():.6g} Hz" if len(self) else ""
+        return f"<Modes of '{self.name}': {len(self)} modes, {self.free} of them free rotation{span}>"
+
     def __str__(self) -> str:
         head = f"{self.name}: {len(self)} modes, {self.free} of them free rotation"
         rows = [("", "Hz", "rad/s", "damping", "moves most", "strained most")]
@@ -112,7 +121,7 @@ def modes(
     finds them). What depends on absolute angles, such as a stiffness driven by the angle, stays at its present angle.
     """
     model = build(train)
-    with held(model, at, t, parameters) as point:
+    with operating_point(model, at, t, parameters) as point:
         return modes_at(point, count)
 
 

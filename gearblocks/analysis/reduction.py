@@ -1,4 +1,8 @@
-"""Small deviations that what sticks allows: fewer states, from which all others follow, as with ties in its place."""
+"""Independent deviations that the active set allows: x = R x[kept], as with rigid constraints in its place.
+
+G dv = 0 for the speeds, and for coordinates and angles the combinations that G keeps constant. Knows nothing of
+friction laws or of forces.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +22,16 @@ from gearblocks.solver.structures import Array
 @final
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """All deviations x = R x[kept] of those that stay, shape (n, m)."""
+    """All deviations x = R x[kept] of the independent ones, shape (n, m)."""
 
     kept: Indices
     R: Any
 
+    def __repr__(self) -> str:
+        return f"<Reduction: {self.R.shape[1]} of {self.R.shape[0]} deviations are independent>"
+
     def matrix(self, A: Any) -> Any:
-        """A of the deviations that stay."""
+        """A of the independent deviations."""
         return (A[self.kept] @ self.R).tocsc()
 
     def without_still(self, point: Point, A: Any, B: Array) -> Reduction:
@@ -37,40 +44,40 @@ class Reduction:
 
 
 def reduction(point: Point, n: int) -> Reduction | None:
-    """What follows from what holds, among the states and n - program.n angles that ride along. None in a train where
-    nothing can stick."""
+    """Dependent deviations among the states and n - program.n unread angles, by the active set. None in a train without
+    switched constraints."""
     if not point.sim.locks().places:
         return None
-    held = point.held_rows()
-    rows = reduced(np.zeros((0, n))) if held is None else _conditions(point, held, motion(point), n)
+    active = point.active_rows()
+    rows = reduced(np.zeros((0, n))) if active is None else _conditions(point, active, motion(point), n)
     return Reduction(rows.kept, rows.basis())
 
 
-def _conditions(point: Point, held: Rows, whole: Motion, n: int) -> Rows:
-    """Speeds and positions that follow from others."""
-    angles = whole.angles[whole.angles < point.program.n]  # the first ones: others ride along
-    places, fixed = np.concatenate([whole.coordinates, angles]), fixed_combinations(whole, held, len(angles))
+def _conditions(point: Point, active: Rows, whole: Motion, n: int) -> Rows:
+    """Rows over all deviations: positions that stay constant, speeds without slip."""
+    angles = whole.angles[whole.angles < point.program.n]  # the first ones: others are unread
+    places, fixed = np.concatenate([whole.coordinates, angles]), fixed_combinations(whole, active, len(angles))
     still = np.zeros((len(fixed), n))
     still[:, places] = fixed
     positions = reduced(still)
-    speeds = np.zeros((len(held.W), n))
-    speeds[:, whole.speeds] = held.W
+    speeds = np.zeros((len(active.W), n))
+    speeds[:, whole.speeds] = active.W
     if not point.sim.locks().steady:
-        speeds[:, : whole.speeds[0]] = _beside(point, held, whole)
+        speeds[:, : whole.speeds[0]] = _slips_by_position(point, active, whole)
     speeds -= speeds[:, positions.pivots] @ positions.W
-    pivots = np.concatenate([positions.pivots, whole.speeds[held.pivots]])
+    pivots = np.concatenate([positions.pivots, whole.speeds[active.pivots]])
     return Rows(np.vstack([positions.W, speeds]), pivots, np.arange(len(pivots)), np.eye(len(pivots)))
 
 
-def _beside(point: Point, held: Rows, whole: Motion) -> Array:
-    """What slips change by with the states other than speeds, where gains change with the position."""
-    holding = list(point.holding())
-    stops = np.array([point.sim.locks().places[i].is_stop for i in holding])
+def _slips_by_position(point: Point, active: Rows, whole: Motion) -> Array:
+    """Derivatives of the slips by the states other than speeds, where gains change with the position."""
+    numbers = list(point.holding())
+    stops = np.array([point.sim.locks().places[i].is_stop for i in numbers])
 
     def slips(y: Array) -> Array:
         at = point.at(y=y).locks()
-        return np.where(stops, at.rows[holding] @ y[whole.speeds], at.slip[holding])
+        return np.where(stops, at.rows[numbers] @ y[whole.speeds], at.slip[numbers])
 
     others = np.arange(whole.speeds[0])
     change = derivative(slips, point.y, others, steps_of(point.program, point.y)).toarray()
-    return np.asarray(held.steps @ change)
+    return np.asarray(active.steps @ change)

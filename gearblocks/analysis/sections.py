@@ -48,6 +48,10 @@ class Points:
     extent: Array
     run: Trajectory
 
+    def __repr__(self) -> str:
+        listed = ", ".join(self.names[:3]) + (f", ... ({len(self.names)})" if len(self.names) > 3 else "")
+        return f"<Points of '{self.run.name}': {len(self.t)} from t = {self.t[0]:g} s: {listed}>"
+
 
 @final
 @dataclass(frozen=True, slots=True)

@@ -95,6 +95,10 @@ class Assembly:
     in_law: bool = False
     structural: tuple[tuple[str, float], ...] = ()
 
+    def __repr__(self) -> str:
+        counts = f"{self.n_groups} groups, {self.n_speeds} of them with a speed of their own"
+        return f"<Assembly of '{self.train.name}': {counts}, {len(self.rows)} coordinates, {len(self.batches)} batches>"
+
     @property
     def plain(self) -> bool:
         """Whether every group is independent."""

@@ -41,6 +41,10 @@ class Equations:
     held: Mapping[Any, Any] = dataclasses.field(default_factory=dict)
     rubs: tuple[Rub, ...] = ()
 
+    def __repr__(self) -> str:
+        counts = f"{len(self.q)} angles, {len(self.states)} states of blocks, {len(self.definitions)} definitions"
+        return f"<Equations of '{self.name}': {counts}, {len(self.parameters)} parameters>"
+
     @property
     def expanded(self) -> Any:
         """The forcing without defined symbols."""

@@ -14,8 +14,8 @@ from gearblocks.errors import ModelError
 from gearblocks.language.block import Declared
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Input, Parameter
-from gearblocks.model.cache_key import _classes_digest, _package_digest
-from gearblocks.model.start_values import contradictions, follow, follow_moved, parameter_value
+from gearblocks.model.cache_key import classes_digest, package_digest
+from gearblocks.model.start_values import contradictions, fit_prescribed, parameter_value, solve_dependent
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.library import Model, compile_program, start_core_build
 from gearblocks.train.graph import GROUND, Train
@@ -44,7 +44,7 @@ def _without_collector() -> Iterator[None]:
 def _build(train: Train) -> Model:
     values, names = _values(train)
     cache = user_cache()
-    key = digest("program", _package_digest(), _classes_digest(train), structural_text(train))
+    key = digest("program", package_digest(), classes_digest(train), structural_text(train))
     program = _stored(cache.read("programs", key), values)
     if program is None:
         start_core_build()
@@ -54,7 +54,7 @@ def _build(train: Train) -> Model:
     start = np.array([values.get(p.path, 0.0) for p in program.parameters])
     start.setflags(write=False)
     model = Model(program, compile_program(program), start)
-    follow_moved(model, train)
+    fit_prescribed(model, train)
     return model
 
 
@@ -119,12 +119,12 @@ def _two_meanings(one: Parameter | Input, other: Parameter | Input) -> str:
 
 
 def _check_against(program: Program, train: Train, values: dict[str, float], names: set[str]) -> None:
-    """Start values that contradict each other through ties, and names that are outputs too. `values` gets start values that
-    follow."""
+    """Raises ModelError for start values that contradict each other, and for names that are outputs too. `values` gets start
+    values that are solved for."""
     double = names & {q.name for q in program.outputs} if names else set()
     problems = [f"'{name}' names an input or Parameter and an output; rename the first" for name in sorted(double)]
     problems += contradictions(program, train)
-    problems += follow(program, train, values)
+    problems += solve_dependent(program, train, values)
     if problems:
         raise ModelError(problems)
 

@@ -19,17 +19,20 @@ from gearblocks.language.block import Declared
 from gearblocks.solver.cache import digest
 from gearblocks.train.graph import Train
 
+PACKAGE = Path(__file__).parents[1]
+
 
 @functools.cache
-def _package_digest() -> str:
-    """A sum over the sources of this package: another version makes its own programs."""
-    here = Path(__file__).parents[1]
-    paths = sorted([*here.rglob("*.py"), *here.rglob("*.jinja")])
-    return digest(*(part for path in paths for part in (path.name, path.read_bytes())))
+def package_digest(package: Path = PACKAGE) -> str:
+    """Digest of all Python sources and templates below a folder, by path and content: another version of this package
+    makes its own programs. The C core is no part of it: what is compiled has a key of its own (solver/library.py)."""
+    paths = [*package.rglob("*.py"), *package.rglob("*.jinja")]
+    sources = {path.relative_to(package).as_posix(): path.read_bytes() for path in paths}
+    return digest(*(part for name in sorted(sources) for part in (name, sources[name])))
 
 
-def _classes_digest(train: Train) -> str:
-    """A sum over the code of every class that is not ours."""
+def classes_digest(train: Train) -> str:
+    """Digest of the code of every class of blocks and effects that is not ours."""
     classes: set[type[Declared]] = {type(c.block) for c in train.components}
     for c in train.components:
         classes |= {type(v) for v in c.block.__dict__.values() if isinstance(v, Declared)}

@@ -1,4 +1,4 @@
-"""Start values that users give: those that follow from them, and those that contradict each other or what moves a shaft."""
+"""Start values: those that nobody gives are solved for from those given on dependent groups; contradictions are said."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def parameter_value(leaf: Expr) -> float:
 
 
 def contradictions(program: Program, train: Train) -> Iterator[str]:
-    """Start values of one shaft that contradict each other through ties of two shafts."""
+    """Start values of one rigid group that contradict each other."""
     starts = {(s.name.rpartition(".")[0], s.of): (s.place, s.factor) for s in program.starts}
     given: dict[int, tuple[str, str, float, float]] = {}
     for c in train.components:
@@ -52,9 +52,9 @@ def contradictions(program: Program, train: Train) -> Iterator[str]:
                     )
 
 
-def follow(program: Program, train: Train, values: dict[str, float]) -> Iterator[str]:
-    """Start values of shafts that follow others: those that are not given are found from those that are (into `values`);
-    those that contradict each other are said."""
+def solve_dependent(program: Program, train: Train, values: dict[str, float]) -> Iterator[str]:
+    """Start values given on dependent groups: open ones of independent groups are solved for (into `values`); yields
+    contradictions."""
     blocks = {c.path: c.block for c in train.components}
     rows = []
     for info in program.followers:
@@ -78,7 +78,7 @@ def follow(program: Program, train: Train, values: dict[str, float]) -> Iterator
 def _solve(
     program: Program, blocks: dict[str, Block], rows: list[tuple[FollowerInfo, float]], values: dict[str, float]
 ) -> None:  # fmt: skip
-    """Start values that nobody gives, from rows that ask for them: the smallest that do."""
+    """Open start values of minimum norm that fulfil the rows: sum of factor times value = the given one."""
     places = dict.fromkeys(i for info, _ in rows for i in info.places if _is_open(program, blocks, i))
     unknown = {i: k for k, i in enumerate(places)}
     if not unknown:
@@ -96,15 +96,15 @@ def _solve(
 
 
 def _is_open(program: Program, blocks: dict[str, Block], place: int) -> bool:
-    """Whether a parameter is a start value that nobody gives."""
+    """Whether a parameter is an open start value: one that nobody gives."""
     info = program.parameters[place]
     path = info.path.rpartition(".")[0]
     return info.start in (ANGLE, SPEED) and (path not in blocks or start_of(blocks[path], info.start) is None)
 
 
-def follow_moved(model: Model, train: Train) -> None:
-    """The same for shafts that something else moves, with what they have at t = 0: start values that are not given are found
-    (into model.values). ModelError for given start values that cannot be."""
+def fit_prescribed(model: Model, train: Train) -> None:
+    """The same for groups with a prescribed motion, compared with their outputs at t = 0: open start values are found (into
+    model.values). ModelError for given start values that cannot be."""
     blocks: dict[str, Block] = {c.path: c.block for c in train.components}
     given = []
     for info in model.program.moved:
@@ -142,7 +142,7 @@ def _at_start(model: Model, names: list[str], values: Array) -> Array | None:
 
 
 def _fitted(model: Model, names: list[str], asked: Array, found: Array, blocks: dict[str, Block]) -> Array:
-    """Chooses the start values that nobody gives. One linear step: nonlinear ties may leave a difference."""
+    """Chooses the open start values. One linear step: nonlinear constraints may leave a difference."""
     starts = [s.place for s in model.program.starts if s.of in (ANGLE, SPEED)]
     free = [i for i in dict.fromkeys(starts) if _is_open(model.program, blocks, i)]
     columns = []

@@ -19,7 +19,7 @@ from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
 
 InputSource: TypeAlias = "float | Table | Callable[[float], float]"
 STATIC = ("static", "static_at_start")
-METHODS = {"rk4": Method.RK4, "dp5": Method.DP5, "dp8": Method.DP8, "rodas": Method.RODAS}
+METHODS = {method.name.lower(): method for method in Method if method is not Method.AUTO}
 
 
 def begin_of(t_start: float | None, initial: Any) -> float:

@@ -1,14 +1,18 @@
-"""Static starts: the state in which a train under its loads neither deforms further nor changes any state of a block.
+"""Static equilibrium: the state in which a train under its loads neither deforms further nor changes any state of a block.
 
 Speeds and absolute angles stay as they are; relative angles and states of blocks are solved for. Where a train can turn
 freely, its steady acceleration under loads that do not balance is allowed: the static state is the one that the
-deflections settle in. With the inertia matrix M, accelerations a and the free rotations N (B N = 0):
+deflections settle in. With the mass matrix M, accelerations a and the free rotations N (B N = 0):
 
-    M (a(q, z) - N w) = 0,    z' = 0        in the unknowns q, z and the accelerations w of the free rotations
+    L M (a(q, z) - N w) = 0,    z' = 0        in the unknowns q, z and the accelerations w of the free rotations
+
+The active set confines the unknowns, q = q0 + D p with G v = 0, and takes the balances that its constraint forces can
+answer: L F = 0 for their force rows F. Where nothing is active, D and L are 1. Whether the constraint forces lie within
+their bounds is judged afterwards (friction_at_rest.py).
 
 Newton's method in frozen modes, from no deflection where something is under load and from the start values elsewhere (of
 several equilibria it finds one near the undeformed train); after each step the modes follow the state. A weak spring on
-every coordinate keeps parts determined that nothing holds at the moment: a load inside a gap moves its coordinate far to
+every coordinate keeps the matrix regular where no stiffness acts at the moment: a load inside a gap moves its coordinate far to
 that side, where the contact takes over. A gap without load stays where it is.
 """
 
@@ -24,7 +28,7 @@ from gearblocks.errors import ParameterError, SimulationError
 from gearblocks.simulation.friction_at_rest import by_slips, judged
 from gearblocks.solver.active_set import Rows, null_space, reduced
 from gearblocks.solver.binding import Simulation
-from gearblocks.solver.motion import Motion, _knows_derivatives, motion
+from gearblocks.solver.motion import Motion, knows_derivatives, motion
 from gearblocks.solver.point import Point, dependents, derivative, opened, restarted, state_matrix, steps_of
 from gearblocks.solver.sparse_maps import Indices
 from gearblocks.solver.structures import Array
@@ -35,7 +39,7 @@ if TYPE_CHECKING:
 _ROUNDS = 200
 _WEAK, _WEAKEST = 1e-2, 1e-6  # spring on a coordinate relative to its stiffness, after a change of modes and at the end
 _NOTHING = 1e-14  # the same where the torques that are left do not shrink
-_NEAR, _STUCK = 1e-13, 1e-11  # of the largest torque: what rounding leaves, and at most where it does not shrink
+_NEAR, _STALLED = 1e-13, 1e-11  # of the largest torque: what rounding leaves, and at most where it does not shrink
 
 
 # -- equilibrium ------------------------------------------------------------------------------------------------------
@@ -51,10 +55,11 @@ def static_state(sim: Simulation, program: Program, t: float, *, means: bool, y0
 
 
 def equilibrium(point: Point) -> Point:
-    """The equilibrium of the train held at a point, in the modes that fit it. Errors as `static_state`.
+    """The equilibrium from a point, in the modes that fit it. Errors as `static_state`.
 
-    What does not slip at the start is stuck, and carries what balance asks for; what holds one way only (a stop, a
-    freewheel) opens where it would have to pull. SimulationError where the limit of one is less than it must carry.
+    Switched constraints without slip at the start are active, with the constraint force that balance asks for; those with
+    one bound (a stop, a freewheel) become inactive where it would have the other sign. SimulationError where a constraint
+    force exceeds its bounds.
     """
     point = by_slips(point)
     for _ in range(4 * len(point.sim.locks().places) + 1):
@@ -70,27 +75,28 @@ def equilibrium(point: Point) -> Point:
 
 
 def _balanced(point: Point) -> Point:
-    """The equilibrium while locks and stops stay what they are."""
+    """The equilibrium for the present active set."""
     whole = motion(point)
     if len(whole.coordinates) + len(whole.states) == 0 or len(whole.speeds) + len(whole.states) == 0:
         return point if point.sim.locks().places else point.at(y=restarted(point))
     _check_speeds(point, whole)
     found = _Search(point, whole).run()
-    return found if whole.held is None else found.at(y=_turned_along(whole, whole.held, point.y, found.y))
+    return found if whole.active is None else found.at(y=_angles_following(whole, whole.active, point.y, found.y))
 
 
-def _turned_along(whole: Motion, held: Rows, before: Array, y: Array) -> Array:
-    """Angles after coordinates have changed, so that what is stuck to the housing stays where it was."""
+def _angles_following(whole: Motion, active: Rows, before: Array, y: Array) -> Array:
+    """The state with angles changed along with the coordinates so that G dphi = 0: no active constraint to the ground has
+    slipped."""
     from scipy.sparse import csc_array, vstack
 
     S = csc_array(vstack([whole.B, whole.E]))
-    if len(whole.angles) == 0 or whole.hidden:
+    if len(whole.angles) == 0 or whole.massless:
         return y
     turned = np.concatenate([y[whole.coordinates] - before[whole.coordinates], np.zeros(len(whole.angles))])
-    rows = _solve(csc_array(S.T), held.W.T).T  # what slips by coordinates and angles
-    n_q, moved = len(whole.coordinates), y.copy()
-    moved[whole.angles] -= np.linalg.lstsq(rows[:, n_q:], rows @ turned, rcond=1e-9)[0]
-    return moved
+    rows = _solve(csc_array(S.T), active.W.T).T  # slips by coordinates and angles
+    n_q, following = len(whole.coordinates), y.copy()
+    following[whole.angles] -= np.linalg.lstsq(rows[:, n_q:], rows @ turned, rcond=1e-9)[0]
+    return following
 
 
 def _solve(S: csc_array, right: Array) -> Array:
@@ -100,24 +106,24 @@ def _solve(S: csc_array, right: Array) -> Array:
     return np.asarray(splu(S).solve(np.ascontiguousarray(right)))
 
 
-def fixed_combinations(whole: Motion, held: Rows, angles: int) -> Array:
-    """Combinations of the coordinates, and of the first so many of the angles, that what holds keeps constant, as rows."""
+def fixed_combinations(whole: Motion, active: Rows, angles: int) -> Array:
+    """Combinations of the coordinates, and of the first so many of the angles, that the active set keeps constant, as rows."""
     from scipy.sparse import csc_array, vstack
 
     S, n = csc_array(vstack([whole.B, whole.E]).T), len(whole.coordinates) + angles
     if S.shape[0] == S.shape[1]:
-        combined = _solve(S, held.W.T)
+        combined = _solve(S, active.W.T)
         rest, combined = combined[n:], combined[:n]
-    else:  # shafts without inertia: more coordinates than speeds
+    else:  # massless groups: more coordinates than speeds
         dense = S[:, :n].toarray()
-        combined = np.linalg.lstsq(dense, held.W.T, rcond=None)[0]
-        rest = held.W.T - dense @ combined
-    return np.asarray((combined @ null_space(rest, np.full(len(rest), np.abs(held.W).max()))).T)
+        combined = np.linalg.lstsq(dense, active.W.T, rcond=None)[0]
+        rest = active.W.T - dense @ combined
+    return np.asarray((combined @ null_space(rest, np.full(len(rest), np.abs(active.W).max()))).T)
 
 
 def _check_speeds(point: Point, whole: Motion) -> None:
     v = point.y[whole.speeds]
-    if len(whole.coordinates) == 0 or whole.hidden:
+    if len(whole.coordinates) == 0 or whole.massless:
         return
     winding = point.rates()[whole.coordinates]  # prescribed speeds among them
     worst = int(np.argmax(np.abs(winding)))
@@ -132,10 +138,10 @@ def _check_speeds(point: Point, whole: Motion) -> None:
 
 
 class _Search:
-    """Newton's method with modes that follow.
+    """Newton's method; after each step the modes are those of the state.
 
-    D: changes of the coordinates that what holds allows; L: the balances of torque that it leaves (both 1 where nothing
-    holds).
+    D: changes of the coordinates that the active set allows; L: the balances of torque that its constraint forces do not
+    enter (both 1 where nothing is active).
     """
 
     def __init__(self, point: Point, whole: Motion) -> None:
@@ -143,17 +149,15 @@ class _Search:
 
         self.point, self.whole = point, whole
         self.unknown = np.concatenate([whole.coordinates, whole.states])
-        still = (
-            whole.coordinates if whole.hidden else whole.coordinates[:0]
-        )  # balance of shafts without inertia: q' = 0
+        still = whole.coordinates if whole.massless else whole.coordinates[:0]  # balance of massless groups: q' = 0
         self.rows = np.concatenate([whole.speeds, whole.states, still])
         self.n_v, self.n_q, self.n_z = len(whole.speeds), len(whole.coordinates), len(whole.states)
         self.D, self.L = csc_array(eye_array(self.n_q)), csc_array(eye_array(self.n_v))
-        if whole.held is not None:
-            self.D = reduced(fixed_combinations(whole, whole.held, 0)).basis()
-            pushes = point.held_pushes()
-            assert pushes is not None
-            self.L = csc_array(pushes.basis().T)
+        if whole.active is not None:
+            self.D = reduced(fixed_combinations(whole, whole.active, 0)).basis()
+            force_rows = point.active_force_rows()
+            assert force_rows is not None
+            self.L = csc_array(force_rows.basis().T)
         self.n_t = self.L.shape[0]
         self.weak = _WEAK
         self.patterns: dict[bytes, list[Indices]] = {}
@@ -171,8 +175,8 @@ class _Search:
             y[self.unknown] += step
             fit = self.point.at(y=y).settled()
             same = np.array_equal(fit.modes, self.point.modes)
-            if same and (error <= _NEAR or (error <= _STUCK and error > 0.3 * last)):
-                return fit.at(y=restarted(fit)) if self.whole.hidden else fit
+            if same and (error <= _NEAR or (error <= _STALLED and error > 0.3 * last)):
+                return fit.at(y=restarted(fit)) if self.whole.massless else fit
             lowest = _WEAKEST if error < 0.3 * last else _NOTHING  # a small load crosses a wide gap
             self.weak = max(self.weak / 10, lowest) if same else _WEAK
             last = error if same else np.inf
@@ -205,7 +209,7 @@ class _Search:
     def _residual(self, matrix: csc_array, idle: NDArray[np.bool_]) -> tuple[Array, float]:
         """Torques and rates of states of blocks that are left, and the largest of them relative to what acts.
 
-        idle: rates that no unknown changes: phases, which run on, and shafts that are in balance anyway.
+        idle: rates that no unknown changes: phases, which run on, and massless groups, which are in balance anyway.
         """
         whole, rates = self.whole, self._rates(self.point.y)
         torque = whole.M @ rates[whole.speeds]
@@ -221,8 +225,8 @@ class _Search:
         return left, float(relative.max(initial=0.0))
 
     def _rates(self, y: Array) -> Array:
-        """Rates at a state, the angles of shafts without inertia put into balance."""
-        if self.whole.hidden:
+        """Rates at a state, the angles of massless groups put into balance."""
+        if self.whole.massless:
             y = restarted(self.point.at(y=y))
         return self.point.rates(y)
 
@@ -236,7 +240,7 @@ class _Search:
     def _derivatives(self) -> csc_array:
         """Of the rates of speeds and states by the unknowns."""
         point = self.point
-        if _knows_derivatives(point):
+        if knows_derivatives(point):
             return state_matrix(point)[self.rows][:, self.unknown]
         steps, key = steps_of(point.program, point.y), point.modes.tobytes()
 
@@ -265,7 +269,7 @@ class _Search:
         scale[scale == 0] = 1.0
         scaled = csc_array(diags_array(1 / scale) @ full)
         try:
-            if whole.hidden:
+            if whole.massless:
                 found = np.linalg.lstsq(scaled.toarray(), -rest / scale, rcond=1e-13)[0]
             else:
                 found = splu(scaled).solve(-rest / scale)

@@ -106,6 +106,10 @@ class EnergyLedger:
             "largest_stored": self.largest_stored,
         }
 
+    def __repr__(self) -> str:
+        counts = f"{len(self.stored)} stored, {len(self.supplied)} supplied, {len(self.dissipated)} dissipated"
+        return f"<EnergyLedger: {counts}; residual {self.residual:.1e} of a turnover of {self.turnover:.6g} J>"
+
     def __str__(self) -> str:
         rows = [("stored at the start", self.start), ("stored at the end", self.end)]
         rows += [(f"supplied by {name}", value) for name, value in self.supplied.items()]
@@ -131,6 +135,9 @@ class FinalState:
     modes: Array
     key: str
 
+    def __repr__(self) -> str:
+        return f"<FinalState at t = {self.t:g} s: {len(self.y)} states, {len(self.modes)} modes>"
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "y", frozen(self.y))
         object.__setattr__(self, "modes", frozen(self.modes))
@@ -151,3 +158,6 @@ class Content:
     energy: EnergyLedger
     meta: Mapping[str, Any]
     final_state: FinalState | None
+
+    def __repr__(self) -> str:
+        return f"<Content of a run: {len(self.t)} samples, {len(self.columns)} outputs, {len(self.events)} events>"

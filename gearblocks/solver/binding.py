@@ -1,4 +1,4 @@
-"""The solver of c/gb_core.h as Python sees it: the same structures, the same calls, no policy of its own."""
+"""Binding of the solver core (c/gb_core.h): the same structures, the same calls, no policy of its own."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ from gearblocks.solver.structures import (
     InputFunction,
     Kind,
     Options,
+    PointStructure,
+    RecordStructure,
     Report,
-    _Point,
-    _Record,
 )
-from gearblocks.solver.switched_constraints import PROTOTYPES as OF_LOCKS
+from gearblocks.solver.switched_constraints import PROTOTYPES as CONSTRAINT_PROTOTYPES
 from gearblocks.solver.switched_constraints import Locks, LocksOf, locks_at, locks_of
 
 _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -54,10 +54,10 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_state": (c_int, (c_void_p, c_void_p)),
     "gb_outputs": (c_int, (c_void_p, c_void_p)),
     "gb_energies": (c_int, (c_void_p, c_void_p)),
-    "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(_Record), c_double)),
+    "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(RecordStructure), c_double)),
     "gb_evaluate": (c_int, (c_void_p, c_void_p, c_long, c_void_p, c_int, c_void_p, c_void_p)),
     "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
-    "gb_probe": (c_int, (c_void_p, POINTER(_Point), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),
+    "gb_probe": (c_int, (c_void_p, POINTER(PointStructure), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),
     "gb_snapshot_size": (c_size_t, (c_void_p,)),
     "gb_save": (None, (c_void_p, c_void_p)),
     "gb_restore": (c_int, (c_void_p, c_void_p)),
@@ -70,7 +70,7 @@ def open_shared(path: str) -> ctypes.CDLL:
     """Loads a shared object and gives its functions their types. Raises CompileError where it is none of ours."""
     try:
         handle = ctypes.CDLL(path)
-        for name, (result, arguments) in (_PROTOTYPES | PROTOTYPES | OF_LOCKS).items():
+        for name, (result, arguments) in (_PROTOTYPES | PROTOTYPES | CONSTRAINT_PROTOTYPES).items():
             function = getattr(handle, name)
             function.restype, function.argtypes = result, arguments
     except (OSError, AttributeError) as error:
@@ -84,7 +84,7 @@ class Record:
     def __init__(self, width: int, rows: int, events: int) -> None:
         self._rows = np.empty((rows, width))
         self._events = np.empty(events, dtype=EVENT)
-        self._raw = _Record(self._rows.ctypes.data, 0, rows, self._events.ctypes.data, 0, events)
+        self._raw = RecordStructure(self._rows.ctypes.data, 0, rows, self._events.ctypes.data, 0, events)
 
     def take(self) -> tuple[Array, NDArray[np.void]]:
         """Copies of the rows and events recorded since the last call; the record is empty afterwards."""
@@ -122,6 +122,9 @@ class Simulation:
 
     def __del__(self) -> None:
         self.close()
+
+    def __repr__(self) -> str:
+        return f"<Simulation of '{self._program.name}'{', closed' if self._sim is None else ''}>"
 
     def close(self) -> None:
         """Gives the memory back. Views of `parameters` and `inputs` end here; a second call does nothing."""
@@ -244,7 +247,7 @@ class Simulation:
         return bool(self._shared.gb_pattern_of(self._sim))
 
     def linear_sizes(self) -> tuple[int, int, int]:
-        """Numbers of simple states, of hidden speeds, and of what the Jacobian keeps (zeros without a pattern)."""
+        """Numbers of kinematic states, of massless speeds, and of what the Jacobian keeps (zeros without a pattern)."""
         return sizes_of(self._shared, self._sim)
 
     def step_matrix(
@@ -253,7 +256,7 @@ class Simulation:
     ) -> StepMatrix:  # fmt: skip
         """The matrix of a step at (t, y), g = gamma h; modes, inputs and means as for `probe` (None: the present modes)."""
         modes, inputs = _doubles(modes), _doubles(inputs)
-        point = _Point(t, int(means), _address(modes), _address(inputs), None)
+        point = PointStructure(t, int(means), _address(modes), _address(inputs), None)
         code, matrix = matrix_at(self._shared, self._sim, point, self._state_vector(y), g)
         _expect(code, "gb_linear_matrix")
         return matrix
@@ -264,7 +267,7 @@ class Simulation:
         """d(dy)/dy of the n states, a scipy.sparse CSC array; arguments as for `step_matrix`.
 
         Raises RuntimeError where the model has no pattern, ArithmeticError where a derivative has no bound or the speeds
-        of shafts without inertia are not determined.
+        of massless groups are not determined.
         """
         pattern, sizes = self._needed_pattern(), self.linear_sizes()
 
@@ -275,7 +278,7 @@ class Simulation:
         return made
 
     def inertia(self, t: float, y: Array) -> Any:
-        """E of c/gb_model.h by the states that are not simple, a scipy.sparse CSC array: inertias of the speeds, 1 for
+        """E of c/gb_model.h by the states that are not kinematic, a scipy.sparse CSC array: inertias of the speeds, 1 for
         states of blocks. Raises RuntimeError as `jacobian`."""
         pattern = self._needed_pattern()
         last = len(pattern.order) - self.linear_sizes()[1]
@@ -289,7 +292,7 @@ class Simulation:
         return out
 
     def simple_rates(self, m: StepMatrix, x: Array) -> Array:
-        """B x: rates of the simple states from the unknowns."""
+        """B x: rates of the kinematic states from the unknowns."""
         x, out = np.ascontiguousarray(x, dtype=np.float64), np.empty(self.linear_sizes()[0])
         code = self._shared.gb_linear_rates(self._sim, m.kept.ctypes.data, x.ctypes.data, out.ctypes.data)
         _expect(code, "gb_linear_rates")
@@ -300,15 +303,15 @@ class Simulation:
         return self._filled("gb_modes", len(self._program.switches))
 
     def locks(self) -> LocksOf:
-        """What can stick: friction and stops."""
+        """The switched constraints of the model: friction, locks, stops, lossy ties."""
         return locks_of(self._shared, self._sim)
 
     def locks_at(
         self, t: float, y: Array, modes: Array | None, *, inputs: Array | None = None, means: bool = False
     ) -> Locks:
-        """What sticks at a point; arguments as for `probe`."""
+        """Slips, force bounds and constraint forces of all switched constraints at a point; arguments as for `probe`."""
         modes, inputs = _doubles(modes), _doubles(inputs)
-        point = _Point(t, int(means), _address(modes), _address(inputs), None)
+        point = PointStructure(t, int(means), _address(modes), _address(inputs), None)
         code, made = locks_at(self._shared, self._sim, point, self._state_vector(y))
         _expect(code, "gb_locks_at")
         return made
@@ -330,7 +333,7 @@ class Simulation:
         }  # fmt: skip
         result = np.zeros(lengths[wanted])
         y, modes, values, rates = self._state_vector(y), _doubles(modes), _doubles(inputs), _doubles(rates)
-        point = _Point(t, int(means), _address(modes), _address(values), _address(rates))
+        point = PointStructure(t, int(means), _address(modes), _address(values), _address(rates))
         targets = [result.ctypes.data if name == wanted else None for name in lengths]
         _expect(self._shared.gb_probe(self._sim, ctypes.byref(point), y.ctypes.data, *targets), "gb_probe")
         return result

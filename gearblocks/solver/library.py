@@ -25,6 +25,8 @@ from gearblocks.solver.compiler import FLAGS, GENERATED_FLAGS, SHARED_SUFFIX, Co
 from gearblocks.solver.structures import Array
 
 SOURCES = Path(__file__).parent / "c"
+METHOD_SOURCES = ("methods.py", "rosenbrock.py")
+"""The files that the tables of the methods come from."""
 
 # Read before the model: the one function of it that can be seen from outside.
 _EXPORTS = '#include "gb_core.h"\nGB_API const gb_model *gb_get_model(void);\n'
@@ -71,6 +73,11 @@ class Model:
     library: Library
     values: Array
 
+    def __repr__(self) -> str:
+        p = self.program
+        counts = f"{p.n} states, {len(p.parameters)} parameters, {len(p.inputs)} inputs, {len(p.outputs)} outputs"
+        return f"<Model '{p.name}': {counts}, {len(p.switches)} switches>"
+
 
 def compile_program(program: Program) -> Library:
     """The library of a program, from the cache where it was compiled before. Raises CompileError."""
@@ -105,12 +112,18 @@ def core_files() -> dict[str, bytes]:
     return {**_written("c"), **_written("h"), "gb_methods.h": render_tables().encode()}
 
 
+def core_sources(solver: Path) -> dict[str, bytes]:
+    """What the core in a folder like this one is made of, by file name: C files, and what the tables of the methods come
+    from."""
+    paths = [*(solver / "c").glob("gb_*.[ch]"), solver / "c" / "gb_methods.h.jinja"]
+    paths += [solver / name for name in METHOD_SOURCES]
+    return {path.name: path.read_bytes() for path in sorted(paths)}
+
+
 @functools.cache
 def _core_snapshot() -> dict[str, bytes]:
-    """What the core is made of, read once, so that what is compiled is what its key was taken from."""
-    paths = [*SOURCES.glob("gb_*.[ch]"), SOURCES / "gb_methods.h.jinja"]
-    paths += [SOURCES.parent / name for name in ("methods.py", "rosenbrock.py")]
-    return {path.name: path.read_bytes() for path in sorted(paths)}
+    """The sources of the core, read once, so that what is compiled is what its key was taken from."""
+    return core_sources(SOURCES.parent)
 
 
 def _written(ending: str) -> dict[str, bytes]:
@@ -118,14 +131,15 @@ def _written(ending: str) -> dict[str, bytes]:
     return {name: data for name, data in _core_snapshot().items() if name.endswith("." + ending)}
 
 
-@functools.cache
-def _core_digest() -> str:
-    """A sum over everything the core is made of, the tables as the program that renders them."""
-    return digest(*(part for item in _core_snapshot().items() for part in item))
+def core_digest(sources: dict[str, bytes]) -> str:
+    """Digest of everything the core is made of, the tables as the program that renders them."""
+    return digest(*(part for item in sources.items() for part in item))
 
 
 def _core_key(compiler: Compiler) -> str:
-    return digest(compiler.identity, *FLAGS, *_COOL, *_HOT, *compiler.native, cpu_identity(), _core_digest())
+    return digest(
+        compiler.identity, *FLAGS, *_COOL, *_HOT, *compiler.native, cpu_identity(), core_digest(_core_snapshot())
+    )
 
 
 def _core_objects(compiler: Compiler, key: str) -> Future[tuple[Path, ...]]:

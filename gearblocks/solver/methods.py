@@ -272,9 +272,9 @@ def _sparse(row: Weights) -> _Sparse:
     return _Sparse(tuple(j for j, _ in entries), tuple(x for _, x in entries))
 
 
-def _tail_rows(method: Tableau | Rosenbrock) -> tuple[Weights, ...]:
-    """The dense rows of the tail; an implicit method has no stages in it and follows it by quadrature."""
-    return method.tail_weights() if isinstance(method, Rosenbrock) else method.dense_weights()
+def _quadrature_rows(method: Tableau | Rosenbrock) -> tuple[Weights, ...]:
+    """The dense rows of the quadratures: of an implicit method those through the rates at its nodes."""
+    return method.quadrature_weights() if isinstance(method, Rosenbrock) else method.dense_weights()
 
 
 def _is_implicit(method: Tableau | Rosenbrock) -> bool:
@@ -282,8 +282,8 @@ def _is_implicit(method: Tableau | Rosenbrock) -> bool:
 
 
 def _full_stages(method: Tableau | Rosenbrock) -> tuple[int, ...]:
-    """1 for every stage that a weight of the step or of dense output reads: there the tail is computed too."""
-    used = list(_tail_rows(method))
+    """1 for every stage that a weight of the step or of dense output reads: there the quadratures are computed too."""
+    used = list(_quadrature_rows(method))
     if isinstance(method, Tableau):
         used.append(_widen(method.b, method.all_stages))
     return tuple(int(any(row[j] != 0 for row in used)) for j in range(method.all_stages))
@@ -296,7 +296,12 @@ def render_tables() -> str:
     template = (files("gearblocks.solver") / "c" / "gb_methods.h.jinja").read_text(encoding="utf-8")
     environment = jinja2.Environment(trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     environment.globals.update(
-        zip=zip, sparse=_sparse, widen=_widen, full_stages=_full_stages, tail_rows=_tail_rows, implicit=_is_implicit
+        zip=zip,
+        sparse=_sparse,
+        widen=_widen,
+        full_stages=_full_stages,
+        tail_rows=_quadrature_rows,
+        implicit=_is_implicit,
     )
     text = environment.from_string(template).render(methods=METHODS, width=MAX_STAGES)
     return text if text.endswith("\n") else text + "\n"

@@ -1,4 +1,9 @@
-"""Motion of a model at one point: angles that determine it, inertia, the free rotations."""
+"""Kinematics of a model at one point: how coordinates and angles follow from the speeds, mass matrix, free rotations.
+
+    q' = B v,   angles' = E v,   B N = 0,   E N = 1
+
+Columns of N: motions without any deflection, those that the active set allows.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +24,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """How coordinates and angles follow from speeds: q' = B v, angles' = E v; N: free rotations, B N = 0, E N = 1.
+    """q' = B v, angles' = E v; N: free rotations; M: mass matrix of the speeds.
 
-    held: what sticks, conditions on the speeds (None: nothing does); free rotations are those that it allows.
+    coordinates, angles, states, speeds: indices in the state vector; active: reduced rows of the active set (None: it is
+    empty).
     """
 
     coordinates: Indices
@@ -32,16 +38,20 @@ class Motion:
     E: csc_array
     N: csc_array
     M: csc_array
-    held: Rows | None = None
+    active: Rows | None = None
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.coordinates)} coordinates, {len(self.angles)} angles, {len(self.speeds)} speeds"
+        return f"<Motion: {counts}, {self.N.shape[1]} free rotations>"
 
     @property
-    def hidden(self) -> bool:
-        """Whether there are shafts without inertia, whose speeds are no states."""
+    def massless(self) -> bool:
+        """Whether there are massless groups, whose speeds are no states."""
         return len(self.coordinates) + len(self.angles) > len(self.speeds)
 
 
 def kinds(program: Program) -> tuple[Indices, Indices, Indices, Indices]:
-    """Places of coordinates, absolute angles, states of blocks and speeds in the state vector."""
+    """Indices of coordinates, absolute angles, states of blocks and speeds in the state vector."""
     found: dict[str, list[int]] = {"coordinate": [], "angle": [], "state": [], "speed": []}
     for i, quantity in enumerate(program.states):
         found[quantity.kind].append(i)
@@ -51,7 +61,7 @@ def kinds(program: Program) -> tuple[Indices, Indices, Indices, Indices]:
 
 
 def motion(point: Point) -> Motion:
-    """The kinematics and the inertia matrix of a train."""
+    """The kinematics and the mass matrix of a train."""
     from scipy.sparse import csc_array, identity, vstack
     from scipy.sparse.linalg import splu
 
@@ -61,46 +71,46 @@ def motion(point: Point) -> Motion:
     rows = np.concatenate([q, angles])
     S = _rates_by_speed(point, still, rows, v)
     B = csc_array(S[: len(q)])
-    turning = np.asarray(abs(S[len(q) :]).sum(axis=1)).ravel() > 0  # angles that are prescribed do not follow speeds
-    angles = angles[turning]
-    S, rows = csc_array(S[np.concatenate([np.ones(len(q), bool), turning])]), np.concatenate([q, angles])
+    free = np.asarray(abs(S[len(q) :]).sum(axis=1)).ravel() > 0  # angles that are prescribed do not follow speeds
+    angles = angles[free]
+    S, rows = csc_array(S[np.concatenate([np.ones(len(q), bool), free])]), np.concatenate([q, angles])
     M = _inertia(point, still, v)
     right = vstack([csc_array((len(q), len(angles))), identity(len(angles))], format="csc").toarray()
     if len(rows) == 0 or len(angles) == 0:
         N = np.zeros((len(v), 0))
     elif len(rows) == len(v):
         N = splu(S).solve(right)
-    else:  # more coordinates than speeds: shafts without inertia
+    else:  # more coordinates than speeds: massless groups
         N = np.linalg.lstsq(S.toarray(), right, rcond=None)[0]
-    held = point.held_rows()
-    if held is not None and N.shape[1]:
-        N = N @ null_space(held.W @ N, np.max(np.abs(held.W) @ np.abs(N), axis=1, initial=0.0))
-    return Motion(q, angles, z, v, B, csc_array(S[len(q) :]), csc_array(N), M, held)
+    active = point.active_rows()
+    if active is not None and N.shape[1]:
+        N = N @ null_space(active.W @ N, np.max(np.abs(active.W) @ np.abs(N), axis=1, initial=0.0))
+    return Motion(q, angles, z, v, B, csc_array(S[len(q) :]), csc_array(N), M, active)
 
 
-def _knows_derivatives(point: Point) -> bool:
-    """Whether the laws have derivatives and every speed is a state."""
+def knows_derivatives(point: Point) -> bool:
+    """Whether the laws have derivatives and no group is massless."""
     return point.sim.has_jacobian and point.sim.linear_sizes()[1] == 0
 
 
 def _rates_by_speed(point: Point, still: Array, rows: Indices, v: Indices) -> csc_array:
-    """Derivatives of the rates of coordinates and angles by the speeds; angles that ride along come last."""
+    """Derivatives of the rates of coordinates and angles by the speeds; unread angles come last."""
     from scipy.sparse import csc_array, vstack
 
     ones = np.ones(point.program.n_total)  # the rates are linear in the speeds: any step is exact
-    n = point.program.n if _knows_derivatives(point) else 0
-    riders = rows[rows >= n]
-    beside = derivative(lambda y: point.rates(y)[riders], still, v, ones)
+    n = point.program.n if knows_derivatives(point) else 0
+    unread = rows[rows >= n]
+    beside = derivative(lambda y: point.rates(y)[unread], still, v, ones)
     if n == 0:
         return beside
     return csc_array(vstack([state_matrix(point.at(y=still))[rows[rows < n]][:, v], beside]))
 
 
 def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
-    """The inertia matrix of the speeds: where the laws do not give it, second derivatives of the kinetic energy."""
+    """The mass matrix of the speeds: where the laws do not give it, second derivatives of the kinetic energy."""
     from scipy.sparse import csc_array
 
-    if _knows_derivatives(point):
+    if knows_derivatives(point):
         unknowns = v - point.sim.linear_sizes()[0]
         return csc_array(point.sim.inertia(point.t, still)[unknowns][:, unknowns])
     kinetic = np.array([e.place for e in point.program.energies if e.part == "kinetic"], dtype=np.intp)
@@ -108,7 +118,7 @@ def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
     def energy(y: Array) -> Array:
         return point.energies(y)[kinetic]
 
-    def moved(*numbers: int) -> Array:
+    def kinetic_at(*numbers: int) -> Array:
         y = still.copy()
         y[v[list(numbers)]] = 1.0
         return energy(y)
@@ -116,14 +126,14 @@ def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
     own = dependents(energy, still, v, np.ones(len(still)))
     diagonal = np.zeros(len(v))
     for group in disjoint(own):
-        found = moved(*group)
+        found = kinetic_at(*group)
         diagonal[group] = [2 * float(found[own[j]].sum()) for j in group]
     owners: dict[int, list[int]] = {}
     for j, entries in enumerate(own):
         for e in entries:
             owners.setdefault(int(e), []).append(j)
     pairs = sorted({(i, j) for js in owners.values() for i in js for j in js if i < j})
-    beside = [float(moved(i, j).sum()) - (diagonal[i] + diagonal[j]) / 2 for i, j in pairs]
+    beside = [float(kinetic_at(i, j).sum()) - (diagonal[i] + diagonal[j]) / 2 for i, j in pairs]
     left, right = (np.array([pair[side] for pair in pairs], dtype=np.intp) for side in (0, 1))
     rows = np.concatenate([np.arange(len(v)), left, right])
     columns = np.concatenate([np.arange(len(v)), right, left])

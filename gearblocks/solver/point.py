@@ -43,6 +43,9 @@ class Point:
     u: Array | None = None
     means: bool = False
 
+    def __repr__(self) -> str:
+        return f"<Point of '{self.program.name}' at t = {self.t:g} s: {len(self.y)} states, {len(self.modes)} modes>"
+
     def at(self, **changes: Any) -> Point:
         """The same with other values."""
         return replace(self, **changes)
@@ -68,22 +71,22 @@ class Point:
         return self._look("modes", y)
 
     def locks(self) -> Locks:
-        """What sticks here: rows, limits, forces."""
+        """The switched constraints here: rows, force bounds, constraint forces."""
         return self.sim.locks_at(self.t, self.y, self.modes, inputs=self.u, means=self.means)
 
     def holding(self) -> tuple[int, ...]:
-        """Numbers of the locks that are stuck, and of the stops that are closed."""
+        """The active set: numbers of the switched constraints whose slip is held at 0 (stuck, closed)."""
         return tuple(i for i, x in enumerate(self.sim.locks().places) if self.modes[x.hold] > 0.5)
 
-    def held_rows(self) -> Rows | None:
-        """Conditions on the speeds: what holds does not slip. None where nothing holds."""
-        holding = list(self.holding())
-        return reduced(self.locks().rows[holding]) if holding else None
+    def active_rows(self) -> Rows | None:
+        """G of the active set, reduced: G v = 0. None where nothing is active."""
+        active = list(self.holding())
+        return reduced(self.locks().rows[active]) if active else None
 
-    def held_pushes(self) -> Rows | None:
-        """What the forces of all that holds do to the speeds, reduced in the same way."""
-        holding = list(self.holding())
-        return reduced(self.locks().pushes[holding]) if holding else None
+    def active_force_rows(self) -> Rows | None:
+        """Torques on the speeds per constraint force of the active set, reduced in the same way."""
+        active = list(self.holding())
+        return reduced(self.locks().force_rows[active]) if active else None
 
     def settled(self) -> Point:
         """The same with modes that fit state and time."""
@@ -100,7 +103,7 @@ _HOLD = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
 
 
 def restarted(point: Point) -> Array:
-    """Lets changed parameters take effect on the derived values; the state, shafts without inertia in balance."""
+    """Lets changed parameters take effect on the derived values; the state, massless groups in balance."""
     point.sim.start(_HOLD, point.t, point.y)
     return point.sim.state()
 
@@ -209,24 +212,27 @@ def _halved(
 
 def state_matrix(point: Point) -> csc_array:
     """d(dy/dt)/dy of the first n states in frozen modes, shape (n, n), sparse: from the derivatives of the laws where they
-    exist, else from differences. What sticks holds: slips do not change."""
-    held = point.held_rows()
-    if point.sim.has_jacobian and (held is None or point.sim.locks().plain):
+    exist, else from differences. The active set stays: G v' = 0."""
+    active = point.active_rows()
+    if point.sim.has_jacobian and (active is None or point.sim.locks().plain):
         with suppress(ArithmeticError):
             A: csc_array = point.sim.jacobian(point.t, point.y, point.modes, inputs=point.u, means=point.means)
-            return A if held is None else _held_back(point, A, held)
+            return A if active is None else _with_constraint_forces(point, A, active)
     return differenced_state_matrix(point)
 
 
-def _held_back(point: Point, A: csc_array, held: Rows) -> csc_array:
-    """The matrix with the answers of what sticks, whose forces the laws do not know."""
+def _with_constraint_forces(point: Point, A: csc_array, active: Rows) -> csc_array:
+    """The matrix A with the constraint forces of the active set, which the laws do not know:
+
+    A - M^-1 G' (G M^-1 G')^-1 G A    in the rows of the speeds.
+    """
     from scipy.sparse import csc_array, vstack
 
     n = A.shape[0]
-    first = n - held.W.shape[1]
+    first = n - active.W.shape[1]
     M = point.sim.inertia(point.t, point.y)
     unknowns = np.arange(first, n) - point.sim.linear_sizes()[0]
-    rates = held.projected(csc_array(M[unknowns][:, unknowns]), A[first:])
+    rates = active.projected(csc_array(M[unknowns][:, unknowns]), A[first:])
     return csc_array(vstack([A[:first], rates]))
 
 

@@ -105,7 +105,7 @@ class Rosenbrock:
         """Every dense row R_m / h as weights over all stages."""
         return tuple((*row, *(0.0,) * (self.all_stages - len(row))) for row in (self.b, *self.dense))
 
-    def tail_weights(self) -> tuple[Weights, ...]:
+    def quadrature_weights(self) -> tuple[Weights, ...]:
         """The rows R_m / h of a quadrature: the integral of the polynomial through the rates at 0, 1 and the nodes."""
         places = (0.0, 1.0, *self.nodes)
         out = [[0.0] * self.all_stages for _ in range(len(places))]

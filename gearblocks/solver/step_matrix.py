@@ -1,4 +1,11 @@
-"""The matrix of implicit methods as Python sees it: the linear calls of c/gb_core.h."""
+"""Step matrix of the implicit methods, and the Jacobian of the states that follows from it.
+
+    S = E - g dG/dx - g^2 dG/ds B,        E x' = G(s, x),  s' = B x
+
+s: kinematic states, eliminated before factoring; x: the other states and the speeds of massless groups. The core answers
+S at any g, and the products B x and E r_x + g dG/ds r_s (the linear calls of c/gb_core.h). Knows nothing of the laws: dG/dx
+is the part of S that is odd in g.
+"""
 
 from __future__ import annotations
 
@@ -47,6 +54,11 @@ class StepMatrix(NamedTuple):
     upper: Array
     kept: Array
 
+    def __repr__(self) -> str:
+        return (
+            f"<StepMatrix at g = {self.g:g} s: {len(self.diag)} unknowns, {len(self.lower)} entries below the diagonal>"
+        )
+
 
 def pattern_of(shared: ctypes.CDLL, sim: int | None) -> Pattern | None:
     """The pattern of the matrix; None where the model has none."""
@@ -63,14 +75,14 @@ def pattern_of(shared: ctypes.CDLL, sim: int | None) -> Pattern | None:
 
 
 def sizes_of(shared: ctypes.CDLL, sim: int | None) -> tuple[int, int, int]:
-    """Numbers of simple states, of hidden speeds, and of what the Jacobian keeps (zeros without a pattern)."""
+    """Numbers of kinematic states, of massless speeds, and of what the Jacobian keeps (zeros without a pattern)."""
     sizes = (c_int(), c_int(), c_int())
     shared.gb_linear_sizes(sim, *(ctypes.byref(x) for x in sizes))
     return sizes[0].value, sizes[1].value, sizes[2].value
 
 
 def matrix_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array, g: float) -> tuple[int, StepMatrix]:
-    """The answer of the call and the matrix at a point (gb_point)."""
+    """The answer of the call and the step matrix at a point (gb_point)."""
     pattern = shared.gb_pattern_of(sim)
     n, places = (pattern.contents.n, pattern.contents.n_places) if pattern else (0, 0)
     made = StepMatrix(g, *(np.zeros(k) for k in (n, places, places, sizes_of(shared, sim)[2])))
@@ -89,20 +101,23 @@ class Linear(Protocol):
 
 
 class Groups(NamedTuple):
-    """Columns that share no row: of what the right side makes of the states, and of the rates of simple states."""
+    """Columns that share no row: of what the right side makes of the states, and of the rates of kinematic states."""
 
     side: list[Indices]
     rates: list[Indices]
 
+    def __repr__(self) -> str:
+        return f"<Groups: {len(self.side)} of states, {len(self.rates)} of unknowns>"
 
-def guessed_groups(pattern: Pattern, simple_rates: Callable[[Array], Array], n_simple: int, n_others: int) -> Groups:
-    """Groups that the pattern suggests: unknowns in the rate of a simple state are coupled to each other and to all
+
+def guessed_groups(pattern: Pattern, simple_rates: Callable[[Array], Array], n_kinematic: int, n_others: int) -> Groups:
+    """Groups that the pattern suggests: unknowns in the rate of a kinematic state are coupled to each other and to all
     equations in which that state stands. Few other states stand in a deflection: those of a prescribed angle."""
     colour = _colours(pattern)
     rates: list[list[int]] = [[] for _ in range(max(colour, default=-1) + 1)]
     for unknown, c in enumerate(colour):
         rates[c].append(unknown)
-    B, served = recovered(simple_rates, (n_simple, len(colour)), rates, len(colour))
+    B, served = recovered(simple_rates, (n_kinematic, len(colour)), rates, len(colour))
     around = [[i] for i in range(len(colour))]
     for k, column in enumerate(pattern.order):
         for row in pattern.row[pattern.start[k] : pattern.start[k + 1]]:
@@ -110,9 +125,9 @@ def guessed_groups(pattern: Pattern, simple_rates: Callable[[Array], Array], n_s
             around[pattern.order[row]].append(column)
     B = B.tocsr()
     first = [int(B.indices[start]) if start < end else -1 for start, end in pairwise(B.indptr)]
-    by_simple = disjoint([around[u] if u >= 0 else [-1 - i] for i, u in enumerate(first)])
-    rest = n_simple + np.arange(n_others)
-    return Groups([*(np.array(g, dtype=np.intp) for g in by_simple), rest], served)
+    by_state = disjoint([around[u] if u >= 0 else [-1 - i] for i, u in enumerate(first)])
+    rest = n_kinematic + np.arange(n_others)
+    return Groups([*(np.array(g, dtype=np.intp) for g in by_state), rest], served)
 
 
 def _colours(pattern: Pattern) -> list[int]:
@@ -129,18 +144,18 @@ def _colours(pattern: Pattern) -> list[int]:
 def state_jacobian(
     sim: Linear, pattern: Pattern, sizes: tuple[int, int], matrix: Callable[[float], StepMatrix], groups: Groups | None
 ) -> tuple[Any, Groups]:
-    """d(dy)/dy of the states as a scipy.sparse matrix (CSC), the speeds of nodes without inertia eliminated, and the
+    """d(dy)/dy of the states as a scipy.sparse matrix (CSC), the speeds of massless groups eliminated, and the
     groups of columns that served (for the next time).
 
-    With y = [s | x] and hidden speeds w: E x' = G, s' = B [x, w], 0 = the hidden rows of G. sizes: numbers of simple
-    states and of hidden speeds; matrix: the matrix of a step for g. The right side holds what deflections make of simple
-    states and of prescribed angles among the others, the matrix the rest. Raises ArithmeticError where a derivative is not
-    finite or the hidden speeds are not determined.
+    With y = [s | x] and massless speeds w: E x' = G, s' = B [x, w], 0 = the massless rows of G. sizes: numbers of kinematic
+    states and of massless speeds; matrix: the step matrix for g. The right side holds the derivatives by kinematic states
+    and by prescribed angles among the others, the matrix the rest. Raises ArithmeticError where a derivative is not
+    finite or the massless speeds are not determined.
     """
     from scipy import sparse
 
-    (n_simple, n_hidden), n = sizes, len(pattern.order)
-    k = n - n_hidden
+    (n_kinematic, n_massless), n = sizes, len(pattern.order)
+    k = n - n_massless
     first, last = _decades(matrix)
     far, near = matrix(10.0 ** (last + 6)), matrix(0.0)
 
@@ -150,17 +165,17 @@ def state_jacobian(
     def slopes(r: Array) -> Array:
         return (sim.right_side(far, r) - sim.right_side(near, r)) / far.g
 
-    guess = groups or guessed_groups(pattern, rates, n_simple, k)
-    by_y, for_side = recovered(slopes, (n, n_simple + k), guess.side, n_simple + k)
-    speeds, for_rates = recovered(rates, (n_simple, n), guess.rates, n)
+    guess = groups or guessed_groups(pattern, rates, n_kinematic, k)
+    by_y, for_side = recovered(slopes, (n, n_kinematic + k), guess.side, n_kinematic + k)
+    speeds, for_rates = recovered(rates, (n_kinematic, n), guess.rates, n)
     by_x = _rate_part(pattern, matrix, first, last)
-    rows = by_y + sparse.hstack([sparse.csc_array((n, n_simple)), by_x[:, :k]], format="csc")
-    simple = sparse.hstack([sparse.csc_array((n_simple, n_simple)), speeds[:, :k]], format="csc")
-    if n_hidden:
-        hidden = solved(by_x[k:, k:], rows[k:])
-        rows, simple = rows[:k] - by_x[:k, k:] @ hidden, simple - speeds[:, k:] @ hidden
+    rows = by_y + sparse.hstack([sparse.csc_array((n, n_kinematic)), by_x[:, :k]], format="csc")
+    kinematic = sparse.hstack([sparse.csc_array((n_kinematic, n_kinematic)), speeds[:, :k]], format="csc")
+    if n_massless:
+        massless = solved(by_x[k:, k:], rows[k:])
+        rows, kinematic = rows[:k] - by_x[:k, k:] @ massless, kinematic - speeds[:, k:] @ massless
     others = solved(whole(pattern, near)[:k, :k], rows)
-    full = sparse.csc_array(sparse.vstack([simple, others], format="csc"))
+    full = sparse.csc_array(sparse.vstack([kinematic, others], format="csc"))
     full.eliminate_zeros()
     if not np.isfinite(full.data).all():
         raise ArithmeticError("a derivative is NaN or infinite")

@@ -90,7 +90,7 @@ class Report(ctypes.Structure):
     _fields_ = [("code", c_int), ("index", c_int), ("t", c_double), ("value", c_double)]
 
 
-class _Record(ctypes.Structure):
+class RecordStructure(ctypes.Structure):
     """gb_record."""
 
     _fields_ = [
@@ -103,7 +103,7 @@ class _Record(ctypes.Structure):
     ]
 
 
-class _Point(ctypes.Structure):
+class PointStructure(ctypes.Structure):
     """gb_point."""
 
     _fields_ = [("t", c_double), ("means", c_int), ("mode", c_void_p), ("input", c_void_p), ("rate", c_void_p)]

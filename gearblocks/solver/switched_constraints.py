@@ -1,4 +1,10 @@
-"""What sticks in a running model, as its core tells: which switches are whose, and rows, limits and forces at a point."""
+"""Switched constraints of a model, as its core tells them: the switches of each, and at a point
+
+    slip = G v,    forces' = (what G' or the lossy columns make of) lambda,    lower <= lambda <= upper
+
+with the rows G over the speeds, the constraint forces lambda and their force bounds. Knows nothing of how the core finds
+the active set.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +26,7 @@ PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 
 
 class LockKind(IntEnum):
-    """What a lock is: friction or an unlimited lock; a stop; a tie with losses; its loss."""
+    """Kind of a switched constraint: friction or a lock without bounds; a stop; a lossy tie; the loss that goes with it."""
 
     FRICTION = 0
     STOP = 1
@@ -29,7 +35,11 @@ class LockKind(IntEnum):
 
 
 class LockPlace(NamedTuple):
-    """Kind of a lock, and its switches: slip (of a stop its gap, of a tie the sign of its force), hold, free (-1: none)."""
+    """A switched constraint: its kind and its switches.
+
+    slip: direction of the slip (of a stop the sign of its gap, of a lossy tie that of its force); hold: 1 while active;
+    free: 1 while nothing presses it (-1: no such switch).
+    """
 
     kind: LockKind
     slip: int
@@ -43,10 +53,10 @@ class LockPlace(NamedTuple):
 
     def shown(self, modes: Array) -> float:
         """The mode as events show it: 0 stuck, 1 forward, -1 backward, 2 free; of a stop 1 closed, 0 open."""
-        held, direction = modes[self.hold] > 0.5, float(modes[self.slip])
+        active, direction = modes[self.hold] > 0.5, float(modes[self.slip])
         if self.is_stop:
-            return float(held)
-        return 0.0 if held else direction or 2.0
+            return float(active)
+        return 0.0 if active else direction or 2.0
 
     def words(self, modes: Array) -> str:
         """The same in words."""
@@ -56,38 +66,47 @@ class LockPlace(NamedTuple):
 
 
 class Locks(NamedTuple):
-    """All locks at a point: rows over the speeds, shape (locks, speeds), and what a force does to these; limits: least and
-    largest held force, sizes of the force against forward and backward slip, engagement; held forces, by how much they
-    exceed their limits; slips (of stops: gaps)."""
+    """All switched constraints at a point.
+
+    rows: G, shape (constraints, speeds); force_rows: torques on the speeds per constraint force, same shape; limits, shape
+    (constraints, 5): lower and upper force bound, sizes of the sliding force against forward and backward slip, engagement;
+    held: constraint forces; excess: by how much they exceed their bounds; slip: G v (of stops the gap).
+    """
 
     rows: Array
-    pushes: Array
+    force_rows: Array
     limits: Array
     held: Array
     excess: Array
     slip: Array
 
+    def __repr__(self) -> str:
+        return f"<{self.rows.shape[0]} switched constraints over {self.rows.shape[1]} speeds at a point>"
+
 
 class LocksOf(NamedTuple):
-    """The locks of a model; whether their rows never change; number of speeds."""
+    """The switched constraints of a model; steady: their rows G are constant; number of speeds."""
 
     places: tuple[LockPlace, ...]
     steady: bool
     n_speeds: int
 
+    def __repr__(self) -> str:
+        return f"<{len(self.places)} switched constraints over {self.n_speeds} speeds>"
+
     @property
     def shown(self) -> tuple[LockPlace, ...]:
-        """Those with a mode for people: all but the ties that losses go with."""
+        """Those whose mode is shown: all but lossy ties, whose mode is that of their loss."""
         return tuple(place for place in self.places if place.kind is not LockKind.TIE)
 
     @property
     def plain(self) -> bool:
-        """Whether the derivatives of the laws and the rows tell all: no losses that depend on what is held."""
+        """Whether the rates are those of the laws with constraint forces by G' alone: constant rows, no lossy ties."""
         return self.steady and not any(place.kind is LockKind.TIE for place in self.places)
 
 
 def locks_of(shared: ctypes.CDLL, sim: int | None) -> LocksOf:
-    """The locks of a model."""
+    """The switched constraints of a model."""
     n_speeds, steady = c_int(), c_int()
     count = shared.gb_locks_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), None)
     table = np.zeros((count, 4), dtype=np.intc)
@@ -97,7 +116,7 @@ def locks_of(shared: ctypes.CDLL, sim: int | None) -> LocksOf:
 
 
 def locks_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array) -> tuple[int, Locks]:
-    """The answer of the call and the locks at a point (gb_point)."""
+    """The answer of the call and the switched constraints at a point (gb_point)."""
     places, _, n_speeds = locks_of(shared, sim)
     n = len(places)
     made = Locks(np.zeros((n, n_speeds)), np.zeros((n, n_speeds)), np.zeros((n, 5)), *(np.zeros(n) for _ in range(3)))

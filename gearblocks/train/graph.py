@@ -35,6 +35,9 @@ class Tree:
     exposed: tuple[tuple[str, tuple[str, str]], ...] = ()
     coordinates: tuple[Coordinate, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"<Tree of '{self.name}': {len(self.parts)} parts, {len(self.links)} links>"
+
 
 @dataclass(frozen=True, slots=True)
 class Component:
@@ -55,6 +58,9 @@ class Train:
     components: tuple[Component, ...]
     n_nodes: int
     coordinates: tuple[Coordinate, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Train '{self.name}': {len(self.components)} components, {self.n_nodes} nodes>"
 
 
 def flatten(tree: Tree, *, complete: bool = True) -> Train:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
-from gearblocks.analysis.linearization import held
+from gearblocks.analysis.linearization import operating_point
 from gearblocks.solver.point import differenced_state_matrix, state_matrix
 from gearblocks.train.handles import FlangeHandle
 
@@ -139,7 +139,7 @@ def _mixed():
 
 
 def test_the_matrix_is_that_of_central_differences_where_something_holds():
-    with held(gb.build(_mixed()), None) as point:
+    with operating_point(gb.build(_mixed()), None) as point:
         assert len(point.holding()) == 1
         exact, differences = state_matrix(point).toarray(), differenced_state_matrix(point).toarray()
     # differences: rounding of torques of 10 N m over steps of 6e-6

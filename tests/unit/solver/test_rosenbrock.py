@@ -28,7 +28,7 @@ def test_the_implicit_method_forgets_what_is_infinitely_stiff() -> None:
 
 def test_the_quadrature_of_the_tail_is_exact_for_cubics_inside_a_step_and_of_order_six_at_its_end() -> None:
     places = {0: 0.0, RODAS.stages: 1.0, RODAS.stages + 1: RODAS.nodes[0], RODAS.stages + 2: RODAS.nodes[1]}
-    rows = RODAS.tail_weights()
+    rows = RODAS.quadrature_weights()
     for theta in (0.0, 0.3, 1.0):
         for power in range(6 if theta == 1.0 else 4):
             r1, r2, r3, r4 = (math.fsum(row[j] * place**power for j, place in places.items()) for row in rows)

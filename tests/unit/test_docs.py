@@ -1,0 +1,87 @@
+"""The documents name what is there: rooms, files, functions, pictures."""
+
+import ast
+import importlib.util
+import re
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+DOCS, PACKAGE = ROOT / "docs", ROOT / "gearblocks"
+ARCHITECTURE = (DOCS / "architecture.md").read_text(encoding="utf-8")
+NAMED = sorted(set(re.findall(r"`((?:[\w.]+/)*\w[\w.]*\.(?:py|c|h|jinja|md))(?::([\w.]+))?`", ARCHITECTURE)))
+OF_THE_CORE = [(path, name) for path, name in NAMED if path.startswith("solver/c/")]
+MARKDOWN = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md"))]
+
+
+def _loaded(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"docs_{path.stem}", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _found(path: str) -> Path | None:
+    """A file that a text names: of the package, or of the repository."""
+    return next((x for x in (PACKAGE / path, ROOT / path) if x.is_file()), None)
+
+
+def _names(path: Path) -> set[str]:
+    """Functions, classes and methods of a Python file."""
+    found = set()
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            found.add(node.name)
+            inner = node.body if isinstance(node, ast.ClassDef) else []
+            found |= {f"{node.name}.{x.name}" for x in inner if isinstance(x, ast.FunctionDef)}
+    return found
+
+
+def _is_there(path: str, name: str) -> bool:
+    file = _found(path)
+    if file is None or not name:
+        return file is not None
+    if file.suffix == ".py":
+        return name in _names(file)
+    return re.search(rf"\b{name}\b", file.read_text(encoding="utf-8")) is not None
+
+
+@pytest.mark.parametrize(("path", "name"), [x for x in NAMED if x not in OF_THE_CORE])
+def test_what_the_architecture_names_is_there(path: str, name: str) -> None:
+    assert _is_there(path, name)
+
+
+@pytest.mark.skipif(_found("solver/c/gb_constraint_switching.c") is None, reason="the core lies on one floor")
+@pytest.mark.parametrize(("path", "name"), OF_THE_CORE)
+def test_what_the_architecture_names_of_the_core_is_there(path: str, name: str) -> None:
+    assert _is_there(path, name)
+
+
+def test_the_rooms_of_the_architecture_are_those_that_imports_are_held_to() -> None:
+    drawing, layers = _loaded(DOCS / "draw_rooms.py"), _loaded(Path(__file__).with_name("test_layers.py"))
+    there = [tuple(name for name in names if name in layers.MODULES) for names in layers.ROOMS]
+    assert [room.modules for room in drawing.rooms()] == there
+
+
+def test_the_picture_of_the_rooms_is_that_of_the_sources() -> None:
+    drawing = _loaded(DOCS / "draw_rooms.py")
+    text = drawing.PICTURE.read_text(encoding="utf-8")
+    assert text == drawing.picture(), "the picture is stale: python docs/draw_rooms.py"
+
+
+@pytest.mark.parametrize("path", MARKDOWN, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_links_between_documents_lead_somewhere(path: Path) -> None:
+    for target in re.findall(r"\]\(([^)#]+)[^)]*\)", path.read_text(encoding="utf-8")):
+        if "://" not in target:
+            assert (path.parent / target).exists(), target
+
+
+def test_decisions_are_numbered_as_they_are_named() -> None:
+    for number, path in enumerate(sorted((DOCS / "decisions").glob("*.md")), start=1):
+        assert path.name.startswith(f"{number:04d}-")
+        assert path.read_text(encoding="utf-8").startswith(f"# {number}. ")
