@@ -239,7 +239,7 @@ class Drivetrain:
         other.dropped = tuple(name for name in before if name not in after)
         gone = {name.rpartition(".")[::2] for name in other.dropped}  # a rigid impact is no tie as long as it has a gap
         stiffened = [
-            p for p, effect in sorted(gone) if effect in ("compliance", "backlash") and not _is_compliant(p, after)
+            p for p, effect in sorted(gone) if effect in ("compliance", "backlash") and not _gives_way(p, after)
         ]
         for path in list(released_angles(flatten(other.tree(), complete=False), stiffened)) if stiffened else ():
             owner, name, _ = other._locate(path)
@@ -310,8 +310,8 @@ class Drivetrain:
         return train
 
 
-def _is_compliant(path: str, effects: Mapping[str, Any]) -> bool:
-    """Whether an element is compliant, by its effects: no rigid constraint between its shafts."""
+def _gives_way(path: str, effects: Mapping[str, Any]) -> bool:
+    """Whether the shafts of an element turn on their own, by its effects."""
     return f"{path}.compliance" in effects or f"{path}.backlash" in effects
 
 

@@ -35,7 +35,7 @@ def parameter_value(leaf: Expr) -> float:
 
 
 def contradictions(program: Program, train: Train) -> Iterator[str]:
-    """Start values of one rigid group that contradict each other."""
+    """Start values of one shaft that contradict each other through ties of two shafts."""
     starts = {s.name: (s.place, s.factor) for s in program.starts}
     given: dict[int, tuple[str, str, float, float]] = {}
     for c in train.components:
@@ -95,7 +95,7 @@ def _solve(
 
 
 def _is_open(program: Program, blocks: dict[str, Block], place: int) -> bool:
-    """Whether a parameter is an open start value: one that nobody gives."""
+    """Whether a parameter is a start value that nobody gives."""
     path, _, field = program.parameters[place].path.rpartition(".")
     is_start = field in ("phi0", "w0", "s0", "v0") and not program.parameters[place].tunable
     return is_start and (path not in blocks or start_of(blocks[path], field) is None)
@@ -141,7 +141,7 @@ def _at_start(model: Model, names: list[str], values: Array) -> Array | None:
 
 
 def _fitted(model: Model, names: list[str], asked: Array, found: Array, blocks: dict[str, Block]) -> Array:
-    """Chooses the open start values. One linear step: nonlinear ties may leave a difference."""
+    """Chooses the start values that nobody gives. One linear step: nonlinear ties may leave a difference."""
     starts = [s.place for s in model.program.starts if s.name.endswith((".w", ".v", ".phi", ".s"))]
     free = [i for i in dict.fromkeys(starts) if _is_open(model.program, blocks, i)]
     columns = []
