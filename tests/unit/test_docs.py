@@ -81,7 +81,9 @@ def test_links_between_documents_lead_somewhere(path: Path) -> None:
             assert (path.parent / target).exists(), target
 
 
-def test_decisions_are_numbered_as_they_are_named() -> None:
-    for number, path in enumerate(sorted((DOCS / "decisions").glob("*.md")), start=1):
-        assert path.name.startswith(f"{number:04d}-")
+def test_decisions_have_a_number_each_and_bear_it_in_their_heading() -> None:
+    paths = sorted((DOCS / "decisions").glob("*.md"))
+    numbers = [int(path.name[:4]) for path in paths]
+    assert len(set(numbers)) == len(numbers)
+    for number, path in zip(numbers, paths, strict=True):
         assert path.read_text(encoding="utf-8").startswith(f"# {number}. ")
