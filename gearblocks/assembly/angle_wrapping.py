@@ -1,9 +1,12 @@
-"""Whole turns of absolute angles: by how many turns an angle may be shifted without any law noticing.
+"""Angle wrapping: by how many whole turns an absolute angle may be shifted so that no law changes its value.
 
-A law may read an angle that grows for ever (sin(z phi), a periodic table over the mesh phase). What it reads is periodic,
-so the solver keeps such an angle near zero and counts the turns apart: z phi keeps its digits after 1e9 turns.
+    f(phi + 2 pi n) = f(phi) for every law f: n = lcm of the denominators of the turns that periodic functions see
+
+A law may read an angle that grows for ever (sin(z phi), a periodic table over the mesh phase). The solver keeps such an
+angle near zero and counts the turns apart (wrap count): z phi keeps its digits after 1e9 turns.
 
 Along a free angle everything else moves by exact ratios. A shift is written as 2 pi^p times exact numbers of turns.
+Knows nothing of when the solver wraps.
 """
 
 from __future__ import annotations
@@ -24,7 +27,7 @@ from gearblocks.laws.functions import TableAt
 from gearblocks.laws.rational import Exact, exact_value, over
 
 MOST = 10**6
-"""Turns beyond which an angle is left to grow: it would not stay small."""
+"""Turns beyond which an angle is not wrapped: it would not stay small."""
 
 Form = dict[int, Exact]
 """Turns of a quantity by free angle, per turn of that angle."""
@@ -44,9 +47,9 @@ class Counted:
 
 @dataclass(slots=True)
 class Turns:
-    """Counted angles; forms: turns of each group per turn of each of them (by place in `counted`).
+    """Wrapped angles; forms: turns of each group per turn of each of them (by index in `counted`).
 
-    whole: (batch, output of the law) that must be computed from the whole angles.
+    whole: (batch, output of the law) that must be computed from the unwrapped angles.
     """
 
     counted: list[Counted] = field(default_factory=list)
@@ -56,7 +59,7 @@ class Turns:
 
 @dataclass(slots=True)
 class _Reading:
-    """What reading an expression asks of the free angles: turns to shift by, and angles that must not be shifted.
+    """What an expression asks of the free angles: turns to shift by, and angles that must not be shifted.
 
     tables: (table symbol, quantity) -> how many periods the table goes on per turn of each angle.
     """
@@ -160,7 +163,7 @@ class _Reading:
 
 
 def located(expr: Any) -> Any:
-    """An output over whole angles: its tables find their segments themselves, since the modes belong to the remainders."""
+    """An output over unwrapped angles: its tables find their segments themselves, since the modes belong to the remainders."""
     tables = {e: e.func(*e.args[:3]) for e in expr.atoms(TableAt)}
     return expr.xreplace(tables)
 
@@ -175,7 +178,7 @@ def _turns_of(period: float) -> Fraction | None:
 
 
 def find_turns(assembly: Assembly, sensed: Iterable[str]) -> Turns:
-    """Angles that can be counted. sensed: paths of the outputs that signals read (they belong to the laws)."""
+    """Angles that can be wrapped. sensed: paths of the feedback signals (they belong to the laws)."""
     search = _Search(assembly, frozenset(sensed))
     search.follow()
     for number in range(len(assembly.batches)):
@@ -195,7 +198,7 @@ class _Search:
         self.place = {c: (b, e) for b, batch in enumerate(assembly.batches) for e, c in enumerate(batch.components)}
 
     def follow(self) -> None:
-        """Turns of the groups that follow, through rows and drives."""
+        """Turns of dependent groups, through rows and prescribed motions."""
         for group, row in self.assembly.definitions:
             if isinstance(row, Driven):
                 b, e = self.place[row.component]
@@ -233,7 +236,7 @@ class _Search:
         return _Reading(batch.law.pool, {x: v[e] for x, v in batch.exact.items()}, shifts)
 
     def _coordinate(self, batch: Batch, j: int, e: int) -> Form:
-        """Turns of a coordinate: only one that closes a loop over angles moves, and one that is read off angles."""
+        """Turns of a coordinate: only a dependent one over angles moves, and one that is read off angles."""
         if batch.used[j]:
             return self._combined(self.assembly.dependents[batch.sources[j][e]]) if batch.dependent[j] else {}
         values = {x: v[e] for x, v in batch.exact.items()}
@@ -300,7 +303,7 @@ class _Search:
                         self.steps.setdefault(f, []).append((number, i, e, r * cells))
 
     def result(self) -> Turns:
-        """Counted angles, with as many outputs periodic as their turns allow."""
+        """Wrapped angles, with as many outputs periodic as their turns allow."""
         read = {*self.turns, *(f for readings in self.shown.values() for r in readings for f in r.turns)}
         turns = {f: n for f in read - self.bad if (n := self.turns.get(f, 1)) <= MOST}
         found = Turns()

@@ -1,1 +1,1 @@
-"""Equations for people."""
+"""Equations of a train, written out for people."""

@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.equations.latex import latex_name
-from gearblocks.equations.switched_constraints import Rub, Sentence, held_torques, in_order, wanted
+from gearblocks.equations.switched_constraints import Rub, Sentence, constraint_torques, in_order, wanted
 from gearblocks.laws.functions import ContactSide, DeadZone
 from gearblocks.laws.printer import latex_text, plain_text
 from gearblocks.laws.symbols import clock
@@ -20,12 +20,12 @@ from gearblocks.laws.symbols import clock
 class Equations:
     """Equations of motion of a train: mass_matrix * v' = forcing, q' = v, and rates of the states of blocks.
 
-    q, v: angles [rad] and speeds [rad/s], one per shaft that turns by itself (a shaft without inertia has a row of zeros in
-    the mass matrix: its torques are in balance); states: states of blocks with their rates; held: states that take a
+    q, v: angles [rad] and speeds [rad/s] of the groups that are not dependent (a massless one has a row of zeros in the
+    mass matrix: its torques are in balance); states: states of blocks with their rates; held: states that take a
     value at an event (a contact starts, say) and keep it; definitions: symbols that stand for longer expressions (a mesh
     force N); parameters: all other symbols with their paths. forcing names the defined symbols; `expanded` has them put in.
-    rubs: friction that sticks, locks and stops. Their torques are symbols of the forcing whose values depend on what each of
-    them does; `in_modes` tells them.
+    rubs: switched constraints. Their constraint forces are symbols of the forcing whose values depend on which of them are
+    active; `in_modes` tells them.
     """
 
     name: str
@@ -60,8 +60,9 @@ class Equations:
         """The equations while friction and stops are in these modes, as events and outputs show them: {"clutch": 0}.
 
         Of friction 0 stuck, 1 and -1 sliding, 2 free; of a stop 1 closed, 0 open; of a tie with losses the sign of its
-        torque. The torque of what is stuck or closed is defined as what keeps its slip at 0 (the smallest ones where several
-        share a load); those that are not named stay symbols. Raises ParameterError for a name or mode that does not exist.
+        torque. The torque of what is stuck or closed is defined as the constraint force that keeps its slip at 0 (the
+        minimum-norm split where several share a load); those that are not named stay symbols. Raises ParameterError for
+        a name or mode that does not exist.
         """
         found = wanted(self.rubs, modes)
         given = {r: found[r.path] for r in self.rubs if r.path in found}
@@ -78,7 +79,7 @@ class Equations:
         )  # fmt: skip
         stuck = [r for r, e in acting.items() if e is None]
         if stuck:
-            held = held_torques(stuck, self.mass_matrix, made.expanded, self.q, self.v, clock())
+            held = constraint_torques(stuck, self.mass_matrix, made.expanded, self.q, self.v, clock())
             made.definitions.update(zip((r.torque for r in stuck), held, strict=True))  # type: ignore[attr-defined]
         return made
 

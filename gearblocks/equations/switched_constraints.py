@@ -1,4 +1,9 @@
-"""Friction that sticks, locks and stops of a whole train, for people: what each does in every state that it can be in."""
+"""Switched constraints written out: the case distinction of friction, locks, stops and lossy ties of a whole train.
+
+    active:  G v = 0, lower <= lambda <= upper;    inactive:  lambda from the law of sliding
+
+and, for given modes, the constraint forces in closed form. Knows nothing of how a mode is found.
+"""
 
 from __future__ import annotations
 
@@ -26,14 +31,14 @@ class Sentence:
 @final
 @dataclass(frozen=True, eq=False)
 class Rub:
-    """A Stick or Stop of a train, or the tie or loss of a LossyTie (`kind`).
+    """A switched constraint of a train: a Stick, a Stop, or the tie or loss of a LossyTie (`kind`).
 
-    torque: symbol of what pushes its slip up (a force where the slip is that of sliders); slip: symbol of the slip, or of
-    the rate of the gap, and `sliding` its expression in speeds.
+    torque: symbol of its constraint force, positive where it drives its slip up (a force where the slip is that of
+    sliders); slip: symbol of the slip, or of the rate of the gap, and `sliding` its expression in speeds.
 
-    lower, upper: limits of the torque while stuck (None: without). forward, backward: sizes of the torque against the
-    slip. engaged: > 0 where it rubs. gap, restitution: of a Stop. lost: of a loss, its torque by direction and
-    by whether the tie, whose torque is `tie`, drives. shown: symbols of direction, stuck and held torque.
+    lower, upper: force bounds (None: without). forward, backward: sizes of the torque against the slip. engaged: > 0 where
+    friction is pressed. gap, restitution: of a Stop. lost: of a loss, its torque by direction and by whether the tie, whose
+    torque is `tie`, drives. shown: symbols of direction, stuck and held torque.
     """
 
     path: str
@@ -199,27 +204,27 @@ _MODES = {
 }
 
 
-def held_torques(rubs: Sequence[Rub], mass: Any, forcing: Any, q: Sequence[Any], v: Sequence[Any], t: Any) -> list[Any]:
-    """The torques that keep the slips of all of these at rest: G M^-1 (f + F T) + what slips gain besides = 0.
+def constraint_torques(
+    rubs: Sequence[Rub], mass: Any, forcing: Any, q: Sequence[Any], v: Sequence[Any], t: Any
+) -> list[Any]:
+    """Constraint forces T of an active set: G M^-1 (f + F T) + acceleration bias = 0, W T = -(...) with W = G M^-1 F.
 
-    The smallest ones, where they share a load. forcing: f + F T, without definitions of these torques.
+    The minimum-norm split where rows of G are dependent. forcing: f + F T, without definitions of these torques.
     """
     moving = [i for i in range(mass.shape[0]) if any(mass[i, j] != 0 for j in range(mass.shape[1]))]
     torques = [r.torque for r in rubs]
     G = sp.Matrix([[sp.diff(r.sliding, x) for x in v] for r in rubs])
     rates = dict(zip(q, v, strict=True))
-    besides = sp.Matrix(
-        [sum((sp.diff(r.sliding, x) * w for x, w in rates.items()), sp.diff(r.sliding, t)) for r in rubs]
-    )
+    bias = sp.Matrix([sum((sp.diff(r.sliding, x) * w for x, w in rates.items()), sp.diff(r.sliding, t)) for r in rubs])
     bare = forcing.xreplace(dict.fromkeys(torques, sp.Integer(0)))
     F = forcing.jacobian(torques)[moving, :]
     M, G, bare = mass.extract(moving, moving), G[:, moving], sp.Matrix([bare[i] for i in moving])
-    rows = list(G.T.rref()[1])  # the first of those that say the same
+    rows = list(G.T.rref()[1])  # the first of dependent ones
     own = G[rows, :]
     answer = _over(M, sp.Matrix.hstack(bare, F))
-    free, response = own * answer[:, :1] + besides[rows, :], own * answer[:, 1:]
-    shared = len(rows) < len(rubs)  # then the smallest of all that do
-    forces = -response.T * (response * response.T).LUsolve(free) if shared else -response.LUsolve(free)
+    free, delassus = own * answer[:, :1] + bias[rows, :], own * answer[:, 1:]
+    dependent = len(rows) < len(rubs)  # then the forces of least norm
+    forces = -delassus.T * (delassus * delassus.T).LUsolve(free) if dependent else -delassus.LUsolve(free)
     return [sp.factor_terms(sp.together(x)) for x in forces]
 
 

@@ -27,8 +27,8 @@ from gearblocks.train.graph import GROUND, Component, Train
 from gearblocks.train.structure import structure_of
 from gearblocks.train.translational import flange_names, slider_names
 
-_OF_RUBS = {"friction": "T", "slip": "w_rel", "direction": "direction", "stuck": "stuck", "held": "held"}
-"""Names of the symbols of friction and stops, by role."""
+_OF_SWITCHED = {"friction": "T", "slip": "w_rel", "direction": "direction", "stuck": "stuck", "held": "held"}
+"""Names of the symbols of switched constraints, by role."""
 
 
 def write_equations(train: Train) -> Equations:
@@ -122,8 +122,8 @@ class _Writer:
             if role in ("own", "exact"):
                 self.parameters[symbol] = f"{c.path}.{of}"
             return symbol
-        if role in _OF_RUBS:
-            letter = ("F" if c.slides else "T") if role == "friction" else _OF_RUBS[role]
+        if role in _OF_SWITCHED:
+            letter = ("F" if c.slides else "T") if role == "friction" else _OF_SWITCHED[role]
             return self._claim(f"{letter}_{_flat(c.path)}{'_' if of else ''}{_flat(of)}", (role, c.path, of))
         if role in ("shared", "input"):
             symbol = self._claim(text, (role, of.name))
@@ -134,7 +134,7 @@ class _Writer:
         return None
 
     def _rub(self, c: Component, stick: StickOfKind, law: Law, replace: Mapping[Any, Any]) -> Rub:
-        """One stick or stop of a component."""
+        """One switched constraint of a component."""
 
         def symbol(role: str) -> Any:
             return self._symbol(c, Slot(role, stick.name), "", {})

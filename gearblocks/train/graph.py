@@ -1,4 +1,7 @@
-"""What a train is: components with paths, and nodes that join their flanges. Frozen; found without sympy."""
+"""Train as a graph: components (blocks with their full paths) joined at nodes (flanges that are connected).
+
+Frozen; found without sympy. Knows nothing of laws: whether a node moves by itself is not asked here.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Start angles of shafts that have just become one: those of the first body stay, the others follow."""
+"""Start angles of rigid groups that were several before: those of the first body stay, the others depend on it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from gearblocks.train.graph import GROUND, Train
 
 
 def released_angles(train: Train, stiffened: Collection[str]) -> Iterator[str]:
-    """Paths of bodies whose start angle now follows from another one, because the elements named turn as one piece.
+    """Paths of bodies whose start angle now follows from another one, because the elements named have become rigid.
 
     The deflections that these angles described are gone with the compliance.
     """
