@@ -61,7 +61,7 @@ class Locks:
 
     @property
     def size(self) -> int:
-        """Doubles of the memory behind the modes, as gb_lock_size in gb_constraint_rows.h."""
+        """Doubles of the memory behind the modes, as gb_active_size in gb_constraint_rows.h."""
         n, m = len(self.locks), len(self.speeds)
         return 1 + 3 * n + 2 * n * n + n * m if n else 0
 
@@ -199,8 +199,8 @@ def lock_columns(locks: Locks) -> dict[str, Column]:
     for row in locks.rows:
         start.append(start[-1] + len(row))
     return {
-        "start": Column("lock_start", tuple(start)),
-        "column": Column("lock_column", tuple(c for row in locks.rows for c in row)),
-        "value": Column("lock_value", tuple(v for row in locks.rows for v in row.values())),
-        "speed": Column("lock_speed", tuple(locks.speeds)),
+        "start": Column("constraint_start", tuple(start)),
+        "column": Column("constraint_column", tuple(c for row in locks.rows for c in row)),
+        "value": Column("constraint_value", tuple(v for row in locks.rows for v in row.values())),
+        "speed": Column("constraint_speed", tuple(locks.speeds)),
     }
