@@ -43,7 +43,7 @@ static double per_instant(const gb_model *m, const double *par, const double *mo
         for (long i = 0; i < calls / GB_LANES; i++) {
             for (int j = 0; j < GB_LANES; j++)
                 t[j] = 1e-9 * (double)(i + j);
-            m->times(par, mode, GB_LANES, t, inputs, tau);
+            m->time_terms(par, mode, GB_LANES, t, inputs, tau);
         }
         best = fmin(best, (double)(clock() - begin) / CLOCKS_PER_SEC / (double)calls * 1e9);
     }
@@ -64,7 +64,7 @@ int measure_p1(const double *numbers, const double *y_hand, double *dy_hand, con
     p1_rates(numbers, side, wave, y8, dy_hand);
 
     const gb_model *m = gb_get_model();
-    const size_t lanes = (size_t)(m->n_time + 1) * GB_LANES;
+    const size_t lanes = (size_t)(m->n_time_terms + 1) * GB_LANES;
     double *memory = NULL;
     const size_t total = (size_t)(m->n_par + m->n_switches + 2 * m->n_total) + lanes + 64;
     if (posix_memalign((void **)&memory, 64, total * sizeof(double)) != 0)
@@ -81,7 +81,7 @@ int measure_p1(const double *numbers, const double *y_hand, double *dy_hand, con
         mode[i] = 1; /* the drive side, as by hand */
     out[4] = per_instant(m, par, mode, tau, calls);
     const double now[GB_LANES] = {0};
-    m->times(par, mode, 1, now, now, tau);
+    m->time_terms(par, mode, 1, now, now, tau);
     out[2] = per_call(m->rhs, par, mode, tau, m->n, y, dy, m->n_total, calls);
     out[3] = per_call(m->rhs_full, par, mode, tau, m->n, y, dy, m->n_total, calls);
     m->rhs(par, mode, tau, y, dy);

@@ -54,7 +54,7 @@ class Locks:
 
     @property
     def size(self) -> int:
-        """Doubles of the memory behind the modes, as gb_lock_size in gb_constraint_rows.h."""
+        """Doubles of the memory behind the modes, as gb_active_size in gb_constraint_rows.h."""
         n, m = len(self.locks), len(self.speeds)
         return 1 + 3 * n + 2 * n * n + n * m if n else 0
 

@@ -154,8 +154,8 @@ def lock_columns(locks: Locks) -> dict[str, Column]:
     for row in locks.rows:
         start.append(start[-1] + len(row))
     return {
-        "start": Column("lock_start", tuple(start)),
-        "column": Column("lock_column", tuple(c for row in locks.rows for c in row)),
-        "value": Column("lock_value", tuple(v for row in locks.rows for v in row.values())),
-        "speed": Column("lock_speed", tuple(locks.speeds)),
+        "start": Column("constraint_start", tuple(start)),
+        "column": Column("constraint_column", tuple(c for row in locks.rows for c in row)),
+        "value": Column("constraint_value", tuple(v for row in locks.rows for v in row.values())),
+        "speed": Column("constraint_speed", tuple(locks.speeds)),
     }

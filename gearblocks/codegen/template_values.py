@@ -121,7 +121,7 @@ def _locks(g: Generator) -> dict[str, Any]:
         "locks": locks.locks,
         "lock_tables": locks,
         "lock_columns": list(lock_columns(locks).values()),
-        "lock_groups": sparse("lock_group", [lock.row for lock in locks.locks]),
+        "lock_groups": sparse("constraint_group", [lock.row for lock in locks.locks]),
     }
 
 

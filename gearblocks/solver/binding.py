@@ -258,7 +258,7 @@ class Simulation:
         modes, inputs = _doubles(modes), _doubles(inputs)
         point = PointStructure(t, int(means), _address(modes), _address(inputs), None)
         code, matrix = matrix_at(self._shared, self._sim, point, self._state_vector(y), g)
-        _expect(code, "gb_linear_matrix")
+        _expect(code, "gb_step_matrix_at")
         return matrix
 
     def jacobian(
@@ -287,15 +287,17 @@ class Simulation:
     def right_side(self, m: StepMatrix, r: Array) -> Array:
         """E r_x + g dG/ds r_s of a vector over the n states; one number per unknown."""
         r, out = np.ascontiguousarray(r, dtype=np.float64), np.empty(len(m.diag))
-        code = self._shared.gb_linear_side(self._sim, m.kept.ctypes.data, m.g, r.ctypes.data, out.ctypes.data)
-        _expect(code, "gb_linear_side")
+        code = self._shared.gb_step_matrix_right_side(
+            self._sim, m.kept.ctypes.data, m.g, r.ctypes.data, out.ctypes.data
+        )
+        _expect(code, "gb_step_matrix_right_side")
         return out
 
     def simple_rates(self, m: StepMatrix, x: Array) -> Array:
         """B x: rates of the kinematic states from the unknowns."""
         x, out = np.ascontiguousarray(x, dtype=np.float64), np.empty(self.linear_sizes()[0])
-        code = self._shared.gb_linear_rates(self._sim, m.kept.ctypes.data, x.ctypes.data, out.ctypes.data)
-        _expect(code, "gb_linear_rates")
+        code = self._shared.gb_kinematic_rates(self._sim, m.kept.ctypes.data, x.ctypes.data, out.ctypes.data)
+        _expect(code, "gb_kinematic_rates")
         return out
 
     def modes(self) -> Array:
@@ -313,7 +315,7 @@ class Simulation:
         modes, inputs = _doubles(modes), _doubles(inputs)
         point = PointStructure(t, int(means), _address(modes), _address(inputs), None)
         code, made = locks_at(self._shared, self._sim, point, self._state_vector(y))
-        _expect(code, "gb_locks_at")
+        _expect(code, "gb_constraints_at")
         return made
 
     def probe(

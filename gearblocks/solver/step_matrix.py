@@ -37,10 +37,10 @@ class _Pattern(ctypes.Structure):
 
 PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_pattern_of": (POINTER(_Pattern), (c_void_p,)),
-    "gb_linear_sizes": (None, (c_void_p, POINTER(c_int), POINTER(c_int), POINTER(c_int))),
-    "gb_linear_matrix": (c_int, (c_void_p, c_void_p, c_void_p, c_double, *[c_void_p] * 4)),
-    "gb_linear_side": (c_int, (c_void_p, c_void_p, c_double, c_void_p, c_void_p)),
-    "gb_linear_rates": (c_int, (c_void_p, c_void_p, c_void_p, c_void_p)),
+    "gb_step_matrix_sizes": (None, (c_void_p, POINTER(c_int), POINTER(c_int), POINTER(c_int))),
+    "gb_step_matrix_at": (c_int, (c_void_p, c_void_p, c_void_p, c_double, *[c_void_p] * 4)),
+    "gb_step_matrix_right_side": (c_int, (c_void_p, c_void_p, c_double, c_void_p, c_void_p)),
+    "gb_kinematic_rates": (c_int, (c_void_p, c_void_p, c_void_p, c_void_p)),
 }
 
 
@@ -77,7 +77,7 @@ def pattern_of(shared: ctypes.CDLL, sim: int | None) -> Pattern | None:
 def sizes_of(shared: ctypes.CDLL, sim: int | None) -> tuple[int, int, int]:
     """Numbers of kinematic states, of massless speeds, and of what the Jacobian keeps (zeros without a pattern)."""
     sizes = (c_int(), c_int(), c_int())
-    shared.gb_linear_sizes(sim, *(ctypes.byref(x) for x in sizes))
+    shared.gb_step_matrix_sizes(sim, *(ctypes.byref(x) for x in sizes))
     return sizes[0].value, sizes[1].value, sizes[2].value
 
 
@@ -86,7 +86,9 @@ def matrix_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array, g: flo
     pattern = shared.gb_pattern_of(sim)
     n, places = (pattern.contents.n, pattern.contents.n_places) if pattern else (0, 0)
     made = StepMatrix(g, *(np.zeros(k) for k in (n, places, places, sizes_of(shared, sim)[2])))
-    code = shared.gb_linear_matrix(sim, ctypes.byref(point), y.ctypes.data, g, *(part.ctypes.data for part in made[1:]))
+    code = shared.gb_step_matrix_at(
+        sim, ctypes.byref(point), y.ctypes.data, g, *(part.ctypes.data for part in made[1:])
+    )
     return code, made
 
 

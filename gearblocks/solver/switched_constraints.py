@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
-    "gb_locks_of": (c_int, (c_void_p, POINTER(c_int), POINTER(c_int), c_void_p)),
+    "gb_constraints_of": (c_int, (c_void_p, POINTER(c_int), POINTER(c_int), c_void_p)),
     "gb_modes": (c_int, (c_void_p, c_void_p)),
-    "gb_locks_at": (c_int, (c_void_p,) * 9),
+    "gb_constraints_at": (c_int, (c_void_p,) * 9),
 }
 
 
@@ -108,9 +108,9 @@ class LocksOf(NamedTuple):
 def locks_of(shared: ctypes.CDLL, sim: int | None) -> LocksOf:
     """The switched constraints of a model."""
     n_speeds, steady = c_int(), c_int()
-    count = shared.gb_locks_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), None)
+    count = shared.gb_constraints_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), None)
     table = np.zeros((count, 4), dtype=np.intc)
-    shared.gb_locks_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), table.ctypes.data)
+    shared.gb_constraints_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), table.ctypes.data)
     places = tuple(LockPlace(LockKind(p[0]), int(p[1]), int(p[2]), int(p[3])) for p in table)
     return LocksOf(places, bool(steady.value), n_speeds.value)
 
@@ -120,5 +120,5 @@ def locks_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array) -> tupl
     places, _, n_speeds = locks_of(shared, sim)
     n = len(places)
     made = Locks(np.zeros((n, n_speeds)), np.zeros((n, n_speeds)), np.zeros((n, 5)), *(np.zeros(n) for _ in range(3)))
-    code = shared.gb_locks_at(sim, ctypes.byref(point), y.ctypes.data, *(part.ctypes.data for part in made))
+    code = shared.gb_constraints_at(sim, ctypes.byref(point), y.ctypes.data, *(part.ctypes.data for part in made))
     return code, made

@@ -55,7 +55,8 @@ static void scales(const double *par, double *scale) {
     }
 }
 
-static void times(const double *par, const double *mode, int lanes, const double *t, const double *u, double *tau) {
+static void time_terms(const double *par, const double *mode, int lanes, const double *t, const double *u,
+                       double *tau) {
     (void)mode, (void)u;
     for (int l = 0; l < GB_LANES; l++) {
         tau[l] = l < lanes ? 200.0 * (1.0 + par[SWING] * sin(125.66370614359172 * t[l])) : 0.0;
@@ -95,7 +96,7 @@ static void rhs_full(const double *par, const double *mode, const double *tau, c
     rates(par, mode, tau[0], y, dy, 1);
 }
 
-static void surfaces(const double *par, const double *mode, const double *tau, const double *y, double *s) {
+static void event_functions(const double *par, const double *mode, const double *tau, const double *y, double *s) {
     const int n = length_of(par);
     (void)mode, (void)tau;
     for (int i = 1; i < n - 1; i += 2) {
@@ -104,10 +105,10 @@ static void surfaces(const double *par, const double *mode, const double *tau, c
 }
 
 static void directions(const double *par, const double *direction, double *s) {
-    surfaces(par, NULL, NULL, direction, s);
+    event_functions(par, NULL, NULL, direction, s);
 }
 
-static void bounds(const double *par, const double *mode, double *lo, double *hi) {
+static void mode_limits(const double *par, const double *mode, double *lo, double *hi) {
     const int n = length_of(par);
     for (int i = 1; i < n - 1; i += 2) {
         const double gap = column(par, GAP)[i], side = mode[i / 2];
@@ -137,8 +138,8 @@ static void energies(const double *par, const double *mode, const double *tau, c
     }
 }
 
-static void jacobian(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
-                     double g, double *diag, double *lower, double *upper, double *kept) {
+static void step_matrix(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
+                        double g, double *diag, double *lower, double *upper, double *kept) {
     const int n = length_of(par);
     const double *k = column(par, STIFFNESS), *c = column(par, DAMPING), *inertia = column(par, INERTIA);
     (void)tau, (void)y, (void)dy;
@@ -169,8 +170,8 @@ static void right_side(const double *restrict par, const double *restrict kept, 
     }
 }
 
-static void simple_rates(const double *restrict par, const double *restrict kept, const double *restrict x,
-                         double *restrict out) {
+static void kinematic_rates(const double *restrict par, const double *restrict kept, const double *restrict x,
+                            double *restrict out) {
     const int n = length_of(par);
     (void)kept;
     for (int i = 0; i < n - 1; i++) {
@@ -214,33 +215,33 @@ gb_model *open_chain(int n) {
         .n = 2 * n,
         .n_speeds = n,
         .n_padded = padded,
-        .n_tail = n + 1,
+        .n_quadratures = n + 1,
         .n_total = padded + (n + 1 + GB_PAD - 1) / GB_PAD * GB_PAD,
         .n_parameters = N_VALUES,
         .n_par = N_VALUES + 5 * n,
-        .n_time = 1,
+        .n_time_terms = 1,
         .n_affine = (n - 1) / 2,
-        .n_surfaces = (n - 1) / 2,
+        .n_event_functions = (n - 1) / 2,
         .n_switches = (n - 1) / 2,
         .n_energies = 1,
         .prepare = prepare,
         .start = start,
         .scales = scales,
-        .times = times,
+        .time_terms = time_terms,
         .rhs = rhs,
         .rhs_full = rhs_full,
-        .surfaces = surfaces,
+        .event_functions = event_functions,
         .directions = directions,
-        .bounds = bounds,
+        .mode_limits = mode_limits,
         .mode_at = mode_at,
         .outputs = outputs,
         .energies = energies,
-        .n_simple = n,
-        .n_kept = n,
+        .n_kinematic = n,
+        .n_kinematic_terms = n,
         .pattern = open_pattern(n),
-        .jacobian = jacobian,
+        .step_matrix = step_matrix,
         .right_side = right_side,
-        .simple_rates = simple_rates,
+        .kinematic_rates = kinematic_rates,
     };
     gb_model *out = malloc(sizeof m);
     memcpy(out, &m, sizeof m);

@@ -70,7 +70,7 @@ static void check_ledger(const gb_model *model, const double *values, double t_e
         stored += after[i] - before[i];
         most += fmax(before[i], after[i]);
     }
-    for (int i = 0; i < model->n_tail; i++) {
+    for (int i = 0; i < model->n_quadratures; i++) {
         const int is_loss = model == &p1_model ? i < 3 : i < 1;
         exchanged += is_loss ? -y[8 + i] : y[8 + i];
     }

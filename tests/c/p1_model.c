@@ -38,8 +38,8 @@ static void scales(const double *par, double *scale) {
     scale[1] = par[HALF_GAP] / radius;
 }
 
-static void times(const double *restrict par, const double *restrict mode, int lanes, const double *restrict t,
-                  const double *restrict u, double *restrict tau) {
+static void time_terms(const double *restrict par, const double *restrict mode, int lanes, const double *restrict t,
+                       const double *restrict u, double *restrict tau) {
     (void)mode, (void)lanes, (void)u;
     for (int l = 0; l < GB_LANES; l++) {
         const double c = gb_cos(par[W] * t[l]), s = gb_sin(par[W] * t[l]);
@@ -91,7 +91,7 @@ static void rhs_full(const double *par, const double *mode, const double *tau, c
     law(par, mode, tau, y, dy, 1);
 }
 
-static void surfaces(const double *par, const double *mode, const double *tau, const double *y, double *s) {
+static void event_functions(const double *par, const double *mode, const double *tau, const double *y, double *s) {
     (void)par, (void)mode, (void)tau;
     s[0] = radius * y[1];
 }
@@ -101,7 +101,7 @@ static void directions(const double *par, const double *dir, double *s) {
     s[0] = radius * dir[1];
 }
 
-static void bounds(const double *par, const double *mode, double *lo, double *hi) {
+static void mode_limits(const double *par, const double *mode, double *lo, double *hi) {
     lo[0] = mode[0] > 0.0 ? par[HALF_GAP] : mode[0] < 0.0 ? -HUGE_VAL : -par[HALF_GAP];
     hi[0] = mode[0] > 0.0 ? HUGE_VAL : mode[0] < 0.0 ? -par[HALF_GAP] : par[HALF_GAP];
 }
@@ -133,25 +133,25 @@ const gb_model p1_model = {
     .key = "p1 four discs",
     .n = 7,
     .n_padded = N_PADDED,
-    .n_tail = 6,
+    .n_quadratures = 6,
     .n_total = 16,
     .n_parameters = N_GIVEN,
     .n_par = N_PAR,
-    .n_time = 3,
+    .n_time_terms = 3,
     .n_affine = 1,
-    .n_surfaces = 1,
+    .n_event_functions = 1,
     .n_switches = 1,
     .n_outputs = 2,
     .n_energies = 7,
     .prepare = prepare,
     .start = start,
     .scales = scales,
-    .times = times,
+    .time_terms = time_terms,
     .rhs = rhs,
     .rhs_full = rhs_full,
-    .surfaces = surfaces,
+    .event_functions = event_functions,
     .directions = directions,
-    .bounds = bounds,
+    .mode_limits = mode_limits,
     .mode_at = mode_at,
     .outputs = outputs,
     .energies = energies,

@@ -28,7 +28,8 @@ static void scales(const double *par, double *scale) {
     scale[1] = 0.0;
 }
 
-static void times(const double *par, const double *mode, int lanes, const double *t, const double *u, double *tau) {
+static void time_terms(const double *par, const double *mode, int lanes, const double *t, const double *u,
+                       double *tau) {
     (void)mode;
     for (int i = 0; i < lanes; i++)
         tau[i] = u[i] + par[4] * gb_cos(par[5] * t[i]);
@@ -49,7 +50,7 @@ static void rhs_full(const double *par, const double *mode, const double *tau, c
     dy[9] = tau[0] * y[1];
 }
 
-static void surfaces(const double *par, const double *mode, const double *tau, const double *y, double *s) {
+static void event_functions(const double *par, const double *mode, const double *tau, const double *y, double *s) {
     (void)par;
     (void)mode;
     (void)tau;
@@ -61,7 +62,7 @@ static void directions(const double *par, const double *dir, double *s) {
     s[0] = dir[0];
 }
 
-static void bounds(const double *par, const double *mode, double *lo, double *hi) {
+static void mode_limits(const double *par, const double *mode, double *lo, double *hi) {
     lo[0] = mode[0] < 0.0 ? -HUGE_VAL : mode[0] > 0.0 ? par[3] : -par[3];
     hi[0] = mode[0] < 0.0 ? -par[3] : mode[0] > 0.0 ? HUGE_VAL : par[3];
 }
@@ -107,28 +108,28 @@ static const gb_model model = {
     .key = "oscillator-1",
     .n = 2,
     .n_padded = 8,
-    .n_tail = 2,
+    .n_quadratures = 2,
     .n_total = 16,
     .n_parameters = 7,
     .n_par = 8,
     .n_inputs = 1,
-    .n_time = 1,
+    .n_time_terms = 1,
     .n_affine = 1,
-    .n_surfaces = 1,
+    .n_event_functions = 1,
     .n_switches = 1,
     .n_outputs = 5,
     .n_energies = 2,
     .prepare = prepare,
     .start = start,
     .scales = scales,
-    .times = times,
+    .time_terms = time_terms,
     .rhs = rhs,
     .rhs_full = rhs_full,
-    .surfaces = surfaces,
+    .event_functions = event_functions,
     .directions = directions,
-    .bounds = bounds,
+    .mode_limits = mode_limits,
     .mode_at = mode_at,
-    .clock = clock_of,
+    .time_function = clock_of,
     .next_time = next_time,
     .outputs = outputs,
     .energies = energies,

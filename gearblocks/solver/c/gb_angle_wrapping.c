@@ -3,7 +3,7 @@
 #include "gb_evaluate.h"
 #include "gb_modes.h"
 
-/* No step turns a counted angle by more than this: the digits of an angle inside a step are those of its size. */
+/* No step turns a wrapped angle by more than this: the digits of an angle inside a step are those of its size. */
 static const double most_turns = 1024.0;
 
 /* h sum w (k - k1) in entry i: exactly zero at constant speed. */
@@ -17,17 +17,18 @@ static double departure(const gb_sim *sim, const gb_weights *w, int i, double h)
 }
 
 /* The weights of the rates in row `row` of a step (the first: in its end). The angles of an implicit step follow from
- * the rates at the nodes of its quadratures (gb_stiff_tail puts the first one in place): its stages are no rates. */
+ * the rates at the nodes of its quadratures (gb_rosenbrock_quadratures puts the first one in place): its stages are no
+ * rates. */
 static const gb_weights *weights_of(const gb_method *method, int row) {
     if (method->gamma > 0.0) {
-        return &method->tail[row];
+        return &method->quadratures[row];
     }
     return row < 3 ? &method->a[method->stages] : &method->d[row];
 }
 
-double gb_turns_step(const gb_sim *sim, double h) {
-    for (int c = 0; c < sim->model->n_counted; c++) {
-        const double speed = fabs(sim->k1[sim->model->counted[c].state]);
+double gb_wrapping_step(const gb_sim *sim, double h) {
+    for (int c = 0; c < sim->model->n_wrapped; c++) {
+        const double speed = fabs(sim->k1[sim->model->wrapped[c].state]);
         if (h * speed > most_turns * gb_turn) {
             h = most_turns * gb_turn / speed;
         }
@@ -35,28 +36,28 @@ double gb_turns_step(const gb_sim *sim, double h) {
     return h;
 }
 
-void gb_turns_advance(gb_sim *sim) {
+void gb_wrapping_advance(gb_sim *sim) {
     const gb_model *model = sim->model;
-    for (int c = 0; c < model->n_counted; c++) {
-        const int i = model->counted[c].state, rider = model->n_padded + 2 * c;
-        double hi = sim->y0[i], lo = sim->y0[rider + 1], product, rest;
+    for (int c = 0; c < model->n_wrapped; c++) {
+        const int i = model->wrapped[c].state, quadrature = model->n_padded + 2 * c;
+        double hi = sim->y0[i], lo = sim->y0[quadrature + 1], product, rest;
         gb_multiply_two(sim->head->front.h, sim->k[i], &product, &rest);
         gb_add_two(&hi, &lo, product);
         gb_add_two(&hi, &lo, departure(sim, weights_of(sim->method, 0), i, sim->head->front.h));
         lo += rest;
         gb_settle_two(&hi, &lo);
         sim->y[i] = hi;
-        sim->y[rider + 1] = lo;
+        sim->y[quadrature + 1] = lo;
     }
 }
 
-void gb_turns_rows(gb_sim *sim, int from, int to) {
+void gb_wrapping_rows(gb_sim *sim, int from, int to) {
     const gb_model *model = sim->model;
     const gb_method *method = sim->method;
     const size_t total = (size_t)model->n_total;
     const double h = sim->head->front.h;
-    for (int c = 0; c < model->n_counted; c++) {
-        const int i = model->counted[c].state;
+    for (int c = 0; c < model->n_wrapped; c++) {
+        const int i = model->wrapped[c].state;
         double *row = sim->rows + i;
         for (int m = from; m < to; m++) {
             const double bend = departure(sim, weights_of(method, m), i, h);
@@ -71,11 +72,11 @@ void gb_turns_rows(gb_sim *sim, int from, int to) {
     }
 }
 
-/* Whether a switch over a counted angle is so close to a limit that its side could be lost to rounding. */
-static int on_a_limit(const gb_sim *sim, const gb_counted *counted) {
-    for (int j = 0; j < counted->n_switches; j++) {
-        const int i = counted->switches[j];
-        const double s = sim->events.s[i], rounding = 1e-12 * (fabs(s) + fabs(counted->steps[j]) + 1.0);
+/* Whether a switch over a wrapped angle is so close to a limit that its side could be lost to rounding. */
+static int on_a_limit(const gb_sim *sim, const gb_wrapped *wrapped) {
+    for (int j = 0; j < wrapped->n_switches; j++) {
+        const int i = wrapped->switches[j];
+        const double s = sim->events.s[i], rounding = 1e-12 * (fabs(s) + fabs(wrapped->steps[j]) + 1.0);
         if (s < sim->events.lo[i] + rounding || s > sim->events.hi[i] - rounding) {
             return 1;
         }
@@ -84,34 +85,34 @@ static int on_a_limit(const gb_sim *sim, const gb_counted *counted) {
 }
 
 static int wrap(gb_sim *sim, int c, int with_modes) {
-    const gb_counted *counted = &sim->model->counted[c];
-    const int rider = sim->model->n_padded + 2 * c;
-    double *angle = &sim->y[counted->state];
-    if (fabs(*angle) <= 0.75 * gb_turn * counted->turns) {
+    const gb_wrapped *wrapped = &sim->model->wrapped[c];
+    const int quadrature = sim->model->n_padded + 2 * c;
+    double *angle = &sim->y[wrapped->state];
+    if (fabs(*angle) <= 0.75 * gb_turn * wrapped->turns) {
         return GB_DONE;
     }
-    if (with_modes && counted->n_switches > 0) {
-        const int code = gb_surfaces_now(sim);
-        if (code != GB_DONE || on_a_limit(sim, counted)) {
+    if (with_modes && wrapped->n_switches > 0) {
+        const int code = gb_event_functions_now(sim);
+        if (code != GB_DONE || on_a_limit(sim, wrapped)) {
             return code;
         }
     }
-    const double turns = gb_whole_turns(*angle, counted->turns);
-    gb_take_turns(angle, &sim->y[rider + 1], turns);
-    sim->y[rider] += turns;
-    if (with_modes && counted->n_switches > 0) {
-        for (int j = 0; j < counted->n_switches; j++) {
-            const int i = counted->switches[j];
-            gb_set_mode(sim, i, sim->mode[i] - turns / counted->turns * counted->steps[j], 0);
+    const double turns = gb_whole_turns(*angle, wrapped->turns);
+    gb_take_turns(angle, &sim->y[quadrature + 1], turns);
+    sim->y[quadrature] += turns;
+    if (with_modes && wrapped->n_switches > 0) {
+        for (int j = 0; j < wrapped->n_switches; j++) {
+            const int i = wrapped->switches[j];
+            gb_set_mode(sim, i, sim->mode[i] - turns / wrapped->turns * wrapped->steps[j], 0);
         }
-        sim->model->bounds(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
     }
     return GB_DONE;
 }
 
-int gb_turns_wrap(gb_sim *sim, int with_modes) {
+int gb_wrap_angles(gb_sim *sim, int with_modes) {
     int code = GB_DONE;
-    for (int c = 0; c < sim->model->n_counted && code == GB_DONE; c++) {
+    for (int c = 0; c < sim->model->n_wrapped && code == GB_DONE; c++) {
         code = wrap(sim, c, with_modes);
     }
     return code;

@@ -4,11 +4,11 @@
 #include "gb_report.h"
 #include "gb_vector.h"
 
-/* Slip accelerations with the present modes and nothing held, into lock_bare. */
-static int bare_accelerations(gb_sim *sim) {
+/* Free slip accelerations: with the present modes and no constraint active. */
+static int free_accelerations(gb_sim *sim) {
     const gb_model *model = sim->model;
-    for (int i = 0; i < model->n_locks; i++) {
-        sim->mode[model->locks[i].hold] = 0.0;
+    for (int i = 0; i < model->n_constraints; i++) {
+        sim->mode[model->constraints[i].active] = 0.0;
     }
     sim->mode[model->n_switches] = 0.0;
     model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->z2);
@@ -25,35 +25,36 @@ static int bare_accelerations(gb_sim *sim) {
     return code;
 }
 
-double gb_rate_rounding(const gb_sim *sim, int i, double size) {
+double gb_acceleration_rounding(const gb_sim *sim, int i, double size) {
     return gb_max(1e-10 * size, 256.0 * DBL_EPSILON * sim->constraints.row_size[i] * sim->constraints.fastest);
 }
 
-/* No force of lock i changes its slip, which grows all the same: time prescribes the motion of both sides. */
+/* No force of constraint i changes its slip, which grows all the same: time prescribes the motion of both sides. */
 static int cannot_hold(const gb_sim *sim, int i) {
-    const double own = sim->constraints.delassus[i * sim->model->n_locks + i];
-    return sim->model->locks[i].kind == GB_FRICTION && !(own > 0.0) && sim->constraints.free_acceleration[i] != 0.0;
+    const double own = sim->constraints.delassus[i * sim->model->n_constraints + i];
+    return sim->model->constraints[i].kind == GB_FRICTION && !(own > 0.0) &&
+           sim->constraints.free_acceleration[i] != 0.0;
 }
 
-/* The candidates against each other: forces within their limits that keep them from slipping. Those that slip all the
- * same slide from here; returns how many. */
+/* The complementarity problem of the candidates: forces within their bounds that keep the slips at zero. Those that
+ * slip all the same slide from here; returns how many. */
 static int decide(gb_sim *sim, int *code) {
     const gb_model *model = sim->model;
-    const int n = model->n_locks;
+    const int n = model->n_constraints;
     int *index = sim->constraints.index, count = 0, lost = 0;
     double *lo = sim->constraints.lo, *hi = sim->constraints.hi, *b = sim->constraints.right,
            *x = sim->constraints.force;
     for (int i = 0; i < n; i++) {
         if (sim->constraints.decision[i] == GB_CANDIDATE && cannot_hold(sim, i)) {
             sim->constraints.decision[i] = GB_SLIDES;
-            sim->mode[model->locks[i].slip] = sim->constraints.free_acceleration[i] > 0.0 ? 1.0 : -1.0;
+            sim->mode[model->constraints[i].slip] = sim->constraints.free_acceleration[i] > 0.0 ? 1.0 : -1.0;
             lost++;
         }
         if (sim->constraints.decision[i] == GB_CANDIDATE) {
-            const double *limit = sim->constraints.bounds + 5 * i, keep = 1.0 - sim->constraints.shrink[i];
-            const int bounded = model->locks[i].kind != GB_LOSS;
-            lo[count] = bounded && limit[0] > -HUGE_VAL ? keep * limit[0] : -HUGE_VAL;
-            hi[count] = bounded && limit[1] < HUGE_VAL ? gb_max(keep * limit[1], lo[count]) : HUGE_VAL;
+            const double *bounds = sim->constraints.bounds + 5 * i, keep = 1.0 - sim->constraints.shrink[i];
+            const int bounded = model->constraints[i].kind != GB_LOSS;
+            lo[count] = bounded && bounds[0] > -HUGE_VAL ? keep * bounds[0] : -HUGE_VAL;
+            hi[count] = bounded && bounds[1] < HUGE_VAL ? gb_max(keep * bounds[1], lo[count]) : HUGE_VAL;
             b[count] = sim->constraints.free_acceleration[i];
             index[count++] = i;
         }
@@ -63,33 +64,33 @@ static int decide(gb_sim *sim, int *code) {
         return 0;
     }
     for (int i = 0; i < count; i++) {
-        const gb_lock *lock = &model->locks[index[i]];
+        const gb_constraint *constraint = &model->constraints[index[i]];
         double w = b[i], size = fabs(b[i]);
         for (int j = 0; j < count; j++) {
             w += sim->constraints.matrix[i * count + j] * x[j];
             size += fabs(sim->constraints.matrix[i * count + j] * x[j]);
         }
-        if (fabs(w) > gb_rate_rounding(sim, index[i], size) && (x[i] <= lo[i] || x[i] >= hi[i])) {
-            sim->constraints.decision[index[i]] = lock->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
-            sim->mode[lock->slip] = lock->kind == GB_STOP ? 0.0 : w > 0.0 ? 1.0 : -1.0;
+        if (fabs(w) > gb_acceleration_rounding(sim, index[i], size) && (x[i] <= lo[i] || x[i] >= hi[i])) {
+            sim->constraints.decision[index[i]] = constraint->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
+            sim->mode[constraint->slip] = constraint->kind == GB_STOP ? 0.0 : w > 0.0 ? 1.0 : -1.0;
             sim->constraints.shrink[index[i]] = 0.0;
             lost++;
         }
     }
     if (lost == 0) {
-        *code = gb_refuse_tie_up(sim, count);
+        *code = gb_refuse_contradiction(sim, count);
     }
     sim->constraints.count = count;
     return lost;
 }
 
-int gb_weigh(gb_sim *sim) {
+int gb_choose_active_set(gb_sim *sim) {
     int code = GB_DONE;
-    for (int round = 0; code == GB_DONE && round <= sim->model->n_locks; round++) {
-        code = bare_accelerations(sim);
+    for (int round = 0; code == GB_DONE && round <= sim->model->n_constraints; round++) {
+        code = free_accelerations(sim);
         if (code == GB_DONE) {
-            sim->model->pulls(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, 1,
-                              sim->constraints.delassus);
+            sim->model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, 1,
+                                 sim->constraints.delassus);
             if (decide(sim, &code) == 0) {
                 break;
             }
@@ -98,7 +99,7 @@ int gb_weigh(gb_sim *sim) {
     return code;
 }
 
-double gb_weighed_force(const gb_sim *sim, int i) {
+double gb_constraint_force(const gb_sim *sim, int i) {
     for (int j = 0; j < sim->constraints.count; j++) {
         if (sim->constraints.index[j] == i) {
             return sim->constraints.force[j];
@@ -107,12 +108,12 @@ double gb_weighed_force(const gb_sim *sim, int i) {
     return 0.0;
 }
 
-double gb_weighed_rate(const gb_sim *sim, int i, double *size) {
+double gb_slip_acceleration(const gb_sim *sim, int i, double *size) {
     double rate = sim->constraints.free_acceleration[i];
     *size = fabs(rate);
     for (int j = 0; j < sim->constraints.count; j++) {
-        const double part =
-            sim->constraints.delassus[i * sim->model->n_locks + sim->constraints.index[j]] * sim->constraints.force[j];
+        const double part = sim->constraints.delassus[i * sim->model->n_constraints + sim->constraints.index[j]] *
+                            sim->constraints.force[j];
         rate += part;
         *size += fabs(part);
     }

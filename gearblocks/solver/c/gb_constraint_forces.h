@@ -10,14 +10,15 @@
 #include "gb_internal.h"
 
 /* What cannot be told from zero in a slip acceleration whose terms add up to `size`. */
-double gb_rate_rounding(const gb_sim *sim, int i, double size);
+double gb_acceleration_rounding(const gb_sim *sim, int i, double size);
 
-/* Candidates that cannot be held slide, until all others can. */
-int gb_weigh(gb_sim *sim);
+/* Solves for the active set: candidates that no force within its bounds keeps from slipping slide, until all others
+ * stay. */
+int gb_choose_active_set(gb_sim *sim);
 
-/* The force on lock i after `weigh`, and its slip acceleration with all of them. */
-double gb_weighed_force(const gb_sim *sim, int i);
-
-double gb_weighed_rate(const gb_sim *sim, int i, double *size);
+/* After gb_choose_active_set: the force of constraint i, and its slip acceleration with all of them; size: sum of its
+ * terms. */
+double gb_constraint_force(const gb_sim *sim, int i);
+double gb_slip_acceleration(const gb_sim *sim, int i, double *size);
 
 #endif

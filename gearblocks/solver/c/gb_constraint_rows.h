@@ -8,41 +8,41 @@
  * Sources: echelon form by Gauss-Jordan elimination; forces as Pfeiffer and Glocker 1996.
  * Knows nothing of friction laws or of time.
  *
- * The active set lies behind the modes ("memory"), as doubles: count, indices, redundancy, pivots, W_aa^-1, the steps
- * of the reduction, the reduced rows. */
+ * The active set lies behind the modes, as doubles: count, indices, redundancy, pivots, W_aa^-1, the steps of the
+ * reduction, the reduced rows. */
 #ifndef GB_CONSTRAINT_ROWS_H
 #define GB_CONSTRAINT_ROWS_H
 
 #include "gb_lcp.h"
 
 /* Rows: entries [start[i], start[i + 1]) lie in the columns column[]; column c is speed[c]. */
-typedef struct gb_lock_rows {
+typedef struct gb_constraint_rows {
     int n, n_columns;
     const int *start, *column, *speed;
-} gb_lock_rows;
+} gb_constraint_rows;
 
-/* Places in the memory of n locks over m columns. */
-enum { GB_LOCK_COUNT = 0, GB_LOCK_INDEX = 1 };
-static inline int gb_lock_shared(int n) {
+/* Offsets in an active set of n constraints over m columns. */
+enum { GB_ACTIVE_COUNT = 0, GB_ACTIVE_INDEX = 1 };
+static inline int gb_active_redundant(int n) {
     return 1 + n;
 }
-static inline int gb_lock_pivot(int n) {
+static inline int gb_active_pivot(int n) {
     return 1 + 2 * n;
 }
-static inline int gb_lock_inverse(int n) {
+static inline int gb_active_inverse(int n) {
     return 1 + 3 * n;
 }
-static inline int gb_lock_steps(int n) {
+static inline int gb_active_steps(int n) {
     return 1 + 3 * n + n * n;
 }
-static inline int gb_lock_reduced(int n) {
+static inline int gb_active_reduced(int n) {
     return 1 + 3 * n + 2 * n * n;
 }
-static inline int gb_lock_size(int n, int m) {
+static inline int gb_active_size(int n, int m) {
     return 1 + 3 * n + 2 * n * n + n * m;
 }
 
-static inline double gb_lock_dot(const gb_lock_rows *rows, const double *value, int i, const double *x) {
+static inline double gb_row_dot(const gb_constraint_rows *rows, const double *value, int i, const double *x) {
     double sum = 0.0;
     for (int j = rows->start[i]; j < rows->start[i + 1]; j++) {
         sum += value[j] * x[rows->speed[rows->column[j]]];
@@ -50,16 +50,16 @@ static inline double gb_lock_dot(const gb_lock_rows *rows, const double *value, 
     return sum;
 }
 
-static inline void gb_lock_add(const gb_lock_rows *rows, const double *value, int i, double force, double *x) {
+static inline void gb_row_add(const gb_constraint_rows *rows, const double *value, int i, double force, double *x) {
     for (int j = rows->start[i]; j < rows->start[i + 1]; j++) {
         x[rows->speed[rows->column[j]]] += value[j] * force;
     }
 }
 
-/* Row r of the memory takes row i of the locks and is reduced by the rows before; 0: it says nothing new. */
-static inline int gb_lock_take(const gb_lock_rows *rows, const double *value, int i, int r, double *memory) {
+/* Row r of the active set takes row i of the constraints and is reduced by the rows before; 0: it is redundant. */
+static inline int gb_active_take(const gb_constraint_rows *rows, const double *value, int i, int r, double *active) {
     const int n = rows->n, m = rows->n_columns;
-    double *steps = memory + gb_lock_steps(n), *reduced = memory + gb_lock_reduced(n), size = 0.0, left = 0.0;
+    double *steps = active + gb_active_steps(n), *reduced = active + gb_active_reduced(n), size = 0.0, left = 0.0;
     double *own = reduced + r * m, *own_steps = steps + r * n;
     memset(own, 0, sizeof(double) * (size_t)m);
     memset(own_steps, 0, sizeof(double) * (size_t)n);
@@ -69,7 +69,7 @@ static inline int gb_lock_take(const gb_lock_rows *rows, const double *value, in
     }
     own_steps[r] = 1.0;
     for (int q = 0; q < r; q++) {
-        const double factor = own[(int)memory[gb_lock_pivot(n) + q]];
+        const double factor = own[(int)active[gb_active_pivot(n) + q]];
         for (int c = 0; c < m && factor != 0.0; c++) {
             own[c] -= factor * reduced[q * m + c];
         }
@@ -94,7 +94,7 @@ static inline int gb_lock_take(const gb_lock_rows *rows, const double *value, in
     for (int c = 0; c <= r; c++) {
         own_steps[c] *= scale;
     }
-    memory[gb_lock_pivot(n) + r] = pivot;
+    active[gb_active_pivot(n) + r] = pivot;
     for (int q = 0; q < r; q++) {
         const double factor = reduced[q * m + pivot];
         for (int c = 0; c < m && factor != 0.0; c++) {
@@ -107,100 +107,104 @@ static inline int gb_lock_take(const gb_lock_rows *rows, const double *value, in
     return 1;
 }
 
-/* The responses of the rows that hold to their own forces, inverted. */
-static inline void gb_lock_invert(int n, const double *matrix, double *memory) {
-    const int k = (int)memory[GB_LOCK_COUNT];
-    const double *index = memory + GB_LOCK_INDEX;
-    double *inverse = memory + gb_lock_inverse(n), A[k * k + 1];
+/* The Delassus matrix of the independent active rows, inverted. */
+static inline void gb_active_invert(int n, const double *matrix, double *active) {
+    const int k = (int)active[GB_ACTIVE_COUNT];
+    const double *index = active + GB_ACTIVE_INDEX;
+    double *inverse = active + gb_active_inverse(n), A[k * k + 1];
     for (int i = 0; i < k; i++) {
         for (int j = 0; j < k; j++) {
             A[i * k + j] = matrix[(int)index[i] * n + (int)index[j]];
             inverse[i * k + j] = i == j ? 1.0 : 0.0;
         }
     }
-    gb_lock_solve(k, k, A, k, inverse);
+    gb_gauss_jordan(k, k, A, k, inverse);
 }
 
-/* Which of the locks with stuck[i] hold, in reduced form; `shared` tells those whose force the motion does not tell. */
-static inline void gb_lock_choose(const gb_lock_rows *rows, const double *value, const int *stuck, const double *matrix,
-                                  double *memory) {
+/* The active set: which of the constraints with is_active[i] are independent, in reduced form; `redundant` marks those
+ * whose force the motion does not tell. */
+static inline void gb_active_choose(const gb_constraint_rows *rows, const double *value, const int *is_active,
+                                    const double *matrix, double *active) {
     const int n = rows->n;
-    double *shared = memory + gb_lock_shared(n);
+    double *redundant = active + gb_active_redundant(n);
     int k = 0;
     for (int i = 0; i < n; i++) {
-        shared[i] = 0.0;
-        if (stuck[i] && gb_lock_take(rows, value, i, k, memory)) {
-            memory[GB_LOCK_INDEX + k++] = i;
+        redundant[i] = 0.0;
+        if (is_active[i] && gb_active_take(rows, value, i, k, active)) {
+            active[GB_ACTIVE_INDEX + k++] = i;
         }
     }
-    memory[GB_LOCK_COUNT] = k;
-    gb_lock_invert(n, matrix, memory);
+    active[GB_ACTIVE_COUNT] = k;
+    gb_active_invert(n, matrix, active);
     for (int d = 0; d < n; d++) {
-        int holds = 0;
+        int independent = 0;
         for (int j = 0; j < k; j++) {
-            holds = holds || (int)memory[GB_LOCK_INDEX + j] == d;
+            independent = independent || (int)active[GB_ACTIVE_INDEX + j] == d;
         }
-        if (!stuck[d] || holds) {
+        if (!is_active[d] || independent) {
             continue;
         }
-        shared[d] = 1.0;
+        redundant[d] = 1.0;
         for (int i = 0; i < k; i++) {
             double share = 0.0, size = 0.0;
             for (int j = 0; j < k; j++) {
                 const double part =
-                    memory[gb_lock_inverse(n) + i * k + j] * matrix[(int)memory[GB_LOCK_INDEX + j] * n + d];
+                    active[gb_active_inverse(n) + i * k + j] * matrix[(int)active[GB_ACTIVE_INDEX + j] * n + d];
                 share += part;
                 size += fabs(part);
             }
-            shared[(int)memory[GB_LOCK_INDEX + i]] =
-                fabs(share) > 1e-9 * size ? 1.0 : shared[(int)memory[GB_LOCK_INDEX + i]];
+            redundant[(int)active[GB_ACTIVE_INDEX + i]] =
+                fabs(share) > 1e-9 * size ? 1.0 : redundant[(int)active[GB_ACTIVE_INDEX + i]];
         }
     }
 }
 
 /* The same rows at another position, where their values change with it. */
-static inline void gb_lock_renew(const gb_lock_rows *rows, const double *value, const double *matrix, double *memory) {
-    const int k = (int)memory[GB_LOCK_COUNT];
+static inline void gb_active_renew(const gb_constraint_rows *rows, const double *value, const double *matrix,
+                                   double *active) {
+    const int k = (int)active[GB_ACTIVE_COUNT];
     for (int r = 0; r < k; r++) {
-        gb_lock_take(rows, value, (int)memory[GB_LOCK_INDEX + r], r, memory);
+        gb_active_take(rows, value, (int)active[GB_ACTIVE_INDEX + r], r, active);
     }
-    gb_lock_invert(rows->n, matrix, memory);
+    gb_active_invert(rows->n, matrix, active);
 }
 
-/* The forces of the rows that hold, from the slip accelerations that would be without; 0 for all others. */
-static inline void gb_lock_forces(int n, const double *memory, const double *bare, double *held) {
-    const int k = (int)memory[GB_LOCK_COUNT];
+/* Constraint forces of the independent active rows, from the free slip accelerations; 0 for all others. */
+static inline void gb_active_forces(int n, const double *active, const double *bare, double *force) {
+    const int k = (int)active[GB_ACTIVE_COUNT];
     for (int i = 0; i < n; i++) {
-        held[i] = 0.0;
+        force[i] = 0.0;
     }
     for (int i = 0; i < k; i++) {
         double sum = 0.0;
         for (int j = 0; j < k; j++) {
-            sum -= memory[gb_lock_inverse(n) + i * k + j] * bare[(int)memory[GB_LOCK_INDEX + j]];
+            sum -= active[gb_active_inverse(n) + i * k + j] * bare[(int)active[GB_ACTIVE_INDEX + j]];
         }
-        held[(int)memory[GB_LOCK_INDEX + i]] = sum;
+        force[(int)active[GB_ACTIVE_INDEX + i]] = sum;
     }
 }
 
-/* Makes the slips of x vanish exactly: the pivots follow from the other speeds. bias: slips besides (NULL: none). */
-static inline void gb_lock_fix(const gb_lock_rows *rows, const double *memory, const double *bias, double *x) {
-    const int n = rows->n, m = rows->n_columns, k = (int)memory[GB_LOCK_COUNT];
+/* Velocity projection (of accelerations too): the pivots follow from the other speeds, so that the slips of x vanish
+ * exactly. bias: slips besides (NULL: none). */
+static inline void gb_active_project(const gb_constraint_rows *rows, const double *active, const double *bias,
+                                     double *x) {
+    const int n = rows->n, m = rows->n_columns, k = (int)active[GB_ACTIVE_COUNT];
     for (int r = 0; r < k; r++) {
-        const double *own = memory + gb_lock_reduced(n) + r * m, *steps = memory + gb_lock_steps(n) + r * n;
-        const int pivot = (int)memory[gb_lock_pivot(n) + r];
+        const double *own = active + gb_active_reduced(n) + r * m, *steps = active + gb_active_steps(n) + r * n;
+        const int pivot = (int)active[gb_active_pivot(n) + r];
         double sum = 0.0;
         for (int c = 0; c < m; c++) {
             sum += c == pivot || own[c] == 0.0 ? 0.0 : own[c] * x[rows->speed[c]];
         }
         for (int j = 0; j < k && bias; j++) {
-            sum += steps[j] * bias[(int)memory[GB_LOCK_INDEX + j]];
+            sum += steps[j] * bias[(int)active[GB_ACTIVE_INDEX + j]];
         }
         x[rows->speed[pivot]] = 0.0 - sum;
     }
 }
 
-/* Columns of lossy ties: of their force the partner takes the part skew[j] away again. */
-static inline void gb_lock_skew(int n, const int *partner, const double *skew, double *matrix) {
+/* Columns of lossy gears in the Delassus matrix: of their force the partner takes the part skew[j] away again. */
+static inline void gb_delassus_skew(int n, const int *partner, const double *skew, double *matrix) {
     for (int j = 0; j < n; j++) {
         for (int i = 0; i < n && skew[j] != 0.0; i++) {
             matrix[i * n + j] -= skew[j] * matrix[i * n + partner[j]];
@@ -208,60 +212,61 @@ static inline void gb_lock_skew(int n, const int *partner, const double *skew, d
     }
 }
 
-/* By how much a lossy tie at rest leaves the range between its losses in either direction. limit: share and rest of the
- * force lost driving, then coasting; carried: the force of the tie, held: that of the loss. With the force f = carried
- * + held that leaves the tie, sliding asks for carried = (f + rest)/(1 - share) driving, (f - rest)/(1 - share)
- * coasting; taken over f, the range holds for ties that lock themselves too. */
-static inline double gb_lock_loss_excess(const double *limit, double carried, double held) {
-    const double f = carried + held, side = f >= 0.0 ? 1.0 : -1.0;
-    const double driving = (f + side * limit[1]) / (1.0 - limit[0]),
-                 coasting = (f - side * limit[3]) / (1.0 - limit[2]);
+/* By how much a lossy gear at rest leaves the range between its losses in either direction. bounds: share and rest of
+ * the force lost driving, then coasting; carried: the force of the gear, force: that of the loss. With the force f =
+ * carried + force that leaves the gear, sliding asks for carried = (f + rest)/(1 - share) driving, (f - rest)/(1 -
+ * share) coasting; taken over f, the range holds for self-locking gears too. */
+static inline double gb_loss_excess(const double *bounds, double carried, double force) {
+    const double f = carried + force, side = f >= 0.0 ? 1.0 : -1.0;
+    const double driving = (f + side * bounds[1]) / (1.0 - bounds[0]),
+                 coasting = (f - side * bounds[3]) / (1.0 - bounds[2]);
     return fmax(side * (carried - driving), side * (coasting - carried));
 }
 
-/* By how much the force of each stuck lock exceeds its limits, < 0 inside; -1 for all others. Locks that share a load
- * share it by minimum norm within their limits, and exceed them together once there is no such split. */
-static inline void gb_lock_share(int n, const double *memory, const double *matrix, const int *stuck,
-                                 const double *lower, const double *upper, double *held, double *excess) {
-    int index[n + 1], count = 0, shared = 0;
+/* Minimum-norm split: by how much the force of each active constraint exceeds its bounds, < 0 inside; -1 for all
+ * others. Redundant constraints share by minimum norm within their bounds, and exceed them together once there is no
+ * such split. */
+static inline void gb_split_forces(int n, const double *active, const double *matrix, const int *is_active,
+                                   const double *lower, const double *upper, double *force, double *excess) {
+    int index[n + 1], count = 0, redundant = 0;
     for (int i = 0; i < n; i++) {
-        if (stuck[i]) {
+        if (is_active[i]) {
             index[count++] = i;
-            shared = shared || memory[gb_lock_shared(n) + i] != 0.0;
+            redundant = redundant || active[gb_active_redundant(n) + i] != 0.0;
         }
     }
-    if (shared) {
+    if (redundant) {
         double A[count * count + 1], b[count + 1], lo[count + 1], hi[count + 1], x[count + 1], worst = 0.0, size = 0.0;
         for (int p = 0; p < count; p++) {
-            const int i = index[p], own = memory[gb_lock_shared(n) + i] == 0.0;
+            const int i = index[p], own = active[gb_active_redundant(n) + i] == 0.0;
             b[p] = 0.0;
             for (int q = 0; q < count; q++) {
                 A[p * count + q] = matrix[i * n + index[q]];
-                b[p] -= A[p * count + q] * held[index[q]];
+                b[p] -= A[p * count + q] * force[index[q]];
             }
             lo[p] = own ? -HUGE_VAL : lower[i];
             hi[p] = own ? HUGE_VAL : fmax(lower[i], upper[i]);
         }
-        gb_lock_box(count, A, b, lo, hi, x);
+        gb_lcp_solve(count, A, b, lo, hi, x);
         for (int p = 0; p < count; p++) {
             double left = b[p], terms = fabs(b[p]);
             for (int q = 0; q < count; q++) {
                 left += A[p * count + q] * x[q];
                 terms += fabs(A[p * count + q] * x[q]);
             }
-            worst = fmax(worst, memory[gb_lock_shared(n) + index[p]] != 0.0 ? fabs(left) : 0.0);
+            worst = fmax(worst, active[gb_active_redundant(n) + index[p]] != 0.0 ? fabs(left) : 0.0);
             size = fmax(size, terms);
         }
         for (int p = 0; p < count; p++) {
-            held[index[p]] = x[p];
+            force[index[p]] = x[p];
             excess[index[p]] = worst - 1e-11 * size - DBL_MIN;
         }
     }
     for (int i = 0; i < n; i++) {
-        if (!stuck[i]) {
+        if (!is_active[i]) {
             excess[i] = -1.0;
-        } else if (memory[gb_lock_shared(n) + i] == 0.0) {
-            const double over = fmax(held[i] - upper[i], lower[i] - held[i]);
+        } else if (active[gb_active_redundant(n) + i] == 0.0) {
+            const double over = fmax(force[i] - upper[i], lower[i] - force[i]);
             excess[i] = over > -HUGE_VAL ? over : -1.0;
         }
     }

@@ -3,45 +3,46 @@
 #include "gb_report.h"
 #include "gb_vector.h"
 
-int gb_is_stuck(const gb_sim *sim, int i) {
-    return sim->mode[sim->model->locks[i].hold] > 0.5;
+int gb_is_active(const gb_sim *sim, int i) {
+    return sim->mode[sim->model->constraints[i].active] > 0.5;
 }
 
 int gb_is_stop(const gb_sim *sim, int i) {
-    return sim->model->locks[i].kind == GB_STOP;
+    return sim->model->constraints[i].kind == GB_STOP;
 }
 
-int gb_is_unlimited(const gb_sim *sim, int i) {
-    const double *limit = sim->constraints.bounds + 5 * i;
-    return sim->model->locks[i].kind != GB_LOSS && limit[0] <= -HUGE_VAL && limit[1] >= HUGE_VAL;
+int gb_is_unbounded(const gb_sim *sim, int i) {
+    const double *bounds = sim->constraints.bounds + 5 * i;
+    return sim->model->constraints[i].kind != GB_LOSS && bounds[0] <= -HUGE_VAL && bounds[1] >= HUGE_VAL;
 }
 
 int gb_touches(const gb_sim *sim, int i) {
-    const gb_lock *lock = &sim->model->locks[i];
-    return gb_is_stuck(sim, i) || sim->events.pending[lock->slip] != 0.0 || sim->events.armed[lock->slip] == -1.0 ||
-           sim->events.s[lock->slip] <= 0.0;
+    const gb_constraint *constraint = &sim->model->constraints[i];
+    return gb_is_active(sim, i) || sim->events.pending[constraint->slip] != 0.0 ||
+           sim->events.armed[constraint->slip] == -1.0 || sim->events.s[constraint->slip] <= 0.0;
 }
 
-int gb_does_rub(const gb_sim *sim, int i) {
-    const gb_lock *lock = &sim->model->locks[i];
-    if (lock->kind != GB_FRICTION) {
+int gb_is_engaged(const gb_sim *sim, int i) {
+    const gb_constraint *constraint = &sim->model->constraints[i];
+    if (constraint->kind != GB_FRICTION) {
         return 1;
     }
-    if (lock->free < 0) {
+    if (constraint->free < 0) {
         return sim->constraints.bounds[5 * i + 4] > 0.0;
     }
-    if (lock->free >= sim->model->n_surfaces) { /* time alone tells: at the instant of its switch the engagement is 0 */
-        return sim->mode[lock->free] < 0.5;
+    if (constraint->free >=
+        sim->model->n_event_functions) { /* time alone tells: at the instant of its switch the engagement is 0 */
+        return sim->mode[constraint->free] < 0.5;
     }
-    return sim->mode[lock->free] < 0.5 &&
-           (sim->events.armed[lock->free] != 0.0 || sim->constraints.bounds[5 * i + 4] > 0.0);
+    return sim->mode[constraint->free] < 0.5 &&
+           (sim->events.armed[constraint->free] != 0.0 || sim->constraints.bounds[5 * i + 4] > 0.0);
 }
 
-void gb_size_locks(gb_sim *sim) {
+void gb_size_rows(gb_sim *sim) {
     const gb_model *model = sim->model;
-    for (int i = 0; i < model->n_locks; i++) {
+    for (int i = 0; i < model->n_constraints; i++) {
         sim->constraints.row_size[i] = 0.0;
-        model->grip(sim->par, sim->mode, sim->instant.time_terms, sim->y, i, 0, sim->constraints.row);
+        model->constraint_row(sim->par, sim->mode, sim->instant.time_terms, sim->y, i, 0, sim->constraints.row);
         for (int k = 0; k < model->n_speeds; k++) {
             sim->constraints.row_size[i] += fabs(sim->constraints.row[k]);
         }
@@ -49,25 +50,25 @@ void gb_size_locks(gb_sim *sim) {
     }
 }
 
-void gb_remember(gb_sim *sim, double *mode, const double *tau, const double *y) {
-    if (sim->model->n_locks > 0) {
-        sim->model->remember(sim->par, mode, tau, y);
+void gb_factor_active_set(gb_sim *sim, double *mode, const double *time_terms, const double *y) {
+    if (sim->model->n_constraints > 0) {
+        sim->model->factor_active_set(sim->par, mode, time_terms, y);
     }
 }
 
-const double *gb_full_modes(gb_sim *sim, const double *mode, const double *tau, const double *y) {
+const double *gb_modes_with_active_set(gb_sim *sim, const double *mode, const double *time_terms, const double *y) {
     const gb_model *model = sim->model;
-    if (model->n_locks == 0) {
+    if (model->n_constraints == 0) {
         return mode;
     }
     memcpy(sim->constraints.full_mode, mode, sizeof(double) * (size_t)model->n_switches);
-    model->remember(sim->par, sim->constraints.full_mode, tau, y);
+    model->factor_active_set(sim->par, sim->constraints.full_mode, time_terms, y);
     return sim->constraints.full_mode;
 }
 
-int gb_project(gb_sim *sim, const double *tau) {
+int gb_project_velocities(gb_sim *sim, const double *time_terms) {
     const gb_model *model = sim->model;
-    if (model->n_locks == 0 || sim->mode[model->n_switches] == 0.0) {
+    if (model->n_constraints == 0 || sim->mode[model->n_switches] == 0.0) {
         return 0;
     }
     const int first = model->n - model->n_speeds;
@@ -75,7 +76,7 @@ int gb_project(gb_sim *sim, const double *tau) {
     for (int i = first; i < model->n; i++) {
         sim->z2[i] = sim->y[i];
     }
-    model->project(sim->par, sim->mode, tau, sim->y);
+    model->project_velocities(sim->par, sim->mode, time_terms, sim->y);
     for (int i = first; i < model->n; i++) {
         most = gb_max(most, fabs(sim->y[i] - sim->z2[i]));
         size = gb_max(size, fabs(sim->y[i]));
@@ -91,27 +92,27 @@ void gb_slips_now(gb_sim *sim) {
     for (int i = first; i < model->n; i++) {
         size = gb_max(size, fabs(sim->y[i]));
     }
-    for (int i = 0; i < model->n_locks; i++) {
+    for (int i = 0; i < model->n_constraints; i++) {
         sim->constraints.slip_rounding[i] = 64.0 * DBL_EPSILON * size * sim->constraints.row_size[i];
     }
 }
 
 int gb_solve_problem(gb_sim *sim, int count) {
-    const int n = sim->model->n_locks, *index = sim->constraints.index;
+    const int n = sim->model->n_constraints, *index = sim->constraints.index;
     for (int i = 0; i < count; i++) {
         for (int j = 0; j < count; j++) {
             sim->constraints.matrix[i * count + j] = sim->constraints.delassus[index[i] * n + index[j]];
         }
     }
-    if (!gb_lock_box(count, sim->constraints.matrix, sim->constraints.right, sim->constraints.lo, sim->constraints.hi,
-                     sim->constraints.force)) {
-        return gb_fail(sim, GB_ERR_BRANCH, sim->model->locks[index[0]].slip, sim->head->front.t1,
+    if (!gb_lcp_solve(count, sim->constraints.matrix, sim->constraints.right, sim->constraints.lo, sim->constraints.hi,
+                      sim->constraints.force)) {
+        return gb_fail(sim, GB_ERR_BRANCH, sim->model->constraints[index[0]].slip, sim->head->front.t1,
                        sim->constraints.right[0]);
     }
     return GB_DONE;
 }
 
-int gb_refuse_tie_up(gb_sim *sim, int count) {
+int gb_refuse_contradiction(gb_sim *sim, int count) {
     const double *b = sim->constraints.right, *x = sim->constraints.force;
     double most = 0.0;
     for (int i = 0; i < count; i++) {
@@ -124,10 +125,10 @@ int gb_refuse_tie_up(gb_sim *sim, int count) {
             left += part;
             size += fabs(part);
         }
-        const int unlimited = sim->constraints.lo[i] <= -HUGE_VAL && sim->constraints.hi[i] >= HUGE_VAL;
-        if (unlimited && fabs(left) > 1e-4 * most + 1e-12 * size) {
-            const int lock = sim->constraints.index[i];
-            return gb_fail(sim, GB_ERR_BRANCH, sim->model->locks[lock].slip, sim->head->front.t1, left);
+        const int unbounded = sim->constraints.lo[i] <= -HUGE_VAL && sim->constraints.hi[i] >= HUGE_VAL;
+        if (unbounded && fabs(left) > 1e-4 * most + 1e-12 * size) {
+            const int constraint = sim->constraints.index[i];
+            return gb_fail(sim, GB_ERR_BRANCH, sim->model->constraints[constraint].slip, sim->head->front.t1, left);
         }
     }
     return GB_DONE;

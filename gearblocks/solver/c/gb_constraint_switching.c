@@ -12,49 +12,49 @@
 
 /* Mode for the events: 0 stuck, 1 forward, -1 backward, 2 free; of a stop 1 closed, 0 open. */
 static double shown_mode(const gb_sim *sim, int i) {
-    const gb_lock *lock = &sim->model->locks[i];
-    if (lock->kind == GB_STOP || lock->kind == GB_TIE) {
-        return sim->mode[lock->hold];
+    const gb_constraint *constraint = &sim->model->constraints[i];
+    if (constraint->kind == GB_STOP || constraint->kind == GB_TIE) {
+        return sim->mode[constraint->active];
     }
-    return gb_is_stuck(sim, i) ? 0.0 : sim->mode[lock->slip] == 0.0 ? 2.0 : sim->mode[lock->slip];
+    return gb_is_active(sim, i) ? 0.0 : sim->mode[constraint->slip] == 0.0 ? 2.0 : sim->mode[constraint->slip];
 }
 
-/* What each lock could do, by its slip alone; what slides gets its direction. */
+/* What each constraint could do, by its slip alone; what slides gets its direction. */
 static void sort_by_slip(gb_sim *sim, int impacted) {
     const gb_model *model = sim->model;
-    for (int i = 0; i < model->n_locks; i++) {
-        const gb_lock *lock = &model->locks[i];
+    for (int i = 0; i < model->n_constraints; i++) {
+        const gb_constraint *constraint = &model->constraints[i];
         const double slip = sim->constraints.slip[i], rounding = sim->constraints.slip_rounding[i];
-        const int due = lock->kind != GB_STOP && sim->events.pending[lock->slip] != 0.0 && !impacted;
-        const int zero = fabs(slip) <= rounding || due || (gb_is_stuck(sim, i) && !impacted);
+        const int pending = constraint->kind != GB_STOP && sim->events.pending[constraint->slip] != 0.0 && !impacted;
+        const int zero = fabs(slip) <= rounding || pending || (gb_is_active(sim, i) && !impacted);
         int *state = &sim->constraints.decision[i];
-        sim->mode[lock->slip] = lock->kind == GB_TIE ? sim->mode[lock->slip] : 0.0;
-        if (!gb_does_rub(sim, i)) {
+        sim->mode[constraint->slip] = constraint->kind == GB_TIE ? sim->mode[constraint->slip] : 0.0;
+        if (!gb_is_engaged(sim, i)) {
             *state = GB_FREE;
-        } else if (lock->kind == GB_STOP) {
+        } else if (constraint->kind == GB_STOP) {
             const int rests =
-                fabs(slip) <= rounding || (gb_is_stuck(sim, i) && !impacted) ||
+                fabs(slip) <= rounding || (gb_is_active(sim, i) && !impacted) ||
                 (sim->constraints.struck[i] && fabs(slip) <= 1e-9 * fabs(sim->constraints.slip_before[i]));
             *state = gb_touches(sim, i) && rests ? GB_CANDIDATE : GB_IS_OPEN;
-        } else if (zero || gb_is_unlimited(sim, i)) {
+        } else if (zero || gb_is_unbounded(sim, i)) {
             *state = GB_CANDIDATE;
         } else {
             *state = GB_SLIDES;
-            sim->mode[lock->slip] = slip > 0.0 ? 1.0 : -1.0;
+            sim->mode[constraint->slip] = slip > 0.0 ? 1.0 : -1.0;
         }
     }
 }
 
-/* A lock that has just reached a limit of its force (not one that shares its load) does not hold any more. */
-static void release_due(gb_sim *sim) {
+/* A constraint whose force has just reached a bound (and which is not redundant) is not active any more. */
+static void release_pending(gb_sim *sim) {
     const gb_model *model = sim->model;
-    for (int i = 0; i < model->n_locks; i++) {
-        const gb_lock *lock = &model->locks[i];
-        if (sim->constraints.decision[i] != GB_CANDIDATE || sim->events.pending[lock->hold] == 0.0) {
+    for (int i = 0; i < model->n_constraints; i++) {
+        const gb_constraint *constraint = &model->constraints[i];
+        if (sim->constraints.decision[i] != GB_CANDIDATE || sim->events.pending[constraint->active] == 0.0) {
             continue;
         }
-        const double held = sim->constraints.other[i], *limit = sim->constraints.bounds + 5 * i;
-        if (lock->kind == GB_LOSS) {
+        const double force = sim->constraints.other[i], *bounds = sim->constraints.bounds + 5 * i;
+        if (constraint->kind == GB_LOSS) {
             sim->constraints.released[i] = 1; /* its options say how it goes on */
             continue;
         }
@@ -62,117 +62,120 @@ static void release_due(gb_sim *sim) {
             sim->constraints.shrink[i] = 1e-6;
             continue;
         }
-        const int upper = held - limit[1] > limit[0] - held;
-        sim->constraints.decision[i] = lock->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
-        sim->mode[lock->slip] = lock->kind == GB_STOP ? 0.0 : upper ? -1.0 : 1.0;
+        const int upper = force - bounds[1] > bounds[0] - force;
+        sim->constraints.decision[i] = constraint->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
+        sim->mode[constraint->slip] = constraint->kind == GB_STOP ? 0.0 : upper ? -1.0 : 1.0;
         sim->constraints.released[i] = 1;
     }
 }
 
-/* The limits that belong to the new modes, and where switches sit on them. */
+/* The modes of what was decided, and from which limits their switches are watched. */
 static void take_modes(gb_sim *sim) {
     const gb_model *model = sim->model;
-    for (int i = 0; i < model->n_locks; i++) {
-        const gb_lock *lock = &model->locks[i];
-        const double direction = sim->mode[lock->slip];
-        sim->mode[lock->hold] = sim->constraints.decision[i] == GB_CANDIDATE;
-        sim->events.armed[lock->hold] = 0.0;
-        if (lock->kind == GB_TIE) {
-            sim->events.armed[lock->slip] = sim->events.pending[lock->slip] != 0.0 ? -direction : 0.0;
-        } else if (lock->kind == GB_STOP) {
-            sim->events.armed[lock->slip] =
+    for (int i = 0; i < model->n_constraints; i++) {
+        const gb_constraint *constraint = &model->constraints[i];
+        const double direction = sim->mode[constraint->slip];
+        sim->mode[constraint->active] = sim->constraints.decision[i] == GB_CANDIDATE;
+        sim->events.armed[constraint->active] = 0.0;
+        if (constraint->kind == GB_TIE) {
+            sim->events.armed[constraint->slip] = sim->events.pending[constraint->slip] != 0.0 ? -direction : 0.0;
+        } else if (constraint->kind == GB_STOP) {
+            sim->events.armed[constraint->slip] =
                 sim->constraints.decision[i] == GB_IS_OPEN && gb_touches(sim, i) ? -1.0 : 0.0;
         } else {
             const int sits =
                 sim->constraints.decision[i] == GB_SLIDES &&
                 (sim->constraints.released[i] || fabs(sim->constraints.slip[i]) <= sim->constraints.slip_rounding[i] ||
-                 sim->events.pending[lock->slip] != 0.0);
-            sim->events.armed[lock->slip] = sits ? -direction : 0.0;
+                 sim->events.pending[constraint->slip] != 0.0);
+            sim->events.armed[constraint->slip] = sits ? -direction : 0.0;
         }
-        if (sim->events.armed[lock->slip] != 0.0) {
+        if (sim->events.armed[constraint->slip] != 0.0) {
             sim->head->events.armed = 1;
         }
     }
 }
 
-/* A switch of lock i was due and nothing came of it: it counts as a flip, so that the same does not come back for ever
- * where quantities leave their limits no faster than rounding. */
+/* A switch of constraint i was pending and nothing came of it: it counts as a flip, so that the same does not come back
+ * for ever where event functions leave their limits no faster than rounding. */
 static int count_vain(gb_sim *sim, int i) {
-    const gb_lock *lock = &sim->model->locks[i];
-    const int slip = sim->events.pending[lock->slip] != 0.0, hold = sim->events.pending[lock->hold] != 0.0;
-    const int code = slip ? gb_count_flip(sim, lock->slip) : GB_DONE;
-    return code == GB_DONE && hold ? gb_count_flip(sim, lock->hold) : code;
+    const gb_constraint *constraint = &sim->model->constraints[i];
+    const int slip = sim->events.pending[constraint->slip] != 0.0,
+              active = sim->events.pending[constraint->active] != 0.0;
+    const int code = slip ? gb_count_flip(sim, constraint->slip) : GB_DONE;
+    return code == GB_DONE && active ? gb_count_flip(sim, constraint->active) : code;
 }
 
-/* Events of the locks whose mode is another one than before. */
+/* Events of the constraints whose mode is another one than before. */
 static int log_changes(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
     int code = GB_DONE;
-    for (int i = 0; i < model->n_locks; i++) {
-        const gb_lock *lock = &model->locks[i];
+    for (int i = 0; i < model->n_constraints; i++) {
+        const gb_constraint *constraint = &model->constraints[i];
         const double now = shown_mode(sim, i), before = sim->constraints.mode_before[i];
         if (now != before) {
-            if (log && !(lock->kind == GB_STOP && sim->constraints.struck[i])) {
-                gb_log(sim, lock->slip, 0, before, now);
+            if (log && !(constraint->kind == GB_STOP && sim->constraints.struck[i])) {
+                gb_log(sim, constraint->slip, 0, before, now);
             }
             if (log && code == GB_DONE) {
-                code = gb_count_flip(sim, lock->hold);
+                code = gb_count_flip(sim, constraint->active);
             }
         } else if (log && code == GB_DONE && !sim->constraints.struck[i]) {
             code = count_vain(sim, i);
         }
         if (sim->constraints.struck[i]) {
-            sim->events.flip_time[lock->slip] = sim->head->front.t1;
+            sim->events.flip_time[constraint->slip] = sim->head->front.t1;
         }
-        sim->events.pending[lock->slip] = sim->events.pending[lock->hold] = 0.0;
+        sim->events.pending[constraint->slip] = sim->events.pending[constraint->active] = 0.0;
     }
     return code;
 }
 
-/* Held forces of the old modes, and who shared a load, before anything changes. */
+/* Constraint forces of the old modes, and which of them were redundant, before anything changes. */
 static void look_back(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const int n = model->n_locks;
+    const int n = model->n_constraints;
     for (int i = 0; i < n; i++) {
         sim->constraints.mode_before[i] = shown_mode(sim, i);
         sim->constraints.was_redundant[i] =
-            sim->mode[model->n_switches] > 0.0 && sim->mode[model->n_switches + gb_lock_shared(n) + i] != 0.0;
+            sim->mode[model->n_switches] > 0.0 && sim->mode[model->n_switches + gb_active_redundant(n) + i] != 0.0;
         sim->constraints.shrink[i] = 0.0;
         sim->constraints.released[i] = sim->constraints.struck[i] = 0;
     }
-    model->holding(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.other,
-                   sim->constraints.force);
+    model->constraint_forces(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.other,
+                             sim->constraints.force);
 }
 
-/* A capacity that comes down to zero at a corner and stays there crosses nothing: its lock is free all the same. */
-static void free_the_idle(gb_sim *sim) {
-    for (int i = 0; i < sim->model->n_locks; i++) {
-        const int free = sim->model->locks[i].free;
-        if (free >= 0 && sim->mode[free] < 0.5 && !gb_does_rub(sim, i)) {
+/* A capacity that comes down to zero at a corner and stays there crosses nothing: its constraint is free all the same.
+ */
+static void free_the_disengaged(gb_sim *sim) {
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        const int free = sim->model->constraints[i].free;
+        if (free >= 0 && sim->mode[free] < 0.5 && !gb_is_engaged(sim, i)) {
             gb_set_mode(sim, free, 1.0, 0);
         }
     }
 }
 
-/* A lock that flips again at once stands where forces and limits vanish together: what comes next is told by a look a
- * little ahead, further at every try. Puts the state there into `look`, and its time columns into tau_one. */
+/* A constraint that flips again at once stands where forces and bounds vanish together: a look a little ahead, further
+ * at every try, tells what comes next. The state there is constraints.y, its time terms are those of `instant`. */
 static int look_ahead(gb_sim *sim) {
     const gb_model *model = sim->model;
     const gb_head *head = sim->head;
     double flips = 0.0;
-    for (int i = 0; i < model->n_locks; i++) {
-        const gb_lock *lock = &model->locks[i];
-        const int due = sim->events.pending[lock->hold] != 0.0 || sim->events.pending[lock->slip] != 0.0;
-        const int stands =
-            head->front.t1 - sim->events.flip_time[lock->hold] <= 10.0 * gb_rounding(head->front.t1, head->front.h);
-        flips = due && stands ? gb_max(flips, sim->events.flips[lock->hold]) : flips;
+    for (int i = 0; i < model->n_constraints; i++) {
+        const gb_constraint *constraint = &model->constraints[i];
+        const int pending =
+            sim->events.pending[constraint->active] != 0.0 || sim->events.pending[constraint->slip] != 0.0;
+        const int stands = head->front.t1 - sim->events.flip_time[constraint->active] <=
+                           10.0 * gb_rounding(head->front.t1, head->front.h);
+        flips = pending && stands ? gb_max(flips, sim->events.flips[constraint->active]) : flips;
     }
     sim->constraints.y = sim->y;
     if (flips == 0.0) {
         return GB_DONE;
     }
     const double ahead = ldexp(gb_rounding(head->front.t1, head->front.h), 2 * (int)flips);
-    const int code = gb_columns_at(sim, head->front.t1 + ahead);
+    const int code = gb_time_terms_at(sim, head->front.t1 + ahead);
     if (code == GB_DONE) {
         model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2);
         memcpy(sim->z, sim->y, sizeof(double) * (size_t)model->n_total);
@@ -187,9 +190,9 @@ static int look_ahead(gb_sim *sim) {
 /* How long the first of the bodies that have just hit a stop stays away from it. */
 static double shortest_flight(const gb_sim *sim) {
     double shortest = HUGE_VAL;
-    for (int i = 0; i < sim->model->n_locks; i++) {
+    for (int i = 0; i < sim->model->n_constraints; i++) {
         double size;
-        const double rate = gb_weighed_rate(sim, i, &size);
+        const double rate = gb_slip_acceleration(sim, i, &size);
         if (gb_is_stop(sim, i) && sim->constraints.struck[i] && sim->constraints.decision[i] == GB_IS_OPEN &&
             rate < 0.0) {
             shortest = gb_min(shortest, -2.0 * sim->constraints.slip[i] / rate);
@@ -198,8 +201,8 @@ static double shortest_flight(const gb_sim *sim) {
     return shortest;
 }
 
-/* A stop that a start value lies beyond, or a lossy tie whose sides start at speeds that it does not allow; or -1. 1e-9
- * of what is given counts as rounding. */
+/* A stop that a start value lies beyond, or a lossy gear whose sides start at speeds that it does not allow; or -1.
+ * 1e-9 of what is given counts as rounding. */
 static int begins_beyond(const gb_sim *sim) {
     const gb_model *model = sim->model;
     double size = 0.0, speed = 0.0;
@@ -209,11 +212,11 @@ static int begins_beyond(const gb_sim *sim) {
     for (int i = 0; i < model->n - model->n_speeds; i++) {
         size = gb_max(size, fabs(sim->y[i]));
     }
-    for (int i = 0; i < model->n_locks; i++) {
-        if (gb_is_stop(sim, i) && sim->events.s[model->locks[i].slip] < -1e-9 * size - 1e-15) {
+    for (int i = 0; i < model->n_constraints; i++) {
+        if (gb_is_stop(sim, i) && sim->events.s[model->constraints[i].slip] < -1e-9 * size - 1e-15) {
             return i;
         }
-        if (model->locks[i].kind == GB_TIE &&
+        if (model->constraints[i].kind == GB_TIE &&
             fabs(sim->constraints.slip[i]) > 1e-9 * speed * sim->constraints.row_size[i]) {
             return i;
         }
@@ -223,20 +226,20 @@ static int begins_beyond(const gb_sim *sim) {
 
 /* Event functions, time terms and slips at the front, and the state by which it is decided. */
 static int look_at_front(gb_sim *sim, int log) {
-    int code = gb_surfaces_now(sim);
+    int code = gb_event_functions_now(sim);
     if (code == GB_DONE) {
-        code = gb_columns_at(sim, sim->head->front.t1);
+        code = gb_time_terms_at(sim, sim->head->front.t1);
     }
     if (code == GB_DONE) {
         gb_slips_now(sim);
     }
     const int beyond = code == GB_DONE && !log ? begins_beyond(sim) : -1;
     if (beyond >= 0) {
-        const int slip = sim->model->locks[beyond].slip;
+        const int slip = sim->model->constraints[beyond].slip;
         return gb_fail(sim, GB_ERR_BEYOND, slip, sim->head->front.t1, sim->events.s[slip]);
     }
     if (code == GB_DONE) {
-        gb_project(sim, sim->instant.time_terms);
+        gb_project_velocities(sim, sim->instant.time_terms);
         code = look_ahead(sim);
     }
     return code;
@@ -246,34 +249,34 @@ static int look_at_front(gb_sim *sim, int log) {
 static int decide(gb_sim *sim) {
     const gb_model *model = sim->model;
     look_back(sim);
-    double *held = sim->constraints.force_before;
-    memcpy(held, sim->constraints.other, sizeof(double) * (size_t)model->n_locks);
-    for (int i = 0; i < model->n_locks; i++) {
-        if (gb_is_stuck(sim, i) && model->locks[i].kind != GB_TIE && !gb_is_stop(sim, i)) {
-            sim->mode[model->locks[i].slip] = 0.0;
+    double *force = sim->constraints.force_before;
+    memcpy(force, sim->constraints.other, sizeof(double) * (size_t)model->n_constraints);
+    for (int i = 0; i < model->n_constraints; i++) {
+        if (gb_is_active(sim, i) && model->constraints[i].kind != GB_TIE && !gb_is_stop(sim, i)) {
+            sim->mode[model->constraints[i].slip] = 0.0;
         }
     }
-    model->limits(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.bounds);
-    free_the_idle(sim);
+    model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.bounds);
+    free_the_disengaged(sim);
     gb_slips_now(sim);
     int code = gb_impact(sim);
     int impacted = 0;
-    for (int i = 0; i < model->n_locks; i++) {
+    for (int i = 0; i < model->n_constraints; i++) {
         impacted = impacted || sim->constraints.struck[i];
     }
     sort_by_slip(sim, impacted);
-    model->limits(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.bounds);
-    memcpy(sim->constraints.other, held, sizeof(double) * (size_t)model->n_locks);
-    release_due(sim);
+    model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.bounds);
+    memcpy(sim->constraints.other, force, sizeof(double) * (size_t)model->n_constraints);
+    release_pending(sim);
     if (code == GB_DONE) {
-        code = gb_has_lossy(sim) ? gb_weigh_lossy(sim) : gb_weigh(sim);
+        code = gb_has_lossy(sim) ? gb_choose_lossy(sim) : gb_choose_active_set(sim);
     }
     return code;
 }
 
-int gb_settle_locks(gb_sim *sim, int log) {
+int gb_switch_constraints(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
-    if (model->n_locks == 0) {
+    if (model->n_constraints == 0) {
         return GB_DONE;
     }
     int code = look_at_front(sim, log);
@@ -282,15 +285,15 @@ int gb_settle_locks(gb_sim *sim, int log) {
     }
     code = decide(sim);
     if (sim->constraints.y != sim->y && code == GB_DONE) {
-        code = gb_columns_at(sim, sim->head->front.t1);
+        code = gb_time_terms_at(sim, sim->head->front.t1);
     }
     sim->events.flight = shortest_flight(sim);
     take_modes(sim);
-    gb_remember(sim, sim->mode, sim->instant.time_terms, sim->y);
-    gb_project(sim, sim->instant.time_terms);
+    gb_factor_active_set(sim, sim->mode, sim->instant.time_terms, sim->y);
+    gb_project_velocities(sim, sim->instant.time_terms);
     gb_rehash(sim);
     if (model->n_switches > 0) {
-        model->bounds(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
     }
     const int changes = log_changes(sim, log);
     return code == GB_DONE ? changes : code;

@@ -9,6 +9,6 @@
 #include "gb_internal.h"
 
 /* Decides about all switched constraints at the front; with `log` what changes is an event. */
-int gb_settle_locks(gb_sim *sim, int log);
+int gb_switch_constraints(gb_sim *sim, int log);
 
 #endif

@@ -1,4 +1,5 @@
-/* What is decided about a switched constraint at an event. */
+/* What is decided about a switched constraint at an event.
+ * Knows nothing of how. */
 #ifndef GB_CONSTRAINTS_H
 #define GB_CONSTRAINTS_H
 

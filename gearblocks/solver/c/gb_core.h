@@ -1,8 +1,8 @@
 /* The solver: open, start, advance, close. The same code runs in-process and inside every FMU.
  *
- * No globals, no allocation after gb_open. Everything that changes during a run lies in one
- * block of memory without pointers, so that saving the state is one copy.
- */
+ * No globals, no allocation after gb_open. Everything that changes during a run lies in one block of memory without
+ * pointers, so that saving the state is one copy.
+ * Knows nothing of blocks and trains. */
 #ifndef GB_CORE_H
 #define GB_CORE_H
 
@@ -35,10 +35,10 @@ enum {
     GB_ERR_STATE = -7,     /* a saved state of another model or size */
     GB_ERR_MEMORY = -8,
     GB_ERR_CALLBACK = -9,  /* the input callback asked to stop; index: input */
-    GB_ERR_SINGULAR = -10, /* the matrix of an implicit step has no inverse; index: state (from n on: hidden speed) */
+    GB_ERR_SINGULAR = -10, /* the step matrix has no inverse; index: state (from n on: massless speed) */
     GB_ERR_METHOD = -11,   /* the model has no Jacobian for this method; index: method */
-    GB_ERR_LOSS = -12,     /* a lossy tie has no motion that fits its losses (value 0), or several; index: switch */
-    GB_ERR_BEYOND = -13    /* the start lies beyond a stop, or breaks a lossy tie; index: switch */
+    GB_ERR_LOSS = -12,     /* a lossy gear has no motion that fits its losses (value 0), or several; index: switch */
+    GB_ERR_BEYOND = -13    /* the start lies beyond a stop, or breaks a lossy gear; index: switch */
 };
 
 /* GB_AUTO: order 8 (order 5 above a tolerance of 1e-4), and the implicit method while the train is stiff. */
@@ -137,24 +137,25 @@ typedef struct gb_point {
     const double *mode, *input, *rate;
 } gb_point;
 
-/* Linear parts, for tests and tools: see jacobian, right_side and simple_rates of gb_model, at a point. No
- * pattern (NULL): the model has none, and the calls answer GB_ERR_STATE. */
+/* Step matrix, for tests and tools: see step_matrix, right_side and kinematic_rates of gb_model, at a point. No pattern
+ * (NULL): the model has none, and the calls answer GB_ERR_STATE. */
 GB_API const gb_pattern *gb_pattern_of(const gb_sim *sim);
-GB_API void gb_linear_sizes(const gb_sim *sim, int *n_simple, int *n_hidden, int *n_kept);
-GB_API int gb_linear_matrix(gb_sim *sim, const gb_point *at, const double *y, double g, double *diag, double *lower,
-                            double *upper, double *kept);
-GB_API int gb_linear_side(const gb_sim *sim, const double *kept, double g, const double *r, double *out);
-GB_API int gb_linear_rates(const gb_sim *sim, const double *kept, const double *x, double *out);
+GB_API void gb_step_matrix_sizes(const gb_sim *sim, int *n_kinematic, int *n_massless, int *n_kinematic_terms);
+GB_API int gb_step_matrix_at(gb_sim *sim, const gb_point *at, const double *y, double g, double *diag, double *lower,
+                             double *upper, double *kinematic_terms);
+GB_API int gb_step_matrix_right_side(const gb_sim *sim, const double *kinematic_terms, double g, const double *r,
+                                     double *out);
+GB_API int gb_kinematic_rates(const gb_sim *sim, const double *kinematic_terms, const double *x, double *out);
 
-/* What sticks, for tools. gb_locks_of: how many locks there are; number of speeds; whether rows never change; kind and
- * slip, hold and free switches of each, four numbers (place NULL: not wanted). gb_modes: the present modes of all
- * switches. gb_locks_at: at a point, rows over the speeds (n_locks times n_speeds) and what a force does to these,
- * limits (five numbers each, see gb_model.h), held forces, by how much these exceed their limits, and the quantities of
- * the slip switches. */
-GB_API int gb_locks_of(const gb_sim *sim, int *n_speeds, int *steady, int *place);
+/* Switched constraints, for tools. gb_constraints_of: how many there are; number of speeds; whether rows never change;
+ * kind and slip, active and free switches of each, four numbers (index NULL: not wanted). gb_modes: the present modes
+ * of all switches. gb_constraints_at: at a point, rows G over the speeds (n_constraints times n_speeds) and what a
+ * force does to these, force bounds (five numbers each, see gb_model.h), constraint forces, by how much these exceed
+ * their bounds, and the event functions of the slip switches. */
+GB_API int gb_constraints_of(const gb_sim *sim, int *n_speeds, int *steady, int *index);
 GB_API int gb_modes(const gb_sim *sim, double *mode);
-GB_API int gb_locks_at(gb_sim *sim, const gb_point *at, const double *y, double *rows, double *pushes, double *limit,
-                       double *held, double *excess, double *slip);
+GB_API int gb_constraints_at(gb_sim *sim, const gb_point *at, const double *y, double *rows, double *effects,
+                             double *bounds, double *force, double *excess, double *slip);
 
 /* The laws at a point, into what is not NULL: dy (length n_total), all outputs, all energies, and `fit`, the modes that
  * fit state and time there. Needs gb_start for the values derived from parameters; changes nothing of the run. */

@@ -28,7 +28,7 @@ static void further_rows(const gb_sim *sim, int from, int to) {
     }
 }
 
-/* The rows of an implicit method: sums of its stages, or of the rates at the nodes for the tail. */
+/* The rows of an implicit method: sums of its stages, or of the rates at the nodes for the quadratures. */
 static void summed_rows(const gb_sim *sim) {
     const int total = sim->model->n_total;
     const double h = sim->head->front.h, hs[] = {h, h, h, h}, *const none[] = {NULL, NULL, NULL, NULL};
@@ -38,10 +38,10 @@ static void summed_rows(const gb_sim *sim) {
                    hs, out);
 }
 
-static void summed_rows_of_tail(const gb_sim *sim) {
+static void summed_rows_of_quadratures(const gb_sim *sim) {
     const gb_model *model = sim->model;
     for (int m = 0; m < sim->method->rows; m++) {
-        gb_combine(&sim->method->tail[m], sim->k, model->n_total, model->n_padded, model->n_total, sim->zero,
+        gb_combine(&sim->method->quadratures[m], sim->k, model->n_total, model->n_padded, model->n_total, sim->zero,
                    sim->head->front.h, sim->rows + (size_t)m * (size_t)model->n_total);
     }
 }
@@ -49,14 +49,14 @@ static void summed_rows_of_tail(const gb_sim *sim) {
 void gb_dense_hermite(gb_sim *sim) {
     if (sim->head->front.have_dense == 0 && sim->method->gamma > 0.0) {
         summed_rows(sim);
-        if (sim->model->n_counted > 0) {
-            gb_turns_rows(sim, 0, sim->method->rows);
+        if (sim->model->n_wrapped > 0) {
+            gb_wrapping_rows(sim, 0, sim->method->rows);
         }
         sim->head->front.have_dense = 2;
     } else if (sim->head->front.have_dense == 0) {
         hermite_rows(sim, 0, sim->model->n_padded);
-        if (sim->model->n_counted > 0) {
-            gb_turns_rows(sim, 0, 3);
+        if (sim->model->n_wrapped > 0) {
+            gb_wrapping_rows(sim, 0, 3);
         }
         sim->head->front.have_dense = 1;
     }
@@ -80,14 +80,14 @@ int gb_dense_complete(gb_sim *sim) {
         }
     }
     further_rows(sim, 0, model->n_padded);
-    if (model->n_counted > 0) {
-        gb_turns_rows(sim, 3, method->rows);
+    if (model->n_wrapped > 0) {
+        gb_wrapping_rows(sim, 3, method->rows);
     }
     sim->head->front.have_dense = 2;
     return GB_DONE;
 }
 
-int gb_dense_tail(gb_sim *sim) {
+int gb_dense_quadratures(gb_sim *sim) {
     if (sim->head->front.have_quadratures || sim->head->front.h == 0.0) {
         return GB_DONE;
     }
@@ -95,7 +95,7 @@ int gb_dense_tail(gb_sim *sim) {
         return sim->head->report.code;
     }
     if (sim->method->gamma > 0.0) {
-        summed_rows_of_tail(sim);
+        summed_rows_of_quadratures(sim);
     } else {
         hermite_rows(sim, sim->model->n_padded, sim->model->n_total);
         further_rows(sim, sim->model->n_padded, sim->model->n_total);

@@ -8,21 +8,22 @@
 
 #include "gb_internal.h"
 
+/* The cubic rows of the n states, at no cost; all rows of an implicit method. */
 void gb_dense_hermite(gb_sim *sim);
 
 /* Computes the stages that only dense output needs, and all rows of the n states. */
 int gb_dense_complete(gb_sim *sim);
 
-/* The rows of the tail as well: from here on the segment stands without the stages. */
-int gb_dense_tail(gb_sim *sim);
+/* The rows of the quadratures as well: from here on the segment stands without the stages. */
+int gb_dense_quadratures(gb_sim *sim);
 
 /* The n states at theta in [0, 1]; the rows must be complete. */
 void gb_dense_states(const gb_sim *sim, double theta, double *out);
 
-/* The whole vector at t in [t0, t1]; the rows must be complete, those of the tail too, unless t is the front. */
+/* The whole vector at t in [t0, t1]; the rows must be complete, those of the quadratures too, unless t is the front. */
 void gb_dense_all(const gb_sim *sim, double t, double *out);
 
-/* Moves the front back to theta: the states from their rows, the tail through the weights of its stages. */
+/* Moves the front back to theta: the states from their rows, the quadratures through the weights of its stages. */
 void gb_dense_cut(gb_sim *sim, double theta);
 
 #endif

@@ -27,7 +27,7 @@ static double rough_log2(double x) {
 }
 
 /* How far rounding moves each rate: the response to a change of the states in their last bits, of alternating sign. */
-static void measure_noise(gb_sim *sim, const double *tau) {
+static void measure_noise(gb_sim *sim, const double *time_terms) {
     const gb_model *model = sim->model;
     const int implicit = sim->method->gamma > 0.0;
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
@@ -35,13 +35,13 @@ static void measure_noise(gb_sim *sim, const double *tau) {
         const double bit = 2.0 * DBL_EPSILON * sim->control.largest[i];
         sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
     }
-    model->rhs(sim->par, sim->mode, tau, sim->z2, rate);
+    model->rhs(sim->par, sim->mode, time_terms, sim->z2, rate);
     sim->head->counts.rhs_calls++;
     for (int i = 0; i < model->n; i++) {
         rate[i] -= sim->k1[i];
     }
     if (implicit) {
-        gb_stiff_response(sim, rate);
+        gb_rosenbrock_response(sim, rate);
     }
     for (int i = 0; i < model->n; i++) {
         const double noise = fabs(rate[i]);
@@ -68,14 +68,14 @@ static double largest_in(const double *restrict peak, const double *restrict tri
     return most[0];
 }
 
-/* What the weights of a range of states are made of. least: a part of the largest of their kind; per_time: makes a size
- * of sim->control.least_scale; first, trial: by state, sizes in their own right. */
+/* What the error weights of a range of states are made of. least: a part of the largest of their kind; per_time: makes
+ * a scale of least_scale; first, trial: by state, scales in their own right. */
 typedef struct gb_sizes {
     double rtol, h, least, per_time;
     const double *first, *trial;
 } gb_sizes;
 
-/* The weights in [from, to); whether a state there has no size yet, for which the trial counts. */
+/* The error weights in [from, to); whether a state there has no scale yet, for which the trial counts. */
 static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
     const double *restrict peak = sim->control.largest, *restrict scale = sim->control.natural_scale,
                            *restrict noise = sim->control.noise;
@@ -95,17 +95,17 @@ static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
     return poor;
 }
 
-void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial) {
+void gb_error_weights(gb_sim *sim, double h, const double *time_terms, const double *trial) {
     gb_head *head = sim->head;
     const int n = sim->model->n, speeds = n - sim->model->n_speeds;
     const int implicit = sim->method->gamma > 0.0;
     if (head->counts.steps >= head->control.noise_at || (implicit && h > 4.0 * head->control.h_noise)) {
-        measure_noise(sim, tau);
+        measure_noise(sim, time_terms);
         head->control.h_noise = h;
         head->control.noise_at = 2 * head->counts.steps + 1;
     }
     if (implicit && head->counts.steps >= head->control.least_scale_at) {
-        gb_stiff_floor(sim);
+        gb_least_scales(sim);
         head->control.least_scale_at = head->counts.steps + head->counts.steps / 4 + 1;
     }
     gb_sizes sizes = {.rtol = head->options.rtol,
@@ -121,7 +121,7 @@ void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *
     head->control.t_weights = head->front.t1;
 }
 
-void gb_weights_grow(gb_sim *sim, const double *y) {
+void gb_scales_grow(gb_sim *sim, const double *y) {
     const double slack = sim->method->gamma > 0.0 ? sim->head->options.rtol / 1.1 : HUGE_VAL;
     double grown = 0.0;
     for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
@@ -232,7 +232,7 @@ static double last_norm(const gb_sim *sim) {
 /* How far the energies of the step just computed may be off, all together, without the factor h. */
 static double exchange_error(const gb_sim *sim, const gb_weights *e) {
     const gb_model *model = sim->model;
-    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_tail;
+    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_quadratures;
     double sum = 0.0;
     for (int i = from; i < to; i++) {
         double error = 0.0;
@@ -248,7 +248,7 @@ static double exchange_error(const gb_sim *sim, const gb_weights *e) {
  * sin wt at most (wh)^2/60 and (wh)^3/450 of it, so that third and second powers exceed the error (wh)^6/1512000. */
 static void exchange_bend(const gb_sim *sim, double *second, double *third) {
     const gb_model *model = sim->model;
-    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_tail;
+    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_quadratures;
     const size_t total = (size_t)model->n_total;
     const double *first = sim->k1, *end = sim->k + (size_t)sim->method->stages * total, *one = end + total,
                  *two = one + total, root = sqrt(5.0);
@@ -264,7 +264,7 @@ static double exchange_size(gb_sim *sim, int with_stored) {
     const gb_model *model = sim->model;
     gb_head *head = sim->head;
     double step = 0.0;
-    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_tail; i++) {
+    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_quadratures; i++) {
         step += fabs(sim->z[i] - sim->y0[i]);
     }
     if (with_stored) {

@@ -11,14 +11,15 @@
 
 #include "gb_internal.h"
 
-/* 1 / (rtol size + h noise). The size of a state is its largest value so far, its natural scale where the train knows
- * one, and before the first step what its rate gives; never less than a small part of the largest of its kind (a front
- * that runs along a chain is not followed into its last digit). `trial` counts too where a state has no size at all. */
-void gb_weights_refresh(gb_sim *sim, double h, const double *tau, const double *trial);
+/* Error weights 1 / (rtol scale + h noise). The tolerance scale of a state is its largest value so far, its natural
+ * scale where the train knows one, and before the first step what its rate gives; never less than a small part of the
+ * largest of its kind (a front that runs along a chain is not followed into its last digit). `trial` counts too where a
+ * state has no scale at all. */
+void gb_error_weights(gb_sim *sim, double h, const double *time_terms, const double *trial);
 
-/* Takes the front into the sizes of the states. The weights of an implicit method are
- * kept until a size is by a tenth beyond what they were made for: the tolerance lags behind on the safe side. */
-void gb_weights_grow(gb_sim *sim, const double *y);
+/* Takes the front into the tolerance scales. The error weights of an implicit method are kept until a scale is by a
+ * tenth beyond what they were made for: the tolerance lags behind on the safe side. */
+void gb_scales_grow(gb_sim *sim, const double *y);
 
 /* The state whose error decided. */
 int gb_worst_state(const gb_sim *sim);

@@ -3,7 +3,7 @@
 #include "gb_report.h"
 #include "gb_vector.h"
 
-int gb_columns(gb_sim *sim, int lanes, gb_lanes *at) {
+int gb_time_terms(gb_sim *sim, int lanes, gb_lanes *at) {
     for (int l = lanes; l < GB_LANES; l++) {
         at->t[l] = at->t[lanes - 1];
     }
@@ -13,18 +13,18 @@ int gb_columns(gb_sim *sim, int lanes, gb_lanes *at) {
             return code;
         }
     }
-    if (sim->model->n_time > 0) {
-        sim->model->times(sim->par, sim->mode, lanes, at->t, at->u, at->time_terms);
+    if (sim->model->n_time_terms > 0) {
+        sim->model->time_terms(sim->par, sim->mode, lanes, at->t, at->u, at->time_terms);
     }
     return GB_DONE;
 }
 
-int gb_columns_at(gb_sim *sim, double t) {
+int gb_time_terms_at(gb_sim *sim, double t) {
     sim->instant.t[0] = t;
-    return gb_columns(sim, 1, &sim->instant);
+    return gb_time_terms(sim, 1, &sim->instant);
 }
 
-int gb_point_columns(gb_sim *sim, const gb_point *at) {
+int gb_point_time_terms(gb_sim *sim, const gb_point *at) {
     const gb_model *model = sim->model;
     const int code = at->input ? GB_DONE : gb_input_values(sim, at->t, sim->scratch.inputs);
     const double *value = at->input ? at->input : sim->scratch.inputs, *mode = at->mode ? at->mode : sim->mode;
@@ -34,20 +34,20 @@ int gb_point_columns(gb_sim *sim, const gb_point *at) {
             sim->instant.u[i * GB_LANES + l] = value[i];
         }
     }
-    if (code == GB_DONE && model->n_time > 0) {
-        const int mean = at->means && model->means;
-        (mean ? model->means : model->times)(sim->par, mode, 1, sim->instant.t, sim->instant.u,
-                                             sim->instant.time_terms);
-        if (!mean && model->times_late) {
-            model->times_late(sim->par, mode, 1, sim->instant.t, sim->instant.u, sim->instant.time_terms);
+    if (code == GB_DONE && model->n_time_terms > 0) {
+        const int mean = at->means && model->mean_time_terms;
+        (mean ? model->mean_time_terms : model->time_terms)(sim->par, mode, 1, sim->instant.t, sim->instant.u,
+                                                            sim->instant.time_terms);
+        if (!mean && model->output_time_terms) {
+            model->output_time_terms(sim->par, mode, 1, sim->instant.t, sim->instant.u, sim->instant.time_terms);
         }
     }
     return code;
 }
 
-int gb_first_derivative(gb_sim *sim, const double *tau) {
+int gb_first_derivative(gb_sim *sim, const double *time_terms) {
     const gb_model *model = sim->model;
-    model->rhs_full(sim->par, sim->mode, tau, sim->y, sim->k1);
+    model->rhs_full(sim->par, sim->mode, time_terms, sim->y, sim->k1);
     sim->head->counts.rhs_calls++;
     if (!(gb_taint(sim->k1, model->n_total) == 0.0)) {
         return gb_check_finite(sim, GB_ERR_NAN_RATE, sim->k1, model->n_total, 0, sim->head->front.t1);
@@ -56,13 +56,13 @@ int gb_first_derivative(gb_sim *sim, const double *tau) {
     return GB_DONE;
 }
 
-int gb_surfaces_now(gb_sim *sim) {
-    if (sim->model->n_surfaces > sim->model->n_affine) {
-        const int code = gb_columns_at(sim, sim->head->front.t1);
+int gb_event_functions_now(gb_sim *sim) {
+    if (sim->model->n_event_functions > sim->model->n_affine) {
+        const int code = gb_time_terms_at(sim, sim->head->front.t1);
         if (code != GB_DONE) {
             return code;
         }
     }
-    sim->model->surfaces(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->events.s);
+    sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->events.s);
     return GB_DONE;
 }

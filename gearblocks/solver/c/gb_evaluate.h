@@ -5,20 +5,20 @@
 
 #include "gb_internal.h"
 
-/* Inputs and time columns at `lanes` instants; the last instant fills the lanes that are left. */
-int gb_columns(gb_sim *sim, int lanes, gb_lanes *at);
+/* Inputs and time terms at `lanes` instants; the last instant fills the lanes that are left. */
+int gb_time_terms(gb_sim *sim, int lanes, gb_lanes *at);
 
-/* The same at one instant, into tau_one. */
-int gb_columns_at(gb_sim *sim, double t);
+/* The same at one instant, into `instant`. */
+int gb_time_terms_at(gb_sim *sim, double t);
 
-/* Inputs and time columns of a point, into tau_one. gb_input_broadcast puts the lanes of constant inputs right again.
+/* Inputs and time terms of a point, into `instant`. gb_input_broadcast puts the lanes of constant inputs right again.
  */
-int gb_point_columns(gb_sim *sim, const gb_point *at);
+int gb_point_time_terms(gb_sim *sim, const gb_point *at);
 
 /* The derivative at the front, into k1. */
-int gb_first_derivative(gb_sim *sim, const double *tau);
+int gb_first_derivative(gb_sim *sim, const double *time_terms);
 
-/* The surfaces at the front, into s. */
-int gb_surfaces_now(gb_sim *sim);
+/* The event functions at the front, into events.s. */
+int gb_event_functions_now(gb_sim *sim);
 
 #endif

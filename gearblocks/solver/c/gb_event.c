@@ -6,7 +6,7 @@
 #include "gb_report.h"
 #include "gb_vector.h"
 
-/* -1 or 1: surface i is beyond its lower or upper limit by more than rounding. */
+/* -1 or 1: event function i is beyond its lower or upper limit by more than rounding. */
 static int beyond(const gb_sim *sim, int i) {
     const double s = sim->events.s[i], lo = sim->events.lo[i], hi = sim->events.hi[i];
     const double unit = 64.0 * DBL_EPSILON;
@@ -16,17 +16,17 @@ static int beyond(const gb_sim *sim, int i) {
     return sim->events.armed[i] != 1.0 && hi < HUGE_VAL && s > hi + unit * (fabs(s) + fabs(hi));
 }
 
-int gb_settle(gb_sim *sim, int log) {
+int gb_settle_modes(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
     int last = -1, code = GB_DONE;
     if (model->n_switches > 0) {
-        model->bounds(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
     }
-    for (int round = 0; round < GB_FLIPS && model->n_surfaces > 0; round++) {
+    for (int round = 0; round < GB_FLIPS && model->n_event_functions > 0; round++) {
         int changed = 0;
-        code = gb_surfaces_now(sim);
-        for (int i = 0; i < model->n_surfaces && code == GB_DONE; i++) {
-            if (sim->events.role[i] != GB_LOCKED && beyond(sim, i)) {
+        code = gb_event_functions_now(sim);
+        for (int i = 0; i < model->n_event_functions && code == GB_DONE; i++) {
+            if (sim->events.role[i] != GB_CONSTRAINED && beyond(sim, i)) {
                 const double mode = model->mode_at(sim->par, i, sim->events.s[i]);
                 if (mode == sim->mode[i]) {
                     return gb_fail(sim, GB_ERR_BRANCH, i, sim->head->front.t1, sim->events.s[i]);
@@ -41,7 +41,7 @@ int gb_settle(gb_sim *sim, int log) {
         if (!changed || code != GB_DONE) {
             return code;
         }
-        model->bounds(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
     }
     return last < 0 ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->front.t1, sim->events.s[last]);
 }
@@ -49,11 +49,11 @@ int gb_settle(gb_sim *sim, int log) {
 int gb_settle_all(gb_sim *sim, int log) {
     int code = GB_DONE;
     uint64_t modes = ~sim->head->events.mode_hash;
-    for (int round = 0; round < GB_FLIPS && sim->model->n_locks > 0 && code == GB_DONE; round++) {
-        code = gb_settle_locks(sim, log);
+    for (int round = 0; round < GB_FLIPS && sim->model->n_constraints > 0 && code == GB_DONE; round++) {
+        code = gb_switch_constraints(sim, log);
         modes = sim->head->events.mode_hash;
         if (code == GB_DONE && (!log || sim->head->options.locate)) {
-            code = gb_settle(sim, log);
+            code = gb_settle_modes(sim, log);
         }
         if (modes == sim->head->events.mode_hash) {
             break;
@@ -62,29 +62,30 @@ int gb_settle_all(gb_sim *sim, int log) {
     return code;
 }
 
-int gb_balance(gb_sim *sim, int starting) {
-    int code = sim->model->settle ? gb_columns_at(sim, sim->head->front.t1) : GB_DONE;
+int gb_balance_massless(gb_sim *sim, int starting) {
+    int code = sim->model->balance_massless ? gb_time_terms_at(sim, sim->head->front.t1) : GB_DONE;
     uint64_t modes = ~sim->head->events.mode_hash;
     for (int round = 0;
-         round < GB_FLIPS && sim->model->settle && code == GB_DONE && modes != sim->head->events.mode_hash; round++) {
+         round < GB_FLIPS && sim->model->balance_massless && code == GB_DONE && modes != sim->head->events.mode_hash;
+         round++) {
         modes = sim->head->events.mode_hash;
-        sim->model->settle(sim->par, sim->mode, sim->instant.time_terms, sim->y, starting);
-        code = gb_settle(sim, !starting);
+        sim->model->balance_massless(sim->par, sim->mode, sim->instant.time_terms, sim->y, starting);
+        code = gb_settle_modes(sim, !starting);
     }
     return code;
 }
 
-static int flip_due(gb_sim *sim) {
+static int flip_pending(gb_sim *sim) {
     int code = GB_DONE;
     for (int i = 0; i < sim->model->n_switches && code == GB_DONE; i++) {
-        const double due = sim->events.pending[i];
-        if (due == 0.0 || sim->events.role[i] == GB_LOCKED) {
+        const double pending = sim->events.pending[i];
+        if (pending == 0.0 || sim->events.role[i] == GB_CONSTRAINED) {
             continue;
         }
         sim->events.pending[i] = 0.0;
-        if (fabs(due) == 1.0) {
-            gb_set_mode(sim, i, gb_far_side(sim, i, due), sim->events.role[i] == GB_ORDINARY);
-            sim->events.armed[i] = -due;
+        if (fabs(pending) == 1.0) {
+            gb_set_mode(sim, i, gb_far_side(sim, i, pending), sim->events.role[i] == GB_ORDINARY);
+            sim->events.armed[i] = -pending;
             sim->head->events.armed = 1;
             code = gb_count_flip(sim, i);
         } else {
@@ -104,17 +105,17 @@ static void recall_step(gb_sim *sim) {
 }
 
 /* States that take a value as the modes change. */
-static int hold_states(gb_sim *sim) {
-    const int code = gb_columns_at(sim, sim->head->front.t1);
+static int update_states(gb_sim *sim) {
+    const int code = gb_time_terms_at(sim, sim->head->front.t1);
     if (code == GB_DONE) {
-        sim->model->hold(sim->par, sim->events.mode_before, sim->mode, sim->instant.time_terms, sim->y);
+        sim->model->update_states(sim->par, sim->events.mode_before, sim->mode, sim->instant.time_terms, sim->y);
     }
     return code;
 }
 
 int gb_apply_event(gb_sim *sim) {
     gb_head *head = sim->head;
-    if (sim->model->hold != NULL) {
+    if (sim->model->update_states != NULL) {
         memcpy(sim->events.mode_before, sim->mode, sizeof(double) * (size_t)sim->model->n_switches);
     }
     const uint64_t modes = head->events.mode_hash;
@@ -129,28 +130,28 @@ int gb_apply_event(gb_sim *sim) {
     if (timed) {
         gb_input_find(sim, head->front.t1, 1);
     }
-    int code = flip_due(sim);
+    int code = flip_pending(sim);
     if (code == GB_DONE && head->options.locate) {
-        code = gb_settle(sim, 1);
+        code = gb_settle_modes(sim, 1);
     } else if (code == GB_DONE && sim->model->n_switches > 0) {
-        sim->model->bounds(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
     }
     if (code == GB_DONE) {
         code = gb_settle_all(sim, 1);
     }
     if (code == GB_DONE) {
-        code = gb_balance(sim, 0);
+        code = gb_balance_massless(sim, 0);
     }
     if (timed) {
         gb_refresh_breaks(sim, 0);
     }
-    if (code == GB_DONE && sim->model->hold != NULL) {
-        code = hold_states(sim);
+    if (code == GB_DONE && sim->model->update_states != NULL) {
+        code = update_states(sim);
     }
     if (head->events.mode_hash != modes) {
         recall_step(sim);
     }
-    if (sim->model->n_locks > 0) { /* a step much longer than a bounce could not tell the bounce */
+    if (sim->model->n_constraints > 0) { /* a step much longer than a bounce could not tell the bounce */
         head->control.h_next = gb_min(head->control.h_next, 2.0 * sim->events.flight);
     }
     return code;

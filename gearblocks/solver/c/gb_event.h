@@ -6,15 +6,15 @@
 #include "gb_internal.h"
 
 /* Makes the limits follow the modes and flips what is inconsistent, until nothing is. */
-int gb_settle(gb_sim *sim, int log);
+int gb_settle_modes(gb_sim *sim, int log);
 
-/* What sticks, and what else flips because of it. */
+/* Switches the constraints, and what else flips because of it. */
 int gb_settle_all(gb_sim *sim, int log);
 
-/* Shafts without inertia into balance, and the modes that belong to it. */
-int gb_balance(gb_sim *sim, int starting);
+/* Puts massless groups into balance, and takes the modes that belong to it. */
+int gb_balance_massless(gb_sim *sim, int starting);
 
-/* Carries out what is due at the front. */
+/* Carries out what is pending at the front. */
 int gb_apply_event(gb_sim *sim);
 
 #endif

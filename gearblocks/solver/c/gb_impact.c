@@ -6,17 +6,17 @@
 /* Stops whose impacts follow on each other within what can be told apart come to rest. */
 static double restitution(const gb_sim *sim, int i) {
     const gb_head *head = sim->head;
-    const double pause = head->front.t1 - sim->events.flip_time[sim->model->locks[i].slip];
+    const double pause = head->front.t1 - sim->events.flip_time[sim->model->constraints[i].slip];
     return pause <= 64.0 * gb_rounding(head->front.t1, head->front.h) ? 0.0 : sim->constraints.bounds[5 * i + 2];
 }
 
-/* Bounds of the impulse of lock i and the slip that it must undo; 0: it takes no part. */
+/* Bounds of the impulse of constraint i and the slip that it must undo; 0: it takes no part. */
 static int takes_impulse(const gb_sim *sim, int i, double *lo, double *hi, double *undo) {
-    const double slip = sim->constraints.slip[i], *limit = sim->constraints.bounds + 5 * i;
-    *lo = limit[0] <= -HUGE_VAL ? -HUGE_VAL : 0.0;
-    *hi = limit[1] >= HUGE_VAL ? HUGE_VAL : 0.0;
+    const double slip = sim->constraints.slip[i], *bounds = sim->constraints.bounds + 5 * i;
+    *lo = bounds[0] <= -HUGE_VAL ? -HUGE_VAL : 0.0;
+    *hi = bounds[1] >= HUGE_VAL ? HUGE_VAL : 0.0;
     *undo = slip;
-    if (!gb_does_rub(sim, i) || sim->model->locks[i].kind == GB_LOSS || (*lo == 0.0 && *hi == 0.0)) {
+    if (!gb_is_engaged(sim, i) || sim->model->constraints[i].kind == GB_LOSS || (*lo == 0.0 && *hi == 0.0)) {
         return 0;
     }
     if (gb_is_stop(sim, i)) {
@@ -26,44 +26,44 @@ static int takes_impulse(const gb_sim *sim, int i, double *lo, double *hi, doubl
     return 1;
 }
 
-/* What an impact did to lock i: its loss, states and event. */
+/* What an impact did to constraint i: its loss, states and event. */
 static void note_impact(gb_sim *sim, int i, double impulse, double before, double after) {
-    const gb_lock *lock = &sim->model->locks[i];
+    const gb_constraint *constraint = &sim->model->constraints[i];
     const double lost = -0.5 * impulse * (before + after);
-    if (lock->impulse >= 0) {
-        sim->y[lock->impulse] = impulse;
+    if (constraint->impulse >= 0) {
+        sim->y[constraint->impulse] = impulse;
     }
-    if (lock->impacts >= 0) {
-        sim->y[lock->impacts] += 1.0;
+    if (constraint->impacts >= 0) {
+        sim->y[constraint->impacts] += 1.0;
     }
-    if (lock->loss >= 0) {
-        sim->y[lock->loss] += lost;
+    if (constraint->loss >= 0) {
+        sim->y[constraint->loss] += lost;
         sim->head->ledger.turnover += fabs(lost);
     }
-    gb_log(sim, lock->slip, 2, before, after);
+    gb_log(sim, constraint->slip, 2, before, after);
 }
 
-/* Impulses on the locks; what prescribed motions supply to them counts as turned over. */
-static void push(gb_sim *sim, const double *impulse) {
+/* Applies impulses along the constraints; what prescribed motions supply to them counts as turnover. */
+static void apply_impulses(gb_sim *sim, const double *impulse) {
     const gb_model *model = sim->model;
     memcpy(sim->z2, sim->y, sizeof(double) * (size_t)model->n_total);
-    model->push(sim->par, sim->mode, sim->instant.time_terms, impulse, sim->y);
-    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_tail; i++) {
+    model->apply_impulses(sim->par, sim->mode, sim->instant.time_terms, impulse, sim->y);
+    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_quadratures; i++) {
         sim->head->ledger.turnover += fabs(sim->y[i] - sim->z2[i]);
     }
 }
 
 int gb_impact(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const int n = model->n_locks;
+    const int n = model->n_constraints;
     int *index = sim->constraints.index, count = 0, struck = 0;
     double *b = sim->constraints.right, *lo = sim->constraints.lo, *hi = sim->constraints.hi,
            *p = sim->constraints.force;
     for (int i = 0; i < n; i++) {
         if (takes_impulse(sim, i, &lo[count], &hi[count], &b[count])) {
-            const gb_lock *lock = &model->locks[i];
-            const int met = lock->kind == GB_FRICTION &&
-                            sim->events.pending[lock->slip] != 0.0; /* its slip has just come to zero */
+            const gb_constraint *constraint = &model->constraints[i];
+            const int met = constraint->kind == GB_FRICTION &&
+                            sim->events.pending[constraint->slip] != 0.0; /* its slip has just come to zero */
             const double w = met ? 0.0 : b[count], rounding = sim->constraints.slip_rounding[i];
             struck = struck || (w < -rounding && hi[count] > 0.0) || (w > rounding && lo[count] < 0.0);
             index[count++] = i;
@@ -72,8 +72,8 @@ int gb_impact(gb_sim *sim) {
     if (!struck) {
         return GB_DONE;
     }
-    model->pulls(sim->par, sim->mode, sim->instant.time_terms, sim->y, 0, sim->constraints.delassus);
-    if (gb_solve_problem(sim, count) != GB_DONE || gb_refuse_tie_up(sim, count) != GB_DONE) {
+    model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->y, 0, sim->constraints.delassus);
+    if (gb_solve_problem(sim, count) != GB_DONE || gb_refuse_contradiction(sim, count) != GB_DONE) {
         return sim->head->report.code;
     }
     double *whole = sim->constraints.other, *before = sim->constraints.slip_before;
@@ -82,13 +82,13 @@ int gb_impact(gb_sim *sim) {
     for (int i = 0; i < count; i++) {
         whole[index[i]] = p[i];
     }
-    push(sim, whole);
+    apply_impulses(sim, whole);
     gb_slips_now(sim);
     for (int i = 0; i < n; i++) {
         const double rounding = sim->constraints.slip_rounding[i],
                      own = fabs(whole[i]) * sim->constraints.delassus[i * n + i];
         const double lost = fabs(before[i]) > rounding && own > 1e-6 * fabs(before[i]) ? fabs(whole[i]) : 0.0;
-        if (lost > 0.0 && (gb_is_stop(sim, i) || gb_is_unlimited(sim, i) || !gb_is_stuck(sim, i))) {
+        if (lost > 0.0 && (gb_is_stop(sim, i) || gb_is_unbounded(sim, i) || !gb_is_active(sim, i))) {
             note_impact(sim, i, whole[i], before[i], sim->constraints.slip[i]);
         }
         sim->constraints.struck[i] = lost > 0.0;

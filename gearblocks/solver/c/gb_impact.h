@@ -1,5 +1,5 @@
 /* Impacts: stops that are hit and unbounded constraints that close on a slip, all at once:
- *     G v+ = G v- + W p,   find p (impulses) with  G v+ >= -e G v-  complementary to p >= 0  (locks: G v+ = 0),
+ *     G v+ = G v- + W p,   find p (impulses) with  G v+ >= -e G v-  complementary to p >= 0  (constraints: G v+ = 0),
  * W the Delassus matrix, e the restitution (Newton). Friction with a bound transmits no impulse.
  * Source: Pfeiffer and Glocker 1996, with Newton's law in place of Poisson's.
  * Knows nothing of forces. */
@@ -8,7 +8,7 @@
 
 #include "gb_internal.h"
 
-/* Impulses where a stop is hit or an unlimited lock slips; slips after it. */
+/* Applies impulses where a stop is hit or an unbounded constraint slips; constraints.slip: slips after it. */
 int gb_impact(gb_sim *sim);
 
 #endif

@@ -29,23 +29,23 @@ typedef struct gb_weights {
 
 /* Who decides about the mode of a switch: its event function alone, all switched constraints together, or its event
  * function without an event of its own. */
-enum { GB_ORDINARY, GB_LOCKED, GB_SILENT };
+enum { GB_ORDINARY, GB_CONSTRAINED, GB_SILENT };
 
 /* A one-step method; see Tableau in methods.py and, for implicit ones (gamma > 0), Rosenbrock in rosenbrock.py. */
 typedef struct gb_method {
     int order, stages, all_stages, rows, n_errors, error_order;
     double beta, c[GB_STAGES];
-    int full[GB_STAGES];                    /* the tail is needed at this stage */
+    int full[GB_STAGES];                    /* quadratures are needed at this stage */
     gb_weights a[GB_STAGES];                /* row `stages` is b */
     gb_weights e[2];                        /* error estimates */
     gb_weights d[GB_ROWS];                  /* dense rows; the first three are formed without them */
-    double dense[GB_ROWS][GB_STAGES];       /* those of the tail in full */
+    double dense[GB_ROWS][GB_STAGES];       /* those of the quadratures in full */
     double gamma;                           /* 0: explicit */
     double slope[GB_STAGES];                /* weights of h df/dt */
     double stage[GB_STAGES][2][GB_STAGES];  /* of the stages before: in the state, in the right side */
     double points[1 + GB_NODES][GB_STAGES]; /* of the stages: the new state, the states at the nodes */
     double inside[GB_NODES + 2][GB_STAGES]; /* dense rows in full */
-    gb_weights tail[GB_ROWS];               /* dense rows of the tail */
+    gb_weights quadratures[GB_ROWS];        /* dense rows of the quadratures */
 } gb_method;
 
 typedef struct gb_source {
@@ -174,7 +174,7 @@ struct gb_event_log {
 /* The step matrix of an implicit method (GB_AUTO looks at it too). */
 struct gb_implicit {
     double *diag, *inverse, *lower, *upper; /* factors, see gb_sparse_ldu.h */
-    double *kinematic;                      /* what eliminates the kinematic states */
+    double *kinematic_terms;                /* what eliminates the kinematic states */
     double *work, *unknown;
     int *colour, *link, n_colours; /* by unknown; by kinematic state and colour: the unknown in its rate, or -1 */
     double *gain;                  /* and one over its factor */

@@ -14,7 +14,7 @@
 #include <string.h>
 
 /* Solves A x = b for n unknowns with row exchanges; A (row length `stride`) and b are overwritten. 0: singular. */
-static inline int gb_lock_solve(int n, int stride, double *A, int n_right, double *b) {
+static inline int gb_gauss_jordan(int n, int stride, double *A, int n_right, double *b) {
     for (int k = 0; k < n; k++) {
         int best = k;
         for (int i = k + 1; i < n; i++) {
@@ -52,8 +52,8 @@ static inline int gb_lock_solve(int n, int stride, double *A, int n_right, doubl
 }
 
 /* The unknowns inside their bounds, from those at a bound: x of the `free` ones in inside[]. */
-static inline void gb_lock_inside(int n, const double *A, const double *b, const int *side, int free, const int *inside,
-                                  double *x) {
+static inline void gb_lcp_inside(int n, const double *A, const double *b, const int *side, int free, const int *inside,
+                                 double *x) {
     double part[n * n + 1], right[n + 1];
     for (int p = 0; p < free; p++) {
         right[p] = -b[inside[p]];
@@ -64,7 +64,7 @@ static inline void gb_lock_inside(int n, const double *A, const double *b, const
             part[p * free + q] = A[inside[p] * n + inside[q]];
         }
     }
-    gb_lock_solve(free, free, part, 1, right);
+    gb_gauss_jordan(free, free, part, 1, right);
     for (int p = 0; p < free; p++) {
         x[inside[p]] = right[p];
     }
@@ -72,8 +72,8 @@ static inline void gb_lock_inside(int n, const double *A, const double *b, const
 
 /* Where each unknown should be instead, -1, 0 or 1 as `side`; returns how many are elsewhere, the last of them in
  * *last. */
-static inline int gb_lock_misplaced(int n, const double *A, const double *b, const double *lo, const double *hi,
-                                    const double *x, const int *side, int *want, int *last) {
+static inline int gb_lcp_misplaced(int n, const double *A, const double *b, const double *lo, const double *hi,
+                                   const double *x, const int *side, int *want, int *last) {
     int bad = 0;
     double largest = 0.0; /* its rounding passes into all the others */
     for (int i = 0; i < n; i++) {
@@ -102,8 +102,8 @@ static inline int gb_lock_misplaced(int n, const double *A, const double *b, con
 
 /* Block principal pivoting. All that are misplaced change at once, after ten rounds without fewer of them the last one
  * alone (a least index rule, counted from behind). 0: not found. */
-static inline int gb_lock_pivoting(int n, const double *A, const double *b, const double *lo, const double *hi,
-                                   double *x) {
+static inline int gb_lcp_pivoting(int n, const double *A, const double *b, const double *lo, const double *hi,
+                                  double *x) {
     int side[n + 1], inside[n + 1], want[n + 1], fewest = n + 1, patience = 10;
     for (int i = 0; i < n; i++) {
         side[i] = 0;
@@ -117,8 +117,8 @@ static inline int gb_lock_pivoting(int n, const double *A, const double *b, cons
                 x[i] = side[i] < 0 ? lo[i] : hi[i];
             }
         }
-        gb_lock_inside(n, A, b, side, free, inside, x);
-        const int bad = gb_lock_misplaced(n, A, b, lo, hi, x, side, want, &last);
+        gb_lcp_inside(n, A, b, side, free, inside, x);
+        const int bad = gb_lcp_misplaced(n, A, b, lo, hi, x, side, want, &last);
         if (bad == 0) {
             return 1;
         }
@@ -137,7 +137,7 @@ static inline int gb_lock_pivoting(int n, const double *A, const double *b, cons
 
 /* The same for a matrix that may be singular: among the solutions about the smallest x, by steps of a proximal method.
  */
-static inline int gb_lock_box(int n, const double *A, const double *b, const double *lo, const double *hi, double *x) {
+static inline int gb_lcp_solve(int n, const double *A, const double *b, const double *lo, const double *hi, double *x) {
     double lifted[n * n + 1], right[n + 1], most = 0.0;
     for (int i = 0; i < n; i++) {
         x[i] = 0.0;
@@ -152,7 +152,7 @@ static inline int gb_lock_box(int n, const double *A, const double *b, const dou
         for (int i = 0; i < n; i++) {
             right[i] = b[i] - lift * x[i];
         }
-        if (!gb_lock_pivoting(n, lifted, right, lo, hi, x)) {
+        if (!gb_lcp_pivoting(n, lifted, right, lo, hi, x)) {
             return 0;
         }
     }

@@ -4,11 +4,11 @@
 #include "gb_modes.h"
 #include "gb_vector.h"
 
-/* One polynomial along the step in nested form, and how far it is from one limit:
- * gauge(th) = start + sign th P(th), or sign P(th) when it sits on the limit. Negative: the mode has been left. */
+/* One polynomial along the step in nested form, and how far it is from one limit: gauge(th) = start + sign th P(th), or
+ * sign P(th) when it is armed there. Negative: the mode has been left. */
 typedef struct gauge {
     const double *row;
-    int stride, rows, sitting;
+    int stride, rows, armed;
     double start, sign;
 } gauge;
 
@@ -44,18 +44,18 @@ static double gauge_at(const gauge *g, double theta, double *slope) {
         d = d * factor + direction * p;
         p = g->row[(size_t)m * (size_t)g->stride] + factor * p;
     }
-    *slope = g->sign * (g->sitting ? d : p + theta * d);
-    return g->sitting ? g->sign * p : g->start + g->sign * theta * p;
+    *slope = g->sign * (g->armed ? d : p + theta * d);
+    return g->armed ? g->sign * p : g->start + g->sign * theta * p;
 }
 
 static void gauge_fill(const gauge *g, const double *restrict p, const double *restrict d, gauge_samples *out) {
     const double r0 = g->row[0], r1 = g->row[g->stride], r2 = g->row[2 * (size_t)g->stride];
     const double r3 = g->rows > 3 ? g->row[3 * (size_t)g->stride] : 0.0;
-    out->value[0] = g->sitting ? g->sign * (r0 + r1) : g->start;
-    out->slope[0] = g->sign * (g->sitting ? (r2 + r3) - r1 : r0 + r1);
+    out->value[0] = g->armed ? g->sign * (r0 + r1) : g->start;
+    out->slope[0] = g->sign * (g->armed ? (r2 + r3) - r1 : r0 + r1);
     for (int l = 0; l < GB_EIGHTHS; l++) {
-        out->value[l + 1] = g->sitting ? g->sign * p[l] : g->start + g->sign * eighths[l] * p[l];
-        out->slope[l + 1] = g->sign * (g->sitting ? d[l] : p[l] + eighths[l] * d[l]);
+        out->value[l + 1] = g->armed ? g->sign * p[l] : g->start + g->sign * eighths[l] * p[l];
+        out->slope[l + 1] = g->sign * (g->armed ? d[l] : p[l] + eighths[l] * d[l]);
     }
 }
 
@@ -112,18 +112,18 @@ static int may_dip(double width, double fa, double fb, double da, double db) {
     return lowest < 0.1 * width * gb_max(-da, db);
 }
 
-/* It sits on the limit and leaves it no faster than rounding, but bends to the right side, as a slip does after a
+/* It is armed on the limit and leaves it no faster than rounding, but bends to the right side, as a slip does after a
  * smooth break-away. */
 static int starts_level(const gauge *g, const gauge_samples *at) {
     double most = 0.0;
     for (int l = 0; l < GB_EIGHTHS; l++) {
         most = gb_max(most, fabs(at->value[l + 1]));
     }
-    return g->sitting && at->value[0] > -1e-9 * most && at->slope[0] > 0.0;
+    return g->armed && at->value[0] > -1e-9 * most && at->slope[0] > 0.0;
 }
 
-/* A quantity that sits on its limit and is beyond it at b may have moved inside first, however shortly: looked for ever
- * closer to the start. Its return, or 0 where it was never inside. */
+/* An event function that is armed on its limit and beyond it at b may have moved inside first, however shortly: looked
+ * for ever closer to the start. Its return, or 0 where it was never inside. */
 static double gauge_return(const gauge *g, double b, double fb, double tolerance) {
     double slope;
     for (double a = 0.25 * b; a > tolerance; a *= 0.25) {
@@ -140,7 +140,7 @@ static double gauge_return(const gauge *g, double b, double fb, double tolerance
 /* The first theta at which the gauge turns negative, or 2. */
 static double gauge_first(const gauge *g, const gauge_samples *at, double tolerance) {
     const double width = 1.0 / GB_EIGHTHS;
-    if (g->sitting && at->slope[0] > 0.0 && at->value[1] < 0.0) {
+    if (g->armed && at->slope[0] > 0.0 && at->value[1] < 0.0) {
         const double back = gauge_return(g, width, at->value[1], tolerance);
         if (back > 0.0) {
             return back;
@@ -185,9 +185,9 @@ static double first_through(gb_sim *sim, int i, double side, const double *p, co
     }
     const double rounding = gb_limit_rounding(sim, i, limit);
     g.start = side < 0.0 ? s - limit : limit - s;
-    g.sitting = sim->events.armed[i] == side || g.start <= rounding;
+    g.armed = sim->events.armed[i] == side || g.start <= rounding;
     gauge_fill(&g, p, d, &at);
-    if (g.sitting && (at.value[0] < 0.0 || sim->events.flips[i] > 1.0) && !moves_away(&at, rounding)) {
+    if (g.armed && (at.value[0] < 0.0 || sim->events.flips[i] > 1.0) && !moves_away(&at, rounding)) {
         return 2.0;
     }
     return gauge_first(&g, &at, tolerance);
@@ -220,19 +220,19 @@ static int is_far(const gb_sim *sim, int i) {
     return outside == 0.0;
 }
 
-static void slopes_along(gb_sim *sim, int from, int to) {
+static void directions_along(gb_sim *sim, int from, int to) {
     for (int m = from; m < to; m++) {
         sim->model->directions(sim->par, sim->rows + (size_t)m * (size_t)sim->model->n_total,
                                sim->events.slopes + (size_t)m * (size_t)sim->model->n_affine);
     }
 }
 
-/* The affine surfaces; fills root and side. */
+/* The affine event functions; fills located and side. */
 static int watch_all_affine(gb_sim *sim, double tolerance) {
     const int n = sim->model->n_affine;
     int complete = 0;
     gb_dense_hermite(sim);
-    slopes_along(sim, 0, 3);
+    directions_along(sim, 0, 3);
     for (int i = 0; i < n; i++) {
         sim->events.located[i] = 2.0;
         if (is_far(sim, i)) {
@@ -242,7 +242,7 @@ static int watch_all_affine(gb_sim *sim, double tolerance) {
             if (gb_dense_complete(sim) != GB_DONE) {
                 return sim->head->report.code;
             }
-            slopes_along(sim, 3, sim->method->rows);
+            directions_along(sim, 3, sim->method->rows);
             complete = 1;
         }
         watch_affine(sim, i, tolerance);
@@ -250,23 +250,23 @@ static int watch_all_affine(gb_sim *sim, double tolerance) {
     return GB_DONE;
 }
 
-int gb_watch(gb_sim *sim, double *theta) {
+int gb_locate(gb_sim *sim, double *theta) {
     const gb_model *model = sim->model;
     const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
     double first = 2.0;
     int code = GB_DONE;
-    model->surfaces(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->events.s0);
+    model->event_functions(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->events.s0);
     if (model->n_affine > 0) {
         code = watch_all_affine(sim, tolerance);
     }
-    if (code == GB_DONE && model->n_surfaces > model->n_affine) {
-        code = gb_watch_general(sim);
+    if (code == GB_DONE && model->n_event_functions > model->n_affine) {
+        code = gb_locate_sampled(sim);
     }
-    for (int i = 0; i < model->n_surfaces; i++) {
+    for (int i = 0; i < model->n_event_functions; i++) {
         first = gb_min(first, sim->events.located[i]);
     }
     if (code == GB_DONE && first <= 1.0) {
-        for (int i = 0; i < model->n_surfaces; i++) {
+        for (int i = 0; i < model->n_event_functions; i++) {
             sim->events.pending[i] = sim->events.located[i] <= first + tolerance ? sim->events.side[i] : 0.0;
         }
     }

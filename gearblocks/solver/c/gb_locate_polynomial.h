@@ -10,6 +10,6 @@
 #include "gb_internal.h"
 
 /* The first event inside the step just computed, as theta (2: none); all switches that flip there are marked. */
-int gb_watch(gb_sim *sim, double *theta);
+int gb_locate(gb_sim *sim, double *theta);
 
 #endif

@@ -4,23 +4,23 @@
 #include "gb_modes.h"
 #include "gb_vector.h"
 
-enum { CLOSEST = 7 };             /* halvings of a quarter of a step, in search of a dip of a held force */
+enum { CLOSEST = 7 };             /* halvings of a quarter of a step, in search of a dip of a constraint force */
 enum { POINTS = GB_EIGHTHS + 2 }; /* the start, one close to it, and the eighths */
 
 static const double places[POINTS] = {0.0, 0.03125, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
 
-/* All surfaces at theta, into s. */
-static int surfaces_at(gb_sim *sim, double theta, double *s) {
+/* All event functions at theta, into s. */
+static int event_functions_at(gb_sim *sim, double theta, double *s) {
     const gb_head *head = sim->head;
-    const int code = gb_columns_at(sim, head->front.t0 + theta * head->front.h);
+    const int code = gb_time_terms_at(sim, head->front.t0 + theta * head->front.h);
     if (code == GB_DONE) {
         gb_dense_states(sim, theta, sim->z2);
-        sim->model->surfaces(sim->par, sim->mode, sim->instant.time_terms, sim->z2, s);
+        sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->z2, s);
     }
     return code;
 }
 
-/* Distance of surface i to its limit `side`; from its start value where it sits on the limit. */
+/* Distance of event function i to its limit `side`; from its start value where it is armed there. */
 static double distance(const gb_sim *sim, int i, double side, double s) {
     const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
     const double rounding = gb_limit_rounding(sim, i, limit);
@@ -38,7 +38,7 @@ static int true_root(gb_sim *sim, int i, double side, double a, double b, double
         if (count % 4 == 3 || !(x > a && x < b)) {
             x = 0.5 * (a + b);
         }
-        code = surfaces_at(sim, x, sim->events.s);
+        code = event_functions_at(sim, x, sim->events.s);
         const double f = distance(sim, i, side, sim->events.s[i]);
         if (f < 0.0) {
             b = x;
@@ -62,7 +62,7 @@ static int true_dip(gb_sim *sim, int i, double side, double a, double m, double 
     *f = fm;
     for (int count = 0; count < 30 && *f >= 0.0 && b - a > 1e-5 && code == GB_DONE; count++) {
         const double trial = b - m > m - a ? m + golden * (b - m) : m - golden * (m - a);
-        code = surfaces_at(sim, trial, sim->events.s);
+        code = event_functions_at(sim, trial, sim->events.s);
         const double value = distance(sim, i, side, sim->events.s[i]);
         if (value < *f) {
             if (trial > m) {
@@ -87,14 +87,14 @@ static int may_dip(double before, double here, double after) {
     return here <= before && here <= after && here < 0.5 * drop;
 }
 
-/* A surface that sits on its limit and is beyond it at b, by -fb: it may have moved inside first. Between 0 and b that
- * is looked for ever closer to the start; the root is the return, or 0 where the surface was never inside. */
+/* An event function that is armed on its limit and beyond it at b, by -fb: it may have moved inside first. Between 0
+ * and b that is looked for ever closer to the start; the root is the return, or 0 where it was never inside. */
 static int return_root(gb_sim *sim, int i, double side, double b, double fb, double tolerance, double *root) {
     const double rounding = gb_limit_rounding(sim, i, 0.0);
     int code = GB_DONE;
     *root = 0.0;
     for (double a = 0.0625 * b; fb < -rounding && a > tolerance && code == GB_DONE; a *= 0.0625) {
-        code = surfaces_at(sim, a, sim->events.s);
+        code = event_functions_at(sim, a, sim->events.s);
         const double fa = distance(sim, i, side, sim->events.s[i]);
         if (code == GB_DONE && fa > rounding) {
             return true_root(sim, i, side, a, b, fa, fb, tolerance, root);
@@ -113,7 +113,7 @@ static int end_dip(gb_sim *sim, int i, double side, double low, double next, dou
         return GB_DONE;
     }
     const double inside = low + 1e-3 * (next - low);
-    int code = surfaces_at(sim, inside, sim->events.s);
+    int code = event_functions_at(sim, inside, sim->events.s);
     const double there = distance(sim, i, side, sim->events.s[i]);
     if (code != GB_DONE || there >= f) {
         return code;
@@ -127,8 +127,8 @@ static int end_dip(gb_sim *sim, int i, double side, double low, double next, dou
     return code;
 }
 
-/* Does a held force reach its limit between samples at a, m and b that are far apart beside what its limits do? Looks
- * closer until what bends is small beside the distance to the limit. */
+/* Does a constraint force reach its bound between samples at a, m and b that are far apart beside what its bounds do?
+ * Looks closer until what bends is small beside the distance to the bound. */
 static int look_closer(gb_sim *sim, int i, double side, double a, double b, const double *f, double bend, int depth,
                        double tolerance, double *first) {
     const double least = gb_min(gb_min(f[0], f[1]), f[2]), most = gb_max(gb_max(f[0], f[1]), f[2]);
@@ -138,7 +138,7 @@ static int look_closer(gb_sim *sim, int i, double side, double a, double b, cons
     }
     double at[5] = {f[0], 0.0, f[1], 0.0, f[2]};
     for (int q = 1; q < 4; q += 2) {
-        const int code = surfaces_at(sim, a + q * width, sim->events.s);
+        const int code = event_functions_at(sim, a + q * width, sim->events.s);
         at[q] = distance(sim, i, side, sim->events.s[i]);
         if (code != GB_DONE || at[q] < 0.0) {
             const double x = a + (q - 1) * width;
@@ -157,8 +157,8 @@ static int look_closer(gb_sim *sim, int i, double side, double a, double b, cons
     return GB_DONE;
 }
 
-/* The quarters of the step before *first for a held force. */
-static int look_at_hold(gb_sim *sim, int i, double side, const double *f, double tolerance, double *first) {
+/* The quarters of the step before *first for a constraint force. */
+static int look_at_force(gb_sim *sim, int i, double side, const double *f, double tolerance, double *first) {
     /* how far the sample at 1/32 lies off the parabola through those at 0, 1/8 and 1/4: samples alone could all be
      * equal */
     const double bend = fabs(f[1] - (21.0 * f[0] + 14.0 * f[2] - 3.0 * f[3]) / 32.0);
@@ -175,9 +175,9 @@ static int look_at_hold(gb_sim *sim, int i, double side, const double *f, double
     return GB_DONE;
 }
 
-/* When surface i leaves through its limit `side`, by its samples. */
+/* When event function i leaves through its limit `side`, by its samples. */
 static int first_seen(gb_sim *sim, int i, double side, double tolerance, double *first) {
-    const int n = sim->model->n_surfaces;
+    const int n = sim->model->n_event_functions;
     double f[POINTS];
     *first = 2.0;
     if (fabs(side < 0.0 ? sim->events.lo[i] : sim->events.hi[i]) >= HUGE_VAL) {
@@ -186,22 +186,22 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
     for (int l = 0; l < POINTS; l++) {
         f[l] = distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
     }
-    const int sitting = f[0] == 0.0;
+    const int armed = f[0] == 0.0;
     const double rounding = gb_limit_rounding(sim, i, 0.0);
-    if (!sitting) {
+    if (!armed) {
         const int code = end_dip(sim, i, side, 0.0, places[1], f[0], f[1], tolerance, first);
         if (code != GB_DONE || *first <= 1.0) {
             return code;
         }
     }
     for (int l = 1; l < POINTS; l++) {
-        if (f[l] < (sitting ? -rounding : 0.0)) {
-            if (sitting && l == 1) {
+        if (f[l] < (armed ? -rounding : 0.0)) {
+            if (armed && l == 1) {
                 return return_root(sim, i, side, places[l], f[l], tolerance, first);
             }
             return true_root(sim, i, side, places[l - 1], places[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
         }
-        if (l + 1 < POINTS && f[l + 1] >= 0.0 && !(sitting && l == 1) && may_dip(f[l - 1], f[l], f[l + 1])) {
+        if (l + 1 < POINTS && f[l + 1] >= 0.0 && !(armed && l == 1) && may_dip(f[l - 1], f[l], f[l + 1])) {
             double x, value;
             const int code = true_dip(sim, i, side, places[l - 1], places[l], places[l + 1], f[l], &x, &value);
             if (code != GB_DONE || value < 0.0) {
@@ -214,25 +214,25 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
     return end_dip(sim, i, side, 1.0, places[POINTS - 2], f[POINTS - 1], f[POINTS - 2], tolerance, first);
 }
 
-/* The same; of a held force also between samples. */
+/* The same; of a constraint force also between samples. */
 static int first_through(gb_sim *sim, int i, double side, double tolerance, double *first) {
-    const int n = sim->model->n_surfaces;
+    const int n = sim->model->n_event_functions;
     double f[POINTS];
     const int code = first_seen(sim, i, side, tolerance, first);
-    if (code != GB_DONE || sim->events.role[i] != GB_LOCKED || side < 0.0 || sim->events.hi[i] >= HUGE_VAL) {
+    if (code != GB_DONE || sim->events.role[i] != GB_CONSTRAINED || side < 0.0 || sim->events.hi[i] >= HUGE_VAL) {
         return code;
     }
     for (int l = 0; l < POINTS; l++) {
         f[l] = distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
     }
-    return f[0] > 0.0 ? look_at_hold(sim, i, side, f, tolerance, first) : code;
+    return f[0] > 0.0 ? look_at_force(sim, i, side, f, tolerance, first) : code;
 }
 
-/* The step is so long that the samples do not tell what the force of held lock switch i does, which could reach its
- * limit: what bends between samples is no small part of what changes at all. A train at rest has no other reason for
- * its steps. */
+/* The step is so long that the samples do not tell what the force of an active constraint does (switch i), which could
+ * reach its bound: what bends between samples is no small part of what changes at all. A train at rest has no other
+ * reason for its steps. */
 static int is_untold(const gb_sim *sim, int i) {
-    const int n = sim->model->n_surfaces;
+    const int n = sim->model->n_event_functions;
     double least = HUGE_VAL, most = -HUGE_VAL, bend = 0.0, f[POINTS];
     for (int l = 0; l < POINTS; l++) {
         f[l] = distance(sim, i, 1.0, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
@@ -247,14 +247,14 @@ static int is_untold(const gb_sim *sim, int i) {
     return least < 2.0 * range && gb_max(bend, 4.0 * start) > 0.3 * range;
 }
 
-int gb_watch_general(gb_sim *sim) {
+int gb_locate_sampled(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const int n = model->n_surfaces;
+    const int n = model->n_event_functions;
     const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
     int code = gb_dense_complete(sim);
     memcpy(sim->events.samples, sim->events.s0, sizeof(double) * (size_t)n);
     for (int l = 1; l < POINTS && code == GB_DONE; l++) {
-        code = surfaces_at(sim, places[l], sim->events.samples + (size_t)l * (size_t)n);
+        code = event_functions_at(sim, places[l], sim->events.samples + (size_t)l * (size_t)n);
     }
     sim->events.undersampled = 0;
     for (int i = model->n_affine; i < n && code == GB_DONE; i++) {
@@ -265,8 +265,8 @@ int gb_watch_general(gb_sim *sim) {
         }
         sim->events.located[i] = gb_min(low, high);
         sim->events.side[i] = low < high ? -1.0 : 1.0;
-        sim->events.undersampled = sim->events.undersampled ||
-                                   (sim->events.role[i] == GB_LOCKED && sim->events.hi[i] == 0.0 && is_untold(sim, i));
+        sim->events.undersampled = sim->events.undersampled || (sim->events.role[i] == GB_CONSTRAINED &&
+                                                                sim->events.hi[i] == 0.0 && is_untold(sim, i));
     }
     return code;
 }

@@ -10,7 +10,7 @@
 
 #include "gb_internal.h"
 
-/* The surfaces [n_affine, n_surfaces); fills root and side. */
-int gb_watch_general(gb_sim *sim);
+/* The event functions [n_affine, n_event_functions); fills located and side. */
+int gb_locate_sampled(gb_sim *sim);
 
 #endif

@@ -8,9 +8,10 @@
 
 #include "gb_internal.h"
 
+/* The train has any. */
 int gb_has_lossy(const gb_sim *sim);
 
-/* Every combination of options of the lossy ties; the one that holds true is taken. */
-int gb_weigh_lossy(gb_sim *sim);
+/* As gb_choose_active_set, for every combination; the one that holds true is taken. */
+int gb_choose_lossy(gb_sim *sim);
 
 #endif

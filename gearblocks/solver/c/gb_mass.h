@@ -1,4 +1,9 @@
-/* The mass matrix where shafts follow others: symmetric, factored as L D L' in the order of its pattern. */
+/* M x = b with the mass matrix of coupled groups, M = L D L' on a fixed pattern;  A x = b with the balance of massless
+ * groups, A = L D U on a fixed symmetric pattern.
+ * Assumed: M is symmetric positive definite, so that no pivoting is needed. A may be singular: a pivot below 1e-13 of
+ * the terms that made it is none, and its unknown is 0.
+ * Method: right-looking elimination in a given order (George and Liu 1981).
+ * Knows nothing of what is coupled. */
 #ifndef GB_MASS_H
 #define GB_MASS_H
 

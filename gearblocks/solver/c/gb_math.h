@@ -1,9 +1,11 @@
-/* Sine, cosine and arc tangent for generated code: branch-free, so that a loop over lanes becomes vector
- * code, and with the same bits in vector and scalar code (contraction must be off).
+/* Sine, cosine and arc tangent for generated code: branch-free, so that a loop over lanes becomes vector code, and
+ * with the same bits in vector and scalar code (contraction must be off).
  *
- * Error below 1 ulp for |x| <= 1e6 and below 2 ulp for |x| <= 1e9. Beyond, the result is that of an argument within one
- * ulp of x, up to 1e13. Infinite and NaN arguments give NaN.
- */
+ * Error below 1 ulp for |x| <= 1e6 and below 2 ulp for |x| <= 1e9. Beyond, the result is that of an argument within
+ * one ulp of x, up to 1e13. Infinite and NaN arguments give NaN.
+ * Method: reduction with pi/2 in parts (Cody and Waite 1980), Chebyshev interpolants.
+ *
+ * Knows nothing of models. */
 #ifndef GB_MATH_H
 #define GB_MATH_H
 

@@ -39,8 +39,8 @@ static size_t lay_block(gb_sim *sim, char *base) {
     for (size_t i = 0; i < sizeof by_input / sizeof by_input[0]; i++) {
         *by_input[i] = doubles(base, &at, m->n_inputs);
     }
-    sim->constraints.row_size = doubles(base, &at, m->n_locks);
-    sim->mode = doubles(base, &at, m->n_switches + m->n_memory);
+    sim->constraints.row_size = doubles(base, &at, m->n_constraints);
+    sim->mode = doubles(base, &at, m->n_switches + m->n_active_set);
     for (size_t i = 0; i < sizeof by_switch / sizeof by_switch[0]; i++) {
         *by_switch[i] = doubles(base, &at, m->n_switches);
     }
@@ -57,7 +57,7 @@ static size_t lay_block(gb_sim *sim, char *base) {
 /* What events need to decide about switched constraints. */
 static void lay_constraints(gb_sim *sim, char *base, size_t *at) {
     const gb_model *m = sim->model;
-    const long n = m->n_locks;
+    const long n = m->n_constraints;
     struct gb_constraints *c = &sim->constraints;
     struct gb_lossy *lossy = &sim->lossy;
     double **const by_constraint[] = {&c->slip,
@@ -89,7 +89,7 @@ static void lay_constraints(gb_sim *sim, char *base, size_t *at) {
         *marks[i] = take(base, at, sizeof(int) * (size_t)(n + 1));
     }
     c->bounds = doubles(base, at, 5 * n);
-    c->full_mode = doubles(base, at, n > 0 ? m->n_switches + m->n_memory : 0);
+    c->full_mode = doubles(base, at, n > 0 ? m->n_switches + m->n_active_set : 0);
     c->row = doubles(base, at, n * m->n_speeds);
     sim->implicit.row_response = doubles(base, at, n > 0 && m->pattern ? n * m->pattern->n : 0);
 }
@@ -104,9 +104,9 @@ static void lay_implicit(gb_sim *sim, char *base, size_t *at) {
     }
     s->lower = doubles(base, at, m->pattern->n_places);
     s->upper = doubles(base, at, m->pattern->n_places);
-    s->kinematic = doubles(base, at, m->n_kept);
+    s->kinematic_terms = doubles(base, at, m->n_kinematic_terms);
     s->n_colours = gb_colour_count(m->pattern);
-    const size_t links = (size_t)s->n_colours * (size_t)(m->n_simple + 1);
+    const size_t links = (size_t)s->n_colours * (size_t)(m->n_kinematic + 1);
     s->colour = take(base, at, sizeof(int) * (size_t)(m->pattern->n + 1));
     s->link = take(base, at, sizeof(int) * links);
     s->gain = take(base, at, sizeof(double) * links);
@@ -117,11 +117,11 @@ static void lay_events(gb_sim *sim, char *base, size_t *at) {
     struct gb_events *e = &sim->events;
     double **const by_surface[] = {&e->s0, &e->s, &e->located, &e->side};
     for (size_t i = 0; i < sizeof by_surface / sizeof by_surface[0]; i++) {
-        *by_surface[i] = doubles(base, at, m->n_surfaces);
+        *by_surface[i] = doubles(base, at, m->n_event_functions);
     }
     e->slopes = doubles(base, at, (long)GB_ROWS * m->n_affine);
-    e->mode_before = doubles(base, at, m->hold ? m->n_switches : 0);
-    e->samples = doubles(base, at, (m->n_surfaces > m->n_affine ? (long)GB_STAGES : 0) * m->n_surfaces);
+    e->mode_before = doubles(base, at, m->update_states ? m->n_switches : 0);
+    e->samples = doubles(base, at, (m->n_event_functions > m->n_affine ? (long)GB_STAGES : 0) * m->n_event_functions);
     e->role = take(base, at, sizeof(int) * (size_t)(m->n_switches + 1));
     sim->log.capacity = 4L * m->n_switches + m->n_inputs + 64;
     sim->log.event = take(base, at, sizeof(gb_event) * (size_t)sim->log.capacity);
@@ -143,7 +143,7 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
     for (size_t i = 0; i < sizeof lanes / sizeof lanes[0]; i++) {
         lanes[i]->t = doubles(base, &at, GB_LANES);
         lanes[i]->u = doubles(base, &at, (long)GB_LANES * m->n_inputs);
-        lanes[i]->time_terms = doubles(base, &at, (long)GB_LANES * m->n_time);
+        lanes[i]->time_terms = doubles(base, &at, (long)GB_LANES * m->n_time_terms);
     }
     if (m->pattern) {
         lay_implicit(sim, base, &at);
@@ -182,11 +182,11 @@ gb_sim *gb_open(const gb_model *model) {
     lay_scratch(sim, base + block);
     sim->head->key = hash_text(model->key);
     sim->head->bytes = block;
-    for (int i = 0; i < model->n_locks; i++) {
-        const gb_lock *lock = &model->locks[i];
-        sim->events.role[lock->slip] = sim->events.role[lock->hold] = GB_LOCKED;
-        if (lock->free >= 0) {
-            sim->events.role[lock->free] = GB_SILENT;
+    for (int i = 0; i < model->n_constraints; i++) {
+        const gb_constraint *constraint = &model->constraints[i];
+        sim->events.role[constraint->slip] = sim->events.role[constraint->active] = GB_CONSTRAINED;
+        if (constraint->free >= 0) {
+            sim->events.role[constraint->free] = GB_SILENT;
         }
     }
     return sim;

@@ -10,9 +10,9 @@ enum { FIRST_LOOKS = 8, GAP = 16, LONGEST_GAP = 1024, TRIAL = 4, CALM = 256 };
 /* So many steps still to come at the present pace that a trial is worth its cost whatever the reason of the pace. */
 static const double MANY_STEPS = 2e4;
 
-/* So many that a leap is tried; fastest rate times size of a leap, and from which product on a shaft counts as leapt.
- */
-static const double HOPELESS = 1e6, LEAP = 1e4, LEAPT = 30.0;
+/* So many that a large implicit step is tried; fastest rate times size of such a step, and from which product on a
+ * vibration is stepped over. */
+static const double HOPELESS = 1e6, LARGE_STEP = 1e4, STEPPED_OVER = 30.0;
 
 /* Step size times fastest rate at which explicit steps are at the limit of stability, and where a look is worth it. */
 static double stability(const gb_sim *sim) {
@@ -35,8 +35,8 @@ static double fastest_rate(gb_sim *sim, double h) {
     double *const into[] = {mass, once, twice};
     double most = 0.0;
     for (int i = 0; i < 3; i++) {
-        model->jacobian(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->k1, i * h, into[i],
-                        sim->implicit.lower, sim->implicit.upper, sim->implicit.kinematic);
+        model->step_matrix(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->k1, i * h, into[i],
+                           sim->implicit.lower, sim->implicit.upper, sim->implicit.kinematic_terms);
     }
     for (int u = 0; u < model->pattern->n; u++) {
         if (mass[u] > 0.0) {
@@ -64,7 +64,7 @@ static void change_method(gb_sim *sim, int method, double h) {
     head->control.h_next = h;
 }
 
-/* By how much a change must pay: more after every change of late, so that near break-even there are few. */
+/* By how much a change must pay: more after every recent change, so that near break-even there are few. */
 static double margin(const gb_head *head) {
     return 1.3 * gb_min(1.0 + 0.25 * head->choice.restless, 2.5);
 }
@@ -87,7 +87,7 @@ static void look_later(gb_head *head, int factor) {
     head->choice.steps_look = head->counts.steps + head->counts.rejected;
 }
 
-void gb_auto_start(gb_sim *sim) {
+void gb_choice_start(gb_sim *sim) {
     gb_head *head = sim->head;
     const gb_options *options = &head->options;
     head->choice.explicit_method = options->rtol <= 1e-4 ? GB_DP8 : GB_DP5;
@@ -112,24 +112,26 @@ static void decide(gb_sim *sim, double h) {
     }
 }
 
-/* Energy of the vibrations that a leap of size h drops: of every shaft so fast that it swings many times within. */
+/* Energy of the vibrations that a large step of size h drops: of every speed so fast that it swings many times within.
+ */
 static double dropped_energy(const gb_sim *sim, double h) {
     const gb_model *model = sim->model;
     double sum = 0.0;
     for (int i = model->n - model->n_speeds; i < model->n; i++) {
-        const double rate = sim->choice.rate[i - model->n_simple], mass = sim->choice.inertia[i - model->n_simple];
+        const double rate = sim->choice.rate[i - model->n_kinematic],
+                     mass = sim->choice.inertia[i - model->n_kinematic];
         const double change = sim->z[i] - sim->y0[i], swing = rate > 0.0 ? sim->k1[i] / rate : 0.0;
-        sum += rate * h > LEAPT ? 0.5 * mass * (change * change + swing * swing) : 0.0;
+        sum += rate * h > STEPPED_OVER ? 0.5 * mass * (change * change + swing * swing) : 0.0;
     }
     return sum;
 }
 
-double gb_leap_error(gb_sim *sim, double h) {
+double gb_large_step_error(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
     const double *last = sim->k + (size_t)(sim->method->stages - 1) * (size_t)model->n_total;
     double *error = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total, worst = 1e-30, energy = 0.0;
     memcpy(error, last, sizeof(double) * (size_t)model->n_padded);
-    gb_stiff_response(sim, error);
+    gb_rosenbrock_response(sim, error);
     for (int i = 0; i < model->n; i++) {
         worst = gb_max(worst, h * fabs(error[i]) * sim->control.error_weight[i]);
     }
@@ -141,7 +143,7 @@ double gb_leap_error(gb_sim *sim, double h) {
     return dropped_energy(sim, h) > rtol * rtol * energy ? 100.0 : log2(worst);
 }
 
-double gb_auto_rejected(gb_sim *sim, double h) {
+double gb_choice_rejected(gb_sim *sim, double h) {
     gb_head *head = sim->head;
     if (head->choice.large_step) { /* it drops too much: back at once, and the next look may try plain implicit steps */
         head->choice.large_step = head->choice.trial = 0;
@@ -158,7 +160,7 @@ double gb_auto_rejected(gb_sim *sim, double h) {
     return h;
 }
 
-int gb_auto_look(gb_sim *sim, double limit) {
+int gb_choice_look(gb_sim *sim, double limit) {
     gb_head *head = sim->head;
     const long long count = head->counts.steps + head->counts.rejected - head->choice.steps_look;
     const double span = head->front.t1 - head->choice.t_look, mean = span / (double)(count > 0 ? count : 1);
@@ -170,7 +172,7 @@ int gb_auto_look(gb_sim *sim, double limit) {
         !(mean > 0.0)) {
         return GB_DONE;
     }
-    int code = gb_columns_at(sim, head->front.t1);
+    int code = gb_time_terms_at(sim, head->front.t1);
     if (code == GB_DONE && !head->front.have_k1) {
         code = gb_first_derivative(sim, sim->instant.time_terms);
     }
@@ -204,7 +206,8 @@ int gb_auto_look(gb_sim *sim, double limit) {
         head->choice.h_explicit = head->control.h_next;
         head->choice.large_step = slow && head->choice.looks % 2 == 0 && limit - head->front.t1 > HOPELESS * mean;
         change_method(sim, GB_RODAS,
-                      head->choice.large_step ? gb_min(LEAP / rate, 1e-3 * (limit - head->front.t1)) : cost * mean);
+                      head->choice.large_step ? gb_min(LARGE_STEP / rate, 1e-3 * (limit - head->front.t1))
+                                              : cost * mean);
         note(head);
     }
     return GB_DONE;

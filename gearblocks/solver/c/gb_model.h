@@ -1,19 +1,22 @@
 /* What the generator writes and the solver reads: one train as a table of functions.
  *
  * The state vector y holds, in this order,
- *     [ coordinates q | states of blocks z | speeds v | padding | riders and ledger | padding ]
- * The first n entries move the train and are under error control. The tail follows
- * along: absolute angles that no law needs, then the energy integrals. Both parts are
- * padded with zeros to multiples of GB_PAD, so that whole vectors can be worked on.
+ *     [ relative coordinates q | states of blocks z | speeds v | padding | quadratures | padding ]
+ * The first n entries move the train and are under error control. The quadratures are states that no law reads: counts
+ * and carries of wrapped angles, absolute angles, then the energy integrals of the ledger. Both parts are padded with
+ * zeros to multiples of GB_PAD, so that whole vectors can be worked on.
  *
- * Branches are frozen: a law reads the mode of its switches, never their surfaces.
- * Only the event handler of the solver changes a mode.
- */
+ * Modes are frozen: a law reads the mode of its switches, never their event functions. Only the event handler of the
+ * solver changes a mode.
+ *
+ * Time terms are what laws hoist out because it depends on time (and inputs and modes) alone.
+ *
+ * Knows nothing of methods and step sizes. */
 #ifndef GB_MODEL_H
 #define GB_MODEL_H
 
 enum {
-    GB_LANES = 16, /* instants at which time columns are computed in one call */
+    GB_LANES = 16, /* instants at which time terms are computed in one call */
     GB_PAD = 8     /* doubles in one block of a padded vector */
 };
 
@@ -33,50 +36,52 @@ typedef struct gb_pattern {
     const int *order, *start, *row, *pair;
 } gb_pattern;
 
-/* An angle among the states that no law can tell from itself less `turns` whole turns. The solver keeps it near zero;
- * the angle is y[state] + carry + 2 pi count, with the count and the carry (below the last digit of y) in the tail.
- * Each time `turns` are taken off, the mode of switches[j] (segments of periodic tables) falls by steps[j]. */
-typedef struct gb_counted {
+/* Angle wrapping: an angle among the states that no law can tell from itself less `turns` whole turns. The solver keeps
+ * it near zero; unwrapped it is y[state] + carry + 2 pi count, with the wrap count and the carry (below the last digit
+ * of y) among the quadratures. Each time `turns` are taken off, the mode of switches[j] (segments of periodic tables)
+ * falls by steps[j]. */
+typedef struct gb_wrapped {
     int state, n_switches;
     double turns;
     const int *switches;
     const double *steps;
-} gb_counted;
+} gb_wrapped;
 
-/* Friction that can stick, or a lock; a stop; a lossy tie and, as its partner, its loss. Its slip is a form of the
- * speeds; its switches: slip (mode: the direction in which it slides, 0 when stuck or free; of a stop its gap; of a tie
- * the sign of its force), hold (mode 1 while stuck or closed; quantity: by how much the held force exceeds its limits)
- * and free (mode 1 where it does not rub; -1: tell by its limits). impulse, impacts: states that keep the last impulse
- * and count (-1: none); loss: entry of y that counts what impacts lose. */
+/* A switched constraint: a row G over the speeds, G v = 0 while it is active. Friction or an unbounded lock; a stop; a
+ * lossy gear and, as its partner, its loss. Its switches: slip (event function G v, mode: the direction in which it
+ * slides, 0 when stuck or free; of a stop its gap; of a lossy gear the sign of its force), active (mode 1 while stuck
+ * or closed; event function: by how much the constraint force exceeds its bounds) and free (mode 1 where it is not
+ * engaged; -1: its bounds tell). impulse, impacts: states that keep the last impulse and count (-1: none); loss: entry
+ * of y that counts what impacts lose. */
 enum { GB_FRICTION, GB_STOP, GB_TIE, GB_LOSS };
 
-typedef struct gb_lock {
-    int kind, partner, slip, hold, free, impulse, impacts, loss;
-} gb_lock;
+typedef struct gb_constraint {
+    int kind, partner, slip, active, free, impulse, impacts, loss;
+} gb_constraint;
 
-struct gb_lock_rows;
+struct gb_constraint_rows;
 
 typedef struct gb_model {
     const char *name;
     const char *key; /* hash of the canonical content */
 
-    int n;            /* states under error control */
-    int n_speeds;     /* the last of these are speeds (0: not known) */
-    int n_padded;     /* n rounded up; the tail starts here */
-    int n_tail;       /* riders and ledger integrals */
-    int paced;        /* time alone moves shafts: the states do not tell how long a step may be */
-    int n_angles;     /* the first entries of the tail that are angles or their turns; the others are energies */
-    int n_total;      /* n_padded + n_tail, rounded up: length of y */
-    int n_parameters; /* tunable values: par[0 .. n_parameters) */
-    int n_par;        /* with the values derived from them: length of par */
+    int n;                 /* states under error control */
+    int n_speeds;          /* the last of these are speeds (0: not known) */
+    int n_padded;          /* n rounded up; the quadratures start here */
+    int n_quadratures;     /* counts, angles and ledger integrals */
+    int prescribed_motion; /* time alone moves shafts: the states do not tell how long a step may be */
+    int n_angles;          /* the first quadratures that are angles or wrap counts; the others are energies */
+    int n_total;           /* n_padded + n_quadratures, rounded up: length of y */
+    int n_parameters;      /* tunable values: par[0 .. n_parameters) */
+    int n_par;             /* with the values derived from them: length of par */
     int n_inputs;
-    int n_time; /* time columns */
+    int n_time_terms;
 
-    /* Switches: those with a surface affine in y come first, then other surfaces of the state,
+    /* Switches: those whose event function is affine in y come first, then other functions of the state,
      * then those that depend on time alone. */
     int n_affine;
-    int n_surfaces; /* affine and general ones */
-    int n_switches; /* with the time switches */
+    int n_event_functions; /* affine and general ones */
+    int n_switches;        /* with the time switches */
 
     int n_outputs;
     int n_energies;
@@ -84,102 +89,113 @@ typedef struct gb_model {
     /* Fills par[n_parameters .. n_par) from par[0 .. n_parameters). */
     void (*prepare)(double *par);
 
-    /* Start values from the parameters, length n_total (the ledger starts at zero); mode of time switches and tau
-     * there. */
-    void (*start)(const double *par, const double *mode, const double *tau, double *y);
+    /* Start values from the parameters, length n_total (the ledger starts at zero); mode of time switches and time
+     * terms there. */
+    void (*start)(const double *par, const double *mode, const double *time_terms, double *y);
 
     /* Natural size of each of the n states where the train knows one (gaps), else 0. */
     void (*scales)(const double *par, double *scale);
 
-    /* Time columns at `lanes` instants t[]; u[input * GB_LANES + lane], tau[column * GB_LANES + lane].
+    /* Time terms at `lanes` instants t[]; u[input * GB_LANES + lane], time_terms[term * GB_LANES + lane].
      * t and u always hold GB_LANES valid entries (the last instant repeats): computing all is allowed. */
-    void (*times)(const double *par, const double *mode, int lanes, const double *t, const double *u, double *tau);
+    void (*time_terms)(const double *par, const double *mode, int lanes, const double *t, const double *u,
+                       double *time_terms);
 
-    /* The same for columns that outputs and energies alone read, after times (NULL: there are none). */
-    void (*times_late)(const double *par, const double *mode, int lanes, const double *t, const double *u, double *tau);
+    /* The same for terms that outputs and energies alone read, after time_terms (NULL: there are none). */
+    void (*output_time_terms)(const double *par, const double *mode, int lanes, const double *t, const double *u,
+                              double *time_terms);
 
-    /* dy/dt of the n states. tau points at the lane of this instant: column j is tau[j * GB_LANES]. */
-    void (*rhs)(const double *par, const double *mode, const double *tau, const double *y, double *dy);
+    /* dy/dt of the n states. time_terms points at the lane of this instant: term j is time_terms[j * GB_LANES]. */
+    void (*rhs)(const double *par, const double *mode, const double *time_terms, const double *y, double *dy);
 
-    /* The same, and the tail. */
-    void (*rhs_full)(const double *par, const double *mode, const double *tau, const double *y, double *dy);
+    /* The same, and the quadratures. */
+    void (*rhs_full)(const double *par, const double *mode, const double *time_terms, const double *y, double *dy);
 
-    /* Quantities of the switches [0, n_surfaces) at one instant. */
-    void (*surfaces)(const double *par, const double *mode, const double *tau, const double *y, double *s);
+    /* Event functions of the switches [0, n_event_functions) at one instant. */
+    void (*event_functions)(const double *par, const double *mode, const double *time_terms, const double *y,
+                            double *s);
 
-    /* The linear part of the affine quantities [0, n_affine), applied to the direction dir (length n). */
+    /* The linear part of the affine event functions [0, n_affine), applied to the direction dir (length n). */
     void (*directions)(const double *par, const double *dir, double *s);
 
-    /* Limits of every switch in its mode: the mode is valid while lo <= quantity <= hi. */
-    void (*bounds)(const double *par, const double *mode, double *lo, double *hi);
+    /* Limits of every switch in its mode: the mode is valid while lo <= event function <= hi. */
+    void (*mode_limits)(const double *par, const double *mode, double *lo, double *hi);
 
-    /* The mode of switch i where its quantity is s (>= a limit belongs to the upper mode). */
+    /* The mode of switch i where its event function is s (>= a limit belongs to the upper mode). */
     double (*mode_at)(const double *par, int i, double s);
 
     /* Changes the states of blocks that take a new value as the modes go from `before` to `mode` (NULL: there are
      * none). */
-    void (*hold)(const double *par, const double *before, const double *mode, const double *tau, double *y);
+    void (*update_states)(const double *par, const double *before, const double *mode, const double *time_terms,
+                          double *y);
 
-    /* Quantity of time switch i (in [n_surfaces, n_switches)) at t, its modes as everywhere above. */
-    double (*clock)(const double *par, int i, double t);
+    /* Event function of time switch i (in [n_event_functions, n_switches)) at t, its modes as everywhere above. */
+    double (*time_function)(const double *par, int i, double t);
 
     /* The next instant > t at which time switch i leaves its mode (or HUGE_VAL), and the mode after it. */
     double (*next_time)(const double *par, int i, double mode, double t, double *after);
 
     /* All outputs; dy from rhs_full at the same point. */
-    void (*outputs)(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
+    void (*outputs)(const double *par, const double *mode, const double *time_terms, const double *y, const double *dy,
                     double *out);
 
     /* Kinetic and stored energies, one per ledger entry. */
-    void (*energies)(const double *par, const double *mode, const double *tau, const double *y, double *energy);
+    void (*energies)(const double *par, const double *mode, const double *time_terms, const double *y, double *energy);
 
-    /* What sticks (n_locks 0: nothing does). Behind the modes lie n_memory doubles that `remember` fills from them and
-     * that every function with `mode` reads: which rows hold, see gb_constraint_rows.h. slips: of all locks, with dy
-     * their rates; pulls: n_locks x n_locks, slip acceleration i per force j; grip: the row of one of them over the
-     * speeds (with `force` what its force does to them); push: adds what impulses along the slips do to the speeds of
-     * y; project: removes slips of what sticks; limits: five numbers per lock (least and largest held force, sizes of
-     * the force against forward and backward slip, engagement; of a stop the third is its restitution); holding: held
-     * forces, and by how much they exceed their limits. */
-    int n_locks, n_memory;
-    int steady_locks; /* their rows do not change with the position, and time moves none of them */
-    const gb_lock *locks;
-    const struct gb_lock_rows *lock_rows;
-    void (*slips)(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
+    /* Switched constraints G v + g(t) = 0 (n_constraints 0: none). Behind the modes lie n_active_set doubles, the
+     * active set with its factors (see gb_constraint_rows.h), which factor_active_set fills from the modes and which
+     * every function with `mode` reads. slips: G v + g of all, with dy its rates; delassus: W = G M^-1 G',
+     * n_constraints x n_constraints (with `lossy`: with what lossy gears lose of the force); constraint_row: row i over
+     * the speeds (with `force`: what its force does to them); apply_impulses: adds to the speeds of y what impulses
+     * along the rows do; project_velocities: removes slips of active constraints; force_bounds: five numbers per
+     * constraint (least and largest constraint force, sizes of the force against forward and backward slip, engagement;
+     * of a stop the third is its restitution); constraint_forces: these, and by how much they exceed their bounds. */
+    int n_constraints, n_active_set;
+    int constant_rows; /* they do not change with the position, and time moves none of them */
+    const gb_constraint *constraints;
+    const struct gb_constraint_rows *constraint_rows;
+    void (*slips)(const double *par, const double *mode, const double *time_terms, const double *y, const double *dy,
                   double *slip);
-    void (*pulls)(const double *par, const double *mode, const double *tau, const double *y, int lossy, double *matrix);
-    void (*push)(const double *par, const double *mode, const double *tau, const double *impulse, double *y);
-    void (*grip)(const double *par, const double *mode, const double *tau, const double *y, int i, int force,
-                 double *row);
-    void (*remember)(const double *par, double *mode, const double *tau, const double *y);
-    void (*project)(const double *par, const double *mode, const double *tau, double *y);
-    void (*limits)(const double *par, const double *mode, const double *tau, const double *y, double *limit);
-    void (*holding)(const double *par, const double *mode, const double *tau, const double *y, double *held,
-                    double *excess);
+    void (*delassus)(const double *par, const double *mode, const double *time_terms, const double *y, int lossy,
+                     double *matrix);
+    void (*apply_impulses)(const double *par, const double *mode, const double *time_terms, const double *impulse,
+                           double *y);
+    void (*constraint_row)(const double *par, const double *mode, const double *time_terms, const double *y, int i,
+                           int force, double *row);
+    void (*factor_active_set)(const double *par, double *mode, const double *time_terms, const double *y);
+    void (*project_velocities)(const double *par, const double *mode, const double *time_terms, double *y);
+    void (*force_bounds)(const double *par, const double *mode, const double *time_terms, const double *y,
+                         double *bounds);
+    void (*constraint_forces)(const double *par, const double *mode, const double *time_terms, const double *y,
+                              double *force, double *excess);
 
-    /* NULL, or: puts the angles of shafts without inertia into balance (with `starting` at the start of a run). */
-    void (*settle)(const double *par, const double *mode, const double *tau, double *y, int starting);
+    /* NULL, or: puts the angles of massless groups into balance (with `starting` at the start of a run). */
+    void (*balance_massless)(const double *par, const double *mode, const double *time_terms, double *y, int starting);
 
-    /* For implicit methods (pattern NULL: there are none). The states are [ simple | others ]: the n_simple first ones
-     * are coordinates and angles whose rates are fixed combinations of the others, y_s' = B x (where gains change with
-     * the position, coordinates can be among the others, and E depends on the states). The unknowns are
-     * x = [ y[n_simple .. n) | n_hidden speeds of shafts without inertia ], pattern->n in number.
-     * With E x' = G(t, y) (E: inertia of the shafts, 1 for states of blocks, 0 for hidden speeds) the matrix of a step
-     * is S = E - g dG/dx - g^2 dG/ds B,   g = gamma h, where d is that of G - E x' at fixed x'. jacobian: fills diag
-     * (length pattern->n, by unknown), lower and upper (by place, factors not yet computed) and `kept` (length n_kept:
-     * what the next two need). dy: the rates at the same point. right_side: out = E r_x + g dG/ds r_s for a right side
-     * r of length n (hidden speeds: their rows alone). simple_rates: out[0 .. n_simple) = B x. */
-    int n_simple, n_hidden, n_kept;
+    /* For implicit methods (pattern NULL: there are none). The states are [ kinematic | others ]: the n_kinematic first
+     * ones are coordinates and angles whose rates are fixed combinations of the others, y_s' = B x (where gains change
+     * with the position, coordinates can be among the others, and E depends on the states). The unknowns are
+     * x = [ y[n_kinematic .. n) | n_massless speeds of massless groups ], pattern->n in number.
+     * With E x' = G(t, y) (E: inertia of the groups, 1 for states of blocks, 0 for massless speeds) the step matrix is
+     * S = E - g dG/dx - g^2 dG/ds B,   g = gamma h, where d is that of G - E x' at fixed x'. step_matrix: fills diag
+     * (length pattern->n, by unknown), lower and upper (by place, factors not yet computed) and kinematic_terms (length
+     * n_kinematic_terms: what the next two need). dy: the rates at the same point. right_side: out = E r_x + g dG/ds
+     * r_s for a right side r of length n (massless speeds: their rows alone). kinematic_rates: out[0 .. n_kinematic) =
+     * B x. */
+    int n_kinematic, n_massless, n_kinematic_terms;
     const gb_pattern *pattern;
-    void (*jacobian)(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
-                     double g, double *diag, double *lower, double *upper, double *kept);
-    void (*right_side)(const double *par, const double *kept, double g, const double *r, double *out);
-    void (*simple_rates)(const double *par, const double *kept, const double *x, double *out);
+    void (*step_matrix)(const double *par, const double *mode, const double *time_terms, const double *y,
+                        const double *dy, double g, double *diag, double *lower, double *upper,
+                        double *kinematic_terms);
+    void (*right_side)(const double *par, const double *kinematic_terms, double g, const double *r, double *out);
+    void (*kinematic_rates)(const double *par, const double *kinematic_terms, const double *x, double *out);
 
-    /* As times for one lane, with every excitation by time alone at its mean (NULL: as they are). */
-    void (*means)(const double *par, const double *mode, int lanes, const double *t, const double *u, double *tau);
-    /* Angles whose turns are counted. Entries 2 c and 2 c + 1 of the tail belong to counted angle c. */
-    int n_counted;
-    const gb_counted *counted;
+    /* As time_terms for one lane, with every excitation by time alone at its mean (NULL: as they are). */
+    void (*mean_time_terms)(const double *par, const double *mode, int lanes, const double *t, const double *u,
+                            double *time_terms);
+    /* Wrapped angles. Quadratures 2 c and 2 c + 1 are count and carry of wrapped angle c. */
+    int n_wrapped;
+    const gb_wrapped *wrapped;
 } gb_model;
 
 #endif

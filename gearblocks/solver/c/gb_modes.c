@@ -18,7 +18,7 @@ static uint64_t mode_hash(int i, double mode) {
 
 void gb_set_mode(gb_sim *sim, int i, double mode, int log) {
     if (log) {
-        gb_log(sim, i, i >= sim->model->n_surfaces, sim->mode[i], mode);
+        gb_log(sim, i, i >= sim->model->n_event_functions, sim->mode[i], mode);
     }
     sim->head->events.mode_hash ^= mode_hash(i, sim->mode[i]) ^ mode_hash(i, mode);
     sim->mode[i] = mode;
@@ -52,7 +52,7 @@ double gb_far_side(const gb_sim *sim, int i, double side) {
 void gb_refresh_breaks(gb_sim *sim, int all) {
     const gb_model *model = sim->model;
     double first = HUGE_VAL;
-    for (int i = model->n_surfaces; i < model->n_switches; i++) {
+    for (int i = model->n_event_functions; i < model->n_switches; i++) {
         if (all || sim->events.next_time[i] <= sim->head->front.t1) {
             sim->events.next_time[i] =
                 model->next_time(sim->par, i, sim->mode[i], sim->head->front.t1, &sim->events.next_mode[i]);
@@ -68,8 +68,8 @@ void gb_refresh_breaks(gb_sim *sim, int all) {
 void gb_time_modes(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
     const double t = sim->head->front.t1, after = t + 4.0 * DBL_EPSILON * fabs(t) + 1e-290;
-    for (int i = model->n_surfaces; i < model->n_switches; i++) {
-        const double mode = model->mode_at(sim->par, i, model->clock(sim->par, i, after));
+    for (int i = model->n_event_functions; i < model->n_switches; i++) {
+        const double mode = model->mode_at(sim->par, i, model->time_function(sim->par, i, after));
         if (mode != sim->mode[i]) {
             gb_set_mode(sim, i, mode, log && sim->events.role[i] == GB_ORDINARY);
         }
@@ -78,7 +78,7 @@ void gb_time_modes(gb_sim *sim, int log) {
 }
 
 void gb_mark_time_events(gb_sim *sim) {
-    for (int i = sim->model->n_surfaces; i < sim->model->n_switches; i++) {
+    for (int i = sim->model->n_event_functions; i < sim->model->n_switches; i++) {
         sim->events.pending[i] = sim->events.next_time[i] <= sim->head->front.t1 ? 2.0 : 0.0;
     }
     sim->head->events.pending = 1;
@@ -86,12 +86,12 @@ void gb_mark_time_events(gb_sim *sim) {
 
 void gb_mark_modes(gb_sim *sim) {
     const gb_model *model = sim->model;
-    if (model->n_surfaces == 0) {
+    if (model->n_event_functions == 0) {
         return;
     }
-    model->surfaces(sim->par, sim->mode, sim->lanes.time_terms + sim->method->stages, sim->y, sim->events.s);
-    for (int i = 0; i < model->n_surfaces; i++) {
-        if (sim->events.role[i] == GB_LOCKED) {
+    model->event_functions(sim->par, sim->mode, sim->lanes.time_terms + sim->method->stages, sim->y, sim->events.s);
+    for (int i = 0; i < model->n_event_functions; i++) {
+        if (sim->events.role[i] == GB_CONSTRAINED) {
             sim->events.pending[i] =
                 sim->events.s[i] < sim->events.lo[i] || sim->events.s[i] > sim->events.hi[i] ? 3.0 : 0.0;
             sim->head->events.pending = sim->head->events.pending || sim->events.pending[i] != 0.0;

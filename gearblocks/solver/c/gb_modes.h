@@ -40,7 +40,7 @@ void gb_time_modes(gb_sim *sim, int log);
 /* The front has reached an announced instant. */
 void gb_mark_time_events(gb_sim *sim);
 
-/* Without location: modes follow their surfaces at the end of the step. */
+/* Without location: modes follow their event functions at the end of the step. */
 void gb_mark_modes(gb_sim *sim);
 
 #endif

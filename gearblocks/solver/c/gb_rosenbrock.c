@@ -7,7 +7,7 @@
 /* Part of a step in which the rates are differenced in time: rounding and truncation are of equal weight there. */
 static const double SHARE = 1e-4;
 
-void gb_stiff_links(gb_sim *sim) {
+void gb_kinematic_links(gb_sim *sim) {
     const gb_model *model = sim->model;
     const gb_pattern *p = model->pattern;
     double *mark = sim->implicit.work, *named = sim->implicit.inverse, *one = sim->z, *two = sim->z2;
@@ -16,33 +16,33 @@ void gb_stiff_links(gb_sim *sim) {
     }
     gb_colours(p, sim->implicit.colour);
     for (int c = 0; c < sim->implicit.n_colours; c++) {
-        int *link = sim->implicit.link + (size_t)c * (size_t)model->n_simple;
+        int *link = sim->implicit.link + (size_t)c * (size_t)model->n_kinematic;
         for (int u = 0; u < p->n; u++) {
             mark[u] = sim->implicit.colour[u] == c ? 1.0 : 0.0;
             named[u] = mark[u] * (u + 1);
         }
-        model->simple_rates(sim->par, sim->implicit.kinematic, mark, one);
-        model->simple_rates(sim->par, sim->implicit.kinematic, named, two);
-        for (int i = 0; i < model->n_simple; i++) {
+        model->kinematic_rates(sim->par, sim->implicit.kinematic_terms, mark, one);
+        model->kinematic_rates(sim->par, sim->implicit.kinematic_terms, named, two);
+        for (int i = 0; i < model->n_kinematic; i++) {
             link[i] = one[i] != 0.0 ? (int)(two[i] / one[i] - 0.5) : -1;
-            sim->implicit.gain[(size_t)c * (size_t)model->n_simple + (size_t)i] = 1.0 / fabs(one[i]);
+            sim->implicit.gain[(size_t)c * (size_t)model->n_kinematic + (size_t)i] = 1.0 / fabs(one[i]);
         }
     }
     memset(sim->z, 0, sizeof(double) * (size_t)model->n_total);
     memset(sim->z2, 0, sizeof(double) * (size_t)model->n_total);
 }
 
-void gb_stiff_floor(gb_sim *sim) {
+void gb_least_scales(gb_sim *sim) {
     const gb_model *model = sim->model;
     double *restrict floor = sim->control.least_scale;
     for (int i = 0; i < model->n; i++) {
         floor[i] = HUGE_VAL;
     }
     for (int c = 0; c < sim->implicit.n_colours; c++) {
-        const int *restrict link = sim->implicit.link + (size_t)c * (size_t)model->n_simple;
-        const double *restrict gain = sim->implicit.gain + (size_t)c * (size_t)model->n_simple;
-        for (int i = 0; i < model->n_simple; i++) {
-            const int at = model->n_simple + link[i];
+        const int *restrict link = sim->implicit.link + (size_t)c * (size_t)model->n_kinematic;
+        const double *restrict gain = sim->implicit.gain + (size_t)c * (size_t)model->n_kinematic;
+        for (int i = 0; i < model->n_kinematic; i++) {
+            const int at = model->n_kinematic + link[i];
             if (link[i] >= 0 && at < model->n) {
                 floor[at] = gb_min(floor[at], gb_max(sim->control.largest[i], sim->control.natural_scale[i]) * gain[i]);
             }
@@ -53,8 +53,8 @@ void gb_stiff_floor(gb_sim *sim) {
     }
 }
 
-int gb_stiff_lanes(const gb_sim *sim, double from, double h, double *t) {
-    if (sim->model->n_time == 0) {
+int gb_rosenbrock_lanes(const gb_sim *sim, double from, double h, double *t) {
+    if (sim->model->n_time_terms == 0) {
         return 0;
     }
     const double step = gb_max(SHARE * h, 1e4 * DBL_EPSILON * fabs(from));
@@ -68,7 +68,7 @@ static void slope_in_time(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
     const int lane = sim->method->all_stages;
     double *first = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total, *second = sim->z2;
-    if (model->n_time == 0) {
+    if (model->n_time_terms == 0) {
         return;
     }
     const double one = sim->lanes.t[lane] - sim->lanes.t[0], two = sim->lanes.t[lane + 1] - sim->lanes.t[0];
@@ -81,13 +81,13 @@ static void slope_in_time(gb_sim *sim, double h) {
     }
 }
 
-/* How many rows hold because of what sticks, and which lock the j-th of them belongs to. */
-static int n_holding(const gb_sim *sim) {
-    return sim->model->n_locks > 0 ? (int)sim->mode[sim->model->n_switches] : 0;
+/* How many independent rows are active, and which constraint the j-th of them belongs to. */
+static int n_active(const gb_sim *sim) {
+    return sim->model->n_constraints > 0 ? (int)sim->mode[sim->model->n_switches] : 0;
 }
 
-static int holding(const gb_sim *sim, int j) {
-    return (int)sim->mode[sim->model->n_switches + GB_LOCK_INDEX + j];
+static int active_index(const gb_sim *sim, int j) {
+    return (int)sim->mode[sim->model->n_switches + GB_ACTIVE_INDEX + j];
 }
 
 static double along(const gb_sim *sim, int j, const double *speeds) {
@@ -99,18 +99,18 @@ static double along(const gb_sim *sim, int j, const double *speeds) {
     return sum;
 }
 
-/* The rows that hold, what the matrix answers to forces along them, and the inverse of the slips that result. */
-static void factor_holding(gb_sim *sim) {
+/* The active rows G, what the step matrix answers to forces along them, S^-1 G', and the inverse of G S^-1 G'. */
+static void factor_constraints(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const int n = n_holding(sim), size = n > 0 ? model->pattern->n : 0;
-    const int first = model->n - model->n_speeds - model->n_simple;
+    const int n = n_active(sim), size = n > 0 ? model->pattern->n : 0;
+    const int first = model->n - model->n_speeds - model->n_kinematic;
     for (int j = 0; j < n; j++) {
         double *row = sim->constraints.row + (size_t)j * (size_t)model->n_speeds;
         double *answer = sim->implicit.row_response + (size_t)j * (size_t)size;
-        model->grip(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, holding(sim, j), 0, row);
+        model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active_index(sim, j), 0, row);
         memset(sim->implicit.unknown, 0, sizeof(double) * (size_t)size);
-        model->grip(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, holding(sim, j), 1,
-                    sim->implicit.unknown + first);
+        model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active_index(sim, j), 1,
+                              sim->implicit.unknown + first);
         gb_solve(model->pattern, sim->implicit.inverse, sim->implicit.lower, sim->implicit.upper, sim->implicit.unknown,
                  sim->implicit.work, answer);
     }
@@ -121,14 +121,14 @@ static void factor_holding(gb_sim *sim) {
             sim->implicit.row_inverse[i * n + j] = i == j ? 1.0 : 0.0;
         }
     }
-    gb_lock_solve(n, n, sim->constraints.matrix, n, sim->implicit.row_inverse);
+    gb_gauss_jordan(n, n, sim->constraints.matrix, n, sim->implicit.row_inverse);
 }
 
-/* Forces of what holds, so that the speeds of x slip as `wanted` says. */
-static void hold(gb_sim *sim, double *x) {
+/* Adds the constraint forces, so that the speeds of x slip as `right` says. */
+static void apply_constraints(gb_sim *sim, double *x) {
     const gb_model *model = sim->model;
-    const int n = n_holding(sim), size = n > 0 ? model->pattern->n : 0;
-    double *speeds = x + model->n - model->n_speeds - model->n_simple;
+    const int n = n_active(sim), size = n > 0 ? model->pattern->n : 0;
+    double *speeds = x + model->n - model->n_speeds - model->n_kinematic;
     for (int i = 0; i < n; i++) {
         sim->constraints.right[i] -= along(sim, i, speeds);
     }
@@ -141,33 +141,33 @@ static void hold(gb_sim *sim, double *x) {
             x[k] += force * sim->implicit.row_response[(size_t)j * (size_t)size + (size_t)k];
         }
     }
-    if (n > 0 && model->steady_locks) {
-        gb_lock_fix(model->lock_rows, sim->mode + model->n_switches, NULL, speeds);
+    if (n > 0 && model->constant_rows) {
+        gb_active_project(model->constraint_rows, sim->mode + model->n_switches, NULL, speeds);
     }
 }
 
-/* k = gamma (I - g J)^-1 k, in the first n entries. With what holds, J is that of the held motion: the answer to k has
- * gamma times its slips, since the held motion has none that depend on the state. */
+/* k = gamma (I - g J)^-1 k, in the first n entries. With active constraints J is that of the constrained motion: the
+ * answer to k has gamma times its slips, since the constrained motion has none that depend on the state. */
 static void solve_stage(gb_sim *sim, double *k) {
     const gb_model *model = sim->model;
-    const int simple = model->n_simple, n = n_holding(sim);
+    const int kinematic = model->n_kinematic, n = n_active(sim);
     const double gamma = sim->method->gamma, g = gamma * sim->implicit.h;
-    double *x = model->n_hidden > 0 ? sim->implicit.unknown : k + simple, *rates = sim->z2;
+    double *x = model->n_massless > 0 ? sim->implicit.unknown : k + kinematic, *rates = sim->z2;
     for (int j = 0; j < n; j++) {
-        sim->constraints.right[j] = model->steady_locks ? 0.0 : gamma * along(sim, j, k + model->n - model->n_speeds);
+        sim->constraints.right[j] = model->constant_rows ? 0.0 : gamma * along(sim, j, k + model->n - model->n_speeds);
     }
-    model->right_side(sim->par, sim->implicit.kinematic, g, k, sim->implicit.unknown);
+    model->right_side(sim->par, sim->implicit.kinematic_terms, g, k, sim->implicit.unknown);
     gb_solve(model->pattern, sim->implicit.inverse, sim->implicit.lower, sim->implicit.upper, sim->implicit.unknown,
              sim->implicit.work, x);
     if (n > 0) {
-        hold(sim, x);
+        apply_constraints(sim, x);
     }
-    model->simple_rates(sim->par, sim->implicit.kinematic, x, rates);
-    for (int i = 0; i < simple; i++) {
+    model->kinematic_rates(sim->par, sim->implicit.kinematic_terms, x, rates);
+    for (int i = 0; i < kinematic; i++) {
         k[i] = gamma * k[i] + g * rates[i];
     }
-    if (model->n_hidden > 0) {
-        memcpy(k + simple, x, sizeof(double) * (size_t)(model->n - simple));
+    if (model->n_massless > 0) {
+        memcpy(k + kinematic, x, sizeof(double) * (size_t)(model->n - kinematic));
     }
 }
 
@@ -175,39 +175,40 @@ static void solve_stage(gb_sim *sim, double *k) {
 static int factor(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
     const double gamma = sim->method->gamma;
-    model->jacobian(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->k1, gamma * h, sim->implicit.diag,
-                    sim->implicit.lower, sim->implicit.upper, sim->implicit.kinematic);
+    model->step_matrix(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->k1, gamma * h, sim->implicit.diag,
+                       sim->implicit.lower, sim->implicit.upper, sim->implicit.kinematic_terms);
     sim->head->counts.jacobians++;
     sim->implicit.h = h;
     const int bad = gb_factor(model->pattern, gamma, sim->implicit.diag, sim->implicit.lower, sim->implicit.upper,
                               sim->implicit.inverse);
     if (bad < 0) {
-        factor_holding(sim);
+        factor_constraints(sim);
     }
-    return bad < 0 ? GB_DONE
-                   : gb_fail(sim, GB_ERR_SINGULAR, model->n_simple + bad, sim->head->front.t1, sim->implicit.diag[bad]);
+    return bad < 0
+               ? GB_DONE
+               : gb_fail(sim, GB_ERR_SINGULAR, model->n_kinematic + bad, sim->head->front.t1, sim->implicit.diag[bad]);
 }
 
-/* The sums of stage j (a constant) over those before it: z = y0 + h sum a K, and in z2 what its right side has beside
+/* The sums of stage j (a constant) over those before it: z = y0 + h sum a K, and in z2 what its right right has beside
  * the rates. */
 GB_INLINE void sums_of(const gb_sim *sim, int j, double h) {
     const double *a = sim->method->stage[j][0], *c = sim->method->stage[j][1], *k = sim->k, *y0 = sim->y0;
-    const double weight = sim->model->n_time > 0 ? sim->method->slope[j] : 0.0;
+    const double weight = sim->model->n_time_terms > 0 ? sim->method->slope[j] : 0.0;
     const size_t total = (size_t)sim->model->n_total;
     const int padded = sim->model->n_padded;
     double *z = sim->z, *z2 = sim->z2;
     for (int b = 0; b < padded; b += GB_PAD) {
-        gb_block state = a[0] * *gb_block_at(k + b), side = c[0] * *gb_block_at(k + b);
+        gb_block state = a[0] * *gb_block_at(k + b), right = c[0] * *gb_block_at(k + b);
         for (int i = 1; i < j; i++) {
             const gb_block one = *gb_block_at(k + (size_t)i * total + b);
             state += a[i] * one;
-            side += c[i] * one;
+            right += c[i] * one;
         }
         if (weight != 0.0) {
-            side += weight * *gb_block_at(k + GB_SLOPE * total + b);
+            right += weight * *gb_block_at(k + GB_SLOPE * total + b);
         }
         *(gb_block *)(void *)(z + b) = *gb_block_at(y0 + b) + h * state;
-        *(gb_block *)(void *)(z2 + b) = side;
+        *(gb_block *)(void *)(z2 + b) = right;
     }
 }
 
@@ -251,7 +252,7 @@ static double *node(const gb_sim *sim, int i) {
     return sim->k + (size_t)(GB_SPARE + i) * (size_t)sim->model->n_total;
 }
 
-int gb_stiff_stages(gb_sim *sim, double h) {
+int gb_rosenbrock_stages(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
     const gb_method *method = sim->method;
     const int total = model->n_total, padded = model->n_padded;
@@ -260,7 +261,7 @@ int gb_stiff_stages(gb_sim *sim, double h) {
         return code;
     }
     slope_in_time(sim, h);
-    if (model->n_time > 0) {
+    if (model->n_time_terms > 0) {
         add(sim, sim->k1, method->slope[0], sim->k + (size_t)GB_SLOPE * (size_t)total, sim->k);
     } else {
         gb_copy(sim->k, sim->k1, padded);
@@ -280,16 +281,16 @@ int gb_stiff_stages(gb_sim *sim, double h) {
     return GB_DONE;
 }
 
-void gb_stiff_tail(gb_sim *sim, double h) {
+void gb_rosenbrock_quadratures(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
     const gb_method *method = sim->method;
     const int total = model->n_total, padded = model->n_padded;
-    if (model->n_tail == 0) {
+    if (model->n_quadratures == 0) {
         return;
     }
     gb_copy(sim->k + padded, sim->k1 + padded, total - padded);
-    for (int c = 0; c < model->n_counted; c++) {
-        const int i = model->counted[c].state;
+    for (int c = 0; c < model->n_wrapped; c++) {
+        const int i = model->wrapped[c].state;
         sim->k[i] = sim->k1[i];
     }
     for (int i = 0; i < GB_NODES; i++) {
@@ -298,9 +299,9 @@ void gb_stiff_tail(gb_sim *sim, double h) {
                         sim->k + (size_t)j * (size_t)total);
         sim->head->counts.rhs_calls++;
     }
-    gb_combine(&method->tail[0], sim->k, total, padded, total, sim->y0, h, sim->z);
+    gb_combine(&method->quadratures[0], sim->k, total, padded, total, sim->y0, h, sim->z);
 }
 
-void gb_stiff_response(gb_sim *sim, double *change) {
+void gb_rosenbrock_response(gb_sim *sim, double *change) {
     solve_stage(sim, change);
 }

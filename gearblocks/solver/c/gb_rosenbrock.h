@@ -12,25 +12,25 @@
 
 #include "gb_internal.h"
 
-/* Which speeds enter the rate of each simple state, B of gb_model.h: for every colour of speeds one entry of each row.
- */
-void gb_stiff_links(gb_sim *sim);
+/* Which speeds enter the rate of each kinematic state, B of gb_model.h: for every colour of speeds one entry of each
+ * row. */
+void gb_kinematic_links(gb_sim *sim);
 
-/* The least way of a coordinate that a speed drives, as far as it ever came, over the gain: by entry of y, 0 where
- * there is none. Over the time so far it is a speed that cannot have mattered yet. Sizes grow, so that old values are
- * safe. */
-void gb_stiff_floor(gb_sim *sim);
+/* Least scales of the speeds: the least way of a coordinate that a speed drives, as far as it ever came, over the gain;
+ * by entry of y, 0 where there is none. Over the time so far it is a speed that cannot have mattered yet. Scales grow,
+ * so that old values are safe. */
+void gb_least_scales(gb_sim *sim);
 
 /* The instants of the difference in time, in the lanes behind those of the stages. */
-int gb_stiff_lanes(const gb_sim *sim, double from, double h, double *t);
+int gb_rosenbrock_lanes(const gb_sim *sim, double from, double h, double *t);
 
 /* All stages of the step from y0, and the n new states in z. */
-int gb_stiff_stages(gb_sim *sim, double h);
+int gb_rosenbrock_stages(gb_sim *sim, double h);
 
-/* The rates at the nodes of the quadrature, and the tail of z. */
-void gb_stiff_tail(gb_sim *sim, double h);
+/* The rates at the nodes of the quadrature, and the quadratures of z. */
+void gb_rosenbrock_quadratures(gb_sim *sim, double h);
 
 /* What a small change of the rates does to the states within a step, as a rate: stiff parts do not follow it. */
-void gb_stiff_response(gb_sim *sim, double *change);
+void gb_rosenbrock_response(gb_sim *sim, double *change);
 
 #endif

@@ -25,7 +25,7 @@ static int begin(gb_sim *sim) {
     return gb_apply_changes(sim);
 }
 
-/* The front moves on: what is due there, or else a step. After an error the last good front stands. */
+/* The front moves on: what is pending there, or else a step. After an error the last good front stands. */
 static int move(gb_sim *sim, double target) {
     const int code =
         sim->head->events.pending ? gb_apply_event(sim) : gb_step(sim, gb_max(sim->head->options.t_stop, target));
@@ -46,7 +46,7 @@ int gb_advance(gb_sim *sim, double t) {
         sim->log.count = sim->log.flushed = 0;
     }
     if (code == GB_DONE && t < head->front.t1) {
-        code = gb_dense_tail(sim);
+        code = gb_dense_quadratures(sim);
     }
     if (code == GB_DONE) {
         head->front.t_comm = t;
@@ -64,23 +64,24 @@ int gb_state(gb_sim *sim, double *y) {
     return code;
 }
 
-/* State, columns and derivative at the communication point, into z, tau_one and z2. */
-static int here(gb_sim *sim) {
+/* State, time terms and derivative at the communication point, into z, `instant` and z2. */
+static int at_communication_point(gb_sim *sim) {
     int code = gb_state(sim, sim->z);
     if (code == GB_DONE) {
-        code = gb_columns_at(sim, sim->head->front.t_comm);
+        code = gb_time_terms_at(sim, sim->head->front.t_comm);
     }
     if (code == GB_DONE) {
         sim->model->rhs_full(sim->par, sim->mode, sim->instant.time_terms, sim->z, sim->z2);
-        if (sim->model->times_late) {
-            sim->model->times_late(sim->par, sim->mode, 1, sim->instant.t, sim->instant.u, sim->instant.time_terms);
+        if (sim->model->output_time_terms) {
+            sim->model->output_time_terms(sim->par, sim->mode, 1, sim->instant.t, sim->instant.u,
+                                          sim->instant.time_terms);
         }
     }
     return code;
 }
 
 int gb_outputs(gb_sim *sim, double *out) {
-    const int code = here(sim);
+    const int code = at_communication_point(sim);
     if (code == GB_DONE) {
         sim->model->outputs(sim->par, sim->mode, sim->instant.time_terms, sim->z, sim->z2, out);
     }
@@ -88,7 +89,7 @@ int gb_outputs(gb_sim *sim, double *out) {
 }
 
 int gb_energies(gb_sim *sim, double *energy) {
-    const int code = here(sim);
+    const int code = at_communication_point(sim);
     if (code == GB_DONE) {
         sim->model->energies(sim->par, sim->mode, sim->instant.time_terms, sim->z, energy);
     }
@@ -96,7 +97,7 @@ int gb_energies(gb_sim *sim, double *energy) {
 }
 
 int gb_rhs(gb_sim *sim, double t, const double *y, double *dy) {
-    const int code = gb_columns_at(sim, t);
+    const int code = gb_time_terms_at(sim, t);
     if (code == GB_DONE) {
         sim->model->rhs_full(sim->par, sim->mode, sim->instant.time_terms, y, dy);
     }
@@ -121,7 +122,7 @@ static int write_row(gb_sim *sim, gb_record *record, double t) {
         return GB_FULL;
     }
     if (t < sim->head->front.t1) {
-        const int code = gb_dense_tail(sim);
+        const int code = gb_dense_quadratures(sim);
         if (code != GB_DONE) {
             return code;
         }
@@ -220,24 +221,24 @@ int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, i
                 sim->instant.u[i * GB_LANES + l] = at[1 + m->n_total + m->n_switches + i];
             }
         }
-        if (m->n_time > 0) {
-            m->times(sim->par, mode, count, sim->instant.t, sim->instant.u, sim->instant.time_terms);
-            if (m->times_late) {
-                m->times_late(sim->par, mode, count, sim->instant.t, sim->instant.u, sim->instant.time_terms);
+        if (m->n_time_terms > 0) {
+            m->time_terms(sim->par, mode, count, sim->instant.t, sim->instant.u, sim->instant.time_terms);
+            if (m->output_time_terms) {
+                m->output_time_terms(sim->par, mode, count, sim->instant.t, sim->instant.u, sim->instant.time_terms);
             }
         }
-        mode = gb_full_modes(sim, mode, sim->instant.time_terms, row + 1);
+        mode = gb_modes_with_active_set(sim, mode, sim->instant.time_terms, row + 1);
         for (int l = 0; l < count; l++, r++) {
-            const double *y = rows + (size_t)r * length + 1, *tau = sim->instant.time_terms + l;
+            const double *y = rows + (size_t)r * length + 1, *time_terms = sim->instant.time_terms + l;
             if (n_pick > 0) {
-                m->rhs_full(sim->par, mode, tau, y, sim->z2);
-                m->outputs(sim->par, mode, tau, y, sim->z2, sim->scratch.outputs);
+                m->rhs_full(sim->par, mode, time_terms, y, sim->z2);
+                m->outputs(sim->par, mode, time_terms, y, sim->z2, sim->scratch.outputs);
                 for (int j = 0; j < n_pick; j++) {
                     out[(size_t)r * (size_t)n_pick + (size_t)j] = sim->scratch.outputs[pick[j]];
                 }
             }
             if (energy) {
-                m->energies(sim->par, mode, tau, y, energy + (size_t)r * (size_t)m->n_energies);
+                m->energies(sim->par, mode, time_terms, y, energy + (size_t)r * (size_t)m->n_energies);
             }
         }
     }

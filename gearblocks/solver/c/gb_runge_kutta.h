@@ -8,7 +8,7 @@
 
 #include "gb_internal.h"
 
-/* All stages of the step from y0, and the new state z with its tail. */
+/* All stages of the step from y0, and the new state z with its quadratures. */
 void gb_run_stages(gb_sim *sim, double h);
 
 /* The stages that only dense output needs. */

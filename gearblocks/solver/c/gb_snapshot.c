@@ -21,7 +21,7 @@ int gb_restore(gb_sim *sim, const void *block) {
     memcpy(sim->head, block, sim->block_bytes);
     gb_set_method(sim, sim->head->method);
     sim->log.count = sim->log.flushed = 0;
-    gb_stiff_links(sim);
+    gb_kinematic_links(sim);
     gb_input_broadcast(sim);
     return GB_DONE;
 }

@@ -23,8 +23,8 @@ static int take_values(gb_sim *sim, double t) {
     if (code == GB_DONE) {
         model->prepare(sim->par);
         model->scales(sim->par, sim->control.natural_scale);
-        gb_size_locks(sim);
-        gb_stiff_links(sim);
+        gb_size_rows(sim);
+        gb_kinematic_links(sim);
         gb_input_broadcast(sim);
         gb_input_find(sim, t, 0);
     }
@@ -40,7 +40,7 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     head->front.t_start = head->front.t0 = head->front.t1 = head->front.t_comm = t0;
     head->events.t_break = HUGE_VAL;
     head->front.row_due = 1;
-    memset(sim->mode, 0, switches + sizeof(double) * (size_t)m->n_memory);
+    memset(sim->mode, 0, switches + sizeof(double) * (size_t)m->n_active_set);
     memset(sim->events.armed, 0, switches);
     memset(sim->events.pending, 0, switches);
     memset(sim->events.flips, 0, switches);
@@ -52,16 +52,16 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     memset(sim->control.noise, 0, states);
     memset(sim->control.error_weight, 0, states);
     memset(sim->control.least_scale, 0, states);
-    gb_auto_start(sim);
+    gb_choice_start(sim);
     gb_set_method(sim, options->method == GB_AUTO ? head->choice.explicit_method : options->method);
     sim->log.count = sim->log.flushed = 0;
 }
 
-/* On a limit exactly: the mode follows the direction of motion (right limit). Affine surfaces; the others are told by
- * the first step. */
+/* On a limit exactly: the mode follows the direction of motion (right limit). Affine event functions; the others are
+ * told by the first step. */
 static int start_on_limits(gb_sim *sim) {
     const gb_model *model = sim->model;
-    int code = gb_columns_at(sim, sim->head->front.t1);
+    int code = gb_time_terms_at(sim, sim->head->front.t1);
     if (code == GB_DONE) {
         code = gb_first_derivative(sim, sim->instant.time_terms);
     }
@@ -71,7 +71,7 @@ static int start_on_limits(gb_sim *sim) {
     }
     model->directions(sim->par, sim->k1, sim->events.slopes);
     for (int i = 0; i < model->n_affine; i++) {
-        if (sim->events.role[i] == GB_LOCKED) {
+        if (sim->events.role[i] == GB_CONSTRAINED) {
             continue;
         }
         const double rounding = 64.0 * DBL_EPSILON * fabs(sim->events.s[i]) + DBL_MIN;
@@ -84,20 +84,20 @@ static int start_on_limits(gb_sim *sim) {
             sim->head->events.armed = 1;
         }
     }
-    code = gb_settle(sim, 0);
+    code = gb_settle_modes(sim, 0);
     return code == GB_DONE ? gb_settle_all(sim, 0) : code;
 }
 
 /* Modes of the state's switches until they agree with each other. */
 static int modes_of_state(gb_sim *sim) {
     const gb_model *model = sim->model;
-    int code = GB_DONE, changed = model->n_surfaces > 0, last = 0;
+    int code = GB_DONE, changed = model->n_event_functions > 0, last = 0;
     for (int round = 0; round < GB_FLIPS && changed; round++) {
         changed = 0;
-        code = gb_surfaces_now(sim);
-        for (int i = 0; i < model->n_surfaces && code == GB_DONE; i++) {
+        code = gb_event_functions_now(sim);
+        for (int i = 0; i < model->n_event_functions && code == GB_DONE; i++) {
             const double mode = model->mode_at(sim->par, i, sim->events.s[i]);
-            if (sim->events.role[i] != GB_LOCKED && mode != sim->mode[i]) {
+            if (sim->events.role[i] != GB_CONSTRAINED && mode != sim->mode[i]) {
                 gb_set_mode(sim, i, mode, 0);
                 changed = 1;
                 last = i;
@@ -115,13 +115,13 @@ static int start_with_modes(gb_sim *sim) {
     int code = modes_of_state(sim);
     for (int round = 0; round < GB_FLIPS && code == GB_DONE; round++) {
         memcpy(sim->z, sim->y, size);
-        code = gb_columns_at(sim, sim->head->front.t1);
+        code = gb_time_terms_at(sim, sim->head->front.t1);
         model->start(sim->par, sim->mode, sim->instant.time_terms, sim->y);
-        gb_turns_wrap(sim, 0);
+        gb_wrap_angles(sim, 0);
         if (code != GB_DONE || memcmp(sim->z, sim->y, size) == 0) {
             break;
         }
-        gb_weights_grow(sim, sim->y);
+        gb_scales_grow(sim, sim->y);
         code = modes_of_state(sim);
     }
     return code;
@@ -132,16 +132,16 @@ static int start_with_modes(gb_sim *sim) {
 static int start_modes(gb_sim *sim, int fresh) {
     const gb_model *model = sim->model;
     gb_time_modes(sim, 0);
-    int code = fresh && model->n_surfaces > 0 ? start_with_modes(sim) : modes_of_state(sim);
+    int code = fresh && model->n_event_functions > 0 ? start_with_modes(sim) : modes_of_state(sim);
     if (code != GB_DONE) {
         return code;
     }
-    code = gb_settle(sim, 0);
+    code = gb_settle_modes(sim, 0);
     if (code == GB_DONE) {
         code = gb_settle_all(sim, 0);
     }
     if (code == GB_DONE) {
-        code = gb_balance(sim, 1);
+        code = gb_balance_massless(sim, 1);
     }
     return code == GB_DONE && model->n_affine > 0 ? start_on_limits(sim) : code;
 }
@@ -159,7 +159,7 @@ int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0
     if (code == GB_DONE) {
         memset(sim->y, 0, sizeof(double) * (size_t)model->n_total);
         gb_time_modes(sim, 0);
-        code = gb_columns_at(sim, t0);
+        code = gb_time_terms_at(sim, t0);
     }
     if (code == GB_DONE) {
         model->start(sim->par, sim->mode, sim->instant.time_terms, sim->y);
@@ -169,8 +169,8 @@ int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0
         code = gb_check_finite(sim, GB_ERR_NAN_START, sim->y, model->n, 0, t0);
     }
     if (code == GB_DONE) {
-        gb_turns_wrap(sim, 0);
-        gb_weights_grow(sim, sim->y);
+        gb_wrap_angles(sim, 0);
+        gb_scales_grow(sim, sim->y);
         code = start_modes(sim, y0 == NULL);
     }
     sim->head->started = code == GB_DONE;
@@ -202,10 +202,10 @@ int gb_apply_changes(gb_sim *sim) {
     int code = take_values(sim, head->front.t1);
     if (code == GB_DONE) {
         gb_time_modes(sim, 1);
-        code = gb_settle(sim, 1);
+        code = gb_settle_modes(sim, 1);
     }
-    if (code == GB_DONE && model->n_locks > 0) {
-        code = gb_settle_locks(sim, 1);
+    if (code == GB_DONE && model->n_constraints > 0) {
+        code = gb_switch_constraints(sim, 1);
     }
     return code;
 }

@@ -43,7 +43,7 @@ static double end_of_step(const gb_sim *sim, double h, double limit) {
 static double energy_exchange(const gb_sim *sim) {
     const gb_model *model = sim->model;
     double sum = 0.0;
-    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_tail; i++) {
+    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_quadratures; i++) {
         sum += fabs(sim->y[i] - sim->y0[i]);
     }
     return sum;
@@ -57,8 +57,8 @@ static int accept(gb_sim *sim, double end, int may_shorten) {
     double theta = 2.0;
     head->front.t0 = from;
     head->front.h = end - from;
-    if (model->n_surfaces > 0 && head->options.locate) {
-        const int code = gb_watch(sim, &theta);
+    if (model->n_event_functions > 0 && head->options.locate) {
+        const int code = gb_locate(sim, &theta);
         if (code != GB_DONE) {
             return code;
         }
@@ -73,8 +73,8 @@ static int accept(gb_sim *sim, double end, int may_shorten) {
     } else {
         gb_copy(sim->y, sim->z, model->n_total);
         gb_copy(sim->k1, sim->k + (size_t)sim->method->stages * (size_t)model->n_total, model->n_total);
-        if (model->n_counted > 0) {
-            gb_turns_advance(sim);
+        if (model->n_wrapped > 0) {
+            gb_wrapping_advance(sim);
         }
         head->front.t1 = end;
         if (!head->options.locate) {
@@ -84,14 +84,14 @@ static int accept(gb_sim *sim, double end, int may_shorten) {
     if (head->front.t1 >= head->events.t_break) { /* also where a switch of the state is due at the same instant */
         gb_mark_time_events(sim);
     }
-    if (!head->events.pending && gb_project(sim, sim->lanes.time_terms + sim->method->stages)) {
+    if (!head->events.pending && gb_project_velocities(sim, sim->lanes.time_terms + sim->method->stages)) {
         head->front.have_k1 = 0;
     }
     if (head->events.armed && head->front.t1 - from > 10.0 * gb_rounding(from, head->front.h)) {
-        memset(sim->events.armed, 0, sizeof(double) * (size_t)model->n_surfaces);
+        memset(sim->events.armed, 0, sizeof(double) * (size_t)model->n_event_functions);
         head->events.armed = 0;
     }
-    gb_weights_grow(sim, sim->y);
+    gb_scales_grow(sim, sim->y);
     head->ledger.turnover_segment = energy_exchange(sim);
     head->ledger.turnover += head->ledger.turnover_segment;
     head->control.h_largest = gb_max(head->control.h_largest, head->front.t1 - from);
@@ -131,10 +131,10 @@ static double judge(gb_sim *sim, double h) {
         const int old = implicit && head->front.t1 - head->front.t_start >
                                         2.0 * (head->control.t_weights - head->front.t_start) + h;
         if (head->control.h_weights == 0.0 || h > 2.0 * head->control.h_weights || head->control.unscaled || old) {
-            gb_weights_refresh(sim, h, sim->lanes.time_terms,
-                               head->control.unscaled || head->counts.steps == 0 ? sim->z : NULL);
+            gb_error_weights(sim, h, sim->lanes.time_terms,
+                             head->control.unscaled || head->counts.steps == 0 ? sim->z : NULL);
         }
-        error = head->choice.large_step ? gb_leap_error(sim, h) : gb_log_error(sim, h);
+        error = head->choice.large_step ? gb_large_step_error(sim, h) : gb_log_error(sim, h);
     }
     error += gb_taint(sim->z, implicit ? model->n_padded : model->n_total);
     if (error <= 0.0) {
@@ -143,10 +143,11 @@ static double judge(gb_sim *sim, double h) {
         }
         error += gb_taint(k_new, model->n_total);
         if (implicit) {
-            gb_stiff_tail(sim, h);
+            gb_rosenbrock_quadratures(sim, h);
             error += gb_taint(sim->z + model->n_padded, model->n_total - model->n_padded);
         }
-        if (error <= (model->paced ? 0.0 : QUIET) && !(head->options.step > 0.0) && model->n_tail > model->n_angles) {
+        if (error <= (model->prescribed_motion ? 0.0 : QUIET) && !(head->options.step > 0.0) &&
+            model->n_quadratures > model->n_angles) {
             error = gb_max(error, gb_log_exchange_error(sim, h));
         }
     }
@@ -166,7 +167,7 @@ static int name_taint(gb_sim *sim) {
     return gb_check_finite(sim, GB_ERR_NAN_RATE, sim->z, total, 0, sim->lanes.t[sim->method->stages]);
 }
 
-/* Time columns, the derivative at the front and all stages of a step that ends at `end`. */
+/* Time terms, the derivative at the front and all stages of a step that ends at `end`. */
 static int try_step(gb_sim *sim, double end) {
     const gb_method *method = sim->method;
     const double from = sim->head->front.t1, h = end - from;
@@ -174,8 +175,8 @@ static int try_step(gb_sim *sim, double end) {
         sim->lanes.t[j] = method->c[j] == 1.0 ? end : from + method->c[j] * h;
     }
     const int implicit = method->gamma > 0.0;
-    const int more = implicit ? gb_stiff_lanes(sim, from, h, sim->lanes.t + method->all_stages) : 0;
-    const int code = gb_columns(sim, method->all_stages + more, &sim->lanes);
+    const int more = implicit ? gb_rosenbrock_lanes(sim, from, h, sim->lanes.t + method->all_stages) : 0;
+    const int code = gb_time_terms(sim, method->all_stages + more, &sim->lanes);
     if (code != GB_DONE) {
         return code;
     }
@@ -183,7 +184,7 @@ static int try_step(gb_sim *sim, double end) {
         return sim->head->report.code;
     }
     if (implicit) {
-        return gb_stiff_stages(sim, h);
+        return gb_rosenbrock_stages(sim, h);
     }
     gb_copy(sim->k, sim->k1, sim->model->n_total);
     gb_run_stages(sim, h);
@@ -192,7 +193,7 @@ static int try_step(gb_sim *sim, double end) {
 
 /* Before the first step: its size, once the derivative is known. */
 static int prepare_first(gb_sim *sim) {
-    int code = gb_columns_at(sim, sim->head->front.t1);
+    int code = gb_time_terms_at(sim, sim->head->front.t1);
     if (code == GB_DONE && !sim->head->front.have_k1) {
         code = gb_first_derivative(sim, sim->instant.time_terms);
     }
@@ -218,7 +219,7 @@ int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
     const double limit = gb_min(head->events.t_break, stop);
-    int rejected = 0, tainted = 0, again = 0, code = sim->model->n_counted > 0 ? gb_turns_wrap(sim, 1) : GB_DONE;
+    int rejected = 0, tainted = 0, again = 0, code = sim->model->n_wrapped > 0 ? gb_wrap_angles(sim, 1) : GB_DONE;
     gb_copy(sim->y0, sim->y, sim->model->n_total);
     head->front.have_dense = head->front.have_quadratures = 0;
     head->front.h = 0.0;
@@ -229,11 +230,11 @@ int gb_step(gb_sim *sim, double stop) {
         code = prepare_first(sim);
     }
     if (code == GB_DONE) {
-        code = gb_auto_look(sim, limit);
+        code = gb_choice_look(sim, limit);
     }
     double h = gb_min(head->control.h_next, head->options.max_step);
-    if (sim->model->n_counted > 0) {
-        h = gb_turns_step(sim, h);
+    if (sim->model->n_wrapped > 0) {
+        h = gb_wrapping_step(sim, h);
     }
     while (code == GB_DONE) {
         const double end = end_of_step(sim, h, limit);
@@ -264,7 +265,7 @@ int gb_step(gb_sim *sim, double stop) {
             break;
         }
         code = sim->head->report.code = GB_DONE;
-        h = gb_auto_rejected(sim, size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1));
+        h = gb_choice_rejected(sim, size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1));
         if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->front.t1), head->control.h_largest) || h < 1e-200) {
             code = gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), head->front.t1, h);
         }

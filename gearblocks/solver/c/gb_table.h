@@ -3,7 +3,7 @@
  *
  * The mode of a table is the number of the segment in use: -1 and n - 1 are the held ends, 0 .. n - 2 the segments
  * between; a periodic table counts on (whole periods times n - 1). A segment is continued smoothly past its joints.
- */
+ * Knows nothing of what a table describes. */
 #ifndef GB_TABLE_H
 #define GB_TABLE_H
 

@@ -163,7 +163,7 @@ def _detent(**fields: Any) -> gb.Drivetrain:
 ])  # fmt: skip
 def test_only_what_no_law_can_tell_is_taken_off(fields: dict[str, Any], counted: int, reference: Any) -> None:
     model = gb.build(_detent(**fields))
-    assert (".n_counted = 1" in model.program.source) == bool(counted)
+    assert (".n_wrapped = 1" in model.program.source) == bool(counted)
     t = np.linspace(0, 5, 201)
     run = gb.simulate(model, t=t, initial={"body.w": 9.0}, rtol=1e-11)
     factor, power = fields["factor"], fields.get("power", 1)
@@ -188,7 +188,7 @@ def test_turns_go_through_a_pair_that_is_not_round(reference: Any) -> None:
     wobble = rig.add("wobble", Wobble(ratio=0.75))
     rig.chain(rig.add("body", gb.Inertia(J=1.0)), wobble, rig.add("detent", Detent(factor=2)))
     source = gb.build(rig).program.source
-    assert ".n_counted = 1" in source
+    assert ".n_wrapped = 1" in source
     assert ".turns = 2.0" in source  # 2 times 3/4 of a turn
     t = np.linspace(0, 5, 201)
     run = gb.simulate(rig, t=t, initial={"body.w": 9.0}, rtol=1e-11)
@@ -205,9 +205,9 @@ def test_turns_go_through_a_pair_that_is_not_round(reference: Any) -> None:
 
 def test_a_sensed_angle_is_left_to_grow_where_a_signal_reads_it_straight() -> None:
     rig = _pair(spring=-1e-3 * gb.sense("pinion.phi"))
-    assert ".n_counted" not in gb.build(rig).program.source
+    assert ".n_wrapped" not in gb.build(rig).program.source
     rig = _pair(spring=-1e-3 * gb.sense("mesh.mesh_phase"))
-    assert ".n_counted = 1" in gb.build(rig).program.source
+    assert ".n_wrapped = 1" in gb.build(rig).program.source
 
 
 def test_a_run_goes_on_from_another_with_its_turns() -> None:

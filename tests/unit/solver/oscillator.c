@@ -20,7 +20,8 @@ static void scales(const double *par, double *scale) {
     scale[0] = scale[1] = 0.0;
 }
 
-static void times(const double *par, const double *mode, int lanes, const double *t, const double *u, double *tau) {
+static void time_terms(const double *par, const double *mode, int lanes, const double *t, const double *u,
+                       double *tau) {
     (void)par;
     (void)mode;
     (void)t;
@@ -34,7 +35,7 @@ static void rhs(const double *par, const double *mode, const double *tau, const 
     dy[1] = tau[0] - par[1] * y[0];
 }
 
-static void surfaces(const double *par, const double *mode, const double *tau, const double *y, double *s) {
+static void event_functions(const double *par, const double *mode, const double *tau, const double *y, double *s) {
     (void)par;
     (void)mode;
     (void)tau;
@@ -48,7 +49,7 @@ static void directions(const double *par, const double *dir, double *s) {
     (void)s;
 }
 
-static void bounds(const double *par, const double *mode, double *lo, double *hi) {
+static void mode_limits(const double *par, const double *mode, double *lo, double *hi) {
     (void)par;
     (void)mode;
     (void)lo;
@@ -97,25 +98,25 @@ static const gb_model model = {
     .key = "oscillator",
     .n = 2,
     .n_padded = GB_PAD,
-    .n_tail = 0,
+    .n_quadratures = 0,
     .n_total = GB_PAD,
     .n_parameters = 1,
     .n_par = 2,
     .n_inputs = 1,
-    .n_time = 1,
+    .n_time_terms = 1,
     .n_outputs = 2,
     .n_energies = 2,
     .prepare = prepare,
     .start = start,
     .scales = scales,
-    .times = times,
+    .time_terms = time_terms,
     .rhs = rhs,
     .rhs_full = rhs,
-    .surfaces = surfaces,
+    .event_functions = event_functions,
     .directions = directions,
-    .bounds = bounds,
+    .mode_limits = mode_limits,
     .mode_at = mode_at,
-    .clock = clock_of,
+    .time_function = clock_of,
     .next_time = next_time,
     .outputs = outputs,
     .energies = energies,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-CORE = Path(__file__).parents[3] / "gearblocks" / "solver" / "c"
+CORE = Path(__file__).parents[2] / "gearblocks" / "solver" / "c"
 
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_runge_kutta", "gb_sparse_ldu", "gb_report"),
@@ -109,8 +109,7 @@ def test_a_file_is_short_and_so_are_its_functions(name: str) -> None:
     assert not long, f"functions of {name} longer than {MAX_FUNCTION} lines"
 
 
-@pytest.mark.parametrize(
-    "name", [name for name in FILES if name.endswith(".h") and name not in ("gb_core.h", "gb_model.h")]
-)
-def test_a_header_says_what_it_is(name: str) -> None:
-    assert _text(name).startswith("/* ")
+@pytest.mark.parametrize("name", [name for name in FILES if name.endswith(".h")])
+def test_a_header_opens_with_what_it_is_and_knows_nothing_of(name: str) -> None:
+    opening = re.match(r"/\*.*?\*/", _text(name), re.S)
+    assert opening and " Knows " in opening[0]
