@@ -8,7 +8,8 @@ from typing import Any
 from gearblocks.assembly.angle_wrapping import located
 from gearblocks.assembly.tables import Assembly
 from gearblocks.codegen.batch import BatchCode
-from gearblocks.codegen.parts import Sense
+from gearblocks.codegen.operands import Assignment, Operand, Role
+from gearblocks.codegen.parts import Call, Sense
 from gearblocks.errors import ModelError, did_you_mean
 
 
@@ -63,11 +64,10 @@ def order_senses(
                 visit(slot.of, (*chain, path))
         sense = senses[path]
         sense.batch, sense.instance, sense.expr = code.number, e, expr
-        vector = "whole" if (code.number, show) in whole and path not in in_law else "y"
-        expr = located(expr) if vector == "whole" else expr
-        function = code.function(f"sense_{sense.index}", [(f"sense[{sense.index}]", "=", expr, False)], vector=vector)
-        sense.function = function
-        sense.call = ", ".join([str(e), *(c.at(e) for _, _, c in function.args)])
+        unwrapped = (code.number, show) in whole and path not in in_law
+        assignment = Assignment(Operand(Role.FEEDBACK_SIGNALS, sense.index), "=", located(expr) if unwrapped else expr)
+        vector = Role.UNWRAPPED_ANGLES if unwrapped else Role.STATES
+        sense.call = Call(code.function(f"sense_{sense.index}", [assignment], vector=vector), e)
         done[path] = None
 
     for path in senses:

@@ -10,9 +10,10 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.assembly.kinematics import Driven
-from gearblocks.codegen.function import column
+from gearblocks.codegen.function import Argument, column
 from gearblocks.codegen.jacobian.sparsity import eliminate
-from gearblocks.codegen.parts import Motions
+from gearblocks.codegen.operands import Assignment, Operand, Role
+from gearblocks.codegen.parts import Call, Motions
 from gearblocks.errors import ModelError
 
 if TYPE_CHECKING:
@@ -140,31 +141,32 @@ def drive_functions(g: Generator, code: BatchCode) -> None:
         rows = [mine[c, number] for c in code.batch.components]
         scale = column(f"{code.batch.name}_scale{number}", [float(d.scale) for _, d in rows])
         place = column(f"{code.batch.name}_follower{number}", [i for i, _ in rows])
-        args = [("double", f"scale{number}", scale), ("int", f"follower{number}", place)]
+        factor = Argument("double", f"scale{number}", scale)
+        args = [factor, Argument("int", f"follower{number}", place)]
         if drive.angle is not None:
-            angle = _scaled(code, f"drive_angle{number}", [(f"phi[into{number}]", drive.angle)], args[:1])
             groups = column(f"{code.batch.name}_into{number}", [d.group for _, d in rows])
-            angle.args.append(("int", f"into{number}", groups))
+            into = Argument("int", f"into{number}", groups)
+            target = Operand(Role.ANGLES, into.name)
+            angle = _scaled(code, f"drive_angle{number}", target, drive.angle, [factor, into])
             g.keep("drive_angles", angle)
             for e, (i, _) in enumerate(rows):
-                motion.calls[i] = ", ".join([str(e), *(c.at(e) for _, _, c in angle.args)])
-        values = [(f"bias[follower{number}]", drive.bias)] if drive.bias != 0 else []
-        if values:
-            g.keep("drive_values", _scaled(code, f"drive_bias{number}", values, args))
+                motion.calls[i] = Call(angle, e)
+        if drive.bias != 0:
+            target = Operand(Role.VELOCITY_BIASES, f"follower{number}")
+            g.keep("drive_values", _scaled(code, f"drive_bias{number}", target, drive.bias, args))
             motion.powered += [i for i, _ in rows]
         if drive.surplus != 0:
-            surplus = [(f"surplus[follower{number}]", drive.surplus)]
-            g.keep("drive_surplus", _scaled(code, f"drive_surplus{number}", surplus, args))
+            target = Operand(Role.ACCELERATION_BIASES, f"follower{number}")
+            g.keep("drive_surplus", _scaled(code, f"drive_surplus{number}", target, drive.surplus, args))
         for flange, gain in drive.gains.items():
             if not gain.is_number:
                 _gain_function(g, code, number, flange, gain, rows)
 
 
-def _scaled(code: BatchCode, name: str, targets: list[tuple[str, Any]], args: list[Any]) -> Function:
-    function = code.function(name, [(lhs, "=", expr, False) for lhs, expr in targets])
-    function.args += args
-    for statement in function.body:
-        statement.rhs = f"{args[0][1]} * ({statement.rhs})"
+def _scaled(code: BatchCode, name: str, target: Operand, expr: Any, arguments: list[Argument]) -> Function:
+    """A function that stores an expression times the first of its arguments."""
+    function = code.function(name, [Assignment(target, "=", expr, factor=arguments[0].name)])
+    function.take(arguments)
     return function
 
 
@@ -176,7 +178,8 @@ def _gain_function(
     factors = [float(d.factors[flange][1] if flange in d.factors else d.scale) for _, d in rows]
     name = f"{code.batch.name}_{number}_{flange}"
     args = [
-        ("double", f"factor{number}", column(f"{name}_factor", factors)),
-        ("int", f"slot{number}", column(f"{name}_slot", slots)),
+        Argument("double", f"factor{number}", column(f"{name}_factor", factors)),
+        Argument("int", f"slot{number}", column(f"{name}_slot", slots)),
     ]
-    g.keep("drive_values", _scaled(code, f"drive_gain{number}_{flange}", [(f"gain[slot{number}]", gain)], args))
+    target = Operand(Role.GAINS, f"slot{number}")
+    g.keep("drive_values", _scaled(code, f"drive_gain{number}_{flange}", target, gain, args))

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from gearblocks.codegen.function import Column, column
+from gearblocks.codegen.function import Argument, Column, column
 from gearblocks.codegen.jacobian.sparsity import eliminate
+from gearblocks.codegen.operands import Assignment, Operand, Role
 from gearblocks.codegen.parts import HiddenRows, Massless
 from gearblocks.errors import ModelError
 from gearblocks.laws.rational import Exact
@@ -124,41 +125,42 @@ def _functions(g: Generator, code: BatchCode) -> None:
     """Torques and slopes of one batch as functions."""
     massless, balance = g.massless, code.balance
     assert massless is not None
-    for what, exprs in (("torque", balance.torques), ("growth", balance.growths)):
-        elastic = what == "growth"
-        targets = [(f"{what}[g_{f}]", "+=", e, False) for f, e in exprs.items() if e != 0 or not elastic]
-        if targets and not (elastic and all(massless.damped)):
-            function = code.function(
-                f"massless_{what}", targets, extra=[f for f in exprs if f"{what}[g_{f}]" in {t[0] for t in targets}]
-            )
-            for statement in function.body:
-                statement.rhs = code.scaled(statement.lhs.split("g_")[1][:-1], statement.rhs)
-            g.keep(f"massless_{what}", function)
-    for what, entries in (("drag", balance.drags), ("stiff", balance.stiffnesses)):
+    for what, vector, exprs in (
+        ("torque", Role.TORQUES, balance.torques), ("growth", Role.TORQUE_RATES, balance.growths),
+    ):  # fmt: skip
+        elastic = vector is Role.TORQUE_RATES
+        assignments = [
+            Assignment(Operand(vector, f"g_{f}"), "+=", e, flange=f) for f, e in exprs.items() if e != 0 or not elastic
+        ]
+        if assignments and not (elastic and all(massless.damped)):
+            g.keep(f"massless_{what}", code.function(f"massless_{what}", assignments))
+    for vector, entries in ((Role.DAMPING_ENTRIES, balance.drags), (Role.STIFFNESS_ENTRIES, balance.stiffnesses)):
         if entries:
-            g.keep("massless_slopes", _slopes(code, massless, what, entries))
+            g.keep("massless_slopes", _slopes(code, massless, vector, entries))
 
 
-def _slopes(code: BatchCode, massless: Massless, what: str, entries: dict[tuple[str, str], Any]) -> Function:
-    targets, args = [], []
+def _slopes(code: BatchCode, massless: Massless, vector: Role, entries: dict[tuple[str, str], Any]) -> Function:
+    assignments: list[Assignment] = []
+    arguments: list[Argument] = []
+    what = vector.value
     for i, ((f, other), e) in enumerate(entries.items()):
-        terms = _terms(code, massless, what, f, other)
+        terms = _terms(code, massless, f, other, damping=vector is Role.DAMPING_ENTRIES)
         for j in range(max(map(len, terms))):
             here = [own[j] if j < len(own) else (massless.n_entries - 1, 0.0) for own in terms]
             name = f"{code.batch.name}_{what}{i}_{j}"
-            args += [
-                ("int", f"at{i}_{j}", column(f"{name}_at", [place for place, _ in here])),
-                ("double", f"by{i}_{j}", Column(f"{name}_by", tuple(factor for _, factor in here))),
+            arguments += [
+                Argument("int", f"at{i}_{j}", column(f"{name}_at", [place for place, _ in here])),
+                Argument("double", f"by{i}_{j}", Column(f"{name}_by", tuple(factor for _, factor in here))),
             ]
-            targets.append((f"{what}[at{i}_{j}]", "+=", e, False))
-    function = code.function(f"massless_{what}", targets)
-    function.args += args
-    for statement in function.body:
-        statement.rhs = f"by{statement.lhs[len(what) + 3 : -1]} * ({statement.rhs})"
+            assignments.append(Assignment(Operand(vector, f"at{i}_{j}"), "+=", e, factor=f"by{i}_{j}"))
+    function = code.function(f"massless_{what}", assignments)
+    function.take(arguments)
     return function
 
 
-def _terms(code: BatchCode, massless: Massless, what: str, f: str, other: str) -> list[list[tuple[int, float]]]:
+def _terms(
+    code: BatchCode, massless: Massless, f: str, other: str, *, damping: bool
+) -> list[list[tuple[int, float]]]:  # fmt: skip
     """(entry, factor) by instance of what a slope adds. Dampers add nothing where springs alone give a speed."""
     found: list[list[tuple[int, float]]] = []
     for k, (a, b) in enumerate(zip(code.batch.groups[f], code.batch.groups[other], strict=True)):
@@ -166,6 +168,6 @@ def _terms(code: BatchCode, massless: Massless, what: str, f: str, other: str) -
         pairs = product(massless.rows.get(a, {}).items(), massless.rows.get(b, {}).items())
         found.append([
             (massless.entry(one, two), float(gain * x * y))
-            for (one, x), (two, y) in pairs if what == "stiff" or not massless.floats & {one, two}
+            for (one, x), (two, y) in pairs if not damping or not massless.floats & {one, two}
         ])  # fmt: skip
     return found

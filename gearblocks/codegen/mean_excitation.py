@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.event_functions import line
 from gearblocks.codegen.hoisting import HoistedColumn
 from gearblocks.language.signals import Table
 from gearblocks.laws.functions import TableAt
@@ -56,14 +57,6 @@ def _runs(expr: Any, code: BatchCode) -> bool:
     return any(x == clock() or code.law.pool.slots[x].role == "mode" for x in expr.free_symbols)
 
 
-def line(expr: Any) -> tuple[Any, Any] | None:
-    """(rate, offset) of an expression affine in time, None for others."""
-    rate = sp.diff(expr, clock())
-    if rate == 0 or rate.has(clock()):
-        return None
-    return rate, expr.xreplace({clock(): sp.Integer(0)})
-
-
 def _standing(rate: Any) -> Any:
     """1 where a frequency is 0, else 0."""
     return sp.Heaviside(-sp.Abs(rate), 1)
@@ -99,9 +92,9 @@ def _mean_of_mode(mode: Any, code: BatchCode) -> Any:
         return mode
     slot = code.law.pool.slots[mode]
     assert isinstance(slot.of, Mode)
-    if code.sorts[slot.of.number] != "wave":
+    if code.events.sorts[slot.of.number] != "wave":
         return mode
-    size, rate, _, offset = code.wave_of(slot.of.number)
+    size, rate, _, offset = code.events.wave(slot.of.number)
     share = sp.acos(sp.Min(1, sp.Max(-1, -offset / sp.Abs(size)))) / sp.pi
     return share + _standing(rate) * (mode - share)
 

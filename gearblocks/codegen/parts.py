@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gearblocks.assembly.kinematics import Follower
-from gearblocks.codegen.function import Function
+from gearblocks.codegen.function import Function, Names
 from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
 from gearblocks.laws.rational import Exact
 
@@ -137,7 +137,7 @@ class Motions:
     pattern: Pattern = field(default_factory=lambda: eliminate(0, ()))
     dynamic: bool = False
     n_entries: int = 0
-    calls: dict[int, str] = field(default_factory=dict)
+    calls: dict[int, Call] = field(default_factory=dict)
     powered: list[int] = field(default_factory=list)
 
     @property
@@ -146,27 +146,35 @@ class Motions:
         return any(f.drive is not None for f in self.followers)
 
 
+class Call(NamedTuple):
+    """The call of a function for one instance."""
+
+    function: Function
+    instance: int
+
+    def __str__(self) -> str:
+        return self.function.call(self.instance)
+
+
 @dataclass(slots=True)
 class Sense:
-    """An output that a signal reads: its place in sense[], where it is shown, and the code that fills it."""
+    """An output that a signal reads: its place in sense[], where it is shown, and the call that fills it."""
 
     path: str
     index: int
     batch: int = 0
     instance: int = 0
     expr: Any = None
-    function: Function | None = None
-    call: str = ""
+    call: Call | None = None
 
 
 @dataclass(slots=True)
 class Prediction:
-    """How a time switch is foretold: the C function of gb_table.h, its constant arguments, its place."""
+    """How the crossings of a time switch follow: the C function of gb_table.h, its constant arguments, the first switch."""
 
-    name: str
+    names: Names
     predictor: str
     args: list[str]
-    prologue: list[tuple[str, str]]
     first: int
     count: int
     table: str
@@ -174,20 +182,20 @@ class Prediction:
 
 @dataclass(slots=True)
 class Band:
-    """A switch whose mode is a side of a band: the function that holds its half width, and its first place."""
+    """A switch whose mode is a side of a band: C of its half width, the first switch."""
 
-    function: Function
+    names: Names
+    half_width: str
     first: int
+    count: int
 
 
 @dataclass(slots=True)
 class SenseCode:
-    """The functions of one sensed output for implicit methods and the numbers of its instance: slopes, and change."""
+    """Calls for one sensed output in implicit methods: its slopes, and its change."""
 
-    slope: Function
-    slope_args: str
-    change: Function
-    change_args: str
+    slope: Call
+    change: Call
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.assembly.assemble import HELD
-from gearblocks.codegen.function import Column, Statement
+from gearblocks.codegen.function import Column
+from gearblocks.codegen.operands import Assignment, Operand, Role, Statement
 from gearblocks.codegen.parts import VALUES, Lock, Locks
 from gearblocks.errors import ModelError
 from gearblocks.laws.rational import exact_value
@@ -93,26 +94,26 @@ def _over_speeds(g: Generator, row: dict[int, float]) -> dict[int, float]:
 def lock_functions(g: Generator, code: BatchCode) -> None:
     """Function of a batch that tells the limits of its locks; places of switches and states."""
     values = code.stick_values
-    targets: list[tuple[str, str, Any, bool]] = []
+    assignments: list[Assignment] = []
     unlimited: list[Statement] = []
     for name, stick in code.law.sticks.items():
         first = g.locks.first[code.number, name]
         if stick.share is not None:
-            skew: Function = code.function("skews", [(f"skew[{first} + e]", "=", values[name]["share"], False)])
-            g.keep("skews", skew)
+            skew = Assignment(Operand(Role.SKEWS, first, instance=True), "=", values[name]["share"])
+            g.keep("skews", code.function("skews", [skew]))
         keys = [f"loss_{i}" for i in range(4)] if stick.losses else ["lower", "upper", "forward", "backward"]
         for k, key in enumerate((*keys, "engaged")):
-            place = f"limit[{VALUES} * ({first} + e) + {k}]"
+            place = Operand(Role.FORCE_BOUNDS, f"{VALUES} * ({first} + e) + {k}")
             source = "restitution" if stick.is_stop and key == "forward" else key
             if source in values[name]:
-                targets.append((place, "=", values[name][source], False))
+                assignments.append(Assignment(place, "=", values[name][source]))
             else:
                 unlimited.append(Statement(place, "=", "-HUGE_VAL" if key == "lower" else "HUGE_VAL"))
         for e in range(code.n):
             _place(g, code, g.locks.locks[first + e], stick, e)
             if stick.partner is not None:
                 g.locks.locks[first + e].partner = g.locks.first[code.number, stick.partner] + e
-    function: Function = code.function("limits", targets)
+    function: Function = code.function("limits", assignments)
     function.body += unlimited
     g.keep("limits", function)
 
@@ -132,7 +133,7 @@ def held_torques(code: BatchCode) -> Iterator[tuple[str, Any]]:
 
 
 def _place(g: Generator, code: BatchCode, lock: Lock, stick: StickOfKind, e: int) -> None:
-    switches = {what: code.places.switches[number] + e for what, number in stick.switches.items()}
+    switches = {what: code.offsets.switches[number] + e for what, number in stick.switches.items()}
     lock.slip = next(iter(switches.values()))
     lock.hold, lock.free = switches["hold"], switches.get("engaged", -1)
     for key in ("impulse", "impacts"):

@@ -9,7 +9,7 @@ from itertools import accumulate
 from typing import Any, NamedTuple
 
 from gearblocks.assembly.coordinates import Combination
-from gearblocks.codegen.function import Function, FunctionView, function_view
+from gearblocks.codegen.function import Function
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.parts import Following
 from gearblocks.codegen.reactions import tie_tables
@@ -61,21 +61,22 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
     lay, assembly = g.lay, g.assembly
     combinations = [c if isinstance(c, Combination) else Combination() for _, c in assembly.definitions]
     implicit = g.linear.functions if g.linear is not None else {}
-    functions = {what: [function_view(f) for f in functions] for what, functions in (g.functions | implicit).items()}
-    senses = [(function_view(s.function), s.call) for s in g.senses.values() if s.function is not None]
+    functions = g.functions | implicit
+    senses = [(s.index, s.call) for s in g.senses.values() if s.call is not None]
+    in_law = _law_senses(g)
     return {
         "g": g,
         "lay": lay,
         "name": _c_string(assembly.train.name),
         "functions": functions,
-        "all_functions": [f for group in functions.values() for f in group] + [f for f, _ in senses],
+        "all_functions": [f for group in functions.values() for f in group] + [call.function for _, call in senses],
         **_linear(g, angles_in_law),
-        "senses": [_sense_call(f, call) for f, call in senses],
-        "law_senses": [_sense_call(f, call) for f, call in senses if int(f.name.split("_")[1]) in _law_senses(g)],
+        "senses": [str(call) for _, call in senses],
+        "law_senses": [str(call) for index, call in senses if index in in_law],
         "columns": list({c.name: c for f in _all(g) for c in f.tables}.values()),
         "coordinates": coordinates,
         "angles_in_law": angles_in_law,
-        "signs": any(s.op == "call" and s.lhs.startswith("sign") for f in _all(g) for s in f.body),
+        "signs": any(s.op == "sign" for f in _all(g) for s in f.body),
         "small": lay.n_total <= _SMALL,
         "plain": assembly.plain,
         "late_times": bool(g.shared_times(late=True) or g.functions.get("times_late")),
@@ -85,8 +86,8 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "mobile": _mobile(g),
         "massless": g.massless,
         "shifts": sparse("shift", g.massless.shifts if g.massless else []),
-        "angle_steps": _angle_steps(g, functions.get("drive_angles", [])),
-        "start_steps": _start_steps(g, functions.get("drive_angles", [])),
+        "angle_steps": _angle_steps(g),
+        "start_steps": _start_steps(g),
         "follower_offsets": sparse(
             "follower_offset", [_offsets(g, f.row or Combination()) for f in assembly.followers]
         ),
@@ -136,7 +137,7 @@ def _counted(g: Generator) -> list[CountedView]:
     for c, item in enumerate(g.turns.counted):
         rows = [(group, Fraction(form[c])) for group, form in g.turns.forms.items() if form.get(c)]
         rows = [(group, r) for group, r in rows if group < len(g.assembly.starts)]
-        switches = [g.codes[b].places.switches[i] + e for b, i, e, _ in item.steps]
+        switches = [g.codes[b].offsets.switches[i] + e for b, i, e, _ in item.steps]
         starts = [(group, *_parts(r)) for group, r in rows]
         found.append(CountedView(g.lay.angle0 + item.number, g.assembly.angles[item.number], item.turns, switches,
                                  [step for *_, step in item.steps], starts))  # fmt: skip
@@ -169,22 +170,19 @@ def _loop_texts(loops: Sequence[Combination]) -> list[str]:
     return [" + ".join(f"{float(c)!r} * y[{i}]" for i, c in row) or "0.0" for row in rows]
 
 
-def _drive_calls(g: Generator, angles: Sequence[FunctionView]) -> dict[int, str]:
+def _drive_calls(g: Generator) -> dict[int, str]:
     """The call that computes the angle of each driven follower."""
     calls: dict[int, str] = {}
-    followers = g.assembly.followers
-    for view in angles:
-        (groups,) = (c for _, name, c in view.function.args if name.startswith("into"))
-        for i, f in enumerate(followers):
-            if f.drive is not None and f.group in groups.values:
-                call = _sense_call(view, g.motion.calls[i] if g.motion else "")
-                calls[f.group] = f"phi[{f.group}] = 0.0, {call}" if f.drive.rides else call  # it reads its own angle
+    for i, f in enumerate(g.assembly.followers):
+        call = g.motion.calls.get(i) if g.motion is not None else None
+        if f.drive is not None and call is not None:
+            calls[f.group] = f"phi[{f.group}] = 0.0, {call}" if f.drive.rides else str(call)  # it reads its own angle
     return calls
 
 
-def _angle_steps(g: Generator, angles: Sequence[FunctionView]) -> list[tuple[int, int, str]]:
+def _angle_steps(g: Generator) -> list[tuple[int, int, str]]:
     """How the angles are computed: (first definition, last, "") by rows, or a call."""
-    calls = _drive_calls(g, angles)
+    calls = _drive_calls(g)
     steps: list[tuple[int, int, str]] = []
     for i, (group, row) in enumerate(g.assembly.definitions):
         if not isinstance(row, Combination):
@@ -196,9 +194,9 @@ def _angle_steps(g: Generator, angles: Sequence[FunctionView]) -> list[tuple[int
     return steps
 
 
-def _start_steps(g: Generator, angles: Sequence[FunctionView]) -> list[tuple[int, int, str]]:
+def _start_steps(g: Generator) -> list[tuple[int, int, str]]:
     """How the start angles of the followers follow: (first follower, last, "") by rows, or a call."""
-    calls = _drive_calls(g, angles)
+    calls = _drive_calls(g)
     steps: list[tuple[int, int, str]] = []
     for i, f in enumerate(g.assembly.followers):
         if f.row is None:
@@ -216,8 +214,8 @@ def _all(g: Generator) -> list[Function]:
     found = [f for functions in g.functions.values() for f in functions]
     if g.linear is not None:
         found += [f for functions in g.linear.functions.values() for f in functions]
-        found += [f for s in g.linear.senses for f in (s.slope, s.change)]
-    return found + [s.function for s in g.senses.values() if s.function is not None]
+        found += [call.function for s in g.linear.senses for call in (s.slope, s.change)]
+    return found + [s.call.function for s in g.senses.values() if s.call is not None]
 
 
 def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
@@ -226,13 +224,13 @@ def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
     if linear is None:
         return {"linear": None}
     tilted = angles_in_law and g.assembly.driven
-    slopes = [(function_view(s.slope), s.slope_args) for s in linear.senses]
-    changes = [(function_view(s.change), s.change_args) for s in linear.senses]
+    slopes = [s.slope for s in linear.senses]
+    changes = [s.change for s in linear.senses]
     return {
         "linear": linear,
-        "linear_functions": [f for f, _ in [*slopes, *changes]],
-        "slopes": [_sense_call(f, call) for f, call in slopes],
-        "changes": [_sense_call(f, call) for f, call in changes] if linear.computed is None else [],
+        "linear_functions": [call.function for call in [*slopes, *changes]],
+        "slopes": list(map(str, slopes)),
+        "changes": list(map(str, changes)) if linear.computed is None else [],
         "spread": sparse("spread", linear.spread),
         "terms": _terms(linear.terms),
         "simple": sparse("simple", linear.computed.simple if linear.computed else []),
@@ -263,12 +261,6 @@ def _following(f: Following | None, tilted: bool) -> dict[str, list[dict[int, Ex
     if tilted:
         tables |= {"tilt": f.tilts, "state_tilt": f.state_tilts}
     return {**tables, "rise": f.growths} if f.by_rate else tables
-
-
-def _sense_call(f: FunctionView, call: str) -> str:
-    """The call that fills one sense: the vectors of the function, then the numbers of its instance."""
-    vectors = f.calls[0][: len(f.calls[0]) - len(f.function.calls[0])]
-    return f"{f.name}({vectors}{call})"
 
 
 def _turned(kind: Any, rows: Sequence[Any]) -> dict[str, Any]:
@@ -324,5 +316,5 @@ def _flange_numbers(g: Generator) -> dict[str, dict[int, int]]:
         for flange in code.batch.flanges:
             for e in range(code.n):
                 mine = numbers.setdefault(code.paths[e], {})
-                mine.setdefault(code.batch.nodes[flange][e], code.places.tau[flange] + e)
+                mine.setdefault(code.batch.nodes[flange][e], code.offsets.tau[flange] + e)
     return numbers
