@@ -156,7 +156,7 @@ class BatchCode:
         names = self.names([inertia])
         key = self.symbols.group_key(flange, names, "m")
         gain = self.symbols.gain(flange, names)
-        text = names.print(inertia)
+        text = f"({names.print(inertia)})" if gain and inertia.is_Add else names.print(inertia)
         target = Operand(Role.PARAMETERS, f"{self.offsets.mass} + {key}")
         body = [Statement(target, "+=", f"{gain} * {gain} * {text}" if gain else text)]
         constants = list(names.constants.items())
