@@ -8,6 +8,7 @@ import sympy as sp
 
 from gearblocks.assembly.assemble import HELD
 from gearblocks.assembly.tables import Batch
+from gearblocks.codegen.comments import of_components
 from gearblocks.codegen.event_functions import EventFunctions
 from gearblocks.codegen.function import Argument, Function, Names, column
 from gearblocks.codegen.hoisting import Hoister
@@ -28,7 +29,9 @@ class BatchCode:
         self.lay, self.number, self.batch, self.offsets = lay, number, batch, offsets
         self.law = batch.law
         self.n = len(batch.components)
-        self.paths = [lay.assembly.train.components[i].path for i in batch.components]
+        components = [lay.assembly.train.components[i] for i in batch.components]
+        self.paths = [c.path for c in components]
+        self.words = of_components(type(components[0].block).__name__, self.paths)
         self.hoister = Hoister(self.law.pool)
         self.symbols = SymbolNames(lay, number, batch, offsets)
 
@@ -125,13 +128,11 @@ class BatchCode:
             if flange is not None:
                 self.symbols.speed_key(flange, names)
                 self.symbols.gain(flange, names)
-        body = [self._statement(a, names) for a in assignments]
-        constants = list(names.constants.items())
-        return Function(self.named(what), list(names.arguments.values()), constants, body, names.reads, self.paths)
+        return self._function(what, names, [self._statement(a, names) for a in assignments])
 
-    def named(self, what: str) -> str:
-        """The C name of a function of this batch."""
-        return f"{what}_{self.batch.name}"
+    def _function(self, what: str, names: Names, body: list[Statement]) -> Function:
+        arguments, constants = list(names.arguments.values()), list(names.constants.items())
+        return Function(f"{what}_{self.batch.name}", arguments, constants, body, names.reads, self.n, self.words)
 
     def _statement(self, a: Assignment, names: Names) -> Statement:
         text = names.print(a.expr)
@@ -159,6 +160,4 @@ class BatchCode:
         text = f"({names.print(inertia)})" if gain and inertia.is_Add else names.print(inertia)
         target = Operand(Role.PARAMETERS, f"{self.offsets.mass} + {key}")
         body = [Statement(target, "+=", f"{gain} * {gain} * {text}" if gain else text)]
-        constants = list(names.constants.items())
-        name = self.named(f"mass_{flange}")
-        return Function(name, list(names.arguments.values()), constants, body, names.reads, self.paths)
+        return self._function(f"mass_{flange}", names, body)

@@ -101,6 +101,11 @@ class Names:
         return Role.STATES if self.vector is Role.UNWRAPPED_ANGLES else self.vector
 
     @property
+    def per_instance(self) -> bool:
+        """Whether they differ from one instance to the next."""
+        return Role.INSTANCE in self.read
+
+    @property
     def reads(self) -> Roles:
         """The roles read so far."""
         return frozenset(self.read)
@@ -110,7 +115,8 @@ class Names:
 class Function:
     """One function of a batch, called once per instance.
 
-    constants: (name, C) of what it defines first; read: roles in its constants and expressions; paths: of the components.
+    constants: (name, C) of what it defines first; read: roles in its constants and expressions; count: instances;
+    words: the components, for a comment.
     """
 
     name: str
@@ -118,12 +124,8 @@ class Function:
     constants: list[tuple[str, str]]
     body: list[Statement]
     read: Roles
-    paths: Sequence[str]
-
-    @property
-    def count(self) -> int:
-        """Number of instances."""
-        return len(self.paths)
+    count: int
+    words: str = ""
 
     @property
     def looped(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from functools import lru_cache
 from importlib.resources import files
 from typing import Any
 
@@ -12,6 +13,7 @@ from gearblocks.assembly.angle_wrapping import Turns, find_turns, located
 from gearblocks.assembly.assemble import HELD
 from gearblocks.assembly.tables import Assembly
 from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.comments import Comments, in_comment, tool
 from gearblocks.codegen.feedback import order_senses, reads_angles
 from gearblocks.codegen.function import column, identifier
 from gearblocks.codegen.generator import Generator
@@ -35,7 +37,7 @@ from gearblocks.codegen.program import EnergyInfo, InputInfo, IntegralInfo, Prog
 from gearblocks.codegen.switched_constraints import held_torques, lay_out_locks, loss_places
 from gearblocks.codegen.switches import event_functions, lay_out_switches
 from gearblocks.codegen.symbol_names import Offsets
-from gearblocks.codegen.template_values import view
+from gearblocks.codegen.template_values import contents, view
 from gearblocks.language.signals import Table
 from gearblocks.language.tables import Table2
 from gearblocks.laws.printer import c_text
@@ -248,20 +250,28 @@ def _program(g: Generator, source: str, key: str) -> Program:
 
 
 def _render(g: Generator, angles: bool) -> tuple[str, str]:
-    """C text and its key."""
-    body = _fill("model.c.jinja", view(g, angles, _coordinate_outputs(g)))
-    key = hashlib.sha256(body.encode()).hexdigest()
-    return body + _fill("key.c.jinja", {"key": key}), key
+    """C text and its key: a hash of the program alone, which does not change with names in comments or the version."""
+    values = view(g, angles, _coordinate_outputs(g))
+    bare = _fill("model.c.jinja", {**values, "comment": Comments(wanted=False)})
+    key = hashlib.sha256(bare.encode()).hexdigest()
+    words = {"title": f"Train '{in_comment(g.assembly.train.name)}'", "tool": tool(), "contents": contents(g)}
+    body = _fill("model.c.jinja", {**values, "comment": Comments(wanted=True)})
+    return _fill("header.c.jinja", words) + body + _fill("key.c.jinja", {"key": key}), key
 
 
 def _fill(name: str, values: dict[str, Any]) -> str:
+    return str(_templates().get_template(name).render(values))
+
+
+@lru_cache(maxsize=1)
+def _templates() -> Any:
+    """The templates, each compiled once."""
     import jinja2
 
-    environment = jinja2.Environment(
+    return jinja2.Environment(
         trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
         loader=jinja2.FunctionLoader(_template),
     )  # fmt: skip
-    return environment.get_template(name).render(values)
 
 
 def _template(name: str) -> str:

@@ -9,8 +9,10 @@ from itertools import accumulate
 from typing import Any, NamedTuple
 
 from gearblocks.assembly.coordinates import Combination
+from gearblocks.codegen.comments import PARTS
 from gearblocks.codegen.function import Function
 from gearblocks.codegen.generator import Generator
+from gearblocks.codegen.operands import Role
 from gearblocks.codegen.parts import Following
 from gearblocks.codegen.reactions import tie_tables
 from gearblocks.codegen.switched_constraints import lock_columns
@@ -111,8 +113,19 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "n_flange_outputs": sum(code.n * len(code.batch.flanges) for code in g.codes),
         "first_flange_output": sum(code.n * len(code.law.shows) for code in g.codes),
         "inputs": list(lay.inputs),
+        "parts": PARTS,
+        "uses": lambda what, name: any(role.value == name for f in functions.get(what, []) for role in f.roles),
         "numbers": lambda values: ", ".join(str(v) for v in values),
     }
+
+
+def contents(g: Generator) -> list[str]:
+    """The parts of the text that this program has, in order."""
+    absent = {
+        "lookup_tables": not g.tables, "laws": not (g.functions or g.senses),
+        "switched_constraints": not g.locks.locks, "jacobian": g.linear is None,
+    }  # fmt: skip
+    return [words for part, words in PARTS.items() if not absent.get(part)]
 
 
 def _locks(g: Generator) -> dict[str, Any]:
@@ -224,10 +237,12 @@ def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
     if linear is None:
         return {"linear": None}
     tilted = angles_in_law and g.assembly.driven
+    moves = angles_in_law or any(Role.GROUP_SPEEDS in f.read for f in linear.functions.get("simple_rates", []))
     slopes = [s.slope for s in linear.senses]
     changes = [s.change for s in linear.senses]
     return {
         "linear": linear,
+        "speeds_read": moves,
         "linear_functions": [call.function for call in [*slopes, *changes]],
         "slopes": list(map(str, slopes)),
         "changes": list(map(str, changes)) if linear.computed is None else [],
@@ -235,7 +250,7 @@ def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
         "terms": _terms(linear.terms),
         "simple": sparse("simple", linear.computed.simple if linear.computed else []),
         "heavy": _rows_of(linear.computed.heavy if linear.computed else []),
-        "following": [sparse(name, rows) for name, rows in _following(linear.following, tilted).items()],
+        "following": [sparse(name, rows) for name, rows in _following(linear.following, moves, tilted).items()],
     }
 
 
@@ -253,11 +268,12 @@ def _rows_of(rows: Sequence[Mapping[int, int]]) -> dict[str, list[int]]:
     return {"start": start, "index": [x for x, _ in items], "number": [number for _, number in items]}
 
 
-def _following(f: Following | None, tilted: bool) -> dict[str, list[dict[int, Exact]]]:
-    """The tables of groups that follow others; tilted: laws read angles, and drives move some."""
+def _following(f: Following | None, moves: bool, tilted: bool) -> dict[str, list[dict[int, Exact]]]:
+    """The tables of dependent groups; moves: kinematic states read speeds; tilted: laws read angles, and prescribed
+    motions move some."""
     if f is None:
         return {}
-    tables = {"speeds": f.speeds, "heavy": f.heavy, "turn": f.torques}
+    tables = ({"speeds": f.speeds} if moves else {}) | {"heavy": f.heavy, "turn": f.torques}
     if tilted:
         tables |= {"tilt": f.tilts, "state_tilt": f.state_tilts}
     return {**tables, "rise": f.growths} if f.by_rate else tables
