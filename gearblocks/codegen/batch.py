@@ -19,7 +19,7 @@ from gearblocks.codegen.parts import Balance
 from gearblocks.codegen.symbol_names import Offsets, SymbolNames
 from gearblocks.laws.prescribed_motion import frozen_drive
 
-_OF_STICKS = ("lower", "upper", "forward", "backward", "engaged", "restitution", "share")
+_OF_CONSTRAINTS = ("lower", "upper", "forward", "backward", "engaged", "restitution", "share")
 
 
 class BatchCode:
@@ -59,12 +59,12 @@ class BatchCode:
         self.speeds = [self._coordinate_rate(j) for j in range(len(law.forms))]
         self.drives = [frozen_drive(x, hoist) for x in law.drives]
         self.starts = {n: hoist(e) for n, e in law.starts.items()}
-        self.stick_values = {
-            name: {k: hoist(v) for k in _OF_STICKS if (v := getattr(stick, k)) is not None}
+        self.constraint_values = {
+            name: {k: hoist(v) for k in _OF_CONSTRAINTS if (v := getattr(stick, k)) is not None}
             for name, stick in law.sticks.items()
         }
         for name, stick in law.sticks.items():
-            self.stick_values[name] |= {f"loss_{i}": hoist(x) for i, x in enumerate(stick.losses or ())}
+            self.constraint_values[name] |= {f"loss_{i}": hoist(x) for i, x in enumerate(stick.losses or ())}
         self.late_loss = None if law.late_loss is None else hoist(law.late_loss)
         hidden = self.offsets.hidden
         self.balance = balance_of(self.batch, hoist, hidden, self.offsets.floats) if hidden else Balance()
@@ -85,7 +85,7 @@ class BatchCode:
                 total += self.hoister.hoist(expr) * self.law.pool.symbol("w", flange, f"w_{flange}")
         return total
 
-    def moving_columns(self, sensed: set[str]) -> set[Any]:
+    def moving_terms(self, sensed: set[str]) -> set[Any]:
         """Columns that the motion needs; the others are read by outputs and energies alone. sensed: names of outputs."""
         drives = [e for x in self.drives for e in (*x.gains.values(), x.bias, x.surplus, x.angle)]
         balance = (*self.balance.torques.values(), *self.balance.growths.values())
@@ -94,7 +94,7 @@ class BatchCode:
             *self.forces.values(), *self.torques.values(), *self.rates.values(), self.loss, self.supplied, *self.surfaces,
             *self.bands, *self.whens, *self.speeds, *drives, *balance, *self.balance.drags.values(),
             *self.balance.stiffnesses.values(), *self.starts.values(), *(e for _, e in self.holds),
-            self.late_loss, *(e for values in self.stick_values.values() for e in values.values()),
+            self.late_loss, *(e for values in self.constraint_values.values() for e in values.values()),
             *(e for x, e in self.shows if x.name in sensed), *watched,
         ]  # fmt: skip
         found = {x for e in exprs if e is not None for x in sp.sympify(e).free_symbols}

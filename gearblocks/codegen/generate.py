@@ -14,14 +14,14 @@ from gearblocks.assembly.assemble import HELD
 from gearblocks.assembly.tables import Assembly
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.comments import Comments, in_comment, tool
-from gearblocks.codegen.feedback import order_senses, reads_angles
+from gearblocks.codegen.feedback import order_signals, reads_angles
 from gearblocks.codegen.function import column, identifier
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.hoisted_terms import lay_out_terms
 from gearblocks.codegen.jacobian.matrix import linear_part
 from gearblocks.codegen.layout import lay_out, padded
-from gearblocks.codegen.mass_matrix import check_mobility, drive_functions, lay_out_mass
-from gearblocks.codegen.massless_groups import hidden_rows, lay_out_massless
+from gearblocks.codegen.mass_matrix import check_mobility, lay_out_mass, prescribed_motion_functions
+from gearblocks.codegen.massless_groups import lay_out_massless, massless_rows
 from gearblocks.codegen.operands import Assignment, Operand, Role
 from gearblocks.codegen.output_names import (
     flange_outputs,
@@ -32,9 +32,9 @@ from gearblocks.codegen.output_names import (
     state_quantities,
     unknown_outputs,
 )
-from gearblocks.codegen.parts import Sense
+from gearblocks.codegen.parts import FeedbackSignal
 from gearblocks.codegen.program import EnergyInfo, InputInfo, IntegralInfo, Program
-from gearblocks.codegen.switched_constraints import held_torques, lay_out_locks, loss_places
+from gearblocks.codegen.switched_constraints import constraint_torques, lay_out_switched_constraints, loss_offsets
 from gearblocks.codegen.switches import event_functions, lay_out_switches
 from gearblocks.codegen.symbol_names import Offsets
 from gearblocks.codegen.template_values import contents, view
@@ -52,11 +52,11 @@ def generate(assembly: Assembly) -> Program:
     angles = assembly.in_law or any(reads_angles(assembly, path) for path in in_law)
     turns = find_turns(assembly, in_law) if angles else Turns()
     g = Generator(assembly, lay_out(assembly, angles_in_law=angles, n_counted=len(turns.counted)), turns=turns)
-    g.senses = {path: Sense(path, i) for i, path in enumerate(wanted)}
+    g.senses = {path: FeedbackSignal(path, i) for i, path in enumerate(wanted)}
     g.tail = g.lay.tail
     _columns(g)
     _laws(g)
-    g.senses = order_senses(g.senses, g.codes, g.assembly, set(in_law), g.turns.whole)
+    g.senses = order_signals(g.senses, g.codes, g.assembly, set(in_law), g.turns.whole)
     g.lay.n_total = g.lay.n_padded + padded(g.tail - g.lay.n_padded)
     g.linear = linear_part(g)
     g.outputs += flange_outputs(g)
@@ -68,7 +68,7 @@ def generate(assembly: Assembly) -> Program:
 
 def _columns(g: Generator) -> None:
     """Hoists every law and places exact values, inverse masses, hoisted columns and switches."""
-    hidden = hidden_rows(g.assembly) if g.assembly.n_hidden else {}
+    hidden = massless_rows(g.assembly) if g.assembly.n_hidden else {}
     at = len(g.lay.parameters)
     g.inverse_mass = at
     at += g.assembly.n_groups
@@ -77,7 +77,7 @@ def _columns(g: Generator) -> None:
         at += g.assembly.n_groups
     else:
         at = lay_out_mass(g, at)
-    at = lay_out_locks(g, at)
+    at = lay_out_switched_constraints(g, at)
     for number, batch in enumerate(g.assembly.batches):
         own = {path: i for (b, path), i in g.lay.own.items() if b == number}
         offsets = Offsets(
@@ -122,16 +122,16 @@ def _laws(g: Generator) -> None:
     if g.assembly.n_hidden:
         lay_out_massless(g)
     for code in g.codes:
-        drive_functions(g, code)
+        prescribed_motion_functions(g, code)
         _rates(g, code)
         event_functions(g, code)
         for flange in code.batch.flanges:
             code.offsets.tau[flange] = flange_tau
             flange_tau += code.n
     _supplies(g)
-    loss_places(g)
+    loss_offsets(g)
     for code in g.codes:
-        torques = [*code.torques.items(), *held_torques(code)]
+        torques = [*code.torques.items(), *constraint_torques(code)]
         g.keep("torques", code.function("torques", [Assignment(_flange_torque(code, f), "+=", e) for f, e in torques]))
         _bodies(g, code)
         _shows(g, code)

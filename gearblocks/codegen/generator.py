@@ -10,7 +10,15 @@ from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.function import Column, Function
 from gearblocks.codegen.layout import Layout
 from gearblocks.codegen.operands import Operand, Statement
-from gearblocks.codegen.parts import Band, Linear, Locks, Massless, Motions, Prediction, Sense
+from gearblocks.codegen.parts import (
+    Band,
+    DependentGroups,
+    FeedbackSignal,
+    Linear,
+    Massless,
+    Prediction,
+    SwitchedConstraints,
+)
 from gearblocks.codegen.program import EnergyInfo, IntegralInfo, Quantity, SwitchInfo
 from gearblocks.language.signals import Table
 from gearblocks.language.tables import Table2
@@ -24,7 +32,7 @@ class Generator:
     lay: Layout
     turns: Turns = field(default_factory=Turns)
     codes: list[BatchCode] = field(default_factory=list)
-    senses: dict[str, Sense] = field(default_factory=dict)
+    senses: dict[str, FeedbackSignal] = field(default_factory=dict)
     tables: dict[str, tuple[str, Table]] = field(default_factory=dict)
     maps: dict[str, tuple[str, Table2, list[str]]] = field(default_factory=dict)
     n_par: int = 0
@@ -47,8 +55,8 @@ class Generator:
     n_surfaces: int = 0
     inverse_mass: int = 0
     mass: int = 0
-    motion: Motions | None = None
-    locks: Locks = field(default_factory=Locks)
+    motion: DependentGroups | None = None
+    locks: SwitchedConstraints = field(default_factory=SwitchedConstraints)
     massless: Massless | None = None
     mobile: list[int] = field(default_factory=list)
     supply0: int = 0

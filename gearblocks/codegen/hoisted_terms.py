@@ -9,8 +9,8 @@ from __future__ import annotations
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.comments import of_expression
 from gearblocks.codegen.generator import Generator
-from gearblocks.codegen.hoisting import HoistedColumn
-from gearblocks.codegen.mean_excitation import mean_of_column
+from gearblocks.codegen.hoisting import HoistedTerm
+from gearblocks.codegen.mean_excitation import mean_of_term
 from gearblocks.codegen.operands import Assignment, Operand, Role, Statement
 from gearblocks.laws.symbols import CONSTANT
 
@@ -25,7 +25,7 @@ def lay_out_terms(g: Generator, code: BatchCode) -> None:
     prepare: list[Assignment] = []
     times: dict[bool, list[Assignment]] = {False: [], True: []}
     means: list[Assignment] = []
-    moving = code.moving_columns({path.rpartition(".")[2] for path in g.senses})
+    moving = code.moving_terms({path.rpartition(".")[2] for path in g.senses})
     inner = {c.symbol: c.expr for c in code.hoister.columns}
     for item in code.hoister.columns:
         words = of_expression(item.expr, inner, code.offsets.tables)
@@ -42,7 +42,7 @@ def lay_out_terms(g: Generator, code: BatchCode) -> None:
         else:
             found = code.offsets.hoisted[item.symbol] = Operand(Role.TIME_TERMS, g.n_time, instance=True)
             times[late].append(Assignment(found.of_lane(), "=", item.expr, words=words))
-            means.append(Assignment(found.of_lane(), "=", mean_of_column(code, item)))
+            means.append(Assignment(found.of_lane(), "=", mean_of_term(code, item)))
             g.n_time += code.n
     g.keep("prepare", code.function("prepare", prepare))
     g.keep("times", code.function("times", times[False], vector=Role.TIME_TERMS))
@@ -50,7 +50,7 @@ def lay_out_terms(g: Generator, code: BatchCode) -> None:
     g.keep("means", code.function("means", means, vector=Role.TIME_TERMS))
 
 
-def _shared(g: Generator, code: BatchCode, item: HoistedColumn, words: str) -> Operand:
+def _shared(g: Generator, code: BatchCode, item: HoistedTerm, words: str) -> Operand:
     """The place of a term that all instances share; equal ones of several batches are one."""
     text = code.names([item.expr], vector=Role.TIME_TERMS).print(item.expr)
     key = (item.level, text)
@@ -63,7 +63,7 @@ def _shared(g: Generator, code: BatchCode, item: HoistedColumn, words: str) -> O
         return found
     found = g.shared[key] = Operand(Role.TIME_TERMS, g.n_time)
     g.times_shared.append((found, Statement(found.of_lane(), "=", text, words=words)))
-    mean = mean_of_column(code, item)
+    mean = mean_of_term(code, item)
     names = code.names([mean], vector=Role.TIME_TERMS)
     g.means_shared.append(Statement(found.of_lane(), "=", names.print(mean)))
     g.n_time += 1

@@ -1,7 +1,7 @@
-"""Followers as tables and functions of the generated program: their speeds, their torques, and the mass matrix.
+"""Mass matrix over the independent groups, and dependent groups as tables and functions.
 
-w[follower] = bias + sum gain w[source], torques go back by the same gains, and a follower's inertia enters the mass matrix
-of the shafts that have speeds of their own through its row over them.
+w = velocity bias + sum gain w[source]; torques go back by the same gains; the inertia J of a dependent group with the row
+g over the independent speeds adds J g' g to the mass matrix. Knows nothing of laws besides prescribed motions.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from gearblocks.assembly.kinematics import Driven
 from gearblocks.codegen.function import Argument, column
 from gearblocks.codegen.jacobian.sparsity import eliminate
 from gearblocks.codegen.operands import Assignment, Operand, Role
-from gearblocks.codegen.parts import Call, Motions
+from gearblocks.codegen.parts import Call, DependentGroups
 from gearblocks.errors import ModelError
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 def lay_out_mass(g: Generator, at: int) -> int:
     """Fills g.motion and places inertias, mobilities and (where it is constant) the factored mass matrix in par[]."""
-    motion = g.motion = Motions(g.assembly.followers)
+    motion = g.motion = DependentGroups(g.assembly.followers)
     laws = {i: batch.law for batch in g.assembly.batches for i in batch.components}
     for i, f in enumerate(motion.followers):
         if f.row is not None:
@@ -54,8 +54,8 @@ def lay_out_mass(g: Generator, at: int) -> int:
     return at + g.assembly.n_groups + g.assembly.n_speeds + len(motion.pattern.row)
 
 
-def _rows(g: Generator, motion: Motions) -> None:
-    """Entries of the followers that carry inertia, or that such followers follow."""
+def _rows(g: Generator, motion: DependentGroups) -> None:
+    """Rows of the dependent groups with inertia, and of those that such groups follow from."""
     order = {f.group: i for i, f in enumerate(motion.followers)}
     wanted = {order[group] for group in g.assembly.massive if group in order}
     for i in reversed(range(len(motion.followers))):
@@ -74,8 +74,8 @@ def _rows(g: Generator, motion: Motions) -> None:
         motion.rows[i] = row
 
 
-def _matrix(g: Generator, motion: Motions) -> None:
-    """The pattern of the mass matrix and what followers add to it."""
+def _matrix(g: Generator, motion: DependentGroups) -> None:
+    """The pattern of the mass matrix and what dependent groups add to it."""
     pairs: set[tuple[int, int]] = set()
     massive = [(i, f.group) for i, f in enumerate(motion.followers) if f.group in g.assembly.massive]
     for i, _ in massive:
@@ -114,7 +114,7 @@ def check_mobility(g: Generator, used: Iterable[tuple[int, str]]) -> list[int]:
     return sorted(groups)
 
 
-def _changing(motion: Motions) -> set[int]:
+def _changing(motion: DependentGroups) -> set[int]:
     """Speeds whose inertia changes with the state."""
     slots = set(motion.slots.values())
     moved: set[int] = set()
@@ -128,11 +128,11 @@ def _changing(motion: Motions) -> set[int]:
     return found
 
 
-# -- drives -----------------------------------------------------------------------------------------------------------
+# -- prescribed motions -----------------------------------------------------------------------------------------------
 
 
-def drive_functions(g: Generator, code: BatchCode) -> None:
-    """Functions of the drives of one batch: angle, gains with bias, and surplus."""
+def prescribed_motion_functions(g: Generator, code: BatchCode) -> None:
+    """Functions of the prescribed motions of one batch: angle, gains, velocity and acceleration bias."""
     motion = g.motion
     if motion is None:
         return

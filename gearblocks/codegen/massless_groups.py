@@ -1,7 +1,7 @@
-"""Shafts without inertia: their speeds follow from the balance of torques.
+"""Massless groups: their speeds follow from the balance of torques.
 
-Where something damps such a shaft, its torque T(w) = 0 gives the speed (a state of first order); where only springs act on
-it, dT/dt = 0 gives it, and its angle is put into balance at the start and after every event.
+Where something damps such a group, T(w) = 0 gives its speed (a state of first order); where only springs act on it,
+dT/dt = 0 gives it, and its angle is put into balance at the start and after every event.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import sympy as sp
 from gearblocks.codegen.function import Argument, Column, column
 from gearblocks.codegen.jacobian.sparsity import eliminate
 from gearblocks.codegen.operands import Assignment, Operand, Role
-from gearblocks.codegen.parts import HiddenRows, Massless
+from gearblocks.codegen.parts import Massless, MasslessRows
 from gearblocks.errors import ModelError
 from gearblocks.laws.rational import Exact
 
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from gearblocks.codegen.generator import Generator
 
 
-def hidden_rows(assembly: Assembly) -> HiddenRows:
-    """Factors on the hidden shafts by every group that moves with one. ModelError for a drive that does."""
+def massless_rows(assembly: Assembly) -> MasslessRows:
+    """Factors on the massless groups by every group that moves with one. ModelError for a prescribed motion that does."""
     first, last = assembly.n_speeds, assembly.n_speeds + assembly.n_hidden
-    found: HiddenRows = {group: {group - first: 1} for group in range(first, last)}
+    found: MasslessRows = {group: {group - first: 1} for group in range(first, last)}
     for f in assembly.followers:
         touched = [s for s in f.sources if s in found]
         if touched and f.drive is not None:
@@ -47,7 +47,7 @@ def hidden_rows(assembly: Assembly) -> HiddenRows:
 def lay_out_massless(g: Generator) -> None:
     """Fills g.massless from the balances of all batches. ModelError for a shaft that nothing holds."""
     assembly = g.assembly
-    rows = hidden_rows(assembly)
+    rows = massless_rows(assembly)
     balances = {code.number: code.balance for code in g.codes}
     damped, held = [False] * assembly.n_hidden, [False] * assembly.n_hidden
     pairs: set[tuple[int, int]] = set()
@@ -76,14 +76,14 @@ def lay_out_massless(g: Generator) -> None:
         _functions(g, code)
 
 
-def _numbers(code: BatchCode, rows: HiddenRows, f: str, other: str) -> list[tuple[int, int]]:
-    """The pairs of hidden shafts that two flanges of the instances move with."""
+def _numbers(code: BatchCode, rows: MasslessRows, f: str, other: str) -> list[tuple[int, int]]:
+    """The pairs of massless groups that two flanges of the instances move with."""
     pairs = zip(code.batch.groups[f], code.batch.groups[other], strict=True)
     return [ab for a, b in pairs if a in rows and b in rows for ab in product(rows[a], rows[b])]
 
 
-def _given(assembly: Assembly, rows: HiddenRows) -> set[int]:
-    """Hidden shafts with a given start angle, or with one that such an angle follows from."""
+def _given(assembly: Assembly, rows: MasslessRows) -> set[int]:
+    """Massless groups with a given start angle, or with one that such an angle follows from."""
     found: set[int] = set()
     for c in assembly.train.components:
         if any(getattr(c.block, name, None) is not None for name in ("phi0", "s0")):
@@ -92,7 +92,7 @@ def _given(assembly: Assembly, rows: HiddenRows) -> set[int]:
     return found
 
 
-def _refuse_inputs(g: Generator, rows: HiddenRows, damped: list[bool]) -> None:
+def _refuse_inputs(g: Generator, rows: MasslessRows, damped: list[bool]) -> None:
     """A shaft that only springs hold cannot take the torque of an Input, whose rate nobody knows."""
     for code in g.codes:
         for f, torque in code.balance.torques.items():
@@ -107,7 +107,7 @@ def _refuse_inputs(g: Generator, rows: HiddenRows, damped: list[bool]) -> None:
 
 
 def _shifts(g: Generator) -> list[dict[int, Exact]]:
-    """The states that the angle of each hidden shaft moves."""
+    """The states that the angle of each massless group moves."""
     assembly, lay = g.assembly, g.lay
     first = assembly.n_speeds
     found: list[dict[int, Exact]] = [{} for _ in range(assembly.n_hidden)]
@@ -122,7 +122,7 @@ def _shifts(g: Generator) -> list[dict[int, Exact]]:
 
 
 def _functions(g: Generator, code: BatchCode) -> None:
-    """Torques and slopes of one batch as functions."""
+    """Torques, torque rates, damping and stiffness entries of one batch as functions."""
     massless, balance = g.massless, code.balance
     assert massless is not None
     for what, vector, exprs in (

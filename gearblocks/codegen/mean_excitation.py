@@ -15,7 +15,7 @@ import sympy as sp
 
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.event_functions import line
-from gearblocks.codegen.hoisting import HoistedColumn
+from gearblocks.codegen.hoisting import HoistedTerm
 from gearblocks.language.signals import Table
 from gearblocks.laws.functions import TableAt
 from gearblocks.laws.switching import Mode
@@ -24,7 +24,7 @@ from gearblocks.laws.symbols import TIMED, clock
 _LARGEST_POWER = 8  # of sums, which are written out term by term
 
 
-def mean_of_column(code: BatchCode, item: HoistedColumn) -> Any:
+def mean_of_term(code: BatchCode, item: HoistedTerm) -> Any:
     """The mean of a timed column in constants, inputs and time; no other timed column stands in it."""
     timed = {c.symbol: c.expr for c in code.hoister.columns if c.level == TIMED}
     expr = item.expr

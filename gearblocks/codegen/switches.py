@@ -10,7 +10,7 @@ from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.operands import Assignment, Index, Operand, Role
 from gearblocks.codegen.parts import Band, Prediction
 from gearblocks.codegen.program import SwitchInfo
-from gearblocks.codegen.switched_constraints import lock_functions
+from gearblocks.codegen.switched_constraints import switched_constraint_functions
 
 _ORDER = (("affine", "affine_lock"), ("general", "general_lock"), ("line", "wave"))
 
@@ -62,7 +62,7 @@ def event_functions(g: Generator, code: BatchCode) -> None:
         for state, expr in code.holds
     ]
     g.keep("hold", code.function("hold", held))
-    lock_functions(g, code)
+    switched_constraint_functions(g, code)
     _limits(g, code)
     _predictions(g, code)
 

@@ -16,7 +16,7 @@ from gearblocks.assembly.tables import Batch
 from gearblocks.codegen.function import Names, identifier
 from gearblocks.codegen.layout import Layout, speed_index
 from gearblocks.codegen.operands import Local, Operand, Role
-from gearblocks.codegen.parts import HiddenRows
+from gearblocks.codegen.parts import MasslessRows
 from gearblocks.laws.printer import c_text
 from gearblocks.laws.rational import exact_value
 from gearblocks.laws.symbols import TIMED
@@ -33,7 +33,7 @@ class Offsets:
     switches: list[int] = field(default_factory=list)
     inverse_mass: int = 0
     mass: int = 0
-    hidden: HiddenRows = field(default_factory=dict)
+    hidden: MasslessRows = field(default_factory=dict)
     floats: frozenset[int] = frozenset()
     tau: dict[str, int] = field(default_factory=dict)
     senses: Mapping[str, int] = field(default_factory=dict)

@@ -33,8 +33,8 @@ class Sparse:
 
 
 @dataclass(frozen=True, slots=True)
-class CountedView:
-    """A counted angle: its state and group, the turns taken off at a time, the switches whose mode falls by `steps` then.
+class WrappedAngle:
+    """A wrapped angle: its state and group, the turns taken off at a time, the switches whose mode falls by `steps` then.
 
     starts: (group, a, b) of every group with a start value, which turns a/b times as far.
     """
@@ -65,7 +65,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
     implicit = g.linear.functions if g.linear is not None else {}
     functions = g.functions | implicit
     senses = [(s.index, s.call) for s in g.senses.values() if s.call is not None]
-    in_law = _law_senses(g)
+    in_law = _signals_in_law(g)
     return {
         "g": g,
         "lay": lay,
@@ -129,7 +129,7 @@ def contents(g: Generator) -> list[str]:
 
 
 def _locks(g: Generator) -> dict[str, Any]:
-    """Tables of what sticks."""
+    """Tables of switched constraints."""
     locks = g.locks
     return {
         "locks": locks.locks,
@@ -140,19 +140,19 @@ def _locks(g: Generator) -> dict[str, Any]:
 
 
 def _counts(g: Generator) -> list[dict[int, Exact]]:
-    """Turns of every group over the counts in the tail."""
+    """Turns of every group over the wrap counts among the quadratures."""
     return [{2 * c: r for c, r in g.turns.forms.get(i, {}).items()} for i in range(g.assembly.n_groups)]
 
 
-def _counted(g: Generator) -> list[CountedView]:
-    """Angles whose turns are counted."""
+def _counted(g: Generator) -> list[WrappedAngle]:
+    """Angles from which whole turns are taken."""
     found = []
     for c, item in enumerate(g.turns.counted):
         rows = [(group, Fraction(form[c])) for group, form in g.turns.forms.items() if form.get(c)]
         rows = [(group, r) for group, r in rows if group < len(g.assembly.starts)]
         switches = [g.codes[b].offsets.switches[i] + e for b, i, e, _ in item.steps]
         starts = [(group, *_parts(r)) for group, r in rows]
-        found.append(CountedView(g.lay.angle0 + item.number, g.assembly.angles[item.number], item.turns, switches,
+        found.append(WrappedAngle(g.lay.angle0 + item.number, g.assembly.angles[item.number], item.turns, switches,
                                  [step for *_, step in item.steps], starts))  # fmt: skip
     return found
 
@@ -184,7 +184,7 @@ def _loop_texts(loops: Sequence[Combination]) -> list[str]:
 
 
 def _drive_calls(g: Generator) -> dict[int, str]:
-    """The call that computes the angle of each driven follower."""
+    """The call that computes the angle of each group with prescribed motion."""
     calls: dict[int, str] = {}
     for i, f in enumerate(g.assembly.followers):
         call = g.motion.calls.get(i) if g.motion is not None else None
@@ -208,7 +208,7 @@ def _angle_steps(g: Generator) -> list[tuple[int, int, str]]:
 
 
 def _start_steps(g: Generator) -> list[tuple[int, int, str]]:
-    """How the start angles of the followers follow: (first follower, last, "") by rows, or a call."""
+    """How the start angles of dependent groups follow: (first, last, "") by rows, or a call."""
     calls = _drive_calls(g)
     steps: list[tuple[int, int, str]] = []
     for i, f in enumerate(g.assembly.followers):
@@ -285,8 +285,8 @@ def _turned(kind: Any, rows: Sequence[Any]) -> dict[str, Any]:
     return {"count": len(rows), **dict(zip(kind._fields, columns, strict=True))}
 
 
-def _law_senses(g: Generator) -> set[int]:
-    """Numbers of the senses that laws read, with what they read in turn."""
+def _signals_in_law(g: Generator) -> set[int]:
+    """Numbers of the feedback signals that laws read, with what they read in turn."""
     wanted = [slot.of for b in g.assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"]
     return {g.senses[path].index for path in wanted}
 

@@ -20,7 +20,7 @@ from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
 from gearblocks.codegen.jacobian.unknowns import Unknowns
 from gearblocks.codegen.jacobian.unknowns_varying import Varying
 from gearblocks.codegen.operands import Assignment, Choice, Index, Local, Operand, Role
-from gearblocks.codegen.parts import Call, Computed, Following, Linear, SenseCode
+from gearblocks.codegen.parts import Call, Computed, Following, Linear, SignalDerivatives
 
 
 def linear_part(g: Generator) -> Linear | None:
@@ -33,7 +33,7 @@ def linear_part(g: Generator) -> Linear | None:
             slopes.add_all(with_growths=unknowns.by_rate)
             batches.append(slopes)
             kept = slopes.kept_end
-        senses = SensedSlopes(g, unknowns, kept)
+        senses = SignalSlopes(g, unknowns, kept)
         senses.find({fed.path for slopes in batches for fed in slopes.fed})
         matrix = Matrix(unknowns, senses)
         pattern = eliminate(unknowns.count, matrix.coupled(batches))
@@ -67,7 +67,7 @@ def _single(rows: Sequence[Any]) -> list[int] | None:
 # -- outputs that signals read ----------------------------------------------------------------------------------------
 
 
-class SensedSlopes:
+class SignalSlopes:
     """Slopes of the sensed outputs that laws depend on: b over unknowns of their own and of what they read in turn."""
 
     def __init__(self, g: Generator, unknowns: Unknowns | Varying, kept: int) -> None:
@@ -114,14 +114,14 @@ class SensedSlopes:
         self.rows[path] = rows
         self._parts.append((slopes, sense.index, sense.instance, slopes.statements + targets, found.change))
 
-    def codes(self) -> list[SenseCode]:
+    def codes(self) -> list[SignalDerivatives]:
         """The functions, in the order in which they are called."""
         made = []
         for slopes, index, e, statements, change in self._parts:
             function = slopes.code.function(f"sense_slope_{index}", statements)
             along = Assignment(Operand(Role.SIGNAL_CHANGES, index), "=", change)
             side = slopes.code.function(f"sense_change_{index}", [along], vector=Role.DIRECTION)
-            made.append(SenseCode(Call(function, e), Call(side, e)))
+            made.append(SignalDerivatives(Call(function, e), Call(side, e)))
         return made
 
 
@@ -131,7 +131,7 @@ class SensedSlopes:
 class Matrix:
     """Where the entries of batches go."""
 
-    def __init__(self, unknowns: Unknowns | Varying, senses: SensedSlopes) -> None:
+    def __init__(self, unknowns: Unknowns | Varying, senses: SignalSlopes) -> None:
         self.unknowns, self.senses = unknowns, senses
         self.spread: list[Any] = []
         self.op = "spread_terms" if isinstance(unknowns, Varying) else "spread"

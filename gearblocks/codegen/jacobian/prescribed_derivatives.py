@@ -1,4 +1,4 @@
-"""Derivatives of drives (ties with gains that change, prescribed motions) by what they read, as numbers of rows."""
+"""Derivatives of prescribed motions, and of nonlinear rigid relations, by what they read, as numbers of rows."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Slope = dict[Any, list[int]]
 
 
 @dataclass(slots=True)
-class DriveSlopes:
+class MotionDerivatives:
     """What the speed, the acceleration and the angle of a driven group, and the gain of each flange, change by.
 
     With the motion of the sources held: speed and acceleration of the group by angles, speeds and states; the angle by
@@ -43,7 +43,7 @@ def number_of(x: Any) -> Exact:
 
 def drive_slopes(
     code: BatchCode, number: int, rows: Sequence[Driven], numbers: Numbers
-) -> tuple[DriveSlopes, Function]:
+) -> tuple[MotionDerivatives, Function]:
     """The derivatives of drive `number` of a batch, and the function that computes those that are no numbers.
 
     rows: the drive of each instance. NotImplementedError where there is no formula.
@@ -59,7 +59,7 @@ def drive_slopes(
     angle = {} if drive.angle is None else dict(partial(code, drive.angle))
     writer = _Writer(code, number, numbers)
     scales = [d.scale for d in rows]
-    made = DriveSlopes(
+    made = MotionDerivatives(
         writer.take(speed, scales), writer.take(acceleration, scales),
         writer.take({x: slope for x, slope in angle.items() if pool.slots[x].role == "state"}, scales),
         {n: writer.take(slopes, [d.factors[n][1] for d in rows]) for n, slopes in gains.items()},
