@@ -133,9 +133,9 @@ class Function:
         return self.count > UNROLLED
 
     @property
-    def tables(self) -> list[Column]:
-        """Columns that need an array."""
-        return [c for _, _, c in self.arguments if self.looped and c.is_table]
+    def tables(self) -> list[Argument]:
+        """Arguments whose columns need an array."""
+        return [x for x in self.arguments if self.looped and x.column.is_table]
 
     def take(self, arguments: Iterable[Argument]) -> None:
         """Adds arguments that it does not have yet."""

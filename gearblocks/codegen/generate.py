@@ -218,7 +218,7 @@ def _bodies(g: Generator, code: BatchCode) -> None:
 
 
 def _coordinate_outputs(g: Generator) -> list[str]:
-    """C of the coordinates for reading, over sense[] and parameters."""
+    """C of the coordinates for reading, over feedback signals and parameters."""
     from gearblocks.language.expression import to_sympy
 
     texts = []
@@ -226,7 +226,9 @@ def _coordinate_outputs(g: Generator) -> list[str]:
         names: dict[Any, str] = {}
 
         def leaf(x: Any, names: dict[Any, str] = names) -> Any:
-            text = f"sense[{g.senses[x.args[0]].index}]" if x.op == "sense" else f"par[{g.lay.shared[x.args[0].name]}]"
+            signal = x.op == "sense"
+            offset = g.senses[x.args[0]].index if signal else g.lay.shared[x.args[0].name]
+            text = str(Operand(Role.FEEDBACK_SIGNALS if signal else Role.PARAMETERS, offset))
             symbol = sp.Symbol(text, real=True)
             names[symbol] = text
             return symbol
