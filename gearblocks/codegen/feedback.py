@@ -1,4 +1,7 @@
-"""Outputs that signals read: where they come from and in which order they are computed."""
+"""Feedback signals: the outputs that signals read, where they come from and in which order they are computed.
+
+Each may read others; an algebraic loop of them is refused.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,8 @@ from typing import Any
 from gearblocks.assembly.angle_wrapping import located
 from gearblocks.assembly.tables import Assembly
 from gearblocks.codegen.batch import BatchCode
-from gearblocks.codegen.parts import Sense
+from gearblocks.codegen.operands import Assignment, Operand, Role
+from gearblocks.codegen.parts import Call, FeedbackSignal
 from gearblocks.errors import ModelError, did_you_mean
 
 
@@ -37,12 +41,12 @@ def reads_angles(assembly: Assembly, path: str) -> bool:
     return False
 
 
-def order_senses(
-    senses: dict[str, Sense], codes: list[BatchCode], assembly: Assembly, in_law: set[str], whole: set[tuple[int, int]]
-) -> dict[str, Sense]:  # fmt: skip
-    """Functions of sensed outputs in an order in which each reads only earlier ones.
+def order_signals(
+    senses: dict[str, FeedbackSignal], codes: list[BatchCode], assembly: Assembly, in_law: set[str], whole: set[tuple[int, int]]
+) -> dict[str, FeedbackSignal]:  # fmt: skip
+    """Calls of feedback signals in an order in which each reads only earlier ones.
 
-    whole: (batch, output) that read whole angles, where the turns of angles are counted apart.
+    whole: (batch, output) that read unwrapped angles.
     """
     done: dict[str, None] = {}
 
@@ -63,11 +67,10 @@ def order_senses(
                 visit(slot.of, (*chain, path))
         sense = senses[path]
         sense.batch, sense.instance, sense.expr = code.number, e, expr
-        vector = "whole" if (code.number, show) in whole and path not in in_law else "y"
-        expr = located(expr) if vector == "whole" else expr
-        function = code.function(f"sense_{sense.index}", [(f"sense[{sense.index}]", "=", expr, False)], vector=vector)
-        sense.function = function
-        sense.call = ", ".join([str(e), *(c.at(e) for _, _, c in function.args)])
+        unwrapped = (code.number, show) in whole and path not in in_law
+        assignment = Assignment(Operand(Role.FEEDBACK_SIGNALS, sense.index), "=", located(expr) if unwrapped else expr)
+        vector = Role.UNWRAPPED_ANGLES if unwrapped else Role.STATES
+        sense.call = Call(code.function(f"sense_{sense.index}", [assignment], vector=vector), e)
         done[path] = None
 
     for path in senses:

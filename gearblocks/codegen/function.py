@@ -1,13 +1,18 @@
-"""None"""
+"""One generated function of a batch: constants, statements, and a signature that follows from the roles in them."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
+from gearblocks.codegen.operands import NONE, Local, Operand, Role, Roles, Statement
+from gearblocks.laws.printer import c_text
 from gearblocks.laws.rational import Exact
+
+UNROLLED = 8
+"""Batches of at most this many instances are called one by one, with numbers in place of table columns."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,47 +48,84 @@ class Column:
             return repr(start)
         return "e" if (start, step) == (0, 1) else f"{start} + {step} * e"
 
-    @property
-    def is_constant(self) -> bool:
-        """Whether all instances share the value."""
-        return all(x == self.values[0] for x in self.values)
-
 
 def column(name: str, values: Sequence[float | Exact]) -> Column:
     """A column with plain numbers."""
     return Column(name, tuple(v if isinstance(v, int) else float(v) for v in values))
 
 
-UNROLLED = 8
-"""Batches of at most this many instances are called one by one, with numbers in place of table columns."""
+class Argument(NamedTuple):
+    """A number of the instance that a function is given: C type, name, value by instance."""
+
+    kind: str
+    name: str
+    column: Column
 
 
 @dataclass(slots=True)
-class Statement:
-    """lhs op rhs, for the template."""
+class Names:
+    """C of symbols, the arguments and constants that it needs, and the roles that it reads.
 
-    lhs: str
-    op: str
-    rhs: str
-    full: bool = False
+    vector: what coordinates and speeds are read from: STATES, UNWRAPPED_ANGLES (with whole angles), DIRECTION,
+    GROUP_SPEEDS; or TIME_TERMS, where those of a lane are written.
+    """
+
+    vector: Role
+    text: dict[Any, str] = field(default_factory=dict)
+    arguments: dict[str, Argument] = field(default_factory=dict)
+    constants: dict[str, str] = field(default_factory=dict)
+    read: set[Role] = field(default_factory=set)
+
+    def print(self, expr: Any) -> str:
+        """C of an expression."""
+        return c_text(expr, self.text)
+
+    def place(self, operand: Operand | Local) -> str:
+        """C of a number of a vector, which is then read."""
+        self.read |= operand.read
+        return str(operand)
+
+    def define(self, name: str, operand: Operand) -> str:
+        """A constant of the function for a number of a vector."""
+        self.constants[name] = self.place(operand)
+        return name
+
+    def argument(self, kind: str, name: str, of_batch: str, values: list[Any]) -> str:
+        """A number of the instance."""
+        self.arguments[name] = Argument(kind, name, column(f"{of_batch}_{name}", values))
+        return name
+
+    @property
+    def states(self) -> Role:
+        """The vector with the states."""
+        return Role.STATES if self.vector is Role.UNWRAPPED_ANGLES else self.vector
+
+    @property
+    def per_instance(self) -> bool:
+        """Whether they differ from one instance to the next."""
+        return Role.INSTANCE in self.read
+
+    @property
+    def reads(self) -> Roles:
+        """The roles read so far."""
+        return frozenset(self.read)
 
 
 @dataclass(slots=True)
 class Function:
-    """One function of a batch. args: (C type, name, column); prologue: (name, text) of its constants."""
+    """One function of a batch, called once per instance.
+
+    constants: (name, C) of what it defines first; read: roles in its constants and expressions; count: instances;
+    words: the components, for a comment.
+    """
 
     name: str
-    args: list[tuple[str, str, Column]]
-    prologue: list[tuple[str, str]]
+    arguments: list[Argument]
+    constants: list[tuple[str, str]]
     body: list[Statement]
+    read: Roles
     count: int
-
-    @property
-    def calls(self) -> list[str]:
-        """Argument lists of one call per instance, or of the single call inside a loop."""
-        if self.count <= UNROLLED:
-            return [", ".join([str(e), *(c.at(e) for _, _, c in self.args)]) for e in range(self.count)]
-        return [", ".join(["e", *(c.text() for _, _, c in self.args)])]
+    words: str = ""
 
     @property
     def looped(self) -> bool:
@@ -91,62 +133,51 @@ class Function:
         return self.count > UNROLLED
 
     @property
-    def tables(self) -> list[Column]:
-        """Columns that need an array."""
-        return [c for _, _, c in self.args if self.looped and c.is_table]
+    def tables(self) -> list[Argument]:
+        """Arguments whose columns need an array."""
+        return [x for x in self.arguments if self.looped and x.column.is_table]
+
+    def take(self, arguments: Iterable[Argument]) -> None:
+        """Adds arguments that it does not have yet."""
+        known = {name for _, name, _ in self.arguments}
+        self.arguments += [x for x in arguments if x.name not in known]
+
+    # -- signature and calls ------------------------------------------------------------------------------------------
+
+    @property
+    def written(self) -> Roles:
+        """The vectors that it changes."""
+        return NONE.union(*(s.written for s in self.body))
+
+    @property
+    def roles(self) -> list[Role]:
+        """All that it reads and writes but the instance, in the order of signatures."""
+        found = self.read | self.written | NONE.union(*(s.read for s in self.body))
+        return [role for role in Role if role in found and role is not Role.INSTANCE]
+
+    @property
+    def signature(self) -> str:
+        """Its parameters in C."""
+        written = self.written
+        vectors = [role.declaration(written=role in written) for role in self.roles]
+        numbers = [f"const {kind} {name}" for kind, name, _ in self.arguments]
+        return ", ".join([*vectors, Role.INSTANCE.declaration(written=False), *numbers])
+
+    @property
+    def calls(self) -> list[str]:
+        """Calls of all instances, or the single call inside a loop."""
+        if not self.looped:
+            return [self.call(e) for e in range(self.count)]
+        return [self._call(["e", *(c.text() for _, _, c in self.arguments)])]
+
+    def call(self, e: int) -> str:
+        """The call of instance e."""
+        return self._call([str(e), *(c.at(e) for _, _, c in self.arguments)])
+
+    def _call(self, numbers: Sequence[str]) -> str:
+        return f"{self.name}({', '.join([*(role.value for role in self.roles), *numbers])})"
 
 
 def identifier(text: str) -> str:
     """A C identifier from a path."""
     return re.sub(r"\W+", "_", text).strip("_")
-
-
-_VECTORS = (
-    "par", "before", "mode", "tau", "y", "loop", "phi", "whole", "gain", "bias", "surplus", "w", "alpha", "torque", "growth",
-    "drag", "stiff", "sense", "flange_tau", "direction", "loop_direction", "t", "u", "dy", "s", "out", "energy", "scale", "lo",
-    "hi", "kept", "diag", "lower", "upper", "slope", "change", "speed", "turn", "rise",
-    "coef", "entry", "held", "limit", "skew",
-)  # fmt: skip
-
-
-_INTEGERS = ("full", "i")
-
-
-_SCALARS = ("g",)
-
-
-@dataclass(frozen=True, slots=True)
-class FunctionView:
-    """A function ready to print: signature, body, and the calls of all instances."""
-
-    name: str
-    signature: str
-    function: Function
-    calls: list[str]
-
-
-def function_view(function: Function) -> FunctionView:
-    """Gives a function the vectors that its text names."""
-    text = " ".join([*(x for _, x in function.prologue), *(f"{s.lhs} {s.rhs}" for s in function.body)])
-    written = {word for s in function.body for word in re.findall(r"\w+", s.lhs.split("[")[0])}
-    if any(s.op in ("call", "below", "above") for s in function.body):
-        text += " mode lo hi"
-        written |= {"lo", "hi"}
-    if any(s.op in ("spread", "spread_terms") for s in function.body):
-        text += " diag lower upper"
-        written |= {"diag", "lower", "upper"}
-    if any(s.op == "spread_terms" for s in function.body):
-        text += " coef entry"
-        written.add("entry")
-    words = set(re.findall(r"[A-Za-z_]\w*", text))
-    if any(s.full for s in function.body):
-        words.add("full")
-    used = [
-        (f"{'' if name in written else 'const '}double *restrict {name}", name) for name in _VECTORS if name in words
-    ]
-    used += [(f"const double {name}", name) for name in _SCALARS if name in words]
-    used += [(f"const int {name}", name) for name in _INTEGERS if name in words]
-    args = [f"const {kind} {name}" for kind, name, _ in function.args]
-    signature = ", ".join([*(kind for kind, _ in used), "const int e", *args])
-    prefix = "".join(f"{name}, " for _, name in used)
-    return FunctionView(function.name, signature, function, [prefix + call for call in function.calls])

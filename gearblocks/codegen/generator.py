@@ -1,4 +1,4 @@
-"""The parts of one program while it is being generated: what the stages of `codegen` fill and `views` prints."""
+"""The parts of one program while it is being generated: what the stages fill and the template prints."""
 
 from __future__ import annotations
 
@@ -7,9 +7,18 @@ from dataclasses import dataclass, field
 from gearblocks.assembly.angle_wrapping import Turns
 from gearblocks.assembly.tables import Assembly
 from gearblocks.codegen.batch import BatchCode
-from gearblocks.codegen.function import Column, Function, Statement
+from gearblocks.codegen.function import Column, Function
 from gearblocks.codegen.layout import Layout
-from gearblocks.codegen.parts import Band, Linear, Locks, Massless, Motions, Prediction, Sense
+from gearblocks.codegen.operands import Operand, Statement
+from gearblocks.codegen.parts import (
+    Band,
+    DependentGroups,
+    FeedbackSignal,
+    Linear,
+    Massless,
+    Prediction,
+    SwitchedConstraints,
+)
 from gearblocks.codegen.program import EnergyInfo, IntegralInfo, Quantity, SwitchInfo
 from gearblocks.language.signals import Table
 from gearblocks.language.tables import Table2
@@ -23,15 +32,15 @@ class Generator:
     lay: Layout
     turns: Turns = field(default_factory=Turns)
     codes: list[BatchCode] = field(default_factory=list)
-    senses: dict[str, Sense] = field(default_factory=dict)
+    senses: dict[str, FeedbackSignal] = field(default_factory=dict)
     tables: dict[str, tuple[str, Table]] = field(default_factory=dict)
     maps: dict[str, tuple[str, Table2, list[str]]] = field(default_factory=dict)
     n_par: int = 0
     n_time: int = 0
-    shared: dict[tuple[int, str], str] = field(default_factory=dict)
+    shared: dict[tuple[int, str], Operand] = field(default_factory=dict)
     prepare_shared: list[Statement] = field(default_factory=list)
-    times_shared: list[Statement] = field(default_factory=list)
-    early: set[str] = field(default_factory=set)
+    times_shared: list[tuple[Operand, Statement]] = field(default_factory=list)
+    early: set[Operand] = field(default_factory=set)
     means_shared: list[Statement] = field(default_factory=list)
     functions: dict[str, list[Function]] = field(default_factory=dict)
     outputs: list[Quantity] = field(default_factory=list)
@@ -46,8 +55,8 @@ class Generator:
     n_surfaces: int = 0
     inverse_mass: int = 0
     mass: int = 0
-    motion: Motions | None = None
-    locks: Locks = field(default_factory=Locks)
+    motion: DependentGroups | None = None
+    locks: SwitchedConstraints = field(default_factory=SwitchedConstraints)
     massless: Massless | None = None
     mobile: list[int] = field(default_factory=list)
     supply0: int = 0
@@ -55,8 +64,8 @@ class Generator:
     linear: Linear | None = None
 
     def shared_times(self, late: bool) -> list[Statement]:
-        """Shared columns of time: those of the rates, or those that only outputs and energies read."""
-        return [s for s in self.times_shared if (f"{s.lhs[:-5]}]" in self.early) is not late]
+        """Shared time terms: those of the rates, or those that only outputs and energies read."""
+        return [s for term, s in self.times_shared if (term in self.early) is not late]
 
     def keep(self, what: str, function: Function) -> None:
         """Adds a function unless it does nothing."""

@@ -1,6 +1,6 @@
-"""Binding times: what only parameters change is computed once, what only time changes once per instant.
+"""Hoisting: parameter terms are computed once, time terms once per instant; the law keeps what moves with the state.
 
-The law keeps what moves with the state. Both kinds of columns are shared where nothing of an instance stands in them.
+A term is shared by all instances where no number of an instance stands in it. Knows nothing of where terms are stored.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from gearblocks.laws.symbols import CONSTANT, MOVING, TIMED, Pool, Slot
 
 
 @dataclass(frozen=True, slots=True)
-class HoistedColumn:
+class HoistedTerm:
     """One hoisted expression of a batch; shared: no number of an instance stands in it."""
 
     symbol: Any
@@ -29,7 +29,7 @@ class Hoister:
     """Replaces the constant and the timed parts of expressions of one batch by columns."""
 
     pool: Pool
-    columns: list[HoistedColumn] = field(default_factory=list)
+    columns: list[HoistedTerm] = field(default_factory=list)
     _known: dict[tuple[int, Any], Any] = field(default_factory=dict)
 
     def hoist(self, expr: Any) -> Any:
@@ -112,7 +112,7 @@ class Hoister:
             symbol = sp.Symbol(f"column{len(self.columns)}", real=True)
             shared = self._is_common(expr)
             self.pool.slots[symbol] = Slot("column", (level, shared))
-            self.columns.append(HoistedColumn(symbol, expr, level, shared))
+            self.columns.append(HoistedTerm(symbol, expr, level, shared))
             self._known[level, expr] = symbol
         return self._known[level, expr]
 

@@ -1,4 +1,7 @@
-"""Where everything lies in the vectors of the generated program: states, parameters, switches, outputs."""
+"""Layout of the state vector and the parameter vector: offsets of coordinates, angles, states, speeds, start values.
+
+Knows nothing of laws; hoisted terms, switches and the ledger get their offsets while code is generated.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Followers as tables and functions of the generated program: their speeds, their torques, and the mass matrix.
+"""Mass matrix over the independent groups, and dependent groups as tables and functions.
 
-w[follower] = bias + sum gain w[source], torques go back by the same gains, and a follower's inertia enters the mass matrix
-of the shafts that have speeds of their own through its row over them.
+w = velocity bias + sum gain w[source]; torques go back by the same gains; the inertia J of a dependent group with the row
+g over the independent speeds adds J g' g to the mass matrix. Knows nothing of laws besides prescribed motions.
 """
 
 from __future__ import annotations
@@ -10,9 +10,10 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.assembly.kinematics import Driven
-from gearblocks.codegen.function import column
+from gearblocks.codegen.function import Argument, column
 from gearblocks.codegen.jacobian.sparsity import eliminate
-from gearblocks.codegen.parts import Motions
+from gearblocks.codegen.operands import Assignment, Operand, Role
+from gearblocks.codegen.parts import Call, DependentGroups
 from gearblocks.errors import ModelError
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 def lay_out_mass(g: Generator, at: int) -> int:
     """Fills g.motion and places inertias, mobilities and (where it is constant) the factored mass matrix in par[]."""
-    motion = g.motion = Motions(g.assembly.followers)
+    motion = g.motion = DependentGroups(g.assembly.followers)
     laws = {i: batch.law for batch in g.assembly.batches for i in batch.components}
     for i, f in enumerate(motion.followers):
         if f.row is not None:
@@ -53,8 +54,8 @@ def lay_out_mass(g: Generator, at: int) -> int:
     return at + g.assembly.n_groups + g.assembly.n_speeds + len(motion.pattern.row)
 
 
-def _rows(g: Generator, motion: Motions) -> None:
-    """Entries of the followers that carry inertia, or that such followers follow."""
+def _rows(g: Generator, motion: DependentGroups) -> None:
+    """Rows of the dependent groups with inertia, and of those that such groups follow from."""
     order = {f.group: i for i, f in enumerate(motion.followers)}
     wanted = {order[group] for group in g.assembly.massive if group in order}
     for i in reversed(range(len(motion.followers))):
@@ -73,8 +74,8 @@ def _rows(g: Generator, motion: Motions) -> None:
         motion.rows[i] = row
 
 
-def _matrix(g: Generator, motion: Motions) -> None:
-    """The pattern of the mass matrix and what followers add to it."""
+def _matrix(g: Generator, motion: DependentGroups) -> None:
+    """The pattern of the mass matrix and what dependent groups add to it."""
     pairs: set[tuple[int, int]] = set()
     massive = [(i, f.group) for i, f in enumerate(motion.followers) if f.group in g.assembly.massive]
     for i, _ in massive:
@@ -113,7 +114,7 @@ def check_mobility(g: Generator, used: Iterable[tuple[int, str]]) -> list[int]:
     return sorted(groups)
 
 
-def _changing(motion: Motions) -> set[int]:
+def _changing(motion: DependentGroups) -> set[int]:
     """Speeds whose inertia changes with the state."""
     slots = set(motion.slots.values())
     moved: set[int] = set()
@@ -127,11 +128,11 @@ def _changing(motion: Motions) -> set[int]:
     return found
 
 
-# -- drives -----------------------------------------------------------------------------------------------------------
+# -- prescribed motions -----------------------------------------------------------------------------------------------
 
 
-def drive_functions(g: Generator, code: BatchCode) -> None:
-    """Functions of the drives of one batch: angle, gains with bias, and surplus."""
+def prescribed_motion_functions(g: Generator, code: BatchCode) -> None:
+    """Functions of the prescribed motions of one batch: angle, gains, velocity and acceleration bias."""
     motion = g.motion
     if motion is None:
         return
@@ -140,31 +141,32 @@ def drive_functions(g: Generator, code: BatchCode) -> None:
         rows = [mine[c, number] for c in code.batch.components]
         scale = column(f"{code.batch.name}_scale{number}", [float(d.scale) for _, d in rows])
         place = column(f"{code.batch.name}_follower{number}", [i for i, _ in rows])
-        args = [("double", f"scale{number}", scale), ("int", f"follower{number}", place)]
+        factor = Argument("double", f"scale{number}", scale)
+        args = [factor, Argument("int", f"follower{number}", place)]
         if drive.angle is not None:
-            angle = _scaled(code, f"drive_angle{number}", [(f"phi[into{number}]", drive.angle)], args[:1])
             groups = column(f"{code.batch.name}_into{number}", [d.group for _, d in rows])
-            angle.args.append(("int", f"into{number}", groups))
+            into = Argument("int", f"into{number}", groups)
+            target = Operand(Role.ANGLES, into.name)
+            angle = _scaled(code, f"drive_angle{number}", target, drive.angle, [factor, into])
             g.keep("drive_angles", angle)
             for e, (i, _) in enumerate(rows):
-                motion.calls[i] = ", ".join([str(e), *(c.at(e) for _, _, c in angle.args)])
-        values = [(f"bias[follower{number}]", drive.bias)] if drive.bias != 0 else []
-        if values:
-            g.keep("drive_values", _scaled(code, f"drive_bias{number}", values, args))
+                motion.calls[i] = Call(angle, e)
+        if drive.bias != 0:
+            target = Operand(Role.VELOCITY_BIASES, f"follower{number}")
+            g.keep("drive_values", _scaled(code, f"drive_bias{number}", target, drive.bias, args))
             motion.powered += [i for i, _ in rows]
         if drive.surplus != 0:
-            surplus = [(f"surplus[follower{number}]", drive.surplus)]
-            g.keep("drive_surplus", _scaled(code, f"drive_surplus{number}", surplus, args))
+            target = Operand(Role.ACCELERATION_BIASES, f"follower{number}")
+            g.keep("drive_surplus", _scaled(code, f"drive_surplus{number}", target, drive.surplus, args))
         for flange, gain in drive.gains.items():
             if not gain.is_number:
                 _gain_function(g, code, number, flange, gain, rows)
 
 
-def _scaled(code: BatchCode, name: str, targets: list[tuple[str, Any]], args: list[Any]) -> Function:
-    function = code.function(name, [(lhs, "=", expr, False) for lhs, expr in targets])
-    function.args += args
-    for statement in function.body:
-        statement.rhs = f"{args[0][1]} * ({statement.rhs})"
+def _scaled(code: BatchCode, name: str, target: Operand, expr: Any, arguments: list[Argument]) -> Function:
+    """A function that stores an expression times the first of its arguments."""
+    function = code.function(name, [Assignment(target, "=", expr, factor=arguments[0].name)])
+    function.take(arguments)
     return function
 
 
@@ -176,7 +178,8 @@ def _gain_function(
     factors = [float(d.factors[flange][1] if flange in d.factors else d.scale) for _, d in rows]
     name = f"{code.batch.name}_{number}_{flange}"
     args = [
-        ("double", f"factor{number}", column(f"{name}_factor", factors)),
-        ("int", f"slot{number}", column(f"{name}_slot", slots)),
+        Argument("double", f"factor{number}", column(f"{name}_factor", factors)),
+        Argument("int", f"slot{number}", column(f"{name}_slot", slots)),
     ]
-    g.keep("drive_values", _scaled(code, f"drive_gain{number}_{flange}", [(f"gain[slot{number}]", gain)], args))
+    target = Operand(Role.GAINS, f"slot{number}")
+    g.keep("drive_values", _scaled(code, f"drive_gain{number}_{flange}", target, gain, args))

@@ -1,24 +1,22 @@
 """Balance of torques at a massless group: torque rate, damping and stiffness entries of one law.
 
-Knows nothing of groups as a whole: what several laws give one group is added up elsewhere."""
+Knows nothing of groups as a whole: what several laws give one group is added up elsewhere.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy as sp
 
 from gearblocks.assembly.tables import HELD, Batch
-from gearblocks.codegen.parts import Balance, HiddenRows
+from gearblocks.codegen.parts import Balance, MasslessRows
 from gearblocks.laws.law import Law
 from gearblocks.laws.symbols import clock
 
-if TYPE_CHECKING:
-    pass
 
-
-def balance_of(batch: Batch, hoist: Callable[[Any], Any], rows: HiddenRows, floats: frozenset[int]) -> Balance:
+def balance_of(batch: Batch, hoist: Callable[[Any], Any], rows: MasslessRows, floats: frozenset[int]) -> Balance:
     """The balance of a batch, hoisted; empty where none of its flanges is at such a shaft."""
     law = batch.law
     at = [f for f in batch.flanges if any(group in rows for group in batch.groups[f])]
@@ -49,8 +47,8 @@ def _stiffness(law: Law, torque: Any, flange: str) -> Any:
 
 
 def _rate(law: Law, torque: Any, *, damped: bool) -> Any:
-    """Rate of change of a torque. What dampers add to it is left aside: where springs alone give the speed of several
-    shafts, it cancels, and a shaft that is `damped` needs no rate (0)."""
+    """Torque rate. What dampers add to it is left aside: it cancels at a floating group, and a `damped` group needs no rate
+    (0)."""
     speeds = [x for x in torque.free_symbols if law.pool.slots[x].role == "w"]
     if speeds and damped:
         return sp.Integer(0)

@@ -1,7 +1,7 @@
-"""Shafts without inertia: their speeds follow from the balance of torques.
+"""Massless groups: their speeds follow from the balance of torques.
 
-Where something damps such a shaft, its torque T(w) = 0 gives the speed (a state of first order); where only springs act on
-it, dT/dt = 0 gives it, and its angle is put into balance at the start and after every event.
+Where something damps such a group, T(w) = 0 gives its speed (a state of first order); where only springs act on it,
+dT/dt = 0 gives it, and its angle is put into balance at the start and after every event.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from gearblocks.codegen.function import Column, column
+from gearblocks.codegen.function import Argument, Column, column
 from gearblocks.codegen.jacobian.sparsity import eliminate
-from gearblocks.codegen.parts import HiddenRows, Massless
+from gearblocks.codegen.operands import Assignment, Operand, Role
+from gearblocks.codegen.parts import Massless, MasslessRows
 from gearblocks.errors import ModelError
 from gearblocks.language.block import given_start
 from gearblocks.language.fields import ANGLE
@@ -26,10 +27,10 @@ if TYPE_CHECKING:
     from gearblocks.codegen.generator import Generator
 
 
-def hidden_rows(assembly: Assembly) -> HiddenRows:
-    """Factors on the hidden shafts by every group that moves with one. ModelError for a drive that does."""
+def massless_rows(assembly: Assembly) -> MasslessRows:
+    """Factors on the massless groups by every group that moves with one. ModelError for a prescribed motion that does."""
     first, last = assembly.n_speeds, assembly.n_speeds + assembly.n_hidden
-    found: HiddenRows = {group: {group - first: 1} for group in range(first, last)}
+    found: MasslessRows = {group: {group - first: 1} for group in range(first, last)}
     for f in assembly.followers:
         touched = [s for s in f.sources if s in found]
         if touched and f.drive is not None:
@@ -48,7 +49,7 @@ def hidden_rows(assembly: Assembly) -> HiddenRows:
 def lay_out_massless(g: Generator) -> None:
     """Fills g.massless from the balances of all batches. ModelError for a shaft that nothing holds."""
     assembly = g.assembly
-    rows = hidden_rows(assembly)
+    rows = massless_rows(assembly)
     balances = {code.number: code.balance for code in g.codes}
     damped, held = [False] * assembly.n_hidden, [False] * assembly.n_hidden
     pairs: set[tuple[int, int]] = set()
@@ -77,14 +78,14 @@ def lay_out_massless(g: Generator) -> None:
         _functions(g, code)
 
 
-def _numbers(code: BatchCode, rows: HiddenRows, f: str, other: str) -> list[tuple[int, int]]:
-    """The pairs of hidden shafts that two flanges of the instances move with."""
+def _numbers(code: BatchCode, rows: MasslessRows, f: str, other: str) -> list[tuple[int, int]]:
+    """The pairs of massless groups that two flanges of the instances move with."""
     pairs = zip(code.batch.groups[f], code.batch.groups[other], strict=True)
     return [ab for a, b in pairs if a in rows and b in rows for ab in product(rows[a], rows[b])]
 
 
-def _given(assembly: Assembly, rows: HiddenRows) -> set[int]:
-    """Hidden shafts with a given start angle, or with one that such an angle follows from."""
+def _given(assembly: Assembly, rows: MasslessRows) -> set[int]:
+    """Massless groups with a given start angle, or with one that such an angle follows from."""
     found: set[int] = set()
     for c in assembly.train.components:
         if given_start(c.block, ANGLE) is not None:
@@ -93,7 +94,7 @@ def _given(assembly: Assembly, rows: HiddenRows) -> set[int]:
     return found
 
 
-def _refuse_inputs(g: Generator, rows: HiddenRows, damped: list[bool]) -> None:
+def _refuse_inputs(g: Generator, rows: MasslessRows, damped: list[bool]) -> None:
     """A shaft that only springs hold cannot take the torque of an Input, whose rate nobody knows."""
     for code in g.codes:
         for f, torque in code.balance.torques.items():
@@ -108,7 +109,7 @@ def _refuse_inputs(g: Generator, rows: HiddenRows, damped: list[bool]) -> None:
 
 
 def _shifts(g: Generator) -> list[dict[int, Exact]]:
-    """The states that the angle of each hidden shaft moves."""
+    """The states that the angle of each massless group moves."""
     assembly, lay = g.assembly, g.lay
     first = assembly.n_speeds
     found: list[dict[int, Exact]] = [{} for _ in range(assembly.n_hidden)]
@@ -123,44 +124,45 @@ def _shifts(g: Generator) -> list[dict[int, Exact]]:
 
 
 def _functions(g: Generator, code: BatchCode) -> None:
-    """Torques and slopes of one batch as functions."""
+    """Torques, torque rates, damping and stiffness entries of one batch as functions."""
     massless, balance = g.massless, code.balance
     assert massless is not None
-    for what, exprs in (("torque", balance.torques), ("growth", balance.growths)):
-        elastic = what == "growth"
-        targets = [(f"{what}[g_{f}]", "+=", e, False) for f, e in exprs.items() if e != 0 or not elastic]
-        if targets and not (elastic and all(massless.damped)):
-            function = code.function(
-                f"massless_{what}", targets, extra=[f for f in exprs if f"{what}[g_{f}]" in {t[0] for t in targets}]
-            )
-            for statement in function.body:
-                statement.rhs = code.scaled(statement.lhs.split("g_")[1][:-1], statement.rhs)
-            g.keep(f"massless_{what}", function)
-    for what, entries in (("drag", balance.drags), ("stiff", balance.stiffnesses)):
+    for what, vector, exprs in (
+        ("torque", Role.TORQUES, balance.torques), ("growth", Role.TORQUE_RATES, balance.growths),
+    ):  # fmt: skip
+        elastic = vector is Role.TORQUE_RATES
+        assignments = [
+            Assignment(Operand(vector, f"g_{f}"), "+=", e, flange=f) for f, e in exprs.items() if e != 0 or not elastic
+        ]
+        if assignments and not (elastic and all(massless.damped)):
+            g.keep(f"massless_{what}", code.function(f"massless_{what}", assignments))
+    for vector, entries in ((Role.DAMPING_ENTRIES, balance.drags), (Role.STIFFNESS_ENTRIES, balance.stiffnesses)):
         if entries:
-            g.keep("massless_slopes", _slopes(code, massless, what, entries))
+            g.keep("massless_slopes", _slopes(code, massless, vector, entries))
 
 
-def _slopes(code: BatchCode, massless: Massless, what: str, entries: dict[tuple[str, str], Any]) -> Function:
-    targets, args = [], []
+def _slopes(code: BatchCode, massless: Massless, vector: Role, entries: dict[tuple[str, str], Any]) -> Function:
+    assignments: list[Assignment] = []
+    arguments: list[Argument] = []
+    what = vector.value
     for i, ((f, other), e) in enumerate(entries.items()):
-        terms = _terms(code, massless, what, f, other)
+        terms = _terms(code, massless, f, other, damping=vector is Role.DAMPING_ENTRIES)
         for j in range(max(map(len, terms))):
             here = [own[j] if j < len(own) else (massless.n_entries - 1, 0.0) for own in terms]
             name = f"{code.batch.name}_{what}{i}_{j}"
-            args += [
-                ("int", f"at{i}_{j}", column(f"{name}_at", [place for place, _ in here])),
-                ("double", f"by{i}_{j}", Column(f"{name}_by", tuple(factor for _, factor in here))),
+            arguments += [
+                Argument("int", f"at{i}_{j}", column(f"{name}_at", [place for place, _ in here])),
+                Argument("double", f"by{i}_{j}", Column(f"{name}_by", tuple(factor for _, factor in here))),
             ]
-            targets.append((f"{what}[at{i}_{j}]", "+=", e, False))
-    function = code.function(f"massless_{what}", targets)
-    function.args += args
-    for statement in function.body:
-        statement.rhs = f"by{statement.lhs[len(what) + 3 : -1]} * ({statement.rhs})"
+            assignments.append(Assignment(Operand(vector, f"at{i}_{j}"), "+=", e, factor=f"by{i}_{j}"))
+    function = code.function(f"massless_{what}", assignments)
+    function.take(arguments)
     return function
 
 
-def _terms(code: BatchCode, massless: Massless, what: str, f: str, other: str) -> list[list[tuple[int, float]]]:
+def _terms(
+    code: BatchCode, massless: Massless, f: str, other: str, *, damping: bool
+) -> list[list[tuple[int, float]]]:  # fmt: skip
     """(entry, factor) by instance of what a slope adds. Dampers add nothing where springs alone give a speed."""
     found: list[list[tuple[int, float]]] = []
     for k, (a, b) in enumerate(zip(code.batch.groups[f], code.batch.groups[other], strict=True)):
@@ -168,6 +170,6 @@ def _terms(code: BatchCode, massless: Massless, what: str, f: str, other: str) -
         pairs = product(massless.rows.get(a, {}).items(), massless.rows.get(b, {}).items())
         found.append([
             (massless.entry(one, two), float(gain * x * y))
-            for (one, x), (two, y) in pairs if what == "stiff" or not massless.floats & {one, two}
+            for (one, x), (two, y) in pairs if not damping or not massless.floats & {one, two}
         ])  # fmt: skip
     return found

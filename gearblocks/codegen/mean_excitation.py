@@ -14,7 +14,8 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.codegen.batch import BatchCode
-from gearblocks.codegen.hoisting import HoistedColumn
+from gearblocks.codegen.event_functions import line
+from gearblocks.codegen.hoisting import HoistedTerm
 from gearblocks.language.signals import Table
 from gearblocks.laws.functions import TableAt
 from gearblocks.laws.switching import Mode
@@ -23,7 +24,7 @@ from gearblocks.laws.symbols import TIMED, clock
 _LARGEST_POWER = 8  # of sums, which are written out term by term
 
 
-def mean_of_column(code: BatchCode, item: HoistedColumn) -> Any:
+def mean_of_term(code: BatchCode, item: HoistedTerm) -> Any:
     """The mean of a timed column in constants, inputs and time; no other timed column stands in it."""
     timed = {c.symbol: c.expr for c in code.hoister.columns if c.level == TIMED}
     expr = item.expr
@@ -54,14 +55,6 @@ def mean_of(expr: Any, code: BatchCode) -> Any:
 def _runs(expr: Any, code: BatchCode) -> bool:
     """Whether time or a switch of time stands in the expression."""
     return any(x == clock() or code.law.pool.slots[x].role == "mode" for x in expr.free_symbols)
-
-
-def line(expr: Any) -> tuple[Any, Any] | None:
-    """(rate, offset) of an expression affine in time, None for others."""
-    rate = sp.diff(expr, clock())
-    if rate == 0 or rate.has(clock()):
-        return None
-    return rate, expr.xreplace({clock(): sp.Integer(0)})
 
 
 def _standing(rate: Any) -> Any:
@@ -99,9 +92,9 @@ def _mean_of_mode(mode: Any, code: BatchCode) -> Any:
         return mode
     slot = code.law.pool.slots[mode]
     assert isinstance(slot.of, Mode)
-    if code.sorts[slot.of.number] != "wave":
+    if code.events.sorts[slot.of.number] != "wave":
         return mode
-    size, rate, _, offset = code.wave_of(slot.of.number)
+    size, rate, _, offset = code.events.wave(slot.of.number)
     share = sp.acos(sp.Min(1, sp.Max(-1, -offset / sp.Abs(size)))) / sp.pi
     return share + _standing(rate) * (mode - share)
 

@@ -43,7 +43,7 @@ def flange_outputs(g: Generator) -> Iterator[Quantity]:
 
 
 def state_quantities(g: Generator) -> list[Quantity]:
-    """The states of the program, but for the riders."""
+    """The states of the program without the quadratures."""
     lay = g.lay
     states: list[Quantity] = [Quantity("", "rad", "coordinate", "coordinate")] * lay.n
     for code in g.codes:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gearblocks.assembly.kinematics import Follower
-from gearblocks.codegen.function import Function
+from gearblocks.codegen.function import Function, Names
 from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
 from gearblocks.laws.rational import Exact
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from gearblocks.laws.switched_constraints import StickOfKind
 
 VALUES = 5
-"""Numbers per lock that the solver asks for at an event: lower and upper limit, forces against the slip, engaged."""
+"""Numbers per switched constraint that the solver asks for at an event: force bounds, sliding forces, engaged."""
 
 
 @dataclass(slots=True)
-class Lock:
-    """One lock: its component and stick, its slip over the groups, switches (-1: none) and places of states (-1: none)."""
+class SwitchedConstraint:
+    """One switched constraint: its component, its row over the groups, its switches and state offsets (-1: none)."""
 
     path: str
     stick: StickOfKind
@@ -39,11 +39,11 @@ class Lock:
 
 
 @dataclass(slots=True)
-class Locks:
-    """All locks of a train. rows: over the speeds that they reach (values count where gains do not change with the
-    position); speeds: by column. matrix0: where the responses to their forces lie in par[], where they are constant."""
+class SwitchedConstraints:
+    """All switched constraints of a train. rows: G over the speeds that they reach (values count where gains do not change
+    with the position); speeds: by column. matrix0: offset of the Delassus matrix in par[], where it is constant."""
 
-    locks: list[Lock] = field(default_factory=list)
+    locks: list[SwitchedConstraint] = field(default_factory=list)
     first: dict[tuple[int, str], int] = field(default_factory=dict)
     rows: list[dict[int, float]] = field(default_factory=list)
     speeds: list[int] = field(default_factory=list)
@@ -59,16 +59,16 @@ class Locks:
         return 1 + 3 * n + 2 * n * n + n * m if n else 0
 
 
-HiddenRows = dict[int, dict[int, Exact]]
-"""By group: factors of its speed on those of hidden shafts, by their number."""
+MasslessRows = dict[int, dict[int, Exact]]
+"""By group: factors of its speed on those of massless groups, by their number."""
 
 
 @dataclass(slots=True)
 class Balance:
-    """Torques of one batch on shafts that may have no inertia, and their slopes.
+    """Torques of one batch on groups that may be massless, and their derivatives.
 
-    torques, growths: torque on a flange and its rate of change; drags, stiffnesses: their derivatives by the speed of a
-    flange, by (flange, flange).
+    torques, growths: torque on a flange and its rate; drags, stiffnesses: damping and stiffness entries, the derivatives of
+    a torque by the speed and the angle of a flange, by (flange, flange).
     """
 
     torques: dict[str, Any] = field(default_factory=dict)
@@ -79,12 +79,12 @@ class Balance:
 
 @dataclass(slots=True)
 class Massless:
-    """Hidden shafts by number. floats: those that stand for several; damped: or not; free_start: whether the angle at the
-    start is one of balance. pattern: of their coupling; affine: whether one step solves for the speeds. shifts: by state,
-    what an angle moves it.
+    """Massless groups by number. floats: floating ones, which stand for several; damped: or not; free_start: whether the
+    angle at the start is one of balance. pattern: of their coupling; affine: whether one Newton step gives the speeds.
+    shifts: by state, what an angle moves it.
     """
 
-    rows: HiddenRows
+    rows: MasslessRows
     floats: frozenset[int]
     damped: list[bool]
     free_start: list[bool]
@@ -106,7 +106,7 @@ class Massless:
 
     @property
     def entry_rows(self) -> list[int]:
-        """The hidden shaft whose balance each entry belongs to."""
+        """The massless group whose balance each entry belongs to."""
         rows = [-1] * self.n_entries
         n, places = len(self.pattern.order), len(self.pattern.row)
         rows[:n] = self.pattern.order
@@ -118,10 +118,11 @@ class Massless:
 
 
 @dataclass(slots=True)
-class Motions:
-    """followers[i] has entries [start[i], start[i + 1]) of index (group) and value (gain; 0 where a drive gives it).
+class DependentGroups:
+    """w[followers[i]] = velocity bias + sum gain w: entries [start[i], start[i + 1]) of index (group) and value (gain; 0 where
+    it changes with the position).
 
-    rows: by follower that carries inertia: (speed number -> place in the array of row entries). steps: how these entries
+    rows: by dependent group with inertia: (speed number -> place in the array of row entries). steps: how these entries
     are computed, (target, gain, source entry or -1); products: what they add to the mass matrix, (target: place, or -1 -
     step for the diagonal; entry; entry; group).
     """
@@ -137,36 +138,44 @@ class Motions:
     pattern: Pattern = field(default_factory=lambda: eliminate(0, ()))
     dynamic: bool = False
     n_entries: int = 0
-    calls: dict[int, str] = field(default_factory=dict)
+    calls: dict[int, Call] = field(default_factory=dict)
     powered: list[int] = field(default_factory=list)
 
     @property
     def paced(self) -> bool:
-        """Whether a drive moves by itself (bias) or has accelerations that its gains do not explain."""
+        """Whether a prescribed motion has velocity or acceleration biases."""
         return any(f.drive is not None for f in self.followers)
 
 
+class Call(NamedTuple):
+    """The call of a function for one instance."""
+
+    function: Function
+    instance: int
+
+    def __str__(self) -> str:
+        return self.function.call(self.instance)
+
+
 @dataclass(slots=True)
-class Sense:
-    """An output that a signal reads: its place in sense[], where it is shown, and the code that fills it."""
+class FeedbackSignal:
+    """An output that a signal reads: its place in sense[], where it is shown, and the call that fills it."""
 
     path: str
     index: int
     batch: int = 0
     instance: int = 0
     expr: Any = None
-    function: Function | None = None
-    call: str = ""
+    call: Call | None = None
 
 
 @dataclass(slots=True)
 class Prediction:
-    """How a time switch is foretold: the C function of gb_table.h, its constant arguments, its place."""
+    """How the crossings of a time switch follow: the C function of gb_table.h, its constant arguments, the first switch."""
 
-    name: str
+    names: Names
     predictor: str
     args: list[str]
-    prologue: list[tuple[str, str]]
     first: int
     count: int
     table: str
@@ -174,20 +183,20 @@ class Prediction:
 
 @dataclass(slots=True)
 class Band:
-    """A switch whose mode is a side of a band: the function that holds its half width, and its first place."""
+    """A switch whose mode is a side of a band: C of its half width, the first switch."""
 
-    function: Function
+    names: Names
+    half_width: str
     first: int
+    count: int
 
 
 @dataclass(slots=True)
-class SenseCode:
-    """The functions of one sensed output for implicit methods and the numbers of its instance: slopes, and change."""
+class SignalDerivatives:
+    """Calls for one sensed output in implicit methods: its slopes, and its change."""
 
-    slope: Function
-    slope_args: str
-    change: Function
-    change_args: str
+    slope: Call
+    change: Call
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,7 +250,7 @@ class Linear:
     following: Following | None = None
     computed: Computed | None = None
     functions: dict[str, list[Function]] = field(default_factory=dict)
-    senses: list[SenseCode] = field(default_factory=list)
+    senses: list[SignalDerivatives] = field(default_factory=list)
     spread: list[dict[int, Exact]] = field(default_factory=list)
     terms: list[list[tuple[int, int, int]]] = field(default_factory=list)
     first_mass: int = 0

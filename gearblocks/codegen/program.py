@@ -109,7 +109,11 @@ class MovedInfo(NamedTuple):
     of: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+_COUNTED = ("states", "parameters", "inputs", "switches", "outputs")
+"""What a program says about itself, besides its name."""
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Program:
     """C source of one `gb_model` with the meaning of its vectors.
 
@@ -136,6 +140,11 @@ class Program:
     followers: tuple[FollowerInfo, ...] = ()
     moved: tuple[MovedInfo, ...] = ()
     unknown: tuple[tuple[str], ...] = ()
+
+    def __repr__(self) -> str:
+        lines = self.source.count("\n")
+        numbers = ", ".join(f"{len(getattr(self, what))} {what}" for what in _COUNTED)
+        return f"Program('{self.name}': {numbers}, {lines} lines of C, key {self.key[:8]})"
 
     def to_bytes(self) -> bytes:
         """The program as bytes; its tables go column by column, which is much faster for long trains."""

@@ -1,6 +1,6 @@
-"""What sticks in a program: numbers of locks, their rows over the speeds, their limits and switches.
+"""Switched constraints of a program: rows G over the speeds, offsets of the Delassus matrix, force bounds and switches.
 
-The row of a lock is its slip as a form of the speeds; a force on it goes back to the shafts by the same numbers.
+slip = G v; a constraint force lambda acts on the speeds as G' lambda. Knows nothing of which constraints are active.
 """
 
 from __future__ import annotations
@@ -9,8 +9,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.assembly.assemble import HELD
-from gearblocks.codegen.function import Column, Statement
-from gearblocks.codegen.parts import VALUES, Lock, Locks
+from gearblocks.codegen.function import Column
+from gearblocks.codegen.operands import Assignment, Operand, Role, Statement
+from gearblocks.codegen.parts import VALUES, SwitchedConstraint, SwitchedConstraints
 from gearblocks.errors import ModelError
 from gearblocks.laws.rational import exact_value
 
@@ -21,13 +22,13 @@ if TYPE_CHECKING:
     from gearblocks.laws.switched_constraints import StickOfKind
 
 
-def lay_out_locks(g: Generator, at: int) -> int:
-    """Fills g.locks; places the matrix of responses in par[] from `at`, where it is constant. Returns what is free next."""
+def lay_out_switched_constraints(g: Generator, at: int) -> int:
+    """Fills g.locks; the Delassus matrix lies in par[] from `at`, where it is constant. Returns the next free offset."""
     locks = g.locks
     for number, batch in enumerate(g.assembly.batches):
         for name, stick in batch.law.sticks.items():
             locks.first[number, name] = len(locks.locks)
-            locks.locks += [Lock(path, stick, row) for path, row in _rows_of(g, number, stick)]
+            locks.locks += [SwitchedConstraint(path, stick, row) for path, row in _rows_of(g, number, stick)]
     if not locks.locks:
         return at
     locks.lossy = any(x.stick.share is not None for x in locks.locks)
@@ -47,7 +48,7 @@ def lay_out_locks(g: Generator, at: int) -> int:
 
 
 def _rows_of(g: Generator, number: int, stick: StickOfKind) -> list[tuple[str, dict[int, float]]]:
-    """Path and slip over the groups of each instance of a stick."""
+    """Path and row over the group speeds of each instance of a switched constraint."""
     batch = g.assembly.batches[number]
     found = []
     for e, component in enumerate(batch.components):
@@ -59,12 +60,12 @@ def _rows_of(g: Generator, number: int, stick: StickOfKind) -> list[tuple[str, d
                 continue
             value = exact_value(expr, {s: v[e] for s, v in batch.exact.items()}) * batch.gains[flange][e]
             row[group] = row.get(group, 0) + value
-            _check_inertia(g, path, flange, group)
+            _refuse_massless(g, path, flange, group)
         found.append((path, {k: float(v) for k, v in row.items() if v}))
     return found
 
 
-def _check_inertia(g: Generator, path: str, flange: str, group: int) -> None:
+def _refuse_massless(g: Generator, path: str, flange: str, group: int) -> None:
     a = g.assembly
     reached, follows = {group}, {f.group: f for f in a.followers}
     while reached:
@@ -78,7 +79,7 @@ def _check_inertia(g: Generator, path: str, flange: str, group: int) -> None:
 
 
 def _over_speeds(g: Generator, row: dict[int, float]) -> dict[int, float]:
-    """A form of group speeds over the speeds that are not followers' (constant gains)."""
+    """A row over group speeds as one over the speeds of independent groups (constant gains)."""
     a, motion = g.assembly, g.motion
     rest, order = dict(row), {f.group: i for i, f in enumerate(a.followers)}
     for group in sorted((x for x in range(a.n_groups) if x in order), key=lambda x: -order[x]):
@@ -90,49 +91,49 @@ def _over_speeds(g: Generator, row: dict[int, float]) -> dict[int, float]:
     return {k: v for k, v in rest.items() if abs(v) > 1e-14 * sizes}
 
 
-def lock_functions(g: Generator, code: BatchCode) -> None:
-    """Function of a batch that tells the limits of its locks; places of switches and states."""
-    values = code.stick_values
-    targets: list[tuple[str, str, Any, bool]] = []
+def switched_constraint_functions(g: Generator, code: BatchCode) -> None:
+    """Function of a batch for the force bounds of its switched constraints; offsets of their switches and states."""
+    values = code.constraint_values
+    assignments: list[Assignment] = []
     unlimited: list[Statement] = []
     for name, stick in code.law.sticks.items():
         first = g.locks.first[code.number, name]
         if stick.share is not None:
-            skew: Function = code.function("skews", [(f"skew[{first} + e]", "=", values[name]["share"], False)])
-            g.keep("skews", skew)
+            skew = Assignment(Operand(Role.SKEWS, first, instance=True), "=", values[name]["share"])
+            g.keep("skews", code.function("skews", [skew]))
         keys = [f"loss_{i}" for i in range(4)] if stick.losses else ["lower", "upper", "forward", "backward"]
         for k, key in enumerate((*keys, "engaged")):
-            place = f"limit[{VALUES} * ({first} + e) + {k}]"
+            place = Operand(Role.FORCE_BOUNDS, f"{VALUES} * ({first} + e) + {k}")
             source = "restitution" if stick.is_stop and key == "forward" else key
             if source in values[name]:
-                targets.append((place, "=", values[name][source], False))
+                assignments.append(Assignment(place, "=", values[name][source]))
             else:
                 unlimited.append(Statement(place, "=", "-HUGE_VAL" if key == "lower" else "HUGE_VAL"))
         for e in range(code.n):
             _place(g, code, g.locks.locks[first + e], stick, e)
             if stick.partner is not None:
                 g.locks.locks[first + e].partner = g.locks.first[code.number, stick.partner] + e
-    function: Function = code.function("limits", targets)
+    function: Function = code.function("limits", assignments)
     function.body += unlimited
     g.keep("limits", function)
 
 
-def held_torques(code: BatchCode) -> Iterator[tuple[str, Any]]:
-    """(flange, torque) of the held forces."""
+def constraint_torques(code: BatchCode) -> Iterator[tuple[str, Any]]:
+    """(flange, torque) of the constraint forces."""
     for stick in code.law.sticks.values():
         held = code.law.pool.symbol("held", stick.name, f"held_{stick.name}".rstrip("_"))
         for flange, c in stick.push.items():
             if flange in code.batch.groups:
                 yield flange, c * held
         if stick.share is not None and stick.partner is not None:
-            share = code.stick_values[stick.name]["share"]
+            share = code.constraint_values[stick.name]["share"]
             for flange, c in code.law.sticks[stick.partner].push.items():
                 if flange in code.batch.groups:
                     yield flange, -c * share * held
 
 
-def _place(g: Generator, code: BatchCode, lock: Lock, stick: StickOfKind, e: int) -> None:
-    switches = {what: code.places.switches[number] + e for what, number in stick.switches.items()}
+def _place(g: Generator, code: BatchCode, lock: SwitchedConstraint, stick: StickOfKind, e: int) -> None:
+    switches = {what: code.offsets.switches[number] + e for what, number in stick.switches.items()}
     lock.slip = next(iter(switches.values()))
     lock.hold, lock.free = switches["hold"], switches.get("engaged", -1)
     for key in ("impulse", "impacts"):
@@ -141,15 +142,15 @@ def _place(g: Generator, code: BatchCode, lock: Lock, stick: StickOfKind, e: int
             setattr(lock, key, g.lay.state0[code.number, state] + e)
 
 
-def loss_places(g: Generator) -> None:
-    """Where the ledger counts what is lost in impacts."""
+def loss_offsets(g: Generator) -> None:
+    """Offsets of the ledger entries that impacts add their losses to."""
     places = {x.component: x.place for x in g.integrals if x.part == "loss"}
     for lock in g.locks.locks:
         lock.loss = places.get(lock.path, -1)
 
 
-def lock_columns(locks: Locks) -> dict[str, Column]:
-    """Tables of the template."""
+def lock_columns(locks: SwitchedConstraints) -> dict[str, Column]:
+    """The rows as tables: start of each, columns, values, and the speed of each column."""
     start = [0]
     for row in locks.rows:
         start.append(start[-1] + len(row))

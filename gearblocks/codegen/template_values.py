@@ -9,8 +9,10 @@ from itertools import accumulate
 from typing import Any, NamedTuple
 
 from gearblocks.assembly.elimination import Combination
-from gearblocks.codegen.function import Function, FunctionView, function_view
+from gearblocks.codegen.comments import PARTS
+from gearblocks.codegen.function import Function
 from gearblocks.codegen.generator import Generator
+from gearblocks.codegen.operands import Role
 from gearblocks.codegen.parts import Following
 from gearblocks.codegen.reactions import tie_tables
 from gearblocks.codegen.switched_constraints import lock_columns
@@ -31,8 +33,8 @@ class Sparse:
 
 
 @dataclass(frozen=True, slots=True)
-class CountedView:
-    """A counted angle: its state and group, the turns taken off at a time, the switches whose mode falls by `steps` then.
+class WrappedAngle:
+    """A wrapped angle: its state and group, the turns taken off at a time, the switches whose mode falls by `steps` then.
 
     starts: (group, a, b) of every group with a start value, which turns a/b times as far.
     """
@@ -61,21 +63,22 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
     lay, assembly = g.lay, g.assembly
     combinations = [c if isinstance(c, Combination) else Combination() for _, c in assembly.definitions]
     implicit = g.linear.functions if g.linear is not None else {}
-    functions = {what: [function_view(f) for f in functions] for what, functions in (g.functions | implicit).items()}
-    senses = [(function_view(s.function), s.call) for s in g.senses.values() if s.function is not None]
+    functions = g.functions | implicit
+    senses = [(s.index, s.call) for s in g.senses.values() if s.call is not None]
+    in_law = _signals_in_law(g)
     return {
         "g": g,
         "lay": lay,
         "name": _c_string(assembly.train.name),
         "functions": functions,
-        "all_functions": [f for group in functions.values() for f in group] + [f for f, _ in senses],
+        "all_functions": [f for group in functions.values() for f in group] + [call.function for _, call in senses],
         **_linear(g, angles_in_law),
-        "senses": [_sense_call(f, call) for f, call in senses],
-        "law_senses": [_sense_call(f, call) for f, call in senses if int(f.name.split("_")[1]) in _law_senses(g)],
-        "columns": list({c.name: c for f in _all(g) for c in f.tables}.values()),
+        "senses": [str(call) for _, call in senses],
+        "law_senses": [str(call) for index, call in senses if index in in_law],
+        "columns": list({x.column.name: x for f in _all(g) for x in f.tables}.values()),
         "coordinates": coordinates,
         "angles_in_law": angles_in_law,
-        "signs": any(s.op == "call" and s.lhs.startswith("sign") for f in _all(g) for s in f.body),
+        "signs": any(s.op == "sign" for f in _all(g) for s in f.body),
         "small": lay.n_total <= _SMALL,
         "plain": assembly.plain,
         "late_times": bool(g.shared_times(late=True) or g.functions.get("times_late")),
@@ -85,8 +88,8 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "mobile": _mobile(g),
         "massless": g.massless,
         "shifts": sparse("shift", g.massless.shifts if g.massless else []),
-        "angle_steps": _angle_steps(g, functions.get("drive_angles", [])),
-        "start_steps": _start_steps(g, functions.get("drive_angles", [])),
+        "angle_steps": _angle_steps(g),
+        "start_steps": _start_steps(g),
         "follower_offsets": sparse(
             "follower_offset", [_offsets(g, f.row or Combination()) for f in assembly.followers]
         ),
@@ -110,12 +113,23 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "n_flange_outputs": sum(code.n * len(code.batch.flanges) for code in g.codes),
         "first_flange_output": sum(code.n * len(code.law.shows) for code in g.codes),
         "inputs": list(lay.inputs),
+        "parts": PARTS,
+        "uses": lambda what, name: any(role.value == name for f in functions.get(what, []) for role in f.roles),
         "numbers": lambda values: ", ".join(str(v) for v in values),
     }
 
 
+def contents(g: Generator) -> list[str]:
+    """The parts of the text that this program has, in order."""
+    absent = {
+        "lookup_tables": not g.tables, "laws": not (g.functions or g.senses),
+        "switched_constraints": not g.locks.locks, "jacobian": g.linear is None,
+    }  # fmt: skip
+    return [words for part, words in PARTS.items() if not absent.get(part)]
+
+
 def _locks(g: Generator) -> dict[str, Any]:
-    """Tables of what sticks."""
+    """Tables of switched constraints."""
     locks = g.locks
     return {
         "locks": locks.locks,
@@ -126,19 +140,19 @@ def _locks(g: Generator) -> dict[str, Any]:
 
 
 def _counts(g: Generator) -> list[dict[int, Exact]]:
-    """Turns of every group over the counts in the tail."""
+    """Turns of every group over the wrap counts among the quadratures."""
     return [{2 * c: r for c, r in g.turns.forms.get(i, {}).items()} for i in range(g.assembly.n_groups)]
 
 
-def _counted(g: Generator) -> list[CountedView]:
-    """Angles whose turns are counted."""
+def _counted(g: Generator) -> list[WrappedAngle]:
+    """Angles from which whole turns are taken."""
     found = []
     for c, item in enumerate(g.turns.counted):
         rows = [(group, Fraction(form[c])) for group, form in g.turns.forms.items() if form.get(c)]
         rows = [(group, r) for group, r in rows if group < len(g.assembly.starts)]
-        switches = [g.codes[b].places.switches[i] + e for b, i, e, _ in item.steps]
+        switches = [g.codes[b].offsets.switches[i] + e for b, i, e, _ in item.steps]
         starts = [(group, *_parts(r)) for group, r in rows]
-        found.append(CountedView(g.lay.angle0 + item.number, g.assembly.angles[item.number], item.turns, switches,
+        found.append(WrappedAngle(g.lay.angle0 + item.number, g.assembly.angles[item.number], item.turns, switches,
                                  [step for *_, step in item.steps], starts))  # fmt: skip
     return found
 
@@ -169,22 +183,19 @@ def _loop_texts(loops: Sequence[Combination]) -> list[str]:
     return [" + ".join(f"{float(c)!r} * y[{i}]" for i, c in row) or "0.0" for row in rows]
 
 
-def _drive_calls(g: Generator, angles: Sequence[FunctionView]) -> dict[int, str]:
-    """The call that computes the angle of each driven follower."""
+def _drive_calls(g: Generator) -> dict[int, str]:
+    """The call that computes the angle of each group with prescribed motion."""
     calls: dict[int, str] = {}
-    followers = g.assembly.followers
-    for view in angles:
-        (groups,) = (c for _, name, c in view.function.args if name.startswith("into"))
-        for i, f in enumerate(followers):
-            if f.drive is not None and f.group in groups.values:
-                call = _sense_call(view, g.motion.calls[i] if g.motion else "")
-                calls[f.group] = f"phi[{f.group}] = 0.0, {call}" if f.drive.rides else call  # it reads its own angle
+    for i, f in enumerate(g.assembly.followers):
+        call = g.motion.calls.get(i) if g.motion is not None else None
+        if f.drive is not None and call is not None:
+            calls[f.group] = f"phi[{f.group}] = 0.0, {call}" if f.drive.rides else str(call)  # it reads its own angle
     return calls
 
 
-def _angle_steps(g: Generator, angles: Sequence[FunctionView]) -> list[tuple[int, int, str]]:
+def _angle_steps(g: Generator) -> list[tuple[int, int, str]]:
     """How the angles are computed: (first definition, last, "") by rows, or a call."""
-    calls = _drive_calls(g, angles)
+    calls = _drive_calls(g)
     steps: list[tuple[int, int, str]] = []
     for i, (group, row) in enumerate(g.assembly.definitions):
         if not isinstance(row, Combination):
@@ -196,9 +207,9 @@ def _angle_steps(g: Generator, angles: Sequence[FunctionView]) -> list[tuple[int
     return steps
 
 
-def _start_steps(g: Generator, angles: Sequence[FunctionView]) -> list[tuple[int, int, str]]:
-    """How the start angles of the followers follow: (first follower, last, "") by rows, or a call."""
-    calls = _drive_calls(g, angles)
+def _start_steps(g: Generator) -> list[tuple[int, int, str]]:
+    """How the start angles of dependent groups follow: (first, last, "") by rows, or a call."""
+    calls = _drive_calls(g)
     steps: list[tuple[int, int, str]] = []
     for i, f in enumerate(g.assembly.followers):
         if f.row is None:
@@ -216,8 +227,8 @@ def _all(g: Generator) -> list[Function]:
     found = [f for functions in g.functions.values() for f in functions]
     if g.linear is not None:
         found += [f for functions in g.linear.functions.values() for f in functions]
-        found += [f for s in g.linear.senses for f in (s.slope, s.change)]
-    return found + [s.function for s in g.senses.values() if s.function is not None]
+        found += [call.function for s in g.linear.senses for call in (s.slope, s.change)]
+    return found + [s.call.function for s in g.senses.values() if s.call is not None]
 
 
 def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
@@ -226,18 +237,20 @@ def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
     if linear is None:
         return {"linear": None}
     tilted = angles_in_law and g.assembly.driven
-    slopes = [(function_view(s.slope), s.slope_args) for s in linear.senses]
-    changes = [(function_view(s.change), s.change_args) for s in linear.senses]
+    moves = angles_in_law or any(Role.GROUP_SPEEDS in f.read for f in linear.functions.get("simple_rates", []))
+    slopes = [s.slope for s in linear.senses]
+    changes = [s.change for s in linear.senses]
     return {
         "linear": linear,
-        "linear_functions": [f for f, _ in [*slopes, *changes]],
-        "slopes": [_sense_call(f, call) for f, call in slopes],
-        "changes": [_sense_call(f, call) for f, call in changes] if linear.computed is None else [],
+        "speeds_read": moves,
+        "linear_functions": [call.function for call in [*slopes, *changes]],
+        "slopes": list(map(str, slopes)),
+        "changes": list(map(str, changes)) if linear.computed is None else [],
         "spread": sparse("spread", linear.spread),
         "terms": _terms(linear.terms),
         "simple": sparse("simple", linear.computed.simple if linear.computed else []),
         "heavy": _rows_of(linear.computed.heavy if linear.computed else []),
-        "following": [sparse(name, rows) for name, rows in _following(linear.following, tilted).items()],
+        "following": [sparse(name, rows) for name, rows in _following(linear.following, moves, tilted).items()],
     }
 
 
@@ -255,20 +268,15 @@ def _rows_of(rows: Sequence[Mapping[int, int]]) -> dict[str, list[int]]:
     return {"start": start, "index": [x for x, _ in items], "number": [number for _, number in items]}
 
 
-def _following(f: Following | None, tilted: bool) -> dict[str, list[dict[int, Exact]]]:
-    """The tables of groups that follow others; tilted: laws read angles, and drives move some."""
+def _following(f: Following | None, moves: bool, tilted: bool) -> dict[str, list[dict[int, Exact]]]:
+    """The tables of dependent groups; moves: kinematic states read speeds; tilted: laws read angles, and prescribed
+    motions move some."""
     if f is None:
         return {}
-    tables = {"speeds": f.speeds, "heavy": f.heavy, "turn": f.torques}
+    tables = ({"speeds": f.speeds} if moves else {}) | {"heavy": f.heavy, "turn": f.torques}
     if tilted:
         tables |= {"tilt": f.tilts, "state_tilt": f.state_tilts}
     return {**tables, "rise": f.growths} if f.by_rate else tables
-
-
-def _sense_call(f: FunctionView, call: str) -> str:
-    """The call that fills one sense: the vectors of the function, then the numbers of its instance."""
-    vectors = f.calls[0][: len(f.calls[0]) - len(f.function.calls[0])]
-    return f"{f.name}({vectors}{call})"
 
 
 def _turned(kind: Any, rows: Sequence[Any]) -> dict[str, Any]:
@@ -277,8 +285,8 @@ def _turned(kind: Any, rows: Sequence[Any]) -> dict[str, Any]:
     return {"count": len(rows), **dict(zip(kind._fields, columns, strict=True))}
 
 
-def _law_senses(g: Generator) -> set[int]:
-    """Numbers of the senses that laws read, with what they read in turn."""
+def _signals_in_law(g: Generator) -> set[int]:
+    """Numbers of the feedback signals that laws read, with what they read in turn."""
     wanted = [slot.of for b in g.assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"]
     return {g.senses[path].index for path in wanted}
 
@@ -324,5 +332,5 @@ def _flange_numbers(g: Generator) -> dict[str, dict[int, int]]:
         for flange in code.batch.flanges:
             for e in range(code.n):
                 mine = numbers.setdefault(code.paths[e], {})
-                mine.setdefault(code.batch.nodes[flange][e], code.places.tau[flange] + e)
+                mine.setdefault(code.batch.nodes[flange][e], code.offsets.tau[flange] + e)
     return numbers

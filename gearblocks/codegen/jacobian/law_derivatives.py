@@ -15,10 +15,8 @@ import sympy as sp
 
 from gearblocks.assembly.assemble import HELD
 from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.operands import Assignment, Local, Operand, Role
 from gearblocks.laws.energy_balance import vanishes
-
-Target = tuple[str, str, Any, bool]
-"""A statement for BatchCode.function."""
 
 
 @dataclass(slots=True)
@@ -51,26 +49,26 @@ class Slopes:
     def __init__(self, code: BatchCode, kept_at: int, width: int, *, direct: bool = False) -> None:
         self.code, self.width, self.direct = code, width, direct
         self.kept_end = kept_at
-        self.statements: list[Target] = []
+        self.statements: list[Assignment] = []
         self.entries: dict[tuple[Any, Any], Any] = {}
         self.fed: list[Fed] = []
         self.sides: list[tuple[dict[Any, Any], Any]] = []
-        self.g = self.local("g")
+        self.g = self.local(Operand(Role.STEP))
 
-    def local(self, text: str) -> Any:
-        """The symbol of something that C knows by that text."""
-        return self.code.law.pool.symbol("local", text, f"local_{text}")
+    def local(self, operand: Operand | Local) -> Any:
+        """The symbol of a number that the functions here write or are given."""
+        return self.code.law.pool.symbol("local", operand, f"local_{operand}")
 
     def number(self, name: str, expr: Any) -> Any:
         """The symbol of a number that a statement computes under that name."""
-        self.statements.append((f"const double {name}", "=", expr, False))
-        return self.local(name)
+        self.statements.append(Assignment(Local(name), "define", expr))
+        return self.local(Local(name))
 
     def keep(self, expr: Any) -> tuple[Any, Any]:
         """A number that later functions need as well: its symbol now, and then."""
-        place = f"kept[{self.kept_end} + e]" if self.width > 1 else f"kept[{self.kept_end}]"
+        place = Operand(Role.KEPT, self.kept_end, instance=self.width > 1)
         symbol = self.number(f"n{self.kept_end}", expr)
-        self.statements.append((place, "=", symbol, False))
+        self.statements.append(Assignment(place, "=", symbol))
         self.kept_end += self.width
         return symbol, self.local(place)
 
@@ -91,12 +89,16 @@ class Slopes:
             now, then = self.keep(slope)
             if role == "sense":
                 found.senses[slots[x].of] = now
-                found.change += then * self.local(f"change[{self.code.places.senses[slots[x].of]}]")
+                found.change += then * self.local(self._change(slots[x].of))
                 continue
             for w, c in self._rate_of(x):
                 found.unknowns[w] = found.unknowns.get(w, 0) + g**2 * c * now
             found.change += then * x
         return found
+
+    def _change(self, path: str) -> Operand:
+        """The change of an output that a signal reads."""
+        return Operand(Role.SIGNAL_CHANGES, self.code.offsets.senses[path])
 
     def _rate_of(self, x: Any) -> Iterator[tuple[Any, Any]]:
         """(speed, coefficient) of the rate of a coordinate or an angle."""

@@ -13,16 +13,14 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.codegen.batch import BatchCode
-from gearblocks.codegen.function import Column, Function, column
+from gearblocks.codegen.function import Argument, Function, column
 from gearblocks.codegen.generator import Generator
-from gearblocks.codegen.jacobian.law_derivatives import Slopes, Target
+from gearblocks.codegen.jacobian.law_derivatives import Slopes
 from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
 from gearblocks.codegen.jacobian.unknowns import Unknowns
 from gearblocks.codegen.jacobian.unknowns_varying import Varying
-from gearblocks.codegen.parts import Computed, Following, Linear, SenseCode
-
-Argument = tuple[str, str, Column]
-"""An argument of a function, see Function.args."""
+from gearblocks.codegen.operands import Assignment, Choice, Index, Local, Operand, Role
+from gearblocks.codegen.parts import Call, Computed, Following, Linear, SignalDerivatives
 
 
 def linear_part(g: Generator) -> Linear | None:
@@ -35,7 +33,7 @@ def linear_part(g: Generator) -> Linear | None:
             slopes.add_all(with_growths=unknowns.by_rate)
             batches.append(slopes)
             kept = slopes.kept_end
-        senses = SensedSlopes(g, unknowns, kept)
+        senses = SignalSlopes(g, unknowns, kept)
         senses.find({fed.path for slopes in batches for fed in slopes.fed})
         matrix = Matrix(unknowns, senses)
         pattern = eliminate(unknowns.count, matrix.coupled(batches))
@@ -69,7 +67,7 @@ def _single(rows: Sequence[Any]) -> list[int] | None:
 # -- outputs that signals read ----------------------------------------------------------------------------------------
 
 
-class SensedSlopes:
+class SignalSlopes:
     """Slopes of the sensed outputs that laws depend on: b over unknowns of their own and of what they read in turn."""
 
     def __init__(self, g: Generator, unknowns: Unknowns | Varying, kept: int) -> None:
@@ -77,7 +75,7 @@ class SensedSlopes:
         self.n_slopes = 0
         self.first: dict[str, int] = {}
         self.rows: dict[str, list[Any]] = {}
-        self._parts: list[tuple[Slopes, int, int, list[Target], Any]] = []
+        self._parts: list[tuple[Slopes, int, int, list[Assignment], Any]] = []
 
     def find(self, wanted: set[str]) -> None:
         """Derivatives of the wanted outputs and of those they read, the latter first."""
@@ -99,32 +97,32 @@ class SensedSlopes:
         found = slopes.gradient(sense.expr)
         self.kept = slopes.kept_end
         self.first[path] = self.n_slopes
-        texts, rows = [], []
+        exprs, rows = [], []
         for x, b in slopes.own(found).items():
-            texts.append(b)
+            exprs.append(b)
             rows.append(self.unknowns.columns(code, x)[sense.instance])
         for other, slope in found.senses.items():
-            texts += [slope * slopes.local(f"slope[{self.first[other] + i}]") for i in range(len(self.rows[other]))]
+            exprs += [
+                slope * slopes.local(Operand(Role.SIGNAL_SLOPES, self.first[other] + i))
+                for i in range(len(self.rows[other]))
+            ]
             rows += self.rows[other]
-        targets = [(f"slope[{self.n_slopes + i}]", "=", text, False) for i, text in enumerate(texts)]
-        self.n_slopes += len(texts)
+        targets = [
+            Assignment(Operand(Role.SIGNAL_SLOPES, self.n_slopes + i), "=", expr) for i, expr in enumerate(exprs)
+        ]
+        self.n_slopes += len(exprs)
         self.rows[path] = rows
         self._parts.append((slopes, sense.index, sense.instance, slopes.statements + targets, found.change))
 
-    def codes(self) -> list[SenseCode]:
+    def codes(self) -> list[SignalDerivatives]:
         """The functions, in the order in which they are called."""
         made = []
         for slopes, index, e, statements, change in self._parts:
             function = slopes.code.function(f"sense_slope_{index}", statements)
-            side = slopes.code.function(
-                f"sense_change_{index}", [(f"change[{index}]", "=", change, False)], vector="direction"
-            )
-            made.append(SenseCode(function, _arguments(function, e), side, _arguments(side, e)))
+            along = Assignment(Operand(Role.SIGNAL_CHANGES, index), "=", change)
+            side = slopes.code.function(f"sense_change_{index}", [along], vector=Role.DIRECTION)
+            made.append(SignalDerivatives(Call(function, e), Call(side, e)))
         return made
-
-
-def _arguments(function: Function, e: int) -> str:
-    return ", ".join([str(e), *(c.at(e) for _, _, c in function.args)])
 
 
 # -- the matrix -------------------------------------------------------------------------------------------------------
@@ -133,7 +131,7 @@ def _arguments(function: Function, e: int) -> str:
 class Matrix:
     """Where the entries of batches go."""
 
-    def __init__(self, unknowns: Unknowns | Varying, senses: SensedSlopes) -> None:
+    def __init__(self, unknowns: Unknowns | Varying, senses: SignalSlopes) -> None:
         self.unknowns, self.senses = unknowns, senses
         self.spread: list[Any] = []
         self.op = "spread_terms" if isinstance(unknowns, Varying) else "spread"
@@ -163,7 +161,7 @@ class Matrix:
             targets, args = self._direct(slopes, linear.pattern) or (self._spread(slopes, linear.pattern), [])
             targets += self._sensed(slopes, linear.pattern)
             function = slopes.code.function("jacobian", [*slopes.statements, *targets])
-            function.args += args
+            function.take(args)
             linear.keep("jacobian", function)
             if self.op == "spread":
                 linear.keep("right_side", self._side(slopes))
@@ -195,7 +193,7 @@ class Matrix:
         self.spread.append([term for pair in unknowns.rates() for term in self._entry(pattern, *pair)])
         linear.terms, computed.entries = self.spread, list(unknowns.kept)
 
-    def _direct(self, slopes: Slopes, pattern: Pattern) -> tuple[list[Target], list[Argument]] | None:
+    def _direct(self, slopes: Slopes, pattern: Pattern) -> tuple[list[Assignment], list[Argument]] | None:
         """Entries by columns of places, where every symbol is one unknown and no two are the same."""
         if self.op != "spread":
             return None
@@ -217,41 +215,43 @@ class Matrix:
         ]
         if any(a == b for x, y in pairs for a, b in zip(places[x], places[y], strict=True)):
             return None
-        targets: list[Target] = []
+        targets: list[Assignment] = []
         args: list[Argument] = []
         for i, x in enumerate(symbols):
             if (x, x) in slopes.entries:
                 args.append(_argument(slopes, f"d{i}", places[x]))
-                targets.append((f"diag[d{i}]", "+=", slopes.entries[x, x], False))
+                targets.append(Assignment(Operand(Role.DIAGONAL, f"d{i}"), "+=", slopes.entries[x, x]))
         for i, (x, y) in enumerate(pairs):
             at = [pattern.place(a, b) for a, b in zip(places[x], places[y], strict=True)]
             args.append(_argument(slopes, f"p{i}", at))
             one, other = (slopes.entries.get(pair, sp.Integer(0)) for pair in ((x, y), (y, x)))
-            parts = ("lower", "upper")
+            parts: tuple[Operand | Choice, ...] = (Operand(Role.LOWER, f"p{i}"), Operand(Role.UPPER, f"p{i}"))
             if one != other:
                 side = [int(pattern.is_lower(a, b)) for a, b in zip(places[x], places[y], strict=True)]
                 args.append(_argument(slopes, f"l{i}", side))
-                parts = (f"(l{i} ? lower : upper)", f"(l{i} ? upper : lower)")
-            targets += [(f"{parts[0]}[p{i}]", "+=", one, False), (f"{parts[1]}[p{i}]", "+=", other, False)]
+                parts = (
+                    Choice(f"l{i}", Role.LOWER, Role.UPPER, f"p{i}"), Choice(f"l{i}", Role.UPPER, Role.LOWER, f"p{i}")
+                )  # fmt: skip
+            targets += [Assignment(parts[0], "+=", one), Assignment(parts[1], "+=", other)]
         return targets, args
 
-    def _spread(self, slopes: Slopes, pattern: Pattern) -> list[Target]:
+    def _spread(self, slopes: Slopes, pattern: Pattern) -> list[Assignment]:
         """Entries through the table."""
-        targets: list[Target] = []
+        targets: list[Assignment] = []
         for (x, y), value in slopes.entries.items():
-            targets.append((f"{len(self.spread)} + e", self.op, value, False))
+            targets.append(Assignment(Index(len(self.spread), instance=True), self.op, value))
             equations, columns = self.unknowns.equations(slopes.code, x), self.unknowns.columns(slopes.code, y)
             self.spread += [self._entry(pattern, a, b) for a, b in zip(equations, columns, strict=True)]
         return targets
 
-    def _sensed(self, slopes: Slopes, pattern: Pattern) -> list[Target]:
+    def _sensed(self, slopes: Slopes, pattern: Pattern) -> list[Assignment]:
         """Entries that a sensed output brings: one per unknown that it depends on."""
-        targets: list[Target] = []
+        targets: list[Assignment] = []
         for fed in slopes.fed:
             rows = self.unknowns.equations(slopes.code, fed.row)
             for i, other in enumerate(self.senses.rows[fed.path]):
-                value = fed.value * slopes.local(f"slope[{self.senses.first[fed.path] + i}]")
-                targets.append((f"{len(self.spread)} + e", self.op, value, False))
+                value = fed.value * slopes.local(Operand(Role.SIGNAL_SLOPES, self.senses.first[fed.path] + i))
+                targets.append(Assignment(Index(len(self.spread), instance=True), self.op, value))
                 self.spread += [self._entry(pattern, row, other) for row in rows]
         return targets
 
@@ -261,35 +261,36 @@ class Matrix:
 
     def _side(self, slopes: Slopes) -> Function:
         """What the batch adds to the right side: torques of groups, rates of states."""
-        targets: list[Target] = []
+        targets: list[Assignment] = []
         args: dict[str, Argument] = {}
         for i, (row, change) in enumerate(slopes.sides):
             if change == 0:
                 continue
-            value = slopes.local(f"r{i}")
-            targets.append((f"const double r{i}", "=", slopes.g * change, False))
+            value = slopes.local(Local(f"r{i}"))
+            targets.append(Assignment(Local(f"r{i}"), "define", slopes.g * change))
             for x, a in row.items():
                 slot = slopes.code.law.pool.slots[x]
                 if slot.role == "state":
                     first = self.unknowns.columns(slopes.code, x)[0]
-                    targets.append((f"out[{next(iter(first))} + e]", "+=", a * value, False))
+                    out = Operand(Role.OUTPUTS, next(iter(first)), instance=True)
+                    targets.append(Assignment(out, "+=", a * value))
                 else:
                     args[f"g_{slot.of}"] = _argument(slopes, f"g_{slot.of}", slopes.code.batch.groups[slot.of])
-                    place = "turn" if slot.role == "w" else "rise"
-                    targets.append((f"{place}[g_{slot.of}]", "+=", a * value, False))
-        function = slopes.code.function("right_side", targets, vector="direction")
-        known = {name for _, name, _ in function.args}
-        function.args += [arg for name, arg in args.items() if name not in known]
+                    vector = Role.TORQUE_CHANGES if slot.role == "w" else Role.TORQUE_RATE_CHANGES
+                    targets.append(Assignment(Operand(vector, f"g_{slot.of}"), "+=", a * value))
+        function = slopes.code.function("right_side", targets, vector=Role.DIRECTION)
+        function.take(args.values())
         return function
 
 
 def _argument(slopes: Slopes, name: str, values: Sequence[int]) -> Argument:
-    return "int", name, column(f"{slopes.code.batch.name}_{name}", values)
+    return Argument("int", name, column(f"{slopes.code.batch.name}_{name}", values))
 
 
 def _simple_rates(code: BatchCode) -> Function:
     """Rates of the coordinates of a batch from the speeds of groups."""
     own = [j for j in range(len(code.speeds)) if code.batch.used[j] and not code.batch.dependent[j]]
-    function = code.function("simple_rates", [(f"out[q{j}]", "=", code.speeds[j], False) for j in own], vector="speed")
-    function.args += [("int", f"q{j}", column(f"{code.batch.name}_q{j}", code.batch.sources[j])) for j in own]
+    targets = [Assignment(Operand(Role.OUTPUTS, f"q{j}"), "=", code.speeds[j]) for j in own]
+    function = code.function("simple_rates", targets, vector=Role.GROUP_SPEEDS)
+    function.take(code.coordinate_argument(j) for j in own)
     return function

@@ -1,4 +1,4 @@
-"""Derivatives of drives (ties with gains that change, prescribed motions) by what they read, as numbers of rows."""
+"""Derivatives of prescribed motions, and of nonlinear rigid relations, by what they read, as numbers of rows."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ import sympy as sp
 from gearblocks.assembly.assemble import HELD
 from gearblocks.assembly.kinematics import Driven
 from gearblocks.codegen.batch import BatchCode
-from gearblocks.codegen.function import Function, column
+from gearblocks.codegen.function import Argument, Function, column
 from gearblocks.codegen.jacobian.law_derivatives import partial
 from gearblocks.codegen.jacobian.row_values import Numbers
+from gearblocks.codegen.operands import Assignment, Operand, Role
 from gearblocks.laws.rational import Exact, exact, exact_value
 
 Slope = dict[Any, list[int]]
@@ -21,7 +22,7 @@ Slope = dict[Any, list[int]]
 
 
 @dataclass(slots=True)
-class DriveSlopes:
+class MotionDerivatives:
     """What the speed, the acceleration and the angle of a driven group, and the gain of each flange, change by.
 
     With the motion of the sources held: speed and acceleration of the group by angles, speeds and states; the angle by
@@ -42,7 +43,7 @@ def number_of(x: Any) -> Exact:
 
 def drive_slopes(
     code: BatchCode, number: int, rows: Sequence[Driven], numbers: Numbers
-) -> tuple[DriveSlopes, Function]:
+) -> tuple[MotionDerivatives, Function]:
     """The derivatives of drive `number` of a batch, and the function that computes those that are no numbers.
 
     rows: the drive of each instance. NotImplementedError where there is no formula.
@@ -58,7 +59,7 @@ def drive_slopes(
     angle = {} if drive.angle is None else dict(partial(code, drive.angle))
     writer = _Writer(code, number, numbers)
     scales = [d.scale for d in rows]
-    made = DriveSlopes(
+    made = MotionDerivatives(
         writer.take(speed, scales), writer.take(acceleration, scales),
         writer.take({x: slope for x, slope in angle.items() if pool.slots[x].role == "state"}, scales),
         {n: writer.take(slopes, [d.factors[n][1] for d in rows]) for n, slopes in gains.items()},
@@ -71,8 +72,8 @@ class _Writer:
 
     def __init__(self, code: BatchCode, number: int, numbers: Numbers) -> None:
         self.code, self.name, self.numbers = code, f"drive_slopes{number}", numbers
-        self.targets: list[tuple[str, str, Any, bool]] = []
-        self.args: list[tuple[str, str, Any]] = []
+        self.targets: list[Assignment] = []
+        self.args: list[Argument] = []
 
     def take(self, slopes: Mapping[Any, Any], scales: Sequence[Exact]) -> Slope:
         """The places of derivatives, each times the scale of its instance."""
@@ -84,15 +85,13 @@ class _Writer:
             i = len(self.targets)
             found[x] = [self.numbers.place() for _ in scales]
             name = f"{self.code.batch.name}_{self.name}"
-            self.args.append(("int", f"at{i}", column(f"{name}_at{i}", found[x])))
-            self.args.append(("double", f"by{i}", column(f"{name}_by{i}", [float(scale) for scale in scales])))
-            self.targets.append((f"coef[at{i}]", "=", slope, False))
+            self.args.append(Argument("int", f"at{i}", column(f"{name}_at{i}", found[x])))
+            self.args.append(Argument("double", f"by{i}", column(f"{name}_by{i}", [float(scale) for scale in scales])))
+            self.targets.append(Assignment(Operand(Role.COEFFICIENTS, f"at{i}"), "=", slope, factor=f"by{i}"))
         return found
 
     def function(self) -> Function:
         """The function that computes them."""
         function = self.code.function(self.name, self.targets)
-        function.args += self.args
-        for i, statement in enumerate(function.body):
-            statement.rhs = f"by{i} * ({statement.rhs})"
+        function.take(self.args)
         return function

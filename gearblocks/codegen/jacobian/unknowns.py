@@ -1,4 +1,4 @@
-"""The unknowns of implicit methods: states of blocks, then speeds of their own, then those of shafts without inertia."""
+"""The unknowns of implicit methods: states of blocks, then speeds of independent groups, then those of massless groups."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from gearblocks.assembly.kinematics import Driven, Follower
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.function import Function
 from gearblocks.codegen.generator import Generator
-from gearblocks.codegen.jacobian.prescribed_derivatives import DriveSlopes, Slope, drive_slopes, number_of
+from gearblocks.codegen.jacobian.prescribed_derivatives import MotionDerivatives, Slope, drive_slopes, number_of
 from gearblocks.codegen.jacobian.row_values import Numbers, Row
 from gearblocks.codegen.jacobian.sparsity import Pattern
 from gearblocks.laws.rational import Exact
@@ -228,7 +228,7 @@ class Varying:
 class _Drive:
     """One driven group. gains: (source, place of the gain)."""
 
-    def __init__(self, unknowns: Varying, g: Generator, number: int, driven: Driven, slopes: DriveSlopes) -> None:
+    def __init__(self, unknowns: Varying, g: Generator, number: int, driven: Driven, slopes: MotionDerivatives) -> None:
         self.unknowns, self.driven, self.slopes = unknowns, driven, slopes
         self.code = next(code for code in g.codes if driven.component in code.batch.components)
         self.e = self.code.batch.components.index(driven.component)

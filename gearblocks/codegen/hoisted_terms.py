@@ -1,0 +1,70 @@
+"""Parameter terms and time terms of all batches: their offsets and the statements that compute them.
+
+Parameter terms are computed once, time terms once per instant; those that read no number of an instance are shared by all
+batches. Knows nothing of which parts of a law are hoisted.
+"""
+
+from __future__ import annotations
+
+from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.comments import of_expression
+from gearblocks.codegen.generator import Generator
+from gearblocks.codegen.hoisting import HoistedTerm
+from gearblocks.codegen.mean_excitation import mean_of_term
+from gearblocks.codegen.operands import Assignment, Operand, Role, Statement
+from gearblocks.laws.symbols import CONSTANT
+
+
+def lay_out_terms(g: Generator, code: BatchCode) -> None:
+    """Gives the hoisted terms of a batch their offsets and keeps the functions that fill them.
+
+    Everything that asks for a term must have been hoisted: predictions, gap scales and directions too.
+    """
+    for i in range(len(code.events.sorts)):
+        code.events.read(i)
+    prepare: list[Assignment] = []
+    times: dict[bool, list[Assignment]] = {False: [], True: []}
+    means: list[Assignment] = []
+    moving = code.moving_terms({path.rpartition(".")[2] for path in g.senses})
+    inner = {c.symbol: c.expr for c in code.hoister.columns}
+    for item in code.hoister.columns:
+        words = of_expression(item.expr, inner, code.offsets.tables)
+        late = item.symbol not in moving
+        if item.shared:
+            found = _shared(g, code, item, words)
+            code.offsets.hoisted[item.symbol] = found
+            if not late:
+                g.early.add(found)
+        elif item.level == CONSTANT:
+            found = code.offsets.hoisted[item.symbol] = Operand(Role.PARAMETERS, g.n_par, instance=True)
+            prepare.append(Assignment(found, "=", item.expr, words=words))
+            g.n_par += code.n
+        else:
+            found = code.offsets.hoisted[item.symbol] = Operand(Role.TIME_TERMS, g.n_time, instance=True)
+            times[late].append(Assignment(found.of_lane(), "=", item.expr, words=words))
+            means.append(Assignment(found.of_lane(), "=", mean_of_term(code, item)))
+            g.n_time += code.n
+    g.keep("prepare", code.function("prepare", prepare))
+    g.keep("times", code.function("times", times[False], vector=Role.TIME_TERMS))
+    g.keep("times_late", code.function("times_late", times[True], vector=Role.TIME_TERMS))
+    g.keep("means", code.function("means", means, vector=Role.TIME_TERMS))
+
+
+def _shared(g: Generator, code: BatchCode, item: HoistedTerm, words: str) -> Operand:
+    """The place of a term that all instances share; equal ones of several batches are one."""
+    text = code.names([item.expr], vector=Role.TIME_TERMS).print(item.expr)
+    key = (item.level, text)
+    if key in g.shared:
+        return g.shared[key]
+    if item.level == CONSTANT:
+        found = g.shared[key] = Operand(Role.PARAMETERS, g.n_par)
+        g.prepare_shared.append(Statement(found, "=", text, words=words))
+        g.n_par += 1
+        return found
+    found = g.shared[key] = Operand(Role.TIME_TERMS, g.n_time)
+    g.times_shared.append((found, Statement(found.of_lane(), "=", text, words=words)))
+    mean = mean_of_term(code, item)
+    names = code.names([mean], vector=Role.TIME_TERMS)
+    g.means_shared.append(Statement(found.of_lane(), "=", names.print(mean)))
+    g.n_time += 1
+    return found

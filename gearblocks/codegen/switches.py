@@ -1,0 +1,99 @@
+"""Switches of a program: their order, their event functions, and the limits within which a mode stays.
+
+Event functions that are affine in the state come first, then general ones, then those of time alone.
+"""
+
+from __future__ import annotations
+
+from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.generator import Generator
+from gearblocks.codegen.operands import Assignment, Index, Operand, Role
+from gearblocks.codegen.parts import Band, Prediction
+from gearblocks.codegen.program import SwitchInfo
+from gearblocks.codegen.switched_constraints import switched_constraint_functions
+
+_ORDER = (("affine", "affine_lock"), ("general", "general_lock"), ("line", "wave"))
+
+
+def lay_out_switches(g: Generator) -> None:
+    """Gives every switch its number."""
+    at = 0
+    for wanted in _ORDER:
+        for code in g.codes:
+            if not code.offsets.switches:
+                code.offsets.switches = [-1] * len(code.law.switches)
+            for i, switch in enumerate(code.law.switches):
+                if code.events.sorts[i] in wanted:
+                    code.offsets.switches[i] = at
+                    kind = "time" if switch.level < 2 else "state"
+                    for e in range(code.n):
+                        owner = f"{code.paths[e]}.{switch.name}".rstrip(".")
+                        g.switches.append(SwitchInfo(owner, switch.name, kind, switch.low, switch.high))
+                    at += code.n
+        if "affine" in wanted:
+            g.n_affine = at
+        elif "general" in wanted:
+            g.n_surfaces = at
+
+
+def event_functions(g: Generator, code: BatchCode) -> None:
+    """Functions of a batch for its event functions, their linear parts, held states and limits."""
+    values: list[Assignment] = []
+    directions: list[Assignment] = []
+    scales: list[Assignment] = []
+    scaled: set[int] = set()
+    for i, sort in enumerate(code.events.sorts):
+        place = Operand(Role.EVENT_FUNCTIONS, code.offsets.switches[i], instance=True)
+        if sort in ("affine", "general"):
+            values.append(Assignment(place, "=", code.surfaces[i]))
+        if sort == "affine":
+            directions.append(Assignment(place, "=", code.events.direction(i)))
+            scale = code.events.gap_scale(i)
+            if scale is not None:
+                scaled.add(scale[0])
+                scales.append(Assignment(Operand(Role.SCALES, f"q{scale[0]}"), "max", scale[1]))
+    g.keep("surfaces", code.function("surfaces", values))
+    g.keep("directions", code.function("directions", directions, vector=Role.DIRECTION))
+    function = code.function("scales", scales)
+    function.take(code.coordinate_argument(j) for j in sorted(scaled))
+    g.keep("scales", function)
+    held = [
+        Assignment(Operand(Role.STATES, g.lay.state0[code.number, state], instance=True), "=", expr)
+        for state, expr in code.holds
+    ]
+    g.keep("hold", code.function("hold", held))
+    switched_constraint_functions(g, code)
+    _limits(g, code)
+    _predictions(g, code)
+
+
+def _limits(g: Generator, code: BatchCode) -> None:
+    """Limits per switch; switches of tables and those with a condition are told apart here."""
+    assignments: list[Assignment] = []
+    for i, switch in enumerate(code.law.switches):
+        at = Index(code.offsets.switches[i], instance=True)
+        if switch.lock in ("slip", "gap", "sign", "hold"):
+            continue
+        if switch.table is not None:
+            assignments.append(Assignment(at, "table", code.whens[i], table=code.offsets.tables[switch.table]))
+        elif switch.band is not None:
+            assignments.append(Assignment(at, "band", code.bands[i]))
+            band = code.names([code.bands[i]])
+            g.bands.append(Band(band, band.print(code.bands[i]), code.offsets.switches[i], code.n))
+        else:
+            assignments.append(Assignment(at, "sign", code.whens[i]))
+    g.keep("bounds", code.function("bounds", assignments))
+
+
+def _predictions(g: Generator, code: BatchCode) -> None:
+    """Segments of tables, and crossings that time alone gives."""
+    for i, sort in enumerate(code.events.sorts):
+        first = code.offsets.switches[i]
+        table = code.law.switches[i].table
+        name = code.offsets.tables[table] if table is not None else ""
+        if table is not None:
+            g.table_switches.append((first, code.n, name))
+        if sort in ("line", "wave"):
+            predictor, args = code.events.prediction(i)
+            names = code.names(args)
+            g.predictions.append(Prediction(names, predictor, [names.print(a) for a in args], first, code.n, name))
