@@ -34,16 +34,15 @@ class DisjointSets(Generic[_T]):
         """(root, gain) of an element."""
         path = []
         root = element
-        while root in self._above:
+        while (above := self._above.get(root)) is not None:
             path.append(root)
-            root = self._above[root]
-        gain: Gain = 1
-        for below in reversed(path):
-            if self._above[below] == root:
-                gain = self._gains[below]
-            else:
-                gain = gain * self._gains[below]
-                self._above[below], self._gains[below] = root, gain
+            root = above
+        if len(path) < 2:
+            return root, self._gains[element] if path else 1
+        gain = self._gains[path[-1]]
+        for below in path[-2::-1]:
+            gain = gain * self._gains[below]
+            self._above[below], self._gains[below] = root, gain
         return root, gain
 
     def join(self, element: _T, other: _T, gain: Gain = 1) -> None:
