@@ -239,13 +239,13 @@ def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
     tilted = angles_in_law and g.assembly.driven
     moves = angles_in_law or any(Role.GROUP_SPEEDS in f.read for f in linear.functions.get("simple_rates", []))
     slopes = [s.slope for s in linear.senses]
-    changes = [s.change for s in linear.senses]
+    changes = [s.change for s in linear.senses] if linear.computed is None else []
     return {
         "linear": linear,
         "speeds_read": moves,
         "linear_functions": [call.function for call in [*slopes, *changes]],
         "slopes": list(map(str, slopes)),
-        "changes": list(map(str, changes)) if linear.computed is None else [],
+        "changes": list(map(str, changes)),
         "spread": sparse("spread", linear.spread),
         "terms": _terms(linear.terms),
         "simple": sparse("simple", linear.computed.simple if linear.computed else []),
