@@ -173,7 +173,7 @@ def linearize(
             A, B, C, columns = small.matrix(A), B[small.kept], C @ small.R, columns[small.kept]
         states = tuple(_state_names(program, columns))
         switches = {s.component: float(m) for s, m in zip(program.switches, point.modes, strict=True)}
-        for constraint in point.sim.locks().shown:
+        for constraint in point.sim.constraints().shown:
             switches[program.switches[constraint.slip].component] = constraint.shown(point.modes)
         full = len(columns) <= DENSE
         return Linearization(
@@ -189,14 +189,14 @@ def _is_input(program: Program, name: str) -> bool:
 
 def _words(point: Point, states: Sequence[str]) -> str:
     """What was linearised, in a sentence, with the side of every contact."""
-    constraints = point.sim.locks().places
-    of_constraints = {i for x in constraints for i in (x.slip, x.hold, x.free)}
+    constraints = point.sim.constraints().places
+    of_constraints = {i for x in constraints for i in (x.slip, x.active, x.free)}
     contacts = [
         f"{s.component}: {_SIDES[float(m)]}"
         for i, (s, m) in enumerate(zip(point.program.switches, point.modes, strict=True))
         if not s.name and float(m) in _SIDES and i not in of_constraints
     ]
-    shown = point.sim.locks().shown
+    shown = point.sim.constraints().shown
     contacts += [f"{point.program.switches[x.slip].component}: {x.words(point.modes)}" for x in shown]
     means = ", excitations at their means" if point.means else ""
     sides = f"; {', '.join(contacts)}" if contacts else ""

@@ -38,7 +38,7 @@ class Reduction:
         """Without the states of blocks that nothing changes: a count of impacts, an angle that does not creep."""
         small = self.matrix(A)
         still = (np.asarray(abs(small).sum(axis=1)).ravel() == 0) & ~B[self.kept].any(axis=1)
-        first = point.program.n - point.sim.locks().n_speeds
+        first = point.program.n - point.sim.constraints().n_speeds
         still &= np.isin(self.kept, motion(point).states) & (self.kept < first)
         return Reduction(self.kept[~still], self.R[:, np.flatnonzero(~still)])
 
@@ -46,7 +46,7 @@ class Reduction:
 def reduction(point: Point, n: int) -> Reduction | None:
     """Dependent deviations among the states and n - program.n unread angles, by the active set. None in a train without
     switched constraints."""
-    if not point.sim.locks().places:
+    if not point.sim.constraints().places:
         return None
     active = point.active_rows()
     rows = reduced(np.zeros((0, n))) if active is None else _conditions(point, active, motion(point), n)
@@ -62,7 +62,7 @@ def _conditions(point: Point, active: Rows, whole: Motion, n: int) -> Rows:
     positions = reduced(still)
     speeds = np.zeros((len(active.W), n))
     speeds[:, whole.speeds] = active.W
-    if not point.sim.locks().steady:
+    if not point.sim.constraints().steady:
         speeds[:, : whole.speeds[0]] = _slips_by_position(point, active, whole)
     speeds -= speeds[:, positions.pivots] @ positions.W
     pivots = np.concatenate([positions.pivots, whole.speeds[active.pivots]])
@@ -72,10 +72,10 @@ def _conditions(point: Point, active: Rows, whole: Motion, n: int) -> Rows:
 def _slips_by_position(point: Point, active: Rows, whole: Motion) -> Array:
     """Derivatives of the slips by the states other than speeds, where gains change with the position."""
     numbers = list(point.holding())
-    stops = np.array([point.sim.locks().places[i].is_stop for i in numbers])
+    stops = np.array([point.sim.constraints().places[i].is_stop for i in numbers])
 
     def slips(y: Array) -> Array:
-        at = point.at(y=y).locks()
+        at = point.at(y=y).constraints()
         return np.where(stops, at.rows[numbers] @ y[whole.speeds], at.slip[numbers])
 
     others = np.arange(whole.speeds[0])

@@ -20,21 +20,21 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.assembly.elimination import Combination
-from gearblocks.assembly.kinematics import Driven
-from gearblocks.assembly.tables import HELD, Assembly, Batch
+from gearblocks.assembly.kinematics import PrescribedRow
+from gearblocks.assembly.tables import GROUND_GROUP, Assembly, Batch
 from gearblocks.errors import ModelError
 from gearblocks.laws.functions import TableAt
 from gearblocks.laws.rational import Exact, exact_value, over
 
 MOST = 10**6
-"""Turns beyond which an angle is not wrapped: it would not stay small."""
+"""AngleWrapping beyond which an angle is not wrapped: it would not stay small."""
 
 Form = dict[int, Exact]
-"""Turns of a quantity by free angle, per turn of that angle."""
+"""AngleWrapping of a quantity by free angle, per turn of that angle."""
 
 
 @dataclass(frozen=True, slots=True)
-class Counted:
+class WrappedAngle:
     """A free angle (its number in Assembly.angles) from which `turns` whole turns are taken off at a time.
 
     steps: (batch, switch of the law, instance, by how much its mode falls) of periodic tables over the angle.
@@ -46,13 +46,13 @@ class Counted:
 
 
 @dataclass(slots=True)
-class Turns:
-    """Wrapped angles; forms: turns of each group per turn of each of them (by index in `counted`).
+class AngleWrapping:
+    """Wrapped angles; forms: turns of each group per turn of each of them (by index in `wrapped`).
 
     whole: (batch, output of the law) that must be computed from the unwrapped angles.
     """
 
-    counted: list[Counted] = field(default_factory=list)
+    wrapped: list[WrappedAngle] = field(default_factory=list)
     forms: dict[int, Form] = field(default_factory=dict)
     whole: set[tuple[int, int]] = field(default_factory=set)
 
@@ -149,7 +149,7 @@ class _Reading:
     def _table(self, e: Any) -> tuple[int, Form]:
         table, quantity = e.args[:2]
         power, form = self.shift(quantity)
-        source = self.pool.slots[table].of
+        source = self.pool.roles[table].of
         if not form:
             return 1, {}
         period = float(source.x[-1] - source.x[0])
@@ -177,7 +177,7 @@ def _turns_of(period: float) -> Fraction | None:
 # -- the whole train --------------------------------------------------------------------------------------------------
 
 
-def find_turns(assembly: Assembly, sensed: Iterable[str]) -> Turns:
+def find_wrapped_angles(assembly: Assembly, sensed: Iterable[str]) -> AngleWrapping:
     """Angles that can be wrapped. sensed: paths of the feedback signals (they belong to the laws)."""
     search = _Search(assembly, frozenset(sensed))
     search.follow()
@@ -198,12 +198,12 @@ class _Search:
         self.place = {c: (b, e) for b, batch in enumerate(assembly.batches) for e, c in enumerate(batch.components)}
 
     def follow(self) -> None:
-        """Turns of dependent groups, through rows and prescribed motions."""
+        """AngleWrapping of dependent groups, through rows and prescribed motions."""
         for group, row in self.assembly.definitions:
-            if isinstance(row, Driven):
+            if isinstance(row, PrescribedRow):
                 b, e = self.place[row.component]
                 batch = self.assembly.batches[b]
-                drive = batch.law.drives[row.number]
+                drive = batch.law.prescribed[row.number]
                 reading = self._reading(batch, e, angles_alone=True)
                 power, form = reading.shift(drive.angle)
                 reading.bad.update(form if power != 1 else ())
@@ -226,24 +226,24 @@ class _Search:
 
     def _reading(self, batch: Batch, e: int, *, angles_alone: bool = False) -> _Reading:
         shifts: dict[Any, Form] = {}
-        for x, slot in batch.law.pool.slots.items():
-            if slot.role == "phi" and slot.of in batch.groups:
-                group, gain = batch.groups[slot.of][e], batch.gains[slot.of][e]
-                form = {} if group == HELD else self.groups.get(group, {})
+        for x, meaning in batch.law.pool.roles.items():
+            if meaning.role == "phi" and meaning.of in batch.groups:
+                group, gain = batch.groups[meaning.of][e], batch.gains[meaning.of][e]
+                form = {} if group == GROUND_GROUP else self.groups.get(group, {})
                 shifts[x] = {f: r * gain for f, r in form.items()}
-            elif slot.role == "coordinate" and not angles_alone and slot.of < len(batch.used):
-                shifts[x] = self._coordinate(batch, slot.of, e)
+            elif meaning.role == "coordinate" and not angles_alone and meaning.of < len(batch.used):
+                shifts[x] = self._coordinate(batch, meaning.of, e)
         return _Reading(batch.law.pool, {x: v[e] for x, v in batch.exact.items()}, shifts)
 
     def _coordinate(self, batch: Batch, j: int, e: int) -> Form:
-        """Turns of a coordinate: only a dependent one over angles moves, and one that is read off angles."""
+        """AngleWrapping of a coordinate: only a dependent one over angles moves, and one that is read off angles."""
         if batch.used[j]:
             return self._combined(self.assembly.dependents[batch.sources[j][e]]) if batch.dependent[j] else {}
         values = {x: v[e] for x, v in batch.exact.items()}
         total = Combination()
         for flange, c in batch.law.forms[j].coefficients.items():
             group = batch.groups[flange][e]
-            if group != HELD:
+            if group != GROUND_GROUP:
                 total.add(Combination(dict(self.groups[group])), batch.gains[flange][e] * exact_value(c, values))
         return total.groups
 
@@ -271,7 +271,7 @@ class _Search:
     def _read(self, number: int, reading: _Reading) -> _Reading:
         law = self.assembly.batches[number].law
         exprs = [*law.forces.values(), *law.torques.values(), *law.rates.values(), *law.starts.values()]
-        exprs += [e for x in law.drives for e in (*x.gains.values(), x.bias, x.surplus)]
+        exprs += [e for x in law.prescribed for e in (*x.gains.values(), x.velocity_bias, x.acceleration_bias)]
         exprs += [e for e in (law.stored, law.loss, law.supplied) if e is not None]
         exprs += [s.surface for s in law.switches if s.table is None]
         for expr in exprs:
@@ -282,7 +282,7 @@ class _Search:
     def _read_shows(self, number: int, law: _Reading) -> list[_Reading]:
         """Each output by itself. One that reads a loop over angles cannot be made whole again."""
         found = []
-        slots, batch = law.pool.slots, self.assembly.batches[number]
+        slots, batch = law.pool.roles, self.assembly.batches[number]
         for i, show in enumerate(batch.law.shows):
             reading = _Reading(law.pool, law.values, law.shifts)
             reading.periodic(sp.sympify(show.expr))
@@ -296,17 +296,17 @@ class _Search:
     def _note_tables(self, number: int, e: int, law: _Reading) -> None:
         switches = self.assembly.batches[number].law.switches
         for (table, quantity), periods in law.tables.items():
-            cells = len(law.pool.slots[table].of.x) - 1
+            cells = len(law.pool.roles[table].of.x) - 1
             for i, switch in enumerate(switches):
                 if switch.table == table and switch.surface == quantity:
                     for f, r in periods.items():
                         self.steps.setdefault(f, []).append((number, i, e, r * cells))
 
-    def result(self) -> Turns:
+    def result(self) -> AngleWrapping:
         """Wrapped angles, with as many outputs periodic as their turns allow."""
         read = {*self.turns, *(f for readings in self.shown.values() for r in readings for f in r.turns)}
         turns = {f: n for f in read - self.bad if (n := self.turns.get(f, 1)) <= MOST}
-        found = Turns()
+        found = AngleWrapping()
         for key, readings in self.shown.items():
             if any(reading.bad & turns.keys() for reading in readings):
                 found.whole.add(key)
@@ -319,6 +319,6 @@ class _Search:
         place = {f: i for i, f in enumerate(sorted(turns))}
         for f in place:
             steps = tuple((b, i, e, int(r * turns[f])) for b, i, e, r in self.steps.get(f, ()))
-            found.counted.append(Counted(f, turns[f], steps))
+            found.wrapped.append(WrappedAngle(f, turns[f], steps))
         found.forms = {g: {place[f]: r for f, r in form.items() if f in place} for g, form in self.groups.items()}
         return found

@@ -10,12 +10,12 @@ from typing import Any
 
 from gearblocks.assembly.coordinates import Coordinates
 from gearblocks.assembly.elimination import Combination, dependency_order
-from gearblocks.assembly.kinematics import Driven, Follower
+from gearblocks.assembly.kinematics import DependentGroup, PrescribedRow
 from gearblocks.assembly.rigid_constraints import RigidConstraint, merge
 from gearblocks.assembly.rigid_groups import inertias, number_groups, start_values
-from gearblocks.assembly.tables import HELD, Assembly, Batch, ExactValues, StartValues
+from gearblocks.assembly.tables import GROUND_GROUP, Assembly, Batch, ExactValues, StartValues
 from gearblocks.errors import ModelError
-from gearblocks.laws.derivation import check_senses, derive
+from gearblocks.laws.derivation import check_feedback, derive
 from gearblocks.laws.law import STAGE, Law
 from gearblocks.laws.prescribed_motion import is_steady
 from gearblocks.laws.rational import Exact, exact, exact_value
@@ -23,7 +23,7 @@ from gearblocks.train.graph import GROUND, Component, Train
 from gearblocks.train.structure import structure_of
 from gearblocks.train.values import numbers_of
 
-__all__ = ["HELD", "Assembly", "Batch", "StartValues", "assemble", "expand_rows"]
+__all__ = ["GROUND_GROUP", "Assembly", "Batch", "StartValues", "assemble", "expand_rows"]
 
 
 def assemble(train: Train, *, reading: bool = False) -> Assembly:
@@ -62,7 +62,7 @@ def _laws(train: Train) -> list[Law]:
         key = (structure_of(c.block), _grounded(c))
         if key not in made:
             made[key] = derive(c.block, key[1])
-            check_senses(made[key], c.path)
+            check_feedback(made[key], c.path)
         laws.append(made[key])
     return laws
 
@@ -74,19 +74,19 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
         if id(law) not in wanted:
             exprs = [x for form in law.forms for x in form.coefficients.values()]
             exprs += [x for coefficients, _ in law.ties for x in coefficients.values()]
-            exprs += [x for stick in law.sticks.values() for x in stick.push.values()]
+            exprs += [x for constraint in law.constraints.values() for x in constraint.push.values()]
             symbols = {x for e in exprs for x in e.free_symbols}
-            symbols |= {x for x, slot in law.pool.slots.items() if slot.role == "exact"}
-            wanted[id(law)] = sorted(((x, law.pool.slots[x]) for x in symbols), key=lambda pair: str(pair[0].name))
+            symbols |= {x for x, meaning in law.pool.roles.items() if meaning.role == "exact"}
+            wanted[id(law)] = sorted(((x, law.pool.roles[x]) for x in symbols), key=lambda pair: str(pair[0].name))
         found = ExactValues({}, [])
         if wanted[id(law)]:
             numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
-            for symbol, slot in wanted[id(law)]:
-                if slot.role == "exact":
-                    found.values[symbol] = exact(numbers[slot.of])
-                elif slot.role == "own":
-                    found.values[symbol] = exact(numbers[slot.of])
-                    found.structural.append((f"{c.path}.{slot.of}", float(numbers[slot.of])))
+            for symbol, meaning in wanted[id(law)]:
+                if meaning.role == "exact":
+                    found.values[symbol] = exact(numbers[meaning.of])
+                elif meaning.role == "own":
+                    found.values[symbol] = exact(numbers[meaning.of])
+                    found.structural.append((f"{c.path}.{meaning.of}", float(numbers[meaning.of])))
                 else:
                     raise ModelError(
                         f"'{c.path}': a ratio depends on '{symbol}', which can change; ratios are structural"
@@ -105,13 +105,13 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
                 row[node] = row.get(node, 0) + _factor(c.path, flange, expr, values)
             offset, held = None, 0.0
             if constant != 0:
-                slot = law.pool.slots.get(-constant)
-                if slot is None or slot.role != "own" or len(row) != 1:
+                meaning = law.pool.roles.get(-constant)
+                if meaning is None or meaning.role != "own" or len(row) != 1:
                     raise ModelError(
                         f"'{c.path}': the tie has the constant '{constant}'; only a start angle at one flange is known"
                     )
-                offset = f"{c.path}.{slot.of}"
-                held = float(getattr(c.block, slot.of))
+                offset = f"{c.path}.{meaning.of}"
+                held = float(getattr(c.block, meaning.of))
             yield RigidConstraint(c.path, {n: v for n, v in row.items() if v}, offset, held, index)
 
 
@@ -119,11 +119,11 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
 
 
 def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) -> None:
-    follows = {f.group: f for f in assembly.followers}
+    follows = {f.group: f for f in assembly.dependent_groups}
     expanded = expand_rows(assembly)
     given = {
         g: [root for s in f.sources for root in (expanded[s].groups if s in expanded else (s,))]
-        for g, f in follows.items() if f.drive is not None and not f.drive.by_speed
+        for g, f in follows.items() if f.prescribed is not None and not f.prescribed.by_speed
     }  # fmt: skip
     coordinates = Coordinates(given)
     batches: dict[Any, Batch] = {}
@@ -131,13 +131,13 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
     for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
         if id(law) not in facts:
             symbols = {x for e in law.expressions(STAGE) for x in e.free_symbols}
-            reads = any(law.pool.slots[x].role == "phi" for x in symbols)
+            reads = any(law.pool.roles[x].role == "phi" for x in symbols)
             facts[id(law)] = (tuple(u in symbols for u in law.coordinates), reads)
         used, reads = facts[id(law)]
         assembly.in_law |= reads
         nodes = {n: node for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node != GROUND}
         sources, dependent = _take(c.path, assembly, coordinates, expanded, law, nodes, known[index], used)
-        held = frozenset(n for n, node in nodes.items() if assembly.group_of_node[node][0] == HELD)
+        held = frozenset(n for n, node in nodes.items() if assembly.group_of_node[node][0] == GROUND_GROUP)
         key = (id(law), held, dependent)
         if key not in batches:
             name = f"{type(c.block).__name__.lower()}_{len(batches)}"
@@ -148,8 +148,12 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
     assembly.rows = coordinates.rows
     assembly.steady = _steady(assembly, laws)
     _put_in_front(assembly, coordinates.definitions.values())
-    rows: dict[int, Combination | Driven] = dict(coordinates.definitions)
-    rows |= {g: f.row if f.row is not None else f.drive for g, f in follows.items() if f.row is not None or g in given}  # type: ignore[misc]
+    rows: dict[int, Combination | PrescribedRow] = dict(coordinates.definitions)
+    for g, f in follows.items():
+        if f.row is not None:
+            rows[g] = f.row
+        elif f.prescribed is not None and g in given:
+            rows[g] = f.prescribed
     assembly.angles = [g for g in range(assembly.n_groups) if g not in rows]
     assembly.definitions = _ordered(rows, follows)
 
@@ -157,8 +161,10 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
 def _steady(assembly: Assembly, laws: list[Law]) -> frozenset[int]:
     """Groups whose speeds are fixed combinations of the speeds and states (time aside)."""
     moving: set[int] = set()
-    for f in assembly.followers:
-        if not moving.isdisjoint(f.sources) or (f.drive and not is_steady(laws[f.drive.component], f.drive.number)):
+    for f in assembly.dependent_groups:
+        if not moving.isdisjoint(f.sources) or (
+            f.prescribed and not is_steady(laws[f.prescribed.component], f.prescribed.number)
+        ):
             moving.add(f.group)
     return frozenset(range(assembly.n_groups)) - moving
 
@@ -182,7 +188,7 @@ def _put_in_front(assembly: Assembly, definitions: Iterable[Combination]) -> Non
 def expand_rows(assembly: Assembly) -> dict[int, Combination]:
     """The angles of groups that follow through rows, over groups that do not."""
     found: dict[int, Combination] = {}
-    for f in assembly.followers:
+    for f in assembly.dependent_groups:
         if f.row is not None:
             found[f.group] = Combination({}, {}, dict(f.row.offsets))
             for source, c in f.row.groups.items():
@@ -191,8 +197,8 @@ def expand_rows(assembly: Assembly) -> dict[int, Combination]:
 
 
 def _ordered(
-    rows: dict[int, Combination | Driven], follows: dict[int, Follower]
-) -> list[tuple[int, Combination | Driven]]:
+    rows: dict[int, Combination | PrescribedRow], follows: dict[int, DependentGroup]
+) -> list[tuple[int, Combination | PrescribedRow]]:
     """Definitions of angles, each after those it reads."""
 
     def sources(group: int) -> Iterable[int]:
@@ -230,8 +236,8 @@ def _take(
             c = _factor(path, flange, expr, values)
             node = nodes[flange]
             group, gain = assembly.group_of_node[node]
-            if group == HELD:
-                offset = assembly.held_offset[node]
+            if group == GROUND_GROUP:
+                offset = assembly.ground_offset[node]
                 if offset is not None:
                     combination.add(Combination(offsets={offset: gain}), c)
             elif group in expanded:

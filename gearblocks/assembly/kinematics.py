@@ -31,8 +31,8 @@ class GroupRow:
 
 
 @dataclass(frozen=True, slots=True)
-class Driven:
-    """Drive `number` of a component: the group that it drives, by which flange, and the groups that it reads.
+class PrescribedRow:
+    """PrescribedMotion `number` of a component: the group that it drives, by which flange, and the groups that it reads.
 
     factors: by flange that is read: (group, what the gain of the law is multiplied with). scale: 1 / gain of the flange.
     rides: another of its flanges is tied to the group that it drives, which scale and factors allow for.
@@ -49,37 +49,38 @@ class Driven:
 
 
 @dataclass(frozen=True, slots=True)
-class Follower:
+class DependentGroup:
     """A dependent group: by a row over other groups and parameters, or by a drive (row None)."""
 
     group: int
     row: Combination | None
-    drive: Driven | None = None
+    prescribed: PrescribedRow | None = None
 
     @property
     def sources(self) -> list[int]:
         """The groups that it follows from directly."""
         if self.row is not None:
             return list(self.row.groups)
-        assert self.drive is not None
-        return [group for group, _ in self.drive.factors.values()]
+        assert self.prescribed is not None
+        return [group for group, _ in self.prescribed.factors.values()]
 
 
 @dataclass(slots=True)
 class Kinematics:
     """Dependent groups in an order in which each comes after its sources; new: whether each row says something new."""
 
-    followers: list[Follower] = field(default_factory=list)
+    dependent_groups: list[DependentGroup] = field(default_factory=list)
     new: list[bool] = field(default_factory=list)
 
     @property
-    def dependent(self) -> dict[int, Follower]:
+    def dependent(self) -> dict[int, DependentGroup]:
         """By group."""
-        return {f.group: f for f in self.followers}
+        return {f.group: f for f in self.dependent_groups}
 
 
 def follow(
-    rows: Iterable[GroupRow], drives: Iterable[Driven], reluctance: Mapping[int, tuple[int, ...]], held: Mapping[str, float]
+    rows: Iterable[GroupRow], drives: Iterable[PrescribedRow],
+    reluctance: Mapping[int, tuple[int, ...]], held: Mapping[str, float]
 ) -> Kinematics:  # fmt: skip
     """Solves every row for one of its groups, the one with the least reluctance (inertia, a given start, ...).
 
@@ -88,7 +89,7 @@ def follow(
     """
     solver = _Solver(dict(reluctance), dict(held))
     for drive in drives:
-        solver.drive(drive)
+        solver.prescribe(drive)
     rows = list(rows)
     for row in rows:
         for group in row.coefficients:
@@ -103,9 +104,9 @@ class _Solver:
         self.count: dict[int, int] = {}
         self.rows = Elimination()
         self.paths: dict[int, str] = {}  # of the component whose row was solved for a group
-        self.drives: dict[int, Driven] = {}
+        self.drives: dict[int, PrescribedRow] = {}
 
-    def drive(self, drive: Driven) -> None:
+    def prescribe(self, drive: PrescribedRow) -> None:
         """Notes a prescribed motion."""
         before = self.drives.setdefault(drive.group, drive)
         if before is not drive:
@@ -155,10 +156,10 @@ class _Solver:
         follower = self._follower(g)
         return follower.sources if follower else []
 
-    def _follower(self, g: int) -> Follower | None:
+    def _follower(self, g: int) -> DependentGroup | None:
         if g in self.drives:
-            return Follower(g, None, self.drives[g])
-        return Follower(g, self.rows.definitions[g]) if g in self.rows.definitions else None
+            return DependentGroup(g, None, self.drives[g])
+        return DependentGroup(g, self.rows.definitions[g]) if g in self.rows.definitions else None
 
     def _agree(self, row: GroupRow, left: Combination) -> None:
         """A row that contains nothing new: the angles that the ground holds must satisfy it."""
@@ -187,7 +188,7 @@ class _Solver:
         for g in dependency_order(dependent, dependent, self._sources):
             follower = self._follower(g)
             assert follower is not None
-            result.followers.append(follower)
+            result.dependent_groups.append(follower)
         self._circles(result)
         return result
 
@@ -195,7 +196,7 @@ class _Solver:
         """Refuses prescribed motions that depend on each other in a circle."""
         seen: set[int] = set()
         dependent = result.dependent
-        for f in result.followers:
+        for f in result.dependent_groups:
             if any(s in dependent and s not in seen for s in f.sources):
                 names = ", ".join(f"'{d.path}'" for d in self.drives.values())
                 raise ModelError(f"the motions prescribed by {names} depend on each other; give one of them compliance")

@@ -16,7 +16,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.assembly.elimination import Combination, Elimination, Row, row_sum
-from gearblocks.assembly.kinematics import Follower
+from gearblocks.assembly.kinematics import DependentGroup
 from gearblocks.assembly.rigid_constraints import Groups
 from gearblocks.assembly.tables import ExactValues
 from gearblocks.laws.energy_balance import vanishes
@@ -33,12 +33,12 @@ class MasslessGroups:
 
     groups: Groups
     massless: Sequence[int]
-    followers: Sequence[Follower]
+    dependent_groups: Sequence[DependentGroup]
 
     def rows(self) -> dict[int, Row]:
         """Speeds of groups over the massless ones; what else they depend on is left aside."""
         found: dict[int, Row] = {group: {group: 1} for group in self.massless}
-        for f in self.followers:
+        for f in self.dependent_groups:
             if f.row is not None:
                 found[f.group] = row_sum(((c, found.get(g, {})) for g, c in f.row.groups.items()), _ROUNDING)
         return found
@@ -74,7 +74,7 @@ def floating(
 def damped_forms(law: Law) -> Iterator[Mapping[str, Any]]:
     """Linear forms of the flange speeds that the torques of a law depend on: its deflections where they suffice, else the
     speed of every flange."""
-    speeds = {slot.of: x for x, slot in law.pool.slots.items() if slot.role == "w"}
+    speeds = {meaning.of: x for x, meaning in law.pool.roles.items() if meaning.role == "w"}
     torques = [tau.xreplace(law.forces) for tau in law.torques.values()]
     gradients = [{n: sp.diff(tau, w) for n, w in speeds.items() if tau.has(w)} for tau in torques]
     gradients = [g for g in gradients if g]

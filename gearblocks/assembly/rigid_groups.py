@@ -14,16 +14,16 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.assembly.elimination import Combination
-from gearblocks.assembly.kinematics import Driven, Follower, GroupRow, Kinematics, follow
+from gearblocks.assembly.kinematics import DependentGroup, GroupRow, Kinematics, PrescribedRow, follow
 from gearblocks.assembly.massless_groups import MasslessGroups, floating
-from gearblocks.assembly.tables import HELD, ExactValues
+from gearblocks.assembly.tables import GROUND_GROUP, ExactValues
 from gearblocks.errors import ModelError
 from gearblocks.language.block import given_start, start_fields
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Parameter
 from gearblocks.laws.law import Law
-from gearblocks.laws.prescribed_motion import Drive
+from gearblocks.laws.prescribed_motion import PrescribedMotion
 from gearblocks.laws.rational import Exact, exact, exact_value, over
 from gearblocks.train.graph import Component, Train
 from gearblocks.train.translational import takes_start
@@ -61,16 +61,16 @@ def _is_zero(c: Component, law: Law, inertia: Any, zeros: set[tuple[str, float]]
     numbers: dict[str, Any] = {}
     values: dict[Any, tuple[str, float]] = {}
     for symbol in inertia.free_symbols:
-        slot = law.pool.slots[symbol]
-        if slot.role == "shared":
-            values[symbol] = slot.of.name, slot.of.value
+        meaning = law.pool.roles[symbol]
+        if meaning.role == "shared":
+            values[symbol] = meaning.of.name, meaning.of.value
             continue
         if not numbers:
             numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
-        value = numbers[slot.of]
+        value = numbers[meaning.of]
         if isinstance(value, Expr):
             value = evaluate(value, lambda leaf: float(leaf.args[0].value))
-        values[symbol] = f"{c.path}.{slot.of}", float(value.value if isinstance(value, Parameter) else value)
+        values[symbol] = f"{c.path}.{meaning.of}", float(value.value if isinstance(value, Parameter) else value)
     if all(v != 0 for _, v in values.values()) and values:
         return False
     if inertia.xreplace({x: v for x, (_, v) in values.items()}) != 0:
@@ -100,28 +100,28 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Se
             groups.redundant.append(row)
     dependent = kinematics.dependent
     driving = set(with_inertia)  # groups that move inertia, their own or that of dependent ones
-    for f in reversed(kinematics.followers):
+    for f in reversed(kinematics.dependent_groups):
         if f.group in driving:
             driving.update(f.sources)
     independent = [r for r in free if r not in dependent and r in driving]
     massless = [r for r in free if r not in dependent and r not in driving]
     parts = {} if known is None else _floating_parts(assembly, laws, known, massless, kinematics, given)
     massless = [parts.get(r, r) for r in massless]
-    prescribed = [f.group for f in kinematics.followers if f.drive is not None and f.drive.by_speed]
-    others = [f.group for f in kinematics.followers if f.group not in set(prescribed)]
+    prescribed = [f.group for f in kinematics.dependent_groups if f.prescribed is not None and f.prescribed.by_speed]
+    others = [f.group for f in kinematics.dependent_groups if f.group not in set(prescribed)]
     number = {r: i for i, r in enumerate((*independent, *massless, *prescribed, *others))}
     assembly.n_groups, assembly.n_speeds = len(number), len(independent)
-    assembly.n_hidden, assembly.n_paced = len(massless), len(prescribed)
-    assembly.massive = frozenset(number[r] for r in with_inertia if r in number)
+    assembly.n_massless, assembly.n_prescribed = len(massless), len(prescribed)
+    assembly.with_inertia = frozenset(number[r] for r in with_inertia if r in number)
     assembly.floating = {number[part]: number[r] for r, part in parts.items()}
-    bases = {g for f in kinematics.followers[: len(parts)] for g in f.sources if g < train.n_nodes}
+    bases = {g for f in kinematics.dependent_groups[: len(parts)] for g in f.sources if g < train.n_nodes}
     assembly.floats = frozenset(number[g] - len(independent) for g in bases)
-    assembly.followers = [_renumbered(f, number) for f in kinematics.followers]
+    assembly.dependent_groups = [_renumbered(f, number) for f in kinematics.dependent_groups]
     for node in range(train.n_nodes):
         root, gain = groups.find(node)
-        assembly.group_of_node.append((HELD if root in groups.grounded else number[root], gain))
+        assembly.group_of_node.append((GROUND_GROUP if root in groups.grounded else number[root], gain))
         if root in groups.grounded:
-            assembly.held_offset[node] = groups.grounded[root]
+            assembly.ground_offset[node] = groups.grounded[root]
 
 
 def _floating_parts(
@@ -130,7 +130,7 @@ def _floating_parts(
 ) -> dict[int, int]:  # fmt: skip
     """Makes floating groups dependent, each on those that it floats with and on a part of its own; by root: the number of
     its part."""
-    groups = MasslessGroups(assembly.groups, massless, kinematics.followers)
+    groups = MasslessGroups(assembly.groups, massless, kinematics.dependent_groups)
     rows = floating(groups, assembly.train.components, laws, known)
     bound = {g for r, row in rows.items() for g in (r, *row)} & given.keys()
     if bound:
@@ -139,18 +139,18 @@ def _floating_parts(
             f"angle; leave its start value out, or give it J > 0"
         )
     parts = {r: assembly.train.n_nodes + r for r in rows}
-    kinematics.followers[:0] = [Follower(r, Combination({**row, parts[r]: 1})) for r, row in rows.items()]
+    kinematics.dependent_groups[:0] = [DependentGroup(r, Combination({**row, parts[r]: 1})) for r, row in rows.items()]
     return parts
 
 
-def _renumbered(f: Follower, number: dict[int, int]) -> Follower:
+def _renumbered(f: DependentGroup, number: dict[int, int]) -> DependentGroup:
     if f.row is not None:
         f.row.groups = {number[g]: c for g, c in f.row.groups.items()}
-        return Follower(number[f.group], f.row)
-    assert f.drive is not None
-    d = f.drive
+        return DependentGroup(number[f.group], f.row)
+    assert f.prescribed is not None
+    d = f.prescribed
     factors = {name: (number[g], c) for name, (g, c) in d.factors.items()}
-    return Follower(number[f.group], None, replace(d, group=number[d.group], factors=factors))
+    return DependentGroup(number[f.group], None, replace(d, group=number[d.group], factors=factors))
 
 
 def _rows(assembly: Assembly) -> Iterable[GroupRow]:
@@ -175,12 +175,12 @@ def _rows(assembly: Assembly) -> Iterable[GroupRow]:
         )  # fmt: skip
 
 
-def _drives(assembly: Assembly, laws: list[Law]) -> Iterable[Driven]:
+def _drives(assembly: Assembly, laws: list[Law]) -> Iterable[PrescribedRow]:
     """Prescribed motions over the roots of groups."""
     groups = assembly.groups
     for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
         nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
-        for number, drive in enumerate(law.drives):
+        for number, drive in enumerate(law.prescribed):
             root, gain = groups.find(nodes[drive.flange])
             if root in groups.grounded:
                 holder = groups.held_angles[root][1]
@@ -196,10 +196,10 @@ def _drives(assembly: Assembly, laws: list[Law]) -> Iterable[Driven]:
             own = _own_share(drive, root, factors)
             scale = over(scale, 1 - own)
             factors = {f: (g, over(x, 1 - own)) for f, (g, x) in factors.items() if g != root or not own}
-            yield Driven(index, number, c.path, root, scale, factors, drive.angle is None, own != 0)
+            yield PrescribedRow(index, number, c.path, root, scale, factors, drive.angle is None, own != 0)
 
 
-def _own_share(drive: Drive, root: int, factors: Mapping[str, tuple[int, Exact]]) -> Exact:
+def _own_share(drive: PrescribedMotion, root: int, factors: Mapping[str, tuple[int, Exact]]) -> Exact:
     """What a drive carries back to the group that it drives, through other flanges tied to it: 0 where that is nothing,
     all of it, or no number."""
     tied = [f for f, (group, _) in factors.items() if group == root]
@@ -240,17 +240,17 @@ def _through_lossy_ties(assembly: Assembly, laws: list[Law], owners: dict[int, t
 
 def _lossy_pairs(assembly: Assembly, c: Component, law: Law) -> Iterable[tuple[tuple[int, Exact], tuple[int, Exact]]]:
     """The two groups of a lossy tie with their factors in it."""
-    tie = law.sticks.get("tie")
+    tie = law.constraints.get("tie")
     if tie is None or tie.share is None:
         return
     numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
     nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
     row: dict[int, Exact] = {}
     for flange, expr in tie.push.items():
-        values = {x: exact(numbers[law.pool.slots[x].of]) for x in expr.free_symbols}
-        group, gain = assembly.group_of_node[nodes[flange]] if nodes[flange] >= 0 else (HELD, 1)
+        values = {x: exact(numbers[law.pool.roles[x].of]) for x in expr.free_symbols}
+        group, gain = assembly.group_of_node[nodes[flange]] if nodes[flange] >= 0 else (GROUND_GROUP, 1)
         row[group] = row.get(group, 0) + exact_value(expr, values) * gain
-    moving = [(g, v) for g, v in row.items() if g != HELD and v]
+    moving = [(g, v) for g, v in row.items() if g != GROUND_GROUP and v]
     if len(moving) == 2:
         yield moving[0], moving[1]
 
@@ -269,19 +269,19 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
             for of, owners in found.items():
                 value = given_start(c.block, of)
                 given = value is not None
-                if group == HELD and of == SPEED and isinstance(value, (int, float)) and value != 0:
+                if group == GROUND_GROUP and of == SPEED and isinstance(value, (int, float)) and value != 0:
                     name = start_fields(type(c.block))[of]
                     shown = f"{name} = {value!r} {'m/s' if flange in c.sliders else 'rad/s'}"
                     raise ModelError(f"'{c.path}': {shown}, but a Fixed holds this shaft; leave {name} out")
-                if group != HELD and (group not in owners or (given and not owners[group][2])):
+                if group != GROUND_GROUP and (group not in owners or (given and not owners[group][2])):
                     owner = c.path if takes_start(c.block, of) else f"{c.path}.{flange}"
                     owners[group] = (owner, gain, given)
-    count = assembly.n_speeds + assembly.n_hidden + assembly.n_paced
+    count = assembly.n_speeds + assembly.n_massless + assembly.n_prescribed
     if any(group not in found[ANGLE] for group in range(count)):
         for c in assembly.train.components:
             for name, node in zip(type(c.block).flanges, c.nodes, strict=True):
-                group, gain = assembly.group_of_node[node] if node >= 0 else (HELD, 1)
-                if group != HELD:
+                group, gain = assembly.group_of_node[node] if node >= 0 else (GROUND_GROUP, 1)
+                if group != GROUND_GROUP:
                     for owners in found.values():
                         owners.setdefault(group, (f"{c.path}.{name}", gain, False))
     for owners in found.values():

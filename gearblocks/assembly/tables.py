@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from gearblocks.assembly.elimination import Combination
-from gearblocks.assembly.kinematics import Driven, Follower
+from gearblocks.assembly.kinematics import DependentGroup, PrescribedRow
 from gearblocks.assembly.rigid_constraints import Groups
 from gearblocks.laws.law import Law
 from gearblocks.laws.rational import Exact
 from gearblocks.train.graph import Train
 
-HELD = -1
+GROUND_GROUP = -1
 """Group number of a flange that the ground holds."""
 
 
@@ -31,7 +31,7 @@ class ExactValues:
 class Batch:
     """Instances of one kind that share code: the law, and one table column per flange and coordinate.
 
-    flanges: names of the flanges that are not the ground; groups and gains: one entry per instance (group HELD: held).
+    flanges: names of the flanges that are not the ground; groups and gains: one entry per instance (group GROUND_GROUP: held).
     sources: per coordinate of the law and instance, the number of a coordinate, or of a dependent combination.
     """
 
@@ -62,11 +62,11 @@ class StartValues:
 class Assembly:
     """Tables of a train's equations.
 
-    Groups are numbered: independent ones (n_speeds), massless ones (n_hidden), those whose speed alone is prescribed
-    (n_paced), then the other dependent ones. rows[i]: coordinate i as a form of group angles; dependents: dependent
+    Groups are numbered: independent ones (n_speeds), massless ones (n_massless), those whose speed alone is prescribed
+    (n_prescribed), then the other dependent ones. rows[i]: coordinate i as a form of group angles; dependents: dependent
     coordinates, combinations that close loops; angles: groups whose absolute angle is a state; definitions (in order, with
     prescribed motions in between): how other group angles follow. in_law: a law reads angles. steady: groups whose speeds
-    are fixed combinations; n_steady: coordinates at the front whose rates are. massive: groups with inertia. floating:
+    are fixed combinations; n_steady: coordinates at the front whose rates are. with_inertia: groups with inertia. floating:
     massless groups that are a part of another (massless_groups.py), with that other; floats: numbers of the massless ones
     that stand for several.
     """
@@ -75,20 +75,20 @@ class Assembly:
     batches: list[Batch]
     groups: Groups
     group_of_node: list[tuple[int, Exact]] = field(default_factory=list)
-    held_offset: dict[int, str | None] = field(default_factory=dict)
+    ground_offset: dict[int, str | None] = field(default_factory=dict)
     n_groups: int = 0
     n_speeds: int = 0
-    n_hidden: int = 0
-    n_paced: int = 0
+    n_massless: int = 0
+    n_prescribed: int = 0
     floating: dict[int, int] = field(default_factory=dict)
     floats: frozenset[int] = frozenset()
-    followers: list[Follower] = field(default_factory=list)
-    massive: frozenset[int] = frozenset()
+    dependent_groups: list[DependentGroup] = field(default_factory=list)
+    with_inertia: frozenset[int] = frozenset()
     rows: list[dict[int, Exact]] = field(default_factory=list)
     row_offsets: list[dict[str, Exact]] = field(default_factory=list)
     dependents: list[Combination] = field(default_factory=list)
     angles: list[int] = field(default_factory=list)
-    definitions: list[tuple[int, Combination | Driven]] = field(default_factory=list)
+    definitions: list[tuple[int, Combination | PrescribedRow]] = field(default_factory=list)
     starts: list[StartValues] = field(default_factory=list)
     steady: frozenset[int] = frozenset()
     n_steady: int = 0
@@ -107,4 +107,4 @@ class Assembly:
     @property
     def driven(self) -> bool:
         """Whether an angle is prescribed."""
-        return any(isinstance(row, Driven) for _, row in self.definitions)
+        return any(isinstance(row, PrescribedRow) for _, row in self.definitions)

@@ -6,7 +6,7 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.assemble import HELD
+from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Batch
 from gearblocks.codegen.comments import of_components
 from gearblocks.codegen.event_functions import EventFunctions
@@ -17,7 +17,7 @@ from gearblocks.codegen.massless_balance import balance_of
 from gearblocks.codegen.operands import Assignment, Operand, Role, Statement
 from gearblocks.codegen.parts import Balance
 from gearblocks.codegen.symbol_names import Offsets, SymbolNames
-from gearblocks.laws.prescribed_motion import frozen_drive
+from gearblocks.laws.prescribed_motion import frozen_motion
 
 _OF_CONSTRAINTS = ("lower", "upper", "forward", "backward", "engaged", "restitution", "share")
 
@@ -57,23 +57,23 @@ class BatchCode:
         self.shows = [(x, hoist(x.expr)) for x in law.shows]
         self.holds = [(state, hoist(self._held(*rest, state=state))) for state, *rest in law.holds]
         self.speeds = [self._coordinate_rate(j) for j in range(len(law.forms))]
-        self.drives = [frozen_drive(x, hoist) for x in law.drives]
+        self.drives = [frozen_motion(x, hoist) for x in law.prescribed]
         self.starts = {n: hoist(e) for n, e in law.starts.items()}
         self.constraint_values = {
-            name: {k: hoist(v) for k in _OF_CONSTRAINTS if (v := getattr(stick, k)) is not None}
-            for name, stick in law.sticks.items()
+            name: {k: hoist(v) for k in _OF_CONSTRAINTS if (v := getattr(constraint, k)) is not None}
+            for name, constraint in law.constraints.items()
         }
-        for name, stick in law.sticks.items():
-            self.constraint_values[name] |= {f"loss_{i}": hoist(x) for i, x in enumerate(stick.losses or ())}
-        self.late_loss = None if law.late_loss is None else hoist(law.late_loss)
-        hidden = self.offsets.hidden
-        self.balance = balance_of(self.batch, hoist, hidden, self.offsets.floats) if hidden else Balance()
+        for name, constraint in law.constraints.items():
+            self.constraint_values[name] |= {f"loss_{i}": hoist(x) for i, x in enumerate(constraint.losses or ())}
+        self.constraint_loss = None if law.constraint_loss is None else hoist(law.constraint_loss)
+        massless = self.offsets.massless
+        self.balance = balance_of(self.batch, hoist, massless, self.offsets.floats) if massless else Balance()
 
     def _held(self, value: Any, when: Any, *, state: str) -> Any:
         """What a held state is after an event: the value where `when` has just turned to 1, else as it was."""
         pool = self.law.pool
-        modes = [x for x in when.free_symbols if pool.slots[x].role == "mode"]
-        before = {x: pool.symbol("before", pool.slots[x].of, f"before{pool.slots[x].of.number}") for x in modes}
+        modes = [x for x in when.free_symbols if pool.roles[x].role == "mode"]
+        before = {x: pool.symbol("before", pool.roles[x].of, f"before{pool.roles[x].of.number}") for x in modes}
         starts = when * (1 - when.xreplace(before))
         return starts * value + (1 - starts) * pool.symbol("state", state, state)
 
@@ -81,20 +81,20 @@ class BatchCode:
         """Rate of a coordinate from the flange speeds."""
         total: Any = sp.Integer(0)
         for flange, expr in self.law.forms[j].coefficients.items():
-            if self.batch.groups[flange][0] != HELD:
+            if self.batch.groups[flange][0] != GROUND_GROUP:
                 total += self.hoister.hoist(expr) * self.law.pool.symbol("w", flange, f"w_{flange}")
         return total
 
     def moving_terms(self, sensed: set[str]) -> set[Any]:
         """Columns that the motion needs; the others are read by outputs and energies alone. sensed: names of outputs."""
-        drives = [e for x in self.drives for e in (*x.gains.values(), x.bias, x.surplus, x.angle)]
-        balance = (*self.balance.torques.values(), *self.balance.growths.values())
+        drives = [e for x in self.drives for e in (*x.gains.values(), x.velocity_bias, x.acceleration_bias, x.angle)]
+        balance = (*self.balance.torques.values(), *self.balance.torque_rates.values())
         watched = [e for i in range(len(self.events.sorts)) for e in self.events.read(i)]
         exprs = [
             *self.forces.values(), *self.torques.values(), *self.rates.values(), self.loss, self.supplied, *self.surfaces,
-            *self.bands, *self.whens, *self.speeds, *drives, *balance, *self.balance.drags.values(),
-            *self.balance.stiffnesses.values(), *self.starts.values(), *(e for _, e in self.holds),
-            self.late_loss, *(e for values in self.constraint_values.values() for e in values.values()),
+            *self.bands, *self.whens, *self.speeds, *drives, *balance, *self.balance.damping_entries.values(),
+            *self.balance.stiffness_entries.values(), *self.starts.values(), *(e for _, e in self.holds),
+            self.constraint_loss, *(e for values in self.constraint_values.values() for e in values.values()),
             *(e for x, e in self.shows if x.name in sensed), *watched,
         ]  # fmt: skip
         found = {x for e in exprs if e is not None for x in sp.sympify(e).free_symbols}
@@ -106,13 +106,13 @@ class BatchCode:
     def mobile_groups(self) -> list[tuple[int, str]]:
         """(group, path) of every shaft whose mobility the law reads."""
         used = {x for c in self.hoister.columns for x in c.expr.free_symbols}
-        flanges = [slot.of for x, slot in self.law.pool.slots.items() if slot.role == "mobility" and x in used]
+        flanges = [meaning.of for x, meaning in self.law.pool.roles.items() if meaning.role == "mobility" and x in used]
         return [
             item
             for f in flanges
             if f in self.batch.groups
             for item in zip(self.batch.groups[f], self.paths, strict=True)
-            if item[0] != HELD
+            if item[0] != GROUND_GROUP
         ]
 
     # -- functions ----------------------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """Event functions of one batch: how each switch is watched, and what its location reads.
 
-"affine" or "general" over the state (those of switched constraints: "affine_lock", "general_lock"), "line" or "wave" where
-time alone moves it, which gives its crossings in advance. Knows nothing of how crossings are located.
+"affine" or "general" over the state ("affine_constraint" or "general_constraint" of switched constraints), "line" or "wave"
+where time alone moves it, which gives its crossings in advance. Knows nothing of how crossings are located.
 """
 
 from __future__ import annotations
@@ -33,11 +33,15 @@ class EventFunctions:
 
     def _sort(self, i: int) -> str:
         switch = self.law.switches[i]
-        if switch.lock in ("hold", "sign"):
-            return "general_lock"
-        if switch.lock == "slip":
-            return "general_lock" if any(f.drive is not None for f in self.assembly.followers) else "affine_lock"
-        roles = {x: self.law.pool.slots[x].role for x in switch.surface.free_symbols}
+        if switch.constraint in ("hold", "sign"):
+            return "general_constraint"
+        if switch.constraint == "slip":
+            return (
+                "general_constraint"
+                if any(f.prescribed is not None for f in self.assembly.dependent_groups)
+                else "affine_constraint"
+            )
+        roles = {x: self.law.pool.roles[x].role for x in switch.surface.free_symbols}
         if switch.level == TIMED and set(roles.values()) <= _PREDICTED:
             if switch.band is None and line(switch.surface) is not None:
                 return "line"
@@ -59,7 +63,7 @@ class EventFunctions:
 
     def _loops(self, symbol: Any) -> list[int]:
         """The combinations that a coordinate of the law is, where it is no state."""
-        j = self.law.pool.slots[symbol].of
+        j = self.law.pool.roles[symbol].of
         return self.batch.sources[j] if self.batch.dependent[j] else []
 
     def wave(self, i: int) -> tuple[Any, Any, Any, Any]:
@@ -87,9 +91,9 @@ class EventFunctions:
         """(coordinate, natural size) where an affine event function knows one: abs(constant part / slope)."""
         surface = self.law.switches[i].surface
         moving = [x for x in surface.free_symbols if self.law.pool.level(x) == MOVING]
-        if len(moving) != 1 or self.law.pool.slots[moving[0]].role != "coordinate":
+        if len(moving) != 1 or self.law.pool.roles[moving[0]].role != "coordinate":
             return None
-        j = self.law.pool.slots[moving[0]].of
+        j = self.law.pool.roles[moving[0]].of
         constant = surface.xreplace({moving[0]: sp.Integer(0)})
         if self.law.switches[i].band is not None:
             constant = self.law.switches[i].band

@@ -36,7 +36,7 @@ def reads_angles(assembly: Assembly, path: str) -> bool:
             prefix = assembly.train.components[index].path + "."
             for show in batch.law.shows:
                 if prefix + show.name == path:
-                    roles = [batch.law.pool.slots[x] for x in show.expr.free_symbols]
+                    roles = [batch.law.pool.roles[x] for x in show.expr.free_symbols]
                     return any(s.role == "phi" or (s.role == "coordinate" and not batch.used[s.of]) for s in roles)
     return False
 
@@ -57,14 +57,14 @@ def order_signals(
         if path in done:
             return
         code, e, expr, show = _shown(codes, assembly, path)
-        slots = [code.law.pool.slots[x] for x in expr.free_symbols]
+        slots = [code.law.pool.roles[x] for x in expr.free_symbols]
         if path in in_law and any(s.role in ("alpha", "tau", "held") for s in slots):
             raise ModelError(
                 f"sense('{path}'): an acceleration or reaction cannot be fed back; sense a speed or a torque law"
             )
-        for slot in slots:
-            if slot.role == "sense":
-                visit(slot.of, (*chain, path))
+        for meaning in slots:
+            if meaning.role == "sense":
+                visit(meaning.of, (*chain, path))
         sense = senses[path]
         sense.batch, sense.instance, sense.expr = code.number, e, expr
         unwrapped = (code.number, show) in whole and path not in in_law

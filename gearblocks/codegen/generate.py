@@ -9,8 +9,8 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.angle_wrapping import Turns, find_turns, located
-from gearblocks.assembly.assemble import HELD
+from gearblocks.assembly.angle_wrapping import AngleWrapping, find_wrapped_angles, located
+from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Assembly
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.comments import Comments, in_comment, tool
@@ -24,9 +24,9 @@ from gearblocks.codegen.mass_matrix import check_mobility, lay_out_mass, prescri
 from gearblocks.codegen.massless_groups import lay_out_massless, massless_rows
 from gearblocks.codegen.operands import Assignment, Operand, Role
 from gearblocks.codegen.output_names import (
+    dependent_starts,
     flange_outputs,
-    follower_infos,
-    moved_infos,
+    prescribed_starts,
     shown,
     start_infos,
     state_quantities,
@@ -46,18 +46,18 @@ from gearblocks.laws.printer import c_text
 def generate(assembly: Assembly) -> Program:
     """The program of an assembly. The same assembly gives the same bytes."""
     wanted = sorted({
-        slot.of for b in assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"
+        meaning.of for b in assembly.batches for meaning in b.law.pool.roles.values() if meaning.role == "sense"
     } | {leaf.args[0] for c in assembly.train.coordinates for leaf in c.expr.leaves() if leaf.op == "sense"})  # fmt: skip
-    in_law = [slot.of for b in assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"]
+    in_law = [meaning.of for b in assembly.batches for meaning in b.law.pool.roles.values() if meaning.role == "sense"]
     angles = assembly.in_law or any(reads_angles(assembly, path) for path in in_law)
-    turns = find_turns(assembly, in_law) if angles else Turns()
-    g = Generator(assembly, lay_out(assembly, angles_in_law=angles, n_counted=len(turns.counted)), turns=turns)
-    g.senses = {path: FeedbackSignal(path, i) for i, path in enumerate(wanted)}
-    g.tail = g.lay.tail
+    wrapping = find_wrapped_angles(assembly, in_law) if angles else AngleWrapping()
+    g = Generator(assembly, lay_out(assembly, angles_in_law=angles, n_wrapped=len(wrapping.wrapped)), wrapping=wrapping)
+    g.feedback = {path: FeedbackSignal(path, i) for i, path in enumerate(wanted)}
+    g.n_end = g.lay.tail
     _columns(g)
     _laws(g)
-    g.senses = order_signals(g.senses, g.codes, g.assembly, set(in_law), g.turns.whole)
-    g.lay.n_total = g.lay.n_padded + padded(g.tail - g.lay.n_padded)
+    g.feedback = order_signals(g.feedback, g.codes, g.assembly, set(in_law), g.wrapping.whole)
+    g.lay.n_total = g.lay.n_padded + padded(g.n_end - g.lay.n_padded)
     g.linear = linear_part(g)
     g.outputs += flange_outputs(g)
     return _program(g, *_render(g, angles))
@@ -68,7 +68,7 @@ def generate(assembly: Assembly) -> Program:
 
 def _columns(g: Generator) -> None:
     """Hoists every law and places exact values, inverse masses, hoisted columns and switches."""
-    hidden = massless_rows(g.assembly) if g.assembly.n_hidden else {}
+    massless = massless_rows(g.assembly) if g.assembly.n_massless else {}
     at = len(g.lay.parameters)
     g.inverse_mass = at
     at += g.assembly.n_groups
@@ -84,17 +84,17 @@ def _columns(g: Generator) -> None:
             own,
             inverse_mass=g.inverse_mass,
             mass=g.mass,
-            hidden=hidden,
+            massless=massless,
             floats=g.assembly.floats,
-            senses={p: s.index for p, s in g.senses.items()},
+            senses={p: s.index for p, s in g.feedback.items()},
         )
         offsets.tables = {
-            x: _table_name(g, slot.of) for x, slot in batch.law.pool.slots.items() if slot.role in ("table", "table2")
+            x: _table_name(g, meaning.of) for x, meaning in batch.law.pool.roles.items() if meaning.role in ("table", "table2")
         }  # fmt: skip
-        offsets.locks = {name: g.locks.first[number, name] for name in batch.law.sticks}
+        offsets.constraints = {name: g.constraints.first[number, name] for name in batch.law.constraints}
         code = BatchCode(g.lay, number, batch, offsets)
         for symbol, values in batch.exact.items():
-            if batch.law.pool.slots[symbol].role == "exact":
+            if batch.law.pool.roles[symbol].role == "exact":
                 offsets.exact[symbol] = at
                 g.exact.append((at, column(f"{batch.name}_{identifier(str(symbol))}", [float(v) for v in values])))
                 at += len(batch.components)
@@ -119,14 +119,14 @@ def _table_name(g: Generator, table: Table | Table2) -> str:
 
 def _laws(g: Generator) -> None:
     flange_tau = 0
-    if g.assembly.n_hidden:
+    if g.assembly.n_massless:
         lay_out_massless(g)
     for code in g.codes:
         prescribed_motion_functions(g, code)
         _rates(g, code)
         event_functions(g, code)
         for flange in code.batch.flanges:
-            code.offsets.tau[flange] = flange_tau
+            code.offsets.flange_torques[flange] = flange_tau
             flange_tau += code.n
     _supplies(g)
     loss_offsets(g)
@@ -143,7 +143,7 @@ def _shows(g: Generator, code: BatchCode) -> None:
     """Outputs of the blocks; those that read unwrapped angles apart."""
     shows: dict[bool, list[Assignment]] = {False: [], True: []}
     for i, (show, expr) in enumerate(code.shows):
-        unwrapped = (code.number, i) in g.turns.whole
+        unwrapped = (code.number, i) in g.wrapping.whole
         out = Operand(Role.OUTPUTS, len(g.outputs), instance=True)
         shows[unwrapped].append(Assignment(out, "=", located(expr) if unwrapped else expr))
         g.outputs += shown(g, code, show.name, show.unit, show.words)
@@ -152,7 +152,7 @@ def _shows(g: Generator, code: BatchCode) -> None:
 
 
 def _flange_torque(code: BatchCode, flange: str) -> Operand:
-    return Operand(Role.FLANGE_TORQUES, code.offsets.tau[flange], instance=True)
+    return Operand(Role.FLANGE_TORQUES, code.offsets.flange_torques[flange], instance=True)
 
 
 def _state(g: Generator, code: BatchCode, state: str, vector: Role) -> Operand:
@@ -162,13 +162,13 @@ def _state(g: Generator, code: BatchCode, state: str, vector: Role) -> Operand:
 
 def _supplies(g: Generator) -> None:
     """Places in the ledger for the power of prescribed motions."""
-    if g.motion is not None:
-        g.supply0 = g.tail
-        for i in g.motion.powered:
-            drive = g.motion.followers[i].drive
+    if g.dependent is not None:
+        g.supply0 = g.n_end
+        for i in g.dependent.powered:
+            drive = g.dependent.dependent_groups[i].prescribed
             assert drive is not None
-            g.integrals.append(IntegralInfo(drive.path, "supplied", g.tail))
-            g.tail += 1
+            g.integrals.append(IntegralInfo(drive.path, "supplied", g.n_end))
+            g.n_end += 1
 
 
 def _rates(g: Generator, code: BatchCode) -> None:
@@ -176,17 +176,17 @@ def _rates(g: Generator, code: BatchCode) -> None:
     batch = code.batch
     own = [j for j in range(len(code.speeds)) if batch.used[j] and not batch.dependent[j]]
     assignments = [Assignment(Operand(Role.RATES, f"q{j}"), "=", code.speeds[j]) for j in own]
-    assignments += [code.torque(f, expr) for f, expr in code.torques.items() if batch.groups[f][0] != HELD]
+    assignments += [code.torque(f, expr) for f, expr in code.torques.items() if batch.groups[f][0] != GROUND_GROUP]
     assignments += [Assignment(_state(g, code, x, Role.RATES), "=", expr) for x, expr in code.rates.items()]
     for part, entry in (("loss", code.loss), ("supplied", code.supplied)):
         if entry is not None:
-            place = Operand(Role.RATES, g.tail, instance=True)
+            place = Operand(Role.RATES, g.n_end, instance=True)
             assignments.append(Assignment(place, "=", entry, full=True))
-            if part == "loss" and code.late_loss is not None:
-                late = Assignment(place, "+=", code.late_loss, full=True)
+            if part == "loss" and code.constraint_loss is not None:
+                late = Assignment(place, "+=", code.constraint_loss, full=True)
                 g.keep("late_rates", code.function("late_rates", [late]))
-            g.integrals += [IntegralInfo(code.paths[e], part, g.tail + e) for e in range(code.n)]
-            g.tail += code.n
+            g.integrals += [IntegralInfo(code.paths[e], part, g.n_end + e) for e in range(code.n)]
+            g.n_end += code.n
     function = code.function("rates", assignments)
     function.take(code.coordinate_argument(j) for j in own)
     g.keep("rates", function)
@@ -197,10 +197,10 @@ def _bodies(g: Generator, code: BatchCode) -> None:
     inertial: list[Assignment] = []
     energy: list[Assignment] = []
     for flange, J in code.law.bodies:
-        if code.batch.groups[flange][0] != HELD:
+        if code.batch.groups[flange][0] != GROUND_GROUP:
             g.keep("masses", code.mass(flange, J))
     for flange, J in code.law.bodies:
-        if code.batch.groups[flange][0] == HELD:
+        if code.batch.groups[flange][0] == GROUND_GROUP:
             continue
         w = code.law.pool.symbol("w", flange, f"w_{flange}")
         alpha = code.law.pool.symbol("alpha", flange, f"alpha_{flange}")
@@ -227,7 +227,7 @@ def _coordinate_outputs(g: Generator) -> list[str]:
 
         def leaf(x: Any, names: dict[Any, str] = names) -> Any:
             signal = x.op == "sense"
-            offset = g.senses[x.args[0]].index if signal else g.lay.shared[x.args[0].name]
+            offset = g.feedback[x.args[0]].index if signal else g.lay.shared[x.args[0].name]
             text = str(Operand(Role.FEEDBACK_SIGNALS if signal else Role.PARAMETERS, offset))
             symbol = sp.Symbol(text, real=True)
             names[symbol] = text
@@ -246,8 +246,8 @@ def _program(g: Generator, source: str, key: str) -> Program:
         g.assembly.train.name, source, key, tuple(lay.parameters),
         tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(state_quantities(g)), tuple(g.switches),
         tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
-        tuple(start_infos(g)), g.assembly.structural, tuple(follower_infos(g)),
-        tuple(moved_infos(g)), tuple(unknown_outputs(g)),
+        tuple(start_infos(g)), g.assembly.structural, tuple(dependent_starts(g)),
+        tuple(prescribed_starts(g)), tuple(unknown_outputs(g)),
     )  # fmt: skip
 
 

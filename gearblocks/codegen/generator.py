@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from gearblocks.assembly.angle_wrapping import Turns
+from gearblocks.assembly.angle_wrapping import AngleWrapping
 from gearblocks.assembly.tables import Assembly
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.function import Column, Function
@@ -30,9 +30,9 @@ class Generator:
 
     assembly: Assembly
     lay: Layout
-    turns: Turns = field(default_factory=Turns)
+    wrapping: AngleWrapping = field(default_factory=AngleWrapping)
     codes: list[BatchCode] = field(default_factory=list)
-    senses: dict[str, FeedbackSignal] = field(default_factory=dict)
+    feedback: dict[str, FeedbackSignal] = field(default_factory=dict)
     tables: dict[str, tuple[str, Table]] = field(default_factory=dict)
     maps: dict[str, tuple[str, Table2, list[str]]] = field(default_factory=dict)
     n_par: int = 0
@@ -55,12 +55,12 @@ class Generator:
     n_surfaces: int = 0
     inverse_mass: int = 0
     mass: int = 0
-    motion: DependentGroups | None = None
-    locks: SwitchedConstraints = field(default_factory=SwitchedConstraints)
+    dependent: DependentGroups | None = None
+    constraints: SwitchedConstraints = field(default_factory=SwitchedConstraints)
     massless: Massless | None = None
     mobile: list[int] = field(default_factory=list)
     supply0: int = 0
-    tail: int = 0
+    n_end: int = 0
     linear: Linear | None = None
 
     def shared_times(self, late: bool) -> list[Statement]:

@@ -25,7 +25,7 @@ def lay_out_terms(g: Generator, code: BatchCode) -> None:
     prepare: list[Assignment] = []
     times: dict[bool, list[Assignment]] = {False: [], True: []}
     means: list[Assignment] = []
-    moving = code.moving_terms({path.rpartition(".")[2] for path in g.senses})
+    moving = code.moving_terms({path.rpartition(".")[2] for path in g.feedback})
     inner = {c.symbol: c.expr for c in code.hoister.columns}
     for item in code.hoister.columns:
         words = of_expression(item.expr, inner, code.offsets.tables)

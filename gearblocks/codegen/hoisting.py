@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.laws.symbols import CONSTANT, MOVING, TIMED, Pool, Slot
+from gearblocks.laws.symbols import CONSTANT, MOVING, TIMED, Pool, SymbolRole
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +111,7 @@ class Hoister:
         if (level, expr) not in self._known:
             symbol = sp.Symbol(f"column{len(self.columns)}", real=True)
             shared = self._is_common(expr)
-            self.pool.slots[symbol] = Slot("column", (level, shared))
+            self.pool.roles[symbol] = SymbolRole("column", (level, shared))
             self.columns.append(HoistedTerm(symbol, expr, level, shared))
             self._known[level, expr] = symbol
         return self._known[level, expr]
@@ -121,10 +121,10 @@ class Hoister:
         return all(self._is_shared(x) for x in expr.free_symbols)
 
     def _is_shared(self, symbol: Any) -> bool:
-        slot = self.pool.slots[symbol]
-        if slot.role == "column":
-            return bool(slot.of[1])
-        return slot.role not in ("own", "exact", "mobility", "mode")
+        meaning = self.pool.roles[symbol]
+        if meaning.role == "column":
+            return bool(meaning.of[1])
+        return meaning.role not in ("own", "exact", "mobility", "mode")
 
 
 def _is_plain(expr: Any) -> bool:

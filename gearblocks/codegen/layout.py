@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from gearblocks.assembly.assemble import HELD
+from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Assembly, Batch
 from gearblocks.codegen.program import ParameterInfo
 from gearblocks.language.block import given_start
@@ -51,10 +51,10 @@ class Layout:
     path_of: dict[str, int] = field(default_factory=dict)
 
 
-def lay_out(assembly: Assembly, *, angles_in_law: bool, n_counted: int = 0) -> Layout:
+def lay_out(assembly: Assembly, *, angles_in_law: bool, n_wrapped: int = 0) -> Layout:
     """State vector and parameter vector; the rest follows while code is generated.
 
-    n_counted: angles whose turns are counted; each has a count and a carry at the start of the tail.
+    n_wrapped: angles whose turns are counted; each has a count and a carry at the start of the tail.
     """
     lay = Layout(assembly)
     lay.n_coordinates = len(assembly.rows)
@@ -69,7 +69,7 @@ def lay_out(assembly: Assembly, *, angles_in_law: bool, n_counted: int = 0) -> L
     lay.v0 = at
     lay.n = at + assembly.n_speeds
     lay.n_padded = padded(lay.n + (1 if lay.n == 0 else 0))
-    lay.n_angles = 2 * n_counted if angles_in_law else len(assembly.angles)
+    lay.n_angles = 2 * n_wrapped if angles_in_law else len(assembly.angles)
     if not angles_in_law:
         lay.angle0 = lay.n_padded
     lay.tail = lay.n_padded + lay.n_angles
@@ -171,4 +171,4 @@ def _start_values(lay: Layout) -> None:
 
 def speed_index(lay: Layout, batch: Batch, flange: str) -> list[int]:
     """Where the speed of a flange lies in the state vector, per instance (held flanges have none)."""
-    return [0 if g == HELD else lay.v0 + g for g in batch.groups[flange]]
+    return [0 if g == GROUND_GROUP else lay.v0 + g for g in batch.groups[flange]]

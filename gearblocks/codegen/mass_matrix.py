@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from gearblocks.assembly.kinematics import Driven
+from gearblocks.assembly.kinematics import PrescribedRow
 from gearblocks.codegen.function import Argument, column
 from gearblocks.codegen.jacobian.sparsity import eliminate
 from gearblocks.codegen.operands import Assignment, Operand, Role
@@ -23,70 +23,72 @@ if TYPE_CHECKING:
 
 
 def lay_out_mass(g: Generator, at: int) -> int:
-    """Fills g.motion and places inertias, mobilities and (where it is constant) the factored mass matrix in par[]."""
-    motion = g.motion = DependentGroups(g.assembly.followers)
+    """Fills g.dependent and places inertias, mobilities and (where it is constant) the factored mass matrix in par[]."""
+    dependent = g.dependent = DependentGroups(g.assembly.dependent_groups)
     laws = {i: batch.law for batch in g.assembly.batches for i in batch.components}
-    for i, f in enumerate(motion.followers):
+    for i, f in enumerate(dependent.dependent_groups):
         if f.row is not None:
-            motion.index += f.row.groups
-            motion.value += [float(c) for c in f.row.groups.values()]
+            dependent.index += f.row.groups
+            dependent.value += [float(c) for c in f.row.groups.values()]
         else:
-            assert f.drive is not None
-            gains = laws[f.drive.component].drives[f.drive.number].gains
-            for flange, (group, factor) in f.drive.factors.items():
+            assert f.prescribed is not None
+            gains = laws[f.prescribed.component].prescribed[f.prescribed.number].gains
+            for flange, (group, factor) in f.prescribed.factors.items():
                 if gains[flange].is_number:
-                    motion.value.append(float(gains[flange]) * float(factor))
+                    dependent.value.append(float(gains[flange]) * float(factor))
                 else:
-                    motion.dynamic = True
-                    motion.slots[i, flange] = len(motion.value)
-                    motion.value.append(0.0)
-                motion.index.append(group)
-        motion.start.append(len(motion.index))
-    for i, f in enumerate(motion.followers):
-        if f.drive is not None:  # gains of flanges that the ground holds: their reactions need them
-            for flange, gain in laws[f.drive.component].drives[f.drive.number].gains.items():
-                if flange not in f.drive.factors and not gain.is_number:
-                    motion.slots[i, flange] = len(motion.value)
-                    motion.value.append(0.0)
-    _rows(g, motion)
-    _matrix(g, motion)
+                    dependent.dynamic = True
+                    dependent.slots[i, flange] = len(dependent.value)
+                    dependent.value.append(0.0)
+                dependent.index.append(group)
+        dependent.start.append(len(dependent.index))
+    for i, f in enumerate(dependent.dependent_groups):
+        if f.prescribed is not None:  # gains of flanges that the ground holds: their reactions need them
+            for flange, gain in laws[f.prescribed.component].prescribed[f.prescribed.number].gains.items():
+                if flange not in f.prescribed.factors and not gain.is_number:
+                    dependent.slots[i, flange] = len(dependent.value)
+                    dependent.value.append(0.0)
+    _rows(g, dependent)
+    _matrix(g, dependent)
     g.mass = at
-    return at + g.assembly.n_groups + g.assembly.n_speeds + len(motion.pattern.row)
+    return at + g.assembly.n_groups + g.assembly.n_speeds + len(dependent.pattern.row)
 
 
-def _rows(g: Generator, motion: DependentGroups) -> None:
+def _rows(g: Generator, dependent: DependentGroups) -> None:
     """Rows of the dependent groups with inertia, and of those that such groups follow from."""
-    order = {f.group: i for i, f in enumerate(motion.followers)}
-    wanted = {order[group] for group in g.assembly.massive if group in order}
-    for i in reversed(range(len(motion.followers))):
+    order = {f.group: i for i, f in enumerate(dependent.dependent_groups)}
+    wanted = {order[group] for group in g.assembly.with_inertia if group in order}
+    for i in reversed(range(len(dependent.dependent_groups))):
         if i in wanted:
-            wanted.update(order[s] for s in motion.followers[i].sources if s in order)
+            wanted.update(order[s] for s in dependent.dependent_groups[i].sources if s in order)
     for i in sorted(wanted):
         row: dict[int, int] = {}
-        for k in range(motion.start[i], motion.start[i + 1]):
-            source = motion.index[k]
-            inner = motion.rows[order[source]] if source in order else {source: -1}
+        for k in range(dependent.start[i], dependent.start[i + 1]):
+            source = dependent.index[k]
+            inner = dependent.rows[order[source]] if source in order else {source: -1}
             for speed, entry in inner.items():
                 if speed not in row:
-                    row[speed] = motion.n_entries
-                    motion.n_entries += 1
-                motion.steps.append((row[speed], k, entry))
-        motion.rows[i] = row
+                    row[speed] = dependent.n_entries
+                    dependent.n_entries += 1
+                dependent.steps.append((row[speed], k, entry))
+        dependent.rows[i] = row
 
 
-def _matrix(g: Generator, motion: DependentGroups) -> None:
+def _matrix(g: Generator, dependent: DependentGroups) -> None:
     """The pattern of the mass matrix and what dependent groups add to it."""
     pairs: set[tuple[int, int]] = set()
-    massive = [(i, f.group) for i, f in enumerate(motion.followers) if f.group in g.assembly.massive]
-    for i, _ in massive:
-        speeds = sorted(motion.rows[i])
+    with_inertia = [
+        (i, f.group) for i, f in enumerate(dependent.dependent_groups) if f.group in g.assembly.with_inertia
+    ]
+    for i, _ in with_inertia:
+        speeds = sorted(dependent.rows[i])
         pairs.update((a, b) for n, a in enumerate(speeds) for b in speeds[:n])
-    pattern = motion.pattern = eliminate(g.assembly.n_speeds, pairs)
-    for i, group in massive:
-        row = motion.rows[i]
+    pattern = dependent.pattern = eliminate(g.assembly.n_speeds, pairs)
+    for i, group in with_inertia:
+        row = dependent.rows[i]
         for a in row:
-            motion.products.append((-1 - pattern.steps[a], row[a], row[a], group))
-            motion.products += [
+            dependent.products.append((-1 - pattern.steps[a], row[a], row[a], group))
+            dependent.products += [
                 (pattern.place(a, b), row[a], row[b], group) for b in row if pattern.steps[b] > pattern.steps[a]
             ]
 
@@ -94,19 +96,19 @@ def _matrix(g: Generator, motion: DependentGroups) -> None:
 def check_mobility(g: Generator, used: Iterable[tuple[int, str]]) -> list[int]:
     """The groups whose mobility laws read. ModelError for those where it is infinite or changes with the state."""
     groups: dict[int, str] = dict(used)
-    a, motion = g.assembly, g.motion
-    if motion is None:
+    a, dependent = g.assembly, g.dependent
+    if dependent is None:
         return []
-    changing = _changing(motion)
-    order = {f.group: i for i, f in enumerate(motion.followers)}
+    changing = _changing(dependent)
+    order = {f.group: i for i, f in enumerate(dependent.dependent_groups)}
     for group, path in groups.items():
-        if a.n_speeds <= group < a.n_speeds + a.n_hidden:
+        if a.n_speeds <= group < a.n_speeds + a.n_massless:
             raise ModelError(
                 f"'{path}': damping_ratio needs inertia on both sides, and a shaft beside has none; give c"
             )
-        touched = set(motion.rows.get(order[group], ())) if group in order else {group}
+        touched = set(dependent.rows.get(order[group], ())) if group in order else {group}
         if touched & changing or (
-            group in order and order[group] not in motion.rows and motion.followers[order[group]].sources
+            group in order and order[group] not in dependent.rows and dependent.dependent_groups[order[group]].sources
         ):
             raise ModelError(
                 f"'{path}': damping_ratio needs a constant inertia beside, and this one changes with the position; give c"
@@ -114,17 +116,17 @@ def check_mobility(g: Generator, used: Iterable[tuple[int, str]]) -> list[int]:
     return sorted(groups)
 
 
-def _changing(motion: DependentGroups) -> set[int]:
+def _changing(dependent: DependentGroups) -> set[int]:
     """Speeds whose inertia changes with the state."""
-    slots = set(motion.slots.values())
+    slots = set(dependent.slots.values())
     moved: set[int] = set()
     found: set[int] = set()
-    order = {f.group: i for i, f in enumerate(motion.followers)}
-    for i in range(len(motion.followers)):
-        entries = range(motion.start[i], motion.start[i + 1])
-        if any(k in slots or order.get(motion.index[k]) in moved for k in entries):
+    order = {f.group: i for i, f in enumerate(dependent.dependent_groups)}
+    for i in range(len(dependent.dependent_groups)):
+        entries = range(dependent.start[i], dependent.start[i + 1])
+        if any(k in slots or order.get(dependent.index[k]) in moved for k in entries):
             moved.add(i)
-            found.update(motion.rows.get(i, ()))
+            found.update(dependent.rows.get(i, ()))
     return found
 
 
@@ -133,10 +135,14 @@ def _changing(motion: DependentGroups) -> set[int]:
 
 def prescribed_motion_functions(g: Generator, code: BatchCode) -> None:
     """Functions of the prescribed motions of one batch: angle, gains, velocity and acceleration bias."""
-    motion = g.motion
-    if motion is None:
+    dependent = g.dependent
+    if dependent is None:
         return
-    mine = {(f.drive.component, f.drive.number): (i, f.drive) for i, f in enumerate(motion.followers) if f.drive}
+    mine = {
+        (f.prescribed.component, f.prescribed.number): (i, f.prescribed)
+        for i, f in enumerate(dependent.dependent_groups)
+        if f.prescribed
+    }
     for number, drive in enumerate(code.drives):
         rows = [mine[c, number] for c in code.batch.components]
         scale = column(f"{code.batch.name}_scale{number}", [float(d.scale) for _, d in rows])
@@ -150,14 +156,14 @@ def prescribed_motion_functions(g: Generator, code: BatchCode) -> None:
             angle = _scaled(code, f"drive_angle{number}", target, drive.angle, [factor, into])
             g.keep("drive_angles", angle)
             for e, (i, _) in enumerate(rows):
-                motion.calls[i] = Call(angle, e)
-        if drive.bias != 0:
+                dependent.calls[i] = Call(angle, e)
+        if drive.velocity_bias != 0:
             target = Operand(Role.VELOCITY_BIASES, f"follower{number}")
-            g.keep("drive_values", _scaled(code, f"drive_bias{number}", target, drive.bias, args))
-            motion.powered += [i for i, _ in rows]
-        if drive.surplus != 0:
+            g.keep("drive_values", _scaled(code, f"drive_bias{number}", target, drive.velocity_bias, args))
+            dependent.powered += [i for i, _ in rows]
+        if drive.acceleration_bias != 0:
             target = Operand(Role.ACCELERATION_BIASES, f"follower{number}")
-            g.keep("drive_surplus", _scaled(code, f"drive_surplus{number}", target, drive.surplus, args))
+            g.keep("drive_surplus", _scaled(code, f"drive_surplus{number}", target, drive.acceleration_bias, args))
         for flange, gain in drive.gains.items():
             if not gain.is_number:
                 _gain_function(g, code, number, flange, gain, rows)
@@ -171,15 +177,15 @@ def _scaled(code: BatchCode, name: str, target: Operand, expr: Any, arguments: l
 
 
 def _gain_function(
-    g: Generator, code: BatchCode, number: int, flange: str, gain: Any, rows: list[tuple[int, Driven]]
+    g: Generator, code: BatchCode, number: int, flange: str, gain: Any, rows: list[tuple[int, PrescribedRow]]
 ) -> None:  # fmt: skip
-    assert g.motion is not None
-    slots = [g.motion.slots[i, flange] for i, _ in rows]
+    assert g.dependent is not None
+    slots = [g.dependent.slots[i, flange] for i, _ in rows]
     factors = [float(d.factors[flange][1] if flange in d.factors else d.scale) for _, d in rows]
     name = f"{code.batch.name}_{number}_{flange}"
     args = [
         Argument("double", f"factor{number}", column(f"{name}_factor", factors)),
-        Argument("int", f"slot{number}", column(f"{name}_slot", slots)),
+        Argument("int", f"meaning{number}", column(f"{name}_slot", slots)),
     ]
-    target = Operand(Role.GAINS, f"slot{number}")
+    target = Operand(Role.GAINS, f"meaning{number}")
     g.keep("drive_values", _scaled(code, f"drive_gain{number}_{flange}", target, gain, args))

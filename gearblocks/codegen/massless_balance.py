@@ -10,7 +10,7 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.tables import HELD, Batch
+from gearblocks.assembly.tables import GROUND_GROUP, Batch
 from gearblocks.codegen.parts import Balance, MasslessRows
 from gearblocks.laws.law import Law
 from gearblocks.laws.symbols import clock
@@ -23,18 +23,18 @@ def balance_of(batch: Batch, hoist: Callable[[Any], Any], rows: MasslessRows, fl
     speeds = {f: law.pool.symbol("w", f, f"w_{f}") for f in at}
     result = Balance()
     for f in at:
-        if f not in law.torques or batch.groups[f][0] == HELD:
+        if f not in law.torques or batch.groups[f][0] == GROUND_GROUP:
             continue
         torque = law.torques[f].xreplace(law.forces)
         alone = all(floats.isdisjoint(rows.get(group, ())) for group in batch.groups[f])
         growth = _rate(law, torque, damped=alone)
-        result.torques[f], result.growths[f] = hoist(torque), hoist(growth)
+        result.torques[f], result.torque_rates[f] = hoist(torque), hoist(growth)
         for other, w in speeds.items():
             drag, stiffness = sp.diff(torque, w), _stiffness(law, torque, other)
             if drag != 0:
-                result.drags[f, other] = hoist(drag)
+                result.damping_entries[f, other] = hoist(drag)
             if stiffness != 0:
-                result.stiffnesses[f, other] = hoist(stiffness)
+                result.stiffness_entries[f, other] = hoist(stiffness)
     return result
 
 
@@ -49,7 +49,7 @@ def _stiffness(law: Law, torque: Any, flange: str) -> Any:
 def _rate(law: Law, torque: Any, *, damped: bool) -> Any:
     """Torque rate. What dampers add to it is left aside: it cancels at a floating group, and a `damped` group needs no rate
     (0)."""
-    speeds = [x for x in torque.free_symbols if law.pool.slots[x].role == "w"]
+    speeds = [x for x in torque.free_symbols if law.pool.roles[x].role == "w"]
     if speeds and damped:
         return sp.Integer(0)
     torque = torque.xreplace(dict.fromkeys(speeds, sp.Integer(0)))
@@ -59,9 +59,9 @@ def _rate(law: Law, torque: Any, *, damped: bool) -> Any:
         if slope != 0:
             total += slope * sum(c * law.pool.symbol("w", n, f"w_{n}") for n, c in form.coefficients.items())
     for x in list(torque.free_symbols):
-        slot = law.pool.slots[x]
-        if slot.role == "phi":
-            total += sp.diff(torque, x) * law.pool.symbol("w", slot.of, f"w_{slot.of}")
-        elif slot.role == "state":
-            total += sp.diff(torque, x) * law.rates[slot.of]
+        meaning = law.pool.roles[x]
+        if meaning.role == "phi":
+            total += sp.diff(torque, x) * law.pool.symbol("w", meaning.of, f"w_{meaning.of}")
+        elif meaning.role == "state":
+            total += sp.diff(torque, x) * law.rates[meaning.of]
     return total

@@ -29,13 +29,13 @@ if TYPE_CHECKING:
 
 def massless_rows(assembly: Assembly) -> MasslessRows:
     """Factors on the massless groups by every group that moves with one. ModelError for a prescribed motion that does."""
-    first, last = assembly.n_speeds, assembly.n_speeds + assembly.n_hidden
+    first, last = assembly.n_speeds, assembly.n_speeds + assembly.n_massless
     found: MasslessRows = {group: {group - first: 1} for group in range(first, last)}
-    for f in assembly.followers:
+    for f in assembly.dependent_groups:
         touched = [s for s in f.sources if s in found]
-        if touched and f.drive is not None:
+        if touched and f.prescribed is not None:
             raise ModelError(
-                f"'{f.drive.path}' moves with a shaft that has no inertia; give that shaft an Inertia with J > 0"
+                f"'{f.prescribed.path}' moves with a shaft that has no inertia; give that shaft an Inertia with J > 0"
             )
         if touched and f.row is not None:
             row: dict[int, Exact] = {}
@@ -51,16 +51,16 @@ def lay_out_massless(g: Generator) -> None:
     assembly = g.assembly
     rows = massless_rows(assembly)
     balances = {code.number: code.balance for code in g.codes}
-    damped, held = [False] * assembly.n_hidden, [False] * assembly.n_hidden
+    damped, held = [False] * assembly.n_massless, [False] * assembly.n_massless
     pairs: set[tuple[int, int]] = set()
     for code in g.codes:
-        for entries, marks in ((code.balance.drags, damped), (code.balance.stiffnesses, held)):
+        for entries, marks in ((code.balance.damping_entries, damped), (code.balance.stiffness_entries, held)):
             for (f, other), _ in entries.items():
                 for a, b in _numbers(code, rows, f, other):
                     pairs.add((a, b))
                     if a == b and (marks is held or a not in assembly.floats):
                         marks[a] = True
-    for i in range(assembly.n_hidden):
+    for i in range(assembly.n_massless):
         if not damped[i] and not held[i]:
             raise ModelError(
                 f"the shaft at '{assembly.starts[assembly.n_speeds + i].phi0}' has no inertia, and neither spring nor damper "
@@ -68,12 +68,14 @@ def lay_out_massless(g: Generator) -> None:
             )
     _refuse_inputs(g, rows, damped)
     affine = all(
-        not (sp.sympify(e).free_symbols & {x for x, s in g.codes[n].law.pool.slots.items() if s.role == "w"})
-        for n, balance in balances.items() for e in (*balance.drags.values(), *balance.stiffnesses.values())
+        not (sp.sympify(e).free_symbols & {x for x, s in g.codes[n].law.pool.roles.items() if s.role == "w"})
+        for n, balance in balances.items() for e in (*balance.damping_entries.values(), *balance.stiffness_entries.values())
     )  # fmt: skip
     given = _given(assembly, rows)
-    free = [i not in given or not damped[i] for i in range(assembly.n_hidden)]  # given_starts.py checks the second
-    g.massless = Massless(rows, assembly.floats, damped, free, eliminate(assembly.n_hidden, pairs), affine, _shifts(g))
+    free = [i not in given or not damped[i] for i in range(assembly.n_massless)]  # given_starts.py checks the second
+    g.massless = Massless(
+        rows, assembly.floats, damped, free, eliminate(assembly.n_massless, pairs), affine, _shifts(g)
+    )
     for code in g.codes:
         _functions(g, code)
 
@@ -99,7 +101,7 @@ def _refuse_inputs(g: Generator, rows: MasslessRows, damped: list[bool]) -> None
     for code in g.codes:
         for f, torque in code.balance.torques.items():
             inner = {x for c in code.hoister.columns for x in c.expr.free_symbols if c.symbol in torque.free_symbols}
-            roles = {code.law.pool.slots[x].role for x in inner | torque.free_symbols}
+            roles = {code.law.pool.roles[x].role for x in inner | torque.free_symbols}
             for e, group in enumerate(code.batch.groups[f]):
                 if not all(damped[i] for i in rows.get(group, ())) and roles & {"input", "sense"}:
                     raise ModelError(
@@ -112,13 +114,13 @@ def _shifts(g: Generator) -> list[dict[int, Exact]]:
     """The states that the angle of each massless group moves."""
     assembly, lay = g.assembly, g.lay
     first = assembly.n_speeds
-    found: list[dict[int, Exact]] = [{} for _ in range(assembly.n_hidden)]
+    found: list[dict[int, Exact]] = [{} for _ in range(assembly.n_massless)]
     for i, row in enumerate(assembly.rows):
         for group, c in row.items():
-            if first <= group < first + assembly.n_hidden:
+            if first <= group < first + assembly.n_massless:
                 found[group - first][i] = c
     for i, group in enumerate(assembly.angles):
-        if first <= group < first + assembly.n_hidden:
+        if first <= group < first + assembly.n_massless:
             found[group - first][lay.angle0 + i] = 1
     return found
 
@@ -128,7 +130,7 @@ def _functions(g: Generator, code: BatchCode) -> None:
     massless, balance = g.massless, code.balance
     assert massless is not None
     for what, vector, exprs in (
-        ("torque", Role.TORQUES, balance.torques), ("growth", Role.TORQUE_RATES, balance.growths),
+        ("torque", Role.TORQUES, balance.torques), ("growth", Role.TORQUE_RATES, balance.torque_rates),
     ):  # fmt: skip
         elastic = vector is Role.TORQUE_RATES
         assignments = [
@@ -136,7 +138,10 @@ def _functions(g: Generator, code: BatchCode) -> None:
         ]
         if assignments and not (elastic and all(massless.damped)):
             g.keep(f"massless_{what}", code.function(f"massless_{what}", assignments))
-    for vector, entries in ((Role.DAMPING_ENTRIES, balance.drags), (Role.STIFFNESS_ENTRIES, balance.stiffnesses)):
+    for vector, entries in (
+        (Role.DAMPING_ENTRIES, balance.damping_entries),
+        (Role.STIFFNESS_ENTRIES, balance.stiffness_entries),
+    ):
         if entries:
             g.keep("massless_slopes", _slopes(code, massless, vector, entries))
 

@@ -54,7 +54,7 @@ def mean_of(expr: Any, code: BatchCode) -> Any:
 
 def _runs(expr: Any, code: BatchCode) -> bool:
     """Whether time or a switch of time stands in the expression."""
-    return any(x == clock() or code.law.pool.slots[x].role == "mode" for x in expr.free_symbols)
+    return any(x == clock() or code.law.pool.roles[x].role == "mode" for x in expr.free_symbols)
 
 
 def _standing(rate: Any) -> Any:
@@ -81,7 +81,7 @@ def _mean_of_power(expr: Any, code: BatchCode) -> Any:
         return _mean_of_wave(base, int(exponent))
     if base.is_Add and exponent <= _LARGEST_POWER:
         return mean_of(sp.expand_multinomial(expr), code)
-    if base.is_Symbol and code.law.pool.slots[base].role == "mode":
+    if base.is_Symbol and code.law.pool.roles[base].role == "mode":
         return _mean_of_mode(base, code)  # 0 or 1, as its powers
     return mean_of(base, code) ** exponent
 
@@ -90,19 +90,19 @@ def _mean_of_mode(mode: Any, code: BatchCode) -> Any:
     """The share of the cycle in which a square wave is on; other modes as they are."""
     if mode == clock():
         return mode
-    slot = code.law.pool.slots[mode]
-    assert isinstance(slot.of, Mode)
-    if code.events.sorts[slot.of.number] != "wave":
+    meaning = code.law.pool.roles[mode]
+    assert isinstance(meaning.of, Mode)
+    if code.events.sorts[meaning.of.number] != "wave":
         return mode
-    size, rate, _, offset = code.events.wave(slot.of.number)
+    size, rate, _, offset = code.events.wave(meaning.of.number)
     share = sp.acos(sp.Min(1, sp.Max(-1, -offset / sp.Abs(size)))) / sp.pi
     return share + _standing(rate) * (mode - share)
 
 
 def _mean_of_table(expr: Any, code: BatchCode) -> Any:
-    table = code.law.pool.slots[expr.args[0]].of
+    table = code.law.pool.roles[expr.args[0]].of
     stepped = len(expr.args) == 4 and expr.args[1] == 0  # a step needs its mode alone
-    found = line(code.law.switches[code.law.pool.slots[expr.args[3]].of.number].surface if stepped else expr.args[1])
+    found = line(code.law.switches[code.law.pool.roles[expr.args[3]].of.number].surface if stepped else expr.args[1])
     if found is None or not table.periodic:
         return expr
     mean = sp.Float(mean_of_cycle(table)) if expr.args[2] == 0 else sp.Integer(0)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gearblocks.assembly.assemble import HELD, expand_rows
+from gearblocks.assembly.assemble import GROUND_GROUP, expand_rows
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator
-from gearblocks.codegen.program import FollowerInfo, MovedInfo, Quantity, StartInfo
+from gearblocks.codegen.program import DependentStart, PrescribedStart, Quantity, StartInfo
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import flange_names, slider_names, unit_along, words_along
@@ -74,7 +74,7 @@ def start_infos(g: Generator) -> Iterator[StartInfo]:
         for flange, _ in code.law.bodies:
             groups, gains = code.batch.groups[flange], code.batch.gains[flange]
             for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
-                if group != HELD and group < len(g.assembly.starts):
+                if group != GROUND_GROUP and group < len(g.assembly.starts):
                     start, (angle, speed, _, _) = g.assembly.starts[group], flange_names(flange in c.sliders)
                     yield StartInfo(f"{c.path}.{angle}", g.lay.phi0[group], float(start.phi0_gain / gain), ANGLE)
                     if group < g.assembly.n_speeds:
@@ -85,7 +85,7 @@ def start_infos(g: Generator) -> Iterator[StartInfo]:
                 yield StartInfo(f"{code.paths[e]}.{state}", first + e, 1.0, "state")
 
 
-def follower_infos(g: Generator) -> Iterator[FollowerInfo]:
+def dependent_starts(g: Generator) -> Iterator[DependentStart]:
     """Start values of bodies on shafts that follow through ties."""
     a, lay = g.assembly, g.lay
     expanded = expand_rows(a)
@@ -98,13 +98,13 @@ def follower_infos(g: Generator) -> Iterator[FollowerInfo]:
                 row, (angle, speed, _, _) = expanded[group], flange_names(flange in c.sliders)
                 offsets = {lay.path_of[path]: float(gain * x) for path, x in row.offsets.items()}
                 phi = {lay.phi0[s]: float(gain * x / a.starts[s].phi0_gain) for s, x in row.groups.items()}
-                yield FollowerInfo(f"{c.path}.{angle}", (*phi, *offsets), (*phi.values(), *offsets.values()), ANGLE)
+                yield DependentStart(f"{c.path}.{angle}", (*phi, *offsets), (*phi.values(), *offsets.values()), ANGLE)
                 if all(s < a.n_speeds for s in row.groups):
                     w = {lay.w0[s]: float(gain * x / a.starts[s].w0_gain) for s, x in row.groups.items()}
-                    yield FollowerInfo(f"{c.path}.{speed}", tuple(w), tuple(w.values()), SPEED)
+                    yield DependentStart(f"{c.path}.{speed}", tuple(w), tuple(w.values()), SPEED)
 
 
-def moved_infos(g: Generator) -> Iterator[MovedInfo]:
+def prescribed_starts(g: Generator) -> Iterator[PrescribedStart]:
     """Start values of bodies on shafts that drives move, or whose speed or angle a balance of torques gives."""
     causes = _causes(g)
     for code in g.codes:
@@ -113,26 +113,30 @@ def moved_infos(g: Generator) -> Iterator[MovedInfo]:
                 found = causes.get(group, {})
                 names = flange_names(flange in c.sliders)
                 if "speed" in found:
-                    yield MovedInfo(f"{c.path}.{names[1]}", f"{c.path}.{flange}.{names[1]}", *found["speed"], SPEED)
+                    yield PrescribedStart(
+                        f"{c.path}.{names[1]}", f"{c.path}.{flange}.{names[1]}", *found["speed"], SPEED
+                    )
                 if "angle" in found:
-                    yield MovedInfo(f"{c.path}.{names[0]}", f"{c.path}.{flange}.{names[0]}", *found["angle"], ANGLE)
+                    yield PrescribedStart(
+                        f"{c.path}.{names[0]}", f"{c.path}.{flange}.{names[0]}", *found["angle"], ANGLE
+                    )
 
 
 def _causes(g: Generator) -> dict[int, dict[str, tuple[str, bool]]]:
     """By group: what moves its speed and its angle, in words, and whether a drive does."""
     a, massless = g.assembly, g.massless
     found: dict[int, dict[str, tuple[str, bool]]] = {}
-    for i in range(a.n_hidden):
+    for i in range(a.n_massless):
         words = "the balance of torques at this shaft without inertia holds", False
         held = massless is not None and not massless.damped[i]
         found[a.n_speeds + i] = {"speed": words} | ({"angle": words} if held else {})
-    for f in a.followers:
+    for f in a.dependent_groups:
         causes: dict[str, tuple[str, bool]] = {}
         for source in f.sources:
             causes |= found.get(source, {})
-        if f.drive is not None:
-            words = f"'{f.drive.path}' moves", True
-            causes = {"speed": words} | ({} if f.drive.by_speed else {"angle": words})
+        if f.prescribed is not None:
+            words = f"'{f.prescribed.path}' moves", True
+            causes = {"speed": words} | ({} if f.prescribed.by_speed else {"angle": words})
         if causes:
             found[f.group] = causes
     return found
@@ -140,11 +144,11 @@ def _causes(g: Generator) -> dict[int, dict[str, tuple[str, bool]]]:
 
 def unknown_outputs(g: Generator) -> Iterator[tuple[str]]:
     """Outputs that read the acceleration of a shaft without inertia, which no equation gives."""
-    hidden = g.massless.rows if g.massless is not None else {}
-    for code in g.codes if hidden else ():
-        slots = code.law.pool.slots
+    massless = g.massless.rows if g.massless is not None else {}
+    for code in g.codes if massless else ():
+        slots = code.law.pool.roles
         for show, expr in code.shows:
             read = {slots[x].of for x in expr.free_symbols if x in slots and slots[x].role == "alpha"}
             for e, c in enumerate(components_of(g, code)):
-                if any(code.batch.groups[f][e] in hidden for f in read if f in code.batch.groups):
+                if any(code.batch.groups[f][e] in massless for f in read if f in code.batch.groups):
                     yield (f"{c.path}.{show.name}",)

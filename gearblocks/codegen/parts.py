@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from gearblocks.assembly.kinematics import Follower
+from gearblocks.assembly.kinematics import DependentGroup
 from gearblocks.codegen.function import Function, Names
 from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
 from gearblocks.laws.rational import Exact
 
 if TYPE_CHECKING:
-    from gearblocks.laws.switched_constraints import StickOfKind
+    from gearblocks.laws.switched_constraints import ConstraintLaw
 
 VALUES = 5
 """Numbers per switched constraint that the solver asks for at an event: force bounds, sliding forces, engaged."""
@@ -22,10 +22,10 @@ class SwitchedConstraint:
     """One switched constraint: its component, its row over the groups, its switches and state offsets (-1: none)."""
 
     path: str
-    stick: StickOfKind
+    law: ConstraintLaw
     row: dict[int, float]
     slip: int = -1
-    hold: int = -1
+    active: int = -1
     free: int = -1
     impulse: int = -1
     impacts: int = -1
@@ -35,7 +35,7 @@ class SwitchedConstraint:
     @property
     def kind(self) -> str:
         """Name of its kind in C."""
-        return f"GB_{self.stick.kind.upper()}"
+        return f"GB_{self.law.kind.upper()}"
 
 
 @dataclass(slots=True)
@@ -43,19 +43,19 @@ class SwitchedConstraints:
     """All switched constraints of a train. rows: G over the speeds that they reach (values count where gains do not change
     with the position); speeds: by column. matrix0: offset of the Delassus matrix in par[], where it is constant."""
 
-    locks: list[SwitchedConstraint] = field(default_factory=list)
+    members: list[SwitchedConstraint] = field(default_factory=list)
     first: dict[tuple[int, str], int] = field(default_factory=dict)
     rows: list[dict[int, float]] = field(default_factory=list)
     speeds: list[int] = field(default_factory=list)
     dynamic: bool = False
-    paced: bool = False
+    prescribed: bool = False
     lossy: bool = False
     matrix0: int = 0
 
     @property
     def size(self) -> int:
         """Doubles of the memory behind the modes, as gb_active_size in gb_constraint_rows.h."""
-        n, m = len(self.locks), len(self.speeds)
+        n, m = len(self.members), len(self.speeds)
         return 1 + 3 * n + 2 * n * n + n * m if n else 0
 
 
@@ -67,14 +67,14 @@ MasslessRows = dict[int, dict[int, Exact]]
 class Balance:
     """Torques of one batch on groups that may be massless, and their derivatives.
 
-    torques, growths: torque on a flange and its rate; drags, stiffnesses: damping and stiffness entries, the derivatives of
-    a torque by the speed and the angle of a flange, by (flange, flange).
+    torques, torque_rates: torque on a flange and its rate; damping_entries, stiffness_entries: derivatives of a torque by the
+    speed and by the angle of a flange, by (flange, flange).
     """
 
     torques: dict[str, Any] = field(default_factory=dict)
-    growths: dict[str, Any] = field(default_factory=dict)
-    drags: dict[tuple[str, str], Any] = field(default_factory=dict)
-    stiffnesses: dict[tuple[str, str], Any] = field(default_factory=dict)
+    torque_rates: dict[str, Any] = field(default_factory=dict)
+    damping_entries: dict[tuple[str, str], Any] = field(default_factory=dict)
+    stiffness_entries: dict[tuple[str, str], Any] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
@@ -119,15 +119,15 @@ class Massless:
 
 @dataclass(slots=True)
 class DependentGroups:
-    """w[followers[i]] = velocity bias + sum gain w: entries [start[i], start[i + 1]) of index (group) and value (gain; 0 where
-    it changes with the position).
+    """w of group i = velocity bias + sum gain w: entries [start[i], start[i + 1]) of index (group) and value (gain; 0 where it
+    changes with the position).
 
     rows: by dependent group with inertia: (speed number -> place in the array of row entries). steps: how these entries
     are computed, (target, gain, source entry or -1); products: what they add to the mass matrix, (target: place, or -1 -
     step for the diagonal; entry; entry; group).
     """
 
-    followers: list[Follower]
+    dependent_groups: list[DependentGroup]
     start: list[int] = field(default_factory=lambda: [0])
     index: list[int] = field(default_factory=list)
     value: list[float] = field(default_factory=list)
@@ -142,9 +142,9 @@ class DependentGroups:
     powered: list[int] = field(default_factory=list)
 
     @property
-    def paced(self) -> bool:
+    def prescribed(self) -> bool:
         """Whether a prescribed motion has velocity or acceleration biases."""
-        return any(f.drive is not None for f in self.followers)
+        return any(f.prescribed is not None for f in self.dependent_groups)
 
 
 class Call(NamedTuple):
@@ -205,9 +205,9 @@ class Following:
     by_rate) the rate of its torque belong to; and how defined angles change with those of groups and with y."""
 
     speeds: list[dict[int, Exact]]
-    heavy: list[dict[int, Exact]]
+    with_inertia: list[dict[int, Exact]]
     torques: list[dict[int, Exact]]
-    growths: list[dict[int, Exact]]
+    torque_rates: list[dict[int, Exact]]
     by_rate: bool
     tilts: list[dict[int, Exact]]
     state_tilts: list[dict[int, Exact]]
@@ -218,39 +218,39 @@ class Computed:
     """Where rows are computed (varying.py): values that numbers start with, places of g and of gains (by number of the
     gain), steps, rows of equations with inertia; entries of dG/ds as (unknown, simple state); B over unknowns.
 
-    first_surplus, first_carried, rates: further rows of the spreading table; carried: groups of the second.
+    first_acceleration_bias, first_carried, rates: further rows of the spreading table; carried: groups of the second.
     """
 
     start: list[float]
     g: int
     gains: list[tuple[int, int]]
     steps: list[tuple[int, int, int]]
-    heavy: list[dict[int, int]]
+    with_inertia: list[dict[int, int]]
     entries: list[tuple[int, int]]
     simple: list[dict[int, Exact]]
     carried: list[int]
-    first_surplus: int = 0
+    first_acceleration_bias: int = 0
     first_carried: int = 0
     rates: int = 0
 
 
 @dataclass(slots=True)
 class Linear:
-    """What implicit methods need. first_speed: the unknown of the first speed; n_kept: numbers that jacobian keeps.
+    """What implicit methods need. first_speed: the unknown of the first speed; n_kinematic_terms: numbers that jacobian keeps.
 
     following: where some groups follow others; computed: where their gains change. spread, or then terms: rows of the
     table that spreads entries; those of the inertias begin at first_mass. senses: in the order of their calls.
     """
 
     pattern: Pattern
-    n_simple: int
+    n_kinematic: int
     first_speed: int
-    n_kept: int
+    n_kinematic_terms: int
     n_slopes: int
     following: Following | None = None
     computed: Computed | None = None
     functions: dict[str, list[Function]] = field(default_factory=dict)
-    senses: list[SignalDerivatives] = field(default_factory=list)
+    feedback: list[SignalDerivatives] = field(default_factory=list)
     spread: list[dict[int, Exact]] = field(default_factory=list)
     terms: list[list[tuple[int, int, int]]] = field(default_factory=list)
     first_mass: int = 0

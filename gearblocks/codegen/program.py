@@ -86,7 +86,7 @@ class StartInfo(NamedTuple):
     of: str = ""
 
 
-class FollowerInfo(NamedTuple):
+class DependentStart(NamedTuple):
     """A start value that follows from others through ties: the sum of factors times parameters number `places`.
 
     of: "angle" or "speed".
@@ -98,7 +98,7 @@ class FollowerInfo(NamedTuple):
     of: str = ""
 
 
-class MovedInfo(NamedTuple):
+class PrescribedStart(NamedTuple):
     """A start value of a shaft that something else moves: its name, the output that tells, and what does it, in words; tied:
     rigidly, so that others follow from it; of: "angle" or "speed"."""
 
@@ -137,8 +137,8 @@ class Program:
     n_total: int
     starts: tuple[StartInfo, ...] = ()
     structural: tuple[tuple[str, float], ...] = ()
-    followers: tuple[FollowerInfo, ...] = ()
-    moved: tuple[MovedInfo, ...] = ()
+    dependent_starts: tuple[DependentStart, ...] = ()
+    prescribed_starts: tuple[PrescribedStart, ...] = ()
     unknown: tuple[tuple[str], ...] = ()
 
     def __repr__(self) -> str:

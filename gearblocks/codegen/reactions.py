@@ -62,14 +62,14 @@ def tie_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) -> dict
 def _reactions(g: Generator) -> list[Reaction]:
     """The independent rigid constraints, and prescribed motions."""
     found = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.independent]
-    if g.motion is None:
+    if g.dependent is None:
         return found
-    for i, f in enumerate(g.motion.followers):
-        if f.drive is None:
+    for i, f in enumerate(g.dependent.dependent_groups):
+        if f.prescribed is None:
             continue
-        component = g.assembly.train.components[f.drive.component]
-        law = next(b.law for b in g.assembly.batches if f.drive.component in b.components)
-        drive = law.drives[f.drive.number]
+        component = g.assembly.train.components[f.prescribed.component]
+        law = next(b.law for b in g.assembly.batches if f.prescribed.component in b.components)
+        drive = law.prescribed[f.prescribed.number]
         nodes = dict(zip(type(component.block).flanges, component.nodes, strict=True))
         coefficients: dict[int, Exact] = {nodes[drive.flange]: 1}
         slots: dict[int, int] = {}
@@ -79,8 +79,8 @@ def _reactions(g: Generator) -> list[Reaction]:
             if gain.is_number:
                 coefficients[node] = -over(int(gain.p), int(gain.q))
             else:
-                slots[node] = g.motion.slots[i, flange]
-                its = g.assembly.group_of_node[node][1] if flange in f.drive.factors else 1
+                slots[node] = g.dependent.slots[i, flange]
+                its = g.assembly.group_of_node[node][1] if flange in f.prescribed.factors else 1
                 coefficients[node] = -over(gain_d, its)
         found.append(Reaction(component.path, coefficients, slots, nodes[drive.flange] if slots else None))
     return found

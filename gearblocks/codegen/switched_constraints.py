@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from gearblocks.assembly.assemble import HELD
+from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.codegen.function import Column
 from gearblocks.codegen.operands import Assignment, Operand, Role, Statement
 from gearblocks.codegen.parts import VALUES, SwitchedConstraint, SwitchedConstraints
@@ -19,44 +19,46 @@ if TYPE_CHECKING:
     from gearblocks.codegen.batch import BatchCode
     from gearblocks.codegen.function import Function
     from gearblocks.codegen.generator import Generator
-    from gearblocks.laws.switched_constraints import StickOfKind
+    from gearblocks.laws.switched_constraints import ConstraintLaw
 
 
 def lay_out_switched_constraints(g: Generator, at: int) -> int:
-    """Fills g.locks; the Delassus matrix lies in par[] from `at`, where it is constant. Returns the next free offset."""
-    locks = g.locks
+    """Fills g.constraints; the Delassus matrix lies in par[] from `at`, where it is constant. Returns the next free offset."""
+    constraints = g.constraints
     for number, batch in enumerate(g.assembly.batches):
-        for name, stick in batch.law.sticks.items():
-            locks.first[number, name] = len(locks.locks)
-            locks.locks += [SwitchedConstraint(path, stick, row) for path, row in _rows_of(g, number, stick)]
-    if not locks.locks:
+        for name, constraint in batch.law.constraints.items():
+            constraints.first[number, name] = len(constraints.members)
+            constraints.members += [
+                SwitchedConstraint(path, constraint, row) for path, row in _rows_of(g, number, constraint)
+            ]
+    if not constraints.members:
         return at
-    locks.lossy = any(x.stick.share is not None for x in locks.locks)
-    locks.dynamic = g.motion is not None and g.motion.dynamic
-    locks.paced = g.motion is not None and g.motion.paced
-    locks.rows = [_over_speeds(g, x.row) for x in locks.locks]
-    reached = sorted({speed for row in locks.rows for speed in row})
+    constraints.lossy = any(x.law.share is not None for x in constraints.members)
+    constraints.dynamic = g.dependent is not None and g.dependent.dynamic
+    constraints.prescribed = g.dependent is not None and g.dependent.prescribed
+    constraints.rows = [_over_speeds(g, x.row) for x in constraints.members]
+    reached = sorted({speed for row in constraints.rows for speed in row})
     place = {speed: i for i, speed in enumerate(reached)}
-    locks.speeds = reached
-    locks.rows = [{place[s]: v for s, v in sorted(row.items())} for row in locks.rows]
-    if locks.dynamic:  # a gain that is not known yet may lead anywhere
-        locks.speeds = list(range(g.assembly.n_speeds))
-        locks.rows = [dict.fromkeys(locks.speeds, 0.0) for _ in locks.rows]
+    constraints.speeds = reached
+    constraints.rows = [{place[s]: v for s, v in sorted(row.items())} for row in constraints.rows]
+    if constraints.dynamic:  # a gain that is not known yet may lead anywhere
+        constraints.speeds = list(range(g.assembly.n_speeds))
+        constraints.rows = [dict.fromkeys(constraints.speeds, 0.0) for _ in constraints.rows]
         return at
-    locks.matrix0 = at
-    return at + len(locks.locks) ** 2
+    constraints.matrix0 = at
+    return at + len(constraints.members) ** 2
 
 
-def _rows_of(g: Generator, number: int, stick: StickOfKind) -> list[tuple[str, dict[int, float]]]:
+def _rows_of(g: Generator, number: int, constraint: ConstraintLaw) -> list[tuple[str, dict[int, float]]]:
     """Path and row over the group speeds of each instance of a switched constraint."""
     batch = g.assembly.batches[number]
     found = []
     for e, component in enumerate(batch.components):
         path = g.assembly.train.components[component].path
         row: dict[int, Any] = {}
-        for flange, expr in stick.push.items():
+        for flange, expr in constraint.push.items():
             group = batch.groups[flange][e]
-            if group == HELD:
+            if group == GROUND_GROUP:
                 continue
             value = exact_value(expr, {s: v[e] for s, v in batch.exact.items()}) * batch.gains[flange][e]
             row[group] = row.get(group, 0) + value
@@ -67,12 +69,12 @@ def _rows_of(g: Generator, number: int, stick: StickOfKind) -> list[tuple[str, d
 
 def _refuse_massless(g: Generator, path: str, flange: str, group: int) -> None:
     a = g.assembly
-    reached, follows = {group}, {f.group: f for f in a.followers}
+    reached, follows = {group}, {f.group: f for f in a.dependent_groups}
     while reached:
         group = reached.pop()
-        if a.n_speeds <= group < a.n_speeds + a.n_hidden:
+        if a.n_speeds <= group < a.n_speeds + a.n_massless:
             raise ModelError(
-                f"'{path}': friction that can stick, or a stop, acts at '{flange}' on a shaft without inertia, which it "
+                f"'{path}': friction that can constraint, or a stop, acts at '{flange}' on a shaft without inertia, which it "
                 f"could not hold by itself; put an Inertia there"
             )
         reached.update(follows[group].sources if group in follows else ())
@@ -80,8 +82,8 @@ def _refuse_massless(g: Generator, path: str, flange: str, group: int) -> None:
 
 def _over_speeds(g: Generator, row: dict[int, float]) -> dict[int, float]:
     """A row over group speeds as one over the speeds of independent groups (constant gains)."""
-    a, motion = g.assembly, g.motion
-    rest, order = dict(row), {f.group: i for i, f in enumerate(a.followers)}
+    a, motion = g.assembly, g.dependent
+    rest, order = dict(row), {f.group: i for i, f in enumerate(a.dependent_groups)}
     for group in sorted((x for x in range(a.n_groups) if x in order), key=lambda x: -order[x]):
         if group in rest and motion is not None:
             value, i = rest.pop(group), order[group]
@@ -96,23 +98,23 @@ def switched_constraint_functions(g: Generator, code: BatchCode) -> None:
     values = code.constraint_values
     assignments: list[Assignment] = []
     unlimited: list[Statement] = []
-    for name, stick in code.law.sticks.items():
-        first = g.locks.first[code.number, name]
-        if stick.share is not None:
+    for name, constraint in code.law.constraints.items():
+        first = g.constraints.first[code.number, name]
+        if constraint.share is not None:
             skew = Assignment(Operand(Role.SKEWS, first, instance=True), "=", values[name]["share"])
             g.keep("skews", code.function("skews", [skew]))
-        keys = [f"loss_{i}" for i in range(4)] if stick.losses else ["lower", "upper", "forward", "backward"]
+        keys = [f"loss_{i}" for i in range(4)] if constraint.losses else ["lower", "upper", "forward", "backward"]
         for k, key in enumerate((*keys, "engaged")):
             place = Operand(Role.FORCE_BOUNDS, f"{VALUES} * ({first} + e) + {k}")
-            source = "restitution" if stick.is_stop and key == "forward" else key
+            source = "restitution" if constraint.is_stop and key == "forward" else key
             if source in values[name]:
                 assignments.append(Assignment(place, "=", values[name][source]))
             else:
                 unlimited.append(Statement(place, "=", "-HUGE_VAL" if key == "lower" else "HUGE_VAL"))
         for e in range(code.n):
-            _place(g, code, g.locks.locks[first + e], stick, e)
-            if stick.partner is not None:
-                g.locks.locks[first + e].partner = g.locks.first[code.number, stick.partner] + e
+            _place(g, code, g.constraints.members[first + e], constraint, e)
+            if constraint.partner is not None:
+                g.constraints.members[first + e].partner = g.constraints.first[code.number, constraint.partner] + e
     function: Function = code.function("limits", assignments)
     function.body += unlimited
     g.keep("limits", function)
@@ -120,43 +122,43 @@ def switched_constraint_functions(g: Generator, code: BatchCode) -> None:
 
 def constraint_torques(code: BatchCode) -> Iterator[tuple[str, Any]]:
     """(flange, torque) of the constraint forces."""
-    for stick in code.law.sticks.values():
-        held = code.law.pool.symbol("held", stick.name, f"held_{stick.name}".rstrip("_"))
-        for flange, c in stick.push.items():
+    for constraint in code.law.constraints.values():
+        held = code.law.pool.symbol("held", constraint.name, f"held_{constraint.name}".rstrip("_"))
+        for flange, c in constraint.push.items():
             if flange in code.batch.groups:
                 yield flange, c * held
-        if stick.share is not None and stick.partner is not None:
-            share = code.constraint_values[stick.name]["share"]
-            for flange, c in code.law.sticks[stick.partner].push.items():
+        if constraint.share is not None and constraint.partner is not None:
+            share = code.constraint_values[constraint.name]["share"]
+            for flange, c in code.law.constraints[constraint.partner].push.items():
                 if flange in code.batch.groups:
                     yield flange, -c * share * held
 
 
-def _place(g: Generator, code: BatchCode, lock: SwitchedConstraint, stick: StickOfKind, e: int) -> None:
-    switches = {what: code.offsets.switches[number] + e for what, number in stick.switches.items()}
-    lock.slip = next(iter(switches.values()))
-    lock.hold, lock.free = switches["hold"], switches.get("engaged", -1)
+def _place(g: Generator, code: BatchCode, member: SwitchedConstraint, constraint: ConstraintLaw, e: int) -> None:
+    switches = {what: code.offsets.switches[number] + e for what, number in constraint.switches.items()}
+    member.slip = next(iter(switches.values()))
+    member.active, member.free = switches["hold"], switches.get("engaged", -1)
     for key in ("impulse", "impacts"):
-        state = getattr(stick, key)
+        state = getattr(constraint, key)
         if state is not None:
-            setattr(lock, key, g.lay.state0[code.number, state] + e)
+            setattr(member, key, g.lay.state0[code.number, state] + e)
 
 
 def loss_offsets(g: Generator) -> None:
     """Offsets of the ledger entries that impacts add their losses to."""
     places = {x.component: x.place for x in g.integrals if x.part == "loss"}
-    for lock in g.locks.locks:
-        lock.loss = places.get(lock.path, -1)
+    for member in g.constraints.members:
+        member.loss = places.get(member.path, -1)
 
 
-def lock_columns(locks: SwitchedConstraints) -> dict[str, Column]:
+def constraint_columns(constraints: SwitchedConstraints) -> dict[str, Column]:
     """The rows as tables: start of each, columns, values, and the speed of each column."""
     start = [0]
-    for row in locks.rows:
+    for row in constraints.rows:
         start.append(start[-1] + len(row))
     return {
         "start": Column("constraint_start", tuple(start)),
-        "column": Column("constraint_column", tuple(c for row in locks.rows for c in row)),
-        "value": Column("constraint_value", tuple(v for row in locks.rows for v in row.values())),
-        "speed": Column("constraint_speed", tuple(locks.speeds)),
+        "column": Column("constraint_column", tuple(c for row in constraints.rows for c in row)),
+        "value": Column("constraint_value", tuple(v for row in constraints.rows for v in row.values())),
+        "speed": Column("constraint_speed", tuple(constraints.speeds)),
     }

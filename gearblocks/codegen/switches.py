@@ -12,7 +12,7 @@ from gearblocks.codegen.parts import Band, Prediction
 from gearblocks.codegen.program import SwitchInfo
 from gearblocks.codegen.switched_constraints import switched_constraint_functions
 
-_ORDER = (("affine", "affine_lock"), ("general", "general_lock"), ("line", "wave"))
+_ORDER = (("affine", "affine_constraint"), ("general", "general_constraint"), ("line", "wave"))
 
 
 def lay_out_switches(g: Generator) -> None:
@@ -72,7 +72,7 @@ def _limits(g: Generator, code: BatchCode) -> None:
     assignments: list[Assignment] = []
     for i, switch in enumerate(code.law.switches):
         at = Index(code.offsets.switches[i], instance=True)
-        if switch.lock in ("slip", "gap", "sign", "hold"):
+        if switch.constraint in ("slip", "gap", "sign", "hold"):
             continue
         if switch.table is not None:
             assignments.append(Assignment(at, "table", code.whens[i], table=code.offsets.tables[switch.table]))

@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.assemble import HELD
+from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Batch
 from gearblocks.codegen.function import Names, identifier
 from gearblocks.codegen.layout import Layout, speed_index
@@ -29,13 +29,13 @@ class Offsets:
     own: Mapping[str, int]
     exact: dict[Any, int] = field(default_factory=dict)
     hoisted: dict[Any, Operand] = field(default_factory=dict)
-    locks: dict[str, int] = field(default_factory=dict)
+    constraints: dict[str, int] = field(default_factory=dict)
     switches: list[int] = field(default_factory=list)
     inverse_mass: int = 0
     mass: int = 0
-    hidden: MasslessRows = field(default_factory=dict)
+    massless: MasslessRows = field(default_factory=dict)
     floats: frozenset[int] = frozenset()
-    tau: dict[str, int] = field(default_factory=dict)
+    flange_torques: dict[str, int] = field(default_factory=dict)
     senses: Mapping[str, int] = field(default_factory=dict)
     tables: Mapping[Any, str] = field(default_factory=dict)
 
@@ -65,8 +65,8 @@ class SymbolNames:
         return names
 
     def _name(self, symbol: Any, into: Names) -> str:
-        slot = self.law.pool.slots[symbol]
-        role, of = slot.role, slot.of
+        meaning = self.law.pool.roles[symbol]
+        role, of = meaning.role, meaning.of
         if role == "coordinate":
             into.constants[name := f"u{of}"] = self._coordinate(of, into)
         elif role in ("w", "phi", "alpha"):
@@ -97,7 +97,7 @@ class SymbolNames:
             vector = Role.MODES if role == "mode" else Role.MODES_BEFORE
             return f"{role}{of.number}", Operand(vector, at.switches[of.number], instance=True)
         if role in ("direction", "stuck"):  # of a switched constraint, by its modes
-            switches = self.law.sticks[of].switches
+            switches = self.law.constraints[of].switches
             number = switches["hold"] if role == "stuck" else next(iter(switches.values()))
             return f"{role}_{identifier(of)}", Operand(Role.MODES, at.switches[number], instance=True)
         return None
@@ -113,11 +113,11 @@ class SymbolNames:
             found = at.hoisted[symbol]
             return found.of_lane() if into.vector is Role.TIME_TERMS and of[0] == TIMED else found
         if role == "tau":
-            return Operand(Role.FLANGE_TORQUES, at.tau[of], instance=True)
+            return Operand(Role.FLANGE_TORQUES, at.flange_torques[of], instance=True)
         if role == "sense":
             return Operand(Role.FEEDBACK_SIGNALS, at.senses[of])
         if role == "held":
-            return Operand(Role.CONSTRAINT_FORCES, at.locks[of], instance=True)
+            return Operand(Role.CONSTRAINT_FORCES, at.constraints[of], instance=True)
         if role == "time":
             return Operand(Role.TIME, lane=True)
         assert role == "input", role
@@ -149,7 +149,7 @@ class SymbolNames:
 
     def _flange(self, role: str, flange: str, into: Names) -> str:
         groups = self.batch.groups[flange]
-        if groups[0] == HELD:
+        if groups[0] == GROUND_GROUP:
             return self._held_angle(flange, into) if role == "phi" and into.vector is not Role.DIRECTION else "0.0"
         gain = self._factor(flange, into)
         if role == "phi":
@@ -173,7 +173,7 @@ class SymbolNames:
         return self.group_key(flange, into)
 
     def _held_angle(self, flange: str, into: Names) -> str:
-        offsets = self.lay.assembly.held_offset
+        offsets = self.lay.assembly.ground_offset
         at = [self.lay.path_of.get(offsets[node] or "", -1) for node in self.batch.nodes[flange]]
         if all(i < 0 for i in at):
             return "0.0"
@@ -193,7 +193,7 @@ class SymbolNames:
         return f"{gain} * " if gain else ""
 
     def _mobility(self, flange: str, into: Names) -> str:
-        if flange not in self.batch.groups or self.batch.groups[flange][0] == HELD:
+        if flange not in self.batch.groups or self.batch.groups[flange][0] == GROUND_GROUP:
             return "0.0"
         key = self.group_key(flange, into, "m")
         gain = self._factor(flange, into)

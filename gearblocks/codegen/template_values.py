@@ -15,7 +15,7 @@ from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.operands import Role
 from gearblocks.codegen.parts import Following
 from gearblocks.codegen.reactions import tie_tables
-from gearblocks.codegen.switched_constraints import lock_columns
+from gearblocks.codegen.switched_constraints import constraint_columns
 from gearblocks.laws.rational import Exact, over
 
 _FEW = 16  # loops that are written out
@@ -64,7 +64,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
     combinations = [c if isinstance(c, Combination) else Combination() for _, c in assembly.definitions]
     implicit = g.linear.functions if g.linear is not None else {}
     functions = g.functions | implicit
-    senses = [(s.index, s.call) for s in g.senses.values() if s.call is not None]
+    senses = [(s.index, s.call) for s in g.feedback.values() if s.call is not None]
     in_law = _signals_in_law(g)
     return {
         "g": g,
@@ -73,8 +73,8 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "functions": functions,
         "all_functions": [f for group in functions.values() for f in group] + [call.function for _, call in senses],
         **_linear(g, angles_in_law),
-        "senses": [str(call) for _, call in senses],
-        "law_senses": [str(call) for index, call in senses if index in in_law],
+        "feedback": [str(call) for _, call in senses],
+        "law_feedback": [str(call) for index, call in senses if index in in_law],
         "columns": list({x.column.name: x for f in _all(g) for x in f.tables}.values()),
         "coordinates": coordinates,
         "angles_in_law": angles_in_law,
@@ -82,16 +82,16 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "small": lay.n_total <= _SMALL,
         "plain": assembly.plain,
         "late_times": bool(g.shared_times(late=True) or g.functions.get("times_late")),
-        "motion": g.motion,
+        "dependent": g.dependent,
         **_locks(g),
-        "follower_groups": [f.group for f in assembly.followers],
+        "follower_groups": [f.group for f in assembly.dependent_groups],
         "mobile": _mobile(g),
         "massless": g.massless,
         "shifts": sparse("shift", g.massless.shifts if g.massless else []),
         "angle_steps": _angle_steps(g),
         "start_steps": _start_steps(g),
         "follower_offsets": sparse(
-            "follower_offset", [_offsets(g, f.row or Combination()) for f in assembly.followers]
+            "follower_offset", [_offsets(g, f.row or Combination()) for f in assembly.dependent_groups]
         ),
         "loops_read_angles": any(c.groups for c in assembly.dependents),
         "loop_groups": sparse("loop_group", [c.groups for c in assembly.dependents]),
@@ -107,7 +107,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "phi_gains": [repr(float(over(1, s.phi0_gain))) for s in assembly.starts],
         "w_gains": [repr(float(over(1, s.w0_gain))) for s in assembly.starts],
         "flanges": _turned(FlangeRow, _flanges(g)),
-        "counted": _counted(g),
+        "wrapped": _counted(g),
         "turned": sparse("turned", _counts(g)),
         "ties": tie_tables(g, _flange_numbers(g)),
         "n_flange_outputs": sum(code.n * len(code.batch.flanges) for code in g.codes),
@@ -122,33 +122,33 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
 def contents(g: Generator) -> list[str]:
     """The parts of the text that this program has, in order."""
     absent = {
-        "lookup_tables": not g.tables, "laws": not (g.functions or g.senses),
-        "switched_constraints": not g.locks.locks, "jacobian": g.linear is None,
+        "lookup_tables": not g.tables, "laws": not (g.functions or g.feedback),
+        "switched_constraints": not g.constraints.members, "jacobian": g.linear is None,
     }  # fmt: skip
     return [words for part, words in PARTS.items() if not absent.get(part)]
 
 
 def _locks(g: Generator) -> dict[str, Any]:
     """Tables of switched constraints."""
-    locks = g.locks
+    constraints = g.constraints
     return {
-        "locks": locks.locks,
-        "lock_tables": locks,
-        "lock_columns": list(lock_columns(locks).values()),
-        "lock_groups": sparse("constraint_group", [lock.row for lock in locks.locks]),
+        "constraints": constraints.members,
+        "constraint_tables": constraints,
+        "constraint_columns": list(constraint_columns(constraints).values()),
+        "constraint_groups": sparse("constraint_group", [member.row for member in constraints.members]),
     }
 
 
 def _counts(g: Generator) -> list[dict[int, Exact]]:
-    """Turns of every group over the wrap counts among the quadratures."""
-    return [{2 * c: r for c, r in g.turns.forms.get(i, {}).items()} for i in range(g.assembly.n_groups)]
+    """AngleWrapping of every group over the wrap counts among the quadratures."""
+    return [{2 * c: r for c, r in g.wrapping.forms.get(i, {}).items()} for i in range(g.assembly.n_groups)]
 
 
 def _counted(g: Generator) -> list[WrappedAngle]:
     """Angles from which whole turns are taken."""
     found = []
-    for c, item in enumerate(g.turns.counted):
-        rows = [(group, Fraction(form[c])) for group, form in g.turns.forms.items() if form.get(c)]
+    for c, item in enumerate(g.wrapping.wrapped):
+        rows = [(group, Fraction(form[c])) for group, form in g.wrapping.forms.items() if form.get(c)]
         rows = [(group, r) for group, r in rows if group < len(g.assembly.starts)]
         switches = [g.codes[b].offsets.switches[i] + e for b, i, e, _ in item.steps]
         starts = [(group, *_parts(r)) for group, r in rows]
@@ -166,9 +166,9 @@ def _parts(r: Fraction) -> tuple[float, float]:
 def _mobile(g: Generator) -> dict[str, list[int]]:
     """The rows over speeds of the groups whose mobility is needed; entry -1: a speed of its own."""
     tables: dict[str, list[int]] = {"start": [0], "index": [], "entry": []}
-    order = {f.group: i for i, f in enumerate(g.assembly.followers)}
+    order = {f.group: i for i, f in enumerate(g.assembly.dependent_groups)}
     for group in g.mobile:
-        row = {group: -1} if group not in order else g.motion.rows.get(order[group], {}) if g.motion else {}
+        row = {group: -1} if group not in order else g.dependent.rows.get(order[group], {}) if g.dependent else {}
         tables["index"] += row.keys()
         tables["entry"] += row.values()
         tables["start"].append(len(tables["index"]))
@@ -186,10 +186,12 @@ def _loop_texts(loops: Sequence[Combination]) -> list[str]:
 def _drive_calls(g: Generator) -> dict[int, str]:
     """The call that computes the angle of each group with prescribed motion."""
     calls: dict[int, str] = {}
-    for i, f in enumerate(g.assembly.followers):
-        call = g.motion.calls.get(i) if g.motion is not None else None
-        if f.drive is not None and call is not None:
-            calls[f.group] = f"phi[{f.group}] = 0.0, {call}" if f.drive.rides else str(call)  # it reads its own angle
+    for i, f in enumerate(g.assembly.dependent_groups):
+        call = g.dependent.calls.get(i) if g.dependent is not None else None
+        if f.prescribed is not None and call is not None:
+            calls[f.group] = (
+                f"phi[{f.group}] = 0.0, {call}" if f.prescribed.rides else str(call)
+            )  # it reads its own angle
     return calls
 
 
@@ -211,7 +213,7 @@ def _start_steps(g: Generator) -> list[tuple[int, int, str]]:
     """How the start angles of dependent groups follow: (first, last, "") by rows, or a call."""
     calls = _drive_calls(g)
     steps: list[tuple[int, int, str]] = []
-    for i, f in enumerate(g.assembly.followers):
+    for i, f in enumerate(g.assembly.dependent_groups):
         if f.row is None:
             if f.group in calls:
                 steps.append((i, i + 1, calls[f.group]))
@@ -227,8 +229,8 @@ def _all(g: Generator) -> list[Function]:
     found = [f for functions in g.functions.values() for f in functions]
     if g.linear is not None:
         found += [f for functions in g.linear.functions.values() for f in functions]
-        found += [call.function for s in g.linear.senses for call in (s.slope, s.change)]
-    return found + [s.call.function for s in g.senses.values() if s.call is not None]
+        found += [call.function for s in g.linear.feedback for call in (s.slope, s.change)]
+    return found + [s.call.function for s in g.feedback.values() if s.call is not None]
 
 
 def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
@@ -237,9 +239,9 @@ def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
     if linear is None:
         return {"linear": None}
     tilted = angles_in_law and g.assembly.driven
-    moves = angles_in_law or any(Role.GROUP_SPEEDS in f.read for f in linear.functions.get("simple_rates", []))
-    slopes = [s.slope for s in linear.senses]
-    changes = [s.change for s in linear.senses] if linear.computed is None else []
+    moves = angles_in_law or any(Role.GROUP_SPEEDS in f.read for f in linear.functions.get("kinematic_rates", []))
+    slopes = [s.slope for s in linear.feedback]
+    changes = [s.change for s in linear.feedback] if linear.computed is None else []
     return {
         "linear": linear,
         "speeds_read": moves,
@@ -249,7 +251,7 @@ def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
         "spread": sparse("spread", linear.spread),
         "terms": _terms(linear.terms),
         "simple": sparse("simple", linear.computed.simple if linear.computed else []),
-        "heavy": _rows_of(linear.computed.heavy if linear.computed else []),
+        "with_inertia": _rows_of(linear.computed.with_inertia if linear.computed else []),
         "following": [sparse(name, rows) for name, rows in _following(linear.following, moves, tilted).items()],
     }
 
@@ -273,10 +275,10 @@ def _following(f: Following | None, moves: bool, tilted: bool) -> dict[str, list
     motions move some."""
     if f is None:
         return {}
-    tables = ({"speeds": f.speeds} if moves else {}) | {"heavy": f.heavy, "turn": f.torques}
+    tables = ({"speeds": f.speeds} if moves else {}) | {"with_inertia": f.with_inertia, "turn": f.torques}
     if tilted:
         tables |= {"tilt": f.tilts, "state_tilt": f.state_tilts}
-    return {**tables, "rise": f.growths} if f.by_rate else tables
+    return {**tables, "rise": f.torque_rates} if f.by_rate else tables
 
 
 def _turned(kind: Any, rows: Sequence[Any]) -> dict[str, Any]:
@@ -287,8 +289,10 @@ def _turned(kind: Any, rows: Sequence[Any]) -> dict[str, Any]:
 
 def _signals_in_law(g: Generator) -> set[int]:
     """Numbers of the feedback signals that laws read, with what they read in turn."""
-    wanted = [slot.of for b in g.assembly.batches for slot in b.law.pool.slots.values() if slot.role == "sense"]
-    return {g.senses[path].index for path in wanted}
+    wanted = [
+        meaning.of for b in g.assembly.batches for meaning in b.law.pool.roles.values() if meaning.role == "sense"
+    ]
+    return {g.feedback[path].index for path in wanted}
 
 
 def _c_string(text: str) -> str:
@@ -319,7 +323,7 @@ def _flanges(g: Generator) -> list[FlangeRow]:
         for flange in code.batch.flanges:
             for e in range(code.n):
                 node = code.batch.nodes[flange][e]
-                offset = g.assembly.held_offset.get(node)
+                offset = g.assembly.ground_offset.get(node)
                 at = g.lay.path_of[offset] if offset else -1
                 rows.append(FlangeRow(code.batch.groups[flange][e], repr(float(code.batch.gains[flange][e])), at, node))
     return rows
@@ -332,5 +336,5 @@ def _flange_numbers(g: Generator) -> dict[str, dict[int, int]]:
         for flange in code.batch.flanges:
             for e in range(code.n):
                 mine = numbers.setdefault(code.paths[e], {})
-                mine.setdefault(code.batch.nodes[flange][e], code.offsets.tau[flange] + e)
+                mine.setdefault(code.batch.nodes[flange][e], code.offsets.flange_torques[flange] + e)
     return numbers

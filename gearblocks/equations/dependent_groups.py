@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.assembly.tables import Assembly
-from gearblocks.laws.prescribed_motion import Drive
+from gearblocks.laws.prescribed_motion import PrescribedMotion
 from gearblocks.laws.rational import Exact
 
 
@@ -70,27 +70,27 @@ def _block(mass: Any, rows: set[int]) -> list[int]:
 
 
 def over_independent_groups(
-    assembly: Assembly, drives: Mapping[tuple[int, int], Drive], q: Sequence[Any], v: Sequence[Any],
+    assembly: Assembly, drives: Mapping[tuple[int, int], PrescribedMotion], q: Sequence[Any], v: Sequence[Any],
     offset: Callable[[str], Any],
 ) -> DependentGroups:  # fmt: skip
     """How dependent groups follow, in the symbols q, v of all groups."""
-    n = assembly.n_speeds + assembly.n_hidden
+    n = assembly.n_speeds + assembly.n_massless
     found = DependentGroups(n, assembly.n_groups)
     found.gains = [{i: sp.Integer(1)} if i < n else {} for i in range(assembly.n_groups)]
     found.acceleration_bias = [sp.Integer(0)] * assembly.n_groups
-    for f in assembly.followers:
+    for f in assembly.dependent_groups:
         speed: Any = sp.Integer(0)
         if f.row is not None:
             gains = {g: _rational(c) for g, c in f.row.groups.items()}
             angle: Any = sum((c * q[g] for g, c in gains.items()), sp.Integer(0))
             angle += sum((_rational(c) * offset(path) for path, c in f.row.offsets.items()), sp.Integer(0))
         else:
-            assert f.drive is not None
-            drive, scale = drives[f.drive.component, f.drive.number], _rational(f.drive.scale)
-            gains = {g: found.put(drive.gains[name]) * _rational(c) for name, (g, c) in f.drive.factors.items()}
+            assert f.prescribed is not None
+            drive, scale = drives[f.prescribed.component, f.prescribed.number], _rational(f.prescribed.scale)
+            gains = {g: found.put(drive.gains[name]) * _rational(c) for name, (g, c) in f.prescribed.factors.items()}
             angle = None if drive.angle is None else scale * drive.angle
-            speed += found.put(scale * drive.bias)
-            found.acceleration_bias[f.group] = found.put(scale * drive.surplus)
+            speed += found.put(scale * drive.velocity_bias)
+            found.acceleration_bias[f.group] = found.put(scale * drive.acceleration_bias)
         for source, c in gains.items():
             speed += c * found.put(v[source])
             found.acceleration_bias[f.group] += c * found.acceleration_bias[source]

@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.assembly.assemble import assemble
-from gearblocks.assembly.tables import HELD, Assembly
+from gearblocks.assembly.tables import GROUND_GROUP, Assembly
 from gearblocks.equations.dependent_groups import over_independent_groups
 from gearblocks.equations.equations import Equations
 from gearblocks.equations.latex import latex_name
@@ -20,9 +20,9 @@ from gearblocks.errors import ModelError
 from gearblocks.language.expression import to_sympy
 from gearblocks.laws.derivation import derive
 from gearblocks.laws.law import Law
-from gearblocks.laws.prescribed_motion import Drive, frozen_drive
-from gearblocks.laws.switched_constraints import StickOfKind
-from gearblocks.laws.symbols import Slot, clock
+from gearblocks.laws.prescribed_motion import PrescribedMotion, frozen_motion
+from gearblocks.laws.switched_constraints import ConstraintLaw
+from gearblocks.laws.symbols import SymbolRole, clock
 from gearblocks.train.graph import GROUND, Component, Train
 from gearblocks.train.structure import structure_of
 from gearblocks.train.translational import flange_names, slider_names
@@ -52,7 +52,7 @@ class _Writer:
         self.q = [sp.Symbol(f"{angle}_{owner}", real=True) for angle, _, _, _, owner in names]
         self.v = [sp.Symbol(f"{speed}_{owner}", real=True) for _, speed, _, _, owner in names]
         n = assembly.n_groups
-        self.drives: dict[tuple[int, int], Drive] = {}
+        self.drives: dict[tuple[int, int], PrescribedMotion] = {}
         self.mass: list[Any] = [sp.Integer(0)] * n
         self.torque: list[Any] = [sp.Integer(0)] * n
         self.states: dict[Any, Any] = {}
@@ -75,21 +75,21 @@ class _Writer:
         law = self.laws[key]
         names = list(type(c.block).flanges)
         places = {n: self.assembly.group_of_node[c.nodes[names.index(n)]] for n in names if n not in grounded}
-        replace = {x: self._symbol(c, slot, str(x.name), places) for x, slot in law.pool.slots.items()}
+        replace = {x: self._symbol(c, meaning, str(x.name), places) for x, meaning in law.pool.roles.items()}
         replace = {x: y for x, y in replace.items() if y is not None}
         for flange, tau in law.torques.items():
             group, gain = places[flange]
-            if group != HELD:
+            if group != GROUND_GROUP:
                 self.torque[group] += sp.Rational(gain.numerator, gain.denominator) * tau.xreplace(replace)
         for flange, inertia in law.bodies:
             group, gain = places[flange]
-            if group != HELD:
+            if group != GROUND_GROUP:
                 self.mass[group] += sp.Rational(gain.numerator, gain.denominator) ** 2 * inertia.xreplace(replace)
-        for number, drive in enumerate(law.drives):
-            self.drives[self.number, number] = frozen_drive(drive, lambda e: sp.sympify(e).xreplace(replace))
+        for number, drive in enumerate(law.prescribed):
+            self.drives[self.number, number] = frozen_motion(drive, lambda e: sp.sympify(e).xreplace(replace))
         self.number += 1
-        self.rubs += [self._rub(c, stick, law, replace) for stick in law.sticks.values()]
-        counts = {name for stick in law.sticks.values() for name in (stick.impulse, stick.impacts)}
+        self.rubs += [self._rub(c, constraint, law, replace) for constraint in law.constraints.values()]
+        counts = {name for constraint in law.constraints.values() for name in (constraint.impulse, constraint.impacts)}
         for state, rate in law.rates.items():
             if state in counts:  # what an impact leaves moves nothing
                 continue
@@ -106,12 +106,12 @@ class _Writer:
             if show.name in ("twist", "deflection") and law.torques:
                 self.deflections[sp.Symbol(f"x_{_flat(c.path)}", real=True)] = expr
 
-    def _symbol(self, c: Component, slot: Any, text: str, places: Mapping[str, Any]) -> Any:
+    def _symbol(self, c: Component, meaning: Any, text: str, places: Mapping[str, Any]) -> Any:
         """The symbol of the whole train for one of a kind."""
-        role, of = slot.role, slot.of
+        role, of = meaning.role, meaning.of
         if role in ("phi", "w"):
             group, gain = places[of]
-            if group == HELD:
+            if group == GROUND_GROUP:
                 return self._held_angle(c, of) if role == "phi" else sp.Integer(0)
             return sp.Rational(gain.numerator, gain.denominator) * (self.q if role == "phi" else self.v)[group]
         if role == "mobility":
@@ -133,30 +133,35 @@ class _Writer:
             return symbol
         return None
 
-    def _rub(self, c: Component, stick: StickOfKind, law: Law, replace: Mapping[Any, Any]) -> Rub:
+    def _rub(self, c: Component, constraint: ConstraintLaw, law: Law, replace: Mapping[Any, Any]) -> Rub:
         """One switched constraint of a component."""
 
         def symbol(role: str) -> Any:
-            return self._symbol(c, Slot(role, stick.name), "", {})
+            return self._symbol(c, SymbolRole(role, constraint.name), "", {})
 
-        slip, direction = symbol("slip"), law.pool.symbol("direction", stick.name, "")
-        own = {stick.slip: slip, sp.expand(-stick.slip): -slip}
+        slip, direction = symbol("slip"), law.pool.symbol("direction", constraint.name, "")
+        own = {constraint.slip: slip, sp.expand(-constraint.slip): -slip}
 
         def of(expr: Any, mode: int) -> Any:
             return (
                 None if expr is None else expr.xreplace(own).xreplace({direction: sp.Integer(mode)}).xreplace(replace)
             )
 
-        tie = None if stick.losses is None else self._symbol(c, Slot("friction", str(stick.partner)), "", {})
+        tie = (
+            None
+            if constraint.losses is None
+            else self._symbol(c, SymbolRole("friction", str(constraint.partner)), "", {})
+        )
         lost = {
-            (mode, drives): -of(stick.losses[first], mode) * tie - mode * of(stick.losses[first + 1], mode)
+            (mode, drives): -of(constraint.losses[first], mode) * tie - mode * of(constraint.losses[first + 1], mode)
             for mode in (1, -1) for drives, first in ((True, 0), (False, 2))
-        } if stick.losses is not None else None  # fmt: skip
+        } if constraint.losses is not None else None  # fmt: skip
         return Rub(
-            f"{c.path}.{stick.name}".rstrip("."), symbol("friction"), slip, stick.slip.xreplace(replace), of(stick.lower, 0),
-            of(stick.upper, 0), of(stick.forward, 1), of(stick.backward, -1), of(stick.engaged, 0),
-            None if stick.gap is None else stick.gap.xreplace(replace), of(stick.restitution, 0),
-            (symbol("direction"), symbol("stuck"), symbol("held")), stick.kind, tie, lost,
+            f"{c.path}.{constraint.name}".rstrip("."), symbol("friction"), slip, constraint.slip.xreplace(replace),
+            of(constraint.lower, 0), of(constraint.upper, 0), of(constraint.forward, 1), of(constraint.backward, -1),
+            of(constraint.engaged, 0),
+            None if constraint.gap is None else constraint.gap.xreplace(replace), of(constraint.restitution, 0),
+            (symbol("direction"), symbol("stuck"), symbol("held")), constraint.kind, tie, lost,
         )  # fmt: skip
 
     def _claim(self, text: str, meaning: Any) -> Any:
@@ -169,7 +174,7 @@ class _Writer:
     def _held_angle(self, c: Component, flange: str) -> Any:
         """The angle at which the ground holds a flange: 0 where the ground is given as 0."""
         node = c.nodes[list(type(c.block).flanges).index(flange)]
-        offset = self.assembly.held_offset.get(node)
+        offset = self.assembly.ground_offset.get(node)
         if offset is None:
             return sp.Integer(0)
         gain = self.assembly.group_of_node[node][1]
@@ -187,7 +192,7 @@ class _Writer:
 
     def _mobility(self, place: Any) -> Any:
         """1/J of a shaft as a symbol, defined when everything is added up."""
-        if place is None or place[0] == HELD:
+        if place is None or place[0] == GROUND_GROUP:
             return sp.Integer(0)
         return sp.Rational(place[1].numerator, place[1].denominator) ** 2 / sp.Symbol(f"__J{place[0]}")
 

@@ -169,9 +169,9 @@ class _Check:
         exprs = [getattr(x, name) for x in items for name in KINDS.get(type(x), _Kind(())).expressions]
         read = {x for e in exprs if isinstance(e, sp.Expr) for x in e.free_symbols}
         for symbol in sorted(read, key=str):
-            slot = self.pool.slots.get(symbol)
-            if slot is not None and slot.role == "own" and slot.of in self.pool.starts:
-                yield f"the physics reads the start value '{slot.of}': declare a parameter of its own for what the law needs"
+            meaning = self.pool.roles.get(symbol)
+            if meaning is not None and meaning.role == "own" and meaning.of in self.pool.starts:
+                yield f"the physics reads the start value '{meaning.of}': declare a parameter of its own for what the law needs"
 
     # -- one check for each kind of contribution; `sound`: its expressions are in order --------------------------------
 
@@ -238,7 +238,7 @@ class _Check:
 
     def inner(self) -> Iterator[Any]:
         """States of the effects."""
-        return (x for x, slot in self.pool.slots.items() if slot.role == "state")
+        return (x for x, meaning in self.pool.roles.items() if meaning.role == "state")
 
     def stick(self, item: Stick | Stop, sound: bool) -> Iterator[str]:
         """Whether a slip or gap is linear in flange speeds or angles, and what else belongs to it."""
@@ -253,7 +253,7 @@ class _Check:
         if not sound:
             return
         expr, role = (item.slip, "w") if isinstance(item, Stick) else (item.gap, "phi")
-        moving = {x for x in sp.sympify(expr).free_symbols if self.pool.slots[x].role == role}
+        moving = {x for x in sp.sympify(expr).free_symbols if self.pool.roles[x].role == role}
         slopes = [sp.diff(expr, x) for x in moving]
         rest = sp.sympify(expr).xreplace(dict.fromkeys(moving, sp.Integer(0)))
         grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
@@ -271,7 +271,7 @@ class _Check:
 
     def angles(self, expr: Any) -> str:
         """Whether an expression moves with the flange angles alone."""
-        roles = {self.pool.slots[x].role for x in sp.sympify(expr).free_symbols}
+        roles = {self.pool.roles[x].role for x in sp.sympify(expr).free_symbols}
         if roles & {"w", "state"}:
             return f"'{expr}' must be of angles (s.flange.phi), not of speeds or states"
         grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
@@ -280,7 +280,7 @@ class _Check:
     def tie(self, item: Tie | Motion) -> str:
         """Whether a tie speaks of the flanges: of their angles, or of their speeds alone."""
         wanted, other = ("phi", "w") if isinstance(item, Tie) else ("w", "phi")
-        roles = {self.pool.slots[x].role for x in sp.sympify(item.zero).free_symbols}
+        roles = {self.pool.roles[x].role for x in sp.sympify(item.zero).free_symbols}
         grounded = any(not f.phi.is_Symbol for f in self.flanges.values())
         if other in roles:
             return f"'{item.zero}' must be of s.flange.{wanted}, not of s.flange.{other}"
@@ -306,12 +306,12 @@ class _Check:
         if unknown := expr.atoms(AppliedUndef, sp.Derivative, sp.Integral):
             return f"'{expr}' contains '{next(iter(unknown))}', which has no value here"
         for symbol in sorted(expr.free_symbols, key=str):
-            slot = self.pool.slots.get(symbol)
-            if slot is None:
+            meaning = self.pool.roles.get(symbol)
+            if meaning is None:
                 return (
                     f"the symbol '{symbol}' in '{expr}' is not from s; declare it with gb.param, gb.signal or gb.State"
                 )
-            if slot.role in ("alpha", "tau", "held") and not showing:
+            if meaning.role in ("alpha", "tau", "held") and not showing:
                 return f"'{symbol}' in '{expr}' is a result of the motion, which only Shows can read"
         return ""
 

@@ -38,7 +38,7 @@ from gearblocks.laws.functions import Table2At, TableAt
 from gearblocks.laws.law import COORDINATES, LOCATED, READ, Form, Law
 from gearblocks.laws.prescribed_motion import drive_of, is_constant_tie, linear_tie, motion_of
 from gearblocks.laws.relative_angles import in_coordinates
-from gearblocks.laws.switched_constraints import along, carried_loss, sliding_force, sticks_of
+from gearblocks.laws.switched_constraints import along, carried_loss, constraint_laws, sliding_force
 from gearblocks.laws.switching import Freezer
 from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, Symbols
 
@@ -64,24 +64,24 @@ def derive(block: Block, grounded: frozenset[str], *, reading: bool = False) -> 
     found = _contributions(block, s)
     flanges = {name: getattr(s, name) for name in type(block).flanges if name not in grounded}
     law.bodies = [(_flange_name(flanges, b.flange), sp.sympify(b.J)) for b in found[Body] if b.flange.phi.is_Symbol]
-    law.rates = {pool.slots[r.state].of: sp.sympify(r.expr) for r in found[Rate]}
-    law.starts = {pool.slots[x.state].of: sp.sympify(x.value) for x in found[Start]}
-    law.holds = [(pool.slots[h.state].of, sp.sympify(h.value), sp.sympify(h.when)) for h in found[Hold]]
+    law.rates = {pool.roles[r.state].of: sp.sympify(r.expr) for r in found[Rate]}
+    law.starts = {pool.roles[x.state].of: sp.sympify(x.value) for x in found[Start]}
+    law.holds = [(pool.roles[h.state].of, sp.sympify(h.value), sp.sympify(h.when)) for h in found[Hold]]
     law.rates |= {state: sp.Integer(0) for state, _, _ in law.holds}
     for zero in (sp.expand(sp.sympify(t.zero)) for t in found[Tie]):
         if is_constant_tie(law, flanges, zero):
             tie = linear_tie(flanges, zero)
             law.ties += [tie] if tie[0] else []
         else:
-            law.drives.append(drive_of(law, kind, flanges, zero))
-    law.drives += [motion_of(law, kind, flanges, sp.expand(m.zero)) for m in found[Motion]]
-    law.sticks = sticks_of(pool, flanges, [*found[Stick], *found[Stop], *found[LossyTie]])
-    law.rates |= {x: sp.Integer(0) for k in law.sticks.values() for x in (k.impulse, k.impacts) if x is not None}
+            law.prescribed.append(drive_of(law, kind, flanges, zero))
+    law.prescribed += [motion_of(law, kind, flanges, sp.expand(m.zero)) for m in found[Motion]]
+    law.constraints = constraint_laws(pool, flanges, [*found[Stick], *found[Stop], *found[LossyTie]])
+    law.rates |= {x: sp.Integer(0) for k in law.constraints.values() for x in (k.impulse, k.impacts) if x is not None}
     law.torques = _torques(law, flanges, found, reading)
     _energies(law, found[Energy])
     law.shows = [Shows(x.name, sp.sympify(x.expr), x.unit, x.words) for x in found[Shows]]
-    for stick in law.sticks.values():
-        law = law.map(partial(along, pool, stick), "shows")
+    for constraint in law.constraints.values():
+        law = law.map(partial(along, pool, constraint), "shows")
     if not reading:
         law = _in_coordinates(law, flanges, [*found[Force], *(Force(x.gap, 0) for x in found[Stop])])
         law = _frozen(law, found[Switch])
@@ -95,7 +95,7 @@ def _energies(law: Law, entries: Iterable[Energy]) -> None:
     """Stored energy and lost power, that of sliding friction included."""
     stored = [sp.sympify(e.stored) for e in entries if e.stored is not None]
     losses = [sp.sympify(e.loss) for e in entries if e.loss is not None]
-    losses += [-sliding_force(law.pool, k) * k.slip for k in law.sticks.values()]
+    losses += [-sliding_force(law.pool, k) * k.slip for k in law.constraints.values()]
     law.stored = sp.Add(*stored) if stored and not _is_driven(law.pool, stored) else None
     law.loss = sp.Add(*losses) if losses else None
 
@@ -106,16 +106,16 @@ def _flange_name(flanges: Mapping[str, Any], wanted: Any) -> str:
 
 def _is_driven(pool: Pool, exprs: Iterable[Any]) -> bool:
     """Whether an input or sense stands in a stored energy: its jumps would be lost, so the work counts as exchange."""
-    return any(pool.slots[x].role in ("input", "sense") for e in exprs for x in e.free_symbols)
+    return any(pool.roles[x].role in ("input", "sense") for e in exprs for x in e.free_symbols)
 
 
 def _jumps_in_time(law: Law) -> bool:
     """Whether a switch of time or a step table stands in a stored energy: its jumps would be lost, so the work counts as
     exchange."""
-    slots = law.pool.slots
-    modes = {x for x in law.stored.free_symbols if slots[x].role == "mode" and slots[x].of.level != MOVING}
+    roles = law.pool.roles
+    modes = {x for x in law.stored.free_symbols if roles[x].role == "mode" and roles[x].of.level != MOVING}
     smooth = {mode for e in law.stored.atoms(Table2At) for mode in e.args[5:]}
-    smooth |= {e.args[3] for e in law.stored.atoms(TableAt) if len(e.args) == 4 and slots[e.args[0]].of.kind != "step"}
+    smooth |= {e.args[3] for e in law.stored.atoms(TableAt) if len(e.args) == 4 and roles[e.args[0]].of.kind != "step"}
     return bool(modes - smooth)
 
 
@@ -145,10 +145,10 @@ def _torques(
     for act in found[Acts]:
         if act.flange.phi.is_Symbol:
             add(_flange_name(flanges, act.flange), sp.sympify(act.tau))
-    for stick in law.sticks.values():
-        whole = law.pool.symbol("friction", stick.name, f"T_{stick.name}".rstrip("_"))
-        for name, c in stick.push.items():
-            add(name, c * (whole if reading else sliding_force(law.pool, stick)))
+    for constraint in law.constraints.values():
+        whole = law.pool.symbol("friction", constraint.name, f"T_{constraint.name}".rstrip("_"))
+        for name, c in constraint.push.items():
+            add(name, c * (whole if reading else sliding_force(law.pool, constraint)))
     return total
 
 
@@ -205,7 +205,7 @@ def _linear_form(pool: Pool, flanges: Mapping[str, Any], deflection: Any) -> For
 
 def _may_vanish(pool: Pool, coefficient: Any) -> bool:
     """Whether a number of the block in a coefficient may be 0."""
-    return any(pool.slots[x].of not in pool.nonzero for x in coefficient.free_symbols)
+    return any(pool.roles[x].of not in pool.nonzero for x in coefficient.free_symbols)
 
 
 def _constant_part(slope: Any, angles: set[Any]) -> Any:
@@ -223,22 +223,24 @@ def _frozen(law: Law, declared: Iterable[Switch]) -> Law:
     freezer.declare(Switch(x.name, new(x.surface), new(x.when), x.low, x.high) for x in declared)
     frozen = law.map(freezer.freeze, LOCATED)
     # the switches of each constraint follow those of its own expressions
-    frozen.sticks = {name: freezer.watch(stick.map(freezer.freeze)) for name, stick in law.sticks.items()}
-    frozen.late_loss = carried_loss(pool, frozen.sticks)
+    frozen.constraints = {
+        name: freezer.watch(constraint.map(freezer.freeze)) for name, constraint in law.constraints.items()
+    }
+    frozen.constraint_loss = carried_loss(pool, frozen.constraints)
     freezer.locating = False
     frozen = frozen.map(freezer.freeze, READ)
     frozen.switches = freezer.switches
     return frozen
 
 
-def check_senses(law: Law, path: str) -> None:
+def check_feedback(law: Law, path: str) -> None:
     """ModelError where the component at `path` needs a sensed output before there is one: at the start, or for a motion."""
 
     def sensed(exprs: Iterable[Any]) -> str:
-        slots = (law.pool.slots[x] for e in exprs for x in e.free_symbols)
-        return next((slot.of for slot in slots if slot.role == "sense"), "")
+        roles = (law.pool.roles[x] for e in exprs for x in e.free_symbols)
+        return next((meaning.of for meaning in roles if meaning.role == "sense"), "")
 
-    if found := sensed(law.expressions("drives", "driven angles")):
+    if found := sensed(law.expressions("prescribed", "prescribed angles")):
         raise ModelError(
             f"'{path}': the sensed output '{found}' cannot prescribe a rigid motion, not through a filter either: it may "
             f"follow from the torques of that motion; prescribe an Input, or drive with a torque that depends on it"

@@ -33,7 +33,7 @@ def vanishes(expr: Any, pool: Pool) -> bool:
     for _ in range(40):
         point: dict[Any, float] = {
             x: float(random.randint(0, 1))
-            if x not in free and pool.slots[x].role in ("mode", "direction", "stuck")
+            if x not in free and pool.roles[x].role in ("mode", "direction", "stuck")
             else random.uniform(0.2, 1.2)
             for x in symbols
         }

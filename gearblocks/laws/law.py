@@ -14,9 +14,9 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from gearblocks.language.contributions import Shows
-from gearblocks.laws.prescribed_motion import Drive
-from gearblocks.laws.switched_constraints import StickOfKind
-from gearblocks.laws.switching import SurfaceOfKind
+from gearblocks.laws.prescribed_motion import PrescribedMotion
+from gearblocks.laws.switched_constraints import ConstraintLaw
+from gearblocks.laws.switching import EventFunction
 from gearblocks.laws.symbols import Pool
 
 Replace: TypeAlias = Callable[[Any], Any]
@@ -42,13 +42,13 @@ class Form:
 
 @dataclass(slots=True)
 class Law:
-    """Law of a kind, shared by all its instances, in symbols (see Pool.slots for their roles).
+    """Law of a kind, shared by all its instances, in symbols (see Pool.roles for their roles).
 
     forms: relative coordinates of the law as linear forms; coordinates: their symbols. bodies: (flange, inertia). ties:
-    rigid constraints, (coefficients by flange, constant). drives: prescribed motions. forces: symbols of generalised
+    rigid constraints, (coefficients by flange, constant). prescribed: prescribed motions. forces: symbols of generalised
     forces along linear forms and what they are. torques: by flange, over the forces. rates, starts: by state. holds:
-    (state, value, when). supplied: stored' + loss + power into the flanges. late_loss: power lost that reads constraint
-    forces. switches: event functions. sticks: switched constraints. replaced: angles by what they are in coordinates.
+    (state, value, when). supplied: stored' + loss + power into the flanges. constraint_loss: power lost that reads constraint
+    forces. switches: event functions. constraints: switched constraints. replaced: angles by what they are in coordinates.
     """
 
     pool: Pool
@@ -56,7 +56,7 @@ class Law:
     coordinates: list[Any] = field(default_factory=list)
     bodies: list[tuple[str, Any]] = field(default_factory=list)
     ties: list[tuple[Mapping[str, Any], Any]] = field(default_factory=list)
-    drives: list[Drive] = field(default_factory=list)
+    prescribed: list[PrescribedMotion] = field(default_factory=list)
     starts: dict[str, Any] = field(default_factory=dict)
     forces: dict[Any, Any] = field(default_factory=dict)
     torques: dict[str, Any] = field(default_factory=dict)
@@ -65,9 +65,9 @@ class Law:
     stored: Any = None
     loss: Any = None
     supplied: Any = None
-    switches: list[SurfaceOfKind] = field(default_factory=list)
-    sticks: dict[str, StickOfKind] = field(default_factory=dict)
-    late_loss: Any = None
+    switches: list[EventFunction] = field(default_factory=list)
+    constraints: dict[str, ConstraintLaw] = field(default_factory=dict)
+    constraint_loss: Any = None
     shows: list[Shows] = field(default_factory=list)
     replaced: dict[Any, Any] = field(default_factory=dict)
 
@@ -115,7 +115,7 @@ def _values(x: Mapping[Any, Any], f: Replace) -> dict[Any, Any]:
 PARTS: dict[str, _Part] = {
     "forms": _Part("forms", lambda x, f: [replace(form, coefficients=_values(form.coefficients, f)) for form in x], (RATIOS,)),
     "ties": _Part("ties", lambda x, f: [(_values(coefficients, f), constant) for coefficients, constant in x], (RATIOS,)),
-    "slips": _Part("sticks", lambda x, f: {n: replace(k, push=_values(k.push, f)) for n, k in x.items()}, (RATIOS,)),
+    "slips": _Part("constraints", lambda x, f: {n: replace(k, push=_values(k.push, f)) for n, k in x.items()}, (RATIOS,)),
     "bodies": _Part("bodies", lambda x, f: [(flange, f(inertia)) for flange, inertia in x]),
     "forces": _Part("forces", _values, (COORDINATES, LOCATED, STAGE)),
     "torques": _Part("torques", _values, (COORDINATES, LOCATED, STAGE)),
@@ -123,14 +123,14 @@ PARTS: dict[str, _Part] = {
     "surfaces": _Part("switches", lambda x, f: [replace(w, surface=f(w.surface)) for w in x], (STAGE,)),
     "bands": _Part("switches", lambda x, f: [replace(w, band=_alone(w.band, f)) for w in x]),
     "whens": _Part("switches", lambda x, f: [replace(w, when=f(sp.sympify(w.when))) for w in x]),
-    "drives": _Part("drives", lambda x, f: [d.map_rates(f) for d in x], (LOCATED, STAGE)),
-    "driven angles": _Part("drives", lambda x, f: [replace(d, angle=_alone(d.angle, f)) for d in x], (LOCATED,)),
+    "prescribed": _Part("prescribed", lambda x, f: [d.map_rates(f) for d in x], (LOCATED, STAGE)),
+    "prescribed angles": _Part("prescribed", lambda x, f: [replace(d, angle=_alone(d.angle, f)) for d in x], (LOCATED,)),
     "starts": _Part("starts", _values, (COORDINATES, LOCATED)),
-    "sticks": _Part("sticks", lambda x, f: {n: k.map(f) for n, k in x.items()}, (COORDINATES, STAGE)),
+    "constraints": _Part("constraints", lambda x, f: {n: k.map(f) for n, k in x.items()}, (COORDINATES, STAGE)),
     "stored": _Part("stored", _alone, (COORDINATES, LOCATED, STAGE)),
     "loss": _Part("loss", _alone, (COORDINATES, LOCATED, STAGE)),
     "supplied": _Part("supplied", _alone, (STAGE,)),
-    "late_loss": _Part("late_loss", _alone),
+    "constraint_loss": _Part("constraint_loss", _alone),
     "holds": _Part("holds", lambda x, f: [(state, f(value), f(when)) for state, value, when in x], (COORDINATES, READ)),
     "shows": _Part("shows", lambda x, f: [replace(show, expr=f(show.expr)) for show in x], (COORDINATES, READ)),
 }  # fmt: skip

@@ -1,6 +1,6 @@
-"""Prescribed motions: constraints solved for one flange, w = sum gains_f w_f + bias, w' = sum gains_f w_f' + surplus.
+"""Prescribed motions: constraints solved for one flange, w = sum gain_f w_f + b and w' = sum gain_f w_f' + a.
 
-The velocity bias is the rate of what moves with time and states, the acceleration bias the rest of w'. Constraints that are
+The velocity bias b is the rate of what moves with time and states, the acceleration bias a the rest of w'. Constraints that are
 linear with constant factors are rigid constraints instead. Knows nothing of trains, nor of who moves the other flanges.
 """
 
@@ -18,21 +18,26 @@ from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, clock
 
 
 @dataclass(slots=True)
-class Drive:
-    """A prescribed motion of a flange: phi = angle, w = sum gains w + bias, w' = sum gains w' + surplus.
+class PrescribedMotion:
+    """A prescribed motion of a flange: phi = angle, w = sum gains w + velocity_bias, w' = sum gains w' + acceleration_bias.
 
     angle: None where only the speed is prescribed. gains: by the other flanges.
     """
 
     flange: str
     gains: dict[str, Any]
-    bias: Any
-    surplus: Any
+    velocity_bias: Any
+    acceleration_bias: Any
     angle: Any = None
 
-    def map_rates(self, f: Callable[[Any], Any]) -> Drive:
-        """With f(expression) in place of gains, bias and surplus."""
-        return replace(self, gains={n: f(g) for n, g in self.gains.items()}, bias=f(self.bias), surplus=f(self.surplus))
+    def map_rates(self, f: Callable[[Any], Any]) -> PrescribedMotion:
+        """With f(expression) in place of gains, bias and acceleration_bias."""
+        return replace(
+            self,
+            gains={n: f(g) for n, g in self.gains.items()},
+            velocity_bias=f(self.velocity_bias),
+            acceleration_bias=f(self.acceleration_bias),
+        )
 
 
 def is_constant_tie(law: Any, flanges: Mapping[str, Any], zero: Any) -> bool:
@@ -41,8 +46,8 @@ def is_constant_tie(law: Any, flanges: Mapping[str, Any], zero: Any) -> bool:
     if any(law.pool.level(c) != CONSTANT for c in slopes):
         return False
     rest = zero.xreplace({f.phi: sp.Integer(0) for f in flanges.values()})
-    slot = law.pool.slots.get(-rest)
-    return bool(rest == 0) or (slot is not None and slot.role == "own" and slot.of in law.pool.starts)
+    meaning = law.pool.roles.get(-rest)
+    return bool(rest == 0) or (meaning is not None and meaning.role == "own" and meaning.of in law.pool.starts)
 
 
 def linear_tie(flanges: Mapping[str, Any], zero: Any) -> tuple[dict[str, Any], Any]:
@@ -51,7 +56,7 @@ def linear_tie(flanges: Mapping[str, Any], zero: Any) -> tuple[dict[str, Any], A
     return coefficients, zero.xreplace({f.phi: sp.Integer(0) for f in flanges.values()})
 
 
-def drive_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> Drive:
+def drive_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> PrescribedMotion:
     """The drive of a tie, solved for the first flange that it contains linearly with a constant factor."""
     name, slope = _pivot(kind, zero, {n: f.phi for n, f in flanges.items()})
     flange = flanges[name]
@@ -59,43 +64,43 @@ def drive_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> Driv
     _check_smooth(law.pool, kind, angle)
     others = {n: f for n, f in flanges.items() if n != name}
     gains = {n: g for n, f in others.items() if (g := sp.diff(angle, f.phi)) != 0}
-    bias = _rate(law, kind, angle, {})
+    velocity_bias = _rate(law, kind, angle, {})
     turned = sum((g * others[n].w for n, g in gains.items()), sp.Integer(0))
     speeds = {f.phi: f.w for f in others.values()}
-    surplus = _rate(law, kind, bias, speeds) + _rate(law, kind, turned, speeds)
-    return Drive(name, gains, bias, surplus, angle)
+    acceleration_bias = _rate(law, kind, velocity_bias, speeds) + _rate(law, kind, turned, speeds)
+    return PrescribedMotion(name, gains, velocity_bias, acceleration_bias, angle)
 
 
-def motion_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> Drive:
+def motion_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> PrescribedMotion:
     """The drive of a prescribed speed."""
     name, slope = _pivot(kind, zero, {n: f.w for n, f in flanges.items()})
     speed = -sp.expand(zero - slope * flanges[name].w) / slope
     gains = {n: g for n, f in flanges.items() if n != name and (g := sp.diff(speed, f.w)) != 0}
     if any(g.free_symbols for g in gains.values()):
         raise ModelError(f"{kind}: the prescribed speed '{zero}' is not linear in the flange speeds")
-    bias = speed.xreplace({f.w: sp.Integer(0) for f in flanges.values()})
-    steps = any(law.pool.slots[table.args[0]].of.kind == "step" for table in bias.atoms(TableAt))
-    if steps or bias.has(sp.Piecewise, sp.Heaviside, sp.sign):
+    velocity_bias = speed.xreplace({f.w: sp.Integer(0) for f in flanges.values()})
+    steps = any(law.pool.roles[table.args[0]].of.kind == "step" for table in velocity_bias.atoms(TableAt))
+    if steps or velocity_bias.has(sp.Piecewise, sp.Heaviside, sp.sign):
         raise ModelError(
-            f"{kind}: the prescribed speed '{bias}' jumps or may jump, which no finite torque can do; give a ramp as a "
-            "linear Table, a smooth law, or filter=rad/s"
+            f"{kind}: the prescribed speed '{velocity_bias}' jumps or may jump, which no finite torque can do; give a ramp as "
+            "a linear Table, a smooth law, or filter=rad/s"
         )
-    return Drive(name, gains, bias, _rate(law, kind, bias, {}))
+    return PrescribedMotion(name, gains, velocity_bias, _rate(law, kind, velocity_bias, {}))
 
 
-def frozen_drive(drive: Drive, freeze: Callable[[Any], Any]) -> Drive:
+def frozen_motion(drive: PrescribedMotion, freeze: Callable[[Any], Any]) -> PrescribedMotion:
     """The drive with every condition as a mode."""
     return replace(drive.map_rates(freeze), angle=None if drive.angle is None else freeze(drive.angle))
 
 
 def is_steady(law: Any, number: int) -> bool:
     """Whether the gains of a drive are numbers, and what it adds to speed and angle is linear in states (time aside)."""
-    drive, pool = law.drives[number], law.pool
+    drive, pool = law.prescribed[number], law.pool
     if not all(gain.is_number for gain in drive.gains.values()):
         return False
-    added = [sp.sympify(drive.bias), sp.Integer(0) if drive.angle is None else sp.sympify(drive.angle)]
-    moving = [(e, x) for e in added for x in e.free_symbols if pool.level(x) == MOVING and pool.slots[x].role != "phi"]
-    return all(pool.slots[x].role == "state" and sp.diff(e, x).is_number for e, x in moving)
+    added = [sp.sympify(drive.velocity_bias), sp.Integer(0) if drive.angle is None else sp.sympify(drive.angle)]
+    moving = [(e, x) for e in added for x in e.free_symbols if pool.level(x) == MOVING and pool.roles[x].role != "phi"]
+    return all(pool.roles[x].role == "state" and sp.diff(e, x).is_number for e, x in moving)
 
 
 def _pivot(kind: str, zero: Any, unknowns: Mapping[str, Any]) -> tuple[str, Any]:
@@ -112,11 +117,11 @@ def _pivot(kind: str, zero: Any, unknowns: Mapping[str, Any]) -> tuple[str, Any]
 def _rate(law: Any, kind: str, expr: Any, speeds: Mapping[Any, Any]) -> Any:
     """The time derivative of an expression of time, states and the angles in `speeds`."""
     for x in expr.free_symbols:
-        if law.pool.slots[x].role == "input":
+        if law.pool.roles[x].role == "input":
             raise ModelError(
                 f"{kind}: the Input '{x}' has no time derivative, which a rigid motion needs: give filter=rad/s, or compliance"
             )
-        if law.pool.slots[x].role == "sense":
+        if law.pool.roles[x].role == "sense":
             raise ModelError(f"{kind}: a sensed output ('{x}') cannot prescribe a rigid motion; give compliance")
     total = sp.diff(expr, clock())
     total += sum((sp.diff(expr, x) * w for x, w in speeds.items() if expr.has(x)), sp.Integer(0))
@@ -135,5 +140,5 @@ def _check_smooth(pool: Pool, kind: str, angle: Any) -> None:
             f"that is smooth twice over, or compliance"
         )
     for table in angle.atoms(TableAt):
-        if pool.slots[table.args[0]].of.kind in ("linear", "step"):
+        if pool.roles[table.args[0]].of.kind in ("linear", "step"):
             raise ModelError(f"{kind}: a prescribed angle needs a smooth Table: kind='cubic'")

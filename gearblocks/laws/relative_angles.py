@@ -23,7 +23,7 @@ def in_coordinates(pool: Pool, expr: Any, replace: Mapping[Any, Any]) -> Any:
     turns.
     """
     new = sp.sympify(expr).xreplace(replace)
-    roles = {x: pool.slots[x].role for x in new.free_symbols}
+    roles = {x: pool.roles[x].role for x in new.free_symbols}
     absolute = {x for x, role in roles.items() if role == "phi"}
     return _collected(new, absolute, absolute | {x for x, role in roles.items() if role == "coordinate"})
 

@@ -20,7 +20,7 @@ _EVALUATED = ("lower", "upper", "forward", "backward", "engaged", "gap", "restit
 
 
 @dataclass(slots=True)
-class StickOfKind:
+class ConstraintLaw:
     """One switched constraint of a kind: a Stick, a Stop, or one of the two of a LossyTie.
 
     push: by flange, d slip / d w. lower, upper: force bounds (None: without limit). forward, backward: sizes of the sliding
@@ -52,7 +52,7 @@ class StickOfKind:
         """Whether it is a unilateral contact."""
         return self.gap is not None
 
-    def map(self, f: Callable[[Any], Any]) -> StickOfKind:
+    def map(self, f: Callable[[Any], Any]) -> ConstraintLaw:
         """With f(expression) in place of everything that the solver evaluates at an event."""
         values = {n: f(x) for n in _EVALUATED if (x := getattr(self, n)) is not None}
         losses = None if self.losses is None else tuple(f(x) for x in self.losses)
@@ -68,9 +68,9 @@ class StickOfKind:
         return "loss" if self.losses else "friction"
 
 
-def sticks_of(pool: Pool, flanges: Mapping[str, Any], items: list[Any]) -> dict[str, StickOfKind]:
+def constraint_laws(pool: Pool, flanges: Mapping[str, Any], items: list[Any]) -> dict[str, ConstraintLaw]:
     """The switched constraints that a block yields, by name."""
-    found: dict[str, StickOfKind] = {}
+    found: dict[str, ConstraintLaw] = {}
     for x in items:
         if isinstance(x, LossyTie):
             found |= {"tie": _tie(pool, flanges, x), "loss": _loss(pool, flanges, x)}
@@ -91,25 +91,25 @@ def _either(pool: Pool, driving: Any, coasting: Any) -> Any:
     return same * sp.sympify(driving) + (1 - same) * sp.sympify(coasting)
 
 
-def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> StickOfKind:
+def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.tie))
     push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
     direction, _ = _directions(pool)
-    made = StickOfKind("tie", slip, push, partner="loss")
+    made = ConstraintLaw("tie", slip, push, partner="loss")
     made.share = direction**2 * _either(pool, item.driving[0], item.coasting[0])
     return made.map(lambda e: _along(e, sp.expand(item.slip), direction))
 
 
-def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> StickOfKind:
+def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.slip))
     push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
     size = _either(pool, item.driving[1], item.coasting[1])
-    made = StickOfKind("loss", slip, push, forward=size, backward=size, partner="tie")
+    made = ConstraintLaw("loss", slip, push, forward=size, backward=size, partner="tie")
     made.losses = tuple(sp.sympify(x) for x in (*item.driving, *item.coasting))
     return made.map(lambda e: _along(e, slip, _directions(pool)[0]))
 
 
-def carried_loss(pool: Pool, sticks: Mapping[str, StickOfKind]) -> Any:
+def carried_loss(pool: Pool, sticks: Mapping[str, ConstraintLaw]) -> Any:
     """Power that a lossy tie loses in proportion to its constraint force, or None."""
     if "tie" not in sticks or sticks["tie"].share is None:
         return None
@@ -117,10 +117,10 @@ def carried_loss(pool: Pool, sticks: Mapping[str, StickOfKind]) -> Any:
 
 
 def _state(pool: Pool, state: Any) -> str | None:
-    return None if state is None else pool.slots[state].of
+    return None if state is None else pool.roles[state].of
 
 
-def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> StickOfKind:
+def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.slip))
     push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
     lower, upper = item.limit if isinstance(item.limit, tuple) else (-item.limit, item.limit)
@@ -130,24 +130,26 @@ def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> StickOfKind:
     else:
         forward, backward = in_pair(item.sliding)
     direction = pool.symbol("direction", item.name, f"dir_{item.name}".rstrip("_"))
-    made = StickOfKind(item.name, slip, push, lower, upper, sp.sympify(forward), sp.sympify(backward))
+    made = ConstraintLaw(item.name, slip, push, lower, upper, sp.sympify(forward), sp.sympify(backward))
     made.engaged = sp.sympify(item.engaged)
     made.impulse = _state(pool, item.impulse)
     return made.map(lambda e: _along(e, slip, direction))
 
 
-def _stop(pool: Pool, flanges: Mapping[str, Any], item: Stop) -> StickOfKind:
+def _stop(pool: Pool, flanges: Mapping[str, Any], item: Stop) -> ConstraintLaw:
     gap = sp.expand(sp.sympify(item.gap))
     push = {n: c for n, f in flanges.items() if (c := sp.diff(gap, f.phi)) != 0}
     slip = sum((c * flanges[n].w for n, c in push.items()), sp.Integer(0))
-    made = StickOfKind(item.name, slip, push, sp.Integer(0), None, gap=gap, restitution=sp.sympify(item.restitution))
+    made = ConstraintLaw(item.name, slip, push, sp.Integer(0), None, gap=gap, restitution=sp.sympify(item.restitution))
     made.impulse, made.impacts = _state(pool, item.impulse), _state(pool, item.impacts)
     return made
 
 
-def along(pool: Pool, stick: StickOfKind, expr: Any) -> Any:
+def along(pool: Pool, constraint: ConstraintLaw, expr: Any) -> Any:
     """An expression with abs(slip) and sign(slip) of a switched constraint written with its direction."""
-    return _along(expr, stick.slip, pool.symbol("direction", stick.name, f"dir_{stick.name}".rstrip("_")))
+    return _along(
+        expr, constraint.slip, pool.symbol("direction", constraint.name, f"dir_{constraint.name}".rstrip("_"))
+    )
 
 
 def _along(expr: Any, slip: Any, direction: Any) -> Any:
@@ -164,12 +166,12 @@ def _along(expr: Any, slip: Any, direction: Any) -> Any:
     return expr.replace(is_of_slip, branch)
 
 
-def sliding_force(pool: Pool, stick: StickOfKind) -> Any:
+def sliding_force(pool: Pool, constraint: ConstraintLaw) -> Any:
     """The force along the slip while it slides, 0 otherwise."""
-    if stick.is_stop:
+    if constraint.is_stop:
         return sp.Integer(0)
-    direction = pool.symbol("direction", stick.name, f"dir_{stick.name}".rstrip("_"))
-    if stick.forward == stick.backward:
-        return -direction * stick.forward
-    one = direction * (1 + direction) / 2 * stick.forward
-    return -one - direction * (1 - direction) / 2 * stick.backward
+    direction = pool.symbol("direction", constraint.name, f"dir_{constraint.name}".rstrip("_"))
+    if constraint.forward == constraint.backward:
+        return -direction * constraint.forward
+    one = direction * (1 + direction) / 2 * constraint.forward
+    return -one - direction * (1 - direction) / 2 * constraint.backward

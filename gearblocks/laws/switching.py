@@ -16,7 +16,7 @@ from gearblocks.errors import GearblocksError
 from gearblocks.language.contributions import Switch
 from gearblocks.language.signals import Table
 from gearblocks.laws.functions import ContactSide, DeadZone, Table2At, TableAt
-from gearblocks.laws.switched_constraints import StickOfKind
+from gearblocks.laws.switched_constraints import ConstraintLaw
 from gearblocks.laws.symbols import CONSTANT, MOVING, Pool
 
 _COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
@@ -32,7 +32,7 @@ class Mode:
 
 
 @dataclass(slots=True)
-class SurfaceOfKind:
+class EventFunction:
     """One event function of a kind, with its name and the values in the events.
 
     Its mode is the sign of the surface (0 or 1), the segment of a `table` over it, or its side of a `band` about zero
@@ -50,12 +50,12 @@ class SurfaceOfKind:
     high: float = 1.0
     table: Any = None
     band: Any = None
-    lock: str | None = None
+    constraint: str | None = None
 
     @property
     def is_sign(self) -> bool:
         """Whether the mode is the sign of the surface."""
-        return self.table is None and self.band is None and self.lock is None
+        return self.table is None and self.band is None and self.constraint is None
 
 
 @dataclass
@@ -63,7 +63,7 @@ class Freezer:
     """Replaces conditions by mode symbols and collects the switches. One per kind."""
 
     pool: Pool
-    switches: list[SurfaceOfKind] = field(default_factory=list)
+    switches: list[EventFunction] = field(default_factory=list)
     locating: bool = True
     _memo: dict[Any, Any] = field(default_factory=dict)
 
@@ -77,21 +77,24 @@ class Freezer:
                     if item.when != 1:
                         switch.when = self.freeze(sp.sympify(item.when))
 
-    def watch(self, stick: StickOfKind) -> StickOfKind:
+    def watch(self, constraint: ConstraintLaw) -> ConstraintLaw:
         """The switched constraint with its switches: its slip (or gap), its constraint force, and whether it is engaged."""
-        first = {"stop": "gap", "tie": "sign"}.get(stick.kind, "slip")
-        name = "" if stick.kind in ("tie", "loss") else stick.name
-        for what, surface in ((first, stick.gap if stick.is_stop else stick.slip), ("hold", sp.Integer(0))):
-            stick.switches[what] = len(self.switches)
+        first = {"stop": "gap", "tie": "sign"}.get(constraint.kind, "slip")
+        name = "" if constraint.kind in ("tie", "loss") else constraint.name
+        for what, surface in (
+            (first, constraint.gap if constraint.is_stop else constraint.slip),
+            ("hold", sp.Integer(0)),
+        ):
+            constraint.switches[what] = len(self.switches)
             mode = Mode(len(self.switches), MOVING)
             symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
-            self.switches.append(SurfaceOfKind(name, surface, symbol, MOVING, lock=what))
-        if (level := self.pool.level(stick.engaged)) != CONSTANT:
+            self.switches.append(EventFunction(name, surface, symbol, MOVING, constraint=what))
+        if (level := self.pool.level(constraint.engaged)) != CONSTANT:
             mode = Mode(len(self.switches), level)
-            stick.switches["engaged"] = mode.number
+            constraint.switches["engaged"] = mode.number
             symbol = self.pool.symbol("mode", mode, f"mode{mode.number}")
-            self.switches.append(SurfaceOfKind(stick.name, -stick.engaged, symbol, level, lock="free"))
-        return stick
+            self.switches.append(EventFunction(constraint.name, -constraint.engaged, symbol, level, constraint="free"))
+        return constraint
 
     def freeze(self, expr: Any) -> Any:
         """expr with every condition replaced."""
@@ -193,11 +196,11 @@ class Freezer:
         """With the segment of each of its quantities as a mode, where these are located; a step needs no more than that."""
         n = 1 if isinstance(e, TableAt) else 2
         symbol, quantities, orders = e.args[0], [self.freeze(x) for x in e.args[1 : n + 1]], e.args[n + 1 : 2 * n + 1]
-        axes = [symbol] if n == 1 else [self.pool.table(axis) for axis in self.pool.slots[symbol].of.axes]
+        axes = [symbol] if n == 1 else [self.pool.table(axis) for axis in self.pool.roles[symbol].of.axes]
         modes = [self._segment(axis, x) for axis, x in zip(axes, quantities, strict=True)]
         if None in modes:
             return e.func(symbol, *quantities, *orders)
-        if n == 1 and self.pool.slots[symbol].of.kind == "step":
+        if n == 1 and self.pool.roles[symbol].of.kind == "step":
             quantities = [sp.Integer(0)]
         return e.func(symbol, *quantities, *orders, *modes)
 
@@ -206,14 +209,14 @@ class Freezer:
         for switch in self.switches:
             if switch.table is not None and switch.surface == x and self._same_joints(switch.table, table):
                 return switch.symbol
-        smooth = not getattr(self.pool.slots[table].of, "joints", True)
+        smooth = not getattr(self.pool.roles[table].of, "joints", True)
         if not self.locating or smooth or self.pool.level(x) == CONSTANT:
             return None
         return self._add(name, x, table).symbol
 
     def _same_joints(self, one: Any, other: Any) -> bool:
         """Whether two tables have the same segments, so that one switch serves both."""
-        a, b = (self.pool.slots[x].of for x in (one, other))
+        a, b = (self.pool.roles[x].of for x in (one, other))
         if not (isinstance(a, Table) and isinstance(b, Table)):
             return bool(a == b)
         return a is b or (a.periodic == b.periodic and list(a.x) == list(b.x))
@@ -224,9 +227,9 @@ class Freezer:
         mode = self._segment(self.pool.symbol("table", _COUNT, "table_count"), x, "count")
         return sp.floor(x) if mode is None else mode
 
-    def _add(self, name: str, surface: Any, table: Any = None) -> SurfaceOfKind:
+    def _add(self, name: str, surface: Any, table: Any = None) -> EventFunction:
         level = self.pool.level(surface)
         mode = Mode(len(self.switches), level if level != MOVING else MOVING)
-        switch = SurfaceOfKind(name, surface, self.pool.symbol("mode", mode, f"mode{mode.number}"), level, table=table)
+        switch = EventFunction(name, surface, self.pool.symbol("mode", mode, f"mode{mode.number}"), level, table=table)
         self.switches.append(switch)
         return switch

@@ -23,7 +23,7 @@ from gearblocks.laws.functions import EllipseLead, Table2At, TableAt
 
 
 @dataclass(frozen=True, slots=True)
-class Slot:
+class SymbolRole:
     """Role of a symbol: what it stands for.
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
@@ -60,23 +60,23 @@ class Pool:
     def __init__(self, *, reading: bool = False) -> None:
         self.reading = reading
         self.definitions: dict[Any, Any] = {}
-        self.slots: dict[Any, Slot] = {clock(): Slot("time", None)}
+        self.roles: dict[Any, SymbolRole] = {clock(): SymbolRole("time", None)}
         self.nonzero: set[str] = set()
         """Numbers of the block that its bounds keep from 0."""
         self.starts: set[str] = set()
         """Numbers of the block that are start values of its shafts."""
-        self._made: dict[Slot, Any] = {}
+        self._made: dict[SymbolRole, Any] = {}
 
     def symbol(self, role: str, of: Any, text: str) -> Any:
         """The symbol for a role, made on first use."""
-        slot = Slot(role, of)
-        if slot not in self._made:
+        meaning = SymbolRole(role, of)
+        if meaning not in self._made:
             made = sp.Symbol(text, real=True)
-            while made in self.slots:
+            while made in self.roles:
                 made = sp.Symbol(made.name + "_", real=True)
-            self.slots[made] = slot
-            self._made[slot] = made
-        return self._made[slot]
+            self.roles[made] = meaning
+            self._made[meaning] = made
+        return self._made[meaning]
 
     def leaf(self, leaf: Expr) -> Any:
         """The symbol (or table call) of a leaf of an expression."""
@@ -106,15 +106,15 @@ class Pool:
         """CONSTANT, TIMED or MOVING: what can change the expression during a run."""
         found = CONSTANT
         for atom in expr.free_symbols:
-            slot = self.slots[atom]
-            found = max(found, slot.of.level if slot.role == "mode" else _level_of(slot))
+            meaning = self.roles[atom]
+            found = max(found, meaning.of.level if meaning.role == "mode" else _level_of(meaning))
         return found
 
 
-def _level_of(slot: Slot) -> int:
-    if slot.role == "column":
-        return int(slot.of[0])
-    return CONSTANT if slot.role in ("table", "table2") else LEVEL.get(slot.role, MOVING)
+def _level_of(meaning: SymbolRole) -> int:
+    if meaning.role == "column":
+        return int(meaning.of[0])
+    return CONSTANT if meaning.role in ("table", "table2") else LEVEL.get(meaning.role, MOVING)
 
 
 class FlangeSymbols:

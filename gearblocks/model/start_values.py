@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gearblocks.codegen.program import FollowerInfo, Program
+from gearblocks.codegen.program import DependentStart, Program
 from gearblocks.errors import ModelError
 from gearblocks.language.block import Block, given_start, start_fields
 from gearblocks.language.expression import Expr, evaluate
@@ -57,7 +57,7 @@ def solve_dependent(program: Program, train: Train, values: dict[str, float]) ->
     contradictions."""
     blocks = {c.path: c.block for c in train.components}
     rows = []
-    for info in program.followers:
+    for info in program.dependent_starts:
         path = info.name.rpartition(".")[0]
         value = start_of(blocks[path], info.of)
         if value is not None:
@@ -76,7 +76,7 @@ def solve_dependent(program: Program, train: Train, values: dict[str, float]) ->
 
 
 def _solve(
-    program: Program, blocks: dict[str, Block], rows: list[tuple[FollowerInfo, float]], values: dict[str, float]
+    program: Program, blocks: dict[str, Block], rows: list[tuple[DependentStart, float]], values: dict[str, float]
 ) -> None:  # fmt: skip
     """Open start values of minimum norm that fulfil the rows: sum of factor times value = the given one."""
     places = dict.fromkeys(i for info, _ in rows for i in info.places if _is_open(program, blocks, i))
@@ -107,7 +107,7 @@ def fit_prescribed(model: Model, train: Train) -> None:
     model.values). ModelError for given start values that cannot be."""
     blocks: dict[str, Block] = {c.path: c.block for c in train.components}
     given = []
-    for info in model.program.moved:
+    for info in model.program.prescribed_starts:
         path = info.name.rpartition(".")[0]
         value = start_of(blocks[path], info.of)
         if value is not None:

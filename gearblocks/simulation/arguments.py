@@ -162,7 +162,7 @@ def is_static(initial: Any) -> bool:
 
 def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> None:
     starts = {s.name: i for i, s in enumerate(program.starts)}
-    followers = {f.name: f for f in program.followers}
+    followers = {f.name: f for f in program.dependent_starts}
     initial = dict(initial)
     asked = {followers[name]: initial.pop(name) for name in [*initial] if name in followers}
     given: dict[int, tuple[str, float]] = {}

@@ -62,7 +62,7 @@ def equilibrium(point: Point) -> Point:
     force exceeds its bounds.
     """
     point = by_slips(point)
-    for _ in range(4 * len(point.sim.locks().places) + 1):
+    for _ in range(4 * len(point.sim.constraints().places) + 1):
         found = _balanced(point)
         changed = judged(found)
         if changed is None:
@@ -78,7 +78,7 @@ def _balanced(point: Point) -> Point:
     """The equilibrium for the present active set."""
     whole = motion(point)
     if len(whole.coordinates) + len(whole.states) == 0 or len(whole.speeds) + len(whole.states) == 0:
-        return point if point.sim.locks().places else point.at(y=restarted(point))
+        return point if point.sim.constraints().places else point.at(y=restarted(point))
     _check_speeds(point, whole)
     found = _Search(point, whole).run()
     return found if whole.active is None else found.at(y=_angles_following(whole, whole.active, point.y, found.y))

@@ -14,7 +14,7 @@ import numpy as np
 from gearblocks.errors import SimulationError
 from gearblocks.solver.point import Point
 from gearblocks.solver.structures import Array
-from gearblocks.solver.switched_constraints import LockKind, LockPlace, Locks
+from gearblocks.solver.switched_constraints import ConstraintKind, ConstraintsAtPoint, ConstraintSwitches
 
 _ROUNDING = 64 * np.finfo(float).eps  # of the sum of |G| |v| of a row
 _EXCESS = 1e-9  # a constraint force that exceeds its bound by less, relative to it, is rounding
@@ -22,101 +22,103 @@ _EXCESS = 1e-9  # a constraint force that exceeds its bound by less, relative to
 
 def by_slips(point: Point) -> Point:
     """The point with modes by slips alone: friction is stuck where there is none, a stop is closed without a gap."""
-    places = point.sim.locks().places
+    places = point.sim.constraints().places
     if not places:
         return point
-    locks, modes = point.locks(), point.modes.copy()
-    first = point.program.n - locks.rows.shape[1]
-    slips = locks.rows @ point.y[first : point.program.n]
-    terms = np.abs(locks.rows) @ np.abs(point.y[first : point.program.n])
+    constraints, modes = point.constraints(), point.modes.copy()
+    first = point.program.n - constraints.rows.shape[1]
+    slips = constraints.rows @ point.y[first : point.program.n]
+    terms = np.abs(constraints.rows) @ np.abs(point.y[first : point.program.n])
     for i, place in enumerate(places):
-        if place.kind is LockKind.TIE:
+        if place.kind is ConstraintKind.TIE:
             continue
-        slip = slips[i] if place.is_stop else locks.slip[i]
+        slip = slips[i] if place.is_stop else constraints.slip[i]
         still = bool(abs(slip) <= _ROUNDING * terms[i])
         if place.is_stop:
-            modes[place.hold] = still and locks.slip[i] <= 0.0
+            modes[place.active] = still and constraints.slip[i] <= 0.0
         else:
-            engaged = _is_engaged(point, place, locks, i)
-            modes[place.hold] = engaged and still
+            engaged = _is_engaged(point, place, constraints, i)
+            modes[place.active] = engaged and still
             modes[place.slip] = float(np.sign(slip)) if engaged and not still else 0.0
     return point.at(modes=modes).settled()
 
 
-def _is_engaged(point: Point, place: LockPlace, locks: Locks, i: int) -> bool:
+def _is_engaged(point: Point, place: ConstraintSwitches, constraints: ConstraintsAtPoint, i: int) -> bool:
     """Whether friction is pressed at all."""
-    return bool(locks.limits[i, 4] > 0.0) and not (place.free >= 0 and point.modes[place.free] > 0.5)
+    return bool(constraints.bounds[i, 4] > 0.0) and not (place.free >= 0 and point.modes[place.free] > 0.5)
 
 
 def judged(found: Point) -> Point | None:
     """None where all constraint forces lie within their bounds and no gap is negative; else the point with that stop
     closed, or with the constraint inactive that has one bound and exceeds it. SimulationError for friction that does."""
-    places = found.sim.locks().places
+    places = found.sim.constraints().places
     if not places:
         return None
-    locks, modes = found.locks(), found.modes.copy()
-    overlaps = [i for i, place in enumerate(places) if _overlaps(found, place, locks, i)]
+    constraints, modes = found.constraints(), found.modes.copy()
+    overlaps = [i for i, place in enumerate(places) if _overlaps(found, place, constraints, i)]
     if overlaps:
-        deepest = min(overlaps, key=lambda i: locks.slip[i])
-        modes[places[deepest].hold] = 1.0
-        return found.at(y=_without_overlap(found, locks, deepest), modes=modes).settled()
-    reversed_ties = [i for i, x in enumerate(places) if x.kind is LockKind.TIE and locks.held[i] * modes[x.slip] < 0.0]
+        deepest = min(overlaps, key=lambda i: constraints.slip[i])
+        modes[places[deepest].active] = 1.0
+        return found.at(y=_without_overlap(found, constraints, deepest), modes=modes).settled()
+    reversed_ties = [
+        i for i, x in enumerate(places) if x.kind is ConstraintKind.TIE and constraints.forces[i] * modes[x.slip] < 0.0
+    ]
     if reversed_ties:  # the constraint force of a lossy tie has the other sign than its mode
         for i in reversed_ties:
             modes[places[i].slip] *= -1.0
         return found.at(modes=modes).settled()
-    excess = np.array([_excess(locks, i, x.kind) if modes[x.hold] > 0.5 else 0.0 for i, x in enumerate(places)])
+    excess = np.array([_excess(constraints, i, x.kind) if modes[x.active] > 0.5 else 0.0 for i, x in enumerate(places)])
     worst = int(np.argmax(excess))
     if excess[worst] <= _EXCESS:
         return None
-    place, (lower, upper) = places[worst], locks.limits[worst, :2]
-    if place.kind is LockKind.LOSS or (np.isfinite(lower) and np.isfinite(upper)):
-        raise _too_weak(found, worst, locks)
-    modes[place.hold] = 0.0
-    modes[place.slip] = 0.0 if place.is_stop else 1.0 if locks.held[worst] < lower else -1.0
+    place, (lower, upper) = places[worst], constraints.bounds[worst, :2]
+    if place.kind is ConstraintKind.LOSS or (np.isfinite(lower) and np.isfinite(upper)):
+        raise _too_weak(found, worst, constraints)
+    modes[place.active] = 0.0
+    modes[place.slip] = 0.0 if place.is_stop else 1.0 if constraints.forces[worst] < lower else -1.0
     return found.at(modes=modes).settled()
 
 
-def _excess(locks: Locks, i: int, kind: LockKind) -> float:
+def _excess(constraints: ConstraintsAtPoint, i: int, kind: ConstraintKind) -> float:
     """By how much a constraint force exceeds its bounds, relative to the largest one around."""
-    lower, upper = locks.limits[i, :2]
-    size = float(np.abs(locks.held).max())
-    if kind is LockKind.LOSS:
-        excess = locks.excess[i]
+    lower, upper = constraints.bounds[i, :2]
+    size = float(np.abs(constraints.forces).max())
+    if kind is ConstraintKind.LOSS:
+        excess = constraints.violation[i]
     else:
-        excess = max(locks.held[i] - upper, lower - locks.held[i])
+        excess = max(constraints.forces[i] - upper, lower - constraints.forces[i])
         size = max(size, min(abs(lower), abs(upper)))
     return float(excess / size) if excess > 0.0 and size > 0.0 else 0.0
 
 
-def _overlaps(point: Point, place: LockPlace, locks: Locks, i: int) -> bool:
+def _overlaps(point: Point, place: ConstraintSwitches, constraints: ConstraintsAtPoint, i: int) -> bool:
     """Whether a stop is open with a gap below 0, by more than rounding makes of a gap of 0."""
-    if not place.is_stop or point.modes[place.hold]:
+    if not place.is_stop or point.modes[place.active]:
         return False
-    first = point.program.n - locks.rows.shape[1]
-    size = np.abs(locks.rows[i]).max() * np.abs(point.y[:first]).max(initial=0.0)
-    return bool(locks.slip[i] < -_ROUNDING * size)
+    first = point.program.n - constraints.rows.shape[1]
+    size = np.abs(constraints.rows[i]).max() * np.abs(point.y[:first]).max(initial=0.0)
+    return bool(constraints.slip[i] < -_ROUNDING * size)
 
 
-def _without_overlap(point: Point, locks: Locks, i: int) -> Array:
+def _without_overlap(point: Point, constraints: ConstraintsAtPoint, i: int) -> Array:
     """The state with the gap of a stop at 0 and the slips of the active set unchanged: the smallest such displacement."""
     from gearblocks.solver.motion import motion
 
     whole, active = motion(point), [*point.holding(), i]
     wanted = np.zeros(len(active))
-    wanted[-1] = -locks.slip[i]
-    moved = np.linalg.lstsq(locks.rows[active], wanted, rcond=1e-9)[0]
+    wanted[-1] = -constraints.slip[i]
+    moved = np.linalg.lstsq(constraints.rows[active], wanted, rcond=1e-9)[0]
     y = point.y.copy()
     y[whole.coordinates] += whole.B @ moved
     y[whole.angles] += whole.E @ moved
     return y
 
 
-def _too_weak(point: Point, i: int, locks: Locks) -> SimulationError:
-    component = point.program.switches[point.sim.locks().places[i].slip].component
-    held, limit = abs(locks.held[i]), abs(locks.limits[i, 1 if locks.held[i] > 0 else 0])
-    if point.sim.locks().places[i].kind is LockKind.LOSS:
-        limit = max(0.0, held - locks.excess[i])
+def _too_weak(point: Point, i: int, constraints: ConstraintsAtPoint) -> SimulationError:
+    component = point.program.switches[point.sim.constraints().places[i].slip].component
+    held, limit = abs(constraints.forces[i]), abs(constraints.bounds[i, 1 if constraints.forces[i] > 0 else 0])
+    if point.sim.constraints().places[i].kind is ConstraintKind.LOSS:
+        limit = max(0.0, held - constraints.violation[i])
     return SimulationError(
         point.t, component,
         f"there is no static equilibrium: it would have to carry {held:.6g} to stay stuck, and holds {limit:.6g}",

@@ -307,7 +307,7 @@ _CAUSES: dict[Code, tuple[str, str]] = {
     ),
     Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
     Code.ERR_LOSS: (
-        "no motion, or more than one, agrees with its losses: it jams, or locks itself against a load that drives it",
+        "no motion, or more than one, agrees with its losses: it jams, or constraints itself against a load that drives it",
         "with these inertias the efficiency (below 0, or far below 1 at a large ratio) allows no single acceleration; "
         "give it a compliant shaft beside, more inertia, or a better efficiency",
     ),

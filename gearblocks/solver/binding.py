@@ -37,7 +37,7 @@ from gearblocks.solver.structures import (
     Report,
 )
 from gearblocks.solver.switched_constraints import PROTOTYPES as CONSTRAINT_PROTOTYPES
-from gearblocks.solver.switched_constraints import Locks, LocksOf, locks_at, locks_of
+from gearblocks.solver.switched_constraints import ConstraintsAtPoint, ModelConstraints, constraints_at, constraints_of
 
 _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_get_model": (POINTER(c_char_p), ()),
@@ -246,7 +246,7 @@ class Simulation:
         """Whether the model has what implicit methods need."""
         return bool(self._shared.gb_pattern_of(self._sim))
 
-    def linear_sizes(self) -> tuple[int, int, int]:
+    def step_matrix_sizes(self) -> tuple[int, int, int]:
         """Numbers of kinematic states, of massless speeds, and of what the Jacobian keeps (zeros without a pattern)."""
         return sizes_of(self._shared, self._sim)
 
@@ -269,7 +269,7 @@ class Simulation:
         Raises RuntimeError where the model has no pattern, ArithmeticError where a derivative has no bound or the speeds
         of massless groups are not determined.
         """
-        pattern, sizes = self._needed_pattern(), self.linear_sizes()
+        pattern, sizes = self._needed_pattern(), self.step_matrix_sizes()
 
         def matrix(g: float) -> StepMatrix:
             return self.step_matrix(t, y, g, modes, inputs=inputs, means=means)
@@ -281,7 +281,7 @@ class Simulation:
         """E of c/gb_model.h by the states that are not kinematic, a scipy.sparse CSC array: inertias of the speeds, 1 for
         states of blocks. Raises RuntimeError as `jacobian`."""
         pattern = self._needed_pattern()
-        last = len(pattern.order) - self.linear_sizes()[1]
+        last = len(pattern.order) - self.step_matrix_sizes()[1]
         return whole(pattern, self.step_matrix(t, y, 0.0))[:last, :last]
 
     def right_side(self, m: StepMatrix, r: Array) -> Array:
@@ -293,9 +293,9 @@ class Simulation:
         _expect(code, "gb_step_matrix_right_side")
         return out
 
-    def simple_rates(self, m: StepMatrix, x: Array) -> Array:
+    def kinematic_rates(self, m: StepMatrix, x: Array) -> Array:
         """B x: rates of the kinematic states from the unknowns."""
-        x, out = np.ascontiguousarray(x, dtype=np.float64), np.empty(self.linear_sizes()[0])
+        x, out = np.ascontiguousarray(x, dtype=np.float64), np.empty(self.step_matrix_sizes()[0])
         code = self._shared.gb_kinematic_rates(self._sim, m.kept.ctypes.data, x.ctypes.data, out.ctypes.data)
         _expect(code, "gb_kinematic_rates")
         return out
@@ -304,17 +304,17 @@ class Simulation:
         """The present modes of all switches. Only after `start`."""
         return self._filled("gb_modes", len(self._program.switches))
 
-    def locks(self) -> LocksOf:
-        """The switched constraints of the model: friction, locks, stops, lossy ties."""
-        return locks_of(self._shared, self._sim)
+    def constraints(self) -> ModelConstraints:
+        """The switched constraints of the model: friction, constraints, stops, lossy ties."""
+        return constraints_of(self._shared, self._sim)
 
-    def locks_at(
+    def constraints_at(
         self, t: float, y: Array, modes: Array | None, *, inputs: Array | None = None, means: bool = False
-    ) -> Locks:
+    ) -> ConstraintsAtPoint:
         """Slips, force bounds and constraint forces of all switched constraints at a point; arguments as for `probe`."""
         modes, inputs = _doubles(modes), _doubles(inputs)
         point = PointStructure(t, int(means), _address(modes), _address(inputs), None)
-        code, made = locks_at(self._shared, self._sim, point, self._state_vector(y))
+        code, made = constraints_at(self._shared, self._sim, point, self._state_vector(y))
         _expect(code, "gb_constraints_at")
         return made
 

@@ -90,7 +90,7 @@ def motion(point: Point) -> Motion:
 
 def knows_derivatives(point: Point) -> bool:
     """Whether the laws have derivatives and no group is massless."""
-    return point.sim.has_jacobian and point.sim.linear_sizes()[1] == 0
+    return point.sim.has_jacobian and point.sim.step_matrix_sizes()[1] == 0
 
 
 def _rates_by_speed(point: Point, still: Array, rows: Indices, v: Indices) -> csc_array:
@@ -111,7 +111,7 @@ def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
     from scipy.sparse import csc_array
 
     if knows_derivatives(point):
-        unknowns = v - point.sim.linear_sizes()[0]
+        unknowns = v - point.sim.step_matrix_sizes()[0]
         return csc_array(point.sim.inertia(point.t, still)[unknowns][:, unknowns])
     kinetic = np.array([e.place for e in point.program.energies if e.part == "kinetic"], dtype=np.intp)
 

@@ -21,7 +21,7 @@ from gearblocks.solver.active_set import Rows, reduced
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.sparse_maps import Indices, disjoint
 from gearblocks.solver.structures import Array, Options
-from gearblocks.solver.switched_constraints import Locks
+from gearblocks.solver.switched_constraints import ConstraintsAtPoint
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -70,23 +70,23 @@ class Point:
         """The modes that the state asks for."""
         return self._look("modes", y)
 
-    def locks(self) -> Locks:
+    def constraints(self) -> ConstraintsAtPoint:
         """The switched constraints here: rows, force bounds, constraint forces."""
-        return self.sim.locks_at(self.t, self.y, self.modes, inputs=self.u, means=self.means)
+        return self.sim.constraints_at(self.t, self.y, self.modes, inputs=self.u, means=self.means)
 
     def holding(self) -> tuple[int, ...]:
         """The active set: numbers of the switched constraints whose slip is held at 0 (stuck, closed)."""
-        return tuple(i for i, x in enumerate(self.sim.locks().places) if self.modes[x.hold] > 0.5)
+        return tuple(i for i, x in enumerate(self.sim.constraints().places) if self.modes[x.active] > 0.5)
 
     def active_rows(self) -> Rows | None:
         """G of the active set, reduced: G v = 0. None where nothing is active."""
         active = list(self.holding())
-        return reduced(self.locks().rows[active]) if active else None
+        return reduced(self.constraints().rows[active]) if active else None
 
     def active_force_rows(self) -> Rows | None:
         """Torques on the speeds per constraint force of the active set, reduced in the same way."""
         active = list(self.holding())
-        return reduced(self.locks().force_rows[active]) if active else None
+        return reduced(self.constraints().force_rows[active]) if active else None
 
     def settled(self) -> Point:
         """The same with modes that fit state and time."""
@@ -214,7 +214,7 @@ def state_matrix(point: Point) -> csc_array:
     """d(dy/dt)/dy of the first n states in frozen modes, shape (n, n), sparse: from the derivatives of the laws where they
     exist, else from differences. The active set stays: G v' = 0."""
     active = point.active_rows()
-    if point.sim.has_jacobian and (active is None or point.sim.locks().plain):
+    if point.sim.has_jacobian and (active is None or point.sim.constraints().plain):
         with suppress(ArithmeticError):
             A: csc_array = point.sim.jacobian(point.t, point.y, point.modes, inputs=point.u, means=point.means)
             return A if active is None else _with_constraint_forces(point, A, active)
@@ -231,7 +231,7 @@ def _with_constraint_forces(point: Point, A: csc_array, active: Rows) -> csc_arr
     n = A.shape[0]
     first = n - active.W.shape[1]
     M = point.sim.inertia(point.t, point.y)
-    unknowns = np.arange(first, n) - point.sim.linear_sizes()[0]
+    unknowns = np.arange(first, n) - point.sim.step_matrix_sizes()[0]
     rates = active.projected(csc_array(M[unknowns][:, unknowns]), A[first:])
     return csc_array(vstack([A[:first], rates]))
 

@@ -46,7 +46,7 @@ PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 
 class StepMatrix(NamedTuple):
     """S = E - g dG/dx - g^2 dG/ds B of c/gb_model.h: by unknown, by place below and above the diagonal, and the numbers
-    that right_side and simple_rates need."""
+    that right_side and kinematic_rates need."""
 
     g: float
     diag: Array
@@ -98,7 +98,7 @@ class Linear(Protocol):
     def right_side(self, m: StepMatrix, r: Array) -> Array:
         """E r_x + g dG/ds r_s."""
 
-    def simple_rates(self, m: StepMatrix, x: Array) -> Array:
+    def kinematic_rates(self, m: StepMatrix, x: Array) -> Array:
         """B x."""
 
 
@@ -112,14 +112,16 @@ class Groups(NamedTuple):
         return f"<Groups: {len(self.side)} of states, {len(self.rates)} of unknowns>"
 
 
-def guessed_groups(pattern: Pattern, simple_rates: Callable[[Array], Array], n_kinematic: int, n_others: int) -> Groups:
+def guessed_groups(
+    pattern: Pattern, kinematic_rates: Callable[[Array], Array], n_kinematic: int, n_others: int
+) -> Groups:
     """Groups that the pattern suggests: unknowns in the rate of a kinematic state are coupled to each other and to all
     equations in which that state stands. Few other states stand in a deflection: those of a prescribed angle."""
     colour = _colours(pattern)
     rates: list[list[int]] = [[] for _ in range(max(colour, default=-1) + 1)]
     for unknown, c in enumerate(colour):
         rates[c].append(unknown)
-    B, served = recovered(simple_rates, (n_kinematic, len(colour)), rates, len(colour))
+    B, served = recovered(kinematic_rates, (n_kinematic, len(colour)), rates, len(colour))
     around = [[i] for i in range(len(colour))]
     for k, column in enumerate(pattern.order):
         for row in pattern.row[pattern.start[k] : pattern.start[k + 1]]:
@@ -162,7 +164,7 @@ def state_jacobian(
     far, near = matrix(10.0 ** (last + 6)), matrix(0.0)
 
     def rates(x: Array) -> Array:
-        return sim.simple_rates(near, x)
+        return sim.kinematic_rates(near, x)
 
     def slopes(r: Array) -> Array:
         return (sim.right_side(far, r) - sim.right_side(near, r)) / far.g

@@ -25,7 +25,7 @@ PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 }
 
 
-class LockKind(IntEnum):
+class ConstraintKind(IntEnum):
     """Kind of a switched constraint: friction or a lock without bounds; a stop; a lossy tie; the loss that goes with it."""
 
     FRICTION = 0
@@ -34,26 +34,26 @@ class LockKind(IntEnum):
     LOSS = 3
 
 
-class LockPlace(NamedTuple):
+class ConstraintSwitches(NamedTuple):
     """A switched constraint: its kind and its switches.
 
-    slip: direction of the slip (of a stop the sign of its gap, of a lossy tie that of its force); hold: 1 while active;
+    slip: direction of the slip (of a stop the sign of its gap, of a lossy tie that of its force); active: 1 while active;
     free: 1 while nothing presses it (-1: no such switch).
     """
 
-    kind: LockKind
+    kind: ConstraintKind
     slip: int
-    hold: int
+    active: int
     free: int
 
     @property
     def is_stop(self) -> bool:
         """Whether it is a unilateral contact."""
-        return self.kind is LockKind.STOP
+        return self.kind is ConstraintKind.STOP
 
     def shown(self, modes: Array) -> float:
         """The mode as events show it: 0 stuck, 1 forward, -1 backward, 2 free; of a stop 1 closed, 0 open."""
-        active, direction = modes[self.hold] > 0.5, float(modes[self.slip])
+        active, direction = modes[self.active] > 0.5, float(modes[self.slip])
         if self.is_stop:
             return float(active)
         return 0.0 if active else direction or 2.0
@@ -65,29 +65,29 @@ class LockPlace(NamedTuple):
         return {0.0: "stuck", 1.0: "slides forward", -1.0: "slides backward"}.get(self.shown(modes), "free")
 
 
-class Locks(NamedTuple):
+class ConstraintsAtPoint(NamedTuple):
     """All switched constraints at a point.
 
-    rows: G, shape (constraints, speeds); force_rows: torques on the speeds per constraint force, same shape; limits, shape
+    rows: G, shape (constraints, speeds); force_rows: torques on the speeds per constraint force, same shape; bounds, shape
     (constraints, 5): lower and upper force bound, sizes of the sliding force against forward and backward slip, engagement;
-    held: constraint forces; excess: by how much they exceed their bounds; slip: G v (of stops the gap).
+    forces: constraint forces; violation: by how much they exceed their bounds; slip: G v (of stops the gap).
     """
 
     rows: Array
     force_rows: Array
-    limits: Array
-    held: Array
-    excess: Array
+    bounds: Array
+    forces: Array
+    violation: Array
     slip: Array
 
     def __repr__(self) -> str:
         return f"<{self.rows.shape[0]} switched constraints over {self.rows.shape[1]} speeds at a point>"
 
 
-class LocksOf(NamedTuple):
+class ModelConstraints(NamedTuple):
     """The switched constraints of a model; steady: their rows G are constant; number of speeds."""
 
-    places: tuple[LockPlace, ...]
+    places: tuple[ConstraintSwitches, ...]
     steady: bool
     n_speeds: int
 
@@ -95,30 +95,32 @@ class LocksOf(NamedTuple):
         return f"<{len(self.places)} switched constraints over {self.n_speeds} speeds>"
 
     @property
-    def shown(self) -> tuple[LockPlace, ...]:
+    def shown(self) -> tuple[ConstraintSwitches, ...]:
         """Those whose mode is shown: all but lossy ties, whose mode is that of their loss."""
-        return tuple(place for place in self.places if place.kind is not LockKind.TIE)
+        return tuple(place for place in self.places if place.kind is not ConstraintKind.TIE)
 
     @property
     def plain(self) -> bool:
         """Whether the rates are those of the laws with constraint forces by G' alone: constant rows, no lossy ties."""
-        return self.steady and not any(place.kind is LockKind.TIE for place in self.places)
+        return self.steady and not any(place.kind is ConstraintKind.TIE for place in self.places)
 
 
-def locks_of(shared: ctypes.CDLL, sim: int | None) -> LocksOf:
+def constraints_of(shared: ctypes.CDLL, sim: int | None) -> ModelConstraints:
     """The switched constraints of a model."""
     n_speeds, steady = c_int(), c_int()
     count = shared.gb_constraints_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), None)
     table = np.zeros((count, 4), dtype=np.intc)
     shared.gb_constraints_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), table.ctypes.data)
-    places = tuple(LockPlace(LockKind(p[0]), int(p[1]), int(p[2]), int(p[3])) for p in table)
-    return LocksOf(places, bool(steady.value), n_speeds.value)
+    places = tuple(ConstraintSwitches(ConstraintKind(p[0]), int(p[1]), int(p[2]), int(p[3])) for p in table)
+    return ModelConstraints(places, bool(steady.value), n_speeds.value)
 
 
-def locks_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array) -> tuple[int, Locks]:
+def constraints_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array) -> tuple[int, ConstraintsAtPoint]:
     """The answer of the call and the switched constraints at a point (gb_point)."""
-    places, _, n_speeds = locks_of(shared, sim)
+    places, _, n_speeds = constraints_of(shared, sim)
     n = len(places)
-    made = Locks(np.zeros((n, n_speeds)), np.zeros((n, n_speeds)), np.zeros((n, 5)), *(np.zeros(n) for _ in range(3)))
+    made = ConstraintsAtPoint(
+        np.zeros((n, n_speeds)), np.zeros((n, n_speeds)), np.zeros((n, 5)), *(np.zeros(n) for _ in range(3))
+    )
     code = shared.gb_constraints_at(sim, ctypes.byref(point), y.ctypes.data, *(part.ctypes.data for part in made))
     return code, made

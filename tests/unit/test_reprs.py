@@ -40,7 +40,14 @@ def _inside_the_solver(model: gb.Model) -> Iterator[Any]:
         sim.parameters[:] = model.values
         sim.inputs[:] = [x.start for x in model.program.inputs]
         with opened(sim, model.program, 0.0) as point:
-            yield from (sim, point, motion(point), sim.locks(), point.locks(), reduction(point, model.program.n))
+            yield from (
+                sim,
+                point,
+                motion(point),
+                sim.constraints(),
+                point.constraints(),
+                reduction(point, model.program.n),
+            )
             yield sim.step_matrix(0.0, point.y, 1e-3)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.assemble import HELD
+from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.operands import Assignment, Local, Operand, Role
 from gearblocks.laws.energy_balance import vanishes
@@ -66,7 +66,7 @@ class Slopes:
 
     def keep(self, expr: Any) -> tuple[Any, Any]:
         """A number that later functions need as well: its symbol now, and then."""
-        place = Operand(Role.KEPT, self.kept_end, instance=self.width > 1)
+        place = Operand(Role.KINEMATIC_TERMS, self.kept_end, instance=self.width > 1)
         symbol = self.number(f"n{self.kept_end}", expr)
         self.statements.append(Assignment(place, "=", symbol))
         self.kept_end += self.width
@@ -77,7 +77,7 @@ class Slopes:
     def gradient(self, expr: Any) -> Gradient:
         """The derivatives of an expression of the batch. NotImplementedError where there is no formula."""
         found = Gradient()
-        slots, g = self.code.law.pool.slots, self.g
+        slots, g = self.code.law.pool.roles, self.g
         for x, slope in partial(self.code, expr):
             role = slots[x].role
             if role in ("w", "state") or (self.direct and role != "sense"):
@@ -102,13 +102,13 @@ class Slopes:
 
     def _rate_of(self, x: Any) -> Iterator[tuple[Any, Any]]:
         """(speed, coefficient) of the rate of a coordinate or an angle."""
-        slot = self.code.law.pool.slots[x]
-        if slot.role == "phi":
-            yield self._speed(slot.of), sp.Integer(1)
+        meaning = self.code.law.pool.roles[x]
+        if meaning.role == "phi":
+            yield self._speed(meaning.of), sp.Integer(1)
             return
-        rate = self.code.speeds[slot.of]
+        rate = self.code.speeds[meaning.of]
         for w in sorted(rate.free_symbols, key=lambda x: str(x.name)):
-            if self.code.law.pool.slots[w].role == "w":
+            if self.code.law.pool.roles[w].role == "w":
                 yield w, sp.diff(rate, w)
 
     def _speed(self, flange: str) -> Any:
@@ -119,7 +119,7 @@ class Slopes:
     def add_all(self, *, with_growths: bool) -> None:
         """Forces along their deflections, other torques, rates of states, and rates of torques where they are wanted."""
         code, pool = self.code, self.code.law.pool
-        torques = {f: e for f, e in code.torques.items() if code.batch.groups[f][0] != HELD}
+        torques = {f: e for f, e in code.torques.items() if code.batch.groups[f][0] != GROUND_GROUP}
         for force, expr in code.forces.items():
             row = {self._speed(f): a for f, e in torques.items() if (a := sp.diff(e, force)) != 0}
             if row:
@@ -129,7 +129,7 @@ class Slopes:
             self._add({self._speed(flange): sp.Integer(1)}, expr.xreplace(none))
         for state, expr in code.rates.items():
             self._add({pool.symbol("state", state, state): sp.Integer(1)}, expr)
-        for flange, expr in code.balance.growths.items() if with_growths else ():
+        for flange, expr in code.balance.torque_rates.items() if with_growths else ():
             self._add({pool.symbol("growth", flange, f"growth_{flange}"): sp.Integer(1)}, expr)
 
     def _add(self, row: dict[Any, Any], expr: Any) -> None:
@@ -151,10 +151,10 @@ class Slopes:
 
     def _gain(self, x: Any) -> Any:
         """The gain of an unknown on the unknown of its group, where it is not 1 throughout."""
-        slot = self.code.law.pool.slots[x]
-        if slot.role in ("state", "coordinate") or all(gain == 1 for gain in self.code.batch.gains[slot.of]):
+        meaning = self.code.law.pool.roles[x]
+        if meaning.role in ("state", "coordinate") or all(gain == 1 for gain in self.code.batch.gains[meaning.of]):
             return sp.Integer(1)
-        return self.code.law.pool.symbol("gain", slot.of, f"k_{slot.of}")
+        return self.code.law.pool.symbol("gain", meaning.of, f"k_{meaning.of}")
 
     def own(self, found: Gradient) -> dict[Any, Any]:
         """b by unknown, with the gains of flanges."""
@@ -180,16 +180,16 @@ def partial(code: BatchCode, expr: Any) -> Iterator[tuple[Any, Any]]:
     NotImplementedError where there is no formula.
     """
     expr = sp.sympify(expr)
-    slots = code.law.pool.slots
+    slots = code.law.pool.roles
     steady = {h: sp.Dummy(real=True) for h in expr.atoms(sp.Heaviside)}
     expr = expr.xreplace(steady)
     for x in sorted(expr.free_symbols & slots.keys(), key=lambda x: str(x.name)):
-        slot = slots[x]
-        if slot.role in ("alpha", "tau", "held"):
+        meaning = slots[x]
+        if meaning.role in ("alpha", "tau", "held"):
             raise NotImplementedError(f"no derivative by {x}")
-        if slot.role not in ("w", "phi", "state", "coordinate", "sense"):
+        if meaning.role not in ("w", "phi", "state", "coordinate", "sense"):
             continue
-        if slot.role in ("w", "phi") and code.batch.groups[slot.of][0] == HELD:
+        if meaning.role in ("w", "phi") and code.batch.groups[meaning.of][0] == GROUND_GROUP:
             continue
         slope = sp.diff(expr, x)
         if slope.has(sp.Derivative, sp.Subs, sp.DiracDelta):

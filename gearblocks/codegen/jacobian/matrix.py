@@ -37,13 +37,18 @@ def linear_part(g: Generator) -> Linear | None:
         senses.find({fed.path for slopes in batches for fed in slopes.fed})
         matrix = Matrix(unknowns, senses)
         pattern = eliminate(unknowns.count, matrix.coupled(batches))
-        linear = Linear(pattern, unknowns.n_simple, unknowns.first_speed, senses.kept, senses.n_slopes)
+        linear = Linear(pattern, unknowns.n_kinematic, unknowns.first_speed, senses.kept, senses.n_slopes)
         if isinstance(unknowns, Unknowns) and not unknowns.plain:
             linear.following = Following(
-                unknowns.speeds, unknowns.heavy, unknowns.torques, unknowns.growths, unknowns.by_rate, *unknowns.tilts()
+                unknowns.speeds,
+                unknowns.with_inertia,
+                unknowns.torques,
+                unknowns.torque_rates,
+                unknowns.by_rate,
+                *unknowns.tilts(),
             )
         matrix.write(linear, batches)
-        linear.senses = senses.codes()
+        linear.feedback = senses.codes()
     except NotImplementedError:  # a law without derivative, or one that C does not know
         return None
     return linear
@@ -80,18 +85,18 @@ class SignalSlopes:
     def find(self, wanted: set[str]) -> None:
         """Derivatives of the wanted outputs and of those they read, the latter first."""
         needed: dict[str, None] = {}
-        for path in reversed(self.g.senses):  # each reads only earlier ones
+        for path in reversed(self.g.feedback):  # each reads only earlier ones
             if path in wanted or path in needed:
                 needed[path] = None
-                sense = self.g.senses[path]
-                slots = self.g.codes[sense.batch].law.pool.slots
+                sense = self.g.feedback[path]
+                slots = self.g.codes[sense.batch].law.pool.roles
                 needed.update({slots[x].of: None for x in sense.expr.free_symbols if slots[x].role == "sense"})
-        for path in self.g.senses:
+        for path in self.g.feedback:
             if path in needed:
                 self._add(path)
 
     def _add(self, path: str) -> None:
-        sense = self.g.senses[path]
+        sense = self.g.feedback[path]
         code = self.g.codes[sense.batch]
         slopes = Slopes(code, self.kept, 1, direct=isinstance(self.unknowns, Varying))
         found = slopes.gradient(sense.expr)
@@ -132,13 +137,13 @@ class Matrix:
     """Where the entries of batches go."""
 
     def __init__(self, unknowns: Unknowns | Varying, senses: SignalSlopes) -> None:
-        self.unknowns, self.senses = unknowns, senses
+        self.unknowns, self.feedback = unknowns, senses
         self.spread: list[Any] = []
         self.op = "spread_terms" if isinstance(unknowns, Varying) else "spread"
 
     def coupled(self, batches: Sequence[Slopes]) -> Iterator[tuple[int, int]]:
         """Pairs of unknowns that share an entry."""
-        inertias: Iterator[Any] = zip(self.unknowns.torques, self.unknowns.heavy, strict=True)
+        inertias: Iterator[Any] = zip(self.unknowns.torques, self.unknowns.with_inertia, strict=True)
         rows: list[Any] = [pair for pair in inertias if len(pair[1]) > 1]
         if isinstance(self.unknowns, Varying):
             rows += self.unknowns.own()
@@ -151,7 +156,7 @@ class Matrix:
                 else:
                     rows += zip(equations, columns, strict=True)
             for fed in slopes.fed:
-                rows += product(self.unknowns.equations(slopes.code, fed.row), self.senses.rows[fed.path])
+                rows += product(self.unknowns.equations(slopes.code, fed.row), self.feedback.rows[fed.path])
         for pair in rows:
             yield from ((i, j) for i, j in product(*pair) if j >= 0)
 
@@ -165,10 +170,10 @@ class Matrix:
             linear.keep("jacobian", function)
             if self.op == "spread":
                 linear.keep("right_side", self._side(slopes))
-                linear.keep("simple_rates", _simple_rates(slopes.code))
+                linear.keep("kinematic_rates", _simple_rates(slopes.code))
         linear.first_mass = len(self.spread)
         if not self.unknowns.plain:
-            inertias = zip(self.unknowns.torques, self.unknowns.heavy, strict=True)
+            inertias = zip(self.unknowns.torques, self.unknowns.with_inertia, strict=True)
             self.spread += [self._entry(linear.pattern, *pair) for pair in inertias]
         if isinstance(self.unknowns, Varying):
             self._write_computed(self.unknowns, linear)
@@ -181,11 +186,11 @@ class Matrix:
         for function in unknowns.functions:
             linear.keep("drive_slopes", function)
         linear.computed = computed = Computed(
-            [float(x) for x in numbers.start], unknowns.g, unknowns.gains, numbers.steps, unknowns.heavy, [],
+            [float(x) for x in numbers.start], unknowns.g, unknowns.gains, numbers.steps, unknowns.with_inertia, [],
             unknowns.simple(), [group for group, *_ in unknowns.carried],
         )  # fmt: skip
-        computed.first_surplus = len(self.spread)
-        surplus = zip(unknowns.heavy, unknowns.accelerations, strict=True)
+        computed.first_acceleration_bias = len(self.spread)
+        surplus = zip(unknowns.with_inertia, unknowns.accelerations, strict=True)
         self.spread += [self._entry(pattern, *pair) for pair in surplus]
         computed.first_carried = len(self.spread)
         self.spread += [self._entry(pattern, row, other) for _, row, other in unknowns.carried]
@@ -199,7 +204,7 @@ class Matrix:
             return None
         places: dict[Any, list[int]] = {}
         for x in {x: None for pair in slopes.entries for x in pair}:
-            if slopes.code.law.pool.slots[x].role == "growth":
+            if slopes.code.law.pool.roles[x].role == "growth":
                 return None
             columns = self.unknowns.columns(slopes.code, x)
             single = _single(columns)
@@ -249,8 +254,8 @@ class Matrix:
         targets: list[Assignment] = []
         for fed in slopes.fed:
             rows = self.unknowns.equations(slopes.code, fed.row)
-            for i, other in enumerate(self.senses.rows[fed.path]):
-                value = fed.value * slopes.local(Operand(Role.SIGNAL_SLOPES, self.senses.first[fed.path] + i))
+            for i, other in enumerate(self.feedback.rows[fed.path]):
+                value = fed.value * slopes.local(Operand(Role.SIGNAL_SLOPES, self.feedback.first[fed.path] + i))
                 targets.append(Assignment(Index(len(self.spread), instance=True), self.op, value))
                 self.spread += [self._entry(pattern, row, other) for row in rows]
         return targets
@@ -269,15 +274,15 @@ class Matrix:
             value = slopes.local(Local(f"r{i}"))
             targets.append(Assignment(Local(f"r{i}"), "define", slopes.g * change))
             for x, a in row.items():
-                slot = slopes.code.law.pool.slots[x]
-                if slot.role == "state":
+                meaning = slopes.code.law.pool.roles[x]
+                if meaning.role == "state":
                     first = self.unknowns.columns(slopes.code, x)[0]
                     out = Operand(Role.OUTPUTS, next(iter(first)), instance=True)
                     targets.append(Assignment(out, "+=", a * value))
                 else:
-                    args[f"g_{slot.of}"] = _argument(slopes, f"g_{slot.of}", slopes.code.batch.groups[slot.of])
-                    vector = Role.TORQUE_CHANGES if slot.role == "w" else Role.TORQUE_RATE_CHANGES
-                    targets.append(Assignment(Operand(vector, f"g_{slot.of}"), "+=", a * value))
+                    args[f"g_{meaning.of}"] = _argument(slopes, f"g_{meaning.of}", slopes.code.batch.groups[meaning.of])
+                    vector = Role.TORQUE_CHANGES if meaning.role == "w" else Role.TORQUE_RATE_CHANGES
+                    targets.append(Assignment(Operand(vector, f"g_{meaning.of}"), "+=", a * value))
         function = slopes.code.function("right_side", targets, vector=Role.DIRECTION)
         function.take(args.values())
         return function
@@ -291,6 +296,6 @@ def _simple_rates(code: BatchCode) -> Function:
     """Rates of the coordinates of a batch from the speeds of groups."""
     own = [j for j in range(len(code.speeds)) if code.batch.used[j] and not code.batch.dependent[j]]
     targets = [Assignment(Operand(Role.OUTPUTS, f"q{j}"), "=", code.speeds[j]) for j in own]
-    function = code.function("simple_rates", targets, vector=Role.GROUP_SPEEDS)
+    function = code.function("kinematic_rates", targets, vector=Role.GROUP_SPEEDS)
     function.take(code.coordinate_argument(j) for j in own)
     return function

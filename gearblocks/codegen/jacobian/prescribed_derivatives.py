@@ -8,8 +8,8 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.assembly.assemble import HELD
-from gearblocks.assembly.kinematics import Driven
+from gearblocks.assembly.assemble import GROUND_GROUP
+from gearblocks.assembly.kinematics import PrescribedRow
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.function import Argument, Function, column
 from gearblocks.codegen.jacobian.law_derivatives import partial
@@ -42,15 +42,17 @@ def number_of(x: Any) -> Exact:
 
 
 def drive_slopes(
-    code: BatchCode, number: int, rows: Sequence[Driven], numbers: Numbers
+    code: BatchCode, number: int, rows: Sequence[PrescribedRow], numbers: Numbers
 ) -> tuple[MotionDerivatives, Function]:
     """The derivatives of drive `number` of a batch, and the function that computes those that are no numbers.
 
     rows: the drive of each instance. NotImplementedError where there is no formula.
     """
     drive, pool = code.drives[number], code.law.pool
-    turning = {n: gain for n, gain in drive.gains.items() if code.batch.groups.get(n, [HELD])[0] != HELD}
-    speed, acceleration = dict(partial(code, drive.bias)), dict(partial(code, drive.surplus))
+    turning = {
+        n: gain for n, gain in drive.gains.items() if code.batch.groups.get(n, [GROUND_GROUP])[0] != GROUND_GROUP
+    }
+    speed, acceleration = dict(partial(code, drive.velocity_bias)), dict(partial(code, drive.acceleration_bias))
     gains = {n: dict(partial(code, gain)) for n, gain in turning.items()}
     for n, slopes in gains.items():
         for x, slope in slopes.items():
@@ -61,7 +63,7 @@ def drive_slopes(
     scales = [d.scale for d in rows]
     made = MotionDerivatives(
         writer.take(speed, scales), writer.take(acceleration, scales),
-        writer.take({x: slope for x, slope in angle.items() if pool.slots[x].role == "state"}, scales),
+        writer.take({x: slope for x, slope in angle.items() if pool.roles[x].role == "state"}, scales),
         {n: writer.take(slopes, [d.factors[n][1] for d in rows]) for n, slopes in gains.items()},
     )  # fmt: skip
     return made, writer.function()

@@ -18,7 +18,7 @@ from heapq import heappop, heappush
 from typing import Any
 
 from gearblocks.assembly.elimination import Combination
-from gearblocks.assembly.kinematics import Driven, Follower
+from gearblocks.assembly.kinematics import DependentGroup, PrescribedRow
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.function import Function
 from gearblocks.codegen.generator import Generator
@@ -43,11 +43,11 @@ class Varying:
         assembly, lay = g.assembly, g.lay
         self.assembly, self.lay, self.plain = assembly, lay, False
         self.angles = assembly.angles if lay.angle0 < lay.n else []
-        self.n_simple = assembly.n_steady
-        if self.n_simple == lay.n_coordinates and assembly.steady.issuperset(self.angles):
-            self.n_simple += len(self.angles)
-        self.first_speed = lay.v0 - self.n_simple
-        self.count = lay.n + assembly.n_hidden - self.n_simple
+        self.n_kinematic = assembly.n_steady
+        if self.n_kinematic == lay.n_coordinates and assembly.steady.issuperset(self.angles):
+            self.n_kinematic += len(self.angles)
+        self.first_speed = lay.v0 - self.n_kinematic
+        self.count = lay.n + assembly.n_massless - self.n_kinematic
         damped = g.massless.damped if g.massless is not None else []
         held = {self.first_speed + assembly.n_speeds + i for i, by_damper in enumerate(damped) if not by_damper}
         self.by_rate = bool(held)
@@ -70,42 +70,42 @@ class Varying:
         """Gains on the speeds, speeds and accelerations of all groups, those of constant gains first. held: shafts between
         springs alone, whose equation is the rate of the balance (no drive moves with one)."""
         a, n = self.assembly, self.assembly.n_groups
-        free = range(a.n_speeds + a.n_hidden)
+        free = range(a.n_speeds + a.n_massless)
         self.torques: list[Row] = [{self.first_speed + i: self.one} if i in free else {} for i in range(n)]
         self.speeds: list[Row] = [dict(row) for row in self.torques]
         self.accelerations: list[Row] = [{} for _ in range(n)]
-        for f in a.followers:
+        for f in a.dependent_groups:
             self.torques[f.group] = self.numbers.combine((c, self.torques[s]) for s, c in self._gains(f))
-        self.growths = [{x: c for x, c in row.items() if x in held} for row in self.torques]
+        self.torque_rates = [{x: c for x, c in row.items() if x in held} for row in self.torques]
         self.torques = [{x: c for x, c in row.items() if x not in held} for row in self.torques]
-        for f in a.followers:
+        for f in a.dependent_groups:
             if f.group in a.steady:
                 self.speeds[f.group] = self._speed(f)
         for group, row in a.definitions:
-            if isinstance(row, Driven):
+            if isinstance(row, PrescribedRow):
                 self.angle(group)
         self.carried: list[tuple[int, Row, Row]] = []
-        for f in a.followers:
+        for f in a.dependent_groups:
             if f.group not in a.steady:
                 self.speeds[f.group] = self._speed(f)
             terms = [(c, self.accelerations[s]) for s, c in self._gains(f)]
-            if f.drive is not None:
+            if f.prescribed is not None:
                 terms += self._drives[f.group].terms("acceleration")
                 for source, change in self._drives[f.group].changes():
                     self.carried.append((f.group, self.torques[source], self.numbers.combine(change)))
             self.accelerations[f.group] = self.numbers.combine(terms)
-        heavy = a.massive | set(range(a.n_speeds))
-        self.heavy = [row if group in heavy else {} for group, row in enumerate(self.torques)]
+        with_inertia = a.with_inertia | set(range(a.n_speeds))
+        self.with_inertia = [row if group in with_inertia else {} for group, row in enumerate(self.torques)]
 
-    def _gains(self, f: Follower) -> list[tuple[int, int]]:
+    def _gains(self, f: DependentGroup) -> list[tuple[int, int]]:
         """(source, place of the gain)."""
         if f.row is not None:
             return [(source, self.numbers.constant(c)) for source, c in f.row.groups.items()]
         return self._drives[f.group].gains
 
-    def _speed(self, f: Follower) -> Row:
+    def _speed(self, f: DependentGroup) -> Row:
         terms = [(c, self.speeds[s]) for s, c in self._gains(f)]
-        return self.numbers.combine(terms + (self._drives[f.group].terms("speed") if f.drive is not None else []))
+        return self.numbers.combine(terms + (self._drives[f.group].terms("speed") if f.prescribed is not None else []))
 
     def angle(self, group: int) -> Row:
         """How the angle of a group changes."""
@@ -139,7 +139,7 @@ class Varying:
 
     def _moved(self, place: int) -> Row:
         """How a coordinate or an angle changes, by its place in y."""
-        if place >= self.n_simple:
+        if place >= self.n_kinematic:
             return self._state(place)
         if place not in self._simple:
             row = self.numbers.combine([(self.g, self.rate(place))])
@@ -158,7 +158,7 @@ class Varying:
         return self._rates[place]
 
     def _state(self, place: int) -> Row:
-        return {place - self.n_simple: self.one}
+        return {place - self.n_kinematic: self.one}
 
     def loop(self, k: int) -> Row:
         """How a combination that closes a loop changes."""
@@ -173,38 +173,38 @@ class Varying:
 
     def columns(self, code: BatchCode, x: Any) -> list[Row]:
         """The unknowns behind what a law reads, for each instance."""
-        slot, batch = code.law.pool.slots[x], code.batch
-        if slot.role == "state":
-            return [self._state(self.lay.state0[code.number, slot.of] + e) for e in range(code.n)]
-        if slot.role == "coordinate":
-            read = self.loop if batch.dependent[slot.of] else self.coordinate
-            return [read(j) for j in batch.sources[slot.of]]
-        if slot.role == "phi":
-            return [self.angle(group) for group in batch.groups[slot.of]]
-        return [self.speeds[group] for group in batch.groups[slot.of]]
+        meaning, batch = code.law.pool.roles[x], code.batch
+        if meaning.role == "state":
+            return [self._state(self.lay.state0[code.number, meaning.of] + e) for e in range(code.n)]
+        if meaning.role == "coordinate":
+            read = self.loop if batch.dependent[meaning.of] else self.coordinate
+            return [read(j) for j in batch.sources[meaning.of]]
+        if meaning.role == "phi":
+            return [self.angle(group) for group in batch.groups[meaning.of]]
+        return [self.speeds[group] for group in batch.groups[meaning.of]]
 
     def equations(self, code: BatchCode, x: Any) -> list[Row]:
         """The equations that the torque on a flange, its rate of change or the rate of a state belongs to."""
-        slot = code.law.pool.slots[x]
-        if slot.role == "state":
+        meaning = code.law.pool.roles[x]
+        if meaning.role == "state":
             return self.columns(code, x)
-        rows = self.growths if slot.role == "growth" else self.torques
-        return [rows[i] for i in code.batch.groups[slot.of]]
+        rows = self.torque_rates if meaning.role == "growth" else self.torques
+        return [rows[i] for i in code.batch.groups[meaning.of]]
 
     def rates(self) -> Iterator[tuple[Row, Row]]:
         """(equation, row) of every coordinate and angle that is no simple state."""
-        for place in range(self.n_simple, self.lay.n_coordinates + len(self.angles)):
+        for place in range(self.n_kinematic, self.lay.n_coordinates + len(self.angles)):
             yield self._state(place), self.rate(place)
 
     def own(self) -> Iterator[tuple[Row, Row]]:
         """(equation, row) of everything that comes from the motions themselves."""
         yield from self.rates()
-        yield from zip(self.heavy, self.accelerations, strict=True)
+        yield from zip(self.with_inertia, self.accelerations, strict=True)
         yield from ((row, change) for _, row, change in self.carried)
 
     def simple(self) -> list[dict[int, Exact]]:
         """B: rates of the simple states over the unknowns."""
-        rows = [self.rate(place) for place in range(self.n_simple)]
+        rows = [self.rate(place) for place in range(self.n_kinematic)]
         if not all(map(self.numbers.is_constant, rows)):
             raise NotImplementedError("a simple state whose rate is no fixed combination")
         return [{x: self.numbers.start[i] for x, i in row.items()} for row in rows]
@@ -228,19 +228,21 @@ class Varying:
 class _Drive:
     """One driven group. gains: (source, place of the gain)."""
 
-    def __init__(self, unknowns: Varying, g: Generator, number: int, driven: Driven, slopes: MotionDerivatives) -> None:
+    def __init__(
+        self, unknowns: Varying, g: Generator, number: int, driven: PrescribedRow, slopes: MotionDerivatives
+    ) -> None:
         self.unknowns, self.driven, self.slopes = unknowns, driven, slopes
         self.code = next(code for code in g.codes if driven.component in code.batch.components)
         self.e = self.code.batch.components.index(driven.component)
-        law_gains = self.code.law.drives[driven.number].gains
+        law_gains = self.code.law.prescribed[driven.number].gains
         self.gains: list[tuple[int, int]] = []
         for flange, (group, factor) in driven.factors.items():
             if law_gains[flange].is_number:
                 place = unknowns.numbers.constant(number_of(law_gains[flange]) * factor)
             else:
-                assert g.motion is not None
+                assert g.dependent is not None
                 place = unknowns.numbers.place()
-                unknowns.gains.append((place, g.motion.slots[number, flange]))
+                unknowns.gains.append((place, g.dependent.slots[number, flange]))
             self.gains.append((group, place))
 
     def terms(self, what: str) -> list[tuple[int, Row]]:
@@ -257,21 +259,25 @@ class _Drive:
         numbers, found = self.unknowns.numbers, []
         for x, places in slopes.items():
             row = self.unknowns.columns(self.code, x)[self.e]
-            slot = self.code.law.pool.slots[x]
-            if slot.role in ("w", "phi"):
-                row = numbers.combine([(numbers.constant(self.code.batch.gains[slot.of][self.e]), row)])
+            meaning = self.code.law.pool.roles[x]
+            if meaning.role in ("w", "phi"):
+                row = numbers.combine([(numbers.constant(self.code.batch.gains[meaning.of][self.e]), row)])
             found.append((places[self.e], row))
         return found
 
 
 def _drives(unknowns: Varying, g: Generator) -> dict[int, _Drive]:
     """Drives by the group that follows, and the functions of their derivatives."""
-    order = {(f.drive.component, f.drive.number): i for i, f in enumerate(g.assembly.followers) if f.drive is not None}
+    order = {
+        (f.prescribed.component, f.prescribed.number): i
+        for i, f in enumerate(g.assembly.dependent_groups)
+        if f.prescribed is not None
+    }
     found: dict[int, _Drive] = {}
     for code in g.codes:
         for number in range(len(code.drives)):
             places = [order[c, number] for c in code.batch.components]
-            rows = [d for i in places if (d := g.assembly.followers[i].drive) is not None]
+            rows = [d for i in places if (d := g.assembly.dependent_groups[i].prescribed) is not None]
             slopes, function = drive_slopes(code, number, rows, unknowns.numbers)
             unknowns.functions.append(function)
             found |= {d.group: _Drive(unknowns, g, i, d, slopes) for i, d in zip(places, rows, strict=True)}

@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from gearblocks.assembly.kinematics import Driven, GroupRow, follow
+from gearblocks.assembly.kinematics import GroupRow, PrescribedRow, follow
 from gearblocks.errors import ModelError
 
 
@@ -13,7 +13,7 @@ def row(path, coefficients, offsets=None, *, grounded=False):
 
 
 def drive(path, group, *sources):
-    return Driven(0, 0, path, group, 1, {f"flange{s}": (s, 1) for s in sources}, by_speed=False)
+    return PrescribedRow(0, 0, path, group, 1, {f"flange{s}": (s, 1) for s in sources}, by_speed=False)
 
 
 FREE = dict.fromkeys(range(8), (0, 0))
@@ -21,7 +21,7 @@ FREE = dict.fromkeys(range(8), (0, 0))
 
 def test_a_row_is_solved_for_the_group_of_least_reluctance():
     found = follow([row("set", {0: 1, 1: 2, 2: -3})], [], {**FREE, 0: (1, 0), 2: (0, 1)}, {})
-    (follower,) = found.followers
+    (follower,) = found.dependent_groups
     assert follower.group == 1
     assert follower.row.groups == {0: Fraction(-1, 2), 2: Fraction(3, 2)}
     assert found.new == [True]
@@ -31,10 +31,10 @@ def test_followers_come_after_their_sources():
     rows = [row("one", {0: 1, 1: 1, 2: -2}), row("two", {2: 1, 3: 1, 4: -2}), row("three", {4: 1, 5: 1, 0: 3})]
     found = follow(rows, [drive("cam", 6, 5)], FREE, {})
     done = set()
-    for f in found.followers:
+    for f in found.dependent_groups:
         assert not (set(f.sources) - done) & found.dependent.keys(), f
         done.add(f.group)
-    assert len(found.followers) == 4
+    assert len(found.dependent_groups) == 4
 
 
 def test_a_row_that_others_imply_says_nothing_new():

@@ -58,6 +58,15 @@ def test_entries_of_a_matrix_are_spread_over_its_three_parts():
 
 
 def test_equal_places_are_one():
-    assert Operand(Role.KEPT, 5) == Operand(Role.KEPT, 5)
-    assert len({Operand(Role.KEPT, 5), Operand(Role.KEPT, 5), Operand(Role.KEPT, 5, instance=True)}) == 2
+    assert Operand(Role.KINEMATIC_TERMS, 5) == Operand(Role.KINEMATIC_TERMS, 5)
+    assert (
+        len(
+            {
+                Operand(Role.KINEMATIC_TERMS, 5),
+                Operand(Role.KINEMATIC_TERMS, 5),
+                Operand(Role.KINEMATIC_TERMS, 5, instance=True),
+            }
+        )
+        == 2
+    )
     assert Assignment(Local("x"), "define", 1).factor == ""

@@ -16,7 +16,7 @@ def test_a_mesh_on_a_turning_carrier_knows_its_deflection_without_absolute_angle
     law = derive(mesh, frozenset())
 
     def absolute(expr):
-        return [x for x in expr.free_symbols if law.pool.slots[x].role == "phi"]
+        return [x for x in expr.free_symbols if law.pool.roles[x].role == "phi"]
 
     assert not absolute(law.switches[0].surface)  # the gap
     if driven_by != "angle":

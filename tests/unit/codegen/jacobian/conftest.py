@@ -107,7 +107,7 @@ def _check_step(
     x = _solved(pattern, linear, b)
     assert np.abs(S @ x - b).max() <= 1e-12 * (np.abs(S) @ np.abs(x)).max()  # rounding of a few dozen operations
     assert np.allclose(x, np.linalg.solve(S, b), rtol=0, atol=1e-14 * np.linalg.cond(S) * np.abs(x).max())
-    rates = sim.simple_rates(linear, x)
+    rates = sim.kinematic_rates(linear, x)
     assert np.allclose(rates, B @ x, rtol=0, atol=NEAR * (np.abs(B) @ np.abs(x)).max(initial=0.0))
 
 
@@ -122,7 +122,7 @@ def _check_whole(rig: gb.Drivetrain) -> tuple[int, ...]:
     with model.library.open() as sim:
         pattern = sim.pattern()
         assert pattern is not None
-        simple, hidden, _ = sim.linear_sizes()
+        simple, hidden, _ = sim.step_matrix_sizes()
         assert len(pattern.order) == n - simple + hidden
         sim.parameters[:] = model.values
         sim.inputs[:] = 1.3
@@ -137,7 +137,7 @@ def _check_whole(rig: gb.Drivetrain) -> tuple[int, ...]:
                 r = random.normal(size=n)
                 linear = sim.step_matrix(t, y, g)
                 x = _solved(pattern, linear, g * sim.right_side(linear, r))
-                ours = np.append(g * (r[:simple] + sim.simple_rates(linear, x)), x[: n - simple])
+                ours = np.append(g * (r[:simple] + sim.kinematic_rates(linear, x)), x[: n - simple])
                 true = np.linalg.solve(np.eye(n) - g * J, g * r)
                 assert np.abs(ours - true).max() < NEAR * np.abs(true).max()
     return simple, hidden, len(pattern.order)
