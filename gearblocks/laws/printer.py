@@ -22,7 +22,7 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
     """Expressions of a law in C; `names` gives the text of every symbol."""
 
     def __init__(self, names: Mapping[Any, str]) -> None:
-        super().__init__({"user_functions": _OWN_FUNCTIONS})
+        super().__init__({"user_functions": _OWN_FUNCTIONS, "math_macros": {}})
         self._names = names
 
     def _print_Symbol(self, expr: Any) -> str:
