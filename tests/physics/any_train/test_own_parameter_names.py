@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
+from gearblocks.errors import GearblocksWarning
 
 
 class Flywheel(gb.Block):
@@ -45,6 +46,21 @@ def _alone(block: gb.Block) -> gb.Drivetrain:
 
 
 T = np.linspace(0.0, 1.0, 5)
+
+
+def test_a_number_named_as_a_start_value_that_nothing_reads_is_told_how_to_be_one() -> None:
+    class Wheel(gb.Block):
+        a = gb.Flange("shaft")
+        J: float = gb.param("moment of inertia", "kg m2", gt=0)
+        w0: float = gb.param("start speed", "rad/s", default=0.0)
+
+        def physics(self, s):
+            yield gb.Body(s.a, s.J)
+
+    with pytest.warns(GearblocksWarning, match=r"nothing reads 'w0'.*start='speed'"):
+        run = gb.simulate(_alone(Wheel(J=1.0, w0=2.0)), t_end=0.1)
+    assert run["wheel.a.w"][0] == 0.0
+    gb.simulate(_alone(Wheel(J=1.0)), t_end=0.1)  # 0 asks for nothing
 
 
 def test_a_body_with_a_parameter_called_w0_runs_and_the_parameter_is_tunable() -> None:
