@@ -1,4 +1,4 @@
-"""Imports lead downward only: between rooms, and between the files of a room."""
+"""Imports lead downward only, between rooms and between the files of a room; and no file is long."""
 
 import ast
 from collections.abc import Iterator
@@ -42,6 +42,9 @@ MODULES = {
 }
 
 
+TEMPLATES = [path for name in ("gearblocks", "fmu_export") for path in sorted((ROOT / name).rglob("*.jinja"))]
+
+
 def _room(module: str) -> int:
     """The number of the room that a module lies in, or is."""
     for number, names in enumerate(ROOMS):
@@ -79,3 +82,16 @@ def test_no_file_reaches_itself_through_its_imports() -> None:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
         pytest.fail(" -> ".join(error.args[1]))
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_a_module_and_its_functions_can_be_read_in_one_go(module: str) -> None:
+    text = MODULES[module].read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 400, "split it by concept"
+    functions = [x for x in ast.walk(ast.parse(text)) if isinstance(x, ast.FunctionDef | ast.AsyncFunctionDef)]
+    assert not [f.name for f in functions if (f.end_lineno or 0) - f.lineno >= 60]
+
+
+@pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.name)
+def test_a_template_can_be_read_in_one_go(path: Path) -> None:
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 250
