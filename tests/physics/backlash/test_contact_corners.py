@@ -1,4 +1,4 @@
-"""Accuracy: orders across corners, errors that follow the tolerance, no double crossing missed."""
+"""Corners of contacts with backlash: orders across them, errors that follow the tolerance, no double crossing missed."""
 
 import numpy as np
 import pytest
