@@ -53,7 +53,7 @@ def test_two_brakes_share_a_load_that_swings_without_an_event():
     assert np.abs(run["right.torque"]).max() <= 2.0 and (run["body.phi"] == 0.0).all()
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("way", [1.0, pytest.param(-1.0, marks=pytest.mark.long)])
 def test_two_brakes_let_go_together_at_the_sum_of_what_they_hold(way):
     run = gb.simulate(_two_brakes(way * gb.time, 4.0, 2.0), t_end=8.0)
     for name in ("left", "right"):
@@ -88,7 +88,7 @@ def test_clutches_of_gears_that_close_a_loop_hold_as_two_of_them_do():
         assert run[f"body{i}.w"][-1] == pytest.approx(alpha * ratio, rel=EXACT)
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("way", [1.0, pytest.param(-1.0, marks=pytest.mark.long)])
 def test_of_three_brakes_on_a_planetary_the_weak_ones_slide_and_the_strong_one_holds(way):
     rig = gb.Drivetrain("three brakes")
     gear = rig.add("gear", gb.IdealPlanetary(ratio=2.0))

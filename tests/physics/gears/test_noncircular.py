@@ -13,7 +13,15 @@ ELLIPSE = gb.RatioLaw.ellipse(0.3)
 E = 0.3
 FITTED = gb.RatioLaw.from_function((1 - E**2) / (1 + E**2 - 2 * E * gb.cos(gb.driver_angle)))
 WAVES = gb.RatioLaw.from_function(1 + 0.3 * gb.cos(gb.driver_angle) + 0.1 * gb.sin(2 * gb.driver_angle))
-LAWS = pytest.mark.parametrize("law", [NORM, ELLIPSE, FITTED, WAVES], ids=["segments", "ellipse", "fitted", "waves"])
+LAWS = pytest.mark.parametrize(
+    "law",
+    [
+        pytest.param(NORM, id="segments"),
+        pytest.param(ELLIPSE, id="ellipse", marks=pytest.mark.long),
+        pytest.param(FITTED, id="fitted"),
+        pytest.param(WAVES, id="waves", marks=pytest.mark.long),
+    ],
+)
 SIDES = pytest.mark.parametrize("external", [False, True], ids=["internal", "external"])
 T = np.linspace(0.0, 0.3, 301)
 
@@ -200,7 +208,9 @@ def test_the_torques_of_a_rigid_pair_are_those_of_its_moment(law, external):
     assert run.energy.residual < 1e-8
 
 
-@pytest.mark.parametrize("law", [NORM, ELLIPSE], ids=["segments", "ellipse"])
+@pytest.mark.parametrize(
+    "law", [pytest.param(NORM, id="segments"), pytest.param(ELLIPSE, id="ellipse", marks=pytest.mark.long)]
+)
 def test_a_stiff_pair_comes_to_the_rigid_one(law):
     phase = 0.3 + 0.2 * gb.sin(20 * gb.time)
     rigid = gb.simulate(_rig(law, k=None, phase=phase), t=T, rtol=1e-10)

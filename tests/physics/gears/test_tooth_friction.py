@@ -51,7 +51,9 @@ def _friction_by_hand(run, mu=MU, z2=Z[1], carrier=0.0):
 
 
 @pytest.mark.parametrize("external", [True, False], ids=["external", "internal"])
-@pytest.mark.parametrize("turning", [False, True], ids=["grounded", "turning"])
+@pytest.mark.parametrize(
+    "turning", [pytest.param(False, id="grounded", marks=pytest.mark.long), pytest.param(True, id="turning")]
+)
 def test_friction_acts_on_the_lever_arms_of_the_pairs_in_contact(external, turning):
     rig = _rig(external, turning, c=2e3, friction=gb.ToothFriction(mu=MU))
     run = gb.simulate(rig, t=np.linspace(0, 0.02, 2001), rtol=1e-9)
@@ -72,7 +74,7 @@ def test_friction_acts_on_the_lever_arms_of_the_pairs_in_contact(external, turni
 
 @pytest.mark.parametrize("gap", [None, gb.Backlash(half_gap=2e-5)], ids=["linear", "backlash"])
 @pytest.mark.parametrize("choice", ["clipped", pytest.param("always", marks=pytest.mark.long)])
-@pytest.mark.parametrize("transition", [None, 0.02])
+@pytest.mark.parametrize("transition", [pytest.param(None, marks=pytest.mark.long), 0.02])
 def test_friction_only_takes_energy_and_the_ledger_closes(gap, choice, transition):
     friction = gb.ToothFriction(mu=MU, transition=transition)
     rig = _rig(c=2e3, backlash=gap, contact_damping=choice, friction=friction)

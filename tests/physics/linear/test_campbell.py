@@ -59,6 +59,7 @@ def test_frequencies_that_depend_on_a_speed_are_followed():
 # -- pictures ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_every_tool_draws_a_picture(tmp_path):
     rig = _geared_pair()
     with_input = rig.set({})

@@ -36,7 +36,14 @@ GEARS = [
 ]
 
 
-@pytest.mark.parametrize(("make", "gear", "ratio"), GEARS, ids=[f"{m.__name__}{g}" for m, g, _ in GEARS])
+@pytest.mark.parametrize(
+    ("make", "gear", "ratio"),
+    [
+        # of every set the first gear and reverse in the quick tier
+        pytest.param(*case, id=f"{case[0].__name__}{case[1]}", marks=[pytest.mark.long] if case[1] > (1,) else [])
+        for case in GEARS
+    ],
+)
 def test_every_gear_has_its_ratio_and_its_reflected_inertia(make, gear, ratio):
     rig = make(*gear)
     run = gb.simulate(rig, t=[0.0, 0.3], rtol=1e-9)

@@ -60,7 +60,7 @@ BLOCKS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("between", BLOCKS)
+@pytest.mark.parametrize("between", ["spring", "lash", pytest.param("damper", marks=pytest.mark.long)])
 def test_a_line_of_masses_moves_as_a_line_of_inertias_of_the_same_numbers(between: str) -> None:
     load = gb.SpeedLoad(coeffs=(0.0, 0.3, 0.2))
     line = _chain(

@@ -15,7 +15,20 @@ def _rig(law, **mesh):
     return rig
 
 
-def test_a_train_with_a_ratio_law_survives_its_file(law, tmp_path):
+@pytest.mark.parametrize(
+    "name",
+    [
+        "segments",
+        pytest.param("two lobes", marks=pytest.mark.long),
+        "ellipse",
+        pytest.param("three lobes", marks=pytest.mark.long),
+        pytest.param("waves", marks=pytest.mark.long),
+        pytest.param("fitted", marks=pytest.mark.long),
+        "table",
+    ],
+)
+def test_a_train_with_a_ratio_law_survives_its_file(ratio_laws, name, tmp_path):
+    law = ratio_laws[name]
     rig = _rig(law, backlash=gb.Backlash(half_gap=1e-4), k=400 + 20 * gb.cos(gb.driver_angle))
     rig.to_json(tmp_path / "rig.json")
     back = gb.Drivetrain.from_json(tmp_path / "rig.json")
@@ -23,6 +36,7 @@ def test_a_train_with_a_ratio_law_survives_its_file(law, tmp_path):
     assert gb.build(back).program.key == gb.build(rig).program.key
 
 
+@pytest.mark.long
 def test_another_law_is_another_program(ratio_laws):
     keys = {gb.build(_rig(law)).program.key for law in ratio_laws.values()}
     assert len(keys) == len(ratio_laws)

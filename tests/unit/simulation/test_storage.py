@@ -168,7 +168,9 @@ except StorageError as error:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="file size limits are those of Unix")
-@pytest.mark.parametrize("ending", [".nc", ".json", ".csv"])
+@pytest.mark.parametrize(
+    "ending", [".nc", pytest.param(".json", marks=pytest.mark.long), pytest.param(".csv", marks=pytest.mark.long)]
+)
 def test_a_full_disk_leaves_the_old_file_alone(tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"r{ending}"
     path.write_text("precious")

@@ -51,7 +51,8 @@ def test_a_cache_that_cannot_be_written_costs_only_time(
         begin(sim)
 
 
-@pytest.mark.parametrize("find", [find_compiler, pytest.param(zig_compiler, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("find", [find_compiler, zig_compiler])
 def test_the_core_compiles_in_an_empty_folder_without_a_remark(find: Callable[[], Compiler], tmp_path: Path) -> None:
     files = core_files()
     for name, data in files.items():

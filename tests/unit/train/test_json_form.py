@@ -74,7 +74,16 @@ def _around(block):
     return rig
 
 
-@pytest.mark.parametrize("name", [n for n in BLOCKS if n not in ("Torque", "SpeedLoad")])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.long)
+        if " of a " in name or " of seg" in name or " over " in name
+        else name
+        for name in BLOCKS
+        if name not in ("Torque", "SpeedLoad")
+    ],
+)
 def test_a_train_survives_the_way_through_json(name, tmp_path):
     _same_after_json(_around(BLOCKS[name]), tmp_path)
 

@@ -64,7 +64,9 @@ def test_a_mesh_over_the_angle_with_a_carrier_that_turns(check):
     check(rig, angle=0.03)  # so that the phase of the teeth, 40 times the angle, moves little in a difference
 
 
-@pytest.mark.parametrize("external", [False, True], ids=["internal", "external"])
+@pytest.mark.parametrize(
+    "external", [pytest.param(False, id="internal", marks=pytest.mark.long), pytest.param(True, id="external")]
+)
 def test_non_circular_pairs_with_a_stiffness_over_the_angle(check, external):
     laws = (gb.RatioLaw.ellipse(0.3), gb.RatioLaw.segments(0.0887, 0.8143, 4.19))
     stiff = 20 + 5 * gb.cos(2 * gb.driver_angle)

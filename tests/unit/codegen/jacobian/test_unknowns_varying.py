@@ -59,7 +59,9 @@ def test_a_cam_alone(check_whole):
     check_whole(rig)
 
 
-@pytest.mark.parametrize("external", [False, True], ids=["internal", "external"])
+@pytest.mark.parametrize(
+    "external", [pytest.param(False, id="internal", marks=pytest.mark.long), pytest.param(True, id="external")]
+)
 def test_a_rigid_non_circular_pair_between_springs(check_whole, external):
     gear = gb.NonCircularGear(law=gb.RatioLaw.ellipse(0.3), external=external, phase=0.4 + 0.3 * gb.sin(gb.time))
     check_whole(in_a_row(gb.Shaft(k=20.0, c=0.4), gear, gb.Lash(k=15.0, half_gap=0.1, c=0.2)))
