@@ -105,6 +105,6 @@ class Assembly:
         return self.n_groups == self.n_speeds
 
     @property
-    def driven(self) -> bool:
+    def has_prescribed_angles(self) -> bool:
         """Whether an angle is prescribed."""
         return any(isinstance(row, PrescribedRow) for _, row in self.definitions)

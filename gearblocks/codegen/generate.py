@@ -86,7 +86,7 @@ def _columns(g: Generator) -> None:
             mass=g.mass,
             massless=massless,
             floats=g.assembly.floats,
-            senses={p: s.index for p, s in g.feedback.items()},
+            feedback={p: s.index for p, s in g.feedback.items()},
         )
         offsets.tables = {
             x: _table_name(g, meaning.of) for x, meaning in batch.law.pool.roles.items() if meaning.role in ("table", "table2")
@@ -164,10 +164,10 @@ def _supplies(g: Generator) -> None:
     """Places in the ledger for the power of prescribed motions."""
     if g.dependent is not None:
         g.supply0 = g.n_end
-        for i in g.dependent.powered:
-            drive = g.dependent.dependent_groups[i].prescribed
-            assert drive is not None
-            g.integrals.append(IntegralInfo(drive.path, "supplied", g.n_end))
+        for i in g.dependent.supplied:
+            motion = g.dependent.members[i].prescribed
+            assert motion is not None
+            g.integrals.append(IntegralInfo(motion.path, "supplied", g.n_end))
             g.n_end += 1
 
 
@@ -183,8 +183,8 @@ def _rates(g: Generator, code: BatchCode) -> None:
             place = Operand(Role.RATES, g.n_end, instance=True)
             assignments.append(Assignment(place, "=", entry, full=True))
             if part == "loss" and code.constraint_loss is not None:
-                late = Assignment(place, "+=", code.constraint_loss, full=True)
-                g.keep("late_rates", code.function("late_rates", [late]))
+                loss = Assignment(place, "+=", code.constraint_loss, full=True)
+                g.keep("constraint_losses", code.function("constraint_losses", [loss]))
             g.integrals += [IntegralInfo(code.paths[e], part, g.n_end + e) for e in range(code.n)]
             g.n_end += code.n
     function = code.function("rates", assignments)

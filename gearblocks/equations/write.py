@@ -27,7 +27,13 @@ from gearblocks.train.graph import GROUND, Component, Train
 from gearblocks.train.structure import structure_of
 from gearblocks.train.translational import flange_names, slider_names
 
-_OF_SWITCHED = {"friction": "T", "slip": "w_rel", "direction": "direction", "stuck": "stuck", "held": "held"}
+_OF_SWITCHED = {
+    "friction": "T",
+    "slip": "w_rel",
+    "direction": "direction",
+    "stuck": "stuck",
+    "constraint_force": "held",
+}
 """Names of the symbols of switched constraints, by role."""
 
 
@@ -161,7 +167,7 @@ class _Writer:
             of(constraint.lower, 0), of(constraint.upper, 0), of(constraint.forward, 1), of(constraint.backward, -1),
             of(constraint.engaged, 0),
             None if constraint.gap is None else constraint.gap.xreplace(replace), of(constraint.restitution, 0),
-            (symbol("direction"), symbol("stuck"), symbol("held")), constraint.kind, tie, lost,
+            (symbol("direction"), symbol("stuck"), symbol("constraint_force")), constraint.kind, tie, lost,
         )  # fmt: skip
 
     def _claim(self, text: str, meaning: Any) -> Any:

@@ -311,7 +311,7 @@ class _Check:
                 return (
                     f"the symbol '{symbol}' in '{expr}' is not from s; declare it with gb.param, gb.signal or gb.State"
                 )
-            if meaning.role in ("alpha", "tau", "held") and not showing:
+            if meaning.role in ("alpha", "tau", "constraint_force") and not showing:
                 return f"'{symbol}' in '{expr}' is a result of the motion, which only Shows can read"
         return ""
 

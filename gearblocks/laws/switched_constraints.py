@@ -113,7 +113,7 @@ def carried_loss(pool: Pool, sticks: Mapping[str, ConstraintLaw]) -> Any:
     """Power that a lossy tie loses in proportion to its constraint force, or None."""
     if "tie" not in sticks or sticks["tie"].share is None:
         return None
-    return sticks["tie"].share * pool.symbol("held", "tie", "held_tie") * sticks["loss"].slip
+    return sticks["tie"].share * pool.symbol("constraint_force", "tie", "held_tie") * sticks["loss"].slip
 
 
 def _state(pool: Pool, state: Any) -> str | None:

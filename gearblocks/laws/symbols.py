@@ -236,7 +236,7 @@ class Symbols:
         and the constraint force (0 unless stuck), which only Shows can read."""
         direction = self._pool.symbol("direction", name, f"dir_{name}".rstrip("_"))
         stuck = self._pool.symbol("stuck", name, f"stuck_{name}".rstrip("_"))
-        return direction, stuck, self._pool.symbol("held", name, f"held_{name}".rstrip("_"))
+        return direction, stuck, self._pool.symbol("constraint_force", name, f"held_{name}".rstrip("_"))
 
     @property
     def reading(self) -> bool:

@@ -117,4 +117,4 @@ def test_every_function_of_a_batch_names_its_components_and_every_hoisted_term_i
     for i in of_batch:
         assert re.fullmatch(r"/\* (Inertia: one, two|Shaft: shaft|Torque: drive) \*/", lines[i - 1]), lines[i - 1]
     assert re.search(r"par\[\d+ \+ e\] = .*; /\* 30 damping_ratio sqrt\(P/.*\) \*/", source)
-    assert re.search(r"tau\[\d+ \* GB_LANES \+ i\] = .*; /\* P sin\(3 t\) \*/", source)
+    assert re.search(r"time_terms\[\d+ \* GB_LANES \+ i\] = .*; /\* P sin\(3 t\) \*/", source)

@@ -8,9 +8,9 @@ TEXTS = {
     "par[3]": Operand(Role.PARAMETERS, 3),
     "par[3 + e]": Operand(Role.PARAMETERS, 3, instance=True),
     "dy[v_a]": Operand(Role.RATES, "v_a"),
-    "tau[2 * GB_LANES]": Operand(Role.TIME_TERMS, 2),
-    "tau[(2 + e) * GB_LANES]": Operand(Role.TIME_TERMS, 2, instance=True),
-    "tau[(2 + e) * GB_LANES + i]": Operand(Role.TIME_TERMS, 2, instance=True).of_lane(),
+    "time_terms[2 * GB_LANES]": Operand(Role.TIME_TERMS, 2),
+    "time_terms[(2 + e) * GB_LANES]": Operand(Role.TIME_TERMS, 2, instance=True),
+    "time_terms[(2 + e) * GB_LANES + i]": Operand(Role.TIME_TERMS, 2, instance=True).of_lane(),
     "u[1 * GB_LANES + i]": Operand(Role.INPUTS, 1, lane=True),
     "t[i]": Operand(Role.TIME, lane=True),
     "g": Operand(Role.STEP),
@@ -28,13 +28,13 @@ def test_an_operand_prints_its_vector_and_offset(text):
 
 def test_an_operand_that_is_read_asks_for_its_vector_and_for_what_its_offset_needs():
     assert TEXTS["par[3]"].read == {Role.PARAMETERS}
-    assert TEXTS["tau[(2 + e) * GB_LANES + i]"].read == {Role.TIME_TERMS, Role.INSTANCE, Role.LANE}
+    assert TEXTS["time_terms[(2 + e) * GB_LANES + i]"].read == {Role.TIME_TERMS, Role.INSTANCE, Role.LANE}
     assert TEXTS["t[i]"].read == {Role.TIME, Role.LANE}
     assert not TEXTS["n5"].read
 
 
 def test_a_target_is_written_and_its_offset_is_read():
-    statement = Statement(TEXTS["tau[(2 + e) * GB_LANES + i]"], "=", "1.0")
+    statement = Statement(TEXTS["time_terms[(2 + e) * GB_LANES + i]"], "=", "1.0")
     assert statement.written == {Role.TIME_TERMS}
     assert statement.read == {Role.LANE, Role.INSTANCE}
     choice = Statement(TEXTS["(l0 ? lower : upper)[p0]"], "+=", "1.0", full=True)
