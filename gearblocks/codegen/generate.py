@@ -56,7 +56,7 @@ def generate(assembly: Assembly) -> Program:
     g.n_end = g.lay.tail
     _columns(g)
     _laws(g)
-    g.feedback = order_signals(g.feedback, g.codes, g.assembly, set(in_law), g.wrapping.whole)
+    g.feedback = order_signals(g.feedback, g.codes, g.assembly, set(in_law), g.wrapping.unwrapped)
     g.lay.n_total = g.lay.n_padded + padded(g.n_end - g.lay.n_padded)
     g.linear = linear_part(g)
     g.outputs += flange_outputs(g)
@@ -143,7 +143,7 @@ def _shows(g: Generator, code: BatchCode) -> None:
     """Outputs of the blocks; those that read unwrapped angles apart."""
     shows: dict[bool, list[Assignment]] = {False: [], True: []}
     for i, (show, expr) in enumerate(code.shows):
-        unwrapped = (code.number, i) in g.wrapping.whole
+        unwrapped = (code.number, i) in g.wrapping.unwrapped
         out = Operand(Role.OUTPUTS, len(g.outputs), instance=True)
         shows[unwrapped].append(Assignment(out, "=", located(expr) if unwrapped else expr))
         g.outputs += shown(g, code, show.name, show.unit, show.words)

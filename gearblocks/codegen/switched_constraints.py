@@ -56,7 +56,7 @@ def _rows_of(g: Generator, number: int, constraint: ConstraintLaw) -> list[tuple
     for e, component in enumerate(batch.components):
         path = g.assembly.train.components[component].path
         row: dict[int, Any] = {}
-        for flange, expr in constraint.push.items():
+        for flange, expr in constraint.row.items():
             group = batch.groups[flange][e]
             if group == GROUND_GROUP:
                 continue
@@ -124,12 +124,12 @@ def constraint_torques(code: BatchCode) -> Iterator[tuple[str, Any]]:
     """(flange, torque) of the constraint forces."""
     for constraint in code.law.constraints.values():
         force = code.law.pool.symbol("constraint_force", constraint.name, f"held_{constraint.name}".rstrip("_"))
-        for flange, c in constraint.push.items():
+        for flange, c in constraint.row.items():
             if flange in code.batch.groups:
                 yield flange, c * force
         if constraint.share is not None and constraint.partner is not None:
             share = code.constraint_values[constraint.name]["share"]
-            for flange, c in code.law.constraints[constraint.partner].push.items():
+            for flange, c in code.law.constraints[constraint.partner].row.items():
                 if flange in code.batch.groups:
                     yield flange, -c * share * force
 

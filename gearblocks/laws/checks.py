@@ -216,7 +216,7 @@ class _Check:
         yield from self.named(item, sound)
 
     def lossy(self, item: LossyTie, sound: bool) -> Iterator[str]:
-        """A rigid constraint with losses: shares and rests, and two slips."""
+        """A rigid constraint with losses: parts of its force and constant losses, and two slips."""
         yield from (p for x in (*item.driving, *item.coasting) if (p := self.expression(x, False, False)))
         for slip in (item.tie, item.slip) if sound else ():
             yield from self.stick(Stick("", slip, 0), True)

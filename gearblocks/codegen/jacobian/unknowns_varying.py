@@ -40,7 +40,7 @@ class Varying:
     """Numbers of the unknowns, and rows of everything that laws read. Interface as Unknowns, and:
 
     numbers; functions: of the derivatives of prescribed motions; gains: (place, number of the gain); accelerations: by group;
-    reduced: (group whose torque goes to its source, equation of the source, change of the gain); kept: by (unknown, simple
+    reduced: (group whose torque goes to its source, equation of the source, change of the gain); kept: by (unknown, kinematic
     state) the number of the entry of dG/ds.
     """
 
@@ -63,7 +63,7 @@ class Varying:
         self.kept: dict[tuple[int, int], int] = {}
         self._place = {group: i for i, (group, _) in enumerate(assembly.definitions)}
         self._angles: dict[int, Row] = {}
-        self._simple: dict[int, Row] = {}
+        self._kinematic: dict[int, Row] = {}
         self._rates: dict[int, Row] = {}
         self._loops: dict[int, Row] = {}
         self._prescribed = _prescribed(self, g)
@@ -148,10 +148,10 @@ class Varying:
         """How a coordinate or an angle changes, by its offset in y."""
         if place >= self.n_kinematic:
             return self._state(place)
-        if place not in self._simple:
+        if place not in self._kinematic:
             row = self.numbers.combine([(self.g, self.rate(place))])
-            self._simple[place] = {**row, -1 - place: self.one}
-        return self._simple[place]
+            self._kinematic[place] = {**row, -1 - place: self.one}
+        return self._kinematic[place]
 
     def rate(self, place: int) -> Row:
         """How the rate of a coordinate or an angle changes."""
