@@ -1,1 +1,1 @@
-"""From a train to the tables of its equations."""
+"""From a train to the tables of its equations: rigid constraints, kinematics, coordinates. Knows nothing of C."""

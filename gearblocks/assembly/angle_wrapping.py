@@ -3,7 +3,7 @@
     f(phi + 2 pi n) = f(phi) for every law f: n = lcm of the denominators of the turns that periodic functions see
 
 A law may read an angle that grows for ever (sin(z phi), a periodic table over the mesh phase). The solver keeps such an
-angle near zero and counts the turns apart (wrap count): z phi keeps its digits after 1e9 turns.
+angle near zero and keeps the wrap count apart: z phi keeps its digits after 1e9 turns.
 
 Along a free angle everything else moves by exact ratios. A shift is written as 2 pi^p times exact numbers of turns.
 Knows nothing of when the solver wraps.
@@ -26,11 +26,11 @@ from gearblocks.errors import ModelError
 from gearblocks.laws.functions import TableAt
 from gearblocks.laws.rational import Exact, exact_value, over
 
-MOST = 10**6
-"""AngleWrapping beyond which an angle is not wrapped: it would not stay small."""
+MOST_TURNS = 10**6
+"""Turns beyond which an angle is not wrapped: it would not stay small."""
 
 Form = dict[int, Exact]
-"""AngleWrapping of a quantity by free angle, per turn of that angle."""
+"""Turns of a quantity by free angle, per turn of that angle."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,12 +49,12 @@ class WrappedAngle:
 class AngleWrapping:
     """Wrapped angles; forms: turns of each group per turn of each of them (by index in `wrapped`).
 
-    whole: (batch, output of the law) that must be computed from the unwrapped angles.
+    unwrapped: (batch, output of the law) that must be computed from unwrapped angles.
     """
 
     wrapped: list[WrappedAngle] = field(default_factory=list)
     forms: dict[int, Form] = field(default_factory=dict)
-    whole: set[tuple[int, int]] = field(default_factory=set)
+    unwrapped: set[tuple[int, int]] = field(default_factory=set)
 
 
 @dataclass(slots=True)
@@ -77,7 +77,7 @@ class _Reading:
         self.bad.update(form)
 
     def shift(self, e: Any) -> tuple[int, Form]:
-        """(p, turns) of an expression; what is neither linear nor periodic spoils its angles."""
+        """(p, turns) of an expression; what is neither linear nor periodic forbids its angles to be wrapped."""
         if not self.touched(e):
             return 1, {}
         if e.is_Symbol:
@@ -180,7 +180,7 @@ def _turns_of(period: float) -> Fraction | None:
 def find_wrapped_angles(assembly: Assembly, sensed: Iterable[str]) -> AngleWrapping:
     """Angles that can be wrapped. sensed: paths of the feedback signals (they belong to the laws)."""
     search = _Search(assembly, frozenset(sensed))
-    search.follow()
+    search.find_dependent()
     for number in range(len(assembly.batches)):
         search.read_laws(number)
     return search.result()
@@ -195,20 +195,20 @@ class _Search:
         self.bad: set[int] = set()
         self.steps: dict[int, list[tuple[int, int, int, Exact]]] = {}
         self.shown: dict[tuple[int, int], list[_Reading]] = {}
-        self.place = {c: (b, e) for b, batch in enumerate(assembly.batches) for e, c in enumerate(batch.components)}
+        self.instance = {c: (b, e) for b, batch in enumerate(assembly.batches) for e, c in enumerate(batch.components)}
 
-    def follow(self) -> None:
-        """AngleWrapping of dependent groups, through rows and prescribed motions."""
+    def find_dependent(self) -> None:
+        """Turns of dependent groups, through rows and prescribed motions."""
         for group, row in self.assembly.definitions:
             if isinstance(row, PrescribedRow):
-                b, e = self.place[row.component]
+                b, e = self.instance[row.component]
                 batch = self.assembly.batches[b]
-                drive = batch.law.prescribed[row.number]
+                motion = batch.law.prescribed[row.number]
                 reading = self._reading(batch, e, angles_alone=True)
-                power, form = reading.shift(drive.angle)
+                power, form = reading.shift(motion.angle)
                 reading.bad.update(form if power != 1 else ())
                 self._take(reading)
-                c = over(1, batch.gains[drive.flange][e])
+                c = over(1, batch.gains[motion.flange][e])
                 self.groups[group] = {f: r * c for f, r in form.items()}
             else:
                 self.groups[group] = self._combined(row)
@@ -236,7 +236,7 @@ class _Search:
         return _Reading(batch.law.pool, {x: v[e] for x, v in batch.exact.items()}, shifts)
 
     def _coordinate(self, batch: Batch, j: int, e: int) -> Form:
-        """AngleWrapping of a coordinate: only a dependent one over angles moves, and one that is read off angles."""
+        """Turns of a coordinate: only a dependent one over angles moves, and one that is read off angles."""
         if batch.used[j]:
             return self._combined(self.assembly.dependents[batch.sources[j][e]]) if batch.dependent[j] else {}
         values = {x: v[e] for x, v in batch.exact.items()}
@@ -280,13 +280,13 @@ class _Search:
         return reading
 
     def _read_shows(self, number: int, law: _Reading) -> list[_Reading]:
-        """Each output by itself. One that reads a loop over angles cannot be made whole again."""
+        """Each output by itself. One that reads a loop over angles cannot be unwrapped."""
         found = []
-        slots, batch = law.pool.roles, self.assembly.batches[number]
+        roles, batch = law.pool.roles, self.assembly.batches[number]
         for i, show in enumerate(batch.law.shows):
             reading = _Reading(law.pool, law.values, law.shifts)
             reading.periodic(sp.sympify(show.expr))
-            loops = [x for x in show.expr.free_symbols if slots[x].role == "coordinate" and batch.used[slots[x].of]]
+            loops = [x for x in show.expr.free_symbols if roles[x].role == "coordinate" and batch.used[roles[x].of]]
             if any(reading.bad & set(law.shifts[x]) for x in loops):
                 self.bad |= reading.bad
             found.append(reading)
@@ -305,20 +305,20 @@ class _Search:
     def result(self) -> AngleWrapping:
         """Wrapped angles, with as many outputs periodic as their turns allow."""
         read = {*self.turns, *(f for readings in self.shown.values() for r in readings for f in r.turns)}
-        turns = {f: n for f in read - self.bad if (n := self.turns.get(f, 1)) <= MOST}
+        turns = {f: n for f in read - self.bad if (n := self.turns.get(f, 1)) <= MOST_TURNS}
         found = AngleWrapping()
         for key, readings in self.shown.items():
             if any(reading.bad & turns.keys() for reading in readings):
-                found.whole.add(key)
+                found.unwrapped.add(key)
                 continue
             wanted = {f: lcm(n, *(r.turns.get(f, 1) for r in readings)) for f, n in turns.items()}
-            if any(n > MOST for n in wanted.values()):
-                found.whole.add(key)
+            if any(n > MOST_TURNS for n in wanted.values()):
+                found.unwrapped.add(key)
             else:
                 turns = wanted
-        place = {f: i for i, f in enumerate(sorted(turns))}
-        for f in place:
+        index = {f: i for i, f in enumerate(sorted(turns))}
+        for f in index:
             steps = tuple((b, i, e, int(r * turns[f])) for b, i, e, r in self.steps.get(f, ()))
             found.wrapped.append(WrappedAngle(f, turns[f], steps))
-        found.forms = {g: {place[f]: r for f, r in form.items() if f in place} for g, form in self.groups.items()}
+        found.forms = {g: {index[f]: r for f, r in form.items() if f in index} for g, form in self.groups.items()}
         return found

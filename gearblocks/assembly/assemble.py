@@ -33,7 +33,7 @@ def assemble(train: Train, *, reading: bool = False) -> Assembly:
     """
     laws = _laws(train)
     known = _exact_values(train, laws)
-    groups = merge(train.n_nodes, list(_tie_rows(train, laws, known)))
+    groups = merge(train.n_nodes, list(_rigid_constraints(train, laws, known)))
     assembly = Assembly(train, [], groups)
     structural = {(p, v) for e in known for p, v in e.structural}
     bodies = inertias(train, laws)
@@ -74,7 +74,7 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
         if id(law) not in wanted:
             exprs = [x for form in law.forms for x in form.coefficients.values()]
             exprs += [x for coefficients, _ in law.ties for x in coefficients.values()]
-            exprs += [x for constraint in law.constraints.values() for x in constraint.push.values()]
+            exprs += [x for constraint in law.constraints.values() for x in constraint.row.values()]
             symbols = {x for e in exprs for x in e.free_symbols}
             symbols |= {x for x, meaning in law.pool.roles.items() if meaning.role == "exact"}
             wanted[id(law)] = sorted(((x, law.pool.roles[x]) for x in symbols), key=lambda pair: str(pair[0].name))
@@ -95,7 +95,7 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
     return result
 
 
-def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[RigidConstraint]:
+def _rigid_constraints(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[RigidConstraint]:
     for index, (c, law, values) in enumerate(zip(train.components, laws, known, strict=True)):
         names = list(type(c.block).flanges)
         for coefficients, constant in law.ties:
@@ -103,7 +103,7 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
             for flange, expr in coefficients.items():
                 node = c.nodes[names.index(flange)]
                 row[node] = row.get(node, 0) + _factor(c.path, flange, expr, values)
-            offset, held = None, 0.0
+            offset, offset_value = None, 0.0
             if constant != 0:
                 meaning = law.pool.roles.get(-constant)
                 if meaning is None or meaning.role != "own" or len(row) != 1:
@@ -111,19 +111,19 @@ def _tie_rows(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterab
                         f"'{c.path}': the tie has the constant '{constant}'; only a start angle at one flange is known"
                     )
                 offset = f"{c.path}.{meaning.of}"
-                held = float(getattr(c.block, meaning.of))
-            yield RigidConstraint(c.path, {n: v for n, v in row.items() if v}, offset, held, index)
+                offset_value = float(getattr(c.block, meaning.of))
+            yield RigidConstraint(c.path, {n: v for n, v in row.items() if v}, offset, offset_value, index)
 
 
 # -- coordinates and batches ------------------------------------------------------------------------------------------
 
 
 def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) -> None:
-    follows = {f.group: f for f in assembly.dependent_groups}
+    dependent_groups = {f.group: f for f in assembly.dependent_groups}
     expanded = expand_rows(assembly)
     given = {
         g: [root for s in f.sources for root in (expanded[s].groups if s in expanded else (s,))]
-        for g, f in follows.items() if f.prescribed is not None and not f.prescribed.by_speed
+        for g, f in dependent_groups.items() if f.prescribed is not None and not f.prescribed.by_speed
     }  # fmt: skip
     coordinates = Coordinates(given)
     batches: dict[Any, Batch] = {}
@@ -137,8 +137,8 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
         assembly.in_law |= reads
         nodes = {n: node for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node != GROUND}
         sources, dependent = _take(c.path, assembly, coordinates, expanded, law, nodes, known[index], used)
-        held = frozenset(n for n, node in nodes.items() if assembly.group_of_node[node][0] == GROUND_GROUP)
-        key = (id(law), held, dependent)
+        grounded = frozenset(n for n, node in nodes.items() if assembly.group_of_node[node][0] == GROUND_GROUP)
+        key = (id(law), grounded, dependent)
         if key not in batches:
             name = f"{type(c.block).__name__.lower()}_{len(batches)}"
             batches[key] = Batch(name, law, flanges=tuple(nodes), dependent=dependent, used=used)
@@ -147,15 +147,15 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
     assembly.batches = list(batches.values())
     assembly.rows = coordinates.rows
     assembly.steady = _steady(assembly, laws)
-    _put_in_front(assembly, coordinates.definitions.values())
+    _steady_first(assembly, coordinates.definitions.values())
     rows: dict[int, Combination | PrescribedRow] = dict(coordinates.definitions)
-    for g, f in follows.items():
+    for g, f in dependent_groups.items():
         if f.row is not None:
             rows[g] = f.row
         elif f.prescribed is not None and g in given:
             rows[g] = f.prescribed
     assembly.angles = [g for g in range(assembly.n_groups) if g not in rows]
-    assembly.definitions = _ordered(rows, follows)
+    assembly.definitions = _ordered(rows, dependent_groups)
 
 
 def _steady(assembly: Assembly, laws: list[Law]) -> frozenset[int]:
@@ -169,24 +169,24 @@ def _steady(assembly: Assembly, laws: list[Law]) -> frozenset[int]:
     return frozenset(range(assembly.n_groups)) - moving
 
 
-def _put_in_front(assembly: Assembly, definitions: Iterable[Combination]) -> None:
+def _steady_first(assembly: Assembly, definitions: Iterable[Combination]) -> None:
     """Renumbers the coordinates: those whose rates are fixed combinations of speeds come first."""
     fixed = [assembly.steady.issuperset(row) for row in assembly.rows]
     assembly.n_steady = sum(fixed)
     order = sorted(range(len(fixed)), key=lambda j: not fixed[j])
-    place = {j: i for i, j in enumerate(order)}
+    index = {j: i for i, j in enumerate(order)}
     assembly.rows = [assembly.rows[j] for j in order]
     assembly.row_offsets = [assembly.row_offsets[j] for j in order]
     for combination in (*definitions, *assembly.dependents):
-        combination.coordinates = {place[j]: c for j, c in combination.coordinates.items()}
+        combination.coordinates = {index[j]: c for j, c in combination.coordinates.items()}
     for batch in assembly.batches:
         for j, dependent in enumerate(batch.dependent):
             if batch.used[j] and not dependent:
-                batch.sources[j] = [place[i] for i in batch.sources[j]]
+                batch.sources[j] = [index[i] for i in batch.sources[j]]
 
 
 def expand_rows(assembly: Assembly) -> dict[int, Combination]:
-    """The angles of groups that follow through rows, over groups that do not."""
+    """The angles of groups that are dependent by rows, over groups that are not."""
     found: dict[int, Combination] = {}
     for f in assembly.dependent_groups:
         if f.row is not None:
@@ -197,13 +197,13 @@ def expand_rows(assembly: Assembly) -> dict[int, Combination]:
 
 
 def _ordered(
-    rows: dict[int, Combination | PrescribedRow], follows: dict[int, DependentGroup]
+    rows: dict[int, Combination | PrescribedRow], dependent_groups: dict[int, DependentGroup]
 ) -> list[tuple[int, Combination | PrescribedRow]]:
     """Definitions of angles, each after those it reads."""
 
     def sources(group: int) -> Iterable[int]:
         row = rows[group]
-        return row.groups if isinstance(row, Combination) else follows[group].sources
+        return row.groups if isinstance(row, Combination) else dependent_groups[group].sources
 
     return [(g, rows[g]) for g in dependency_order(rows, rows, sources)]
 

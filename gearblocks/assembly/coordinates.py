@@ -1,4 +1,4 @@
-"""Relative coordinates: which deflections are states, which follow from them, and where absolute angles come from.
+"""Relative coordinates: which deflections are states, which are dependent, and where absolute angles come from.
 
     u_j = sum of c_ji phi_i     independent forms become states u; a form that closes a loop is an exact combination of them
 
@@ -17,9 +17,9 @@ _ROUNDING = 1e-14  # of the sizes of what cancels
 
 
 class Coordinates:
-    """Takes forms one by one; `definitions` say how each eliminated group angle follows from what is left.
+    """Takes forms one by one; `definitions`: each eliminated group angle over what is left.
 
-    given: groups whose angles follow otherwise (a prescribed angle), with those that they follow from: they are never
+    given: groups with a prescribed angle, with those that they depend on: they are never
     eliminated, and none of these is defined by them. rows: the forms that are coordinates.
     """
 
@@ -52,7 +52,7 @@ class Coordinates:
         return number
 
     def _upstream(self, prescribed: list[int]) -> set[int]:
-        """The groups that are not eliminated from which the angles of prescribed groups follow."""
+        """The groups, not eliminated, that the angles of prescribed groups depend on."""
         found: set[int] = set()
         stack = list(prescribed)
         while stack:

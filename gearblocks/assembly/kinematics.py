@@ -2,7 +2,7 @@
 
     A phi + B offsets = 0    each row solved for one group of least reluctance;    phi_d = F(t, phi_s) for prescribed motions
 
-After the rigid constraints of two groups have merged them, what is left are rows over three and more (an ideal planetary)
+Rigid constraints of two groups have merged them before; left are rows over three and more (an ideal planetary)
 and prescribed motions (a prescribed angle, a non-circular pair). Dependent groups are ordered, each after its sources;
 the others are free. Knows nothing of inertia: reluctance says which group had better stay free.
 """
@@ -19,9 +19,9 @@ from gearblocks.laws.rational import Exact
 
 @dataclass(frozen=True, slots=True)
 class GroupRow:
-    """A rigid constraint over groups: sum of coefficient * angle + sum of factor * parameter (an angle held by the ground) = 0.
+    """A rigid constraint over groups: sum of coefficient * angle + sum of factor * parameter (a ground angle) = 0.
 
-    grounded: whether one of its shafts is held by the ground.
+    grounded: whether one of its shafts is at the ground.
     """
 
     path: str
@@ -32,10 +32,10 @@ class GroupRow:
 
 @dataclass(frozen=True, slots=True)
 class PrescribedRow:
-    """PrescribedMotion `number` of a component: the group that it drives, by which flange, and the groups that it reads.
+    """Prescribed motion `number` of a component: its dependent group, and the groups that it reads.
 
     factors: by flange that is read: (group, what the gain of the law is multiplied with). scale: 1 / gain of the flange.
-    rides: another of its flanges is tied to the group that it drives, which scale and factors allow for.
+    rides: another of its flanges belongs to the dependent group too, which scale and factors allow for.
     """
 
     component: int
@@ -50,7 +50,7 @@ class PrescribedRow:
 
 @dataclass(frozen=True, slots=True)
 class DependentGroup:
-    """A dependent group: by a row over other groups and parameters, or by a drive (row None)."""
+    """A dependent group: by a row over other groups and parameters, or by a prescribed motion (row None)."""
 
     group: int
     row: Combination | None
@@ -58,7 +58,7 @@ class DependentGroup:
 
     @property
     def sources(self) -> list[int]:
-        """The groups that it follows from directly."""
+        """The groups that it depends on directly."""
         if self.row is not None:
             return list(self.row.groups)
         assert self.prescribed is not None
@@ -78,18 +78,18 @@ class Kinematics:
         return {f.group: f for f in self.dependent_groups}
 
 
-def follow(
-    rows: Iterable[GroupRow], drives: Iterable[PrescribedRow],
-    reluctance: Mapping[int, tuple[int, ...]], held: Mapping[str, float]
+def solve_dependent(
+    rows: Iterable[GroupRow], prescribed: Iterable[PrescribedRow],
+    reluctance: Mapping[int, tuple[int, ...]], ground_angles: Mapping[str, float]
 ) -> Kinematics:  # fmt: skip
     """Solves every row for one of its groups, the one with the least reluctance (inertia, a given start, ...).
 
-    held: values of the offsets. ModelError for contradictions, for a shaft that is driven twice, and for ties that would
-    have to be solved through a nonlinear one.
+    ground_angles: values of the offsets. ModelError for contradictions, for a group whose motion is prescribed twice, and for
+    rigid constraints that would have to be solved through a nonlinear one.
     """
-    solver = _Solver(dict(reluctance), dict(held))
-    for drive in drives:
-        solver.prescribe(drive)
+    solver = _Solver(dict(reluctance), dict(ground_angles))
+    for motion in prescribed:
+        solver.prescribe(motion)
     rows = list(rows)
     for row in rows:
         for group in row.coefficients:
@@ -99,24 +99,24 @@ def follow(
 
 
 class _Solver:
-    def __init__(self, reluctance: dict[int, tuple[int, ...]], held: dict[str, float]) -> None:
-        self.reluctance, self.held = reluctance, held
+    def __init__(self, reluctance: dict[int, tuple[int, ...]], ground_angles: dict[str, float]) -> None:
+        self.reluctance, self.ground_angles = reluctance, ground_angles
         self.count: dict[int, int] = {}
         self.rows = Elimination()
         self.paths: dict[int, str] = {}  # of the component whose row was solved for a group
-        self.drives: dict[int, PrescribedRow] = {}
+        self.prescribed: dict[int, PrescribedRow] = {}
 
-    def prescribe(self, drive: PrescribedRow) -> None:
+    def prescribe(self, motion: PrescribedRow) -> None:
         """Notes a prescribed motion."""
-        before = self.drives.setdefault(drive.group, drive)
-        if before is not drive:
+        before = self.prescribed.setdefault(motion.group, motion)
+        if before is not motion:
             raise ModelError(
-                f"'{before.path}' and '{drive.path}' both prescribe the motion of one shaft; leave one of them out, or "
+                f"'{before.path}' and '{motion.path}' both prescribe the motion of one shaft; leave one of them out, or "
                 f"put a compliant element between"
             )
-        if drive.group in {group for group, _ in drive.factors.values()}:
+        if motion.group in {group for group, _ in motion.factors.values()}:
             raise ModelError(
-                f"'{drive.path}' prescribes a motion between shafts that are tied rigidly to each other; give one of the "
+                f"'{motion.path}' prescribes a motion between shafts that are tied rigidly to each other; give one of the "
                 f"ties compliance"
             )
 
@@ -126,16 +126,16 @@ class _Solver:
         if not left.groups:
             self._agree(row, left)
             return False
-        upstream = self._upstream(g for g in left.groups if g in self.drives)
-        free = [g for g in left.groups if g not in self.drives and g not in upstream]
+        upstream = self._upstream(g for g in left.groups if g in self.prescribed)
+        free = [g for g in left.groups if g not in self.prescribed and g not in upstream]
         if not free:
-            names = ", ".join(f"'{self.drives[g].path}'" for g in left.groups if g in self.drives)
+            names = ", ".join(f"'{self.prescribed[g].path}'" for g in left.groups if g in self.prescribed)
             raise ModelError(
                 f"the tie of '{row.path}' would have to hold through the prescribed or nonlinear motion of {names}; give "
                 f"one of them compliance"
             )
         if len(left.groups) == 1 and not row.grounded:
-            raise ModelError(self._locked(row))
+            raise ModelError(self._contradiction(row))
         pivot = min(free, key=lambda g: (*self.reluctance[g], self.count.get(g, 0), g))
         self.rows.solve(left, pivot)
         self.paths[pivot] = row.path
@@ -152,25 +152,25 @@ class _Solver:
         return found
 
     def _sources(self, g: int) -> list[int]:
-        """The groups that a group follows from directly."""
-        follower = self._follower(g)
-        return follower.sources if follower else []
+        """The groups that a group depends on directly."""
+        found = self._dependent(g)
+        return found.sources if found else []
 
-    def _follower(self, g: int) -> DependentGroup | None:
-        if g in self.drives:
-            return DependentGroup(g, None, self.drives[g])
+    def _dependent(self, g: int) -> DependentGroup | None:
+        if g in self.prescribed:
+            return DependentGroup(g, None, self.prescribed[g])
         return DependentGroup(g, self.rows.definitions[g]) if g in self.rows.definitions else None
 
     def _agree(self, row: GroupRow, left: Combination) -> None:
-        """A row that contains nothing new: the angles that the ground holds must satisfy it."""
-        terms = [float(c) * self.held[path] for path, c in left.offsets.items()]
+        """A row that contains nothing new: the ground angles must satisfy it."""
+        terms = [float(c) * self.ground_angles[path] for path, c in left.offsets.items()]
         if abs(sum(terms)) > 1e-12 * sum(map(abs, terms)):
             names = ", ".join(f"'{path.rpartition('.')[0]}'" for path in left.offsets)
             raise ModelError(
                 f"the tie of '{row.path}' contradicts the angles that {names} hold (by {sum(terms):.9g} rad): change one"
             )
 
-    def _locked(self, row: GroupRow) -> str:
+    def _contradiction(self, row: GroupRow) -> str:
         names = {row.path}
         stack = list(row.coefficients)
         while stack:
@@ -184,11 +184,11 @@ class _Solver:
     def finish(self, new: list[bool]) -> Kinematics:
         """Dependent groups, each after its sources."""
         result = Kinematics(new=new)
-        dependent = {**self.rows.definitions, **self.drives}
+        dependent = {**self.rows.definitions, **self.prescribed}
         for g in dependency_order(dependent, dependent, self._sources):
-            follower = self._follower(g)
-            assert follower is not None
-            result.dependent_groups.append(follower)
+            found = self._dependent(g)
+            assert found is not None
+            result.dependent_groups.append(found)
         self._circles(result)
         return result
 
@@ -198,6 +198,6 @@ class _Solver:
         dependent = result.dependent
         for f in result.dependent_groups:
             if any(s in dependent and s not in seen for s in f.sources):
-                names = ", ".join(f"'{d.path}'" for d in self.drives.values())
+                names = ", ".join(f"'{d.path}'" for d in self.prescribed.values())
                 raise ModelError(f"the motions prescribed by {names} depend on each other; give one of them compliance")
             seen.add(f.group)

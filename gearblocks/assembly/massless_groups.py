@@ -1,9 +1,9 @@
 """Floating massless groups: without inertia, and damped only against each other.
 
-    w_i = sum of z_ij w_j + part_i      z: null space of what dampers see, D w = 0
+    w_i = sum of z_ij w_j + part_i      z: null space of the speeds of dampers, D w = 0
 
-Their balances of torque D' c D w = ... are singular: they give differences of speeds (the parts), and how the groups turn
-together follows from springs alone. Some groups j stand for that, and the others depend on them. Knows nothing of the
+Their balances of torque D' c D w = ... are singular: they give differences of speeds (the parts), and their common motion
+follows from springs alone. Some groups j stand for that, and the others depend on them. Knows nothing of the
 numbers of dampers, only of the linear forms that they damp.
 """
 
@@ -29,7 +29,7 @@ _ROUNDING = 1e-12  # of the sizes of what cancels: factors that are floats
 
 @dataclass(slots=True)
 class MasslessGroups:
-    """The groups of a train for which dampers are looked up: massless ones, and how dependent ones follow."""
+    """The groups of a train for which dampers are looked up: massless ones, and the dependent ones."""
 
     groups: Groups
     massless: Sequence[int]

@@ -1,6 +1,6 @@
 """Rigid constraints, and the rigid groups that they merge nodes into, with exact ratios.
 
-    sum of c_i phi_i = offset      two nodes: phi_a = gain phi_b, merged by union-find; one node: held by the ground
+    sum of c_i phi_i = offset      two nodes: phi_a = gain phi_b, merged by union-find; one node: grounded
 
 Constraints over three groups and more stay unmerged (kinematics.py solves them). Knows nothing of inertia or of speeds.
 """
@@ -29,11 +29,11 @@ class RigidConstraint:
 
 @dataclass(slots=True)
 class Groups:
-    """Rigid groups: phi(node) = gain * phi(root). held_angles: angle of a grounded root and who holds it.
+    """Rigid groups: phi(node) = gain * phi(root). held_angles: angle of a grounded root and the component that gives it.
 
     independent: constraints that say something new; redundant: those that the others imply; unmerged: those over more than
-    two groups; zeros: parameters of held angles that must stay 0, because a constraint over a held shaft was taken as one
-    of two shafts.
+    two groups; zeros: parameters of ground angles that must stay 0, because a constraint over a grounded node was taken as
+    one of two nodes.
     """
 
     nodes: DisjointSets[int] = field(default_factory=DisjointSets)
@@ -69,7 +69,7 @@ def merge(n_nodes: int, rows: list[RigidConstraint]) -> Groups:
 
 
 def _measure_by_fastest(groups: Groups, n_nodes: int) -> None:
-    """Makes the fastest shaft of a group its root: the scale of its state does not depend on the order of the ties."""
+    """Makes the fastest node of a group its root: the scale of its state does not depend on the order of the ties."""
     fastest: dict[int, tuple[int, Exact]] = {}
     for node in range(n_nodes):
         root, gain = groups.find(node)
@@ -80,7 +80,7 @@ def _measure_by_fastest(groups: Groups, n_nodes: int) -> None:
 
 
 def _joined(groups: Groups, row: RigidConstraint) -> bool:
-    """Whether a constraint of three nodes or more turned out to join two groups, the others being held at angle zero."""
+    """Whether a constraint of three nodes or more turned out to join two groups, the others being grounded at angle zero."""
     left: dict[int, Exact] = {}
     held: set[str | None] = set()
     for node, c in row.coefficients.items():
@@ -133,7 +133,7 @@ def _ground(groups: Groups, row: RigidConstraint) -> None:
 
 
 def _agree(groups: Groups, row: RigidConstraint, root: int, angle: float, other: int) -> None:
-    """A group that is held twice must be held at one angle."""
+    """A group that is grounded twice must be so at one angle."""
     held, holder = groups.held_angles[root]
     if abs(held - angle) > 1e-12 * max(abs(held), abs(angle)):
         names = " and ".join(

@@ -3,7 +3,7 @@ prescribed, or dependent on others; and which component owns the start values of
 
     speeds of all groups = K speeds of the independent and massless ones + prescribed
 
-A group counts as independent where it has inertia itself or drives inertia through what depends on it. Knows nothing of
+A group is independent where it has inertia itself or moves inertia through groups that depend on it. Knows nothing of
 relative coordinates.
 """
 
@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.assembly.elimination import Combination
-from gearblocks.assembly.kinematics import DependentGroup, GroupRow, Kinematics, PrescribedRow, follow
+from gearblocks.assembly.kinematics import DependentGroup, GroupRow, Kinematics, PrescribedRow, solve_dependent
 from gearblocks.assembly.massless_groups import MasslessGroups, floating
 from gearblocks.assembly.tables import GROUND_GROUP, ExactValues
 from gearblocks.errors import ModelError
@@ -83,28 +83,28 @@ def _is_zero(c: Component, law: Law, inertia: Any, zeros: set[tuple[str, float]]
 
 
 def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Sequence[ExactValues] | None) -> None:
-    """Numbers the groups that are not held and finds how dependent ones follow. known: exact values by component, or None:
-    massless groups that are damped only against each other stay as they are."""
+    """Numbers the groups that are not grounded and finds the dependent ones. known: exact values by component, or None:
+    floating massless groups stay as they are."""
     groups, train = assembly.groups, assembly.train
     roots = dict.fromkeys(groups.find(node)[0] for node in (*bodies.present, *bodies.empty, *range(train.n_nodes)))
     free = [r for r in roots if r not in groups.grounded]
     with_inertia = {groups.find(node)[0] for node in bodies.present}
     given = _given_starts(assembly, laws)
     reluctance = {r: (int(r in given), int(r in with_inertia)) for r in free}
-    held = {path: groups.held_angles[r][0] for r, path in groups.grounded.items() if path is not None}
-    kinematics = follow(_rows(assembly), _drives(assembly, laws), reluctance, held)
+    ground_angles = {path: groups.held_angles[r][0] for r, path in groups.grounded.items() if path is not None}
+    kinematics = solve_dependent(_rows(assembly), _prescribed(assembly, laws), reluctance, ground_angles)
     for row, new in zip(groups.unmerged, kinematics.new, strict=True):
         if new:
             groups.independent.append(row)
         else:
             groups.redundant.append(row)
     dependent = kinematics.dependent
-    driving = set(with_inertia)  # groups that move inertia, their own or that of dependent ones
+    moving_inertia = set(with_inertia)  # groups that move inertia, their own or that of dependent ones
     for f in reversed(kinematics.dependent_groups):
-        if f.group in driving:
-            driving.update(f.sources)
-    independent = [r for r in free if r not in dependent and r in driving]
-    massless = [r for r in free if r not in dependent and r not in driving]
+        if f.group in moving_inertia:
+            moving_inertia.update(f.sources)
+    independent = [r for r in free if r not in dependent and r in moving_inertia]
+    massless = [r for r in free if r not in dependent and r not in moving_inertia]
     parts = {} if known is None else _floating_parts(assembly, laws, known, massless, kinematics, given)
     massless = [parts.get(r, r) for r in massless]
     prescribed = [f.group for f in kinematics.dependent_groups if f.prescribed is not None and f.prescribed.by_speed]
@@ -128,8 +128,8 @@ def _floating_parts(
     assembly: Assembly, laws: list[Law], known: Sequence[ExactValues], massless: list[int], kinematics: Kinematics,
     given: Mapping[int, str],
 ) -> dict[int, int]:  # fmt: skip
-    """Makes floating groups dependent, each on those that it floats with and on a part of its own; by root: the number of
-    its part."""
+    """Makes floating groups dependent, each on those that stand for it and on a part of its own; by root: the number of its
+    part."""
     groups = MasslessGroups(assembly.groups, massless, kinematics.dependent_groups)
     rows = floating(groups, assembly.train.components, laws, known)
     bound = {g for r, row in rows.items() for g in (r, *row)} & given.keys()
@@ -154,7 +154,7 @@ def _renumbered(f: DependentGroup, number: dict[int, int]) -> DependentGroup:
 
 
 def _rows(assembly: Assembly) -> Iterable[GroupRow]:
-    """Ties that union-find could not take, over the roots of groups."""
+    """Rigid constraints that union-find could not take, over the roots of groups."""
     groups = assembly.groups
     for row in groups.unmerged:
         coefficients: dict[int, Exact] = {}
@@ -175,13 +175,13 @@ def _rows(assembly: Assembly) -> Iterable[GroupRow]:
         )  # fmt: skip
 
 
-def _drives(assembly: Assembly, laws: list[Law]) -> Iterable[PrescribedRow]:
+def _prescribed(assembly: Assembly, laws: list[Law]) -> Iterable[PrescribedRow]:
     """Prescribed motions over the roots of groups."""
     groups = assembly.groups
     for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
         nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
-        for number, drive in enumerate(law.prescribed):
-            root, gain = groups.find(nodes[drive.flange])
+        for number, motion in enumerate(law.prescribed):
+            root, gain = groups.find(nodes[motion.flange])
             if root in groups.grounded:
                 holder = groups.held_angles[root][1]
                 raise ModelError(
@@ -189,23 +189,23 @@ def _drives(assembly: Assembly, laws: list[Law]) -> Iterable[PrescribedRow]:
                 )
             scale = over(1, gain)
             factors = {}
-            for flange in drive.gains:
+            for flange in motion.gains:
                 source, its = groups.find(nodes[flange])
                 if source not in groups.grounded:
                     factors[flange] = source, its * scale
-            own = _own_share(drive, root, factors)
+            own = _own_gain(motion, root, factors)
             scale = over(scale, 1 - own)
             factors = {f: (g, over(x, 1 - own)) for f, (g, x) in factors.items() if g != root or not own}
-            yield PrescribedRow(index, number, c.path, root, scale, factors, drive.angle is None, own != 0)
+            yield PrescribedRow(index, number, c.path, root, scale, factors, motion.angle is None, own != 0)
 
 
-def _own_share(drive: PrescribedMotion, root: int, factors: Mapping[str, tuple[int, Exact]]) -> Exact:
-    """What a drive carries back to the group that it drives, through other flanges tied to it: 0 where that is nothing,
-    all of it, or no number."""
-    tied = [f for f, (group, _) in factors.items() if group == root]
-    if not all(drive.gains[f].is_number for f in tied):
+def _own_gain(motion: PrescribedMotion, root: int, factors: Mapping[str, tuple[int, Exact]]) -> Exact:
+    """Gain of a prescribed motion on its own dependent group, through other flanges of that group: 0 where there is none, and
+    where it is 1 or no number."""
+    same = [f for f, (group, _) in factors.items() if group == root]
+    if not all(motion.gains[f].is_number for f in same):
         return 0
-    own = sum(exact_value(drive.gains[f], {}) * factors[f][1] for f in tied)
+    own = sum(exact_value(motion.gains[f], {}) * factors[f][1] for f in same)
     return 0 if own == 1 else own
 
 
@@ -224,7 +224,7 @@ def _given_starts(assembly: Assembly, laws: list[Law]) -> dict[int, str]:
 
 
 def _through_lossy_ties(assembly: Assembly, laws: list[Law], owners: dict[int, tuple[str, Exact, bool]]) -> None:
-    """Shafts beside a lossy tie start as the other side does, where only that one is given."""
+    """Groups beside a lossy tie start as the other side does, where only that one is given."""
     pairs = [
         pair for c, law in zip(assembly.train.components, laws, strict=True) for pair in _lossy_pairs(assembly, c, law)
     ]
@@ -246,7 +246,7 @@ def _lossy_pairs(assembly: Assembly, c: Component, law: Law) -> Iterable[tuple[t
     numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
     nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
     row: dict[int, Exact] = {}
-    for flange, expr in tie.push.items():
+    for flange, expr in tie.row.items():
         values = {x: exact(numbers[law.pool.roles[x].of]) for x in expr.free_symbols}
         group, gain = assembly.group_of_node[nodes[flange]] if nodes[flange] >= 0 else (GROUND_GROUP, 1)
         row[group] = row.get(group, 0) + exact_value(expr, values) * gain
@@ -256,7 +256,7 @@ def _lossy_pairs(assembly: Assembly, c: Component, law: Law) -> Iterable[tuple[t
 
 
 def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
-    """For each group that does not follow by angle the component that owns its start values (the first that gives them).
+    """For each group without a dependent angle the component that owns its start values (the first that gives them).
 
     A shaft without any body is named by the first flange at it.
     """

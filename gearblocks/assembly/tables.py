@@ -1,6 +1,6 @@
 """Tables of the equations of a train: groups, relative coordinates, dependent groups, and batches of equal kinds.
 
-Numbers of parameters are not in them: what is here decides the form of the equations. Knows nothing of how it is found.
+Numbers of parameters are not in them: what is here decides the form of the equations. Knows nothing of how they are found.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from gearblocks.laws.rational import Exact
 from gearblocks.train.graph import Train
 
 GROUND_GROUP = -1
-"""Group number of a flange that the ground holds."""
+"""Group number of a grounded flange."""
 
 
 @dataclass(slots=True)
@@ -31,7 +31,7 @@ class ExactValues:
 class Batch:
     """Instances of one kind that share code: the law, and one table column per flange and coordinate.
 
-    flanges: names of the flanges that are not the ground; groups and gains: one entry per instance (group GROUND_GROUP: held).
+    flanges: names of the flanges that are not the ground; groups and gains: one entry per instance (GROUND_GROUP: grounded).
     sources: per coordinate of the law and instance, the number of a coordinate, or of a dependent combination.
     """
 
@@ -65,7 +65,7 @@ class Assembly:
     Groups are numbered: independent ones (n_speeds), massless ones (n_massless), those whose speed alone is prescribed
     (n_prescribed), then the other dependent ones. rows[i]: coordinate i as a form of group angles; dependents: dependent
     coordinates, combinations that close loops; angles: groups whose absolute angle is a state; definitions (in order, with
-    prescribed motions in between): how other group angles follow. in_law: a law reads angles. steady: groups whose speeds
+    prescribed motions in between): the other group angles. in_law: a law reads angles. steady: groups whose speeds
     are fixed combinations; n_steady: coordinates at the front whose rates are. with_inertia: groups with inertia. floating:
     massless groups that are a part of another (massless_groups.py), with that other; floats: numbers of the massless ones
     that stand for several.
@@ -105,6 +105,6 @@ class Assembly:
         return self.n_groups == self.n_speeds
 
     @property
-    def driven(self) -> bool:
+    def has_prescribed_angles(self) -> bool:
         """Whether an angle is prescribed."""
         return any(isinstance(row, PrescribedRow) for _, row in self.definitions)

@@ -1,4 +1,4 @@
-"""The blocks that a train is composed of."""
+"""The catalogue: blocks that a train is composed of, and their effects. Knows nothing of how laws are derived."""
 
 from gearblocks.blocks.bodies import Fixed, Inertia
 from gearblocks.blocks.couplings import BeltDrive, Creep, TorqueConverter, UniversalJoint

@@ -54,7 +54,7 @@ class Harmonic(Fourier):
 class Profile(Effect):
     """A Table over one cycle: a deviation relative to k (1: twice k), or a transmission error in m.
 
-    table: x in cycles from 0 to 1, periodic. PrescribedRow like `Fourier`; its joints are located. Where an effect is wanted,
+    table: x in cycles from 0 to 1, periodic. Driven like `Fourier`; its joints are located. Where an effect is wanted,
     a bare Table stands for Profile(table=...).
     """
 
@@ -88,7 +88,7 @@ class Square(Effect):
     """Stiffness that alternates between one and two tooth pairs, mean 1.
 
     The upper value holds for the share contact_ratio - 1 of a cycle from theta = 0; upper - lower = 2 ripple.
-    The jumps are located. PrescribedRow like `Fourier`; by angle it has no potential (jumps), so only a frequency is taken.
+    The jumps are located. Driven like `Fourier`; by angle it has no potential (jumps), so only a frequency is taken.
     """
 
     ripple: Value = param("half of the jump, relative to the mean", ge=0)
@@ -98,7 +98,7 @@ class Square(Effect):
     angle = State("integrated phase", "rad")
 
     def problems(self) -> Iterator[str]:
-        """The angle as a drive."""
+        """A Square driven by the angle is refused."""
         if self.driven_by == "angle":
             yield "a Square variation jumps, so it has no potential over the angle; give driven_by a frequency in rad/s"
 

@@ -89,7 +89,7 @@ class Vehicle(Block):
         yield Shows("resistance", resistance, "N", "drag and rolling resistance against the motion")
 
     def _forces(self, s: Any, v: Any) -> tuple[Any, Any, Any]:
-        """Resistance against v without what sticks, the part of the weight along the slope, and the normal force."""
+        """Resistance against v without dry friction, the part of the weight along the slope, and the normal force."""
         import sympy as sp
 
         weight = s.mass * sp.Float(GRAVITY)

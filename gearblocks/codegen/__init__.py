@@ -1,1 +1,1 @@
-"""From the tables to C."""
+"""From the tables to C. Knows nothing of compilers, nor of solvers."""

@@ -57,7 +57,7 @@ class BatchCode:
         self.shows = [(x, hoist(x.expr)) for x in law.shows]
         self.holds = [(state, hoist(self._held(*rest, state=state))) for state, *rest in law.holds]
         self.speeds = [self._coordinate_rate(j) for j in range(len(law.forms))]
-        self.drives = [frozen_motion(x, hoist) for x in law.prescribed]
+        self.prescribed = [frozen_motion(x, hoist) for x in law.prescribed]
         self.starts = {n: hoist(e) for n, e in law.starts.items()}
         self.constraint_values = {
             name: {k: hoist(v) for k in _OF_CONSTRAINTS if (v := getattr(constraint, k)) is not None}
@@ -70,7 +70,7 @@ class BatchCode:
         self.balance = balance_of(self.batch, hoist, massless, self.offsets.floats) if massless else Balance()
 
     def _held(self, value: Any, when: Any, *, state: str) -> Any:
-        """What a held state is after an event: the value where `when` has just turned to 1, else as it was."""
+        """A state of Hold after an event: the value where `when` has just turned to 1, else as it was."""
         pool = self.law.pool
         modes = [x for x in when.free_symbols if pool.roles[x].role == "mode"]
         before = {x: pool.symbol("before", pool.roles[x].of, f"before{pool.roles[x].of.number}") for x in modes}
@@ -87,15 +87,17 @@ class BatchCode:
 
     def moving_terms(self, sensed: set[str]) -> set[Any]:
         """Columns that the motion needs; the others are read by outputs and energies alone. sensed: names of outputs."""
-        drives = [e for x in self.drives for e in (*x.gains.values(), x.velocity_bias, x.acceleration_bias, x.angle)]
+        motions = [
+            e for x in self.prescribed for e in (*x.gains.values(), x.velocity_bias, x.acceleration_bias, x.angle)
+        ]
         balance = (*self.balance.torques.values(), *self.balance.torque_rates.values())
-        watched = [e for i in range(len(self.events.sorts)) for e in self.events.read(i)]
+        located = [e for i in range(len(self.events.sorts)) for e in self.events.read(i)]
         exprs = [
             *self.forces.values(), *self.torques.values(), *self.rates.values(), self.loss, self.supplied, *self.surfaces,
-            *self.bands, *self.whens, *self.speeds, *drives, *balance, *self.balance.damping_entries.values(),
+            *self.bands, *self.whens, *self.speeds, *motions, *balance, *self.balance.damping_entries.values(),
             *self.balance.stiffness_entries.values(), *self.starts.values(), *(e for _, e in self.holds),
             self.constraint_loss, *(e for values in self.constraint_values.values() for e in values.values()),
-            *(e for x, e in self.shows if x.name in sensed), *watched,
+            *(e for x, e in self.shows if x.name in sensed), *located,
         ]  # fmt: skip
         found = {x for e in exprs if e is not None for x in sp.sympify(e).free_symbols}
         for c in reversed(self.hoister.columns):

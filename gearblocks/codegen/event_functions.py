@@ -1,4 +1,4 @@
-"""Event functions of one batch: how each switch is watched, and what its location reads.
+"""Event functions of one batch: how the crossings of each switch are located, and what its location reads.
 
 "affine" or "general" over the state ("affine_constraint" or "general_constraint" of switched constraints), "line" or "wave"
 where time alone moves it, which gives its crossings in advance. Knows nothing of how crossings are located.
@@ -24,7 +24,7 @@ _PREDICTED = {"own", "exact", "shared", "mobility", "time"}
 
 
 class EventFunctions:
-    """The event functions of the switches of one law. sorts: how each is watched."""
+    """The event functions of the switches of one law. sorts: how each is located."""
 
     def __init__(self, assembly: Assembly, batch: Batch, hoist: Hoist) -> None:
         self.assembly, self.batch, self.hoist = assembly, batch, hoist
@@ -54,7 +54,12 @@ class EventFunctions:
         pool, assembly = self.law.pool, self.assembly
         moving = [x for x in surface.free_symbols if pool.level(x) == MOVING]
         timed = any(pool.level(x) == TIMED for x in surface.free_symbols)
-        known = {"coordinate", "state", *(["w"] if assembly.plain else []), *([] if assembly.driven else ["phi"])}
+        known = {
+            "coordinate",
+            "state",
+            *(["w"] if assembly.plain else []),
+            *([] if assembly.has_prescribed_angles else ["phi"]),
+        }
         if timed or any(roles[x] not in known for x in moving):
             return False
         if any(assembly.dependents[k].groups for x in moving if roles[x] == "coordinate" for k in self._loops(x)):

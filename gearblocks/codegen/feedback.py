@@ -1,6 +1,6 @@
 """Feedback signals: the outputs that signals read, where they come from and in which order they are computed.
 
-Each may read others; an algebraic loop of them is refused.
+Each may read others; an algebraic loop of them is refused. Knows nothing of what a signal does in a law.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def _shown(codes: Iterable[BatchCode], assembly: Assembly, path: str) -> tuple[B
 
 
 def reads_angles(assembly: Assembly, path: str) -> bool:
-    """Whether a sensed output needs absolute angles."""
+    """Whether an output that a signal reads needs absolute angles."""
     for batch in assembly.batches:
         for index in batch.components:
             prefix = assembly.train.components[index].path + "."
@@ -42,7 +42,8 @@ def reads_angles(assembly: Assembly, path: str) -> bool:
 
 
 def order_signals(
-    senses: dict[str, FeedbackSignal], codes: list[BatchCode], assembly: Assembly, in_law: set[str], whole: set[tuple[int, int]]
+    signals: dict[str, FeedbackSignal], codes: list[BatchCode], assembly: Assembly, in_law: set[str],
+    whole: set[tuple[int, int]],
 ) -> dict[str, FeedbackSignal]:  # fmt: skip
     """Calls of feedback signals in an order in which each reads only earlier ones.
 
@@ -57,22 +58,22 @@ def order_signals(
         if path in done:
             return
         code, e, expr, show = _shown(codes, assembly, path)
-        slots = [code.law.pool.roles[x] for x in expr.free_symbols]
-        if path in in_law and any(s.role in ("alpha", "tau", "held") for s in slots):
+        roles = [code.law.pool.roles[x] for x in expr.free_symbols]
+        if path in in_law and any(s.role in ("alpha", "tau", "constraint_force") for s in roles):
             raise ModelError(
                 f"sense('{path}'): an acceleration or reaction cannot be fed back; sense a speed or a torque law"
             )
-        for meaning in slots:
-            if meaning.role == "sense":
-                visit(meaning.of, (*chain, path))
-        sense = senses[path]
-        sense.batch, sense.instance, sense.expr = code.number, e, expr
+        for role in roles:
+            if role.role == "sense":
+                visit(role.of, (*chain, path))
+        signal = signals[path]
+        signal.batch, signal.instance, signal.expr = code.number, e, expr
         unwrapped = (code.number, show) in whole and path not in in_law
-        assignment = Assignment(Operand(Role.FEEDBACK_SIGNALS, sense.index), "=", located(expr) if unwrapped else expr)
+        assignment = Assignment(Operand(Role.FEEDBACK_SIGNALS, signal.index), "=", located(expr) if unwrapped else expr)
         vector = Role.UNWRAPPED_ANGLES if unwrapped else Role.STATES
-        sense.call = Call(code.function(f"sense_{sense.index}", [assignment], vector=vector), e)
+        signal.call = Call(code.function(f"feedback_{signal.index}", [assignment], vector=vector), e)
         done[path] = None
 
-    for path in senses:
+    for path in signals:
         visit(path, ())
-    return {path: senses[path] for path in done}
+    return {path: signals[path] for path in done}

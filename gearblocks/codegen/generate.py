@@ -56,7 +56,7 @@ def generate(assembly: Assembly) -> Program:
     g.n_end = g.lay.tail
     _columns(g)
     _laws(g)
-    g.feedback = order_signals(g.feedback, g.codes, g.assembly, set(in_law), g.wrapping.whole)
+    g.feedback = order_signals(g.feedback, g.codes, g.assembly, set(in_law), g.wrapping.unwrapped)
     g.lay.n_total = g.lay.n_padded + padded(g.n_end - g.lay.n_padded)
     g.linear = linear_part(g)
     g.outputs += flange_outputs(g)
@@ -86,7 +86,7 @@ def _columns(g: Generator) -> None:
             mass=g.mass,
             massless=massless,
             floats=g.assembly.floats,
-            senses={p: s.index for p, s in g.feedback.items()},
+            feedback={p: s.index for p, s in g.feedback.items()},
         )
         offsets.tables = {
             x: _table_name(g, meaning.of) for x, meaning in batch.law.pool.roles.items() if meaning.role in ("table", "table2")
@@ -143,7 +143,7 @@ def _shows(g: Generator, code: BatchCode) -> None:
     """Outputs of the blocks; those that read unwrapped angles apart."""
     shows: dict[bool, list[Assignment]] = {False: [], True: []}
     for i, (show, expr) in enumerate(code.shows):
-        unwrapped = (code.number, i) in g.wrapping.whole
+        unwrapped = (code.number, i) in g.wrapping.unwrapped
         out = Operand(Role.OUTPUTS, len(g.outputs), instance=True)
         shows[unwrapped].append(Assignment(out, "=", located(expr) if unwrapped else expr))
         g.outputs += shown(g, code, show.name, show.unit, show.words)
@@ -164,10 +164,10 @@ def _supplies(g: Generator) -> None:
     """Places in the ledger for the power of prescribed motions."""
     if g.dependent is not None:
         g.supply0 = g.n_end
-        for i in g.dependent.powered:
-            drive = g.dependent.dependent_groups[i].prescribed
-            assert drive is not None
-            g.integrals.append(IntegralInfo(drive.path, "supplied", g.n_end))
+        for i in g.dependent.supplied:
+            motion = g.dependent.members[i].prescribed
+            assert motion is not None
+            g.integrals.append(IntegralInfo(motion.path, "supplied", g.n_end))
             g.n_end += 1
 
 
@@ -183,8 +183,8 @@ def _rates(g: Generator, code: BatchCode) -> None:
             place = Operand(Role.RATES, g.n_end, instance=True)
             assignments.append(Assignment(place, "=", entry, full=True))
             if part == "loss" and code.constraint_loss is not None:
-                late = Assignment(place, "+=", code.constraint_loss, full=True)
-                g.keep("late_rates", code.function("late_rates", [late]))
+                loss = Assignment(place, "+=", code.constraint_loss, full=True)
+                g.keep("constraint_losses", code.function("constraint_losses", [loss]))
             g.integrals += [IntegralInfo(code.paths[e], part, g.n_end + e) for e in range(code.n)]
             g.n_end += code.n
     function = code.function("rates", assignments)

@@ -40,7 +40,7 @@ class Generator:
     shared: dict[tuple[int, str], Operand] = field(default_factory=dict)
     prepare_shared: list[Statement] = field(default_factory=list)
     times_shared: list[tuple[Operand, Statement]] = field(default_factory=list)
-    early: set[Operand] = field(default_factory=set)
+    of_rates: set[Operand] = field(default_factory=set)
     means_shared: list[Statement] = field(default_factory=list)
     functions: dict[str, list[Function]] = field(default_factory=dict)
     outputs: list[Quantity] = field(default_factory=list)
@@ -63,9 +63,9 @@ class Generator:
     n_end: int = 0
     linear: Linear | None = None
 
-    def shared_times(self, late: bool) -> list[Statement]:
+    def shared_time_terms(self, outputs_only: bool) -> list[Statement]:
         """Shared time terms: those of the rates, or those that only outputs and energies read."""
-        return [s for term, s in self.times_shared if (term in self.early) is not late]
+        return [s for term, s in self.times_shared if (term in self.of_rates) is not outputs_only]
 
     def keep(self, what: str, function: Function) -> None:
         """Adds a function unless it does nothing."""

@@ -29,29 +29,29 @@ def lay_out_terms(g: Generator, code: BatchCode) -> None:
     inner = {c.symbol: c.expr for c in code.hoister.columns}
     for item in code.hoister.columns:
         words = of_expression(item.expr, inner, code.offsets.tables)
-        late = item.symbol not in moving
+        outputs_only = item.symbol not in moving
         if item.shared:
             found = _shared(g, code, item, words)
             code.offsets.hoisted[item.symbol] = found
-            if not late:
-                g.early.add(found)
+            if not outputs_only:
+                g.of_rates.add(found)
         elif item.level == CONSTANT:
             found = code.offsets.hoisted[item.symbol] = Operand(Role.PARAMETERS, g.n_par, instance=True)
             prepare.append(Assignment(found, "=", item.expr, words=words))
             g.n_par += code.n
         else:
             found = code.offsets.hoisted[item.symbol] = Operand(Role.TIME_TERMS, g.n_time, instance=True)
-            times[late].append(Assignment(found.of_lane(), "=", item.expr, words=words))
+            times[outputs_only].append(Assignment(found.of_lane(), "=", item.expr, words=words))
             means.append(Assignment(found.of_lane(), "=", mean_of_term(code, item)))
             g.n_time += code.n
     g.keep("prepare", code.function("prepare", prepare))
     g.keep("times", code.function("times", times[False], vector=Role.TIME_TERMS))
-    g.keep("times_late", code.function("times_late", times[True], vector=Role.TIME_TERMS))
+    g.keep("output_times", code.function("output_times", times[True], vector=Role.TIME_TERMS))
     g.keep("means", code.function("means", means, vector=Role.TIME_TERMS))
 
 
 def _shared(g: Generator, code: BatchCode, item: HoistedTerm, words: str) -> Operand:
-    """The place of a term that all instances share; equal ones of several batches are one."""
+    """The offset of a term that all instances share; equal ones of several batches are one."""
     text = code.names([item.expr], vector=Role.TIME_TERMS).print(item.expr)
     key = (item.level, text)
     if key in g.shared:

@@ -54,7 +54,7 @@ class Layout:
 def lay_out(assembly: Assembly, *, angles_in_law: bool, n_wrapped: int = 0) -> Layout:
     """State vector and parameter vector; the rest follows while code is generated.
 
-    n_wrapped: angles whose turns are counted; each has a count and a carry at the start of the tail.
+    n_wrapped: wrapped angles; each has a wrap count and the rounding carried over at the start of the quadratures.
     """
     lay = Layout(assembly)
     lay.n_coordinates = len(assembly.rows)
@@ -170,5 +170,5 @@ def _start_values(lay: Layout) -> None:
 
 
 def speed_index(lay: Layout, batch: Batch, flange: str) -> list[int]:
-    """Where the speed of a flange lies in the state vector, per instance (held flanges have none)."""
+    """Where the speed of a flange lies in the state vector, per instance (flanges at the ground have none)."""
     return [0 if g == GROUND_GROUP else lay.v0 + g for g in batch.groups[flange]]

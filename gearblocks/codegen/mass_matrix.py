@@ -26,7 +26,7 @@ def lay_out_mass(g: Generator, at: int) -> int:
     """Fills g.dependent and places inertias, mobilities and (where it is constant) the factored mass matrix in par[]."""
     dependent = g.dependent = DependentGroups(g.assembly.dependent_groups)
     laws = {i: batch.law for batch in g.assembly.batches for i in batch.components}
-    for i, f in enumerate(dependent.dependent_groups):
+    for i, f in enumerate(dependent.members):
         if f.row is not None:
             dependent.index += f.row.groups
             dependent.value += [float(c) for c in f.row.groups.values()]
@@ -38,15 +38,15 @@ def lay_out_mass(g: Generator, at: int) -> int:
                     dependent.value.append(float(gains[flange]) * float(factor))
                 else:
                     dependent.dynamic = True
-                    dependent.slots[i, flange] = len(dependent.value)
+                    dependent.gain_index[i, flange] = len(dependent.value)
                     dependent.value.append(0.0)
                 dependent.index.append(group)
         dependent.start.append(len(dependent.index))
-    for i, f in enumerate(dependent.dependent_groups):
-        if f.prescribed is not None:  # gains of flanges that the ground holds: their reactions need them
+    for i, f in enumerate(dependent.members):
+        if f.prescribed is not None:  # gains of flanges at the ground: their reactions need them
             for flange, gain in laws[f.prescribed.component].prescribed[f.prescribed.number].gains.items():
                 if flange not in f.prescribed.factors and not gain.is_number:
-                    dependent.slots[i, flange] = len(dependent.value)
+                    dependent.gain_index[i, flange] = len(dependent.value)
                     dependent.value.append(0.0)
     _rows(g, dependent)
     _matrix(g, dependent)
@@ -56,11 +56,11 @@ def lay_out_mass(g: Generator, at: int) -> int:
 
 def _rows(g: Generator, dependent: DependentGroups) -> None:
     """Rows of the dependent groups with inertia, and of those that such groups follow from."""
-    order = {f.group: i for i, f in enumerate(dependent.dependent_groups)}
+    order = {f.group: i for i, f in enumerate(dependent.members)}
     wanted = {order[group] for group in g.assembly.with_inertia if group in order}
-    for i in reversed(range(len(dependent.dependent_groups))):
+    for i in reversed(range(len(dependent.members))):
         if i in wanted:
-            wanted.update(order[s] for s in dependent.dependent_groups[i].sources if s in order)
+            wanted.update(order[s] for s in dependent.members[i].sources if s in order)
     for i in sorted(wanted):
         row: dict[int, int] = {}
         for k in range(dependent.start[i], dependent.start[i + 1]):
@@ -77,9 +77,7 @@ def _rows(g: Generator, dependent: DependentGroups) -> None:
 def _matrix(g: Generator, dependent: DependentGroups) -> None:
     """The pattern of the mass matrix and what dependent groups add to it."""
     pairs: set[tuple[int, int]] = set()
-    with_inertia = [
-        (i, f.group) for i, f in enumerate(dependent.dependent_groups) if f.group in g.assembly.with_inertia
-    ]
+    with_inertia = [(i, f.group) for i, f in enumerate(dependent.members) if f.group in g.assembly.with_inertia]
     for i, _ in with_inertia:
         speeds = sorted(dependent.rows[i])
         pairs.update((a, b) for n, a in enumerate(speeds) for b in speeds[:n])
@@ -100,7 +98,7 @@ def check_mobility(g: Generator, used: Iterable[tuple[int, str]]) -> list[int]:
     if dependent is None:
         return []
     changing = _changing(dependent)
-    order = {f.group: i for i, f in enumerate(dependent.dependent_groups)}
+    order = {f.group: i for i, f in enumerate(dependent.members)}
     for group, path in groups.items():
         if a.n_speeds <= group < a.n_speeds + a.n_massless:
             raise ModelError(
@@ -108,7 +106,7 @@ def check_mobility(g: Generator, used: Iterable[tuple[int, str]]) -> list[int]:
             )
         touched = set(dependent.rows.get(order[group], ())) if group in order else {group}
         if touched & changing or (
-            group in order and order[group] not in dependent.rows and dependent.dependent_groups[order[group]].sources
+            group in order and order[group] not in dependent.rows and dependent.members[order[group]].sources
         ):
             raise ModelError(
                 f"'{path}': damping_ratio needs a constant inertia beside, and this one changes with the position; give c"
@@ -118,13 +116,13 @@ def check_mobility(g: Generator, used: Iterable[tuple[int, str]]) -> list[int]:
 
 def _changing(dependent: DependentGroups) -> set[int]:
     """Speeds whose inertia changes with the state."""
-    slots = set(dependent.slots.values())
+    changing = set(dependent.gain_index.values())
     moved: set[int] = set()
     found: set[int] = set()
-    order = {f.group: i for i, f in enumerate(dependent.dependent_groups)}
-    for i in range(len(dependent.dependent_groups)):
+    order = {f.group: i for i, f in enumerate(dependent.members)}
+    for i in range(len(dependent.members)):
         entries = range(dependent.start[i], dependent.start[i + 1])
-        if any(k in slots or order.get(dependent.index[k]) in moved for k in entries):
+        if any(k in changing or order.get(dependent.index[k]) in moved for k in entries):
             moved.add(i)
             found.update(dependent.rows.get(i, ()))
     return found
@@ -140,31 +138,34 @@ def prescribed_motion_functions(g: Generator, code: BatchCode) -> None:
         return
     mine = {
         (f.prescribed.component, f.prescribed.number): (i, f.prescribed)
-        for i, f in enumerate(dependent.dependent_groups)
+        for i, f in enumerate(dependent.members)
         if f.prescribed
     }
-    for number, drive in enumerate(code.drives):
+    for number, motion in enumerate(code.prescribed):
         rows = [mine[c, number] for c in code.batch.components]
         scale = column(f"{code.batch.name}_scale{number}", [float(d.scale) for _, d in rows])
-        place = column(f"{code.batch.name}_follower{number}", [i for i, _ in rows])
+        place = column(f"{code.batch.name}_dependent{number}", [i for i, _ in rows])
         factor = Argument("double", f"scale{number}", scale)
-        args = [factor, Argument("int", f"follower{number}", place)]
-        if drive.angle is not None:
+        args = [factor, Argument("int", f"dependent{number}", place)]
+        if motion.angle is not None:
             groups = column(f"{code.batch.name}_into{number}", [d.group for _, d in rows])
             into = Argument("int", f"into{number}", groups)
             target = Operand(Role.ANGLES, into.name)
-            angle = _scaled(code, f"drive_angle{number}", target, drive.angle, [factor, into])
-            g.keep("drive_angles", angle)
+            angle = _scaled(code, f"prescribed_angle{number}", target, motion.angle, [factor, into])
+            g.keep("prescribed_angles", angle)
             for e, (i, _) in enumerate(rows):
                 dependent.calls[i] = Call(angle, e)
-        if drive.velocity_bias != 0:
-            target = Operand(Role.VELOCITY_BIASES, f"follower{number}")
-            g.keep("drive_values", _scaled(code, f"drive_bias{number}", target, drive.velocity_bias, args))
-            dependent.powered += [i for i, _ in rows]
-        if drive.acceleration_bias != 0:
-            target = Operand(Role.ACCELERATION_BIASES, f"follower{number}")
-            g.keep("drive_surplus", _scaled(code, f"drive_surplus{number}", target, drive.acceleration_bias, args))
-        for flange, gain in drive.gains.items():
+        if motion.velocity_bias != 0:
+            target = Operand(Role.VELOCITY_BIASES, f"dependent{number}")
+            g.keep("prescribed_values", _scaled(code, f"velocity_bias{number}", target, motion.velocity_bias, args))
+            dependent.supplied += [i for i, _ in rows]
+        if motion.acceleration_bias != 0:
+            target = Operand(Role.ACCELERATION_BIASES, f"dependent{number}")
+            g.keep(
+                "acceleration_biases",
+                _scaled(code, f"acceleration_bias{number}", target, motion.acceleration_bias, args),
+            )
+        for flange, gain in motion.gains.items():
             if not gain.is_number:
                 _gain_function(g, code, number, flange, gain, rows)
 
@@ -180,12 +181,12 @@ def _gain_function(
     g: Generator, code: BatchCode, number: int, flange: str, gain: Any, rows: list[tuple[int, PrescribedRow]]
 ) -> None:  # fmt: skip
     assert g.dependent is not None
-    slots = [g.dependent.slots[i, flange] for i, _ in rows]
+    indices = [g.dependent.gain_index[i, flange] for i, _ in rows]
     factors = [float(d.factors[flange][1] if flange in d.factors else d.scale) for _, d in rows]
     name = f"{code.batch.name}_{number}_{flange}"
     args = [
         Argument("double", f"factor{number}", column(f"{name}_factor", factors)),
-        Argument("int", f"meaning{number}", column(f"{name}_slot", slots)),
+        Argument("int", f"gain_index{number}", column(f"{name}_gain_index", indices)),
     ]
-    target = Operand(Role.GAINS, f"meaning{number}")
-    g.keep("drive_values", _scaled(code, f"drive_gain{number}_{flange}", target, gain, args))
+    target = Operand(Role.GAINS, f"gain_index{number}")
+    g.keep("prescribed_values", _scaled(code, f"prescribed_gain{number}_{flange}", target, gain, args))

@@ -27,12 +27,12 @@ def balance_of(batch: Batch, hoist: Callable[[Any], Any], rows: MasslessRows, fl
             continue
         torque = law.torques[f].xreplace(law.forces)
         alone = all(floats.isdisjoint(rows.get(group, ())) for group in batch.groups[f])
-        growth = _rate(law, torque, damped=alone)
-        result.torques[f], result.torque_rates[f] = hoist(torque), hoist(growth)
+        torque_rate = _rate(law, torque, damped=alone)
+        result.torques[f], result.torque_rates[f] = hoist(torque), hoist(torque_rate)
         for other, w in speeds.items():
-            drag, stiffness = sp.diff(torque, w), _stiffness(law, torque, other)
-            if drag != 0:
-                result.damping_entries[f, other] = hoist(drag)
+            damping, stiffness = sp.diff(torque, w), _stiffness(law, torque, other)
+            if damping != 0:
+                result.damping_entries[f, other] = hoist(damping)
             if stiffness != 0:
                 result.stiffness_entries[f, other] = hoist(stiffness)
     return result

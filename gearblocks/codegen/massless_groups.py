@@ -47,21 +47,21 @@ def massless_rows(assembly: Assembly) -> MasslessRows:
 
 
 def lay_out_massless(g: Generator) -> None:
-    """Fills g.massless from the balances of all batches. ModelError for a shaft that nothing holds."""
+    """Fills g.massless from the balances of all batches. ModelError for a shaft without any damper or spring."""
     assembly = g.assembly
     rows = massless_rows(assembly)
     balances = {code.number: code.balance for code in g.codes}
-    damped, held = [False] * assembly.n_massless, [False] * assembly.n_massless
+    damped, sprung = [False] * assembly.n_massless, [False] * assembly.n_massless
     pairs: set[tuple[int, int]] = set()
     for code in g.codes:
-        for entries, marks in ((code.balance.damping_entries, damped), (code.balance.stiffness_entries, held)):
+        for entries, marks in ((code.balance.damping_entries, damped), (code.balance.stiffness_entries, sprung)):
             for (f, other), _ in entries.items():
                 for a, b in _numbers(code, rows, f, other):
                     pairs.add((a, b))
-                    if a == b and (marks is held or a not in assembly.floats):
+                    if a == b and (marks is sprung or a not in assembly.floats):
                         marks[a] = True
     for i in range(assembly.n_massless):
-        if not damped[i] and not held[i]:
+        if not damped[i] and not sprung[i]:
             raise ModelError(
                 f"the shaft at '{assembly.starts[assembly.n_speeds + i].phi0}' has no inertia, and neither spring nor damper "
                 f"holds it: give it an Inertia with J > 0"
@@ -72,7 +72,9 @@ def lay_out_massless(g: Generator) -> None:
         for n, balance in balances.items() for e in (*balance.damping_entries.values(), *balance.stiffness_entries.values())
     )  # fmt: skip
     given = _given(assembly, rows)
-    free = [i not in given or not damped[i] for i in range(assembly.n_massless)]  # given_starts.py checks the second
+    free = [
+        i not in given or not damped[i] for i in range(assembly.n_massless)
+    ]  # model/start_values.py checks the second
     g.massless = Massless(
         rows, assembly.floats, damped, free, eliminate(assembly.n_massless, pairs), affine, _shifts(g)
     )
@@ -97,7 +99,7 @@ def _given(assembly: Assembly, rows: MasslessRows) -> set[int]:
 
 
 def _refuse_inputs(g: Generator, rows: MasslessRows, damped: list[bool]) -> None:
-    """A shaft that only springs hold cannot take the torque of an Input, whose rate nobody knows."""
+    """A massless group between springs alone cannot take the torque of an Input, whose rate nobody knows."""
     for code in g.codes:
         for f, torque in code.balance.torques.items():
             inner = {x for c in code.hoister.columns for x in c.expr.free_symbols if c.symbol in torque.free_symbols}
@@ -130,7 +132,7 @@ def _functions(g: Generator, code: BatchCode) -> None:
     massless, balance = g.massless, code.balance
     assert massless is not None
     for what, vector, exprs in (
-        ("torque", Role.TORQUES, balance.torques), ("growth", Role.TORQUE_RATES, balance.torque_rates),
+        ("torque", Role.TORQUES, balance.torques), ("torque_rate", Role.TORQUE_RATES, balance.torque_rates),
     ):  # fmt: skip
         elastic = vector is Role.TORQUE_RATES
         assignments = [

@@ -86,7 +86,7 @@ def start_infos(g: Generator) -> Iterator[StartInfo]:
 
 
 def dependent_starts(g: Generator) -> Iterator[DependentStart]:
-    """Start values of bodies on shafts that follow through ties."""
+    """Start values of bodies on dependent shafts, by rigid constraints."""
     a, lay = g.assembly, g.lay
     expanded = expand_rows(a)
     for code in g.codes:
@@ -105,7 +105,7 @@ def dependent_starts(g: Generator) -> Iterator[DependentStart]:
 
 
 def prescribed_starts(g: Generator) -> Iterator[PrescribedStart]:
-    """Start values of bodies on shafts that drives move, or whose speed or angle a balance of torques gives."""
+    """Start values of bodies on shafts with prescribed motion, or whose speed or angle a balance of torques gives."""
     causes = _causes(g)
     for code in g.codes:
         for flange, _ in code.law.bodies:
@@ -123,13 +123,13 @@ def prescribed_starts(g: Generator) -> Iterator[PrescribedStart]:
 
 
 def _causes(g: Generator) -> dict[int, dict[str, tuple[str, bool]]]:
-    """By group: what moves its speed and its angle, in words, and whether a drive does."""
+    """By group: what moves its speed and its angle, in words, and whether a prescribed motion does."""
     a, massless = g.assembly, g.massless
     found: dict[int, dict[str, tuple[str, bool]]] = {}
     for i in range(a.n_massless):
         words = "the balance of torques at this shaft without inertia holds", False
-        held = massless is not None and not massless.damped[i]
-        found[a.n_speeds + i] = {"speed": words} | ({"angle": words} if held else {})
+        sprung = massless is not None and not massless.damped[i]
+        found[a.n_speeds + i] = {"speed": words} | ({"angle": words} if sprung else {})
     for f in a.dependent_groups:
         causes: dict[str, tuple[str, bool]] = {}
         for source in f.sources:
@@ -146,9 +146,9 @@ def unknown_outputs(g: Generator) -> Iterator[tuple[str]]:
     """Outputs that read the acceleration of a shaft without inertia, which no equation gives."""
     massless = g.massless.rows if g.massless is not None else {}
     for code in g.codes if massless else ():
-        slots = code.law.pool.roles
+        roles = code.law.pool.roles
         for show, expr in code.shows:
-            read = {slots[x].of for x in expr.free_symbols if x in slots and slots[x].role == "alpha"}
+            read = {roles[x].of for x in expr.free_symbols if x in roles and roles[x].role == "alpha"}
             for e, c in enumerate(components_of(g, code)):
                 if any(code.batch.groups[f][e] in massless for f in read if f in code.batch.groups):
                     yield (f"{c.path}.{show.name}",)

@@ -54,7 +54,7 @@ class SwitchedConstraints:
 
     @property
     def size(self) -> int:
-        """Doubles of the memory behind the modes, as gb_active_size in gb_constraint_rows.h."""
+        """Doubles of the active set and its factors behind the modes, as gb_active_size in gb_constraint_rows.h."""
         n, m = len(self.members), len(self.speeds)
         return 1 + 3 * n + 2 * n * n + n * m if n else 0
 
@@ -98,7 +98,7 @@ class Massless:
         return len(self.pattern.order) + 2 * len(self.pattern.row) + 1
 
     def entry(self, one: int, other: int) -> int:
-        """Place of the entry (one, other)."""
+        """Offset of the entry (one, other)."""
         n, places = len(self.pattern.order), len(self.pattern.row)
         if one == other:
             return self.pattern.steps[one]
@@ -122,16 +122,17 @@ class DependentGroups:
     """w of group i = velocity bias + sum gain w: entries [start[i], start[i + 1]) of index (group) and value (gain; 0 where it
     changes with the position).
 
-    rows: by dependent group with inertia: (speed number -> place in the array of row entries). steps: how these entries
-    are computed, (target, gain, source entry or -1); products: what they add to the mass matrix, (target: place, or -1 -
-    step for the diagonal; entry; entry; group).
+    gain_index: by member and flange, of gains that change. supplied: members whose prescribed motion supplies power. rows:
+    by dependent group with inertia: (speed number -> offset in the array of row entries). steps: how these entries are
+    computed, (target, gain, source entry or -1); products: what they add to the mass matrix, (target: offset, or -1 - step
+    for the diagonal; entry; entry; group).
     """
 
-    dependent_groups: list[DependentGroup]
+    members: list[DependentGroup]
     start: list[int] = field(default_factory=lambda: [0])
     index: list[int] = field(default_factory=list)
     value: list[float] = field(default_factory=list)
-    slots: dict[tuple[int, str], int] = field(default_factory=dict)
+    gain_index: dict[tuple[int, str], int] = field(default_factory=dict)
     rows: dict[int, dict[int, int]] = field(default_factory=dict)
     steps: list[tuple[int, int, int]] = field(default_factory=list)
     products: list[tuple[int, int, int, int]] = field(default_factory=list)
@@ -139,12 +140,12 @@ class DependentGroups:
     dynamic: bool = False
     n_entries: int = 0
     calls: dict[int, Call] = field(default_factory=dict)
-    powered: list[int] = field(default_factory=list)
+    supplied: list[int] = field(default_factory=list)
 
     @property
     def prescribed(self) -> bool:
         """Whether a prescribed motion has velocity or acceleration biases."""
-        return any(f.prescribed is not None for f in self.dependent_groups)
+        return any(f.prescribed is not None for f in self.members)
 
 
 class Call(NamedTuple):
@@ -159,7 +160,7 @@ class Call(NamedTuple):
 
 @dataclass(slots=True)
 class FeedbackSignal:
-    """An output that a signal reads: its place in sense[], where it is shown, and the call that fills it."""
+    """An output that a signal reads: its index in feedback[], where it is shown, and the call that fills it."""
 
     path: str
     index: int
@@ -193,14 +194,14 @@ class Band:
 
 @dataclass(slots=True)
 class SignalDerivatives:
-    """Calls for one sensed output in implicit methods: its slopes, and its change."""
+    """Calls for one feedback signal in implicit methods: its slopes, and its change."""
 
     slope: Call
     change: Call
 
 
 @dataclass(frozen=True, slots=True)
-class Following:
+class GroupRows:
     """Rows by group over unknowns: the speed of each, that of those with inertia, the equations that its torque and (with
     by_rate) the rate of its torque belong to; and how defined angles change with those of groups and with y."""
 
@@ -215,10 +216,10 @@ class Following:
 
 @dataclass(slots=True)
 class Computed:
-    """Where rows are computed (varying.py): values that numbers start with, places of g and of gains (by number of the
-    gain), steps, rows of equations with inertia; entries of dG/ds as (unknown, simple state); B over unknowns.
+    """Where rows are computed (unknowns_varying.py): values that numbers start with, places of g and of gains (by number of the
+    gain), steps, rows of equations with inertia; entries of dG/ds as (unknown, kinematic state); B over unknowns.
 
-    first_acceleration_bias, first_carried, rates: further rows of the spreading table; carried: groups of the second.
+    first_acceleration_bias, first_reduced, rates: further rows of the spreading table; reduced: groups of the second.
     """
 
     start: list[float]
@@ -227,10 +228,10 @@ class Computed:
     steps: list[tuple[int, int, int]]
     with_inertia: list[dict[int, int]]
     entries: list[tuple[int, int]]
-    simple: list[dict[int, Exact]]
-    carried: list[int]
+    kinematic_rates: list[dict[int, Exact]]
+    reduced: list[int]
     first_acceleration_bias: int = 0
-    first_carried: int = 0
+    first_reduced: int = 0
     rates: int = 0
 
 
@@ -238,8 +239,8 @@ class Computed:
 class Linear:
     """What implicit methods need. first_speed: the unknown of the first speed; n_kinematic_terms: numbers that jacobian keeps.
 
-    following: where some groups follow others; computed: where their gains change. spread, or then terms: rows of the
-    table that spreads entries; those of the inertias begin at first_mass. senses: in the order of their calls.
+    group_rows: where some groups are dependent; computed: where their gains change. spread, or then terms: rows of the
+    table that spreads entries; those of the inertias begin at first_mass. feedback: in the order of the calls.
     """
 
     pattern: Pattern
@@ -247,7 +248,7 @@ class Linear:
     first_speed: int
     n_kinematic_terms: int
     n_slopes: int
-    following: Following | None = None
+    group_rows: GroupRows | None = None
     computed: Computed | None = None
     functions: dict[str, list[Function]] = field(default_factory=dict)
     feedback: list[SignalDerivatives] = field(default_factory=list)

@@ -67,7 +67,7 @@ class EnergyInfo(NamedTuple):
 
 
 class IntegralInfo(NamedTuple):
-    """One tail state: `part` is "loss", "supplied" or "angle"; `place` points into the state vector."""
+    """One quadrature: `part` is "loss", "supplied" or "angle"; `place` points into the state vector."""
 
     component: str
     part: str
@@ -87,7 +87,7 @@ class StartInfo(NamedTuple):
 
 
 class DependentStart(NamedTuple):
-    """A start value that follows from others through ties: the sum of factors times parameters number `places`.
+    """A start value that follows from others through rigid constraints: the sum of factors times parameters number `places`.
 
     of: "angle" or "speed".
     """
@@ -99,8 +99,8 @@ class DependentStart(NamedTuple):
 
 
 class PrescribedStart(NamedTuple):
-    """A start value of a shaft that something else moves: its name, the output that tells, and what does it, in words; tied:
-    rigidly, so that others follow from it; of: "angle" or "speed"."""
+    """A start value of a shaft whose motion something else gives: its name, the output that shows it, and what gives it, in
+    words; tied: by a prescribed motion, so that others depend on it; of: "angle" or "speed"."""
 
     name: str
     output: str

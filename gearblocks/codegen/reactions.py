@@ -3,9 +3,9 @@
     tau_n + sum of c_kn lambda_k = 0    at every node n, over its constraints k; where some are redundant lambda is
                                         the minimum-norm split
 
-tau_n, the lack of a node, is what all else leaves unbalanced there. A node with one unknown constraint determines it;
-those that are coupled are solved together by exact elimination when the program is made. Knows nothing of time: the
-numbers are gains of node torques, or slots of gains that the program computes.
+tau_n, the unbalanced torque of a node, is the sum of all other torques there. A node with one unknown constraint
+determines it; those that are coupled are solved together by exact elimination when the program is made. Knows nothing of
+time: the numbers are gains of node torques, or indices of gains that the program computes.
 """
 
 from __future__ import annotations
@@ -24,38 +24,38 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Reaction:
-    """A constraint with one unknown lambda: c by node. slots: nodes whose coefficient is multiplied by a gain.
+    """A constraint with one unknown lambda: c by node. gain_index: nodes whose coefficient is multiplied by a gain.
 
-    pivot: the only node at which a constraint with slots can be solved, else None.
+    pivot: the only node at which a constraint with gain_index can be solved, else None.
     """
 
     component: str
     coefficients: Mapping[int, Exact]
-    slots: Mapping[int, int]
+    gain_index: Mapping[int, int]
     pivot: int | None = None
 
 
-def tie_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) -> dict[str, Any]:
+def reaction_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) -> dict[str, Any]:
     """Tables for the template: phases of constraints; lambda of each from node torques, and its effect on flanges."""
-    ties = _reactions(g)
+    reactions = _reactions(g)
     spare = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.redundant if row.coefficients]
-    curved = any(tie.slots for tie in ties)
-    phases = _phases(g.assembly.train.n_nodes, ties, [] if curved else spare)
-    tables: dict[str, Any] = {"phase": [0], "lack_start": [0], "lack_node": [], "lack_value": []}
-    tables |= {"effect_start": [0], "effect_node": [], "effect_flange": [], "effect_slot": [], "effect_value": []}
+    curved = any(reaction.gain_index for reaction in reactions)
+    phases = _phases(g.assembly.train.n_nodes, reactions, [] if curved else spare)
+    tables: dict[str, Any] = {"phase": [0], "lambda_start": [0], "lambda_node": [], "lambda_value": []}
+    tables |= {"effect_start": [0], "effect_node": [], "effect_flange": [], "effect_gain": [], "effect_value": []}
     for phase in phases:
-        for reaction, lacks in phase:
-            for node, value in lacks.items():
-                tables["lack_node"].append(node)
-                tables["lack_value"].append(repr(float(value)))
-            tables["lack_start"].append(len(tables["lack_node"]))
+        for reaction, forms in phase:
+            for node, value in forms.items():
+                tables["lambda_node"].append(node)
+                tables["lambda_value"].append(repr(float(value)))
+            tables["lambda_start"].append(len(tables["lambda_node"]))
             for node, c in reaction.coefficients.items():
                 tables["effect_node"].append(node)
                 tables["effect_flange"].append(flange_of[reaction.component][node])
-                tables["effect_slot"].append(reaction.slots.get(node, -1))
+                tables["effect_gain"].append(reaction.gain_index.get(node, -1))
                 tables["effect_value"].append(repr(float(c)))
             tables["effect_start"].append(len(tables["effect_node"]))
-        tables["phase"].append(len(tables["lack_start"]) - 1)
+        tables["phase"].append(len(tables["lambda_start"]) - 1)
     return tables
 
 
@@ -64,100 +64,105 @@ def _reactions(g: Generator) -> list[Reaction]:
     found = [Reaction(row.component, row.coefficients, {}) for row in g.assembly.groups.independent]
     if g.dependent is None:
         return found
-    for i, f in enumerate(g.dependent.dependent_groups):
+    for i, f in enumerate(g.dependent.members):
         if f.prescribed is None:
             continue
         component = g.assembly.train.components[f.prescribed.component]
         law = next(b.law for b in g.assembly.batches if f.prescribed.component in b.components)
-        drive = law.prescribed[f.prescribed.number]
+        motion = law.prescribed[f.prescribed.number]
         nodes = dict(zip(type(component.block).flanges, component.nodes, strict=True))
-        coefficients: dict[int, Exact] = {nodes[drive.flange]: 1}
-        slots: dict[int, int] = {}
-        gain_d = g.assembly.group_of_node[nodes[drive.flange]][1]
-        for flange, gain in drive.gains.items():
+        coefficients: dict[int, Exact] = {nodes[motion.flange]: 1}
+        gain_index: dict[int, int] = {}
+        gain_d = g.assembly.group_of_node[nodes[motion.flange]][1]
+        for flange, gain in motion.gains.items():
             node = nodes[flange]
             if gain.is_number:
                 coefficients[node] = -over(int(gain.p), int(gain.q))
             else:
-                slots[node] = g.dependent.slots[i, flange]
+                gain_index[node] = g.dependent.gain_index[i, flange]
                 its = g.assembly.group_of_node[node][1] if flange in f.prescribed.factors else 1
                 coefficients[node] = -over(gain_d, its)
-        found.append(Reaction(component.path, coefficients, slots, nodes[drive.flange] if slots else None))
+        found.append(Reaction(component.path, coefficients, gain_index, nodes[motion.flange] if gain_index else None))
     return found
 
 
 def _phases(
-    n_nodes: int, ties: list[Reaction], spare: list[Reaction]
+    n_nodes: int, reactions: list[Reaction], spare: list[Reaction]
 ) -> list[list[tuple[Reaction, dict[int, Exact]]]]:  # fmt: skip
     """Constraints in an order in which each follows from a node where all others are known; those that are coupled, together.
 
     spare: redundant constraints.
     """
-    independent, ties = len(ties), ties + spare
+    independent, reactions = len(reactions), reactions + spare
     at: list[set[int]] = [set() for _ in range(n_nodes)]
-    for k, tie in enumerate(ties):
-        for node in tie.coefficients:
+    for k, reaction in enumerate(reactions):
+        for node in reaction.coefficients:
             at[node].add(k)
     phases: list[list[tuple[Reaction, dict[int, Exact]]]] = []
-    open_ties = dict.fromkeys(range(len(ties)))
+    unsolved = dict.fromkeys(range(len(reactions)))
     ready = [node for node in range(n_nodes) if len(at[node]) == 1]
 
     def settle(k: int) -> None:
-        del open_ties[k]
-        for node in ties[k].coefficients:
+        del unsolved[k]
+        for node in reactions[k].coefficients:
             at[node].discard(k)
             if len(at[node]) == 1:
                 ready.append(node)
 
-    while open_ties:
+    while unsolved:
         while ready:
             node = ready.pop()
             if len(at[node]) != 1:
                 continue
             (k,) = at[node]
-            if ties[k].pivot not in (None, node):
+            if reactions[k].pivot not in (None, node):
                 continue
-            phases.append([(_scaled(ties[k], node), {node: -1})])
+            phases.append([(_scaled(reactions[k], node), {node: -1})])
             settle(k)
-        if open_ties:
-            block = list(open_ties)
-            used = [ties[k] for k in block if k < independent]
-            phases.append(_coupled(used, [ties[k] for k in block if k >= independent]))
+        if unsolved:
+            block = list(unsolved)
+            used = [reactions[k] for k in block if k < independent]
+            phases.append(_coupled(used, [reactions[k] for k in block if k >= independent]))
             for k in block:
                 settle(k)
     return phases
 
 
-def _scaled(tie: Reaction, node: int) -> Reaction:
+def _scaled(reaction: Reaction, node: int) -> Reaction:
     """The constraint with the coefficient 1 at a node."""
-    c = tie.coefficients[node]
+    c = reaction.coefficients[node]
     if c == 1:
-        return tie
-    return Reaction(tie.component, {n: over(x, c) for n, x in tie.coefficients.items()}, tie.slots, tie.pivot)
+        return reaction
+    return Reaction(
+        reaction.component,
+        {n: over(x, c) for n, x in reaction.coefficients.items()},
+        reaction.gain_index,
+        reaction.pivot,
+    )
 
 
-def _coupled(ties: list[Reaction], spare: list[Reaction]) -> list[tuple[Reaction, dict[int, Exact]]]:
+def _coupled(reactions: list[Reaction], spare: list[Reaction]) -> list[tuple[Reaction, dict[int, Exact]]]:
     """Coupled constraints: lambda from C' lambda = -tau by exact elimination of C over its nodes.
 
     spare: redundant constraints; lambda is then the minimum-norm split.
     """
-    for tie in ties:
-        if tie.slots:
+    for reaction in reactions:
+        if reaction.gain_index:
             raise ModelError(
-                f"the reaction of '{tie.component}' belongs to a closed loop of rigid ties; give one of them compliance"
+                f"the reaction of '{reaction.component}' belongs to a closed loop of rigid ties; give one of them compliance"
             )
-    elimination = Elimination()  # C x = y: x of nodes, y_k the value of tie k
-    for k, tie in enumerate(ties):
-        form = elimination.reduced(Combination(dict(tie.coefficients), {k: -1}))
+    elimination = Elimination()  # C x = y: x of nodes, y_k the value of constraint k
+    for k, reaction in enumerate(reactions):
+        form = elimination.reduced(Combination(dict(reaction.coefficients), {k: -1}))
         elimination.solve(form, next(iter(form.groups)))
-    # x_p = sum_k e_k y_k + what is no pivot: by virtual work tie k gets the share e_k of the lack of node p
-    lacks: dict[int, Row] = {k: {} for k in range(len(ties) + len(spare))}
+    # x_p = sum_k e_k y_k + what is no pivot: by virtual work constraint k takes the part e_k of the torque of node p
+    forms: dict[int, Row] = {k: {} for k in range(len(reactions) + len(spare))}
     for node in elimination.definitions:
-        for k, share in elimination.reduced(Combination({node: 1})).coordinates.items():
-            lacks[k][node] = -share
-    for idle in _idle(spare, elimination, len(ties)):
-        _leave_out(lacks, idle)
-    return [(tie, lacks[k]) for k, tie in enumerate((*ties, *spare))]
+        for k, part in elimination.reduced(Combination({node: 1})).coordinates.items():
+            forms[k][node] = -part
+    for idle in _idle(spare, elimination, len(reactions)):
+        _leave_out(forms, idle)
+    return [(reaction, forms[k]) for k, reaction in enumerate((*reactions, *spare))]
 
 
 def _idle(spare: list[Reaction], elimination: Elimination, first: int) -> list[Row]:
@@ -166,10 +171,10 @@ def _idle(spare: list[Reaction], elimination: Elimination, first: int) -> list[R
     first: number of the first redundant constraint.
     """
     found: list[Row] = []
-    for k, tie in enumerate(spare, first):
-        rest = elimination.reduced(Combination(dict(tie.coefficients), {k: -1}))
+    for k, reaction in enumerate(spare, first):
+        rest = elimination.reduced(Combination(dict(reaction.coefficients), {k: -1}))
         if rest.groups:
-            continue  # two holds of one shaft that agree to rounding only
+            continue  # two ground angles of one shaft that agree to rounding only
         idle = rest.coordinates
         for other in found:
             add_row(idle, other, over(-_dot(idle, other), _dot(other, other)))
@@ -177,12 +182,12 @@ def _idle(spare: list[Reaction], elimination: Elimination, first: int) -> list[R
     return found
 
 
-def _leave_out(lacks: dict[int, Row], idle: Row) -> None:
-    """Takes out of all lambda, linear forms of the lacks of nodes, their part along `idle`."""
-    along = row_sum((x, lacks[k]) for k, x in idle.items())
+def _leave_out(forms: dict[int, Row], idle: Row) -> None:
+    """Takes out of all lambda, linear forms of the unbalanced torques of nodes, their part along `idle`."""
+    along = row_sum((x, forms[k]) for k, x in idle.items())
     size = _dot(idle, idle)
     for k, x in idle.items():
-        add_row(lacks[k], along, over(-x, size))
+        add_row(forms[k], along, over(-x, size))
 
 
 def _dot(a: Mapping[int, Exact], b: Mapping[int, Exact]) -> Exact:

@@ -56,7 +56,7 @@ def _rows_of(g: Generator, number: int, constraint: ConstraintLaw) -> list[tuple
     for e, component in enumerate(batch.components):
         path = g.assembly.train.components[component].path
         row: dict[int, Any] = {}
-        for flange, expr in constraint.push.items():
+        for flange, expr in constraint.row.items():
             group = batch.groups[flange][e]
             if group == GROUND_GROUP:
                 continue
@@ -69,7 +69,7 @@ def _rows_of(g: Generator, number: int, constraint: ConstraintLaw) -> list[tuple
 
 def _refuse_massless(g: Generator, path: str, flange: str, group: int) -> None:
     a = g.assembly
-    reached, follows = {group}, {f.group: f for f in a.dependent_groups}
+    reached, dependent = {group}, {f.group: f for f in a.dependent_groups}
     while reached:
         group = reached.pop()
         if a.n_speeds <= group < a.n_speeds + a.n_massless:
@@ -77,7 +77,7 @@ def _refuse_massless(g: Generator, path: str, flange: str, group: int) -> None:
                 f"'{path}': friction that can constraint, or a stop, acts at '{flange}' on a shaft without inertia, which it "
                 f"could not hold by itself; put an Inertia there"
             )
-        reached.update(follows[group].sources if group in follows else ())
+        reached.update(dependent[group].sources if group in dependent else ())
 
 
 def _over_speeds(g: Generator, row: dict[int, float]) -> dict[int, float]:
@@ -123,15 +123,15 @@ def switched_constraint_functions(g: Generator, code: BatchCode) -> None:
 def constraint_torques(code: BatchCode) -> Iterator[tuple[str, Any]]:
     """(flange, torque) of the constraint forces."""
     for constraint in code.law.constraints.values():
-        held = code.law.pool.symbol("held", constraint.name, f"held_{constraint.name}".rstrip("_"))
-        for flange, c in constraint.push.items():
+        force = code.law.pool.symbol("constraint_force", constraint.name, f"held_{constraint.name}".rstrip("_"))
+        for flange, c in constraint.row.items():
             if flange in code.batch.groups:
-                yield flange, c * held
+                yield flange, c * force
         if constraint.share is not None and constraint.partner is not None:
             share = code.constraint_values[constraint.name]["share"]
-            for flange, c in code.law.constraints[constraint.partner].push.items():
+            for flange, c in code.law.constraints[constraint.partner].row.items():
                 if flange in code.batch.groups:
-                    yield flange, -c * share * held
+                    yield flange, -c * share * force
 
 
 def _place(g: Generator, code: BatchCode, member: SwitchedConstraint, constraint: ConstraintLaw, e: int) -> None:

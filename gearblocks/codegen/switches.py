@@ -37,7 +37,7 @@ def lay_out_switches(g: Generator) -> None:
 
 
 def event_functions(g: Generator, code: BatchCode) -> None:
-    """Functions of a batch for its event functions, their linear parts, held states and limits."""
+    """Functions of a batch for its event functions, their linear parts, states of Hold and limits."""
     values: list[Assignment] = []
     directions: list[Assignment] = []
     scales: list[Assignment] = []
@@ -57,11 +57,11 @@ def event_functions(g: Generator, code: BatchCode) -> None:
     function = code.function("scales", scales)
     function.take(code.coordinate_argument(j) for j in sorted(scaled))
     g.keep("scales", function)
-    held = [
+    states = [
         Assignment(Operand(Role.STATES, g.lay.state0[code.number, state], instance=True), "=", expr)
         for state, expr in code.holds
     ]
-    g.keep("hold", code.function("hold", held))
+    g.keep("hold", code.function("hold", states))
     switched_constraint_functions(g, code)
     _limits(g, code)
     _predictions(g, code)

@@ -24,7 +24,7 @@ from gearblocks.laws.symbols import TIMED
 
 @dataclass(slots=True)
 class Offsets:
-    """Where the numbers of a batch lie; filled by the generator before functions are printed."""
+    """Offsets of the numbers of a batch; filled by the generator before functions are printed."""
 
     own: Mapping[str, int]
     exact: dict[Any, int] = field(default_factory=dict)
@@ -36,7 +36,7 @@ class Offsets:
     massless: MasslessRows = field(default_factory=dict)
     floats: frozenset[int] = frozenset()
     flange_torques: dict[str, int] = field(default_factory=dict)
-    senses: Mapping[str, int] = field(default_factory=dict)
+    feedback: Mapping[str, int] = field(default_factory=dict)
     tables: Mapping[Any, str] = field(default_factory=dict)
 
 
@@ -86,7 +86,7 @@ class SymbolNames:
         return name
 
     def _constant(self, symbol: Any, role: str, of: Any, into: Names) -> tuple[str, Operand] | None:
-        """Name and place of a symbol that the function defines as a constant."""
+        """Name and operand of a symbol that the function defines as a constant."""
         at = self.offsets
         if role in ("own", "exact"):
             offset = at.own[of] if role == "own" else at.exact[symbol]
@@ -103,7 +103,7 @@ class SymbolNames:
         return None
 
     def _operand(self, symbol: Any, role: str, of: Any, into: Names) -> Operand | Local:
-        """The place of a symbol that is read where it stands."""
+        """The operand of a symbol that is read where it stands."""
         at = self.offsets
         if role == "local":
             return of  # type: ignore[no-any-return]  # what a function writes itself, or is given
@@ -115,8 +115,8 @@ class SymbolNames:
         if role == "tau":
             return Operand(Role.FLANGE_TORQUES, at.flange_torques[of], instance=True)
         if role == "sense":
-            return Operand(Role.FEEDBACK_SIGNALS, at.senses[of])
-        if role == "held":
+            return Operand(Role.FEEDBACK_SIGNALS, at.feedback[of])
+        if role == "constraint_force":
             return Operand(Role.CONSTRAINT_FORCES, at.constraints[of], instance=True)
         if role == "time":
             return Operand(Role.TIME, lane=True)
@@ -135,7 +135,7 @@ class SymbolNames:
         return into.place(Operand(vector, key))
 
     def _from_angles(self, j: int, into: Names) -> str:
-        """A coordinate that no state carries, from absolute angles (outputs only)."""
+        """A coordinate that is no state, from absolute angles (outputs only)."""
         terms = []
         for flange, expr in self.law.forms[j].coefficients.items():
             values = [float(v) for v in self._exact_column(expr)]
@@ -167,7 +167,7 @@ class SymbolNames:
         return into.argument("int", f"{letter}_{flange}", self.batch.name, self.batch.groups[flange])
 
     def speed_key(self, flange: str, into: Names) -> str:
-        """The index of a flange's speed: in the state vector, or among all groups where some of them follow others."""
+        """The index of a flange's speed: in the state vector, or among all groups where some of them are dependent."""
         if self.lay.assembly.plain:
             return into.argument("int", f"v_{flange}", self.batch.name, speed_index(self.lay, self.batch, flange))
         return self.group_key(flange, into)

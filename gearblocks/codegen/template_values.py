@@ -13,8 +13,8 @@ from gearblocks.codegen.comments import PARTS
 from gearblocks.codegen.function import Function
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.operands import Role
-from gearblocks.codegen.parts import Following
-from gearblocks.codegen.reactions import tie_tables
+from gearblocks.codegen.parts import GroupRows
+from gearblocks.codegen.reactions import reaction_tables
 from gearblocks.codegen.switched_constraints import constraint_columns
 from gearblocks.laws.rational import Exact, over
 
@@ -64,34 +64,34 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
     combinations = [c if isinstance(c, Combination) else Combination() for _, c in assembly.definitions]
     implicit = g.linear.functions if g.linear is not None else {}
     functions = g.functions | implicit
-    senses = [(s.index, s.call) for s in g.feedback.values() if s.call is not None]
+    signals = [(s.index, s.call) for s in g.feedback.values() if s.call is not None]
     in_law = _signals_in_law(g)
     return {
         "g": g,
         "lay": lay,
         "name": _c_string(assembly.train.name),
         "functions": functions,
-        "all_functions": [f for group in functions.values() for f in group] + [call.function for _, call in senses],
+        "all_functions": [f for group in functions.values() for f in group] + [call.function for _, call in signals],
         **_linear(g, angles_in_law),
-        "feedback": [str(call) for _, call in senses],
-        "law_feedback": [str(call) for index, call in senses if index in in_law],
+        "feedback": [str(call) for _, call in signals],
+        "law_feedback": [str(call) for index, call in signals if index in in_law],
         "columns": list({x.column.name: x for f in _all(g) for x in f.tables}.values()),
         "coordinates": coordinates,
         "angles_in_law": angles_in_law,
         "signs": any(s.op == "sign" for f in _all(g) for s in f.body),
         "small": lay.n_total <= _SMALL,
         "plain": assembly.plain,
-        "late_times": bool(g.shared_times(late=True) or g.functions.get("times_late")),
+        "output_times": bool(g.shared_time_terms(outputs_only=True) or g.functions.get("output_times")),
         "dependent": g.dependent,
-        **_locks(g),
-        "follower_groups": [f.group for f in assembly.dependent_groups],
+        **_constraints(g),
+        "dependent_members": [f.group for f in assembly.dependent_groups],
         "mobile": _mobile(g),
         "massless": g.massless,
         "shifts": sparse("shift", g.massless.shifts if g.massless else []),
         "angle_steps": _angle_steps(g),
         "start_steps": _start_steps(g),
-        "follower_offsets": sparse(
-            "follower_offset", [_offsets(g, f.row or Combination()) for f in assembly.dependent_groups]
+        "dependent_offsets": sparse(
+            "dependent_offset", [_offsets(g, f.row or Combination()) for f in assembly.dependent_groups]
         ),
         "loops_read_angles": any(c.groups for c in assembly.dependents),
         "loop_groups": sparse("loop_group", [c.groups for c in assembly.dependents]),
@@ -107,9 +107,9 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "phi_gains": [repr(float(over(1, s.phi0_gain))) for s in assembly.starts],
         "w_gains": [repr(float(over(1, s.w0_gain))) for s in assembly.starts],
         "flanges": _turned(FlangeRow, _flanges(g)),
-        "wrapped": _counted(g),
-        "turned": sparse("turned", _counts(g)),
-        "ties": tie_tables(g, _flange_numbers(g)),
+        "wrapped": _wrapped(g),
+        "turned": sparse("turned", _wrap_counts(g)),
+        "reactions": reaction_tables(g, _flange_numbers(g)),
         "n_flange_outputs": sum(code.n * len(code.batch.flanges) for code in g.codes),
         "first_flange_output": sum(code.n * len(code.law.shows) for code in g.codes),
         "inputs": list(lay.inputs),
@@ -128,7 +128,7 @@ def contents(g: Generator) -> list[str]:
     return [words for part, words in PARTS.items() if not absent.get(part)]
 
 
-def _locks(g: Generator) -> dict[str, Any]:
+def _constraints(g: Generator) -> dict[str, Any]:
     """Tables of switched constraints."""
     constraints = g.constraints
     return {
@@ -139,12 +139,12 @@ def _locks(g: Generator) -> dict[str, Any]:
     }
 
 
-def _counts(g: Generator) -> list[dict[int, Exact]]:
-    """AngleWrapping of every group over the wrap counts among the quadratures."""
+def _wrap_counts(g: Generator) -> list[dict[int, Exact]]:
+    """Turns of every group over the wrap counts among the quadratures."""
     return [{2 * c: r for c, r in g.wrapping.forms.get(i, {}).items()} for i in range(g.assembly.n_groups)]
 
 
-def _counted(g: Generator) -> list[WrappedAngle]:
+def _wrapped(g: Generator) -> list[WrappedAngle]:
     """Angles from which whole turns are taken."""
     found = []
     for c, item in enumerate(g.wrapping.wrapped):
@@ -238,7 +238,7 @@ def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
     linear = g.linear
     if linear is None:
         return {"linear": None}
-    tilted = angles_in_law and g.assembly.driven
+    tilted = angles_in_law and g.assembly.has_prescribed_angles
     moves = angles_in_law or any(Role.GROUP_SPEEDS in f.read for f in linear.functions.get("kinematic_rates", []))
     slopes = [s.slope for s in linear.feedback]
     changes = [s.change for s in linear.feedback] if linear.computed is None else []
@@ -250,9 +250,9 @@ def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
         "changes": list(map(str, changes)),
         "spread": sparse("spread", linear.spread),
         "terms": _terms(linear.terms),
-        "simple": sparse("simple", linear.computed.simple if linear.computed else []),
+        "kinematic_rate_rows": sparse("kinematic_rate", linear.computed.kinematic_rates if linear.computed else []),
         "with_inertia": _rows_of(linear.computed.with_inertia if linear.computed else []),
-        "following": [sparse(name, rows) for name, rows in _following(linear.following, moves, tilted).items()],
+        "group_tables": [sparse(name, rows) for name, rows in _group_tables(linear.group_rows, moves, tilted).items()],
     }
 
 
@@ -264,21 +264,21 @@ def _terms(rows: Sequence[Sequence[tuple[int, int, int]]]) -> dict[str, list[int
 
 
 def _rows_of(rows: Sequence[Mapping[int, int]]) -> dict[str, list[int]]:
-    """Rows of places of numbers, by unknown."""
+    """Rows of offsets of numbers, by unknown."""
     items = [item for row in rows for item in row.items()]
     start = [0, *accumulate(len(row) for row in rows)]
     return {"start": start, "index": [x for x, _ in items], "number": [number for _, number in items]}
 
 
-def _following(f: Following | None, moves: bool, tilted: bool) -> dict[str, list[dict[int, Exact]]]:
+def _group_tables(f: GroupRows | None, moves: bool, tilted: bool) -> dict[str, list[dict[int, Exact]]]:
     """The tables of dependent groups; moves: kinematic states read speeds; tilted: laws read angles, and prescribed
     motions move some."""
     if f is None:
         return {}
-    tables = ({"speeds": f.speeds} if moves else {}) | {"with_inertia": f.with_inertia, "turn": f.torques}
+    tables = ({"speeds": f.speeds} if moves else {}) | {"with_inertia": f.with_inertia, "torque_change": f.torques}
     if tilted:
         tables |= {"tilt": f.tilts, "state_tilt": f.state_tilts}
-    return {**tables, "rise": f.torque_rates} if f.by_rate else tables
+    return {**tables, "torque_rate_change": f.torque_rates} if f.by_rate else tables
 
 
 def _turned(kind: Any, rows: Sequence[Any]) -> dict[str, Any]:

@@ -1,1 +1,1 @@
-"""Equations of a train, written out for people."""
+"""Equations of a train, written out for people. Knows nothing of C."""

@@ -70,10 +70,10 @@ def _block(mass: Any, rows: set[int]) -> list[int]:
 
 
 def over_independent_groups(
-    assembly: Assembly, drives: Mapping[tuple[int, int], PrescribedMotion], q: Sequence[Any], v: Sequence[Any],
+    assembly: Assembly, prescribed: Mapping[tuple[int, int], PrescribedMotion], q: Sequence[Any], v: Sequence[Any],
     offset: Callable[[str], Any],
 ) -> DependentGroups:  # fmt: skip
-    """How dependent groups follow, in the symbols q, v of all groups."""
+    """Dependent groups over the others, in the symbols q, v of all groups."""
     n = assembly.n_speeds + assembly.n_massless
     found = DependentGroups(n, assembly.n_groups)
     found.gains = [{i: sp.Integer(1)} if i < n else {} for i in range(assembly.n_groups)]
@@ -86,11 +86,11 @@ def over_independent_groups(
             angle += sum((_rational(c) * offset(path) for path, c in f.row.offsets.items()), sp.Integer(0))
         else:
             assert f.prescribed is not None
-            drive, scale = drives[f.prescribed.component, f.prescribed.number], _rational(f.prescribed.scale)
-            gains = {g: found.put(drive.gains[name]) * _rational(c) for name, (g, c) in f.prescribed.factors.items()}
-            angle = None if drive.angle is None else scale * drive.angle
-            speed += found.put(scale * drive.velocity_bias)
-            found.acceleration_bias[f.group] = found.put(scale * drive.acceleration_bias)
+            motion, scale = prescribed[f.prescribed.component, f.prescribed.number], _rational(f.prescribed.scale)
+            gains = {g: found.put(motion.gains[name]) * _rational(c) for name, (g, c) in f.prescribed.factors.items()}
+            angle = None if motion.angle is None else scale * motion.angle
+            speed += found.put(scale * motion.velocity_bias)
+            found.acceleration_bias[f.group] = found.put(scale * motion.acceleration_bias)
         for source, c in gains.items():
             speed += c * found.put(v[source])
             found.acceleration_bias[f.group] += c * found.acceleration_bias[source]

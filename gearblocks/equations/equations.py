@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.equations.latex import latex_name
-from gearblocks.equations.switched_constraints import Rub, Sentence, constraint_torques, in_order, wanted
+from gearblocks.equations.switched_constraints import Sentence, SwitchedConstraint, constraint_torques, in_order, wanted
 from gearblocks.laws.functions import ContactSide, DeadZone
 from gearblocks.laws.printer import latex_text, plain_text
 from gearblocks.laws.symbols import clock
@@ -24,8 +24,8 @@ class Equations:
     mass matrix: its torques are in balance); states: states of blocks with their rates; held: states that take a
     value at an event (a contact starts, say) and keep it; definitions: symbols that stand for longer expressions (a mesh
     force N); parameters: all other symbols with their paths. forcing names the defined symbols; `expanded` has them put in.
-    rubs: switched constraints. Their constraint forces are symbols of the forcing whose values depend on which of them are
-    active; `in_modes` tells them.
+    rubs: switched constraints. Their constraint forces are symbols of the forcing whose values depend on the active
+    set; `in_modes` gives them.
     """
 
     name: str
@@ -39,7 +39,7 @@ class Equations:
     coordinates: Mapping[Any, Any]
     symbol_names: Mapping[Any, str]
     held: Mapping[Any, Any] = dataclasses.field(default_factory=dict)
-    rubs: tuple[Rub, ...] = ()
+    rubs: tuple[SwitchedConstraint, ...] = ()
 
     def __repr__(self) -> str:
         counts = f"{len(self.q)} angles, {len(self.states)} states of blocks, {len(self.definitions)} definitions"

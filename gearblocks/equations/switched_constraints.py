@@ -30,7 +30,7 @@ class Sentence:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Rub:
+class SwitchedConstraint:
     """A switched constraint of a train: a Stick, a Stop, or the tie or loss of a LossyTie (`kind`).
 
     torque: symbol of its constraint force, positive where it drives its slip up (a force where the slip is that of
@@ -38,7 +38,7 @@ class Rub:
 
     lower, upper: force bounds (None: without). forward, backward: sizes of the torque against the slip. engaged: > 0 where
     friction is pressed. gap, restitution: of a Stop. lost: of a loss, its torque by direction and by whether the tie, whose
-    torque is `tie`, drives. shown: symbols of direction, stuck and held torque.
+    torque is `tie`, drives. shown: symbols of direction, activity and constraint torque.
     """
 
     path: str
@@ -62,7 +62,7 @@ class Rub:
         """Whether it is a unilateral contact."""
         return self.gap is not None
 
-    def mapped(self, new: Any) -> Rub:
+    def mapped(self, new: Any) -> SwitchedConstraint:
         """The same with every expression replaced by new(expression)."""
         names = ("sliding", "lower", "upper", "forward", "backward", "engaged", "gap", "restitution")
         changed = {n: None if (e := getattr(self, n)) is None else new(e) for n in names}
@@ -75,7 +75,7 @@ class Rub:
             if self.lost is not None:
                 values["lost"] = {case: e.xreplace(one) for case, e in values["lost"].items()}
             values["slip"] = values["sliding"]
-        return Rub(**values)
+        return SwitchedConstraint(**values)
 
     def expressions(self) -> list[Any]:
         """Everything that stands in its cases."""
@@ -83,7 +83,7 @@ class Rub:
         return [x for x in (*found, self.gap, self.restitution, *(self.lost or {}).values()) if x is not None]
 
     def torque_in(self, mode: int, sign: int = 1) -> Any:
-        """The torque in a mode (1, -1: slides; 2: free; of a stop 0: open), None where it is held. sign: of the tie's
+        """The torque in a mode (1, -1: slides; 2: free; of a stop 0: open), None while active. sign: of the tie's
         torque."""
         if self.is_stop:
             return None if mode == 1 else sp.Integer(0)
@@ -94,17 +94,17 @@ class Rub:
         return {1: -self.forward, -1: self.backward, 2: sp.Integer(0)}.get(mode)
 
     def shown_in(self, mode: int) -> dict[Any, Any]:
-        """Direction, stuck and held torque in a mode."""
-        held = self.torque_in(mode) is None
+        """Direction, activity and constraint torque in a mode."""
+        active = self.torque_in(mode) is None
         direction = mode if mode in (1, -1) and not self.is_stop else 0  # of a tie the sign of its torque
-        values = (sp.Integer(direction), sp.Integer(held), self.torque if held else sp.Integer(0))
+        values = (sp.Integer(direction), sp.Integer(active), self.torque if active else sp.Integer(0))
         return dict(zip(self.shown, values, strict=True))
 
     def meanings(self) -> tuple[str, str, str]:
-        """Words for the symbols of direction, stuck and held torque."""
+        """Words for the symbols of direction, activity and constraint torque."""
         direction = ": sign of the torque" if self.kind == "tie" else ": 1 while it slides forward, -1 backward, else 0"
-        held = "closed" if self.is_stop else "stuck"
-        return direction, f": 1 while {held}, else 0", f": the torque while {held}, else 0"
+        word = "closed" if self.is_stop else "stuck"
+        return direction, f": 1 while {word}, else 0", f": the torque while {word}, else 0"
 
     # -- in words -----------------------------------------------------------------------------------------------------
 
@@ -130,7 +130,7 @@ class Rub:
             yield Sentence(("free while ", sp.Le(self.engaged, zero, evaluate=False), ": ", law))
 
     def _within(self) -> tuple[Any, ...]:
-        """Words for the limits of the held torque."""
+        """Words for the bounds of the constraint torque."""
         lower, upper = self.lower, self.upper
         if lower is None and upper is None:
             return (", without limit",)
@@ -168,15 +168,13 @@ class Rub:
         yield Sentence(("impact as the gap closes: ", self.slip, " becomes ", rebound))
 
 
-def in_order(rubs: Sequence[Rub], used: set[Any]) -> list[Any]:
+def in_order(rubs: Sequence[SwitchedConstraint], used: set[Any]) -> list[Any]:
     """The cases of all of them, and what the symbols of their modes mean that are among those used."""
-    meaning = [
-        Sentence((x, words)) for rub in rubs for x, words in zip(rub.shown, rub.meanings(), strict=True) if x in used
-    ]
-    return [line for rub in rubs for line in rub.cases()] + meaning
+    meaning = [Sentence((x, words)) for c in rubs for x, words in zip(c.shown, c.meanings(), strict=True) if x in used]
+    return [line for c in rubs for line in c.cases()] + meaning
 
 
-def wanted(rubs: Sequence[Rub], modes: Mapping[str, float]) -> dict[str, int]:
+def wanted(rubs: Sequence[SwitchedConstraint], modes: Mapping[str, float]) -> dict[str, int]:
     """Modes by path, checked. Raises ParameterError for an unknown name or mode."""
     known = {r.path: r for r in rubs}
     found: dict[str, int] = {}
@@ -205,7 +203,7 @@ _MODES = {
 
 
 def constraint_torques(
-    rubs: Sequence[Rub], mass: Any, forcing: Any, q: Sequence[Any], v: Sequence[Any], t: Any
+    rubs: Sequence[SwitchedConstraint], mass: Any, forcing: Any, q: Sequence[Any], v: Sequence[Any], t: Any
 ) -> list[Any]:
     """Constraint forces T of an active set: G M^-1 (f + F T) + acceleration bias = 0, W T = -(...) with W = G M^-1 F.
 
@@ -223,7 +221,7 @@ def constraint_torques(
     own = G[rows, :]
     answer = _over(M, sp.Matrix.hstack(bare, F))
     free, delassus = own * answer[:, :1] + bias[rows, :], own * answer[:, 1:]
-    dependent = len(rows) < len(rubs)  # then the forces of least norm
+    dependent = len(rows) < len(rubs)  # then the minimum-norm split
     forces = -delassus.T * (delassus * delassus.T).LUsolve(free) if dependent else -delassus.LUsolve(free)
     return [sp.factor_terms(sp.together(x)) for x in forces]
 

@@ -15,7 +15,7 @@ from gearblocks.assembly.tables import GROUND_GROUP, Assembly
 from gearblocks.equations.dependent_groups import over_independent_groups
 from gearblocks.equations.equations import Equations
 from gearblocks.equations.latex import latex_name
-from gearblocks.equations.switched_constraints import Rub
+from gearblocks.equations.switched_constraints import SwitchedConstraint
 from gearblocks.errors import ModelError
 from gearblocks.language.expression import to_sympy
 from gearblocks.laws.derivation import derive
@@ -27,7 +27,13 @@ from gearblocks.train.graph import GROUND, Component, Train
 from gearblocks.train.structure import structure_of
 from gearblocks.train.translational import flange_names, slider_names
 
-_OF_SWITCHED = {"friction": "T", "slip": "w_rel", "direction": "direction", "stuck": "stuck", "held": "held"}
+_OF_SWITCHED = {
+    "friction": "T",
+    "slip": "w_rel",
+    "direction": "direction",
+    "stuck": "stuck",
+    "constraint_force": "held",
+}
 """Names of the symbols of switched constraints, by role."""
 
 
@@ -52,7 +58,7 @@ class _Writer:
         self.q = [sp.Symbol(f"{angle}_{owner}", real=True) for angle, _, _, _, owner in names]
         self.v = [sp.Symbol(f"{speed}_{owner}", real=True) for _, speed, _, _, owner in names]
         n = assembly.n_groups
-        self.drives: dict[tuple[int, int], PrescribedMotion] = {}
+        self.prescribed: dict[tuple[int, int], PrescribedMotion] = {}
         self.mass: list[Any] = [sp.Integer(0)] * n
         self.torque: list[Any] = [sp.Integer(0)] * n
         self.states: dict[Any, Any] = {}
@@ -60,7 +66,7 @@ class _Writer:
         self.definitions: dict[Any, Any] = {}
         self.parameters: dict[Any, str] = {}
         self.shows: dict[str, Any] = {}
-        self.rubs: list[Rub] = []
+        self.rubs: list[SwitchedConstraint] = []
         self.deflections: dict[Any, Any] = {}
         self.inputs: set[Any] = set()
         self.number = 0
@@ -74,24 +80,24 @@ class _Writer:
             self.laws[key] = derive(c.block, grounded, reading=True)
         law = self.laws[key]
         names = list(type(c.block).flanges)
-        places = {n: self.assembly.group_of_node[c.nodes[names.index(n)]] for n in names if n not in grounded}
-        replace = {x: self._symbol(c, meaning, str(x.name), places) for x, meaning in law.pool.roles.items()}
+        groups = {n: self.assembly.group_of_node[c.nodes[names.index(n)]] for n in names if n not in grounded}
+        replace = {x: self._symbol(c, meaning, str(x.name), groups) for x, meaning in law.pool.roles.items()}
         replace = {x: y for x, y in replace.items() if y is not None}
         for flange, tau in law.torques.items():
-            group, gain = places[flange]
+            group, gain = groups[flange]
             if group != GROUND_GROUP:
                 self.torque[group] += sp.Rational(gain.numerator, gain.denominator) * tau.xreplace(replace)
         for flange, inertia in law.bodies:
-            group, gain = places[flange]
+            group, gain = groups[flange]
             if group != GROUND_GROUP:
                 self.mass[group] += sp.Rational(gain.numerator, gain.denominator) ** 2 * inertia.xreplace(replace)
-        for number, drive in enumerate(law.prescribed):
-            self.drives[self.number, number] = frozen_motion(drive, lambda e: sp.sympify(e).xreplace(replace))
+        for number, motion in enumerate(law.prescribed):
+            self.prescribed[self.number, number] = frozen_motion(motion, lambda e: sp.sympify(e).xreplace(replace))
         self.number += 1
-        self.rubs += [self._rub(c, constraint, law, replace) for constraint in law.constraints.values()]
+        self.rubs += [self._switched(c, constraint, law, replace) for constraint in law.constraints.values()]
         counts = {name for constraint in law.constraints.values() for name in (constraint.impulse, constraint.impacts)}
         for state, rate in law.rates.items():
-            if state in counts:  # what an impact leaves moves nothing
+            if state in counts:  # impulses and counts of impacts move nothing
                 continue
             symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
             self.states[symbol] = rate.xreplace(replace)
@@ -106,16 +112,16 @@ class _Writer:
             if show.name in ("twist", "deflection") and law.torques:
                 self.deflections[sp.Symbol(f"x_{_flat(c.path)}", real=True)] = expr
 
-    def _symbol(self, c: Component, meaning: Any, text: str, places: Mapping[str, Any]) -> Any:
+    def _symbol(self, c: Component, meaning: Any, text: str, groups: Mapping[str, Any]) -> Any:
         """The symbol of the whole train for one of a kind."""
         role, of = meaning.role, meaning.of
         if role in ("phi", "w"):
-            group, gain = places[of]
+            group, gain = groups[of]
             if group == GROUND_GROUP:
-                return self._held_angle(c, of) if role == "phi" else sp.Integer(0)
+                return self._ground_angle(c, of) if role == "phi" else sp.Integer(0)
             return sp.Rational(gain.numerator, gain.denominator) * (self.q if role == "phi" else self.v)[group]
         if role == "mobility":
-            return self._mobility(places.get(of))
+            return self._mobility(groups.get(of))
         if role in ("own", "exact", "named", "state"):
             kind = "own" if role == "exact" else role
             symbol = self._claim(f"{_flat(of.split('.')[-1])}_{_flat(c.path)}", (kind, c.path, of))
@@ -133,7 +139,9 @@ class _Writer:
             return symbol
         return None
 
-    def _rub(self, c: Component, constraint: ConstraintLaw, law: Law, replace: Mapping[Any, Any]) -> Rub:
+    def _switched(
+        self, c: Component, constraint: ConstraintLaw, law: Law, replace: Mapping[Any, Any]
+    ) -> SwitchedConstraint:
         """One switched constraint of a component."""
 
         def symbol(role: str) -> Any:
@@ -156,12 +164,12 @@ class _Writer:
             (mode, drives): -of(constraint.losses[first], mode) * tie - mode * of(constraint.losses[first + 1], mode)
             for mode in (1, -1) for drives, first in ((True, 0), (False, 2))
         } if constraint.losses is not None else None  # fmt: skip
-        return Rub(
+        return SwitchedConstraint(
             f"{c.path}.{constraint.name}".rstrip("."), symbol("friction"), slip, constraint.slip.xreplace(replace),
             of(constraint.lower, 0), of(constraint.upper, 0), of(constraint.forward, 1), of(constraint.backward, -1),
             of(constraint.engaged, 0),
             None if constraint.gap is None else constraint.gap.xreplace(replace), of(constraint.restitution, 0),
-            (symbol("direction"), symbol("stuck"), symbol("held")), constraint.kind, tie, lost,
+            (symbol("direction"), symbol("stuck"), symbol("constraint_force")), constraint.kind, tie, lost,
         )  # fmt: skip
 
     def _claim(self, text: str, meaning: Any) -> Any:
@@ -171,8 +179,8 @@ class _Writer:
             text = longer if text != longer and not text.startswith(longer) else text + "_"
         return sp.Symbol(text, real=True)
 
-    def _held_angle(self, c: Component, flange: str) -> Any:
-        """The angle at which the ground holds a flange: 0 where the ground is given as 0."""
+    def _ground_angle(self, c: Component, flange: str) -> Any:
+        """The angle of a grounded flange: 0 where the ground is given as 0."""
         node = c.nodes[list(type(c.block).flanges).index(flange)]
         offset = self.assembly.ground_offset.get(node)
         if offset is None:
@@ -181,7 +189,7 @@ class _Writer:
         return sp.Rational(gain.numerator, gain.denominator) * self._offset(offset)
 
     def _offset(self, offset: str) -> Any:
-        """The symbol of an angle that the ground holds, 0 where it is given as 0."""
+        """The symbol of a ground angle, 0 where it is given as 0."""
         path, _, name = offset.rpartition(".")
         block = next(other.block for other in self.assembly.train.components if other.path == path)
         if getattr(block, name) == 0:
@@ -190,15 +198,15 @@ class _Writer:
         self.parameters[symbol] = offset
         return symbol
 
-    def _mobility(self, place: Any) -> Any:
+    def _mobility(self, group: Any) -> Any:
         """1/J of a shaft as a symbol, defined when everything is added up."""
-        if place is None or place[0] == GROUND_GROUP:
+        if group is None or group[0] == GROUND_GROUP:
             return sp.Integer(0)
-        return sp.Rational(place[1].numerator, place[1].denominator) ** 2 / sp.Symbol(f"__J{place[0]}")
+        return sp.Rational(group[1].numerator, group[1].denominator) ** 2 / sp.Symbol(f"__J{group[0]}")
 
     def finish(self) -> Equations:
         """The frozen equations."""
-        dependent = over_independent_groups(self.assembly, self.drives, self.q, self.v, self._offset)
+        dependent = over_independent_groups(self.assembly, self.prescribed, self.q, self.v, self._offset)
         mass, torque = dependent.balance(self.mass, self.torque)
         mobility = {
             sp.Symbol(f"__J{i}"): m if self.assembly.plain else dependent.inertia(mass, i) for i, m in enumerate(self.mass)

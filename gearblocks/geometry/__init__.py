@@ -1,1 +1,1 @@
-"""Geometry of gears, in numbers or symbols."""
+"""Geometry of gears, in numbers or symbols. Knows nothing of blocks."""

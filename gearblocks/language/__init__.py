@@ -1,1 +1,1 @@
-"""The language that blocks are written in."""
+"""The language that blocks are written in. Knows nothing of sympy, nor of trains."""

@@ -96,7 +96,7 @@ class Hold:
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """A named located switch: mode `high` where surface >= 0, else `low`; watched only while `when` is not zero.
+    """A named located switch: mode `high` where surface >= 0, else `low`; located only while `when` is not zero.
 
     Conditions written with Piecewise, Abs, sign, Min, Max or Heaviside are located without one; a Switch gives them a
     name and the values shown in the events. The events name the block and the switch, or the block alone when the name
@@ -146,12 +146,12 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class LossyTie:
-    """A rigid constraint with losses in proportion to its constraint force, and that sticks at rest.
+    """A rigid constraint with losses in proportion to its constraint force, and stuck at rest.
 
-    tie: the speed that stays 0, linear in the flange speeds; its force is Symbols.stick("tie"). slip: the speed at which
-    loss is taken from the shafts; force lost = share * force of the tie + rest, against the slip: (share, rest) =
-    `driving` where slip * force >= 0, else `coasting` (both may contain sympy.Abs(slip)). At rest it holds what lies
-    between the losses of either direction; Symbols.stick("loss") tells.
+    tie: the speed that stays 0, linear in the flange speeds; its force is Symbols.stick("tie"). slip: the speed along
+    which the loss acts; force lost = share * force of the tie + rest, against the slip: (share, rest) =
+    `driving` where slip * force >= 0, else `coasting` (both may contain sympy.Abs(slip)). At rest it is stuck while
+    its force lies between the losses of either direction; see Symbols.stick("loss").
     """
 
     tie: Any

@@ -1,1 +1,1 @@
-"""The symbolic law of one kind of block."""
+"""The symbolic law of one kind of block. Knows nothing of trains."""

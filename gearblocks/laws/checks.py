@@ -242,7 +242,7 @@ class _Check:
         yield from self.named(item, sound)
 
     def lossy(self, item: LossyTie, sound: bool) -> Iterator[str]:
-        """A rigid constraint with losses: shares and rests, and two slips."""
+        """A rigid constraint with losses: parts of its force and constant losses, and two slips."""
         yield from (p for x in (*item.driving, *item.coasting) if (p := self.expression(x, False, False)))
         for slip in (item.tie, item.slip) if sound else ():
             yield from self.stick(Stick("", slip, 0), True)
@@ -337,7 +337,7 @@ class _Check:
                 return (
                     f"the symbol '{symbol}' in '{expr}' is not from s; declare it with gb.param, gb.signal or gb.State"
                 )
-            if meaning.role in ("alpha", "tau", "held") and not showing:
+            if meaning.role in ("alpha", "tau", "constraint_force") and not showing:
                 return f"'{symbol}' in '{expr}' is a result of the motion, which only Shows can read"
         return ""
 

@@ -2,7 +2,8 @@
 
 Virtual work: a force F along a deflection x(phi) gives the torque -F dx/dphi on each flange, a potential V(phi) the torque
 -dV/dphi. A kind is a class with a structure (which fields are present) and a set of grounded flanges; all its instances
-share the law. Knows nothing of numbers, which come from tables, nor of trains."""
+share the law. Knows nothing of numbers, which come from tables, nor of trains.
+"""
 
 from __future__ import annotations
 
@@ -36,9 +37,9 @@ from gearblocks.language.contributions import (
 from gearblocks.laws.energy_balance import add_energy_balance
 from gearblocks.laws.functions import Table2At, TableAt
 from gearblocks.laws.law import COORDINATES, LOCATED, READ, Form, Law
-from gearblocks.laws.prescribed_motion import drive_of, is_constant_tie, linear_tie, motion_of
+from gearblocks.laws.prescribed_motion import is_constant_tie, linear_tie, prescribed_angle, prescribed_speed
 from gearblocks.laws.relative_angles import in_coordinates
-from gearblocks.laws.switched_constraints import along, carried_loss, constraint_laws, sliding_force
+from gearblocks.laws.switched_constraints import along, constraint_laws, constraint_loss, sliding_force
 from gearblocks.laws.switching import Freezer
 from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, Symbols
 
@@ -73,8 +74,8 @@ def derive(block: Block, grounded: frozenset[str], *, reading: bool = False) -> 
             tie = linear_tie(flanges, zero)
             law.ties += [tie] if tie[0] else []
         else:
-            law.prescribed.append(drive_of(law, kind, flanges, zero))
-    law.prescribed += [motion_of(law, kind, flanges, sp.expand(m.zero)) for m in found[Motion]]
+            law.prescribed.append(prescribed_angle(law, kind, flanges, zero))
+    law.prescribed += [prescribed_speed(law, kind, flanges, sp.expand(m.zero)) for m in found[Motion]]
     law.constraints = constraint_laws(pool, flanges, [*found[Stick], *found[Stop], *found[LossyTie]])
     law.rates |= {x: sp.Integer(0) for k in law.constraints.values() for x in (k.impulse, k.impacts) if x is not None}
     law.torques = _torques(law, flanges, found, reading)
@@ -105,7 +106,8 @@ def _flange_name(flanges: Mapping[str, Any], wanted: Any) -> str:
 
 
 def _is_driven(pool: Pool, exprs: Iterable[Any]) -> bool:
-    """Whether an input or sense stands in a stored energy: its jumps would be lost, so the work counts as exchange."""
+    """Whether an input or a feedback signal stands in a stored energy: its jumps would be lost, so the work counts as
+    exchange."""
     return any(pool.roles[x].role in ("input", "sense") for e in exprs for x in e.free_symbols)
 
 
@@ -147,7 +149,7 @@ def _torques(
             add(_flange_name(flanges, act.flange), sp.sympify(act.tau))
     for constraint in law.constraints.values():
         whole = law.pool.symbol("friction", constraint.name, f"T_{constraint.name}".rstrip("_"))
-        for name, c in constraint.push.items():
+        for name, c in constraint.row.items():
             add(name, c * (whole if reading else sliding_force(law.pool, constraint)))
     return total
 
@@ -224,9 +226,9 @@ def _frozen(law: Law, declared: Iterable[Switch]) -> Law:
     frozen = law.map(freezer.freeze, LOCATED)
     # the switches of each constraint follow those of its own expressions
     frozen.constraints = {
-        name: freezer.watch(constraint.map(freezer.freeze)) for name, constraint in law.constraints.items()
+        name: freezer.add_constraint(constraint.map(freezer.freeze)) for name, constraint in law.constraints.items()
     }
-    frozen.constraint_loss = carried_loss(pool, frozen.constraints)
+    frozen.constraint_loss = constraint_loss(pool, frozen.constraints)
     freezer.locating = False
     frozen = frozen.map(freezer.freeze, READ)
     frozen.switches = freezer.switches
@@ -234,7 +236,8 @@ def _frozen(law: Law, declared: Iterable[Switch]) -> Law:
 
 
 def check_feedback(law: Law, path: str) -> None:
-    """ModelError where the component at `path` needs a sensed output before there is one: at the start, or for a motion."""
+    """ModelError where the component at `path` needs a feedback signal before there is one: at the start, or for a prescribed
+    motion."""
 
     def sensed(exprs: Iterable[Any]) -> str:
         roles = (law.pool.roles[x] for e in exprs for x in e.free_symbols)

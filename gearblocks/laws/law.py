@@ -115,7 +115,7 @@ def _values(x: Mapping[Any, Any], f: Replace) -> dict[Any, Any]:
 PARTS: dict[str, _Part] = {
     "forms": _Part("forms", lambda x, f: [replace(form, coefficients=_values(form.coefficients, f)) for form in x], (RATIOS,)),
     "ties": _Part("ties", lambda x, f: [(_values(coefficients, f), constant) for coefficients, constant in x], (RATIOS,)),
-    "slips": _Part("constraints", lambda x, f: {n: replace(k, push=_values(k.push, f)) for n, k in x.items()}, (RATIOS,)),
+    "slips": _Part("constraints", lambda x, f: {n: replace(k, row=_values(k.row, f)) for n, k in x.items()}, (RATIOS,)),
     "bodies": _Part("bodies", lambda x, f: [(flange, f(inertia)) for flange, inertia in x]),
     "forces": _Part("forces", _values, (COORDINATES, LOCATED, STAGE)),
     "torques": _Part("torques", _values, (COORDINATES, LOCATED, STAGE)),

@@ -1,7 +1,8 @@
 """Prescribed motions: constraints solved for one flange, w = sum gain_f w_f + b and w' = sum gain_f w_f' + a.
 
-The velocity bias b is the rate of what moves with time and states, the acceleration bias a the rest of w'. Constraints that are
-linear with constant factors are rigid constraints instead. Knows nothing of trains, nor of who moves the other flanges.
+b: velocity bias, dF/dt along time and states; a: acceleration bias, w' without the accelerations of the flanges. Constraints
+that are linear with constant factors are rigid constraints instead. Knows nothing of trains, nor of what moves the other
+flanges.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ class PrescribedMotion:
     angle: Any = None
 
     def map_rates(self, f: Callable[[Any], Any]) -> PrescribedMotion:
-        """With f(expression) in place of gains, bias and acceleration_bias."""
+        """With f(expression) in place of gains, velocity bias and acceleration bias."""
         return replace(
             self,
             gains={n: f(g) for n, g in self.gains.items()},
@@ -56,8 +57,9 @@ def linear_tie(flanges: Mapping[str, Any], zero: Any) -> tuple[dict[str, Any], A
     return coefficients, zero.xreplace({f.phi: sp.Integer(0) for f in flanges.values()})
 
 
-def drive_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> PrescribedMotion:
-    """The drive of a tie, solved for the first flange that it contains linearly with a constant factor."""
+def prescribed_angle(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> PrescribedMotion:
+    """The prescribed motion phi = F(t, other angles) of a nonlinear relation, solved for the first flange in it that has a
+    number as its factor."""
     name, slope = _pivot(kind, zero, {n: f.phi for n, f in flanges.items()})
     flange = flanges[name]
     angle = -sp.expand(zero - slope * flange.phi) / slope
@@ -65,14 +67,14 @@ def drive_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> Pres
     others = {n: f for n, f in flanges.items() if n != name}
     gains = {n: g for n, f in others.items() if (g := sp.diff(angle, f.phi)) != 0}
     velocity_bias = _rate(law, kind, angle, {})
-    turned = sum((g * others[n].w for n, g in gains.items()), sp.Integer(0))
+    by_gains = sum((g * others[n].w for n, g in gains.items()), sp.Integer(0))
     speeds = {f.phi: f.w for f in others.values()}
-    acceleration_bias = _rate(law, kind, velocity_bias, speeds) + _rate(law, kind, turned, speeds)
+    acceleration_bias = _rate(law, kind, velocity_bias, speeds) + _rate(law, kind, by_gains, speeds)
     return PrescribedMotion(name, gains, velocity_bias, acceleration_bias, angle)
 
 
-def motion_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> PrescribedMotion:
-    """The drive of a prescribed speed."""
+def prescribed_speed(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> PrescribedMotion:
+    """The prescribed motion w = F(t, states) + sum gains w of a relation of speeds alone."""
     name, slope = _pivot(kind, zero, {n: f.w for n, f in flanges.items()})
     speed = -sp.expand(zero - slope * flanges[name].w) / slope
     gains = {n: g for n, f in flanges.items() if n != name and (g := sp.diff(speed, f.w)) != 0}
@@ -88,17 +90,17 @@ def motion_of(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> Pre
     return PrescribedMotion(name, gains, velocity_bias, _rate(law, kind, velocity_bias, {}))
 
 
-def frozen_motion(drive: PrescribedMotion, freeze: Callable[[Any], Any]) -> PrescribedMotion:
-    """The drive with every condition as a mode."""
-    return replace(drive.map_rates(freeze), angle=None if drive.angle is None else freeze(drive.angle))
+def frozen_motion(motion: PrescribedMotion, freeze: Callable[[Any], Any]) -> PrescribedMotion:
+    """The prescribed motion with every condition as a mode."""
+    return replace(motion.map_rates(freeze), angle=None if motion.angle is None else freeze(motion.angle))
 
 
 def is_steady(law: Any, number: int) -> bool:
-    """Whether the gains of a drive are numbers, and what it adds to speed and angle is linear in states (time aside)."""
-    drive, pool = law.prescribed[number], law.pool
-    if not all(gain.is_number for gain in drive.gains.values()):
+    """Whether the gains of a prescribed motion are numbers, and velocity bias and angle are linear in states (time aside)."""
+    motion, pool = law.prescribed[number], law.pool
+    if not all(gain.is_number for gain in motion.gains.values()):
         return False
-    added = [sp.sympify(drive.velocity_bias), sp.Integer(0) if drive.angle is None else sp.sympify(drive.angle)]
+    added = [sp.sympify(motion.velocity_bias), sp.Integer(0) if motion.angle is None else sp.sympify(motion.angle)]
     moving = [(e, x) for e in added for x in e.free_symbols if pool.level(x) == MOVING and pool.roles[x].role != "phi"]
     return all(pool.roles[x].role == "state" and sp.diff(e, x).is_number for e, x in moving)
 

@@ -1,4 +1,4 @@
-"""Switched constraints of one kind (friction, locks, stops, lossy gears): a row v = sum push_f w_f over the flange speeds.
+"""Switched constraints of one kind (friction, locks, stops, lossy gears): a row v = sum g_f w_f over the flange speeds.
 
 Active: v = 0 with a constraint force in [lower, upper]. Inactive: a sliding force against v, forward or backward; of a stop,
 none. Knows nothing of what is active, nor of trains.
@@ -23,16 +23,16 @@ _EVALUATED = ("lower", "upper", "forward", "backward", "engaged", "gap", "restit
 class ConstraintLaw:
     """One switched constraint of a kind: a Stick, a Stop, or one of the two of a LossyTie.
 
-    push: by flange, d slip / d w. lower, upper: force bounds (None: without limit). forward, backward: sizes of the sliding
-    force against the slip. of a Stop: gap and restitution. switches: numbers of its switches in the law by what they
-    watch: "slip" (or "gap", or "sign"), "hold", "engaged". impulse, impacts: names of states. of a LossyTie: the tie has
-    `share`, the part of its force that its partner loses while it slides; the loss has `losses` (share and rest driving, then
-    coasting).
+    row: of G, by flange, d slip / d w. lower, upper: force bounds (None: without limit). forward, backward: sizes of the
+    sliding force against the slip. of a Stop: gap and restitution. switches: numbers of its switches in the law by their
+    event function: "slip" (or "gap", or "sign"), "hold", "engaged". impulse, impacts: names of states. of a LossyTie: the
+    tie has `share`, the part of its constraint force that is lost while it slides; the loss has `losses` (share and rest
+    driving, then coasting).
     """
 
     name: str
     slip: Any
-    push: dict[str, Any]
+    row: dict[str, Any]
     lower: Any = None
     upper: Any = None
     forward: Any = sp.S.Zero
@@ -93,27 +93,27 @@ def _either(pool: Pool, driving: Any, coasting: Any) -> Any:
 
 def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.tie))
-    push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
+    row = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
     direction, _ = _directions(pool)
-    made = ConstraintLaw("tie", slip, push, partner="loss")
+    made = ConstraintLaw("tie", slip, row, partner="loss")
     made.share = direction**2 * _either(pool, item.driving[0], item.coasting[0])
     return made.map(lambda e: _along(e, sp.expand(item.slip), direction))
 
 
 def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.slip))
-    push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
+    row = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
     size = _either(pool, item.driving[1], item.coasting[1])
-    made = ConstraintLaw("loss", slip, push, forward=size, backward=size, partner="tie")
+    made = ConstraintLaw("loss", slip, row, forward=size, backward=size, partner="tie")
     made.losses = tuple(sp.sympify(x) for x in (*item.driving, *item.coasting))
     return made.map(lambda e: _along(e, slip, _directions(pool)[0]))
 
 
-def carried_loss(pool: Pool, sticks: Mapping[str, ConstraintLaw]) -> Any:
+def constraint_loss(pool: Pool, constraints: Mapping[str, ConstraintLaw]) -> Any:
     """Power that a lossy tie loses in proportion to its constraint force, or None."""
-    if "tie" not in sticks or sticks["tie"].share is None:
+    if "tie" not in constraints or constraints["tie"].share is None:
         return None
-    return sticks["tie"].share * pool.symbol("held", "tie", "held_tie") * sticks["loss"].slip
+    return constraints["tie"].share * pool.symbol("constraint_force", "tie", "held_tie") * constraints["loss"].slip
 
 
 def _state(pool: Pool, state: Any) -> str | None:
@@ -122,7 +122,7 @@ def _state(pool: Pool, state: Any) -> str | None:
 
 def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.slip))
-    push = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
+    row = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
     lower, upper = item.limit if isinstance(item.limit, tuple) else (-item.limit, item.limit)
     lower, upper = (None if sp.sympify(x).is_infinite else sp.sympify(x) for x in (lower, upper))
     if item.sliding is None:
@@ -130,7 +130,7 @@ def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> ConstraintLaw
     else:
         forward, backward = in_pair(item.sliding)
     direction = pool.symbol("direction", item.name, f"dir_{item.name}".rstrip("_"))
-    made = ConstraintLaw(item.name, slip, push, lower, upper, sp.sympify(forward), sp.sympify(backward))
+    made = ConstraintLaw(item.name, slip, row, lower, upper, sp.sympify(forward), sp.sympify(backward))
     made.engaged = sp.sympify(item.engaged)
     made.impulse = _state(pool, item.impulse)
     return made.map(lambda e: _along(e, slip, direction))
@@ -138,9 +138,9 @@ def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> ConstraintLaw
 
 def _stop(pool: Pool, flanges: Mapping[str, Any], item: Stop) -> ConstraintLaw:
     gap = sp.expand(sp.sympify(item.gap))
-    push = {n: c for n, f in flanges.items() if (c := sp.diff(gap, f.phi)) != 0}
-    slip = sum((c * flanges[n].w for n, c in push.items()), sp.Integer(0))
-    made = ConstraintLaw(item.name, slip, push, sp.Integer(0), None, gap=gap, restitution=sp.sympify(item.restitution))
+    row = {n: c for n, f in flanges.items() if (c := sp.diff(gap, f.phi)) != 0}
+    slip = sum((c * flanges[n].w for n, c in row.items()), sp.Integer(0))
+    made = ConstraintLaw(item.name, slip, row, sp.Integer(0), None, gap=gap, restitution=sp.sympify(item.restitution))
     made.impulse, made.impacts = _state(pool, item.impulse), _state(pool, item.impacts)
     return made
 
@@ -167,7 +167,7 @@ def _along(expr: Any, slip: Any, direction: Any) -> Any:
 
 
 def sliding_force(pool: Pool, constraint: ConstraintLaw) -> Any:
-    """The force along the slip while it slides, 0 otherwise."""
+    """The sliding force along the slip, 0 while active."""
     if constraint.is_stop:
         return sp.Integer(0)
     direction = pool.symbol("direction", constraint.name, f"dir_{constraint.name}".rstrip("_"))

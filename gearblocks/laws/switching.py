@@ -1,7 +1,7 @@
 """Conditions as modes: Piecewise, Abs, sign, Min, Max, Heaviside and tables become event functions and mode symbols.
 
 H(g(x)) becomes a mode m in {0, 1} with the event function g. Within a step a law runs on the branch that its modes name,
-continued smoothly past the surface. Knows nothing of when a mode changes: the solver does that at events.
+continued smoothly past g = 0. Knows nothing of when a mode changes: the solver does that at events.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """Identity of one switch of a kind: its number and what moves its surface."""
+    """Identity of one switch of a kind: its number and what moves its event function."""
 
     number: int
     level: int
@@ -35,8 +35,8 @@ class Mode:
 class EventFunction:
     """One event function of a kind, with its name and the values in the events.
 
-    Its mode is the sign of the surface (0 or 1), the segment of a `table` over it, or its side of a `band` about zero
-    of that half width (-1, 0, 1). lock: what it watches of a switched constraint: "slip", "gap", "sign" (of a force), "hold"
+    surface: the expression g. Its mode is the sign of g (0 or 1), the segment of a `table` over it, or its side of a `band`
+    about zero of that half width (-1, 0, 1). constraint: its part in a switched one: "slip", "gap", "sign" (of a force), "hold"
     or "free"; the solver then decides about its mode together with those of all others ("free" apart: 1 where it is not
     engaged).
     """
@@ -54,7 +54,7 @@ class EventFunction:
 
     @property
     def is_sign(self) -> bool:
-        """Whether the mode is the sign of the surface."""
+        """Whether the mode is the sign of the event function."""
         return self.table is None and self.band is None and self.constraint is None
 
 
@@ -68,7 +68,7 @@ class Freezer:
     _memo: dict[Any, Any] = field(default_factory=dict)
 
     def declare(self, declared: Iterable[Switch]) -> None:
-        """Takes the named switches first, so that conditions on the same surfaces find them."""
+        """Takes the named switches first, so that conditions with the same event functions find them."""
         for item in declared:
             indicator = self._indicator(sp.sympify(item.surface), item.name)
             for switch in self.switches:
@@ -77,7 +77,7 @@ class Freezer:
                     if item.when != 1:
                         switch.when = self.freeze(sp.sympify(item.when))
 
-    def watch(self, constraint: ConstraintLaw) -> ConstraintLaw:
+    def add_constraint(self, constraint: ConstraintLaw) -> ConstraintLaw:
         """The switched constraint with its switches: its slip (or gap), its constraint force, and whether it is engaged."""
         first = {"stop": "gap", "tie": "sign"}.get(constraint.kind, "slip")
         name = "" if constraint.kind in ("tie", "loss") else constraint.name

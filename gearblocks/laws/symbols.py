@@ -27,10 +27,9 @@ class SymbolRole:
     """Role of a symbol: what it stands for.
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
-    w, alpha, tau, state, coordinate, mode, direction, stuck, held, friction (of a Stick: by its name; the last one is its
-    whole force in equations for reading); in generated functions column, force, gain (of a flange on its group), growth
-    (rate of the torque on a flange), local (C text). of:
-    flange, state, switch number, path, or the leaf itself.
+    w, alpha, tau, state, coordinate, mode, direction, stuck, constraint_force, friction (of a Stick: by its name; the last one:
+    sliding or constraint force, in equations for reading); in generated functions column, force, gain (of a flange on its
+    group), torque_rate (of a flange), local (C text). of: flange, state, switch number, path, or the leaf itself.
     """
 
     role: str
@@ -64,7 +63,7 @@ class Pool:
         self.nonzero: set[str] = set()
         """Numbers of the block that its bounds keep from 0."""
         self.starts: set[str] = set()
-        """Numbers of the block that are start values of its shafts."""
+        """Numbers of the block that are start values of its bodies."""
         self._made: dict[SymbolRole, Any] = {}
 
     def symbol(self, role: str, of: Any, text: str) -> Any:
@@ -151,7 +150,7 @@ class FlangeSymbols:
 
     @property
     def mobility(self) -> Any:
-        """1/J of everything tied rigidly to the flange."""
+        """1/J of the rigid group of the flange."""
         return self._pool.symbol("mobility", self._name, f"mobility_{self._name}")
 
 
@@ -236,7 +235,7 @@ class Symbols:
         and the constraint force (0 unless stuck), which only Shows can read."""
         direction = self._pool.symbol("direction", name, f"dir_{name}".rstrip("_"))
         stuck = self._pool.symbol("stuck", name, f"stuck_{name}".rstrip("_"))
-        return direction, stuck, self._pool.symbol("held", name, f"held_{name}".rstrip("_"))
+        return direction, stuck, self._pool.symbol("constraint_force", name, f"held_{name}".rstrip("_"))
 
     @property
     def reading(self) -> bool:

@@ -1,1 +1,1 @@
-"""What a train is: components, connections, paths, values."""
+"""What a train is: components, connections, paths, values. Knows nothing of laws."""

@@ -1,6 +1,7 @@
 """Structure of a train: what of its blocks decides the form of the equations, and what is only a number.
 
-Two trains of equal structure share one program."""
+Two trains of equal structure share one program. Knows nothing of laws.
+"""
 
 from __future__ import annotations
 

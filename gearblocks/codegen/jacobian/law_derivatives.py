@@ -21,17 +21,17 @@ from gearblocks.laws.energy_balance import vanishes
 
 @dataclass(slots=True)
 class Gradient:
-    """What an expression changes by: b of each unknown; its change along simple states, over numbers that are kept; and
-    its slope over each output that a signal reads, by path."""
+    """What an expression changes by: b of each unknown; its change along kinematic states, over numbers that are kept; and
+    its slope over each feedback signal, by path."""
 
     unknowns: dict[Any, Any] = field(default_factory=dict)
     change: Any = 0
-    senses: dict[str, Any] = field(default_factory=dict)
+    feedback: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
 class Fed:
-    """An entry of the matrix that comes from a sensed output: row of the unknown, minus value * b of the output."""
+    """An entry of the matrix that comes from a feedback signal: row of the unknown, minus value * b of the output."""
 
     row: Any
     path: str
@@ -43,7 +43,7 @@ class Slopes:
 
     kept_at: the first of the numbers that it keeps (`width` of each kind); kept_end: the first after them.
     entries: by (row, column) in symbols of unknowns. sides: what right_side does. direct: whether coordinates and angles
-    stand for themselves (varying.py); else their rates stand for them.
+    stand for themselves (unknowns_varying.py); else their rates stand for them.
     """
 
     def __init__(self, code: BatchCode, kept_at: int, width: int, *, direct: bool = False) -> None:
@@ -77,19 +77,19 @@ class Slopes:
     def gradient(self, expr: Any) -> Gradient:
         """The derivatives of an expression of the batch. NotImplementedError where there is no formula."""
         found = Gradient()
-        slots, g = self.code.law.pool.roles, self.g
+        roles, g = self.code.law.pool.roles, self.g
         for x, slope in partial(self.code, expr):
-            role = slots[x].role
+            role = roles[x].role
             if role in ("w", "state") or (self.direct and role != "sense"):
                 found.unknowns[x] = found.unknowns.get(x, 0) + g * slope
                 continue
             if self.direct:
-                found.senses[slots[x].of] = slope
+                found.feedback[roles[x].of] = slope
                 continue
             now, then = self.keep(slope)
             if role == "sense":
-                found.senses[slots[x].of] = now
-                found.change += then * self.local(self._change(slots[x].of))
+                found.feedback[roles[x].of] = now
+                found.change += then * self.local(self._change(roles[x].of))
                 continue
             for w, c in self._rate_of(x):
                 found.unknowns[w] = found.unknowns.get(w, 0) + g**2 * c * now
@@ -97,8 +97,8 @@ class Slopes:
         return found
 
     def _change(self, path: str) -> Operand:
-        """The change of an output that a signal reads."""
-        return Operand(Role.SIGNAL_CHANGES, self.code.offsets.senses[path])
+        """The change of a feedback signal."""
+        return Operand(Role.SIGNAL_CHANGES, self.code.offsets.feedback[path])
 
     def _rate_of(self, x: Any) -> Iterator[tuple[Any, Any]]:
         """(speed, coefficient) of the rate of a coordinate or an angle."""
@@ -116,7 +116,7 @@ class Slopes:
 
     # -- what the batch adds ------------------------------------------------------------------------------------------
 
-    def add_all(self, *, with_growths: bool) -> None:
+    def add_all(self, *, with_torque_rates: bool) -> None:
         """Forces along their deflections, other torques, rates of states, and rates of torques where they are wanted."""
         code, pool = self.code, self.code.law.pool
         torques = {f: e for f, e in code.torques.items() if code.batch.groups[f][0] != GROUND_GROUP}
@@ -129,11 +129,11 @@ class Slopes:
             self._add({self._speed(flange): sp.Integer(1)}, expr.xreplace(none))
         for state, expr in code.rates.items():
             self._add({pool.symbol("state", state, state): sp.Integer(1)}, expr)
-        for flange, expr in code.balance.torque_rates.items() if with_growths else ():
-            self._add({pool.symbol("growth", flange, f"growth_{flange}"): sp.Integer(1)}, expr)
+        for flange, expr in code.balance.torque_rates.items() if with_torque_rates else ():
+            self._add({pool.symbol("torque_rate", flange, f"torque_rate_{flange}"): sp.Integer(1)}, expr)
 
     def _add(self, row: dict[Any, Any], expr: Any) -> None:
-        """Something that drives the unknowns of `row`, each with its coefficient: S -= row b'."""
+        """A term of the rates of the unknowns of `row`, each with its coefficient: S -= row b'."""
         found = self.gradient(expr)
         name = len(self.sides)
         pivot = next((x for x, a in row.items() if a.is_Number), None)
@@ -145,7 +145,7 @@ class Slopes:
         for x, a in row.items():
             for y, b in columns.items():
                 self.entries[x, y] = self.entries.get((x, y), 0) + a * b * self._gain(x) * self._gain(y)
-            for path, slope in found.senses.items():
+            for path, slope in found.feedback.items():
                 self.fed.append(Fed(x, path, -a * slope * self._gain(x)))
         self.sides.append(({x: a * self._gain(x) for x, a in row.items()}, found.change))
 
@@ -180,12 +180,12 @@ def partial(code: BatchCode, expr: Any) -> Iterator[tuple[Any, Any]]:
     NotImplementedError where there is no formula.
     """
     expr = sp.sympify(expr)
-    slots = code.law.pool.roles
+    roles = code.law.pool.roles
     steady = {h: sp.Dummy(real=True) for h in expr.atoms(sp.Heaviside)}
     expr = expr.xreplace(steady)
-    for x in sorted(expr.free_symbols & slots.keys(), key=lambda x: str(x.name)):
-        meaning = slots[x]
-        if meaning.role in ("alpha", "tau", "held"):
+    for x in sorted(expr.free_symbols & roles.keys(), key=lambda x: str(x.name)):
+        meaning = roles[x]
+        if meaning.role in ("alpha", "tau", "constraint_force"):
             raise NotImplementedError(f"no derivative by {x}")
         if meaning.role not in ("w", "phi", "state", "coordinate", "sense"):
             continue

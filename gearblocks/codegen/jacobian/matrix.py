@@ -1,6 +1,6 @@
-"""The Jacobian of a train in generated code: places of the matrix, and what each batch adds to it.
+"""The Jacobian of a train in generated code: offsets in the matrix, and what each batch adds to it.
 
-A batch whose flanges sit on different independent groups adds by columns of places; any other entry goes through a
+A batch whose flanges sit on different independent groups adds by columns of offsets; any other entry goes through a
 sparse table that spreads it over the unknowns it stands for.
 """
 
@@ -20,7 +20,7 @@ from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
 from gearblocks.codegen.jacobian.unknowns import Unknowns
 from gearblocks.codegen.jacobian.unknowns_varying import Varying
 from gearblocks.codegen.operands import Assignment, Choice, Index, Local, Operand, Role
-from gearblocks.codegen.parts import Call, Computed, Following, Linear, SignalDerivatives
+from gearblocks.codegen.parts import Call, Computed, GroupRows, Linear, SignalDerivatives
 
 
 def linear_part(g: Generator) -> Linear | None:
@@ -30,16 +30,16 @@ def linear_part(g: Generator) -> Linear | None:
         batches, kept = [], 0
         for code in g.codes:
             slopes = Slopes(code, kept, code.n, direct=isinstance(unknowns, Varying))
-            slopes.add_all(with_growths=unknowns.by_rate)
+            slopes.add_all(with_torque_rates=unknowns.by_rate)
             batches.append(slopes)
             kept = slopes.kept_end
-        senses = SignalSlopes(g, unknowns, kept)
-        senses.find({fed.path for slopes in batches for fed in slopes.fed})
-        matrix = Matrix(unknowns, senses)
+        feedback = SignalSlopes(g, unknowns, kept)
+        feedback.find({fed.path for slopes in batches for fed in slopes.fed})
+        matrix = Matrix(unknowns, feedback)
         pattern = eliminate(unknowns.count, matrix.coupled(batches))
-        linear = Linear(pattern, unknowns.n_kinematic, unknowns.first_speed, senses.kept, senses.n_slopes)
+        linear = Linear(pattern, unknowns.n_kinematic, unknowns.first_speed, feedback.kept, feedback.n_slopes)
         if isinstance(unknowns, Unknowns) and not unknowns.plain:
-            linear.following = Following(
+            linear.group_rows = GroupRows(
                 unknowns.speeds,
                 unknowns.with_inertia,
                 unknowns.torques,
@@ -48,7 +48,7 @@ def linear_part(g: Generator) -> Linear | None:
                 *unknowns.tilts(),
             )
         matrix.write(linear, batches)
-        linear.feedback = senses.codes()
+        linear.feedback = feedback.codes()
     except NotImplementedError:  # a law without derivative, or one that C does not know
         return None
     return linear
@@ -73,7 +73,7 @@ def _single(rows: Sequence[Any]) -> list[int] | None:
 
 
 class SignalSlopes:
-    """Slopes of the sensed outputs that laws depend on: b over unknowns of their own and of what they read in turn."""
+    """Slopes of the feedback signals that laws read: b over unknowns of their own and of what they read in turn."""
 
     def __init__(self, g: Generator, unknowns: Unknowns | Varying, kept: int) -> None:
         self.g, self.unknowns, self.kept = g, unknowns, kept
@@ -88,25 +88,25 @@ class SignalSlopes:
         for path in reversed(self.g.feedback):  # each reads only earlier ones
             if path in wanted or path in needed:
                 needed[path] = None
-                sense = self.g.feedback[path]
-                slots = self.g.codes[sense.batch].law.pool.roles
-                needed.update({slots[x].of: None for x in sense.expr.free_symbols if slots[x].role == "sense"})
+                signal = self.g.feedback[path]
+                roles = self.g.codes[signal.batch].law.pool.roles
+                needed.update({roles[x].of: None for x in signal.expr.free_symbols if roles[x].role == "sense"})
         for path in self.g.feedback:
             if path in needed:
                 self._add(path)
 
     def _add(self, path: str) -> None:
-        sense = self.g.feedback[path]
-        code = self.g.codes[sense.batch]
+        signal = self.g.feedback[path]
+        code = self.g.codes[signal.batch]
         slopes = Slopes(code, self.kept, 1, direct=isinstance(self.unknowns, Varying))
-        found = slopes.gradient(sense.expr)
+        found = slopes.gradient(signal.expr)
         self.kept = slopes.kept_end
         self.first[path] = self.n_slopes
         exprs, rows = [], []
         for x, b in slopes.own(found).items():
             exprs.append(b)
-            rows.append(self.unknowns.columns(code, x)[sense.instance])
-        for other, slope in found.senses.items():
+            rows.append(self.unknowns.columns(code, x)[signal.instance])
+        for other, slope in found.feedback.items():
             exprs += [
                 slope * slopes.local(Operand(Role.SIGNAL_SLOPES, self.first[other] + i))
                 for i in range(len(self.rows[other]))
@@ -117,15 +117,15 @@ class SignalSlopes:
         ]
         self.n_slopes += len(exprs)
         self.rows[path] = rows
-        self._parts.append((slopes, sense.index, sense.instance, slopes.statements + targets, found.change))
+        self._parts.append((slopes, signal.index, signal.instance, slopes.statements + targets, found.change))
 
     def codes(self) -> list[SignalDerivatives]:
         """The functions, in the order in which they are called."""
         made = []
         for slopes, index, e, statements, change in self._parts:
-            function = slopes.code.function(f"sense_slope_{index}", statements)
+            function = slopes.code.function(f"feedback_slope_{index}", statements)
             along = Assignment(Operand(Role.SIGNAL_CHANGES, index), "=", change)
-            side = slopes.code.function(f"sense_change_{index}", [along], vector=Role.DIRECTION)
+            side = slopes.code.function(f"feedback_change_{index}", [along], vector=Role.DIRECTION)
             made.append(SignalDerivatives(Call(function, e), Call(side, e)))
         return made
 
@@ -136,8 +136,8 @@ class SignalSlopes:
 class Matrix:
     """Where the entries of batches go."""
 
-    def __init__(self, unknowns: Unknowns | Varying, senses: SignalSlopes) -> None:
-        self.unknowns, self.feedback = unknowns, senses
+    def __init__(self, unknowns: Unknowns | Varying, feedback: SignalSlopes) -> None:
+        self.unknowns, self.feedback = unknowns, feedback
         self.spread: list[Any] = []
         self.op = "spread_terms" if isinstance(unknowns, Varying) else "spread"
 
@@ -170,7 +170,7 @@ class Matrix:
             linear.keep("jacobian", function)
             if self.op == "spread":
                 linear.keep("right_side", self._side(slopes))
-                linear.keep("kinematic_rates", _simple_rates(slopes.code))
+                linear.keep("kinematic_rates", _kinematic_rates(slopes.code))
         linear.first_mass = len(self.spread)
         if not self.unknowns.plain:
             inertias = zip(self.unknowns.torques, self.unknowns.with_inertia, strict=True)
@@ -184,27 +184,27 @@ class Matrix:
         """What groups with gains that change add, and the tables of their rows."""
         pattern, numbers = linear.pattern, unknowns.numbers
         for function in unknowns.functions:
-            linear.keep("drive_slopes", function)
+            linear.keep("prescribed_derivatives", function)
         linear.computed = computed = Computed(
             [float(x) for x in numbers.start], unknowns.g, unknowns.gains, numbers.steps, unknowns.with_inertia, [],
-            unknowns.simple(), [group for group, *_ in unknowns.carried],
+            unknowns.kinematic_rates(), [group for group, *_ in unknowns.reduced],
         )  # fmt: skip
         computed.first_acceleration_bias = len(self.spread)
-        surplus = zip(unknowns.with_inertia, unknowns.accelerations, strict=True)
-        self.spread += [self._entry(pattern, *pair) for pair in surplus]
-        computed.first_carried = len(self.spread)
-        self.spread += [self._entry(pattern, row, other) for _, row, other in unknowns.carried]
+        biased = zip(unknowns.with_inertia, unknowns.accelerations, strict=True)
+        self.spread += [self._entry(pattern, *pair) for pair in biased]
+        computed.first_reduced = len(self.spread)
+        self.spread += [self._entry(pattern, row, other) for _, row, other in unknowns.reduced]
         computed.rates = len(self.spread)
         self.spread.append([term for pair in unknowns.rates() for term in self._entry(pattern, *pair)])
         linear.terms, computed.entries = self.spread, list(unknowns.kept)
 
     def _direct(self, slopes: Slopes, pattern: Pattern) -> tuple[list[Assignment], list[Argument]] | None:
-        """Entries by columns of places, where every symbol is one unknown and no two are the same."""
+        """Entries by columns of offsets, where every symbol is one unknown and no two are the same."""
         if self.op != "spread":
             return None
         places: dict[Any, list[int]] = {}
         for x in {x: None for pair in slopes.entries for x in pair}:
-            if slopes.code.law.pool.roles[x].role == "growth":
+            if slopes.code.law.pool.roles[x].role == "torque_rate":
                 return None
             columns = self.unknowns.columns(slopes.code, x)
             single = _single(columns)
@@ -250,7 +250,7 @@ class Matrix:
         return targets
 
     def _sensed(self, slopes: Slopes, pattern: Pattern) -> list[Assignment]:
-        """Entries that a sensed output brings: one per unknown that it depends on."""
+        """Entries that a feedback signal brings: one per unknown that it depends on."""
         targets: list[Assignment] = []
         for fed in slopes.fed:
             rows = self.unknowns.equations(slopes.code, fed.row)
@@ -292,7 +292,7 @@ def _argument(slopes: Slopes, name: str, values: Sequence[int]) -> Argument:
     return Argument("int", name, column(f"{slopes.code.batch.name}_{name}", values))
 
 
-def _simple_rates(code: BatchCode) -> Function:
+def _kinematic_rates(code: BatchCode) -> Function:
     """Rates of the coordinates of a batch from the speeds of groups."""
     own = [j for j in range(len(code.speeds)) if code.batch.used[j] and not code.batch.dependent[j]]
     targets = [Assignment(Operand(Role.OUTPUTS, f"q{j}"), "=", code.speeds[j]) for j in own]

@@ -23,9 +23,9 @@ Slope = dict[Any, list[int]]
 
 @dataclass(slots=True)
 class MotionDerivatives:
-    """What the speed, the acceleration and the angle of a driven group, and the gain of each flange, change by.
+    """What the speed, the acceleration and the angle of a group with prescribed motion, and the gain of each flange, change by.
 
-    With the motion of the sources held: speed and acceleration of the group by angles, speeds and states; the angle by
+    With the motion of the sources kept: speed and acceleration of the group by angles, speeds and states; the angle by
     states alone.
     """
 
@@ -41,24 +41,24 @@ def number_of(x: Any) -> Exact:
     return exact_value(x, {}) if x.is_Rational else exact(float(x))
 
 
-def drive_slopes(
+def prescribed_derivatives(
     code: BatchCode, number: int, rows: Sequence[PrescribedRow], numbers: Numbers
 ) -> tuple[MotionDerivatives, Function]:
-    """The derivatives of drive `number` of a batch, and the function that computes those that are no numbers.
+    """The derivatives of prescribed motion `number` of a batch, and the function that computes those that are no numbers.
 
-    rows: the drive of each instance. NotImplementedError where there is no formula.
+    rows: the prescribed motion of each instance. NotImplementedError where there is no formula.
     """
-    drive, pool = code.drives[number], code.law.pool
+    motion, pool = code.prescribed[number], code.law.pool
     turning = {
-        n: gain for n, gain in drive.gains.items() if code.batch.groups.get(n, [GROUND_GROUP])[0] != GROUND_GROUP
+        n: gain for n, gain in motion.gains.items() if code.batch.groups.get(n, [GROUND_GROUP])[0] != GROUND_GROUP
     }
-    speed, acceleration = dict(partial(code, drive.velocity_bias)), dict(partial(code, drive.acceleration_bias))
+    speed, acceleration = dict(partial(code, motion.velocity_bias)), dict(partial(code, motion.acceleration_bias))
     gains = {n: dict(partial(code, gain)) for n, gain in turning.items()}
     for n, slopes in gains.items():
         for x, slope in slopes.items():
             speed[x] = speed.get(x, 0) + slope * pool.symbol("w", n, f"w_{n}")
             acceleration[x] = acceleration.get(x, 0) + slope * pool.symbol("alpha", n, f"alpha_{n}")
-    angle = {} if drive.angle is None else dict(partial(code, drive.angle))
+    angle = {} if motion.angle is None else dict(partial(code, motion.angle))
     writer = _Writer(code, number, numbers)
     scales = [d.scale for d in rows]
     made = MotionDerivatives(
@@ -70,15 +70,15 @@ def drive_slopes(
 
 
 class _Writer:
-    """Gives derivatives their places among the numbers."""
+    """Gives derivatives their offsets among the numbers."""
 
     def __init__(self, code: BatchCode, number: int, numbers: Numbers) -> None:
-        self.code, self.name, self.numbers = code, f"drive_slopes{number}", numbers
+        self.code, self.name, self.numbers = code, f"prescribed_derivatives{number}", numbers
         self.targets: list[Assignment] = []
         self.args: list[Argument] = []
 
     def take(self, slopes: Mapping[Any, Any], scales: Sequence[Exact]) -> Slope:
-        """The places of derivatives, each times the scale of its instance."""
+        """The offsets of derivatives, each times the scale of its instance."""
         found: Slope = {}
         for x, slope in slopes.items():
             if slope.is_number:

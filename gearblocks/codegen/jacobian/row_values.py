@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from gearblocks.laws.rational import Exact
 
 Row = dict[int, int]
-"""By unknown, or -1 - s of a simple state s: the place of a number."""
+"""By unknown, or -1 - s of a kinematic state s: the offset of a number."""
 
 
 @dataclass(slots=True)
@@ -24,14 +24,14 @@ class Numbers:
     _fixed: set[int] = field(default_factory=set)
 
     def constant(self, value: Exact) -> int:
-        """The place of a constant."""
+        """The offset of a constant."""
         if value not in self._constants:
             self._constants[value] = self.place(value)
             self._fixed.add(self._constants[value])
         return self._constants[value]
 
     def place(self, start: Exact = 0) -> int:
-        """A new place, for a number that something writes."""
+        """A new offset, for a number that something writes."""
         self.start.append(start)
         return len(self.start) - 1
 

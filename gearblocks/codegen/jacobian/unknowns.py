@@ -22,8 +22,8 @@ class Unknowns:
     """Numbers of the unknowns, and how the speeds and torques of groups belong to them.
 
     n_kinematic: states before them; first_speed: the unknown of the first speed. speeds: of each group (what time alone
-    moves is left aside); torques, torque_rates: where the torque on a group counts, and the rate of it (shafts that springs
-    alone hold); with_inertia: speeds of the groups with inertia.
+    moves is left aside); torques, torque_rates: the equations that the torque on a group belongs to, and its torque rate
+    (groups between springs alone); with_inertia: speeds of the groups with inertia.
     """
 
     def __init__(self, g: Generator) -> None:
@@ -35,21 +35,23 @@ class Unknowns:
         free = range(assembly.n_speeds + assembly.n_massless)
         self.speeds: list[Row] = [{self.first_speed + group: 1} for group in free]
         self.speeds += [{} for _ in range(assembly.n_groups - len(free))]
-        self._drives = {f.group: _Drive(g, f.prescribed) for f in assembly.dependent_groups if f.prescribed is not None}
-        for f in assembly.dependent_groups:  # each after what it follows
-            total, drive = Combination(), self._drives.get(f.group)
-            for source, c in (f.row or drive or total).groups.items():
+        self._prescribed = {
+            f.group: _Prescribed(g, f.prescribed) for f in assembly.dependent_groups if f.prescribed is not None
+        }
+        for f in assembly.dependent_groups:  # each after its sources
+            total, motion = Combination(), self._prescribed.get(f.group)
+            for source, c in (f.row or motion or total).groups.items():
                 total.add(Combination(self.speeds[source]), c)
-            if drive is not None:
-                total.add(Combination({y - self.n_kinematic: c for y, c in drive.speed.items()}), 1)
+            if motion is not None:
+                total.add(Combination({y - self.n_kinematic: c for y, c in motion.speed.items()}), 1)
             self.speeds[f.group] = total.groups
         damped = g.massless.damped if g.massless is not None else []
-        held = {self.first_speed + assembly.n_speeds + i for i, by_damper in enumerate(damped) if not by_damper}
-        self.by_rate = bool(held)
+        sprung = {self.first_speed + assembly.n_speeds + i for i, by_damper in enumerate(damped) if not by_damper}
+        self.by_rate = bool(sprung)
         self.torques, self.torque_rates = self.speeds, self.speeds[:0]
         if not self.plain:
-            self.torques = [{i: a for i, a in row.items() if self._turns(i) and i not in held} for row in self.speeds]
-            self.torque_rates = [{i: a for i, a in row.items() if i in held} for row in self.speeds]
+            self.torques = [{i: a for i, a in row.items() if self._turns(i) and i not in sprung} for row in self.speeds]
+            self.torque_rates = [{i: a for i, a in row.items() if i in sprung} for row in self.speeds]
         with_inertia = assembly.with_inertia | set(range(assembly.n_speeds))
         self.with_inertia = [row if group in with_inertia else {} for group, row in enumerate(self.speeds)]
         self.definitions = assembly.definitions
@@ -63,7 +65,7 @@ class Unknowns:
 
     def equations(self, code: BatchCode, x: Any) -> list[Row]:
         """The equations that the torque on a flange, its rate of change or the rate of a state belongs to."""
-        is_rate = code.law.pool.roles[x].role == "growth"
+        is_rate = code.law.pool.roles[x].role == "torque_rate"
         return self._of(code, x, self.torque_rates if is_rate else self.torques)
 
     def _of(self, code: BatchCode, x: Any, of_group: list[Row]) -> list[Row]:
@@ -83,7 +85,7 @@ class Unknowns:
         return found
 
     def tilts(self) -> tuple[list[Row], list[Row]]:
-        """How defined angles change with the angles of other groups and with the state vector, drives included."""
+        """How defined angles change with the angles of other groups and with the state vector, prescribed motions included."""
         groups: list[Row] = []
         states: list[Row] = []
         for group, row in self.definitions:
@@ -91,31 +93,31 @@ class Unknowns:
                 groups.append(row.groups)
                 states.append(row.coordinates)
             else:
-                groups.append(self._drives[group].groups)
-                states.append(self._drives[group].angle)
+                groups.append(self._prescribed[group].groups)
+                states.append(self._prescribed[group].angle)
         return groups, states
 
 
-class _Drive:
-    """A drive with constant gains: on groups, and of states of its block (by place in y) on the speed and the angle."""
+class _Prescribed:
+    """A prescribed motion with constant gains: on groups, and of states of its block (by offset in y) on speed and angle."""
 
-    def __init__(self, g: Generator, driven: PrescribedRow) -> None:
-        code = next(code for code in g.codes if driven.component in code.batch.components)
-        drive = code.law.prescribed[driven.number]
+    def __init__(self, g: Generator, row: PrescribedRow) -> None:
+        code = next(code for code in g.codes if row.component in code.batch.components)
+        motion = code.law.prescribed[row.number]
         total = Combination()
-        for flange, (group, factor) in driven.factors.items():
-            total.add(Combination({group: factor}), exact_value(drive.gains[flange], {}))
+        for flange, (group, factor) in row.factors.items():
+            total.add(Combination({group: factor}), exact_value(motion.gains[flange], {}))
         self.groups = total.groups
-        e = code.batch.components.index(driven.component)
-        self.speed = _states(g, code, drive.velocity_bias, e, driven.scale)
-        self.angle = _states(g, code, drive.angle, e, driven.scale) if drive.angle is not None else {}
+        e = code.batch.components.index(row.component)
+        self.speed = _states(g, code, motion.velocity_bias, e, row.scale)
+        self.angle = _states(g, code, motion.angle, e, row.scale) if motion.angle is not None else {}
 
 
 def _states(g: Generator, code: BatchCode, expr: Any, e: int, scale: Exact) -> Row:
-    """The factors of the states of instance e in an expression that is linear in them, by place in y."""
-    slots = code.law.pool.roles
-    states = [x for x in sp.sympify(expr).free_symbols if slots[x].role == "state"]
+    """The factors of the states of instance e in an expression that is linear in them, by offset in y."""
+    roles = code.law.pool.roles
+    states = [x for x in sp.sympify(expr).free_symbols if roles[x].role == "state"]
     return {
-        g.lay.state0[code.number, slots[x].of] + e: exact_value(sp.diff(expr, x), {}) * scale
+        g.lay.state0[code.number, roles[x].of] + e: exact_value(sp.diff(expr, x), {}) * scale
         for x in sorted(states, key=lambda x: str(x.name))
     }

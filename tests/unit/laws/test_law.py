@@ -53,7 +53,7 @@ def test_parts_are_asked_for_by_name_or_role_and_come_in_the_order_of_the_traver
     law = _law(gb.Clutch(mu=gb.Table([0, 1], [0.5, 0.4]), force_max=3.0, engagement=gb.time))
     assert law.expressions("rates") == list(law.rates.values())
     assert law.expressions("rates", "torques") == [*law.torques.values(), *law.rates.values()]
-    assert law.expressions(RATIOS) == [c for k in law.constraints.values() for c in k.push.values()]
+    assert law.expressions(RATIOS) == [c for k in law.constraints.values() for c in k.row.values()]
     assert set(law.expressions(STAGE)) >= {*law.torques.values(), *law.rates.values(), law.loss}
     assert not any({READ, LOCATED} <= set(part.roles) for part in PARTS.values())
     assert len(law.expressions(COORDINATES)) < len(law.expressions())
