@@ -24,6 +24,7 @@ from gearblocks.assembly.kinematics import PrescribedRow
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly, Batch
 from gearblocks.errors import ModelError
 from gearblocks.laws.functions import TableAt
+from gearblocks.laws.law import WRAPPED
 from gearblocks.laws.rational import Exact, exact_value, over
 
 MOST_TURNS = 10**6
@@ -270,10 +271,7 @@ class _Search:
 
     def _read(self, number: int, reading: _Reading) -> _Reading:
         law = self.assembly.batches[number].law
-        exprs = [*law.forces.values(), *law.torques.values(), *law.rates.values(), *law.starts.values()]
-        exprs += [e for x in law.prescribed for e in (*x.gains.values(), x.velocity_bias, x.acceleration_bias)]
-        exprs += [e for e in (law.stored, law.loss, law.supplied) if e is not None]
-        exprs += [s.surface for s in law.switches if s.table is None]
+        exprs = [*law.expressions(WRAPPED), *(s.surface for s in law.switches if s.table is None)]
         for expr in exprs:
             reading.periodic(sp.sympify(expr))
         self._take(reading)

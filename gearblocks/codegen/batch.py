@@ -33,20 +33,21 @@ class BatchCode:
         self.paths = [c.path for c in components]
         self.words = of_components(type(components[0].block).__name__, self.paths)
         self.hoister = Hoister(self.law.pool)
+        self._in_motion: list[Any] = []
         self.symbols = SymbolNames(lay, number, batch, offsets)
 
     # -- the law with hoisted terms -----------------------------------------------------------------------------------
 
     def hoist_all(self) -> None:
         """Moves constant and timed parts of the law's expressions into columns."""
-        hoist, law = self.hoister.hoist, self.law
+        hoist, apart, law = self.hoist, self.hoister.hoist, self.law
         self.forces = {x: hoist(self.hoister.spread(e)) for x, e in law.forces.items()}
         self.symbols.forces = self.forces
         self.torques = {n: hoist(e) for n, e in law.torques.items()}
         self.rates = {n: hoist(e) for n, e in law.rates.items()}
         self.loss = None if law.loss is None else hoist(law.loss)
         self.supplied = None if law.supplied is None else hoist(law.supplied)
-        self.stored = None if law.stored is None else hoist(law.stored)
+        self.stored = None if law.stored is None else apart(law.stored)
         self.events = EventFunctions(self.lay.assembly, self.batch, hoist)
         self.surfaces = [
             hoist(s.surface) if sort in ("affine", "general") else s.surface
@@ -54,7 +55,7 @@ class BatchCode:
         ]
         self.bands = [None if s.band is None else hoist(s.band) for s in law.switches]
         self.whens = [hoist(sp.sympify(s.when)) for s in law.switches]
-        self.shows = [(x, hoist(x.expr)) for x in law.shows]
+        self.shows = [(x, apart(x.expr)) for x in law.shows]
         self.holds = [(state, hoist(self._held(*rest, state=state))) for state, *rest in law.holds]
         self.speeds = [self._coordinate_rate(j) for j in range(len(law.forms))]
         self.prescribed = [frozen_motion(x, hoist) for x in law.prescribed]
@@ -69,6 +70,12 @@ class BatchCode:
         massless = self.offsets.massless
         self.balance = balance_of(self.batch, hoist, massless, self.offsets.floats) if massless else Balance()
 
+    def hoist(self, expr: Any) -> Any:
+        """An expression that the motion needs, with hoisted terms in it; outputs and energies are hoisted apart."""
+        hoisted = self.hoister.hoist(expr)
+        self._in_motion.append(hoisted)
+        return hoisted
+
     def _held(self, value: Any, when: Any, *, state: str) -> Any:
         """A state of Hold after an event: the value where `when` has just turned to 1, else as it was."""
         pool = self.law.pool
@@ -82,24 +89,13 @@ class BatchCode:
         total: Any = sp.Integer(0)
         for flange, expr in self.law.forms[j].coefficients.items():
             if self.batch.groups[flange][0] != GROUND_GROUP:
-                total += self.hoister.hoist(expr) * self.law.pool.symbol("w", flange, f"w_{flange}")
+                total += self.hoist(expr) * self.law.pool.symbol("w", flange, f"w_{flange}")
         return total
 
     def moving_terms(self, sensed: set[str]) -> set[Any]:
-        """Columns that the motion needs; the others are read by outputs and energies alone. sensed: names of outputs."""
-        motions = [
-            e for x in self.prescribed for e in (*x.gains.values(), x.velocity_bias, x.acceleration_bias, x.angle)
-        ]
-        balance = (*self.balance.torques.values(), *self.balance.torque_rates.values())
-        located = [e for i in range(len(self.events.sorts)) for e in self.events.read(i)]
-        exprs = [
-            *self.forces.values(), *self.torques.values(), *self.rates.values(), self.loss, self.supplied, *self.surfaces,
-            *self.bands, *self.whens, *self.speeds, *motions, *balance, *self.balance.damping_entries.values(),
-            *self.balance.stiffness_entries.values(), *self.starts.values(), *(e for _, e in self.holds),
-            self.constraint_loss, *(e for values in self.constraint_values.values() for e in values.values()),
-            *(e for x, e in self.shows if x.name in sensed), *located,
-        ]  # fmt: skip
-        found = {x for e in exprs if e is not None for x in sp.sympify(e).free_symbols}
+        """Terms that the motion needs; the others are read by outputs and energies alone. sensed: names of outputs."""
+        exprs = [*self._in_motion, *(e for x, e in self.shows if x.name in sensed)]
+        found = {x for e in exprs for x in e.free_symbols}
         for c in reversed(self.hoister.columns):
             if c.symbol in found:
                 found |= c.expr.free_symbols

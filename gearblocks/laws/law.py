@@ -25,6 +25,7 @@ COORDINATES = "written in relative coordinates"
 LOCATED = "conditions become located event functions"
 READ = "conditions read the modes of the rest and locate nothing"
 STAGE = "evaluated at each stage of a run"
+WRAPPED = "reads angles whose whole turns may be taken off"
 RATIOS = "enters ratios exactly"
 
 
@@ -117,19 +118,19 @@ PARTS: dict[str, _Part] = {
     "ties": _Part("ties", lambda x, f: [(_values(coefficients, f), constant) for coefficients, constant in x], (RATIOS,)),
     "slips": _Part("constraints", lambda x, f: {n: replace(k, row=_values(k.row, f)) for n, k in x.items()}, (RATIOS,)),
     "bodies": _Part("bodies", lambda x, f: [(flange, f(inertia)) for flange, inertia in x]),
-    "forces": _Part("forces", _values, (COORDINATES, LOCATED, STAGE)),
-    "torques": _Part("torques", _values, (COORDINATES, LOCATED, STAGE)),
-    "rates": _Part("rates", _values, (COORDINATES, LOCATED, STAGE)),
+    "forces": _Part("forces", _values, (COORDINATES, LOCATED, STAGE, WRAPPED)),
+    "torques": _Part("torques", _values, (COORDINATES, LOCATED, STAGE, WRAPPED)),
+    "rates": _Part("rates", _values, (COORDINATES, LOCATED, STAGE, WRAPPED)),
     "surfaces": _Part("switches", lambda x, f: [replace(w, surface=f(w.surface)) for w in x], (STAGE,)),
     "bands": _Part("switches", lambda x, f: [replace(w, band=_alone(w.band, f)) for w in x]),
     "whens": _Part("switches", lambda x, f: [replace(w, when=f(sp.sympify(w.when))) for w in x]),
-    "prescribed": _Part("prescribed", lambda x, f: [d.map_rates(f) for d in x], (LOCATED, STAGE)),
+    "prescribed": _Part("prescribed", lambda x, f: [d.map_rates(f) for d in x], (LOCATED, STAGE, WRAPPED)),
     "prescribed angles": _Part("prescribed", lambda x, f: [replace(d, angle=_alone(d.angle, f)) for d in x], (LOCATED,)),
-    "starts": _Part("starts", _values, (COORDINATES, LOCATED)),
+    "starts": _Part("starts", _values, (COORDINATES, LOCATED, WRAPPED)),
     "constraints": _Part("constraints", lambda x, f: {n: k.map(f) for n, k in x.items()}, (COORDINATES, STAGE)),
-    "stored": _Part("stored", _alone, (COORDINATES, LOCATED, STAGE)),
-    "loss": _Part("loss", _alone, (COORDINATES, LOCATED, STAGE)),
-    "supplied": _Part("supplied", _alone, (STAGE,)),
+    "stored": _Part("stored", _alone, (COORDINATES, LOCATED, STAGE, WRAPPED)),
+    "loss": _Part("loss", _alone, (COORDINATES, LOCATED, STAGE, WRAPPED)),
+    "supplied": _Part("supplied", _alone, (STAGE, WRAPPED)),
     "constraint_loss": _Part("constraint_loss", _alone),
     "holds": _Part("holds", lambda x, f: [(state, f(value), f(when)) for state, value, when in x], (COORDINATES, READ)),
     "shows": _Part("shows", lambda x, f: [replace(show, expr=f(show.expr)) for show in x], (COORDINATES, READ)),
@@ -138,5 +139,5 @@ PARTS: dict[str, _Part] = {
 
 def _parts(of: tuple[str, ...]) -> list[str]:
     """Names of the parts that are asked for, in the order of the traversal."""
-    assert set(of) <= {*PARTS, COORDINATES, LOCATED, READ, STAGE, RATIOS}, of
+    assert set(of) <= {*PARTS, COORDINATES, LOCATED, READ, STAGE, WRAPPED, RATIOS}, of
     return [name for name, part in PARTS.items() if not of or name in of or not set(of).isdisjoint(part.roles)]
