@@ -38,7 +38,7 @@ class BatchCode:
     # -- the law with hoisted terms -----------------------------------------------------------------------------------
 
     def hoist_all(self) -> None:
-        """Moves constant and timed parts of the law's expressions into columns."""
+        """Hoists constant and timed parts of the law's expressions."""
         hoist, law = self.hoister.hoist, self.law
         self.forces = {x: hoist(self.hoister.spread(e)) for x, e in law.forces.items()}
         self.symbols.forces = self.forces
@@ -86,7 +86,8 @@ class BatchCode:
         return total
 
     def moving_terms(self, sensed: set[str]) -> set[Any]:
-        """Columns that the motion needs; the others are read by outputs and energies alone. sensed: names of outputs."""
+        """Hoisted terms that the motion needs; the others are read by outputs and energies alone. sensed: names of outputs
+        that signals read."""
         motions = [
             e for x in self.prescribed for e in (*x.gains.values(), x.velocity_bias, x.acceleration_bias, x.angle)
         ]
@@ -100,14 +101,14 @@ class BatchCode:
             *(e for x, e in self.shows if x.name in sensed), *located,
         ]  # fmt: skip
         found = {x for e in exprs if e is not None for x in sp.sympify(e).free_symbols}
-        for c in reversed(self.hoister.columns):
+        for c in reversed(self.hoister.terms):
             if c.symbol in found:
                 found |= c.expr.free_symbols
         return found
 
     def mobile_groups(self) -> list[tuple[int, str]]:
         """(group, path) of every shaft whose mobility the law reads."""
-        used = {x for c in self.hoister.columns for x in c.expr.free_symbols}
+        used = {x for c in self.hoister.terms for x in c.expr.free_symbols}
         flanges = [meaning.of for x, meaning in self.law.pool.roles.items() if meaning.role == "mobility" and x in used]
         return [
             item
