@@ -39,7 +39,7 @@ class BatchCode:
     # -- the law with hoisted terms -----------------------------------------------------------------------------------
 
     def hoist_all(self) -> None:
-        """Moves constant and timed parts of the law's expressions into columns."""
+        """Hoists constant and timed parts of the law's expressions."""
         hoist, apart, law = self.hoist, self.hoister.hoist, self.law
         self.forces = {x: hoist(self.hoister.spread(e)) for x, e in law.forces.items()}
         self.symbols.forces = self.forces
@@ -93,17 +93,18 @@ class BatchCode:
         return total
 
     def moving_terms(self, sensed: set[str]) -> set[Any]:
-        """Terms that the motion needs; the others are read by outputs and energies alone. sensed: names of outputs."""
+        """Hoisted terms that the motion needs; the others are read by outputs and energies alone. sensed: names of outputs
+        that signals read."""
         exprs = [*self._in_motion, *(e for x, e in self.shows if x.name in sensed)]
         found = {x for e in exprs for x in e.free_symbols}
-        for c in reversed(self.hoister.columns):
+        for c in reversed(self.hoister.terms):
             if c.symbol in found:
                 found |= c.expr.free_symbols
         return found
 
     def mobile_groups(self) -> list[tuple[int, str]]:
         """(group, path) of every shaft whose mobility the law reads."""
-        used = {x for c in self.hoister.columns for x in c.expr.free_symbols}
+        used = {x for c in self.hoister.terms for x in c.expr.free_symbols}
         flanges = [meaning.of for x, meaning in self.law.pool.roles.items() if meaning.role == "mobility" and x in used]
         return [
             item

@@ -53,7 +53,7 @@ def generate(assembly: Assembly) -> Program:
     wrapping = find_wrapped_angles(assembly, in_law) if angles else AngleWrapping()
     g = Generator(assembly, lay_out(assembly, angles_in_law=angles, n_wrapped=len(wrapping.wrapped)), wrapping=wrapping)
     g.feedback = {path: FeedbackSignal(path, i) for i, path in enumerate(wanted)}
-    g.n_end = g.lay.tail
+    g.n_end = g.lay.quadratures0
     _columns(g)
     _laws(g)
     g.feedback = order_signals(g.feedback, g.codes, g.assembly, set(in_law), g.wrapping.unwrapped)
@@ -67,7 +67,7 @@ def generate(assembly: Assembly) -> Program:
 
 
 def _columns(g: Generator) -> None:
-    """Hoists every law and places exact values, inverse masses, hoisted columns and switches."""
+    """Hoists every law; offsets of exact values, inverse masses, hoisted terms and switches."""
     massless = massless_rows(g.assembly) if g.assembly.n_massless else {}
     at = len(g.lay.parameters)
     g.inverse_mass = at
@@ -161,7 +161,7 @@ def _state(g: Generator, code: BatchCode, state: str, vector: Role) -> Operand:
 
 
 def _supplies(g: Generator) -> None:
-    """Places in the ledger for the power of prescribed motions."""
+    """Offsets in the ledger of the power of prescribed motions."""
     if g.dependent is not None:
         g.supply0 = g.n_end
         for i in g.dependent.supplied:

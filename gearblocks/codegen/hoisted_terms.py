@@ -26,8 +26,8 @@ def lay_out_terms(g: Generator, code: BatchCode) -> None:
     times: dict[bool, list[Assignment]] = {False: [], True: []}
     means: list[Assignment] = []
     moving = code.moving_terms({path.rpartition(".")[2] for path in g.feedback})
-    inner = {c.symbol: c.expr for c in code.hoister.columns}
-    for item in code.hoister.columns:
+    inner = {c.symbol: c.expr for c in code.hoister.terms}
+    for item in code.hoister.terms:
         words = of_expression(item.expr, inner, code.offsets.tables)
         outputs_only = item.symbol not in moving
         if item.shared:

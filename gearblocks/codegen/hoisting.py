@@ -26,19 +26,19 @@ class HoistedTerm:
 
 @dataclass
 class Hoister:
-    """Replaces the constant and the timed parts of expressions of one batch by columns."""
+    """Replaces the constant and the timed parts of expressions of one batch by parameter terms and time terms."""
 
     pool: Pool
-    columns: list[HoistedTerm] = field(default_factory=list)
+    terms: list[HoistedTerm] = field(default_factory=list)
     _known: dict[tuple[int, Any], Any] = field(default_factory=dict)
 
     def hoist(self, expr: Any) -> Any:
-        """The expression with columns in place of everything that does not move with the state."""
+        """The expression with terms in place of everything that does not move with the state."""
         level = self.pool.level(expr)
         if level == CONSTANT:
-            return expr if _is_plain(expr) else self._column(expr, CONSTANT)
+            return expr if _is_plain(expr) else self._term(expr, CONSTANT)
         if level == TIMED:
-            return self._column(self._inside_timed(expr), TIMED)
+            return self._term(self._inside_timed(expr), TIMED)
         if not expr.args:
             return expr
         if isinstance(expr, (sp.Add, sp.Mul)):
@@ -46,8 +46,8 @@ class Hoister:
         return expr.func(*(self.hoist(a) if a.free_symbols else a for a in expr.args))
 
     def spread(self, expr: Any) -> Any:
-        """Carries factors that do not move into sums: each term then has one column, and the longest chain of operations
-        gets shorter. r (c v + k(t) g) becomes (r c) v + (r k(t)) g."""
+        """Carries factors that do not move into sums: each summand then has one hoisted term, and the longest chain of
+        operations gets shorter. r (c v + k(t) g) becomes (r c) v + (r k(t)) g."""
         if not expr.args or self.pool.level(expr) != MOVING:
             return expr
         if expr.is_Add:
@@ -71,31 +71,31 @@ class Hoister:
         )
 
     def _inside_timed(self, expr: Any) -> Any:
-        """A timed expression with its constant parts as columns."""
+        """A timed expression with its constant parts as parameter terms."""
         if self.pool.level(expr) == CONSTANT:
-            return expr if _is_plain(expr) else self._column(expr, CONSTANT)
+            return expr if _is_plain(expr) else self._term(expr, CONSTANT)
         if not expr.args:
             return expr
         if isinstance(expr, (sp.Add, sp.Mul)):
             constant = [a for a in expr.args if self.pool.level(a) == CONSTANT]
             rest = [self._inside_timed(a) for a in expr.args if self.pool.level(a) != CONSTANT]
             whole = expr.func(*constant)
-            return expr.func(whole if _is_plain(whole) else self._column(whole, CONSTANT), *rest)
+            return expr.func(whole if _is_plain(whole) else self._term(whole, CONSTANT), *rest)
         if isinstance(expr, (sp.sin, sp.cos)):
             return self._wave(expr)
         return expr.func(*(self._inside_timed(a) if a.free_symbols else a for a in expr.args))
 
     def _wave(self, expr: Any) -> Any:
-        """The column of a sine or cosine of time. A constant phase that belongs to the instance is taken out by the
+        """The time term of a sine or cosine of time. A constant phase that belongs to the instance is taken out by the
         addition theorem, so that instances with other phases share one sine and one cosine."""
-        terms = sp.Add.make_args(sp.expand(expr.args[0]))
-        phase = sp.Add(*(a for a in terms if self.pool.level(a) == CONSTANT))
-        running = sp.Add(*(a for a in terms if self.pool.level(a) != CONSTANT))
+        summands = sp.Add.make_args(sp.expand(expr.args[0]))
+        phase = sp.Add(*(a for a in summands if self.pool.level(a) == CONSTANT))
+        running = sp.Add(*(a for a in summands if self.pool.level(a) != CONSTANT))
         if self._is_common(phase) or not self._is_common(running):
-            return self._column(expr.func(self._inside_timed(expr.args[0])), TIMED)
-        c, s = (self._column(f(self._inside_timed(running)), TIMED) for f in (sp.cos, sp.sin))
-        c0, s0 = (self._column(f(phase), CONSTANT) for f in (sp.cos, sp.sin))
-        return self._column(s * c0 + c * s0 if isinstance(expr, sp.sin) else c * c0 - s * s0, TIMED)
+            return self._term(expr.func(self._inside_timed(expr.args[0])), TIMED)
+        c, s = (self._term(f(self._inside_timed(running)), TIMED) for f in (sp.cos, sp.sin))
+        c0, s0 = (self._term(f(phase), CONSTANT) for f in (sp.cos, sp.sin))
+        return self._term(s * c0 + c * s0 if isinstance(expr, sp.sin) else c * c0 - s * s0, TIMED)
 
     def _split(self, expr: Any, moving: Callable[[Any], Any]) -> Any:
         groups: dict[int, list[Any]] = {CONSTANT: [], TIMED: [], MOVING: []}
@@ -107,12 +107,12 @@ class Hoister:
             still = [expr.func(*groups[CONSTANT])] if groups[CONSTANT] else []
         return expr.func(*(self.hoist(a) for a in still), *(moving(a) for a in groups[MOVING]))
 
-    def _column(self, expr: Any, level: int) -> Any:
+    def _term(self, expr: Any, level: int) -> Any:
         if (level, expr) not in self._known:
-            symbol = sp.Symbol(f"column{len(self.columns)}", real=True)
+            symbol = sp.Symbol(f"column{len(self.terms)}", real=True)
             shared = self._is_common(expr)
-            self.pool.roles[symbol] = SymbolRole("column", (level, shared))
-            self.columns.append(HoistedTerm(symbol, expr, level, shared))
+            self.pool.roles[symbol] = SymbolRole("hoisted", (level, shared))
+            self.terms.append(HoistedTerm(symbol, expr, level, shared))
             self._known[level, expr] = symbol
         return self._known[level, expr]
 
@@ -122,13 +122,13 @@ class Hoister:
 
     def _is_shared(self, symbol: Any) -> bool:
         meaning = self.pool.roles[symbol]
-        if meaning.role == "column":
+        if meaning.role == "hoisted":
             return bool(meaning.of[1])
         return meaning.role not in ("own", "exact", "mobility", "mode")
 
 
 def _is_plain(expr: Any) -> bool:
-    """A number, a symbol, or a number times a symbol: not worth a column."""
+    """A number, a symbol, or a number times a symbol: not worth a term."""
     if expr.is_Atom:
         return True
     if expr.is_Mul:

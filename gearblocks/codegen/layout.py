@@ -38,7 +38,7 @@ class Layout:
     n: int = 0
     n_padded: int = 0
     n_angles: int = 0
-    tail: int = 0
+    quadratures0: int = 0
     n_total: int = 0
     parameters: list[ParameterInfo] = field(default_factory=list)
     own: dict[tuple[int, str], int] = field(default_factory=dict)
@@ -72,7 +72,7 @@ def lay_out(assembly: Assembly, *, angles_in_law: bool, n_wrapped: int = 0) -> L
     lay.n_angles = 2 * n_wrapped if angles_in_law else len(assembly.angles)
     if not angles_in_law:
         lay.angle0 = lay.n_padded
-    lay.tail = lay.n_padded + lay.n_angles
+    lay.quadratures0 = lay.n_padded + lay.n_angles
     _parameters(lay)
     return lay
 

@@ -55,7 +55,7 @@ def lay_out_mass(g: Generator, at: int) -> int:
 
 
 def _rows(g: Generator, dependent: DependentGroups) -> None:
-    """Rows of the dependent groups with inertia, and of those that such groups follow from."""
+    """Rows of the dependent groups with inertia, and of those that such groups depend on."""
     order = {f.group: i for i, f in enumerate(dependent.members)}
     wanted = {order[group] for group in g.assembly.with_inertia if group in order}
     for i in reversed(range(len(dependent.members))):

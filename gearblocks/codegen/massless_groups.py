@@ -1,7 +1,8 @@
 """Massless groups: their speeds follow from the balance of torques.
 
 Where something damps such a group, T(w) = 0 gives its speed (a state of first order); where only springs act on it,
-dT/dt = 0 gives it, and its angle is put into balance at the start and after every event.
+dT/dt = 0 gives it, and its angle is put into balance at the start and after every event. Knows nothing of which groups are
+massless: the assembly says so.
 """
 
 from __future__ import annotations
@@ -89,7 +90,7 @@ def _numbers(code: BatchCode, rows: MasslessRows, f: str, other: str) -> list[tu
 
 
 def _given(assembly: Assembly, rows: MasslessRows) -> set[int]:
-    """Massless groups with a given start angle, or with one that such an angle follows from."""
+    """Massless groups with a given start angle, or with one that such an angle depends on."""
     found: set[int] = set()
     for c in assembly.train.components:
         if given_start(c.block, ANGLE) is not None:
@@ -102,7 +103,7 @@ def _refuse_inputs(g: Generator, rows: MasslessRows, damped: list[bool]) -> None
     """A massless group between springs alone cannot take the torque of an Input, whose rate nobody knows."""
     for code in g.codes:
         for f, torque in code.balance.torques.items():
-            inner = {x for c in code.hoister.columns for x in c.expr.free_symbols if c.symbol in torque.free_symbols}
+            inner = {x for c in code.hoister.terms for x in c.expr.free_symbols if c.symbol in torque.free_symbols}
             roles = {code.law.pool.roles[x].role for x in inner | torque.free_symbols}
             for e, group in enumerate(code.batch.groups[f]):
                 if not all(damped[i] for i in rows.get(group, ())) and roles & {"input", "sense"}:

@@ -1,4 +1,4 @@
-"""Means of what time alone drives, for static starts and linear tools.
+"""Means of excitations by time alone, for static starts and linear tools.
 
 Excitations are averaged one by one, not their products: a sum has the mean of each term, a product the product of the
 means of its factors. A harmonic has the mean 0, its powers their own; a square wave its share of the cycle; a periodic
@@ -25,8 +25,8 @@ _LARGEST_POWER = 8  # of sums, which are written out term by term
 
 
 def mean_of_term(code: BatchCode, item: HoistedTerm) -> Any:
-    """The mean of a timed column in constants, inputs and time; no other timed column stands in it."""
-    timed = {c.symbol: c.expr for c in code.hoister.columns if c.level == TIMED}
+    """The mean of a time term in constants, inputs and time; no other time term stands in it."""
+    timed = {c.symbol: c.expr for c in code.hoister.terms if c.level == TIMED}
     expr = item.expr
     while any(x in timed for x in expr.free_symbols):
         expr = expr.xreplace(timed)

@@ -143,7 +143,7 @@ def _causes(g: Generator) -> dict[int, dict[str, tuple[str, bool]]]:
 
 
 def unknown_outputs(g: Generator) -> Iterator[tuple[str]]:
-    """Outputs that read the acceleration of a shaft without inertia, which no equation gives."""
+    """Outputs that read the acceleration of a massless group, which no equation gives."""
     massless = g.massless.rows if g.massless is not None else {}
     for code in g.codes if massless else ():
         roles = code.law.pool.roles

@@ -172,7 +172,8 @@ class FeedbackSignal:
 
 @dataclass(slots=True)
 class Prediction:
-    """How the crossings of a time switch follow: the C function of gb_table.h, its constant arguments, the first switch."""
+    """Prediction of the crossings of a switch of time: the C function of gb_table.h, its constant arguments, the first
+    switch."""
 
     names: Names
     predictor: str

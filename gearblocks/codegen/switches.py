@@ -1,6 +1,7 @@
 """Switches of a program: their order, their event functions, and the limits within which a mode stays.
 
 Event functions that are affine in the state come first, then general ones, then those of time alone.
+Knows nothing of how crossings are located.
 """
 
 from __future__ import annotations

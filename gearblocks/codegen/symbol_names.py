@@ -109,7 +109,7 @@ class SymbolNames:
             return of  # type: ignore[no-any-return]  # what a function writes itself, or is given
         if role == "shared":
             return Operand(Role.PARAMETERS, self.lay.shared[of.name])
-        if role == "column":
+        if role == "hoisted":
             found = at.hoisted[symbol]
             return found.of_lane() if into.vector is Role.TIME_TERMS and of[0] == TIMED else found
         if role == "tau":

@@ -183,7 +183,7 @@ def _loop_texts(loops: Sequence[Combination]) -> list[str]:
     return [" + ".join(f"{float(c)!r} * y[{i}]" for i, c in row) or "0.0" for row in rows]
 
 
-def _drive_calls(g: Generator) -> dict[int, str]:
+def _prescribed_angle_calls(g: Generator) -> dict[int, str]:
     """The call that computes the angle of each group with prescribed motion."""
     calls: dict[int, str] = {}
     for i, f in enumerate(g.assembly.dependent_groups):
@@ -197,7 +197,7 @@ def _drive_calls(g: Generator) -> dict[int, str]:
 
 def _angle_steps(g: Generator) -> list[tuple[int, int, str]]:
     """How the angles are computed: (first definition, last, "") by rows, or a call."""
-    calls = _drive_calls(g)
+    calls = _prescribed_angle_calls(g)
     steps: list[tuple[int, int, str]] = []
     for i, (group, row) in enumerate(g.assembly.definitions):
         if not isinstance(row, Combination):
@@ -210,8 +210,8 @@ def _angle_steps(g: Generator) -> list[tuple[int, int, str]]:
 
 
 def _start_steps(g: Generator) -> list[tuple[int, int, str]]:
-    """How the start angles of dependent groups follow: (first, last, "") by rows, or a call."""
-    calls = _drive_calls(g)
+    """How the start angles of dependent groups are computed: (first, last, "") by rows, or a call."""
+    calls = _prescribed_angle_calls(g)
     steps: list[tuple[int, int, str]] = []
     for i, f in enumerate(g.assembly.dependent_groups):
         if f.row is None:

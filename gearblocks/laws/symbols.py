@@ -28,7 +28,7 @@ class SymbolRole:
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
     w, alpha, tau, state, coordinate, mode, direction, stuck, constraint_force, friction (of a Stick: by its name; the last one:
-    sliding or constraint force, in equations for reading); in generated functions column, force, gain (of a flange on its
+    sliding or constraint force, in equations for reading); in generated functions hoisted, force, gain (of a flange on its
     group), torque_rate (of a flange), local (C text). of: flange, state, switch number, path, or the leaf itself.
     """
 
@@ -111,7 +111,7 @@ class Pool:
 
 
 def _level_of(meaning: SymbolRole) -> int:
-    if meaning.role == "column":
+    if meaning.role == "hoisted":
         return int(meaning.of[0])
     return CONSTANT if meaning.role in ("table", "table2") else LEVEL.get(meaning.role, MOVING)
 

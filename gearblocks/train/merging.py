@@ -11,7 +11,7 @@ from gearblocks.train.graph import GROUND, Train
 
 
 def released_angles(train: Train, stiffened: Collection[str]) -> Iterator[str]:
-    """Paths of bodies whose start angle now follows from another one, because the elements named have become rigid.
+    """Paths of bodies whose start angle now depends on another one, because the elements named have become rigid.
 
     The deflections that these angles described are gone with the compliance.
     """

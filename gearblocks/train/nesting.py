@@ -1,4 +1,6 @@
-"""Blocks of a nested train: their Inputs get the path of the train, and what they sense is looked for inside it first."""
+"""Blocks of a nested train: their Inputs get the path of the train, and their feedback signals are looked for inside it
+first. Knows nothing of laws.
+"""
 
 from __future__ import annotations
 

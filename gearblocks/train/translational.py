@@ -1,4 +1,7 @@
-"""Which shafts are sliders: positions in m, speeds in m/s and forces in N in place of angles and torques."""
+"""Which shafts are sliders: positions in m, speeds in m/s and forces in N in place of angles and torques.
+
+Knows nothing of laws.
+"""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The Jacobian of implicit methods: entries, their expressions and their pattern."""
+"""The Jacobian of implicit methods: entries, expressions and pattern. Knows nothing of compilers, nor of solvers."""

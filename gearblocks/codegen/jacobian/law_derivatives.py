@@ -2,7 +2,7 @@
 
 The unknowns of a law are the speeds of its flanges and its states; their symbols stand for them here. Coordinates and
 angles follow from them: with g = gamma h, an expression E contributes b = g dE/dx + g^2 dE/ds B, where s' = B x. The
-derivatives are those of the expressions with their columns, so that they need no columns of their own.
+derivatives are those of the hoisted expressions, so that they need no terms of their own.
 """
 
 from __future__ import annotations
@@ -164,7 +164,7 @@ class Slopes:
         """Whether b is a multiple of the row, as where damping and spring act along one deflection."""
         if len(row) < 2 or set(b) != set(row):
             return False
-        whole = {c.symbol: c.expr for c in self.code.hoister.columns}
+        whole = {c.symbol: c.expr for c in self.code.hoister.terms}
         for x, a in row.items():
             left = b[x] * row[pivot] - b[pivot] * a
             while left.free_symbols & whole.keys():

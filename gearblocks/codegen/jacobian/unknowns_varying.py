@@ -39,7 +39,7 @@ Term = tuple[int, int, int]
 class Varying:
     """Numbers of the unknowns, and rows of everything that laws read. Interface as Unknowns, and:
 
-    numbers; functions: of the derivatives of prescribed motions; gains: (place, number of the gain); accelerations: by group;
+    numbers; functions: of the derivatives of prescribed motions; gains: (offset, number of the gain); accelerations: by group;
     reduced: (group whose torque goes to its source, equation of the source, change of the gain); kept: by (unknown, kinematic
     state) the number of the entry of dG/ds.
     """
