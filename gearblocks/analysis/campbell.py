@@ -14,8 +14,8 @@ from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
 from gearblocks.simulation.arguments import resolve
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
+from gearblocks.solver.kinematics import kinematics
 from gearblocks.solver.library import Model
-from gearblocks.solver.motion import motion
 from gearblocks.solver.point import Point
 from gearblocks.solver.structures import Array
 
@@ -106,12 +106,12 @@ def _body_of(model: Model, speed: str) -> str | None:
 
 def _free_turn(point: Point, reference: str | None) -> tuple[Array, Array] | None:
     """Speeds of the states and of all outputs where the reference body turns at 1 rad/s; None if nothing turns freely."""
-    whole = motion(point)
+    kin = kinematics(point)
     bodies, numbers = body_speeds(point.program)
     chosen = bodies.index(reference) if reference is not None else 0
     y = point.y.copy()
-    for column in whole.N.toarray().T:
-        y[whole.speeds] = column
+    for column in kin.N.toarray().T:
+        y[kin.speeds] = column
         turned = point.outputs(y)
         own = turned[numbers[chosen]]
         if own != 0:
@@ -125,7 +125,7 @@ def _turning(point: Point, body: str, speed: float) -> Point:
     if turn is None:
         raise ParameterError(f"'{body}' cannot turn freely, so no speed of it can be set; name a Parameter")
     y = point.y.copy()
-    y[motion(point).speeds] = turn[0] * speed
+    y[kinematics(point).speeds] = turn[0] * speed
     return point.at(y=y).settled()
 
 

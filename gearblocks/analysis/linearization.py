@@ -189,7 +189,7 @@ def _is_input(program: Program, name: str) -> bool:
 
 def _words(point: Point, states: Sequence[str]) -> str:
     """What was linearised, in a sentence, with the side of every contact."""
-    constraints = point.sim.constraints().places
+    constraints = point.sim.constraints().constraints
     of_constraints = {i for x in constraints for i in (x.slip, x.active, x.free)}
     contacts = [
         f"{s.component}: {_SIDES[float(m)]}"
@@ -209,7 +209,7 @@ def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[i
     patterns = [wanted] if isinstance(wanted, str) else list(wanted)
     numbers = dict.fromkeys(i for pattern in patterns for i in picked_outputs(program, pattern))
     pick = np.array(list(numbers), dtype=np.intp)
-    unread = np.array([x.place for x in program.integrals if x.part == "angle"], dtype=np.intp)
+    unread = np.array([x.offset for x in program.integrals if x.part == "angle"], dtype=np.intp)
     columns = np.arange(program.n)
     turned = point.y.copy()
     turned[unread] += 1.0
@@ -245,7 +245,7 @@ def _with_angles(point: Point, columns: Indices) -> Any:
 def _state_names(program: Program, columns: Indices) -> Iterator[str]:
     outputs = {q.name for q in program.outputs}
     unread = {
-        x.place: f"{x.component}.{'s' if f'{x.component}.s' in outputs else 'phi'}"
+        x.offset: f"{x.component}.{'s' if f'{x.component}.s' in outputs else 'phi'}"
         for x in program.integrals
         if x.part == "angle"
     }

@@ -22,7 +22,7 @@ _EXCESS = 1e-9  # a constraint force that exceeds its bound by less, relative to
 
 def by_slips(point: Point) -> Point:
     """The point with modes by slips alone: friction is stuck where there is none, a stop is closed without a gap."""
-    places = point.sim.constraints().places
+    places = point.sim.constraints().constraints
     if not places:
         return point
     constraints, modes = point.constraints(), point.modes.copy()
@@ -51,7 +51,7 @@ def _is_engaged(point: Point, place: ConstraintSwitches, constraints: Constraint
 def judged(found: Point) -> Point | None:
     """None where all constraint forces lie within their bounds and no gap is negative; else the point with that stop
     closed, or with the constraint inactive that has one bound and exceeds it. SimulationError for friction that does."""
-    places = found.sim.constraints().places
+    places = found.sim.constraints().constraints
     if not places:
         return None
     constraints, modes = found.constraints(), found.modes.copy()
@@ -102,22 +102,22 @@ def _overlaps(point: Point, place: ConstraintSwitches, constraints: ConstraintsA
 
 def _without_overlap(point: Point, constraints: ConstraintsAtPoint, i: int) -> Array:
     """The state with the gap of a stop at 0 and the slips of the active set unchanged: the smallest such displacement."""
-    from gearblocks.solver.motion import motion
+    from gearblocks.solver.kinematics import kinematics
 
-    whole, active = motion(point), [*point.holding(), i]
+    kin, active = kinematics(point), [*point.holding(), i]
     wanted = np.zeros(len(active))
     wanted[-1] = -constraints.slip[i]
     moved = np.linalg.lstsq(constraints.rows[active], wanted, rcond=1e-9)[0]
     y = point.y.copy()
-    y[whole.coordinates] += whole.B @ moved
-    y[whole.angles] += whole.E @ moved
+    y[kin.coordinates] += kin.B @ moved
+    y[kin.angles] += kin.E @ moved
     return y
 
 
 def _too_weak(point: Point, i: int, constraints: ConstraintsAtPoint) -> SimulationError:
-    component = point.program.switches[point.sim.constraints().places[i].slip].component
+    component = point.program.switches[point.sim.constraints().constraints[i].slip].component
     held, limit = abs(constraints.forces[i]), abs(constraints.bounds[i, 1 if constraints.forces[i] > 0 else 0])
-    if point.sim.constraints().places[i].kind is ConstraintKind.LOSS:
+    if point.sim.constraints().constraints[i].kind is ConstraintKind.LOSS:
         limit = max(0.0, held - constraints.violation[i])
     return SimulationError(
         point.t, component,

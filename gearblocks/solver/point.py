@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import SimulationError
-from gearblocks.solver.active_set import Rows, reduced
+from gearblocks.solver.active_set import ReducedRows, reduced
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.sparse_maps import Indices, disjoint
 from gearblocks.solver.structures import Array, Options
@@ -76,14 +76,14 @@ class Point:
 
     def holding(self) -> tuple[int, ...]:
         """The active set: numbers of the switched constraints whose slip is held at 0 (stuck, closed)."""
-        return tuple(i for i, x in enumerate(self.sim.constraints().places) if self.modes[x.active] > 0.5)
+        return tuple(i for i, x in enumerate(self.sim.constraints().constraints) if self.modes[x.active] > 0.5)
 
-    def active_rows(self) -> Rows | None:
+    def active_rows(self) -> ReducedRows | None:
         """G of the active set, reduced: G v = 0. None where nothing is active."""
         active = list(self.holding())
         return reduced(self.constraints().rows[active]) if active else None
 
-    def active_force_rows(self) -> Rows | None:
+    def active_force_rows(self) -> ReducedRows | None:
         """Torques on the speeds per constraint force of the active set, reduced in the same way."""
         active = list(self.holding())
         return reduced(self.constraints().force_rows[active]) if active else None
@@ -221,7 +221,7 @@ def state_matrix(point: Point) -> csc_array:
     return differenced_state_matrix(point)
 
 
-def _with_constraint_forces(point: Point, A: csc_array, active: Rows) -> csc_array:
+def _with_constraint_forces(point: Point, A: csc_array, active: ReducedRows) -> csc_array:
     """The matrix A with the constraint forces of the active set, which the laws do not know:
 
     A - M^-1 G' (G M^-1 G')^-1 G A    in the rows of the speeds.

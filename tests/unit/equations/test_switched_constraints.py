@@ -98,7 +98,7 @@ def test_the_c_computes_what_the_equations_say_in_every_mode(modes):
         sim.parameters[:] = model.values
         for s in program.starts:
             if s.name in state:
-                sim.parameters[s.place] = state[s.name] * s.factor
+                sim.parameters[s.offset] = state[s.name] * s.factor
         sim.start(Options(2, 1, 1e-6, 0.0, np.inf, np.inf), t)
         y = sim.state()
         for v in eq.v:  # an impact at the start may have changed them
