@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, final
 
 import numpy as np
 
-from gearblocks.analysis.linearization import Place, operating_point
+from gearblocks.analysis.linearization import OperatingPoint, operating_point
 from gearblocks.analysis.modes import body_speeds, modes_at
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
@@ -65,7 +65,7 @@ class Campbell:
 
 def campbell(
     train: Drivetrain | Model, speed: str, speeds: Sequence[float] | Array, *,
-    orders: Mapping[str, float] | Sequence[float] | None = None, reference: str | None = None, at: Place = "static",
+    orders: Mapping[str, float] | Sequence[float] | None = None, reference: str | None = None, at: OperatingPoint = "static",
     count: int | None = None, parameters: Mapping[str, float] | None = None,
 ) -> Campbell:  # fmt: skip
     """Natural frequencies over a speed [rad/s], orders and their crossings.
@@ -157,12 +157,12 @@ def _mesh_orders(train: Drivetrain | Model, point: Point, outputs: Array) -> dic
 
     if isinstance(train, Model):
         return {}
-    place = {q.name: i for i, q in enumerate(point.program.outputs)}
+    index = {q.name: i for i, q in enumerate(point.program.outputs)}
     found: dict[float, list[str]] = {}
     for path, _, _, block in train._walk():
         if isinstance(block, GearMesh):
-            carrier = place.get(f"{path}.carrier.w")
-            relative = outputs[place[f"{path}.pinion.w"]] - (outputs[carrier] if carrier is not None else 0.0)
+            carrier = index.get(f"{path}.carrier.w")
+            relative = outputs[index[f"{path}.pinion.w"]] - (outputs[carrier] if carrier is not None else 0.0)
             found.setdefault(round(abs(float(relative)) * block.teeth[0], 9), []).append(path)
     return {f"teeth of {_listed(names)}": order for order, names in found.items() if order > 0}
 

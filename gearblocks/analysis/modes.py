@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from gearblocks.analysis.linearization import DENSE, Complex, Place, operating_point
+from gearblocks.analysis.linearization import DENSE, Complex, OperatingPoint, operating_point
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain, build
@@ -112,7 +112,7 @@ def _most(names: tuple[str, ...], values: Array, words: Callable[[float], str]) 
 
 
 def modes(
-    train: Drivetrain | Model, at: Place = "static", *, count: int | None = None, t: float | None = None,
+    train: Drivetrain | Model, at: OperatingPoint = "static", *, count: int | None = None, t: float | None = None,
     parameters: Mapping[str, float] | None = None,
 ) -> Modes:  # fmt: skip
     """The modes of a train about a point, contacts keeping their side (see gearblocks.analysis.linearization for `at`).
@@ -266,15 +266,15 @@ def _energies(
     point: Point, kin: Kinematics, vectors: Complex, bodies: tuple[str, ...]
 ) -> tuple[Array, tuple[str, ...], Array]:
     """Shares of kinetic and strain energy: second differences of the energies along the shape, both parts of it."""
-    program, place = point.program, point.y
+    program, y0 = point.program, point.y
     elements = tuple(dict.fromkeys(e.component for e in program.energies if e.part == "stored"))
     parts = {"kinetic": {n: i for i, n in enumerate(bodies)}, "stored": {n: i for i, n in enumerate(elements)}}
     shares = {part: np.zeros((vectors.shape[1], len(names))) for part, names in parts.items()}
     base = point.energies()
     for i in range(vectors.shape[1]):
         for shape in (vectors[:, i].real, vectors[:, i].imag):
-            step = _along(program, kin, place, shape)
-            change = point.energies(place + step) - 2 * base + point.energies(place - step)
+            step = _along(program, kin, y0, shape)
+            change = point.energies(y0 + step) - 2 * base + point.energies(y0 - step)
             ratio = float(np.abs(shape).max(initial=0.0) / (np.abs(step).max(initial=0.0) or 1.0))
             for e in program.energies:
                 if e.component in parts[e.part]:
@@ -286,12 +286,12 @@ def _energies(
     return shares["kinetic"], elements, shares["stored"]
 
 
-def _along(program: Program, kin: Kinematics, place: Array, shape: Array) -> Array:
+def _along(program: Program, kin: Kinematics, y0: Array, shape: Array) -> Array:
     """The shape as a step in the state vector, its deflections as large as those at the point."""
     step = np.zeros(program.n_total)
     step[: program.n] = shape
     largest = float(np.abs(shape[kin.coordinates]).max(initial=0.0))
-    at_point = float(np.abs(place[kin.coordinates]).max(initial=0.0))
+    at_point = float(np.abs(y0[kin.coordinates]).max(initial=0.0))
     return step * ((at_point or 1e-3) / largest if largest > 0 else 1.0)
 
 
@@ -319,10 +319,10 @@ def shapes(modes: Modes, path: Any, most: int) -> Figure:
 
 
 def _shape(axis: Axes, modes: Modes, i: int) -> None:
-    place = np.arange(len(modes.bodies))
-    few = len(place) <= 60
+    position = np.arange(len(modes.bodies))
+    few = len(position) <= 60
     axis.axhline(0.0, color="#888888", linewidth=0.7)
-    axis.plot(place, modes.shapes[i].real, color=COLOURS[0], marker="o" if few else "", markersize=4)
+    axis.plot(position, modes.shapes[i].real, color=COLOURS[0], marker="o" if few else "", markersize=4)
     axis.set_ylim(-1.15, 1.15)
     damping = f"\n{100 * modes.damping[i]:.2g} % damped" if modes.damping[i] > 1e-9 else ""
     axis.set_ylabel(f"{modes.hertz[i]:.5g} Hz{damping}", rotation=0, ha="right", va="center")

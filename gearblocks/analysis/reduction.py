@@ -56,9 +56,9 @@ def reduction(point: Point, n: int) -> Reduction | None:
 def _conditions(point: Point, active: ReducedRows, kin: Kinematics, n: int) -> ReducedRows:
     """Rows over all deviations: positions that stay constant, speeds without slip."""
     angles = kin.angles[kin.angles < point.program.n]  # the first ones: others are unread
-    places, fixed = np.concatenate([kin.coordinates, angles]), fixed_combinations(kin, active, len(angles))
+    columns, fixed = np.concatenate([kin.coordinates, angles]), fixed_combinations(kin, active, len(angles))
     still = np.zeros((len(fixed), n))
-    still[:, places] = fixed
+    still[:, columns] = fixed
     positions = reduced(still)
     speeds = np.zeros((len(active.W), n))
     speeds[:, kin.speeds] = active.W
@@ -71,7 +71,7 @@ def _conditions(point: Point, active: ReducedRows, kin: Kinematics, n: int) -> R
 
 def _slips_by_position(point: Point, active: ReducedRows, kin: Kinematics) -> Array:
     """Derivatives of the slips by the states other than speeds, where gains change with the position."""
-    numbers = list(point.holding())
+    numbers = list(point.active_set())
     stops = np.array([point.sim.constraints().constraints[i].is_stop for i in numbers])
 
     def slips(y: Array) -> Array:

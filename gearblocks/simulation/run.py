@@ -243,7 +243,7 @@ class _Run:
     def _failure(self, code: Code, run: Trajectory | None) -> GearblocksError:
         """The error of a return code, with the name of the thing and the way out."""
         report, program = self.sim.report, self.model.program
-        name = _place(program, code, report.index)
+        name = _component_of(program, code, report.index)
         cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
         massless = [
             p.path
@@ -323,7 +323,7 @@ _CAUSES: dict[Code, tuple[str, str]] = {
 }  # fmt: skip
 
 
-def _place(program: Program, code: Code, index: int) -> str:
+def _component_of(program: Program, code: Code, index: int) -> str:
     """The component or input that a code's index means."""
     if code in (Code.ERR_NAN_INPUT, Code.ERR_CALLBACK):
         return program.inputs[index].name if 0 <= index < len(program.inputs) else ""

@@ -1,8 +1,8 @@
 """A model at one point: rates, outputs and energies in frozen modes, and their derivatives as sparse matrices.
 
 Derivatives of the rates are those of the laws where they exist. All others are central differences: which entry depends on
-which unknown is found first, by moving blocks of unknowns that are halved from round to round; columns that share no row
-are then moved together. A chain of any length takes a few hundred evaluations.
+which unknown is found first, by changing blocks of unknowns that are halved from round to round; columns that share no row
+are then changed together. A chain of any length takes a few hundred evaluations.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _FLOOR_OF_SPEED = 1.0  # rad/s or m/s
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A model held at (t, y) in frozen modes. means: excitations of time alone at their means; u: values of inputs."""
+    """A model at (t, y) in frozen modes. means: excitations of time alone at their means; u: values of inputs."""
 
     sim: Simulation
     program: Program
@@ -74,18 +74,18 @@ class Point:
         """The switched constraints here: rows, force bounds, constraint forces."""
         return self.sim.constraints_at(self.t, self.y, self.modes, inputs=self.u, means=self.means)
 
-    def holding(self) -> tuple[int, ...]:
-        """The active set: numbers of the switched constraints whose slip is held at 0 (stuck, closed)."""
+    def active_set(self) -> tuple[int, ...]:
+        """The active set: numbers of the switched constraints with G v = 0 (stuck, closed)."""
         return tuple(i for i, x in enumerate(self.sim.constraints().constraints) if self.modes[x.active] > 0.5)
 
     def active_rows(self) -> ReducedRows | None:
         """G of the active set, reduced: G v = 0. None where nothing is active."""
-        active = list(self.holding())
+        active = list(self.active_set())
         return reduced(self.constraints().rows[active]) if active else None
 
     def active_force_rows(self) -> ReducedRows | None:
         """Torques on the speeds per constraint force of the active set, reduced in the same way."""
-        active = list(self.holding())
+        active = list(self.active_set())
         return reduced(self.constraints().force_rows[active]) if active else None
 
     def settled(self) -> Point:
@@ -99,12 +99,12 @@ class Point:
         return self.at(modes=modes)
 
 
-_HOLD = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
+_OPTIONS = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
 
 
 def restarted(point: Point) -> Array:
     """Lets changed parameters take effect on the derived values; the state, massless groups in balance."""
-    point.sim.start(_HOLD, point.t, point.y)
+    point.sim.start(_OPTIONS, point.t, point.y)
     return point.sim.state()
 
 
@@ -114,7 +114,7 @@ def opened(sim: Simulation, program: Program, t: float, y0: Array | None = None)
 
     Raises SimulationError where a rate is no number there, RuntimeError where the start itself fails (see sim.report).
     """
-    code = sim.start(_HOLD, t, y0)
+    code = sim.start(_OPTIONS, t, y0)
     if code < 0:
         raise RuntimeError(f"gb_start answered {code.name}")
     point = Point(sim, program, t, sim.state(), sim.modes()).settled()
@@ -148,7 +148,7 @@ def derivative(
     from scipy.sparse import csc_array
 
     pattern = dependents(function, y, columns, steps) if pattern is None else pattern
-    rows, places, values = [], [], []
+    rows, numbers, values = [], [], []
     for group in disjoint(pattern):
         moved = columns[group]
         up, down = y.copy(), y.copy()
@@ -158,12 +158,12 @@ def derivative(
         width = up - down
         for j in group:
             rows.append(pattern[j])
-            places.append(np.full(len(pattern[j]), j))
+            numbers.append(np.full(len(pattern[j]), j))
             values.append(change[pattern[j]] / width[columns[j]])
     shape = (len(function(y)), len(columns))
     if not rows:
         return csc_array(shape)
-    return csc_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(places))), shape=shape)
+    return csc_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(numbers))), shape=shape)
 
 
 def dependents(function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array) -> list[Indices]:

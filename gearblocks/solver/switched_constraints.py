@@ -26,7 +26,7 @@ PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 
 
 class ConstraintKind(IntEnum):
-    """Kind of a switched constraint: friction or a lock without bounds; a stop; a lossy tie; the loss that goes with it."""
+    """Kind of a switched constraint: friction or an unbounded lock; a stop; a lossy gear; its loss."""
 
     FRICTION = 0
     STOP = 1
