@@ -99,8 +99,8 @@ class DependentStart(NamedTuple):
 
 
 class PrescribedStart(NamedTuple):
-    """A start value of a shaft that something else moves: its name, the output that tells, and what does it, in words; tied:
-    rigidly, so that others follow from it; of: "angle" or "speed"."""
+    """A start value of a shaft whose motion something else gives: its name, the output that shows it, and what gives it, in
+    words; tied: by a prescribed motion, so that others depend on it; of: "angle" or "speed"."""
 
     name: str
     output: str

@@ -1,4 +1,4 @@
-"""Linear tools where friction sticks or slides and stops are closed: what holds is a tie."""
+"""Linear tools where friction sticks or slides and stops are closed: what is active acts as a rigid constraint."""
 
 import numpy as np
 import pytest
