@@ -279,7 +279,7 @@ class _Search:
         return step, springs * step[: self.n_q]
 
     def _failure(self, carried: Array) -> SimulationError:
-        """What nothing carries."""
+        """The error for the coordinate whose weak spring carries most."""
         names = [self.point.program.states[i].name.rsplit(".", 1)[0] for i in self.kin.coordinates]
         return SimulationError(
             self.point.t, names[int(np.argmax(np.abs(carried)))] if len(carried) else "",

@@ -167,10 +167,10 @@ def derivative(
 
 
 def dependents(function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array) -> list[Indices]:
-    """Rows of function(y) that depend on each of y[columns]: blocks of columns are moved and halved; blocks without a
+    """Rows of function(y) that depend on each of y[columns]: blocks of columns are changed and halved; blocks without a
     common row go together.
 
-    An entry that does not depend on what moved keeps every bit; moves of random size do not cancel each other.
+    An entry that does not depend on what changed keeps every bit; changes of random size do not cancel each other.
     """
     base = function(y)
     size = np.random.default_rng(1).uniform(1.0, 2.0, len(columns))
