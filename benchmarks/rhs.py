@@ -23,7 +23,7 @@ SETS = {
 
 
 def measured(source: str, values: Array, flags: tuple[str, ...], calls: int = 2_000_000) -> Array:
-    """ns per call: by hand with cos(w t) given and at a time, generated rhs, rhs_full, time columns of an instant."""
+    """ns per call: by hand with cos(w t) given and at a time, generated rhs, rhs_full, time terms of an instant."""
     place = folder()
     (place / "model.c").write_text(source, encoding="utf8")
     target = place / f"rhs{len(list(place.iterdir()))}.so"
@@ -60,7 +60,7 @@ def main() -> None:
     from benchmarks.problems import p1
 
     model = gb.build(p1(PROBLEM))
-    print("ns a call (smallest of 7 rounds); cos given: the time columns are known, as in a step of the solver\n")
+    print("ns a call (smallest of 7 rounds); cos given: the time terms are known, as in a step of the solver\n")
     print(
         "| flags | by hand, cos given | generated | ratio | by hand, cos | generated + columns | ratio | with ledger |"
     )

@@ -14,10 +14,10 @@ from gearblocks.simulation.arguments import start_state
 from gearblocks.simulation.trajectory import Trajectory
 
 
-def start_places(program: Program) -> list[tuple[str, str, int]]:
+def start_offsets(program: Program) -> list[tuple[str, str, int]]:
     """Name, unit and index in the state vector of everything that a start state sets: states and unread angles."""
-    places = [(state.name, state.unit, index) for index, state in enumerate(program.states[: program.n])]
-    return places + [(f"{r.component}.angle", "rad", r.place) for r in program.integrals if r.part == "angle"]
+    offsets = [(state.name, state.unit, index) for index, state in enumerate(program.states[: program.n])]
+    return offsets + [(f"{r.component}.angle", "rad", r.offset) for r in program.integrals if r.part == "angle"]
 
 
 def start_vector(program: Program, initial: Any) -> NDArray[np.float64] | None:
@@ -32,7 +32,7 @@ def start_vector(program: Program, initial: Any) -> NDArray[np.float64] | None:
     if given.shape != (program.n_total,):
         raise ParameterError(f"initial has shape {given.shape}; a state vector has {program.n_total} entries")
     y = np.zeros(program.n_total)
-    for name, _, i in start_places(program):
+    for name, _, i in start_offsets(program):
         if not np.isfinite(given[i]):
             raise ParameterError(f"the initial value of '{name}' = {given[i]!r} must be finite")
         y[i] = given[i]

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmu_export.options import RTOL_RANGE, SolverOptions
-from fmu_export.start import start_places
+from fmu_export.start import start_offsets
 from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.simulation.trajectory import matches
@@ -68,7 +68,7 @@ def variables_of(
     if start is not None:
         table += [
             Variable(f"{name}.start", "start", position, i, unit, f"start value of {name}", float(start[i]))
-            for position, (name, unit, i) in enumerate(start_places(program))
+            for position, (name, unit, i) in enumerate(start_offsets(program))
         ]
     _check_names(table)
     return tuple(table)

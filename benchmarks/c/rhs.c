@@ -52,7 +52,7 @@ static double per_instant(const gb_model *m, const double *par, const double *mo
 }
 
 /* out[0]: by hand with cos(w t) given, out[1]: by hand at a time; out[2]: generated rhs, out[3]: rhs_full (with the
- * ledger), out[4]: the time columns per instant, out[5 ..]: generated slopes of the n states at t = 0.
+ * ledger), out[4]: the time terms per instant, out[5 ..]: generated slopes of the n states at t = 0.
  * dy_hand: the slopes by hand at t = 0. Returns n, or -1 without memory. */
 int measure_p1(const double *numbers, const double *y_hand, double *dy_hand, const double *values, long calls,
                double *out) {

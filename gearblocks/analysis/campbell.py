@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, final
 
 import numpy as np
 
-from gearblocks.analysis.linearization import Place, operating_point
+from gearblocks.analysis.linearization import OperatingPoint, operating_point
 from gearblocks.analysis.modes import body_speeds, modes_at
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
 from gearblocks.simulation.arguments import resolve
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
+from gearblocks.solver.kinematics import kinematics
 from gearblocks.solver.library import Model
-from gearblocks.solver.motion import motion
 from gearblocks.solver.point import Point
 from gearblocks.solver.structures import Array
 
@@ -65,7 +65,7 @@ class Campbell:
 
 def campbell(
     train: Drivetrain | Model, speed: str, speeds: Sequence[float] | Array, *,
-    orders: Mapping[str, float] | Sequence[float] | None = None, reference: str | None = None, at: Place = "static",
+    orders: Mapping[str, float] | Sequence[float] | None = None, reference: str | None = None, at: OperatingPoint = "static",
     count: int | None = None, parameters: Mapping[str, float] | None = None,
 ) -> Campbell:  # fmt: skip
     """Natural frequencies over a speed [rad/s], orders and their crossings.
@@ -106,12 +106,12 @@ def _body_of(model: Model, speed: str) -> str | None:
 
 def _free_turn(point: Point, reference: str | None) -> tuple[Array, Array] | None:
     """Speeds of the states and of all outputs where the reference body turns at 1 rad/s; None if nothing turns freely."""
-    whole = motion(point)
+    kin = kinematics(point)
     bodies, numbers = body_speeds(point.program)
     chosen = bodies.index(reference) if reference is not None else 0
     y = point.y.copy()
-    for column in whole.N.toarray().T:
-        y[whole.speeds] = column
+    for column in kin.N.toarray().T:
+        y[kin.speeds] = column
         turned = point.outputs(y)
         own = turned[numbers[chosen]]
         if own != 0:
@@ -125,7 +125,7 @@ def _turning(point: Point, body: str, speed: float) -> Point:
     if turn is None:
         raise ParameterError(f"'{body}' cannot turn freely, so no speed of it can be set; name a Parameter")
     y = point.y.copy()
-    y[motion(point).speeds] = turn[0] * speed
+    y[kinematics(point).speeds] = turn[0] * speed
     return point.at(y=y).settled()
 
 
@@ -157,12 +157,12 @@ def _mesh_orders(train: Drivetrain | Model, point: Point, outputs: Array) -> dic
 
     if isinstance(train, Model):
         return {}
-    place = {q.name: i for i, q in enumerate(point.program.outputs)}
+    index = {q.name: i for i, q in enumerate(point.program.outputs)}
     found: dict[float, list[str]] = {}
     for path, _, _, block in train._walk():
         if isinstance(block, GearMesh):
-            carrier = place.get(f"{path}.carrier.w")
-            relative = outputs[place[f"{path}.pinion.w"]] - (outputs[carrier] if carrier is not None else 0.0)
+            carrier = index.get(f"{path}.carrier.w")
+            relative = outputs[index[f"{path}.pinion.w"]] - (outputs[carrier] if carrier is not None else 0.0)
             found.setdefault(round(abs(float(relative)) * block.teeth[0], 9), []).append(path)
     return {f"teeth of {_listed(names)}": order for order, names in found.items() if order > 0}
 

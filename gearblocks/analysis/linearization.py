@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-Place: TypeAlias = "Mapping[str, float] | Trajectory | str | None"
+OperatingPoint: TypeAlias = "Mapping[str, float] | Trajectory | str | None"
 Complex = NDArray[np.complex128]
 
 DENSE = 1000
@@ -54,7 +54,7 @@ _SIDES = {-1.0: "coast side", 0.0: "no contact", 1.0: "drive side"}
 
 @contextmanager
 def operating_point(
-    model: Model, at: Place, t: float | None = None, parameters: Mapping[str, float] | None = None,
+    model: Model, at: OperatingPoint, t: float | None = None, parameters: Mapping[str, float] | None = None,
     inputs: Mapping[str, float] | None = None,
 ) -> Iterator[Point]:  # fmt: skip
     """The model at an operating point (see above); inputs: their values, else those they start with."""
@@ -95,8 +95,8 @@ class Linearization:
     the slope of its force over the slip. `modes` has for friction 0 stuck, 1 and -1 sliding, 2 free; for a stop 1 closed,
     0 open.
 
-    A, B, C, D: arrays (A and C sparse beyond 1000 states); states, inputs, outputs: their names; modes: the side or
-    branch of every switch by the name of its component; point: the state that they hold at, by name; t [s].
+    A, B, C, D: arrays (A and C sparse beyond 1000 states); states, inputs, outputs: their names; modes: the mode
+    of every switch by the name of its component; point: the state that they hold at, by name; t [s].
     """
 
     A: Any
@@ -149,7 +149,7 @@ class Linearization:
 
 
 def linearize(
-    train: Drivetrain | Model, at: Place = "static", *, inputs: Sequence[str] | Mapping[str, float] | None = None,
+    train: Drivetrain | Model, at: OperatingPoint = "static", *, inputs: Sequence[str] | Mapping[str, float] | None = None,
     outputs: str | Sequence[str] = "*", t: float | None = None, parameters: Mapping[str, float] | None = None,
 ) -> Linearization:  # fmt: skip
     """The state matrices of a train at a point (see the module for `at`).
@@ -189,7 +189,7 @@ def _is_input(program: Program, name: str) -> bool:
 
 def _words(point: Point, states: Sequence[str]) -> str:
     """What was linearised, in a sentence, with the side of every contact."""
-    constraints = point.sim.constraints().places
+    constraints = point.sim.constraints().constraints
     of_constraints = {i for x in constraints for i in (x.slip, x.active, x.free)}
     contacts = [
         f"{s.component}: {_SIDES[float(m)]}"
@@ -209,7 +209,7 @@ def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[i
     patterns = [wanted] if isinstance(wanted, str) else list(wanted)
     numbers = dict.fromkeys(i for pattern in patterns for i in picked_outputs(program, pattern))
     pick = np.array(list(numbers), dtype=np.intp)
-    unread = np.array([x.place for x in program.integrals if x.part == "angle"], dtype=np.intp)
+    unread = np.array([x.offset for x in program.integrals if x.part == "angle"], dtype=np.intp)
     columns = np.arange(program.n)
     turned = point.y.copy()
     turned[unread] += 1.0
@@ -245,7 +245,7 @@ def _with_angles(point: Point, columns: Indices) -> Any:
 def _state_names(program: Program, columns: Indices) -> Iterator[str]:
     outputs = {q.name for q in program.outputs}
     unread = {
-        x.place: f"{x.component}.{'s' if f'{x.component}.s' in outputs else 'phi'}"
+        x.offset: f"{x.component}.{'s' if f'{x.component}.s' in outputs else 'phi'}"
         for x in program.integrals
         if x.part == "angle"
     }
@@ -337,7 +337,7 @@ class FrequencyResponse:
 
 
 def frequency_response(
-    train: Drivetrain | Model, input: str, outputs: str | Sequence[str], frequencies: Any, *, at: Place = "static",
+    train: Drivetrain | Model, input: str, outputs: str | Sequence[str], frequencies: Any, *, at: OperatingPoint = "static",
     t: float | None = None, parameters: Mapping[str, float] | None = None,
 ) -> FrequencyResponse:  # fmt: skip
     """The response of outputs to an Input, or to a tunable parameter such as "load.tau", at frequencies in rad/s."""

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from gearblocks.analysis.linearization import DENSE, Complex, Place, operating_point
+from gearblocks.analysis.linearization import DENSE, Complex, OperatingPoint, operating_point
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
+from gearblocks.solver.kinematics import Kinematics, kinematics
 from gearblocks.solver.library import Model
-from gearblocks.solver.motion import Motion, motion
 from gearblocks.solver.point import Point, state_matrix, steps_of
 from gearblocks.solver.structures import Array
 
@@ -112,7 +112,7 @@ def _most(names: tuple[str, ...], values: Array, words: Callable[[float], str]) 
 
 
 def modes(
-    train: Drivetrain | Model, at: Place = "static", *, count: int | None = None, t: float | None = None,
+    train: Drivetrain | Model, at: OperatingPoint = "static", *, count: int | None = None, t: float | None = None,
     parameters: Mapping[str, float] | None = None,
 ) -> Modes:  # fmt: skip
     """The modes of a train about a point, contacts keeping their side (see gearblocks.analysis.linearization for `at`).
@@ -129,25 +129,25 @@ def modes_at(point: Point, count: int | None = None) -> Modes:
     """The modes about a point."""
     if count is not None and (isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1):
         raise ParameterError(f"count = {count!r} must be a whole number >= 1")
-    whole = motion(point)
-    A = _without_counts(state_matrix(point), whole)
-    turning = _free_rotations(point, whole, A)
+    kin = kinematics(point)
+    A = _without_counts(state_matrix(point), kin)
+    turning = _free_rotations(point, kin, A)
     small = reduction(point, A.shape[0])
     values, vectors = _eigen(A if small is None else small.matrix(A), count, 2 * turning.shape[1])
     vectors = vectors if small is None else small.R @ vectors
-    values, vectors, bound = _without_free(values, vectors, turning.shape[1], _angle_is_state(point, whole))
+    values, vectors, bound = _without_free(values, vectors, turning.shape[1], _angle_is_state(point, kin))
     swinging = values.imag > _REAL * np.abs(values)
     decaying = ~swinging & (values.imag >= 0) & (np.abs(values) > _REAL * np.abs(values).max(initial=0.0))
     decays = np.sort(-values[decaying & (np.abs(values.imag) <= _REAL * np.abs(values))].real)
     order = np.argsort(np.abs(values[swinging]), kind="stable")[:count]  # beside the free rotations
     free = np.zeros((point.program.n, turning.shape[1]))
-    free[whole.speeds] = turning
+    free[kin.speeds] = turning
     values = np.concatenate([np.zeros(free.shape[1]), values[swinging][order]])
     vectors = np.concatenate([free, vectors[:, swinging][:, order]], axis=1)
     sizes = np.abs(values)
     damping = np.divide(-values.real, sizes, out=np.zeros(len(values)), where=sizes > 0)
-    bodies, shapes = _shapes(point, whole, vectors)
-    kinetic, elements, strain = _energies(point, whole, vectors, bodies)
+    bodies, shapes = _shapes(point, kin, vectors)
+    kinetic, elements, strain = _energies(point, kin, vectors, bodies)
     return Modes(
         point.program.name, sizes, damping, values, bodies, shapes, kinetic, elements, strain, decays, free.shape[1],
         bound,
@@ -157,15 +157,15 @@ def modes_at(point: Point, count: int | None = None) -> Modes:
 # -- eigenvalues ------------------------------------------------------------------------------------------------------
 
 
-def _angle_is_state(point: Point, whole: Motion) -> bool:
-    return bool(len(whole.angles)) and bool(whole.angles.max() < point.program.n)
+def _angle_is_state(point: Point, kin: Kinematics) -> bool:
+    return bool(len(kin.angles)) and bool(kin.angles.max() < point.program.n)
 
 
-def _without_counts(A: csc_array, whole: Motion) -> csc_array:
+def _without_counts(A: csc_array, kin: Kinematics) -> csc_array:
     """The matrix without the rates of states of blocks that move nothing, such as the angle of a slip."""
     from scipy.sparse import csc_array, diags_array
 
-    idle = whole.states[np.asarray(abs(A[:, whole.states]).sum(axis=0)).ravel() == 0]
+    idle = kin.states[np.asarray(abs(A[:, kin.states]).sum(axis=0)).ravel() == 0]
     if len(idle) == 0:
         return A
     keep = np.ones(A.shape[0])
@@ -173,21 +173,21 @@ def _without_counts(A: csc_array, whole: Motion) -> csc_array:
     return csc_array(diags_array(keep) @ A)
 
 
-def _free_rotations(point: Point, whole: Motion, A: csc_array) -> Array:
-    """Rotations of the whole that no force answers, as speeds, shape (speeds, count)."""
-    N = whole.N.toarray()
+def _free_rotations(point: Point, kin: Kinematics, A: csc_array) -> Array:
+    """Rotations of the whole train that no torque answers, as speeds, shape (speeds, count)."""
+    N = kin.N.toarray()
     if N.shape[1] == 0:
         return N
-    v = whole.speeds
+    v = kin.speeds
     y, steps = np.abs(point.y[: A.shape[0]]), steps_of(point.program, point.y)[v]
     # by rows: what columns have in common must stay; a difference over a step leaves the rounding of all terms of its row
     rounding = _LEFT / _RESISTS * (abs(A) @ y) / steps.min()
     answer, size = A[:, v] @ N, (abs(A[:, v]) @ np.abs(N)).max(axis=1) + rounding
-    answer[whole.coordinates] = whole.B @ N  # known without differences
-    size[whole.coordinates] = (abs(whole.B) @ np.abs(N)).max(initial=0.0)
-    if _angle_is_state(point, whole):
-        answer[whole.angles] = 0.0
-        turned = A[:, whole.angles].toarray()
+    answer[kin.coordinates] = kin.B @ N  # known without differences
+    size[kin.coordinates] = (abs(kin.B) @ np.abs(N)).max(initial=0.0)
+    if _angle_is_state(point, kin):
+        answer[kin.angles] = 0.0
+        turned = A[:, kin.angles].toarray()
         answer = np.vstack([answer, turned])
         size = np.concatenate([size, np.full(len(turned), abs(A).max() if A.nnz else 0.0)])
     size = size[:, None]
@@ -245,16 +245,16 @@ def body_speeds(program: Program) -> tuple[tuple[str, ...], list[int]]:
     return tuple(found), list(found.values())
 
 
-def _shapes(point: Point, whole: Motion, vectors: Complex) -> tuple[tuple[str, ...], Complex]:
+def _shapes(point: Point, kin: Kinematics, vectors: Complex) -> tuple[tuple[str, ...], Complex]:
     """Speeds of the bodies along each vector, the largest made 1; vectors are turned and scaled alike."""
     bodies, numbers = body_speeds(point.program)
     shapes = np.empty((vectors.shape[1], len(bodies)), dtype=complex)
     still = point.y.copy()
-    still[whole.speeds] = 0.0
+    still[kin.speeds] = 0.0
     for i in range(vectors.shape[1]):
         for part, unit in ((vectors[:, i].real, 1.0), (vectors[:, i].imag, 1j)):
             y = still.copy()
-            y[whole.speeds] = part[whole.speeds]
+            y[kin.speeds] = part[kin.speeds]
             shapes[i] = (0 if unit == 1.0 else shapes[i]) + unit * point.outputs(y)[numbers]
         if len(bodies):
             largest = shapes[i, int(np.argmax(np.abs(shapes[i]).round(12)))]
@@ -263,22 +263,22 @@ def _shapes(point: Point, whole: Motion, vectors: Complex) -> tuple[tuple[str, .
 
 
 def _energies(
-    point: Point, whole: Motion, vectors: Complex, bodies: tuple[str, ...]
+    point: Point, kin: Kinematics, vectors: Complex, bodies: tuple[str, ...]
 ) -> tuple[Array, tuple[str, ...], Array]:
     """Shares of kinetic and strain energy: second differences of the energies along the shape, both parts of it."""
-    program, place = point.program, point.y
+    program, y0 = point.program, point.y
     elements = tuple(dict.fromkeys(e.component for e in program.energies if e.part == "stored"))
     parts = {"kinetic": {n: i for i, n in enumerate(bodies)}, "stored": {n: i for i, n in enumerate(elements)}}
     shares = {part: np.zeros((vectors.shape[1], len(names))) for part, names in parts.items()}
     base = point.energies()
     for i in range(vectors.shape[1]):
         for shape in (vectors[:, i].real, vectors[:, i].imag):
-            step = _along(program, whole, place, shape)
-            change = point.energies(place + step) - 2 * base + point.energies(place - step)
+            step = _along(program, kin, y0, shape)
+            change = point.energies(y0 + step) - 2 * base + point.energies(y0 - step)
             ratio = float(np.abs(shape).max(initial=0.0) / (np.abs(step).max(initial=0.0) or 1.0))
             for e in program.energies:
                 if e.component in parts[e.part]:
-                    shares[e.part][i, parts[e.part][e.component]] += change[e.place] * ratio**2
+                    shares[e.part][i, parts[e.part][e.component]] += change[e.offset] * ratio**2
     for table in shares.values():
         total = table.sum(axis=1, keepdims=True)
         np.divide(table, total, out=table, where=total > 1e-9 * np.abs(table).max(axis=1, keepdims=True, initial=0.0))
@@ -286,12 +286,12 @@ def _energies(
     return shares["kinetic"], elements, shares["stored"]
 
 
-def _along(program: Program, whole: Motion, place: Array, shape: Array) -> Array:
+def _along(program: Program, kin: Kinematics, y0: Array, shape: Array) -> Array:
     """The shape as a step in the state vector, its deflections as large as those at the point."""
     step = np.zeros(program.n_total)
     step[: program.n] = shape
-    largest = float(np.abs(shape[whole.coordinates]).max(initial=0.0))
-    at_point = float(np.abs(place[whole.coordinates]).max(initial=0.0))
+    largest = float(np.abs(shape[kin.coordinates]).max(initial=0.0))
+    at_point = float(np.abs(y0[kin.coordinates]).max(initial=0.0))
     return step * ((at_point or 1e-3) / largest if largest > 0 else 1.0)
 
 
@@ -319,10 +319,10 @@ def shapes(modes: Modes, path: Any, most: int) -> Figure:
 
 
 def _shape(axis: Axes, modes: Modes, i: int) -> None:
-    place = np.arange(len(modes.bodies))
-    few = len(place) <= 60
+    position = np.arange(len(modes.bodies))
+    few = len(position) <= 60
     axis.axhline(0.0, color="#888888", linewidth=0.7)
-    axis.plot(place, modes.shapes[i].real, color=COLOURS[0], marker="o" if few else "", markersize=4)
+    axis.plot(position, modes.shapes[i].real, color=COLOURS[0], marker="o" if few else "", markersize=4)
     axis.set_ylim(-1.15, 1.15)
     damping = f"\n{100 * modes.damping[i]:.2g} % damped" if modes.damping[i] > 1e-9 else ""
     axis.set_ylabel(f"{modes.hertz[i]:.5g} Hz{damping}", rotation=0, ha="right", va="center")

@@ -12,8 +12,8 @@ from typing import Any, final
 import numpy as np
 
 from gearblocks.simulation.equilibrium import fixed_combinations
-from gearblocks.solver.active_set import Rows, reduced
-from gearblocks.solver.motion import Motion, motion
+from gearblocks.solver.active_set import ReducedRows, reduced
+from gearblocks.solver.kinematics import Kinematics, kinematics
 from gearblocks.solver.point import Point, derivative, steps_of
 from gearblocks.solver.sparse_maps import Indices
 from gearblocks.solver.structures import Array
@@ -39,45 +39,45 @@ class Reduction:
         small = self.matrix(A)
         still = (np.asarray(abs(small).sum(axis=1)).ravel() == 0) & ~B[self.kept].any(axis=1)
         first = point.program.n - point.sim.constraints().n_speeds
-        still &= np.isin(self.kept, motion(point).states) & (self.kept < first)
+        still &= np.isin(self.kept, kinematics(point).states) & (self.kept < first)
         return Reduction(self.kept[~still], self.R[:, np.flatnonzero(~still)])
 
 
 def reduction(point: Point, n: int) -> Reduction | None:
     """Dependent deviations among the states and n - program.n unread angles, by the active set. None in a train without
     switched constraints."""
-    if not point.sim.constraints().places:
+    if not point.sim.constraints().constraints:
         return None
     active = point.active_rows()
-    rows = reduced(np.zeros((0, n))) if active is None else _conditions(point, active, motion(point), n)
+    rows = reduced(np.zeros((0, n))) if active is None else _conditions(point, active, kinematics(point), n)
     return Reduction(rows.kept, rows.basis())
 
 
-def _conditions(point: Point, active: Rows, whole: Motion, n: int) -> Rows:
+def _conditions(point: Point, active: ReducedRows, kin: Kinematics, n: int) -> ReducedRows:
     """Rows over all deviations: positions that stay constant, speeds without slip."""
-    angles = whole.angles[whole.angles < point.program.n]  # the first ones: others are unread
-    places, fixed = np.concatenate([whole.coordinates, angles]), fixed_combinations(whole, active, len(angles))
+    angles = kin.angles[kin.angles < point.program.n]  # the first ones: others are unread
+    columns, fixed = np.concatenate([kin.coordinates, angles]), fixed_combinations(kin, active, len(angles))
     still = np.zeros((len(fixed), n))
-    still[:, places] = fixed
+    still[:, columns] = fixed
     positions = reduced(still)
     speeds = np.zeros((len(active.W), n))
-    speeds[:, whole.speeds] = active.W
+    speeds[:, kin.speeds] = active.W
     if not point.sim.constraints().steady:
-        speeds[:, : whole.speeds[0]] = _slips_by_position(point, active, whole)
+        speeds[:, : kin.speeds[0]] = _slips_by_position(point, active, kin)
     speeds -= speeds[:, positions.pivots] @ positions.W
-    pivots = np.concatenate([positions.pivots, whole.speeds[active.pivots]])
-    return Rows(np.vstack([positions.W, speeds]), pivots, np.arange(len(pivots)), np.eye(len(pivots)))
+    pivots = np.concatenate([positions.pivots, kin.speeds[active.pivots]])
+    return ReducedRows(np.vstack([positions.W, speeds]), pivots, np.arange(len(pivots)), np.eye(len(pivots)))
 
 
-def _slips_by_position(point: Point, active: Rows, whole: Motion) -> Array:
+def _slips_by_position(point: Point, active: ReducedRows, kin: Kinematics) -> Array:
     """Derivatives of the slips by the states other than speeds, where gains change with the position."""
-    numbers = list(point.holding())
-    stops = np.array([point.sim.constraints().places[i].is_stop for i in numbers])
+    numbers = list(point.active_set())
+    stops = np.array([point.sim.constraints().constraints[i].is_stop for i in numbers])
 
     def slips(y: Array) -> Array:
         at = point.at(y=y).constraints()
-        return np.where(stops, at.rows[numbers] @ y[whole.speeds], at.slip[numbers])
+        return np.where(stops, at.rows[numbers] @ y[kin.speeds], at.slip[numbers])
 
-    others = np.arange(whole.speeds[0])
+    others = np.arange(kin.speeds[0])
     change = derivative(slips, point.y, others, steps_of(point.program, point.y)).toarray()
     return np.asarray(active.steps @ change)

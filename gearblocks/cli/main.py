@@ -318,7 +318,3 @@ def _telling(result: Trajectory) -> tuple[str, ...]:
     own = [name for name in result.names if name.count(".") == 1]
     chosen = [name for kind in kinds for name in own if name.endswith("." + kind)]
     return tuple(chosen[:12]) or result.names[:12]
-
-
-if __name__ == "__main__":
-    sys.exit(main())

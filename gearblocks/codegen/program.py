@@ -59,41 +59,41 @@ class SwitchInfo(NamedTuple):
 
 
 class EnergyInfo(NamedTuple):
-    """One stored energy: `part` is "kinetic" or "stored"; `place` points into the vector of energies."""
+    """One stored energy: `part` is "kinetic" or "stored"; `offset` is its place in the vector of energies."""
 
     component: str
     part: str
-    place: int
+    offset: int
 
 
 class IntegralInfo(NamedTuple):
-    """One quadrature: `part` is "loss", "supplied" or "angle"; `place` points into the state vector."""
+    """One quadrature: `part` is "loss", "supplied" or "angle"; `offset` is its place in the state vector."""
 
     component: str
     part: str
-    place: int
+    offset: int
 
 
 class StartInfo(NamedTuple):
-    """An initial value by the name of an output ("motor.w"): parameter number `place` takes value * factor.
+    """An initial value by the name of an output ("motor.w"): the parameter at `offset` takes value * factor.
 
     of: "angle" or "speed" of a shaft, or "state" of a block.
     """
 
     name: str
-    place: int
+    offset: int
     factor: float
     of: str = ""
 
 
 class DependentStart(NamedTuple):
-    """A start value that follows from others through rigid constraints: the sum of factors times parameters number `places`.
+    """A start value that follows from others through rigid constraints: the sum of factors times the parameters at `offsets`.
 
     of: "angle" or "speed".
     """
 
     name: str
-    places: tuple[int, ...]
+    offsets: tuple[int, ...]
     factors: tuple[float, ...]
     of: str = ""
 

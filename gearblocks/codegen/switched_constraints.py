@@ -146,9 +146,9 @@ def _place(g: Generator, code: BatchCode, member: SwitchedConstraint, constraint
 
 def loss_offsets(g: Generator) -> None:
     """Offsets of the ledger entries that impacts add their losses to."""
-    places = {x.component: x.place for x in g.integrals if x.part == "loss"}
+    offsets = {x.component: x.offset for x in g.integrals if x.part == "loss"}
     for member in g.constraints.members:
-        member.loss = places.get(member.path, -1)
+        member.loss = offsets.get(member.path, -1)
 
 
 def constraint_columns(constraints: SwitchedConstraints) -> dict[str, Column]:

@@ -131,5 +131,5 @@ def expect(code: Code) -> None:
 def heat(sim: Simulation, model: gb.Model, component: str) -> float:
     """Energy that a component lost until now [J]."""
     state = sim.state()
-    places = [x.place for x in model.program.integrals if x.component == component and x.part == "loss"]
-    return float(sum(state[place] for place in places))
+    offsets = [x.offset for x in model.program.integrals if x.component == component and x.part == "loss"]
+    return float(sum(state[i] for i in offsets))

@@ -37,14 +37,14 @@ def parameter_value(leaf: Expr) -> float:
 
 def contradictions(program: Program, train: Train) -> Iterator[str]:
     """Start values of one rigid group that contradict each other."""
-    starts = {(s.name.rpartition(".")[0], s.of): (s.place, s.factor) for s in program.starts}
+    starts = {(s.name.rpartition(".")[0], s.of): (s.offset, s.factor) for s in program.starts}
     given: dict[int, tuple[str, str, float, float]] = {}
     for c in train.components:
         for of, field in start_fields(type(c.block)).items():
-            value, place = start_of(c.block, of), starts.get((c.path, of))
-            if value is not None and place is not None:
-                scaled = value * place[1]
-                before = given.setdefault(place[0], (c.path, field, value, scaled))
+            value, start = start_of(c.block, of), starts.get((c.path, of))
+            if value is not None and start is not None:
+                scaled = value * start[1]
+                before = given.setdefault(start[0], (c.path, field, value, scaled))
                 if abs(before[3] - scaled) > 1e-12 * max(abs(before[3]), abs(scaled)):
                     yield (
                         f"'{before[0]}': {before[1]} = {before[2]!r} and '{c.path}': {field} = {value!r} contradict each "
@@ -66,7 +66,7 @@ def solve_dependent(program: Program, train: Train, values: dict[str, float]) ->
         return
     _solve(program, blocks, [(info, value) for info, _, _, value in rows], values)
     for info, path, field, value in rows:
-        paths = [program.parameters[i].path for i in info.places]
+        paths = [program.parameters[i].path for i in info.offsets]
         terms = [f * values.get(p, 0.0) for p, f in zip(paths, info.factors, strict=True)]
         if abs(value - sum(terms)) > 1e-12 * (abs(value) + sum(map(abs, terms))):
             yield (
@@ -79,14 +79,14 @@ def _solve(
     program: Program, blocks: dict[str, Block], rows: list[tuple[DependentStart, float]], values: dict[str, float]
 ) -> None:  # fmt: skip
     """Open start values of minimum norm that fulfil the rows: sum of factor times value = the given one."""
-    places = dict.fromkeys(i for info, _ in rows for i in info.places if _is_open(program, blocks, i))
-    unknown = {i: k for k, i in enumerate(places)}
+    offsets = dict.fromkeys(i for info, _ in rows for i in info.offsets if _is_open(program, blocks, i))
+    unknown = {i: k for k, i in enumerate(offsets)}
     if not unknown:
         return
     A, b = np.zeros((len(rows), len(unknown))), np.zeros(len(rows))
     for k, (info, value) in enumerate(rows):
         b[k] = value
-        for i, factor in zip(info.places, info.factors, strict=True):
+        for i, factor in zip(info.offsets, info.factors, strict=True):
             if i in unknown:
                 A[k, unknown[i]] += factor
             else:
@@ -95,9 +95,9 @@ def _solve(
     values.update({program.parameters[i].path: float(found[k]) for i, k in unknown.items()})
 
 
-def _is_open(program: Program, blocks: dict[str, Block], place: int) -> bool:
+def _is_open(program: Program, blocks: dict[str, Block], offset: int) -> bool:
     """Whether a parameter is an open start value: one that nobody gives."""
-    info = program.parameters[place]
+    info = program.parameters[offset]
     path = info.path.rpartition(".")[0]
     return info.start in (ANGLE, SPEED) and (path not in blocks or start_of(blocks[path], info.start) is None)
 
@@ -133,17 +133,17 @@ def fit_prescribed(model: Model, train: Train) -> None:
 
 def _at_start(model: Model, names: list[str], values: Array) -> Array | None:
     """Outputs at t = 0 with these parameters; None where the start fails."""
-    places = {q.name: i for i, q in enumerate(model.program.outputs)}
+    offsets = {q.name: i for i, q in enumerate(model.program.outputs)}
     with model.library.open() as sim:
         sim.parameters[:] = values
         sim.inputs[:] = [x.start for x in model.program.inputs]
         sim.changed()
-        return None if sim.start(_START, 0.0) < 0 else sim.outputs()[[places[n] for n in names]]
+        return None if sim.start(_START, 0.0) < 0 else sim.outputs()[[offsets[n] for n in names]]
 
 
 def _fitted(model: Model, names: list[str], asked: Array, found: Array, blocks: dict[str, Block]) -> Array:
     """Chooses the open start values. One linear step: nonlinear constraints may leave a difference."""
-    starts = [s.place for s in model.program.starts if s.of in (ANGLE, SPEED)]
+    starts = [s.offset for s in model.program.starts if s.of in (ANGLE, SPEED)]
     free = [i for i in dict.fromkeys(starts) if _is_open(model.program, blocks, i)]
     columns = []
     for i in free:

@@ -162,25 +162,25 @@ def is_static(initial: Any) -> bool:
 
 def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> None:
     starts = {s.name: i for i, s in enumerate(program.starts)}
-    followers = {f.name: f for f in program.dependent_starts}
+    dependents = {f.name: f for f in program.dependent_starts}
     initial = dict(initial)
-    asked = {followers[name]: initial.pop(name) for name in [*initial] if name in followers}
+    asked = {dependents[name]: initial.pop(name) for name in [*initial] if name in dependents}
     given: dict[int, tuple[str, float]] = {}
     for name, value in initial.items():
         info = program.starts[resolve(name, starts, "initial value")]
         number = checked(info.name, value, "", None, None) * info.factor
-        before = given.setdefault(info.place, (name, number))
+        before = given.setdefault(info.offset, (name, number))
         if abs(before[1] - number) > 1e-12 * max(abs(number), abs(before[1])):
             raise ParameterError(
                 f"the initial values of '{before[0]}' and '{name}' contradict each other through their ties"
             )
-        result[info.place] = number
-    for follower, value in asked.items():
-        follows = sum(f * result[i] for i, f in zip(follower.places, follower.factors, strict=True))
+        result[info.offset] = number
+    for dependent, value in asked.items():
+        follows = sum(f * result[i] for i, f in zip(dependent.offsets, dependent.factors, strict=True))
         if abs(follows - value) > 1e-9 * max(abs(value), abs(follows)):
-            names = ", ".join(program.parameters[i].path for i in follower.places)
+            names = ", ".join(program.parameters[i].path for i in dependent.offsets)
             raise ParameterError(
-                f"initial: '{follower.name}' = {value!r} contradicts the {follows:.9g} that follows from {names} through "
+                f"initial: '{dependent.name}' = {value!r} contradicts the {follows:.9g} that follows from {names} through "
                 f"its ties: give those"
             )
 
@@ -222,5 +222,5 @@ def start_state(program: Program, initial: Any) -> Array | None:
     y = np.array(final.y)
     for entry in program.integrals:
         if entry.part != "angle":
-            y[entry.place] = 0.0
+            y[entry.offset] = 0.0
     return y

@@ -26,9 +26,9 @@ from numpy.typing import NDArray
 from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError, SimulationError
 from gearblocks.simulation.friction_at_rest import by_slips, judged
-from gearblocks.solver.active_set import Rows, null_space, reduced
+from gearblocks.solver.active_set import ReducedRows, null_space, reduced
 from gearblocks.solver.binding import Simulation
-from gearblocks.solver.motion import Motion, knows_derivatives, motion
+from gearblocks.solver.kinematics import Kinematics, kinematics, knows_derivatives
 from gearblocks.solver.point import Point, dependents, derivative, opened, restarted, state_matrix, steps_of
 from gearblocks.solver.sparse_maps import Indices
 from gearblocks.solver.structures import Array
@@ -62,7 +62,7 @@ def equilibrium(point: Point) -> Point:
     force exceeds its bounds.
     """
     point = by_slips(point)
-    for _ in range(4 * len(point.sim.constraints().places) + 1):
+    for _ in range(4 * len(point.sim.constraints().constraints) + 1):
         found = _balanced(point)
         changed = judged(found)
         if changed is None:
@@ -76,26 +76,26 @@ def equilibrium(point: Point) -> Point:
 
 def _balanced(point: Point) -> Point:
     """The equilibrium for the present active set."""
-    whole = motion(point)
-    if len(whole.coordinates) + len(whole.states) == 0 or len(whole.speeds) + len(whole.states) == 0:
-        return point if point.sim.constraints().places else point.at(y=restarted(point))
-    _check_speeds(point, whole)
-    found = _Search(point, whole).run()
-    return found if whole.active is None else found.at(y=_angles_following(whole, whole.active, point.y, found.y))
+    kin = kinematics(point)
+    if len(kin.coordinates) + len(kin.states) == 0 or len(kin.speeds) + len(kin.states) == 0:
+        return point if point.sim.constraints().constraints else point.at(y=restarted(point))
+    _check_speeds(point, kin)
+    found = _Search(point, kin).run()
+    return found if kin.active is None else found.at(y=_angles_following(kin, kin.active, point.y, found.y))
 
 
-def _angles_following(whole: Motion, active: Rows, before: Array, y: Array) -> Array:
+def _angles_following(kin: Kinematics, active: ReducedRows, before: Array, y: Array) -> Array:
     """The state with angles changed along with the coordinates so that G dphi = 0: no active constraint to the ground has
     slipped."""
     from scipy.sparse import csc_array, vstack
 
-    S = csc_array(vstack([whole.B, whole.E]))
-    if len(whole.angles) == 0 or whole.massless:
+    S = csc_array(vstack([kin.B, kin.E]))
+    if len(kin.angles) == 0 or kin.massless:
         return y
-    turned = np.concatenate([y[whole.coordinates] - before[whole.coordinates], np.zeros(len(whole.angles))])
+    turned = np.concatenate([y[kin.coordinates] - before[kin.coordinates], np.zeros(len(kin.angles))])
     rows = _solve(csc_array(S.T), active.W.T).T  # slips by coordinates and angles
-    n_q, following = len(whole.coordinates), y.copy()
-    following[whole.angles] -= np.linalg.lstsq(rows[:, n_q:], rows @ turned, rcond=1e-9)[0]
+    n_q, following = len(kin.coordinates), y.copy()
+    following[kin.angles] -= np.linalg.lstsq(rows[:, n_q:], rows @ turned, rcond=1e-9)[0]
     return following
 
 
@@ -106,11 +106,11 @@ def _solve(S: csc_array, right: Array) -> Array:
     return np.asarray(splu(S).solve(np.ascontiguousarray(right)))
 
 
-def fixed_combinations(whole: Motion, active: Rows, angles: int) -> Array:
+def fixed_combinations(kin: Kinematics, active: ReducedRows, angles: int) -> Array:
     """Combinations of the coordinates, and of the first so many of the angles, that the active set keeps constant, as rows."""
     from scipy.sparse import csc_array, vstack
 
-    S, n = csc_array(vstack([whole.B, whole.E]).T), len(whole.coordinates) + angles
+    S, n = csc_array(vstack([kin.B, kin.E]).T), len(kin.coordinates) + angles
     if S.shape[0] == S.shape[1]:
         combined = _solve(S, active.W.T)
         rest, combined = combined[n:], combined[:n]
@@ -121,16 +121,16 @@ def fixed_combinations(whole: Motion, active: Rows, angles: int) -> Array:
     return np.asarray((combined @ null_space(rest, np.full(len(rest), np.abs(active.W).max()))).T)
 
 
-def _check_speeds(point: Point, whole: Motion) -> None:
-    v = point.y[whole.speeds]
-    if len(whole.coordinates) == 0 or whole.massless:
+def _check_speeds(point: Point, kin: Kinematics) -> None:
+    v = point.y[kin.speeds]
+    if len(kin.coordinates) == 0 or kin.massless:
         return
-    winding = point.rates()[whole.coordinates]  # prescribed speeds among them
+    winding = point.rates()[kin.coordinates]  # prescribed speeds among them
     worst = int(np.argmax(np.abs(winding)))
-    largest = float(np.abs(v).max(initial=0.0)) * float(np.abs(whole.B.data).max(initial=0.0))
-    largest = max(largest, float(np.abs(winding - whole.B @ v).max()))
+    largest = float(np.abs(v).max(initial=0.0)) * float(np.abs(kin.B.data).max(initial=0.0))
+    largest = max(largest, float(np.abs(winding - kin.B @ v).max()))
     if abs(winding[worst]) > 1e-9 * largest:
-        name = point.program.states[whole.coordinates[worst]].name.rsplit(".", 1)[0]
+        name = point.program.states[kin.coordinates[worst]].name.rsplit(".", 1)[0]
         raise ParameterError(
             f"initial: the start speeds are no steady rotation: '{name}' would wind up at {winding[worst]:.6g} rad/s; "
             f"give w0 to every body that turns, or to none"
@@ -144,17 +144,17 @@ class _Search:
     enter (both 1 where nothing is active).
     """
 
-    def __init__(self, point: Point, whole: Motion) -> None:
+    def __init__(self, point: Point, kin: Kinematics) -> None:
         from scipy.sparse import csc_array, eye_array
 
-        self.point, self.whole = point, whole
-        self.unknown = np.concatenate([whole.coordinates, whole.states])
-        still = whole.coordinates if whole.massless else whole.coordinates[:0]  # balance of massless groups: q' = 0
-        self.rows = np.concatenate([whole.speeds, whole.states, still])
-        self.n_v, self.n_q, self.n_z = len(whole.speeds), len(whole.coordinates), len(whole.states)
+        self.point, self.kin = point, kin
+        self.unknown = np.concatenate([kin.coordinates, kin.states])
+        still = kin.coordinates if kin.massless else kin.coordinates[:0]  # balance of massless groups: q' = 0
+        self.rows = np.concatenate([kin.speeds, kin.states, still])
+        self.n_v, self.n_q, self.n_z = len(kin.speeds), len(kin.coordinates), len(kin.states)
         self.D, self.L = csc_array(eye_array(self.n_q)), csc_array(eye_array(self.n_v))
-        if whole.active is not None:
-            self.D = reduced(fixed_combinations(whole, whole.active, 0)).basis()
+        if kin.active is not None:
+            self.D = reduced(fixed_combinations(kin, kin.active, 0)).basis()
             force_rows = point.active_force_rows()
             assert force_rows is not None
             self.L = csc_array(force_rows.basis().T)
@@ -176,7 +176,7 @@ class _Search:
             fit = self.point.at(y=y).settled()
             same = np.array_equal(fit.modes, self.point.modes)
             if same and (error <= _NEAR or (error <= _STALLED and error > 0.3 * last)):
-                return fit.at(y=restarted(fit)) if self.whole.massless else fit
+                return fit.at(y=restarted(fit)) if self.kin.massless else fit
             lowest = _WEAKEST if error < 0.3 * last else _NOTHING  # a small load crosses a wide gap
             self.weak = max(self.weak / 10, lowest) if same else _WEAK
             last = error if same else np.inf
@@ -194,14 +194,14 @@ class _Search:
         for side in (None, 1.0, -1.0):
             modes = start.modes if side is None else np.where(of_state, side, start.modes)
             self.point = start.at(modes=modes)
-            torques = self.whole.M @ self._derivatives()[: self.n_v]
+            torques = self.kin.M @ self._derivatives()[: self.n_v]
             found.append(np.asarray(abs(torques[:, : self.n_q]).max(axis=0).todense()).ravel())
         y = start.y.copy()
         if self.D.shape[0] == self.D.shape[1]:
-            y[self.whole.coordinates[found[0] > 0]] = 0.0
+            y[self.kin.coordinates[found[0] > 0]] = 0.0
         elif (loaded := found[0] > 0).any():
-            back = -y[self.whole.coordinates] * loaded
-            y[self.whole.coordinates] += self.D @ np.linalg.lstsq(self.D.toarray()[loaded], back[loaded], rcond=None)[0]
+            back = -y[self.kin.coordinates] * loaded
+            y[self.kin.coordinates] += self.D @ np.linalg.lstsq(self.D.toarray()[loaded], back[loaded], rcond=None)[0]
         self.point = start.at(y=y).settled()
         springs = np.nan_to_num(np.max(found, axis=0), posinf=0.0) if self.n_q else np.zeros(0)
         return np.asarray(np.where(springs > 0, springs, springs.max(initial=0.0) or 1.0))
@@ -211,12 +211,12 @@ class _Search:
 
         idle: rates that no unknown changes: phases, which run on, and massless groups, which are in balance anyway.
         """
-        whole, rates = self.whole, self._rates(self.point.y)
-        torque = whole.M @ rates[whole.speeds]
+        kin, rates = self.kin, self._rates(self.point.y)
+        torque = kin.M @ rates[kin.speeds]
         rest = torque.copy()
-        if whole.N.shape[1]:
-            weights = (whole.N.T @ whole.M @ whole.N).toarray()
-            rest -= whole.M @ (whole.N @ np.linalg.solve(weights, whole.N.T @ torque))
+        if kin.N.shape[1]:
+            weights = (kin.N.T @ kin.M @ kin.N).toarray()
+            rest -= kin.M @ (kin.N @ np.linalg.solve(weights, kin.N.T @ torque))
         parts = abs(matrix) @ np.abs(self.point.y[self.unknown])
         largest = max(float(np.abs(torque).max(initial=0.0)), float(parts[: self.n_t].max(initial=0.0)))
         sizes = np.concatenate([np.full(self.n_t, largest), parts[self.n_t :]])
@@ -226,7 +226,7 @@ class _Search:
 
     def _rates(self, y: Array) -> Array:
         """Rates at a state, the angles of massless groups put into balance."""
-        if self.whole.massless:
+        if self.kin.massless:
             y = restarted(self.point.at(y=y))
         return self.point.rates(y)
 
@@ -235,7 +235,7 @@ class _Search:
         from scipy.sparse import csc_array, vstack
 
         A = self._derivatives()
-        return csc_array(vstack([self.L @ (self.whole.M @ A[: self.n_v]), A[self.n_v :]]))
+        return csc_array(vstack([self.L @ (self.kin.M @ A[: self.n_v]), A[self.n_v :]]))
 
     def _derivatives(self) -> csc_array:
         """Of the rates of speeds and states by the unknowns."""
@@ -256,20 +256,20 @@ class _Search:
         from scipy.sparse import block_diag, csc_array, diags_array, eye_array, hstack, vstack
         from scipy.sparse.linalg import splu
 
-        whole = self.whole
+        kin = self.kin
         springs = self.weak * self.springs
-        weak = hstack([self.L @ (whole.B.T @ diags_array(-springs)), csc_array((self.n_t, self.n_z))])
+        weak = hstack([self.L @ (kin.B.T @ diags_array(-springs)), csc_array((self.n_t, self.n_z))])
         still = hstack([csc_array((self.n_z, self.n_q)), diags_array(-idle[: self.n_z].astype(float))])
         rest_rows = len(self.rows) - self.n_v - self.n_z
         added = csc_array(vstack([weak, still, csc_array((rest_rows, self.n_q + self.n_z))]))
-        border = vstack([-(self.L @ (whole.M @ whole.N)), csc_array((self.n_z + rest_rows, whole.N.shape[1]))])
+        border = vstack([-(self.L @ (kin.M @ kin.N)), csc_array((self.n_z + rest_rows, kin.N.shape[1]))])
         along = csc_array(block_diag([self.D, eye_array(self.n_z)]))
         full = csc_array(hstack([(matrix + added) @ along, border]))
         scale = np.asarray(abs(full).max(axis=1).todense()).ravel()
         scale[scale == 0] = 1.0
         scaled = csc_array(diags_array(1 / scale) @ full)
         try:
-            if whole.massless:
+            if kin.massless:
                 found = np.linalg.lstsq(scaled.toarray(), -rest / scale, rcond=1e-13)[0]
             else:
                 found = splu(scaled).solve(-rest / scale)
@@ -279,8 +279,8 @@ class _Search:
         return step, springs * step[: self.n_q]
 
     def _failure(self, carried: Array) -> SimulationError:
-        """What nothing carries."""
-        names = [self.point.program.states[i].name.rsplit(".", 1)[0] for i in self.whole.coordinates]
+        """The error for the coordinate whose weak spring carries most."""
+        names = [self.point.program.states[i].name.rsplit(".", 1)[0] for i in self.kin.coordinates]
         return SimulationError(
             self.point.t, names[int(np.argmax(np.abs(carried)))] if len(carried) else "",
             "there is no static equilibrium: nothing carries the load here",

@@ -228,10 +228,11 @@ class _Run:
         _, _, energy = self.sim.evaluate(self.last[None, :], np.zeros(0, dtype=np.intc), energies=True)
         parts: dict[str, dict[str, float]] = {"stored": {}, "loss": {}, "supplied": {}}
         for entry in program.energies:
-            parts["stored"][entry.component] = parts["stored"].get(entry.component, 0.0) + float(energy[0, entry.place])
+            before = parts["stored"].get(entry.component, 0.0)
+            parts["stored"][entry.component] = before + float(energy[0, entry.offset])
         for item in program.integrals:
             if item.part != "angle":
-                parts[item.part][item.component] = float(final.y[item.place] - first[0][item.place])
+                parts[item.part][item.component] = float(final.y[item.offset] - first[0][item.offset])
         return EnergyLedger(
             stored=parts["stored"], start=float(first[1].sum()), dissipated=parts["loss"], supplied=parts["supplied"],
             exchanged=float(self.sim.counters.turnover), largest_stored=self.largest,
@@ -242,7 +243,7 @@ class _Run:
     def _failure(self, code: Code, run: Trajectory | None) -> GearblocksError:
         """The error of a return code, with the name of the thing and the way out."""
         report, program = self.sim.report, self.model.program
-        name = _place(program, code, report.index)
+        name = _component_of(program, code, report.index)
         cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
         massless = [
             p.path
@@ -307,7 +308,7 @@ _CAUSES: dict[Code, tuple[str, str]] = {
     ),
     Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
     Code.ERR_LOSS: (
-        "no motion, or more than one, agrees with its losses: it jams, or constraints itself against a load that drives it",
+        "no motion, or more than one, agrees with its losses: it jams, or locks itself against a load that drives it",
         "with these inertias the efficiency (below 0, or far below 1 at a large ratio) allows no single acceleration; "
         "give it a compliant shaft beside, more inertia, or a better efficiency",
     ),
@@ -322,7 +323,7 @@ _CAUSES: dict[Code, tuple[str, str]] = {
 }  # fmt: skip
 
 
-def _place(program: Program, code: Code, index: int) -> str:
+def _component_of(program: Program, code: Code, index: int) -> str:
     """The component or input that a code's index means."""
     if code in (Code.ERR_NAN_INPUT, Code.ERR_CALLBACK):
         return program.inputs[index].name if 0 <= index < len(program.inputs) else ""

@@ -25,7 +25,7 @@ _DEPENDENT = 1e-9  # of the largest entry of a row: what is left of it is roundi
 
 @final
 @dataclass(frozen=True, eq=False)
-class Rows:
+class ReducedRows:
     """Reduced row form W x = 0 of given rows.
 
     W: shape (k, n); pivots: shape (k,); which: the given rows that are independent; steps: W = steps @ given rows.
@@ -68,7 +68,7 @@ class Rows:
         return csc_array(rates - csc_array(X) @ csc_array(forces))
 
 
-def reduced(rows: Array, largest: Array | None = None) -> Rows:
+def reduced(rows: Array, largest: Array | None = None) -> ReducedRows:
     """Reduced row form. largest: size of the terms of each row, where the row itself may be what cancellation left of them."""
     n = rows.shape[1]
     W, pivots, which, steps = np.zeros((0, n)), np.zeros(0, dtype=np.intp), [], np.zeros((0, len(rows)))
@@ -83,7 +83,7 @@ def reduced(rows: Array, largest: Array | None = None) -> Rows:
         W = np.vstack([W - np.outer(W[:, pivot], row), row])
         pivots = np.append(pivots, pivot)
         which.append(i)
-    return Rows(W, pivots, np.array(which, dtype=np.intp), steps)
+    return ReducedRows(W, pivots, np.array(which, dtype=np.intp), steps)
 
 
 def null_space(matrix: Array, largest: Array | None = None) -> Array:

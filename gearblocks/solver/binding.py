@@ -16,13 +16,13 @@ from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError
 from gearblocks.solver.step_matrix import (
     PROTOTYPES,
-    Groups,
+    ColumnGroups,
     StepMatrix,
+    full_matrix,
     matrix_at,
     pattern_of,
     sizes_of,
     state_jacobian,
-    whole,
 )
 from gearblocks.solver.structures import (
     EVENT,
@@ -107,7 +107,7 @@ class Simulation:
             raise MemoryError(f"no memory for a simulation of '{program.name}'")
         self._kept: list[object] = []
         self._pattern: Pattern | None = None
-        self._groups: Groups | None = None
+        self._groups: ColumnGroups | None = None
         self.error: BaseException | None = None
         self.parameters = self._view("gb_parameters", len(program.parameters))
         self.inputs = self._view("gb_inputs", len(program.inputs))
@@ -146,7 +146,7 @@ class Simulation:
     def set_table(
         self, index: int, kind: Kind, x: Array, y: Array, second: Array | None = None, period: float = 0.0
     ) -> Code:
-        """Input `index` follows a table; `second`: second derivatives of a cubic one; period 0: held outside."""
+        """Input `index` follows a table; `second`: second derivatives of a cubic one; period 0: constant outside."""
         x, y = np.ascontiguousarray(x, dtype=np.float64), np.ascontiguousarray(y, dtype=np.float64)
         third = None if second is None else np.ascontiguousarray(second, dtype=np.float64)
         self._kept.append((x, y, third))
@@ -247,7 +247,7 @@ class Simulation:
         return bool(self._shared.gb_pattern_of(self._sim))
 
     def step_matrix_sizes(self) -> tuple[int, int, int]:
-        """Numbers of kinematic states, of massless speeds, and of what the Jacobian keeps (zeros without a pattern)."""
+        """Numbers of kinematic states, of massless speeds, and of kinematic terms (zeros without a pattern)."""
         return sizes_of(self._shared, self._sim)
 
     def step_matrix(
@@ -282,13 +282,13 @@ class Simulation:
         states of blocks. Raises RuntimeError as `jacobian`."""
         pattern = self._needed_pattern()
         last = len(pattern.order) - self.step_matrix_sizes()[1]
-        return whole(pattern, self.step_matrix(t, y, 0.0))[:last, :last]
+        return full_matrix(pattern, self.step_matrix(t, y, 0.0))[:last, :last]
 
     def right_side(self, m: StepMatrix, r: Array) -> Array:
         """E r_x + g dG/ds r_s of a vector over the n states; one number per unknown."""
         r, out = np.ascontiguousarray(r, dtype=np.float64), np.empty(len(m.diag))
         code = self._shared.gb_step_matrix_right_side(
-            self._sim, m.kept.ctypes.data, m.g, r.ctypes.data, out.ctypes.data
+            self._sim, m.kinematic_terms.ctypes.data, m.g, r.ctypes.data, out.ctypes.data
         )
         _expect(code, "gb_step_matrix_right_side")
         return out
@@ -296,7 +296,7 @@ class Simulation:
     def kinematic_rates(self, m: StepMatrix, x: Array) -> Array:
         """B x: rates of the kinematic states from the unknowns."""
         x, out = np.ascontiguousarray(x, dtype=np.float64), np.empty(self.step_matrix_sizes()[0])
-        code = self._shared.gb_kinematic_rates(self._sim, m.kept.ctypes.data, x.ctypes.data, out.ctypes.data)
+        code = self._shared.gb_kinematic_rates(self._sim, m.kinematic_terms.ctypes.data, x.ctypes.data, out.ctypes.data)
         _expect(code, "gb_kinematic_rates")
         return out
 
@@ -305,7 +305,7 @@ class Simulation:
         return self._filled("gb_modes", len(self._program.switches))
 
     def constraints(self) -> ModelConstraints:
-        """The switched constraints of the model: friction, constraints, stops, lossy ties."""
+        """The switched constraints of the model: friction, unbounded locks, stops, lossy gears."""
         return constraints_of(self._shared, self._sim)
 
     def constraints_at(

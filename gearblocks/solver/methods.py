@@ -300,7 +300,7 @@ def render_tables() -> str:
         sparse=_sparse,
         widen=_widen,
         full_stages=_full_stages,
-        tail_rows=_quadrature_rows,
+        quadrature_rows=_quadrature_rows,
         implicit=_is_implicit,
     )
     text = environment.from_string(template).render(methods=METHODS, width=MAX_STAGES)

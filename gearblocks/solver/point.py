@@ -1,8 +1,8 @@
 """A model at one point: rates, outputs and energies in frozen modes, and their derivatives as sparse matrices.
 
 Derivatives of the rates are those of the laws where they exist. All others are central differences: which entry depends on
-which unknown is found first, by moving blocks of unknowns that are halved from round to round; columns that share no row
-are then moved together. A chain of any length takes a few hundred evaluations.
+which unknown is found first, by changing blocks of unknowns that are halved from round to round; columns that share no row
+are then changed together. A chain of any length takes a few hundred evaluations.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import SimulationError
-from gearblocks.solver.active_set import Rows, reduced
+from gearblocks.solver.active_set import ReducedRows, reduced
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.sparse_maps import Indices, disjoint
 from gearblocks.solver.structures import Array, Options
@@ -33,7 +33,7 @@ _FLOOR_OF_SPEED = 1.0  # rad/s or m/s
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A model held at (t, y) in frozen modes. means: excitations of time alone at their means; u: values of inputs."""
+    """A model at (t, y) in frozen modes. means: excitations of time alone at their means; u: values of inputs."""
 
     sim: Simulation
     program: Program
@@ -74,18 +74,18 @@ class Point:
         """The switched constraints here: rows, force bounds, constraint forces."""
         return self.sim.constraints_at(self.t, self.y, self.modes, inputs=self.u, means=self.means)
 
-    def holding(self) -> tuple[int, ...]:
-        """The active set: numbers of the switched constraints whose slip is held at 0 (stuck, closed)."""
-        return tuple(i for i, x in enumerate(self.sim.constraints().places) if self.modes[x.active] > 0.5)
+    def active_set(self) -> tuple[int, ...]:
+        """The active set: numbers of the switched constraints with G v = 0 (stuck, closed)."""
+        return tuple(i for i, x in enumerate(self.sim.constraints().constraints) if self.modes[x.active] > 0.5)
 
-    def active_rows(self) -> Rows | None:
+    def active_rows(self) -> ReducedRows | None:
         """G of the active set, reduced: G v = 0. None where nothing is active."""
-        active = list(self.holding())
+        active = list(self.active_set())
         return reduced(self.constraints().rows[active]) if active else None
 
-    def active_force_rows(self) -> Rows | None:
+    def active_force_rows(self) -> ReducedRows | None:
         """Torques on the speeds per constraint force of the active set, reduced in the same way."""
-        active = list(self.holding())
+        active = list(self.active_set())
         return reduced(self.constraints().force_rows[active]) if active else None
 
     def settled(self) -> Point:
@@ -99,12 +99,12 @@ class Point:
         return self.at(modes=modes)
 
 
-_HOLD = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
+_OPTIONS = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
 
 
 def restarted(point: Point) -> Array:
     """Lets changed parameters take effect on the derived values; the state, massless groups in balance."""
-    point.sim.start(_HOLD, point.t, point.y)
+    point.sim.start(_OPTIONS, point.t, point.y)
     return point.sim.state()
 
 
@@ -114,7 +114,7 @@ def opened(sim: Simulation, program: Program, t: float, y0: Array | None = None)
 
     Raises SimulationError where a rate is no number there, RuntimeError where the start itself fails (see sim.report).
     """
-    code = sim.start(_HOLD, t, y0)
+    code = sim.start(_OPTIONS, t, y0)
     if code < 0:
         raise RuntimeError(f"gb_start answered {code.name}")
     point = Point(sim, program, t, sim.state(), sim.modes()).settled()
@@ -148,7 +148,7 @@ def derivative(
     from scipy.sparse import csc_array
 
     pattern = dependents(function, y, columns, steps) if pattern is None else pattern
-    rows, places, values = [], [], []
+    rows, numbers, values = [], [], []
     for group in disjoint(pattern):
         moved = columns[group]
         up, down = y.copy(), y.copy()
@@ -158,19 +158,19 @@ def derivative(
         width = up - down
         for j in group:
             rows.append(pattern[j])
-            places.append(np.full(len(pattern[j]), j))
+            numbers.append(np.full(len(pattern[j]), j))
             values.append(change[pattern[j]] / width[columns[j]])
     shape = (len(function(y)), len(columns))
     if not rows:
         return csc_array(shape)
-    return csc_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(places))), shape=shape)
+    return csc_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(numbers))), shape=shape)
 
 
 def dependents(function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array) -> list[Indices]:
-    """Rows of function(y) that depend on each of y[columns]: blocks of columns are moved and halved; blocks without a
+    """Rows of function(y) that depend on each of y[columns]: blocks of columns are changed and halved; blocks without a
     common row go together.
 
-    An entry that does not depend on what moved keeps every bit; moves of random size do not cancel each other.
+    An entry that does not depend on what changed keeps every bit; changes of random size do not cancel each other.
     """
     base = function(y)
     size = np.random.default_rng(1).uniform(1.0, 2.0, len(columns))
@@ -221,7 +221,7 @@ def state_matrix(point: Point) -> csc_array:
     return differenced_state_matrix(point)
 
 
-def _with_constraint_forces(point: Point, A: csc_array, active: Rows) -> csc_array:
+def _with_constraint_forces(point: Point, A: csc_array, active: ReducedRows) -> csc_array:
     """The matrix A with the constraint forces of the active set, which the laws do not know:
 
     A - M^-1 G' (G M^-1 G')^-1 G A    in the rows of the speeds.

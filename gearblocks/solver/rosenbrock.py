@@ -29,7 +29,7 @@ class Rosenbrock:
 
     dense: rows R_2, R_3, .. over the stages; with R_1 = h sum b_j K_j the solution inside the step is
         y0 + th (R1 + (1 - th) (R2 + th (R3 + (1 - th) (R4 + ...)))).
-    nodes: places in (0, 1) at which quadratures along the step are sampled, beside 0 and 1; the Lobatto points.
+    nodes: points in (0, 1) at which quadratures along the step are sampled, beside 0 and 1; the Lobatto points.
     error_order: the power of the step size with which the estimate falls.
     beta: the memory of the step control (0: none).
     """
@@ -107,18 +107,18 @@ class Rosenbrock:
 
     def quadrature_weights(self) -> tuple[Weights, ...]:
         """The rows R_m / h of a quadrature: the integral of the polynomial through the rates at 0, 1 and the nodes."""
-        places = (0.0, 1.0, *self.nodes)
-        out = [[0.0] * self.all_stages for _ in range(len(places))]
-        for i in range(len(places)):
-            integral = _integral_of_basis(places, i)
+        points = (0.0, 1.0, *self.nodes)
+        out = [[0.0] * self.all_stages for _ in range(len(points))]
+        for i in range(len(points)):
+            integral = _integral_of_basis(points, i)
             p = [math.fsum(x * theta ** (k + 1) for k, x in enumerate(integral)) for theta in (0.5, 1.0)]
             start, end = float(i == 0), float(i == 1)
             r1, r2 = p[1], start - p[1]
             r3 = p[1] - end - r2
             half = (4 * p[0] - 2 * r1 - r2) * 2  # R3 + R4 / 2
-            slot = (0, self.stages)[i] if i < 2 else self.stages + i - 1
+            column = (0, self.stages)[i] if i < 2 else self.stages + i - 1
             for row, value in zip(out, (r1, r2, r3, 2 * (half - r3)), strict=False):
-                row[slot] = value
+                row[column] = value
         return tuple(map(tuple, out))
 
     def _shape_problems(self) -> list[str]:
@@ -189,13 +189,13 @@ class Rosenbrock:
         return [] if abs(worst[1]) <= 1e-12 else [f"the condition of tree {worst[0]} is missed by {worst[1]:.1e}"]
 
 
-def _integral_of_basis(places: Weights, i: int) -> list[float]:
-    """Coefficients of theta, theta^2, .. of the integral of the Lagrange polynomial that is 1 at places[i]."""
+def _integral_of_basis(points: Weights, i: int) -> list[float]:
+    """Coefficients of theta, theta^2, .. of the integral of the Lagrange polynomial that is 1 at points[i]."""
     poly = [1.0]
-    for j, place in enumerate(places):
+    for j, point in enumerate(points):
         if j != i:
-            scale = 1.0 / (places[i] - place)
-            low, high = [-place * x for x in poly] + [0.0], [0.0, *poly]
+            scale = 1.0 / (points[i] - point)
+            low, high = [-point * x for x in poly] + [0.0], [0.0, *poly]
             poly = [scale * (x + y) for x, y in zip(low, high, strict=True)]
     return [x / (k + 1) for k, x in enumerate(poly)]
 

@@ -117,16 +117,16 @@ def solved(square: Any, right: Any) -> Any:
             raise ArithmeticError(str(error)) from error
     first = (ends - sizes)[label[order]]  # of the block of each unknown
     try:
-        places, values = _inverses(csc_array(square[order][:, order]).tocoo(), first, sizes[label[order]])
+        entries, values = _inverses(csc_array(square[order][:, order]).tocoo(), first, sizes[label[order]])
     except np.linalg.LinAlgError as error:
         raise ArithmeticError(str(error)) from error
-    inverse = csc_array((values, (order[places[0]], order[places[1]])), shape=(n, n))
+    inverse = csc_array((values, (order[entries[0]], order[entries[1]])), shape=(n, n))
     return csc_array(inverse @ right)
 
 
 def _inverses(blocks: Any, first: Indices, sizes: Indices) -> tuple[Indices, Array]:
     """Rows and columns, and values, of the inverse of a matrix of blocks: first row and size of the block by row."""
-    places, values = [], []
+    entries, values = [], []
     for size in np.unique(sizes):
         of_size = sizes == size
         position = np.cumsum(of_size) - 1
@@ -136,6 +136,6 @@ def _inverses(blocks: Any, first: Indices, sizes: Indices) -> tuple[Indices, Arr
         np.add.at(full, (position[first[r]] // size, r - first[r], c - first[c]), blocks.data[mine])
         rows = np.broadcast_to(starts[:, None, None] + inside[:, None], full.shape)
         columns = np.broadcast_to(starts[:, None, None] + inside, full.shape)
-        places.append(np.stack([rows.ravel(), columns.ravel()]))
+        entries.append(np.stack([rows.ravel(), columns.ravel()]))
         values.append(np.linalg.inv(full).ravel())
-    return np.concatenate(places, axis=1), np.concatenate(values)
+    return np.concatenate(entries, axis=1), np.concatenate(values)

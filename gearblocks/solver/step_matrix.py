@@ -3,8 +3,8 @@
     S = E - g dG/dx - g^2 dG/ds B,        E x' = G(s, x),  s' = B x
 
 s: kinematic states, eliminated before factoring; x: the other states and the speeds of massless groups. The core answers
-S at any g, and the products B x and E r_x + g dG/ds r_s (the linear calls of c/gb_core.h). Knows nothing of the laws: dG/dx
-is the part of S that is odd in g.
+S at any g, and the products B x and E r_x + g dG/ds r_s (gb_core.h); dG/dx is the part of S that is odd in g. Knows nothing
+of the laws.
 """
 
 from __future__ import annotations
@@ -45,14 +45,14 @@ PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 
 
 class StepMatrix(NamedTuple):
-    """S = E - g dG/dx - g^2 dG/ds B of c/gb_model.h: by unknown, by place below and above the diagonal, and the numbers
-    that right_side and kinematic_rates need."""
+    """S = E - g dG/dx - g^2 dG/ds B of c/gb_model.h: by unknown, by entry of the pattern below and above the diagonal,
+    and the terms that right_side and kinematic_rates need."""
 
     g: float
     diag: Array
     lower: Array
     upper: Array
-    kept: Array
+    kinematic_terms: Array
 
     def __repr__(self) -> str:
         return (
@@ -75,7 +75,7 @@ def pattern_of(shared: ctypes.CDLL, sim: int | None) -> Pattern | None:
 
 
 def sizes_of(shared: ctypes.CDLL, sim: int | None) -> tuple[int, int, int]:
-    """Numbers of kinematic states, of massless speeds, and of what the Jacobian keeps (zeros without a pattern)."""
+    """Numbers of kinematic states, of massless speeds, and of kinematic terms (zeros without a pattern)."""
     sizes = (c_int(), c_int(), c_int())
     shared.gb_step_matrix_sizes(sim, *(ctypes.byref(x) for x in sizes))
     return sizes[0].value, sizes[1].value, sizes[2].value
@@ -84,8 +84,8 @@ def sizes_of(shared: ctypes.CDLL, sim: int | None) -> tuple[int, int, int]:
 def matrix_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array, g: float) -> tuple[int, StepMatrix]:
     """The answer of the call and the step matrix at a point (gb_point)."""
     pattern = shared.gb_pattern_of(sim)
-    n, places = (pattern.contents.n, pattern.contents.n_places) if pattern else (0, 0)
-    made = StepMatrix(g, *(np.zeros(k) for k in (n, places, places, sizes_of(shared, sim)[2])))
+    n, entries = (pattern.contents.n, pattern.contents.n_places) if pattern else (0, 0)
+    made = StepMatrix(g, *(np.zeros(k) for k in (n, entries, entries, sizes_of(shared, sim)[2])))
     code = shared.gb_step_matrix_at(
         sim, ctypes.byref(point), y.ctypes.data, g, *(part.ctypes.data for part in made[1:])
     )
@@ -102,19 +102,19 @@ class Linear(Protocol):
         """B x."""
 
 
-class Groups(NamedTuple):
-    """Columns that share no row: of what the right side makes of the states, and of the rates of kinematic states."""
+class ColumnGroups(NamedTuple):
+    """Columns that share no row: of the right side by the states, and of the rates of kinematic states by the unknowns."""
 
-    side: list[Indices]
+    right_side: list[Indices]
     rates: list[Indices]
 
     def __repr__(self) -> str:
-        return f"<Groups: {len(self.side)} of states, {len(self.rates)} of unknowns>"
+        return f"<ColumnGroups: {len(self.right_side)} of states, {len(self.rates)} of unknowns>"
 
 
 def guessed_groups(
     pattern: Pattern, kinematic_rates: Callable[[Array], Array], n_kinematic: int, n_others: int
-) -> Groups:
+) -> ColumnGroups:
     """Groups that the pattern suggests: unknowns in the rate of a kinematic state are coupled to each other and to all
     equations in which that state stands. Few other states stand in a deflection: those of a prescribed angle."""
     colour = _colours(pattern)
@@ -131,7 +131,7 @@ def guessed_groups(
     first = [int(B.indices[start]) if start < end else -1 for start, end in pairwise(B.indptr)]
     by_state = disjoint([around[u] if u >= 0 else [-1 - i] for i, u in enumerate(first)])
     rest = n_kinematic + np.arange(n_others)
-    return Groups([*(np.array(g, dtype=np.intp) for g in by_state), rest], served)
+    return ColumnGroups([*(np.array(g, dtype=np.intp) for g in by_state), rest], served)
 
 
 def _colours(pattern: Pattern) -> list[int]:
@@ -146,8 +146,12 @@ def _colours(pattern: Pattern) -> list[int]:
 
 
 def state_jacobian(
-    sim: Linear, pattern: Pattern, sizes: tuple[int, int], matrix: Callable[[float], StepMatrix], groups: Groups | None
-) -> tuple[Any, Groups]:
+    sim: Linear,
+    pattern: Pattern,
+    sizes: tuple[int, int],
+    matrix: Callable[[float], StepMatrix],
+    groups: ColumnGroups | None,
+) -> tuple[Any, ColumnGroups]:
     """d(dy)/dy of the states as a scipy.sparse matrix (CSC), the speeds of massless groups eliminated, and the
     groups of columns that served (for the next time).
 
@@ -170,7 +174,7 @@ def state_jacobian(
         return (sim.right_side(far, r) - sim.right_side(near, r)) / far.g
 
     guess = groups or guessed_groups(pattern, rates, n_kinematic, k)
-    by_y, for_side = recovered(slopes, (n, n_kinematic + k), guess.side, n_kinematic + k)
+    by_y, for_right_side = recovered(slopes, (n, n_kinematic + k), guess.right_side, n_kinematic + k)
     speeds, for_rates = recovered(rates, (n_kinematic, n), guess.rates, n)
     by_x = _rate_part(pattern, matrix, first, last)
     rows = by_y + sparse.hstack([sparse.csc_array((n, n_kinematic)), by_x[:, :k]], format="csc")
@@ -178,23 +182,23 @@ def state_jacobian(
     if n_massless:
         massless = solved(by_x[k:, k:], rows[k:])
         rows, kinematic = rows[:k] - by_x[:k, k:] @ massless, kinematic - speeds[:, k:] @ massless
-    others = solved(whole(pattern, near)[:k, :k], rows)
+    others = solved(full_matrix(pattern, near)[:k, :k], rows)
     full = sparse.csc_array(sparse.vstack([kinematic, others], format="csc"))
     full.eliminate_zeros()
     if not np.isfinite(full.data).all():
         raise ArithmeticError("a derivative is NaN or infinite")
-    return full, Groups(for_side, for_rates)
+    return full, ColumnGroups(for_right_side, for_rates)
 
 
-def whole(pattern: Pattern, m: StepMatrix) -> Any:
+def full_matrix(pattern: Pattern, m: StepMatrix) -> Any:
     """The matrix by unknown, a CSC array."""
     from scipy import sparse
 
     order, n = np.array(pattern.order, dtype=np.intp), len(pattern.order)
     column = order[np.repeat(np.arange(n), np.diff(pattern.start))]
     row = order[np.array(pattern.row, dtype=np.intp)]
-    places = np.concatenate([order, row, column]), np.concatenate([order, column, row])
-    made = sparse.csc_array((np.concatenate([m.diag[order], m.lower, m.upper]), places), shape=(n, n))
+    entries = np.concatenate([order, row, column]), np.concatenate([order, column, row])
+    made = sparse.csc_array((np.concatenate([m.diag[order], m.lower, m.upper]), entries), shape=(n, n))
     made.eliminate_zeros()
     return made
 
@@ -221,4 +225,4 @@ def _rate_part(pattern: Pattern, matrix: Callable[[float], StepMatrix], first: i
             noise = np.maximum(abs(p), abs(m)) / g
             best[i] = np.where(noise < least[i], (m - p) / (2 * g), best[i])
             least[i] = np.minimum(noise, least[i])
-    return whole(pattern, StepMatrix(0.0, best[0], best[1], best[2], np.zeros(0)))
+    return full_matrix(pattern, StepMatrix(0.0, best[0], best[1], best[2], np.zeros(0)))

@@ -26,7 +26,7 @@ PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 
 
 class ConstraintKind(IntEnum):
-    """Kind of a switched constraint: friction or a lock without bounds; a stop; a lossy tie; the loss that goes with it."""
+    """Kind of a switched constraint: friction or an unbounded lock; a stop; a lossy gear; its loss."""
 
     FRICTION = 0
     STOP = 1
@@ -87,22 +87,22 @@ class ConstraintsAtPoint(NamedTuple):
 class ModelConstraints(NamedTuple):
     """The switched constraints of a model; steady: their rows G are constant; number of speeds."""
 
-    places: tuple[ConstraintSwitches, ...]
+    constraints: tuple[ConstraintSwitches, ...]
     steady: bool
     n_speeds: int
 
     def __repr__(self) -> str:
-        return f"<{len(self.places)} switched constraints over {self.n_speeds} speeds>"
+        return f"<{len(self.constraints)} switched constraints over {self.n_speeds} speeds>"
 
     @property
     def shown(self) -> tuple[ConstraintSwitches, ...]:
         """Those whose mode is shown: all but lossy ties, whose mode is that of their loss."""
-        return tuple(place for place in self.places if place.kind is not ConstraintKind.TIE)
+        return tuple(x for x in self.constraints if x.kind is not ConstraintKind.TIE)
 
     @property
     def plain(self) -> bool:
         """Whether the rates are those of the laws with constraint forces by G' alone: constant rows, no lossy ties."""
-        return self.steady and not any(place.kind is ConstraintKind.TIE for place in self.places)
+        return self.steady and not any(x.kind is ConstraintKind.TIE for x in self.constraints)
 
 
 def constraints_of(shared: ctypes.CDLL, sim: int | None) -> ModelConstraints:
@@ -111,14 +111,14 @@ def constraints_of(shared: ctypes.CDLL, sim: int | None) -> ModelConstraints:
     count = shared.gb_constraints_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), None)
     table = np.zeros((count, 4), dtype=np.intc)
     shared.gb_constraints_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), table.ctypes.data)
-    places = tuple(ConstraintSwitches(ConstraintKind(p[0]), int(p[1]), int(p[2]), int(p[3])) for p in table)
-    return ModelConstraints(places, bool(steady.value), n_speeds.value)
+    constraints = tuple(ConstraintSwitches(ConstraintKind(p[0]), int(p[1]), int(p[2]), int(p[3])) for p in table)
+    return ModelConstraints(constraints, bool(steady.value), n_speeds.value)
 
 
 def constraints_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array) -> tuple[int, ConstraintsAtPoint]:
     """The answer of the call and the switched constraints at a point (gb_point)."""
-    places, _, n_speeds = constraints_of(shared, sim)
-    n = len(places)
+    constraints, _, n_speeds = constraints_of(shared, sim)
+    n = len(constraints)
     made = ConstraintsAtPoint(
         np.zeros((n, n_speeds)), np.zeros((n, n_speeds)), np.zeros((n, 5)), *(np.zeros(n) for _ in range(3))
     )

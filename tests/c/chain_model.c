@@ -2,7 +2,8 @@
  * ground, a swinging torque on the first: the form of a chain that generated code takes, with its tree pattern, by
  * hand.
  *
- * States: twists q_i = phi_i - phi_(i+1), speeds w_i; tail: losses of the couplings, then the work of the torque. */
+ * States: twists q_i = phi_i - phi_(i+1), speeds w_i; quadratures: losses of the couplings, then the work of the
+ * torque. */
 #include "models.h"
 
 #include <stdlib.h>
@@ -38,9 +39,9 @@ static void prepare(double *par) {
     }
 }
 
-static void start(const double *par, const double *mode, const double *tau, double *y) {
+static void start(const double *par, const double *mode, const double *time_terms, double *y) {
     (void)mode;
-    (void)tau;
+    (void)time_terms;
     const int n = length_of(par);
     const double *k = column(par, STIFFNESS), *gap = column(par, GAP);
     for (int i = 0; i < n; i++) {
@@ -56,16 +57,16 @@ static void scales(const double *par, double *scale) {
 }
 
 static void time_terms(const double *par, const double *mode, int lanes, const double *t, const double *u,
-                       double *tau) {
+                       double *time_terms) {
     (void)mode, (void)u;
     for (int l = 0; l < GB_LANES; l++) {
-        tau[l] = l < lanes ? 200.0 * (1.0 + par[SWING] * sin(125.66370614359172 * t[l])) : 0.0;
+        time_terms[l] = l < lanes ? 200.0 * (1.0 + par[SWING] * sin(125.66370614359172 * t[l])) : 0.0;
     }
 }
 
 static inline void rates(const double *restrict par, const double *restrict mode, double torque,
                          const double *restrict y, double *restrict dy, int full) {
-    const int n = length_of(par), tail = (2 * n + GB_PAD - 1) / GB_PAD * GB_PAD;
+    const int n = length_of(par), first = (2 * n + GB_PAD - 1) / GB_PAD * GB_PAD;
     const double *k = column(par, STIFFNESS), *c = column(par, DAMPING), *gap = column(par, GAP);
     const double *inverse = column(par, INVERSE), *w = y + n;
     double before = torque;
@@ -77,28 +78,29 @@ static inline void rates(const double *restrict par, const double *restrict mode
         dy[n + i] = (before - force) * inverse[i];
         before = force;
         if (full) {
-            dy[tail + i] = c[i] * slip * slip;
+            dy[first + i] = c[i] * slip * slip;
         }
     }
-    for (int i = 2 * n; i < tail; i++) {
+    for (int i = 2 * n; i < first; i++) {
         dy[i] = 0.0;
     }
     if (full) {
-        dy[tail + n] = torque * w[0];
+        dy[first + n] = torque * w[0];
     }
 }
 
-static void rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
-    rates(par, mode, tau[0], y, dy, 0);
+static void rhs(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
+    rates(par, mode, time_terms[0], y, dy, 0);
 }
 
-static void rhs_full(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
-    rates(par, mode, tau[0], y, dy, 1);
+static void rhs_full(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
+    rates(par, mode, time_terms[0], y, dy, 1);
 }
 
-static void event_functions(const double *par, const double *mode, const double *tau, const double *y, double *s) {
+static void event_functions(const double *par, const double *mode, const double *time_terms, const double *y,
+                            double *s) {
     const int n = length_of(par);
-    (void)mode, (void)tau;
+    (void)mode, (void)time_terms;
     for (int i = 1; i < n - 1; i += 2) {
         s[i / 2] = y[i];
     }
@@ -122,15 +124,15 @@ static double mode_at(const double *par, int i, double s) {
     return s >= gap ? 1.0 : s >= -gap ? 0.0 : -1.0;
 }
 
-static void outputs(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
+static void outputs(const double *par, const double *mode, const double *time_terms, const double *y, const double *dy,
                     double *out) {
-    (void)par, (void)mode, (void)tau, (void)y, (void)dy, (void)out;
+    (void)par, (void)mode, (void)time_terms, (void)y, (void)dy, (void)out;
 }
 
-static void energies(const double *par, const double *mode, const double *tau, const double *y, double *energy) {
+static void energies(const double *par, const double *mode, const double *time_terms, const double *y, double *energy) {
     const int n = length_of(par);
     const double *k = column(par, STIFFNESS), *gap = column(par, GAP), *inertia = column(par, INERTIA);
-    (void)tau;
+    (void)time_terms;
     energy[0] = 0.0;
     for (int i = 0; i < n; i++) {
         const double side = is_mesh(i, n) ? mode[i / 2] : 1.0, depth = side * side * y[i] - side * gap[i];
@@ -138,11 +140,11 @@ static void energies(const double *par, const double *mode, const double *tau, c
     }
 }
 
-static void step_matrix(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
-                        double g, double *diag, double *lower, double *upper, double *kept) {
+static void step_matrix(const double *par, const double *mode, const double *time_terms, const double *y,
+                        const double *dy, double g, double *diag, double *lower, double *upper, double *kept) {
     const int n = length_of(par);
     const double *k = column(par, STIFFNESS), *c = column(par, DAMPING), *inertia = column(par, INERTIA);
-    (void)tau, (void)y, (void)dy;
+    (void)time_terms, (void)y, (void)dy;
     double before = 0.0;
     for (int i = 0; i < n; i++) {
         const double side = is_mesh(i, n) ? mode[i / 2] : 1.0;

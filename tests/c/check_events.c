@@ -82,7 +82,7 @@ static void check_time_switch(double step) {
 }
 
 /* Each pass of cos t through +-sqrt(level) is found; the level may be so high that a pair lies inside one step. */
-static void check_general_surface(double level, double rtol) {
+static void check_general_event_function(double level, double rtol) {
     const double values[2] = {1.0, level}, at = acos(sqrt(level));
     run r = run_steps(&ring_model, values, options_of(GB_DP8, rtol, 0.0), 20.0, 4000);
     CHECK(r.code == GB_DONE, "code %d", r.code);
@@ -120,7 +120,7 @@ void check_events(void) {
     check_chatter();
     check_time_switch(0.0);
     check_time_switch(0.07);
-    check_general_surface(0.5, 1e-9);
-    check_general_surface(0.9999, 1e-6);
+    check_general_event_function(0.5, 1e-9);
+    check_general_event_function(0.9999, 1e-6);
     check_without_location();
 }

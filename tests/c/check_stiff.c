@@ -6,9 +6,9 @@
 
 enum { SAMPLES = 21, SIZES = 5, LENGTH = 20 };
 
-/* Fixed steps on a nonlinear problem driven by time, at sample times that are no steps: order 5 for the states and the
- * tail (entry `tail`), a little less between the steps, where the polynomial has order 4. */
-static void check_order(const gb_model *model, double value, double largest_step, int tail, double expected) {
+/* Fixed steps on a nonlinear problem driven by time, at sample times that are no steps: order 5 for the states and a
+ * quadrature (entry `quadrature`), a little less between the steps, where the polynomial has order 4. */
+static void check_order(const gb_model *model, double value, double largest_step, int quadrature, double expected) {
     double t[SAMPLES], t_last[2] = {0.0, 3.0}, error[3][SIZES];
     grid(t, SAMPLES, 3.0);
     run reference = run_samples(model, &value, options_of(GB_DP8, 1e-13, 0.0), t, SAMPLES);
@@ -19,10 +19,10 @@ static void check_order(const gb_model *model, double value, double largest_step
         run between = run_samples(model, &value, options_of(GB_RODAS, 1e-6, step * 1.0123), t, SAMPLES);
         CHECK(r.code == GB_DONE && between.code == GB_DONE, "codes %d %d", r.code, between.code);
         error[0][i] = largest_error(&r, &end, 0);
-        error[1][i] = largest_error(&r, &end, tail);
+        error[1][i] = largest_error(&r, &end, quadrature);
         error[2][i] = largest_error(&between, &reference, 0);
-        printf("  %s: step %.5f errors %.2e tail %.2e between %.2e\n", model->name, step, error[0][i], error[1][i],
-               error[2][i]);
+        printf("  %s: step %.5f errors %.2e quadrature %.2e between %.2e\n", model->name, step, error[0][i],
+               error[1][i], error[2][i]);
         free_run(&r);
         free_run(&between);
     }

@@ -24,9 +24,9 @@ static void prepare(double *par) {
     par[C_MESH] = damping(k_mesh * radius * radius, inertia[1], inertia[2]);
 }
 
-static void start(const double *par, const double *mode, const double *tau, double *y) {
+static void start(const double *par, const double *mode, const double *time_terms, double *y) {
     (void)mode;
-    (void)tau;
+    (void)time_terms;
     for (int i = 0; i < 16; i++) {
         y[i] = 0.0;
     }
@@ -39,13 +39,13 @@ static void scales(const double *par, double *scale) {
 }
 
 static void time_terms(const double *restrict par, const double *restrict mode, int lanes, const double *restrict t,
-                       const double *restrict u, double *restrict tau) {
+                       const double *restrict u, double *restrict time_terms) {
     (void)mode, (void)lanes, (void)u;
     for (int l = 0; l < GB_LANES; l++) {
         const double c = gb_cos(par[W] * t[l]), s = gb_sin(par[W] * t[l]);
-        tau[K_MESH * GB_LANES + l] = (radius * k_mesh) * (1.0 + 0.3 * c);
-        tau[TORQUE * GB_LANES + l] = par[T_MEAN] * (1.0 + 0.1 * c);
-        tau[K_RATE * GB_LANES + l] = -(0.3 * k_mesh) * par[W] * s;
+        time_terms[K_MESH * GB_LANES + l] = (radius * k_mesh) * (1.0 + 0.3 * c);
+        time_terms[TORQUE * GB_LANES + l] = par[T_MEAN] * (1.0 + 0.1 * c);
+        time_terms[K_RATE * GB_LANES + l] = -(0.3 * k_mesh) * par[W] * s;
     }
 }
 
@@ -56,17 +56,17 @@ static inline double closing(double phi, double gap, double mode) {
 }
 
 typedef double block __attribute__((vector_size(64), aligned(8), may_alias));
-static inline void law(const double *restrict par, const double *restrict mode, const double *restrict tau,
+static inline void law(const double *restrict par, const double *restrict mode, const double *restrict time_terms,
                        const double *restrict y, double *restrict dy, int full) {
     const double rate1 = y[3] - y[4], rate2 = y[4] - y[5], rate3 = y[5] - y[6];
     const double g = closing(y[1], par[HALF_GAP], mode[0]);
     const double t1 = k_shaft * y[0] + par[C1] * rate1;
     const double t3 = k_shaft * y[2] + par[C2] * rate3;
-    const double drag = par[C_MESH] * rate2, t2 = tau[K_MESH * GB_LANES] * g;
+    const double drag = par[C_MESH] * rate2, t2 = time_terms[K_MESH * GB_LANES] * g;
     *(block *)dy = (block){rate1,
                            rate2,
                            rate3,
-                           inverse[0] * (tau[TORQUE * GB_LANES] - t1),
+                           inverse[0] * (time_terms[TORQUE * GB_LANES] - t1),
                            inverse[1] * ((t1 - drag) - t2),
                            inverse[2] * ((drag - t3) + t2),
                            inverse[3] * (t3 - par[T_MEAN]),
@@ -75,24 +75,25 @@ static inline void law(const double *restrict par, const double *restrict mode, 
         *(block *)(dy + 8) = (block){par[C1] * rate1 * rate1,
                                      par[C_MESH] * rate2 * rate2,
                                      par[C2] * rate3 * rate3,
-                                     tau[TORQUE * GB_LANES] * y[3],
+                                     time_terms[TORQUE * GB_LANES] * y[3],
                                      -par[T_MEAN] * y[6],
-                                     0.5 * tau[K_RATE * GB_LANES] * g * g,
+                                     0.5 * time_terms[K_RATE * GB_LANES] * g * g,
                                      0.0,
                                      0.0};
     }
 }
 
-static void rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
-    law(par, mode, tau, y, dy, 0);
+static void rhs(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
+    law(par, mode, time_terms, y, dy, 0);
 }
 
-static void rhs_full(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
-    law(par, mode, tau, y, dy, 1);
+static void rhs_full(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
+    law(par, mode, time_terms, y, dy, 1);
 }
 
-static void event_functions(const double *par, const double *mode, const double *tau, const double *y, double *s) {
-    (void)par, (void)mode, (void)tau;
+static void event_functions(const double *par, const double *mode, const double *time_terms, const double *y,
+                            double *s) {
+    (void)par, (void)mode, (void)time_terms;
     s[0] = radius * y[1];
 }
 
@@ -111,20 +112,20 @@ static double mode_at(const double *par, int i, double s) {
     return s >= par[HALF_GAP] ? 1.0 : s >= -par[HALF_GAP] ? 0.0 : -1.0;
 }
 
-static void outputs(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
+static void outputs(const double *par, const double *mode, const double *time_terms, const double *y, const double *dy,
                     double *out) {
     (void)dy;
     out[0] = radius * y[1];
-    out[1] = tau[K_MESH * GB_LANES] / radius * closing(y[1], par[HALF_GAP], mode[0]);
+    out[1] = time_terms[K_MESH * GB_LANES] / radius * closing(y[1], par[HALF_GAP], mode[0]);
 }
 
-static void energies(const double *par, const double *mode, const double *tau, const double *y, double *energy) {
+static void energies(const double *par, const double *mode, const double *time_terms, const double *y, double *energy) {
     const double g = closing(y[1], par[HALF_GAP], mode[0]);
     for (int i = 0; i < 4; i++) {
         energy[i] = 0.5 * inertia[i] * y[3 + i] * y[3 + i];
     }
     energy[4] = 0.5 * k_shaft * y[0] * y[0];
-    energy[5] = 0.5 / radius * tau[K_MESH * GB_LANES] * g * g;
+    energy[5] = 0.5 / radius * time_terms[K_MESH * GB_LANES] * g * g;
     energy[6] = 0.5 * k_shaft * y[2] * y[2];
 }
 

@@ -13,9 +13,9 @@ static void prepare(double *par) {
     (void)par;
 }
 
-static void start(const double *par, const double *mode, const double *tau, double *y) {
+static void start(const double *par, const double *mode, const double *time_terms, double *y) {
     (void)mode;
-    (void)tau;
+    (void)time_terms;
     (void)par;
     for (int i = 0; i < 16; i++) {
         y[i] = 0.0;
@@ -28,13 +28,13 @@ static void scales(const double *par, double *scale) {
 }
 
 static void time_terms(const double *restrict par, const double *restrict mode, int lanes, const double *restrict t,
-                       const double *restrict u, double *restrict tau) {
+                       const double *restrict u, double *restrict time_terms) {
     (void)mode, (void)lanes, (void)u;
     for (int l = 0; l < GB_LANES; l++) {
         const double c = gb_cos(par[W] * t[l]);
-        tau[l] = 1.0 + par[EPS] * c;
-        tau[GB_LANES + l] = par[FM] + par[FAH] * par[W] * par[W] * c;
-        tau[2 * GB_LANES + l] = -par[EPS] * par[W] * gb_sin(par[W] * t[l]);
+        time_terms[l] = 1.0 + par[EPS] * c;
+        time_terms[GB_LANES + l] = par[FM] + par[FAH] * par[W] * par[W] * c;
+        time_terms[2 * GB_LANES + l] = -par[EPS] * par[W] * gb_sin(par[W] * t[l]);
     }
 }
 
@@ -42,27 +42,28 @@ static inline double closing(double x, double gap, double mode) {
     return mode * mode * x - mode * gap;
 }
 
-static void rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
+static void rhs(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
     dy[0] = y[1];
-    dy[1] = tau[GB_LANES] - 2.0 * par[Z] * y[1] - tau[0] * closing(y[0], par[GAP], mode[0]);
+    dy[1] = time_terms[GB_LANES] - 2.0 * par[Z] * y[1] - time_terms[0] * closing(y[0], par[GAP], mode[0]);
     for (int i = 2; i < 8; i++) {
         dy[i] = 0.0;
     }
 }
 
-static void rhs_full(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
+static void rhs_full(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
     const double g = closing(y[0], par[GAP], mode[0]);
-    rhs(par, mode, tau, y, dy);
+    rhs(par, mode, time_terms, y, dy);
     dy[8] = 2.0 * par[Z] * y[1] * y[1];
-    dy[9] = tau[GB_LANES] * y[1];
-    dy[10] = 0.5 * tau[2 * GB_LANES] * g * g;
+    dy[9] = time_terms[GB_LANES] * y[1];
+    dy[10] = 0.5 * time_terms[2 * GB_LANES] * g * g;
     for (int i = 11; i < 16; i++) {
         dy[i] = 0.0;
     }
 }
 
-static void event_functions(const double *par, const double *mode, const double *tau, const double *y, double *s) {
-    (void)par, (void)mode, (void)tau;
+static void event_functions(const double *par, const double *mode, const double *time_terms, const double *y,
+                            double *s) {
+    (void)par, (void)mode, (void)time_terms;
     s[0] = y[0];
 }
 
@@ -81,17 +82,17 @@ static double mode_at(const double *par, int i, double s) {
     return s >= par[GAP] ? 1.0 : s >= -par[GAP] ? 0.0 : -1.0;
 }
 
-static void outputs(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
+static void outputs(const double *par, const double *mode, const double *time_terms, const double *y, const double *dy,
                     double *out) {
-    (void)par, (void)mode, (void)tau;
+    (void)par, (void)mode, (void)time_terms;
     out[0] = y[0];
     out[1] = dy[1];
 }
 
-static void energies(const double *par, const double *mode, const double *tau, const double *y, double *energy) {
+static void energies(const double *par, const double *mode, const double *time_terms, const double *y, double *energy) {
     const double g = closing(y[0], par[GAP], mode[0]);
     energy[0] = 0.5 * y[1] * y[1];
-    energy[1] = 0.5 * tau[0] * g * g;
+    energy[1] = 0.5 * time_terms[0] * g * g;
 }
 
 const gb_model p2_model = {

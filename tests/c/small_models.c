@@ -10,18 +10,19 @@ static void no_scales(const double *par, double *scale) {
     (void)par, (void)scale;
 }
 
-static void no_outputs(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
-                       double *out) {
-    (void)par, (void)mode, (void)tau, (void)y, (void)dy, (void)out;
+static void no_outputs(const double *par, const double *mode, const double *time_terms, const double *y,
+                       const double *dy, double *out) {
+    (void)par, (void)mode, (void)time_terms, (void)y, (void)dy, (void)out;
 }
 
-static void no_energies(const double *par, const double *mode, const double *tau, const double *y, double *energy) {
-    (void)par, (void)mode, (void)tau, (void)y, (void)energy;
+static void no_energies(const double *par, const double *mode, const double *time_terms, const double *y,
+                        double *energy) {
+    (void)par, (void)mode, (void)time_terms, (void)y, (void)energy;
 }
 
-static void start_at(const double *par, const double *mode, const double *tau, double *y) {
+static void start_at(const double *par, const double *mode, const double *time_terms, double *y) {
     (void)mode;
-    (void)tau;
+    (void)time_terms;
     for (int i = 0; i < 16; i++) {
         y[i] = 0.0;
     }
@@ -35,14 +36,15 @@ static void clear(double *dy) {
 }
 
 /* A relay that drives its state back to the switching point: nothing but chatter from there on. y' = -mode. */
-static void relay_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
-    (void)par, (void)tau, (void)y;
+static void relay_rhs(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
+    (void)par, (void)time_terms, (void)y;
     clear(dy);
     dy[0] = -mode[0];
 }
 
-static void state_surface(const double *par, const double *mode, const double *tau, const double *y, double *s) {
-    (void)par, (void)mode, (void)tau;
+static void state_event_function(const double *par, const double *mode, const double *time_terms, const double *y,
+                                 double *s) {
+    (void)par, (void)mode, (void)time_terms;
     s[0] = y[0];
 }
 
@@ -78,7 +80,7 @@ const gb_model relay_model = {
     .scales = no_scales,
     .rhs = relay_rhs,
     .rhs_full = relay_rhs,
-    .event_functions = state_surface,
+    .event_functions = state_event_function,
     .directions = state_direction,
     .mode_limits = sign_bounds,
     .mode_at = sign_mode,
@@ -88,17 +90,17 @@ const gb_model relay_model = {
 
 /* y' = u + 0 y: the integral of an input. */
 static void input_times(const double *par, const double *mode, int lanes, const double *t, const double *u,
-                        double *tau) {
+                        double *time_terms) {
     (void)par, (void)mode, (void)lanes, (void)t;
     for (int l = 0; l < GB_LANES; l++) {
-        tau[l] = u[l];
+        time_terms[l] = u[l];
     }
 }
 
-static void input_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
+static void input_rhs(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
     (void)par, (void)mode, (void)y;
     clear(dy);
-    dy[0] = tau[0];
+    dy[0] = time_terms[0];
 }
 
 const gb_model input_model = {
@@ -160,17 +162,18 @@ const gb_model wave_model = {
     .energies = no_energies,
 };
 
-/* x'' = -x with a surface that is no affine one: x^2 - par[1]; the tail integrates its mode. */
-static void ring_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
-    (void)par, (void)tau;
+/* x'' = -x with an event function that is not affine: x^2 - par[1]; the quadrature integrates its mode. */
+static void ring_rhs(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
+    (void)par, (void)time_terms;
     clear(dy);
     dy[0] = y[1];
     dy[1] = -y[0];
     dy[8] = mode[0];
 }
 
-static void ring_surface(const double *par, const double *mode, const double *tau, const double *y, double *s) {
-    (void)mode, (void)tau;
+static void ring_event_function(const double *par, const double *mode, const double *time_terms, const double *y,
+                                double *s) {
+    (void)mode, (void)time_terms;
     s[0] = y[0] * y[0] - par[1];
 }
 
@@ -190,7 +193,7 @@ const gb_model ring_model = {
     .scales = no_scales,
     .rhs = ring_rhs,
     .rhs_full = ring_rhs,
-    .event_functions = ring_surface,
+    .event_functions = ring_event_function,
     .mode_limits = sign_bounds,
     .mode_at = sign_mode,
     .outputs = no_outputs,
@@ -198,24 +201,25 @@ const gb_model ring_model = {
 };
 
 /* Eight oscillators x'' = 0.1 - 0.1 x' - g(x) with equal gaps +-1, x in y[0 .. 8), x' in y[8 .. 16). */
-static void start_eight(const double *par, const double *mode, const double *tau, double *y) {
+static void start_eight(const double *par, const double *mode, const double *time_terms, double *y) {
     (void)mode;
-    (void)tau;
+    (void)time_terms;
     for (int i = 0; i < 16; i++) {
         y[i] = i < 8 ? par[0] : 0.5;
     }
 }
 
-static void eight_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
-    (void)par, (void)tau;
+static void eight_rhs(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
+    (void)par, (void)time_terms;
     for (int i = 0; i < 8; i++) {
         dy[i] = y[8 + i];
         dy[8 + i] = 0.1 - 0.02 * y[8 + i] - (mode[i] * mode[i] * y[i] - mode[i]);
     }
 }
 
-static void eight_surfaces(const double *par, const double *mode, const double *tau, const double *y, double *s) {
-    (void)par, (void)mode, (void)tau;
+static void eight_event_functions(const double *par, const double *mode, const double *time_terms, const double *y,
+                                  double *s) {
+    (void)par, (void)mode, (void)time_terms;
     memcpy(s, y, 8 * sizeof(double));
 }
 
@@ -253,7 +257,7 @@ const gb_model eight_model = {
     .scales = no_scales,
     .rhs = eight_rhs,
     .rhs_full = eight_rhs,
-    .event_functions = eight_surfaces,
+    .event_functions = eight_event_functions,
     .directions = eight_directions,
     .mode_limits = gap_bounds,
     .mode_at = gap_mode,
@@ -262,8 +266,8 @@ const gb_model eight_model = {
 };
 
 /* y' = y^2: without bound at t = 1 / y(0). */
-static void growth_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
-    (void)par, (void)mode, (void)tau;
+static void growth_rhs(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
+    (void)par, (void)mode, (void)time_terms;
     clear(dy);
     dy[0] = y[0] * y[0];
 }

@@ -7,12 +7,13 @@ static void no_values(double *par) {
 static void no_scales(const double *par, double *scale) {
     (void)par, (void)scale;
 }
-static void no_outputs(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
-                       double *out) {
-    (void)par, (void)mode, (void)tau, (void)y, (void)dy, (void)out;
+static void no_outputs(const double *par, const double *mode, const double *time_terms, const double *y,
+                       const double *dy, double *out) {
+    (void)par, (void)mode, (void)time_terms, (void)y, (void)dy, (void)out;
 }
-static void no_energies(const double *par, const double *mode, const double *tau, const double *y, double *energy) {
-    (void)par, (void)mode, (void)tau, (void)y, (void)energy;
+static void no_energies(const double *par, const double *mode, const double *time_terms, const double *y,
+                        double *energy) {
+    (void)par, (void)mode, (void)time_terms, (void)y, (void)energy;
 }
 
 static void clear(double *dy) {
@@ -23,38 +24,38 @@ static void clear(double *dy) {
 
 /* x' = z, z' = stiffness ((1 - x^2) z) - x + cos(5 t) x: van der Pol with a restoring force that swings. */
 static void swing_times(const double *par, const double *mode, int lanes, const double *t, const double *u,
-                        double *tau) {
+                        double *time_terms) {
     (void)par, (void)mode, (void)u;
     for (int l = 0; l < lanes; l++) {
-        tau[l] = cos(5.0 * t[l]);
+        time_terms[l] = cos(5.0 * t[l]);
     }
 }
 
-static void pol_start(const double *par, const double *mode, const double *tau, double *y) {
+static void pol_start(const double *par, const double *mode, const double *time_terms, double *y) {
     (void)mode;
-    (void)tau;
+    (void)time_terms;
     (void)par;
     y[0] = 2.0;
     y[1] = -0.5;
 }
 
-static void pol_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
+static void pol_rhs(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
     (void)mode;
     clear(dy);
     dy[0] = y[1];
-    dy[1] = par[0] * ((1.0 - y[0] * y[0]) * y[1]) + (tau[0] - 1.0) * y[0];
+    dy[1] = par[0] * ((1.0 - y[0] * y[0]) * y[1]) + (time_terms[0] - 1.0) * y[0];
     dy[8] = y[0] * y[1];
 }
 
 static const int two_order[] = {0, 1}, two_start[] = {0, 1, 1}, two_row[] = {1};
 static const gb_pattern two_pattern = {2, 1, 0, two_order, two_start, two_row, NULL};
 
-static void pol_jacobian(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
-                         double g, double *diag, double *lower, double *upper, double *kept) {
+static void pol_jacobian(const double *par, const double *mode, const double *time_terms, const double *y,
+                         const double *dy, double g, double *diag, double *lower, double *upper, double *kept) {
     (void)mode, (void)dy, (void)kept;
     diag[0] = 1.0;
     upper[0] = -g;
-    lower[0] = -g * (-2.0 * par[0] * y[0] * y[1] + tau[0] - 1.0);
+    lower[0] = -g * (-2.0 * par[0] * y[0] * y[1] + time_terms[0] - 1.0);
     diag[1] = 1.0 - g * par[0] * (1.0 - y[0] * y[0]);
 }
 
@@ -93,28 +94,28 @@ const gb_model pol_model = {
 };
 
 /* An inertia of 1, a hardening spring to a node without inertia, a damper from there to ground; a swinging torque.
- * States: the twist q and the speed w; hidden: the speed v of the node. q' = w - v, w' = cos(5 t) - F, 0 = F - d v,
+ * States: the twist q and the speed w; massless: the speed v of the node. q' = w - v, w' = cos(5 t) - F, 0 = F - d v,
  * F = q + q^3. */
-static void node_start(const double *par, const double *mode, const double *tau, double *y) {
+static void node_start(const double *par, const double *mode, const double *time_terms, double *y) {
     (void)mode;
-    (void)tau;
+    (void)time_terms;
     (void)par;
     y[0] = 1.0;
 }
 
-static void node_rhs(const double *par, const double *mode, const double *tau, const double *y, double *dy) {
+static void node_rhs(const double *par, const double *mode, const double *time_terms, const double *y, double *dy) {
     (void)mode;
     clear(dy);
     const double force = y[0] + y[0] * y[0] * y[0], node = force / par[0];
     dy[0] = y[1] - node;
-    dy[1] = tau[0] - force;
+    dy[1] = time_terms[0] - force;
     dy[8] = par[0] * node * node;
-    dy[9] = tau[0] * y[1];
+    dy[9] = time_terms[0] * y[1];
 }
 
-static void node_jacobian(const double *par, const double *mode, const double *tau, const double *y, const double *dy,
-                          double g, double *diag, double *lower, double *upper, double *kept) {
-    (void)mode, (void)tau, (void)dy;
+static void node_jacobian(const double *par, const double *mode, const double *time_terms, const double *y,
+                          const double *dy, double g, double *diag, double *lower, double *upper, double *kept) {
+    (void)mode, (void)time_terms, (void)dy;
     const double k = 1.0 + 3.0 * y[0] * y[0];
     kept[0] = k;
     diag[0] = 1.0 + g * g * k;
@@ -133,8 +134,9 @@ static void node_rates(const double *par, const double *kept, const double *x, d
     out[0] = x[0] - x[1];
 }
 
-static void node_energies(const double *par, const double *mode, const double *tau, const double *y, double *energy) {
-    (void)par, (void)mode, (void)tau;
+static void node_energies(const double *par, const double *mode, const double *time_terms, const double *y,
+                          double *energy) {
+    (void)par, (void)mode, (void)time_terms;
     energy[0] = 0.5 * (y[1] * y[1] + y[0] * y[0]) + 0.25 * y[0] * y[0] * y[0] * y[0];
 }
 

@@ -85,6 +85,12 @@ def test_shipped_models_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert "spline_coupling  " in out
 
 
+def test_python_runs_the_shell_as_a_module() -> None:
+    command = [sys.executable, "-m", "gearblocks", "list"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
+    assert "spline_coupling  " in done.stdout and not done.stderr
+
+
 def test_the_trains_of_a_script_are_listed(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list", str(script)]) == 0
     out, _ = said(capsys)

@@ -9,11 +9,12 @@ from types import ModuleType
 
 import pytest
 
+import gearblocks as gb
+
 ROOT = Path(__file__).parents[2]
 DOCS, PACKAGE = ROOT / "docs", ROOT / "gearblocks"
 ARCHITECTURE = (DOCS / "architecture.md").read_text(encoding="utf-8")
 NAMED = sorted(set(re.findall(r"`((?:[\w.]+/)*\w[\w.]*\.(?:py|c|h|jinja|md))(?::([\w.]+))?`", ARCHITECTURE)))
-OF_THE_CORE = [(path, name) for path, name in NAMED if path.startswith("solver/c/")]
 MARKDOWN = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md"))]
 
 
@@ -51,15 +52,27 @@ def _is_there(path: str, name: str) -> bool:
     return re.search(rf"\b{name}\b", file.read_text(encoding="utf-8")) is not None
 
 
-@pytest.mark.parametrize(("path", "name"), [x for x in NAMED if x not in OF_THE_CORE])
+@pytest.mark.parametrize(("path", "name"), NAMED)
 def test_what_the_architecture_names_is_there(path: str, name: str) -> None:
     assert _is_there(path, name)
 
 
-@pytest.mark.skipif(_found("solver/c/gb_constraint_switching.c") is None, reason="the core lies on one floor")
-@pytest.mark.parametrize(("path", "name"), OF_THE_CORE)
-def test_what_the_architecture_names_of_the_core_is_there(path: str, name: str) -> None:
-    assert _is_there(path, name)
+def test_the_generated_c_of_the_architecture_is_generated() -> None:
+    rig = gb.Drivetrain("pair")
+    pinion = rig.add("pinion", gb.Inertia(J=1e-3))
+    mesh = rig.add(
+        "mesh", gb.GearMesh(teeth=(23, 41), module=3e-3, pressure_angle=0.35, external=True, k=1e8, damping_ratio=0.05)
+    )
+    rig.chain(pinion, mesh, rig.add("wheel", gb.Inertia(J=2e-3)))
+    program = gb.build(rig).program
+    excerpt = ARCHITECTURE.split("```c\n")[1].split("```")[0]
+    lines = re.findall(r"^ *(.+?)(?:\.\.\.)?;? +/\* (\w+) \*/$", excerpt, re.M)
+    assert len(lines) == excerpt.count(";")
+    for text, function in lines:
+        body = program.source.split(f"{function}(")[1].split("\n}")[0]
+        assert text in body
+    (index,) = (i for i, p in enumerate(program.parameters) if p.path == "mesh.k")
+    assert f"`par[{index}]`" in ARCHITECTURE
 
 
 def test_the_rooms_of_the_architecture_are_those_that_imports_are_held_to() -> None:

@@ -11,7 +11,7 @@ import pytest
 import gearblocks as gb
 from gearblocks.analysis.reduction import reduction
 from gearblocks.assembly.assemble import assemble
-from gearblocks.solver.motion import motion
+from gearblocks.solver.kinematics import kinematics
 from gearblocks.solver.point import opened
 
 SCREEN = 2000  # characters, and 25 lines
@@ -43,7 +43,7 @@ def _inside_the_solver(model: gb.Model) -> Iterator[Any]:
             yield from (
                 sim,
                 point,
-                motion(point),
+                kinematics(point),
                 sim.constraints(),
                 point.constraints(),
                 reduction(point, model.program.n),

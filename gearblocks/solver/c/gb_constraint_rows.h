@@ -1,9 +1,9 @@
 /* Switched velocity constraints:  G v + g(t) = 0  for the rows of the active set.
  *     slip acceleration = free acceleration + W lambda,   W = G M^-1 G' (Delassus matrix; lambda: constraint forces).
  * Active rows are reduced to echelon form, each solved for one speed (the largest coefficient that is left); a row
- * that says nothing new is redundant. lambda = -W_aa^-1 (free slip accelerations) for the independent ones; redundant
- * ones share by minimum norm within their bounds. The speeds solved for follow from the others exactly, not by
- * integration.
+ * that follows from those before is redundant. lambda = -W_aa^-1 (free slip accelerations) for the independent ones;
+ * redundant ones by the minimum-norm split within their bounds. The speeds solved for follow from the others exactly,
+ * not by integration.
  * Assumed: the factors of lossy gears (columns of W less `skew` times that of the partner) leave W_aa regular.
  * Sources: echelon form by Gauss-Jordan elimination; forces as Pfeiffer and Glocker 1996.
  * Knows nothing of friction laws or of time.
@@ -227,7 +227,7 @@ static inline double gb_loss_excess(const double *bounds, double carried, double
  * others. Redundant constraints share by minimum norm within their bounds, and exceed them together once there is no
  * such split. */
 static inline void gb_split_forces(int n, const double *active, const double *matrix, const int *is_active,
-                                   const double *lower, const double *upper, double *force, double *excess) {
+                                   const double *lower, const double *upper, double *force, double *violation) {
     int index[n + 1], count = 0, redundant = 0;
     for (int i = 0; i < n; i++) {
         if (is_active[i]) {
@@ -259,15 +259,15 @@ static inline void gb_split_forces(int n, const double *active, const double *ma
         }
         for (int p = 0; p < count; p++) {
             force[index[p]] = x[p];
-            excess[index[p]] = worst - 1e-11 * size - DBL_MIN;
+            violation[index[p]] = worst - 1e-11 * size - DBL_MIN;
         }
     }
     for (int i = 0; i < n; i++) {
         if (!is_active[i]) {
-            excess[i] = -1.0;
+            violation[i] = -1.0;
         } else if (active[gb_active_redundant(n) + i] == 0.0) {
             const double over = fmax(force[i] - upper[i], lower[i] - force[i]);
-            excess[i] = over > -HUGE_VAL ? over : -1.0;
+            violation[i] = over > -HUGE_VAL ? over : -1.0;
         }
     }
 }

@@ -83,11 +83,11 @@ static void take_modes(gb_sim *sim) {
             sim->events.armed[constraint->slip] =
                 sim->constraints.decision[i] == GB_IS_OPEN && gb_touches(sim, i) ? -1.0 : 0.0;
         } else {
-            const int sits =
+            const int on_limit =
                 sim->constraints.decision[i] == GB_SLIDES &&
                 (sim->constraints.released[i] || fabs(sim->constraints.slip[i]) <= sim->constraints.slip_rounding[i] ||
                  sim->events.pending[constraint->slip] != 0.0);
-            sim->events.armed[constraint->slip] = sits ? -direction : 0.0;
+            sim->events.armed[constraint->slip] = on_limit ? -direction : 0.0;
         }
         if (sim->events.armed[constraint->slip] != 0.0) {
             sim->head->events.armed = 1;

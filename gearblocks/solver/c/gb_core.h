@@ -130,7 +130,8 @@ GB_API int gb_rhs(gb_sim *sim, double t, const double *y, double *dy);
 
 /* A point to look at. mode: of all switches (length n_switches), or NULL: those of the sim; input: values of all
  * inputs, or NULL: as their sources have them at t; means: every excitation by time alone at its mean
- * (gb_model.means); rate: rates (length n_total) that the outputs take as given, or NULL: those of the laws. */
+ * (gb_model.mean_time_terms); rate: rates (length n_total) that the outputs take as given, or NULL: those of the laws.
+ */
 typedef struct gb_point {
     double t;
     int means;
@@ -155,7 +156,7 @@ GB_API int gb_kinematic_rates(const gb_sim *sim, const double *kinematic_terms, 
 GB_API int gb_constraints_of(const gb_sim *sim, int *n_speeds, int *steady, int *index);
 GB_API int gb_modes(const gb_sim *sim, double *mode);
 GB_API int gb_constraints_at(gb_sim *sim, const gb_point *at, const double *y, double *rows, double *effects,
-                             double *bounds, double *force, double *excess, double *slip);
+                             double *bounds, double *force, double *violation, double *slip);
 
 /* The laws at a point, into what is not NULL: dy (length n_total), all outputs, all energies, and `fit`, the modes that
  * fit state and time there. Needs gb_start for the values derived from parameters; changes nothing of the run. */

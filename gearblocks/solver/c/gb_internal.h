@@ -104,7 +104,7 @@ struct gb_choice {
 };
 
 /* Events. */
-struct gb_due {
+struct gb_event_state {
     double t_break;     /* the next announced instant: time switches and tables */
     int pending;        /* an event waits at the front */
     int armed;          /* some switch has just flipped and is watched from its limit */
@@ -126,7 +126,7 @@ typedef struct gb_head {
     struct gb_ledger ledger;
     struct gb_counts counts;
     struct gb_choice choice;
-    struct gb_due events;
+    struct gb_event_state events;
 } gb_head;
 
 /* Inputs. In the block: value, cell, cell_end. */

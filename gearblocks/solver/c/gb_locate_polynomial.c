@@ -4,23 +4,23 @@
 #include "gb_modes.h"
 #include "gb_vector.h"
 
-/* One polynomial along the step in nested form, and how far it is from one limit: gauge(th) = start + sign th P(th), or
+/* One polynomial along the step in nested form, and its margin to one limit: margin(th) = start + sign th P(th), or
  * sign P(th) when it is armed there. Negative: the mode has been left. */
-typedef struct gauge {
+typedef struct margin {
     const double *row;
     int stride, rows, armed;
     double start, sign;
-} gauge;
+} margin;
 
-/* Gauge and slope at the eighths, the start first. */
-typedef struct gauge_samples {
+/* Margin and slope at the eighths, the start first. */
+typedef struct margin_samples {
     double value[GB_EIGHTHS + 1], slope[GB_EIGHTHS + 1];
-} gauge_samples;
+} margin_samples;
 
 static const double eighths[GB_EIGHTHS] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
 
 /* P and dP/dth at the eighths. */
-static void sample_polynomial(const gauge *g, double *restrict p, double *restrict d) {
+static void sample_polynomial(const margin *g, double *restrict p, double *restrict d) {
     for (int l = 0; l < GB_EIGHTHS; l++) {
         p[l] = g->row[(size_t)(g->rows - 1) * (size_t)g->stride];
         d[l] = 0.0;
@@ -36,7 +36,7 @@ static void sample_polynomial(const gauge *g, double *restrict p, double *restri
     }
 }
 
-static double gauge_at(const gauge *g, double theta, double *slope) {
+static double margin_at(const margin *g, double theta, double *slope) {
     double p = g->row[(size_t)(g->rows - 1) * (size_t)g->stride], d = 0.0;
     for (int m = g->rows - 2; m >= 0; m--) {
         const double direction = m % 2 == 0 ? -1.0 : 1.0;
@@ -48,7 +48,7 @@ static double gauge_at(const gauge *g, double theta, double *slope) {
     return g->armed ? g->sign * p : g->start + g->sign * theta * p;
 }
 
-static void gauge_fill(const gauge *g, const double *restrict p, const double *restrict d, gauge_samples *out) {
+static void margin_fill(const margin *g, const double *restrict p, const double *restrict d, margin_samples *out) {
     const double r0 = g->row[0], r1 = g->row[g->stride], r2 = g->row[2 * (size_t)g->stride];
     const double r3 = g->rows > 3 ? g->row[3 * (size_t)g->stride] : 0.0;
     out->value[0] = g->armed ? g->sign * (r0 + r1) : g->start;
@@ -59,12 +59,12 @@ static void gauge_fill(const gauge *g, const double *restrict p, const double *r
     }
 }
 
-/* The root in [a, b] with gauge(a) >= 0 > gauge(b): Newton, kept inside by bisection. */
-static double gauge_root(const gauge *g, double a, double b, double fa, double fb, double tolerance) {
+/* The root in [a, b] with margin(a) >= 0 > margin(b): Newton, kept inside by bisection. */
+static double margin_root(const margin *g, double a, double b, double fa, double fb, double tolerance) {
     double x = a + (b - a) * (fa / (fa - fb));
     for (int i = 0; i < 80; i++) {
         double slope;
-        const double f = gauge_at(g, x, &slope);
+        const double f = margin_at(g, x, &slope);
         if (f < 0.0) {
             b = x;
         } else {
@@ -83,11 +83,11 @@ static double gauge_root(const gauge *g, double a, double b, double fa, double f
 }
 
 /* The lowest point in [a, b], where the slope turns from negative to positive; stops early below zero. */
-static double gauge_dip(const gauge *g, double a, double b, double da, double db, double tolerance, double *value) {
+static double margin_dip(const margin *g, double a, double b, double da, double db, double tolerance, double *value) {
     double x = a + (b - a) * (da / (da - db));
     for (int i = 0; i < 60; i++) {
         double slope;
-        *value = gauge_at(g, x, &slope);
+        *value = margin_at(g, x, &slope);
         if (*value < 0.0 || slope == 0.0 || b - a <= tolerance) {
             return x;
         }
@@ -103,7 +103,7 @@ static double gauge_dip(const gauge *g, double a, double b, double da, double db
     return x;
 }
 
-/* Could the gauge be negative between two samples that are not? The tangents' meeting point, with a margin. */
+/* Could the margin be negative between two samples that are not? The tangents' meeting point, with some room. */
 static int may_dip(double width, double fa, double fb, double da, double db) {
     if (!(da < 0.0 && db > 0.0)) {
         return 0;
@@ -114,7 +114,7 @@ static int may_dip(double width, double fa, double fb, double da, double db) {
 
 /* It is armed on the limit and leaves it no faster than rounding, but bends to the right side, as a slip does after a
  * smooth break-away. */
-static int starts_level(const gauge *g, const gauge_samples *at) {
+static int starts_level(const margin *g, const margin_samples *at) {
     double most = 0.0;
     for (int l = 0; l < GB_EIGHTHS; l++) {
         most = gb_max(most, fabs(at->value[l + 1]));
@@ -124,12 +124,12 @@ static int starts_level(const gauge *g, const gauge_samples *at) {
 
 /* An event function that is armed on its limit and beyond it at b may have moved inside first, however shortly: looked
  * for ever closer to the start. Its return, or 0 where it was never inside. */
-static double gauge_return(const gauge *g, double b, double fb, double tolerance) {
+static double margin_return(const margin *g, double b, double fb, double tolerance) {
     double slope;
     for (double a = 0.25 * b; a > tolerance; a *= 0.25) {
-        const double fa = gauge_at(g, a, &slope);
+        const double fa = margin_at(g, a, &slope);
         if (fa > 0.0) {
-            return gauge_root(g, a, b, fa, fb, tolerance);
+            return margin_root(g, a, b, fa, fb, tolerance);
         }
         b = a;
         fb = fa;
@@ -137,11 +137,11 @@ static double gauge_return(const gauge *g, double b, double fb, double tolerance
     return 0.0;
 }
 
-/* The first theta at which the gauge turns negative, or 2. */
-static double gauge_first(const gauge *g, const gauge_samples *at, double tolerance) {
+/* The first theta at which the margin turns negative, or 2. */
+static double margin_first(const margin *g, const margin_samples *at, double tolerance) {
     const double width = 1.0 / GB_EIGHTHS;
     if (g->armed && at->slope[0] > 0.0 && at->value[1] < 0.0) {
-        const double back = gauge_return(g, width, at->value[1], tolerance);
+        const double back = margin_return(g, width, at->value[1], tolerance);
         if (back > 0.0) {
             return back;
         }
@@ -152,21 +152,21 @@ static double gauge_first(const gauge *g, const gauge_samples *at, double tolera
     for (int l = 0; l < GB_EIGHTHS; l++) {
         const double a = (double)l * width, b = a + width;
         if (at->value[l + 1] < 0.0) {
-            return gauge_root(g, a, b, at->value[l], at->value[l + 1], tolerance);
+            return margin_root(g, a, b, at->value[l], at->value[l + 1], tolerance);
         }
         if (may_dip(width, at->value[l], at->value[l + 1], at->slope[l], at->slope[l + 1])) {
             double lowest;
-            const double dip = gauge_dip(g, a, b, at->slope[l], at->slope[l + 1], tolerance, &lowest);
+            const double dip = margin_dip(g, a, b, at->slope[l], at->slope[l + 1], tolerance, &lowest);
             if (lowest < 0.0) {
-                return gauge_root(g, a, dip, at->value[l], lowest, tolerance);
+                return margin_root(g, a, dip, at->value[l], lowest, tolerance);
             }
         }
     }
     return 2.0;
 }
 
-/* A gauge that starts negative on its limit counts only when it moves away by more than rounding. */
-static int moves_away(const gauge_samples *at, double rounding) {
+/* A margin that starts negative on its limit counts only when it moves away by more than rounding. */
+static int moves_away(const margin_samples *at, double rounding) {
     for (int l = 0; l < GB_EIGHTHS; l++) {
         if (eighths[l] * at->value[l + 1] < -rounding) {
             return 1;
@@ -178,23 +178,23 @@ static int moves_away(const gauge_samples *at, double rounding) {
 /* When switch i leaves through its limit `side` (-1 lower, 1 upper). */
 static double first_through(gb_sim *sim, int i, double side, const double *p, const double *d, double tolerance) {
     const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i], s = sim->events.s0[i];
-    gauge g = {sim->events.slopes + i, sim->model->n_affine, sim->method->rows, 0, 0.0, -side};
-    gauge_samples at;
+    margin g = {sim->events.slopes + i, sim->model->n_affine, sim->method->rows, 0, 0.0, -side};
+    margin_samples at;
     if (fabs(limit) >= HUGE_VAL) {
         return 2.0;
     }
     const double rounding = gb_limit_rounding(sim, i, limit);
     g.start = side < 0.0 ? s - limit : limit - s;
     g.armed = sim->events.armed[i] == side || g.start <= rounding;
-    gauge_fill(&g, p, d, &at);
+    margin_fill(&g, p, d, &at);
     if (g.armed && (at.value[0] < 0.0 || sim->events.flips[i] > 1.0) && !moves_away(&at, rounding)) {
         return 2.0;
     }
-    return gauge_first(&g, &at, tolerance);
+    return margin_first(&g, &at, tolerance);
 }
 
 static void watch_affine(gb_sim *sim, int i, double tolerance) {
-    const gauge g = {sim->events.slopes + i, sim->model->n_affine, sim->method->rows, 0, 0.0, 1.0};
+    const margin g = {sim->events.slopes + i, sim->model->n_affine, sim->method->rows, 0, 0.0, 1.0};
     double p[GB_EIGHTHS], d[GB_EIGHTHS];
     sample_polynomial(&g, p, d);
     const double low = first_through(sim, i, -1.0, p, d, tolerance);

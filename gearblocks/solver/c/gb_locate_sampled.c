@@ -7,7 +7,7 @@
 enum { CLOSEST = 7 };             /* halvings of a quarter of a step, in search of a dip of a constraint force */
 enum { POINTS = GB_EIGHTHS + 2 }; /* the start, one close to it, and the eighths */
 
-static const double places[POINTS] = {0.0, 0.03125, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
+static const double thetas[POINTS] = {0.0, 0.03125, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
 
 /* All event functions at theta, into s. */
 static int event_functions_at(gb_sim *sim, double theta, double *s) {
@@ -189,7 +189,7 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
     const int armed = f[0] == 0.0;
     const double rounding = gb_limit_rounding(sim, i, 0.0);
     if (!armed) {
-        const int code = end_dip(sim, i, side, 0.0, places[1], f[0], f[1], tolerance, first);
+        const int code = end_dip(sim, i, side, 0.0, thetas[1], f[0], f[1], tolerance, first);
         if (code != GB_DONE || *first <= 1.0) {
             return code;
         }
@@ -197,21 +197,21 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
     for (int l = 1; l < POINTS; l++) {
         if (f[l] < (armed ? -rounding : 0.0)) {
             if (armed && l == 1) {
-                return return_root(sim, i, side, places[l], f[l], tolerance, first);
+                return return_root(sim, i, side, thetas[l], f[l], tolerance, first);
             }
-            return true_root(sim, i, side, places[l - 1], places[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
+            return true_root(sim, i, side, thetas[l - 1], thetas[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
         }
         if (l + 1 < POINTS && f[l + 1] >= 0.0 && !(armed && l == 1) && may_dip(f[l - 1], f[l], f[l + 1])) {
             double x, value;
-            const int code = true_dip(sim, i, side, places[l - 1], places[l], places[l + 1], f[l], &x, &value);
+            const int code = true_dip(sim, i, side, thetas[l - 1], thetas[l], thetas[l + 1], f[l], &x, &value);
             if (code != GB_DONE || value < 0.0) {
-                const double a = x > places[l] ? places[l] : places[l - 1];
-                const double fa = x > places[l] ? f[l] : f[l - 1];
+                const double a = x > thetas[l] ? thetas[l] : thetas[l - 1];
+                const double fa = x > thetas[l] ? f[l] : f[l - 1];
                 return code != GB_DONE ? code : true_root(sim, i, side, a, x, fa, value, tolerance, first);
             }
         }
     }
-    return end_dip(sim, i, side, 1.0, places[POINTS - 2], f[POINTS - 1], f[POINTS - 2], tolerance, first);
+    return end_dip(sim, i, side, 1.0, thetas[POINTS - 2], f[POINTS - 1], f[POINTS - 2], tolerance, first);
 }
 
 /* The same; of a constraint force also between samples. */
@@ -254,7 +254,7 @@ int gb_locate_sampled(gb_sim *sim) {
     int code = gb_dense_complete(sim);
     memcpy(sim->events.samples, sim->events.s0, sizeof(double) * (size_t)n);
     for (int l = 1; l < POINTS && code == GB_DONE; l++) {
-        code = event_functions_at(sim, places[l], sim->events.samples + (size_t)l * (size_t)n);
+        code = event_functions_at(sim, thetas[l], sim->events.samples + (size_t)l * (size_t)n);
     }
     sim->events.undersampled = 0;
     for (int i = model->n_affine; i < n && code == GB_DONE; i++) {

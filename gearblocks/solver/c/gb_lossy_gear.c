@@ -39,9 +39,9 @@ static int holds_true(gb_sim *sim, int i) {
     const double rate = gb_slip_acceleration(sim, i, &size);
     if (sim->constraints.decision[i] == GB_CANDIDATE) {
         const double force = gb_constraint_force(sim, i);
-        const double excess = gb_loss_excess(sim->constraints.bounds + 5 * i, carried, force);
+        const double violation = gb_loss_excess(sim->constraints.bounds + 5 * i, carried, force);
         sim->mode[tie->slip] = carried >= 0.0 ? 1.0 : -1.0;
-        return excess <= 1e-10 * (fabs(force) + fabs(carried));
+        return violation <= 1e-10 * (fabs(force) + fabs(carried));
     }
     const int j = loss->partner;
     const double response = fabs(sim->constraints.delassus[j * sim->model->n_constraints + j]);

@@ -167,7 +167,7 @@ typedef struct gb_model {
     void (*force_bounds)(const double *par, const double *mode, const double *time_terms, const double *y,
                          double *bounds);
     void (*constraint_forces)(const double *par, const double *mode, const double *time_terms, const double *y,
-                              double *force, double *excess);
+                              double *force, double *violation);
 
     /* NULL, or: puts the angles of massless groups into balance (with `starting` at the start of a run). */
     void (*balance_massless)(const double *par, const double *mode, const double *time_terms, double *y, int starting);

@@ -55,7 +55,7 @@ int gb_constraints_of(const gb_sim *sim, int *n_speeds, int *steady, int *offset
 }
 
 int gb_constraints_at(gb_sim *sim, const gb_point *at, const double *y, double *rows, double *effects, double *bounds,
-                      double *force, double *excess, double *slip) {
+                      double *force, double *violation, double *slip) {
     const gb_model *model = sim->model;
     const int code = gb_point_time_terms(sim, at);
     if (code == GB_DONE && model->n_constraints > 0) {
@@ -67,7 +67,7 @@ int gb_constraints_at(gb_sim *sim, const gb_point *at, const double *y, double *
                                   effects + (size_t)i * (size_t)model->n_speeds);
         }
         model->force_bounds(sim->par, mode, sim->instant.time_terms, y, bounds);
-        model->constraint_forces(sim->par, mode, sim->instant.time_terms, y, force, excess);
+        model->constraint_forces(sim->par, mode, sim->instant.time_terms, y, force, violation);
         model->event_functions(sim->par, mode, sim->instant.time_terms, y, sim->events.s);
         for (int i = 0; i < model->n_constraints; i++) {
             slip[i] = sim->events.s[model->constraints[i].slip];

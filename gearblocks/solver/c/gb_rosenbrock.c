@@ -189,7 +189,7 @@ static int factor(gb_sim *sim, double h) {
                : gb_fail(sim, GB_ERR_SINGULAR, model->n_kinematic + bad, sim->head->front.t1, sim->implicit.diag[bad]);
 }
 
-/* The sums of stage j (a constant) over those before it: z = y0 + h sum a K, and in z2 what its right right has beside
+/* The sums of stage j (a constant) over those before it: z = y0 + h sum a K, and in z2 what its right side has beside
  * the rates. */
 GB_INLINE void sums_of(const gb_sim *sim, int j, double h) {
     const double *a = sim->method->stage[j][0], *c = sim->method->stage[j][1], *k = sim->k, *y0 = sim->y0;

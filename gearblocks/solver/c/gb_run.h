@@ -1,6 +1,6 @@
 /* Runs: to communication points, through samples, or recording every step; recorded rows evaluated. The calls are
  * those of gb_core.h: gb_advance, gb_time, gb_state, gb_outputs, gb_energies, gb_rhs, gb_run, gb_evaluate.
- * Knows nothing of methods and events beyond that they are due. */
+ * Knows nothing of methods and events beyond that some are pending. */
 #ifndef GB_RUN_H
 #define GB_RUN_H
 

@@ -81,7 +81,7 @@ static int accept(gb_sim *sim, double end, int may_shorten) {
             gb_mark_modes(sim);
         }
     }
-    if (head->front.t1 >= head->events.t_break) { /* also where a switch of the state is due at the same instant */
+    if (head->front.t1 >= head->events.t_break) { /* also where a switch of the state is pending there */
         gb_mark_time_events(sim);
     }
     if (!head->events.pending && gb_project_velocities(sim, sim->lanes.time_terms + sim->method->stages)) {
@@ -154,7 +154,7 @@ static double judge(gb_sim *sim, double h) {
     return error;
 }
 
-/* The place of what is not finite in the step just tried. */
+/* The index of what is not finite in the step just tried. */
 static int name_taint(gb_sim *sim) {
     const int total = sim->model->n_total;
     for (int j = 0; j <= sim->method->stages; j++) {

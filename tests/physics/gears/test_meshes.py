@@ -122,7 +122,7 @@ def test_the_answer_tends_to_the_linear_mesh_as_the_gap_shrinks(distance):
 
 
 def _on_ground(choice, b=0.1, k=400.0, c=3.0):
-    """J = 1 against the ground: the deflection is the angle. PrescribedRow so that it hits both sides."""
+    """J = 1 against the ground: the deflection is the angle. Driven so that it hits both sides."""
     rig = gb.Drivetrain("one body")
     body = rig.add("body", gb.Inertia(J=1.0, w0=4.0))
     fields = {"k": k, "c": c, "contact_damping": choice}

@@ -1,4 +1,4 @@
-"""Linear tools where friction sticks or slides and stops are closed: what holds is a tie."""
+"""Linear tools where friction sticks or slides and stops are closed: what is active acts as a rigid constraint."""
 
 import numpy as np
 import pytest
@@ -140,7 +140,7 @@ def _mixed():
 
 def test_the_matrix_is_that_of_central_differences_where_something_holds():
     with operating_point(gb.build(_mixed()), None) as point:
-        assert len(point.holding()) == 1
+        assert len(point.active_set()) == 1
         exact, differences = state_matrix(point).toarray(), differenced_state_matrix(point).toarray()
     # differences: rounding of torques of 10 N m over steps of 6e-6
     assert np.abs(exact - differences).max() < 1e-8 * np.abs(exact).max()

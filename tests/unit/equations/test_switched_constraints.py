@@ -65,8 +65,8 @@ def _known(rig, model, t, state):
     return eq, known | {clock(): t}
 
 
-def _places(program, name):
-    """Numbers of the switches of a component: of its slip or gap, and of its hold."""
+def _switches_of(program, name):
+    """Numbers of the switches of a component: of its slip or gap, and whether it is active."""
     return [i for i, s in enumerate(program.switches) if s.component == name][:2]
 
 
@@ -98,16 +98,16 @@ def test_the_c_computes_what_the_equations_say_in_every_mode(modes):
         sim.parameters[:] = model.values
         for s in program.starts:
             if s.name in state:
-                sim.parameters[s.place] = state[s.name] * s.factor
+                sim.parameters[s.offset] = state[s.name] * s.factor
         sim.start(Options(2, 1, 1e-6, 0.0, np.inf, np.inf), t)
         y = sim.state()
         for v in eq.v:  # an impact at the start may have changed them
             y[speeds[f"{v.name.removeprefix('w_')}.w"]] = known[v]
         switches = np.zeros(len(program.switches))
         for name, mode in modes.items():
-            slip, hold = _places(program, name)
+            slip, active = _switches_of(program, name)
             held = mode == (1 if name == "wall" else 0)
-            switches[slip], switches[hold] = 0 if held or mode in (0, 2) or name == "wall" else mode, held
+            switches[slip], switches[active] = 0 if held or mode in (0, 2) or name == "wall" else mode, held
         dy = sim.probe(t, y, switches, "rates")
         shown = sim.probe(t, y, switches, "outputs")
     largest = max(abs(float(x)) for x in alpha)

@@ -121,7 +121,7 @@ def test_the_c_computes_what_the_equations_say(name):
             sim.parameters[:] = model.values
             sim.inputs[:] = [i.start for i in program.inputs]
             for s in program.starts:
-                sim.parameters[s.place] = starts[s.name] * s.factor
+                sim.parameters[s.offset] = starts[s.name] * s.factor
             assert sim.start(Options(Method.DP8, 1, 1e-6, 0.0, np.inf, np.inf), t) == Code.DONE
             y = sim.state()
             dy = sim.rhs(t, y)

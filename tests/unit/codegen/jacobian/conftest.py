@@ -94,16 +94,20 @@ def _check_step(
 ) -> None:
     """One step size: the matrix, the right side, the solution, the rates. known: derivatives, inertias, sizes."""
     (J, E, size), g = known, linear.g
-    simple = len(size) - len(E)
-    A, K, B = E[:, None] * J[simple:, simple:], E[:, None] * J[simple:, :simple], J[:simple, simple:]
+    n_kinematic = len(size) - len(E)
+    A, K, B = (
+        E[:, None] * J[n_kinematic:, n_kinematic:],
+        E[:, None] * J[n_kinematic:, :n_kinematic],
+        J[:n_kinematic, n_kinematic:],
+    )
     S = _dense(pattern, linear)
     parts = np.diag(E) + g * np.abs(A) + g**2 * np.abs(K) @ np.abs(B)
-    off = (np.diag(E) - g * A - g**2 * K @ B - S) * size[simple:]
-    assert (np.abs(off) / (parts * size[simple:]).max(axis=1, keepdims=True)).max() < NEAR
+    off = (np.diag(E) - g * A - g**2 * K @ B - S) * size[n_kinematic:]
+    assert (np.abs(off) / (parts * size[n_kinematic:]).max(axis=1, keepdims=True)).max() < NEAR
     r = size * random.normal(size=len(size))
     b = sim.right_side(linear, r)
-    weight = E * np.abs(r[simple:]) + g * np.abs(K) @ np.abs(r[:simple])
-    assert (np.abs(E * r[simple:] + g * K @ r[:simple] - b) / weight).max() < NEAR
+    weight = E * np.abs(r[n_kinematic:]) + g * np.abs(K) @ np.abs(r[:n_kinematic])
+    assert (np.abs(E * r[n_kinematic:] + g * K @ r[:n_kinematic] - b) / weight).max() < NEAR
     x = _solved(pattern, linear, b)
     assert np.abs(S @ x - b).max() <= 1e-12 * (np.abs(S) @ np.abs(x)).max()  # rounding of a few dozen operations
     assert np.allclose(x, np.linalg.solve(S, b), rtol=0, atol=1e-14 * np.linalg.cond(S) * np.abs(x).max())
@@ -112,9 +116,9 @@ def _check_step(
 
 
 def _check_whole(rig: gb.Drivetrain) -> tuple[int, ...]:
-    """Solves (1 - g J) U = g r by way of the matrix: S x = g right_side(r), U = x and, of simple states, g (r + B x).
+    """Solves (1 - g J) U = g r by way of the matrix: S x = g right_side(r), U = x and, of kinematic states, g (r + B x).
 
-    This holds for every train, hidden unknowns included, and does not need to know what E is. Answers sizes.
+    This holds for every train, massless speeds included, and does not need to know what E is. Answers sizes.
     """
     model = gb.build(rig)
     n = model.program.n
@@ -122,8 +126,8 @@ def _check_whole(rig: gb.Drivetrain) -> tuple[int, ...]:
     with model.library.open() as sim:
         pattern = sim.pattern()
         assert pattern is not None
-        simple, hidden, _ = sim.step_matrix_sizes()
-        assert len(pattern.order) == n - simple + hidden
+        n_kinematic, n_massless, _ = sim.step_matrix_sizes()
+        assert len(pattern.order) == n - n_kinematic + n_massless
         sim.parameters[:] = model.values
         sim.inputs[:] = 1.3
         for t in (0.0, 0.37, 2.9):
@@ -137,10 +141,10 @@ def _check_whole(rig: gb.Drivetrain) -> tuple[int, ...]:
                 r = random.normal(size=n)
                 linear = sim.step_matrix(t, y, g)
                 x = _solved(pattern, linear, g * sim.right_side(linear, r))
-                ours = np.append(g * (r[:simple] + sim.kinematic_rates(linear, x)), x[: n - simple])
+                ours = np.append(g * (r[:n_kinematic] + sim.kinematic_rates(linear, x)), x[: n - n_kinematic])
                 true = np.linalg.solve(np.eye(n) - g * J, g * r)
                 assert np.abs(ours - true).max() < NEAR * np.abs(true).max()
-    return simple, hidden, len(pattern.order)
+    return n_kinematic, n_massless, len(pattern.order)
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""Symbolic elimination: order, fill and places."""
+"""Symbolic elimination: order, fill-in and entries."""
 
 import numpy as np
 import pytest

@@ -21,7 +21,7 @@ def test_a_planetary_between_three_springs(check_whole):
     assert check_whole(rig)[1] == 0
 
 
-def test_shafts_without_inertia_that_are_damped_are_hidden_unknowns(check_whole):
+def test_shafts_without_inertia_that_are_damped_are_unknowns_besides(check_whole):
     rig = gb.Drivetrain("damped")
     a, b = rig.add("a", gb.Inertia(J=1.0)), rig.add("b", gb.Inertia(J=2.0))
     one, two, three = (rig.add(f"s{i}", gb.Shaft(k=20.0 + i, c=0.3 * i)) for i in range(3))

@@ -71,7 +71,7 @@ def test_a_universal_joint_between_springs(check_whole):
     rig = in_a_row(
         gb.Shaft(k=20.0, c=0.4), gb.UniversalJoint(angle=0.7, phase=0.2), gb.Shaft(k=30.0), gb.Shaft(k=9.0, c=0.1)
     )
-    assert check_whole(rig)[0] > 0  # of the springs, only those beside the driven fork are no simple states
+    assert check_whole(rig)[0] > 0  # of the springs, only those beside the driven fork are no kinematic states
 
 
 def test_universal_joints_with_springs_and_without_any_between_them(check_whole):

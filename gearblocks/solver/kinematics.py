@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearblocks.codegen.program import Program
-from gearblocks.solver.active_set import Rows, null_space
+from gearblocks.solver.active_set import ReducedRows, null_space
 from gearblocks.solver.point import Point, dependents, derivative, state_matrix
 from gearblocks.solver.sparse_maps import Indices, disjoint
 from gearblocks.solver.structures import Array
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Kinematics:
     """q' = B v, angles' = E v; N: free rotations; M: mass matrix of the speeds.
 
     coordinates, angles, states, speeds: indices in the state vector; active: reduced rows of the active set (None: it is
@@ -38,11 +38,11 @@ class Motion:
     E: csc_array
     N: csc_array
     M: csc_array
-    active: Rows | None = None
+    active: ReducedRows | None = None
 
     def __repr__(self) -> str:
         counts = f"{len(self.coordinates)} coordinates, {len(self.angles)} angles, {len(self.speeds)} speeds"
-        return f"<Motion: {counts}, {self.N.shape[1]} free rotations>"
+        return f"<Kinematics: {counts}, {self.N.shape[1]} free rotations>"
 
     @property
     def massless(self) -> bool:
@@ -55,12 +55,12 @@ def kinds(program: Program) -> tuple[Indices, Indices, Indices, Indices]:
     found: dict[str, list[int]] = {"coordinate": [], "angle": [], "state": [], "speed": []}
     for i, quantity in enumerate(program.states):
         found[quantity.kind].append(i)
-    found["angle"] += [x.place for x in program.integrals if x.part == "angle"]
+    found["angle"] += [x.offset for x in program.integrals if x.part == "angle"]
     groups = (found["coordinate"], sorted(found["angle"]), found["state"], found["speed"])
     return tuple(np.array(g, dtype=np.intp) for g in groups)  # type: ignore[return-value]
 
 
-def motion(point: Point) -> Motion:
+def kinematics(point: Point) -> Kinematics:
     """The kinematics and the mass matrix of a train."""
     from scipy.sparse import csc_array, identity, vstack
     from scipy.sparse.linalg import splu
@@ -85,7 +85,7 @@ def motion(point: Point) -> Motion:
     active = point.active_rows()
     if active is not None and N.shape[1]:
         N = N @ null_space(active.W @ N, np.max(np.abs(active.W) @ np.abs(N), axis=1, initial=0.0))
-    return Motion(q, angles, z, v, B, csc_array(S[len(q) :]), csc_array(N), M, active)
+    return Kinematics(q, angles, z, v, B, csc_array(S[len(q) :]), csc_array(N), M, active)
 
 
 def knows_derivatives(point: Point) -> bool:
@@ -113,7 +113,7 @@ def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
     if knows_derivatives(point):
         unknowns = v - point.sim.step_matrix_sizes()[0]
         return csc_array(point.sim.inertia(point.t, still)[unknowns][:, unknowns])
-    kinetic = np.array([e.place for e in point.program.energies if e.part == "kinetic"], dtype=np.intp)
+    kinetic = np.array([e.offset for e in point.program.energies if e.part == "kinetic"], dtype=np.intp)
 
     def energy(y: Array) -> Array:
         return point.energies(y)[kinetic]
