@@ -74,7 +74,7 @@ def _refuse_massless(g: Generator, path: str, flange: str, group: int) -> None:
         group = reached.pop()
         if a.n_speeds <= group < a.n_speeds + a.n_massless:
             raise ModelError(
-                f"'{path}': friction that can constraint, or a stop, acts at '{flange}' on a shaft without inertia, which it "
+                f"'{path}': friction that can stick, or a stop, acts at '{flange}' on a shaft without inertia, which it "
                 f"could not hold by itself; put an Inertia there"
             )
         reached.update(dependent[group].sources if group in dependent else ())
