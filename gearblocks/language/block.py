@@ -7,14 +7,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from types import MappingProxyType
+from dataclasses import replace
+from types import CodeType, FunctionType, MappingProxyType
 from typing import Any, ClassVar, dataclass_transform
 
 from gearblocks.errors import GearblocksError, ModelError, did_you_mean
 from gearblocks.language.contributions import Contribution, Parts
 from gearblocks.language.expression import from_sympy, is_sympy
 from gearblocks.language.fields import (
+    ANGLE,
     COMPLIANCE,
+    SPEED,
     Field,
     Flange,
     State,
@@ -106,6 +109,36 @@ class Declared:
         return iter(())
 
 
+_CALLED_STARTS = {"phi0": ANGLE, "s0": ANGLE, "w0": SPEED, "v0": SPEED}
+"""What the catalogue calls start values."""
+
+
+def _declare_called_starts(cls: type[Block]) -> None:
+    """A parameter that is called as the catalogue calls start values, and that no code of its block mentions, is one.
+
+    Blocks were written so before start values had a role; what the block reads is a parameter like any other.
+    """
+    own = {
+        n: v for n in _CALLED_STARTS if isinstance(v := vars(cls).get(n), Field) and v.role == "param" and not v.many
+    }
+    taken = {v.start for v in (*vars(cls).values(), *cls.fields.values()) if isinstance(v, Field)}
+    functions = [getattr(f, "__func__", getattr(f, "fget", f)) for f in vars(cls).values()]
+    mentioned = {name for f in functions if isinstance(f, FunctionType) for name in _mentioned(f.__code__)}
+    for name in own.keys() - mentioned:
+        if _CALLED_STARTS[name] not in taken:
+            setattr(cls, name, replace(own[name], start=_CALLED_STARTS[name]))
+
+
+def _mentioned(code: CodeType) -> Iterator[str]:
+    """Names and texts in the code of a function and of those inside it."""
+    yield from code.co_names
+    for x in code.co_consts:
+        if isinstance(x, CodeType):
+            yield from _mentioned(x)
+        elif isinstance(x, str):
+            yield x
+
+
 def start_fields(kind: type[Declared]) -> dict[str, str]:
     """Names of the fields that are start values, by what they are of: "angle" and "speed", where they are declared."""
     return {spec.start: name for name, spec in kind.fields.items() if spec.start is not None}
@@ -163,9 +196,14 @@ class Block(Declared, ABC):
     (None when absent), s.<effect> the symbols of an effect, s.<state> a state, s.time the time. In Shows also
     s.<flange>.alpha [rad/s2] and s.<flange>.tau [N m], the torque that the block exerts on the flange. On a slider
     s.<flange>.s, .v and .f are other names of phi, w and tau (in m, m/s and N).
-    A parameter declared with start="angle" or "speed" is a start value of the shaft that the block has a Body at.
+    A parameter declared with start="angle" or "speed" is a start value of the shaft that the block has a Body at; so is one
+    called phi0, w0, s0 or v0, as in the catalogue, that nothing in the block reads.
     s.<flange>.mobility is 1/J of all inertia tied rigidly to the flange (0 at the ground).
     """
+
+    def __init_subclass__(cls) -> None:
+        _declare_called_starts(cls)
+        super().__init_subclass__()
 
     @abstractmethod
     def physics(self, s: Any) -> Iterator[Contribution]:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 import traceback
-import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +14,7 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from gearblocks.errors import GearblocksError, GearblocksWarning, ModelError, did_you_mean
+from gearblocks.errors import GearblocksError, ModelError, did_you_mean
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import (
     Acts,
@@ -35,11 +34,9 @@ from gearblocks.language.contributions import (
     Tie,
 )
 from gearblocks.language.expression import Expr
-from gearblocks.language.fields import ANGLE, SPEED, Flange
+from gearblocks.language.fields import Flange
 from gearblocks.laws.symbols import CONSTANT, FlangeSymbols, Pool, Symbols
 
-_CALLED_STARTS = {"phi0": ANGLE, "s0": ANGLE, "w0": SPEED, "v0": SPEED}
-"""What the catalogue calls start values: in a block of a user's own these are plain parameters unless declared."""
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
@@ -58,9 +55,6 @@ def physics_problems(path: str, block: Block, grounded: frozenset[str]) -> list[
     if items is None:
         return [f"{name}: physics gives {found!r:.80}; let it yield contributions, such as gb.Acts(s.flange, torque)"]
     check = _Check(block, s, pool)
-    for unread, of in check.unread_starts(block, items):
-        words = f"{name}: nothing reads '{unread}'; a start value of its body is declared: gb.param(..., start='{of}')"
-        warnings.warn(words, GearblocksWarning, stacklevel=2)
     return [f"{name}: {problem}" for problem in (*(p for x in items for p in check.item(x)), *check.whole(items))]
 
 
@@ -176,23 +170,6 @@ class _Check:
             meaning = self.pool.roles.get(symbol)
             if meaning is not None and meaning.role == "own" and meaning.of in self.pool.starts:
                 yield f"the physics reads the start value '{meaning.of}': declare a parameter of its own for what the law needs"
-
-    def unread_starts(self, block: Block, items: list[Any]) -> Iterator[tuple[str, str]]:
-        """Numbers of a block with a body that are named as start values and read by nothing, and what they would start."""
-        if any(isinstance(x, Body) for x in items):
-            read = {
-                meaning.of for x in self.read(items) if (meaning := self.pool.roles.get(x)) and meaning.role == "own"
-            }
-            for name, of in _CALLED_STARTS.items():
-                spec = type(block).fields.get(name)
-                if (
-                    spec is not None
-                    and spec.role == "param"
-                    and not spec.start
-                    and name not in read
-                    and getattr(block, name)
-                ):
-                    yield name, of
 
     def read(self, items: list[Any]) -> set[Any]:
         """Symbols in the expressions of contributions."""

@@ -1,4 +1,4 @@
-"""Start values are declared by role: what else a block calls w0, v0 or phi0 is a parameter like any other."""
+"""Start values are declared by role: what a block calls w0, v0 or phi0 and reads is a parameter like any other."""
 
 import re
 
@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
-from gearblocks.errors import GearblocksWarning
 
 
 class Flywheel(gb.Block):
@@ -48,19 +47,43 @@ def _alone(block: gb.Block) -> gb.Drivetrain:
 T = np.linspace(0.0, 1.0, 5)
 
 
-def test_a_number_named_as_a_start_value_that_nothing_reads_is_told_how_to_be_one() -> None:
-    class Wheel(gb.Block):
-        a = gb.Flange("shaft")
-        J: float = gb.param("moment of inertia", "kg m2", gt=0)
-        w0: float = gb.param("start speed", "rad/s", default=0.0)
+class Plain(gb.Block):
+    """A body written as in the catalogue, before start values had a role."""
 
-        def physics(self, s):
-            yield gb.Body(s.a, s.J)
+    a = gb.Flange("shaft")
+    J: float = gb.param("moment of inertia", "kg m2", gt=0)
+    phi0: float = gb.param("start angle", "rad", default=0.5)
+    w0: float = gb.param("start speed", "rad/s", default=3.0)
 
-    with pytest.warns(GearblocksWarning, match=r"nothing reads 'w0'.*start='speed'"):
-        run = gb.simulate(_alone(Wheel(J=1.0, w0=2.0)), t_end=0.1)
-    assert run["wheel.a.w"][0] == 0.0
-    gb.simulate(_alone(Wheel(J=1.0)), t_end=0.1)  # 0 asks for nothing
+    def physics(self, s):
+        """w0 in a text says nothing."""
+        yield gb.Body(s.a, s.J)
+
+
+class Half(gb.Block):
+    """One start value, and a method beside physics that reads the other name."""
+
+    a = gb.Flange("shaft")
+    J: float = gb.param("moment of inertia", "kg m2", gt=0)
+    w0: float = gb.param("start speed", "rad/s", default=3.0)
+    phi0: float = gb.param("rest angle", "rad", default=0.5)
+
+    def _torque(self, s):
+        return -s.J * (s.a.phi - s.phi0)
+
+    def physics(self, s):
+        yield gb.Body(s.a, s.J)
+        yield gb.Acts(s.a, self._torque(s))
+
+
+def test_a_number_called_as_in_the_catalogue_that_nothing_reads_is_a_start_value() -> None:
+    model = gb.build(_alone(Plain(J=1.0)))
+    run = gb.simulate(model, t_end=0.1)
+    assert (run["wheel.a.phi"][0], run["wheel.a.w"][0]) == (0.5, 3.0)
+    assert gb.simulate(model, t_end=0.1, parameters={"wheel.w0": 7.0})["wheel.a.w"][0] == 7.0
+    assert {"wheel.phi0", "wheel.w0"} <= {p.path for p in model.program.parameters}
+    run = gb.simulate(_alone(Half(J=1.0)), t=T, rtol=1e-11)
+    np.testing.assert_allclose(run["wheel.a.phi"], 0.5 - 0.5 * np.cos(T) + 3.0 * np.sin(T), rtol=1e-9, atol=1e-10)
 
 
 def test_a_body_with_a_parameter_called_w0_runs_and_the_parameter_is_tunable() -> None:
