@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.kinematics import DependentGroup, GroupRow, Kinematics, PrescribedRow, solve_dependent
 from gearblocks.assembly.massless_groups import MasslessGroups, floating
-from gearblocks.assembly.tables import GROUND_GROUP, ExactValues
+from gearblocks.assembly.tables import GROUND_GROUP, Assembly, ExactValues, StartValues
 from gearblocks.errors import ModelError
 from gearblocks.language.block import given_start, start_fields
 from gearblocks.language.expression import Expr, evaluate
@@ -28,9 +28,6 @@ from gearblocks.laws.rational import Exact, exact, exact_value, over
 from gearblocks.train.graph import Component, Train
 from gearblocks.train.translational import takes_start
 from gearblocks.train.values import numbers_of
-
-if TYPE_CHECKING:
-    from gearblocks.assembly.tables import Assembly
 
 
 @dataclass(slots=True)
@@ -260,8 +257,6 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
 
     A shaft without any body is named by the first flange at it.
     """
-    from gearblocks.assembly.tables import StartValues
-
     found: dict[str, dict[int, tuple[str, Exact, bool]]] = {ANGLE: {}, SPEED: {}}
     for c, law in zip(assembly.train.components, laws, strict=True):
         for flange, _ in law.bodies:

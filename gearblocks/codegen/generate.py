@@ -147,8 +147,8 @@ def _shows(g: Generator, code: BatchCode) -> None:
         out = Operand(Role.OUTPUTS, len(g.outputs), instance=True)
         shows[unwrapped].append(Assignment(out, "=", located(expr) if unwrapped else expr))
         g.outputs += shown(g, code, show.name, show.unit, show.words)
-    g.keep("shows", code.function("shows", shows[False]))
-    g.keep("shows", code.function("whole_shows", shows[True], vector=Role.UNWRAPPED_ANGLES))
+    g.keep("outputs", code.function("outputs", shows[False]))
+    g.keep("outputs", code.function("unwrapped_outputs", shows[True], vector=Role.UNWRAPPED_ANGLES))
 
 
 def _flange_torque(code: BatchCode, flange: str) -> Operand:
@@ -210,7 +210,7 @@ def _bodies(g: Generator, code: BatchCode) -> None:
     if code.stored is not None:
         energy.append(Assignment(Operand(Role.ENERGIES, len(g.energies), instance=True), "=", code.stored))
         g.energies += [EnergyInfo(code.paths[e], "stored", len(g.energies) + e) for e in range(code.n)]
-    g.keep("inertial", code.function("inertial", inertial))
+    g.keep("inertia_torques", code.function("inertia_torques", inertial))
     g.keep("energies", code.function("energies", energy))
 
 

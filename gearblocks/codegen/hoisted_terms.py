@@ -45,9 +45,9 @@ def lay_out_terms(g: Generator, code: BatchCode) -> None:
             means.append(Assignment(found.of_lane(), "=", mean_of_term(code, item)))
             g.n_time += code.n
     g.keep("prepare", code.function("prepare", prepare))
-    g.keep("times", code.function("times", times[False], vector=Role.TIME_TERMS))
-    g.keep("output_times", code.function("output_times", times[True], vector=Role.TIME_TERMS))
-    g.keep("means", code.function("means", means, vector=Role.TIME_TERMS))
+    g.keep("time_terms", code.function("time_terms", times[False], vector=Role.TIME_TERMS))
+    g.keep("output_time_terms", code.function("output_time_terms", times[True], vector=Role.TIME_TERMS))
+    g.keep("mean_time_terms", code.function("mean_time_terms", means, vector=Role.TIME_TERMS))
 
 
 def _shared(g: Generator, code: BatchCode, item: HoistedTerm, words: str) -> Operand:

@@ -54,7 +54,8 @@ class SwitchedConstraints:
 
     @property
     def size(self) -> int:
-        """Doubles of the active set and its factors behind the modes, as gb_active_size in gb_constraint_rows.h."""
+        """Doubles of the active set and its factors behind the modes: up to the end of the reduced rows, n of length m
+        (gb_active_reduced in gb_constraint_rows.h)."""
         n, m = len(self.members), len(self.speeds)
         return 1 + 3 * n + 2 * n * n + n * m if n else 0
 

@@ -115,9 +115,9 @@ def switched_constraint_functions(g: Generator, code: BatchCode) -> None:
             _place(g, code, g.constraints.members[first + e], constraint, e)
             if constraint.partner is not None:
                 g.constraints.members[first + e].partner = g.constraints.first[code.number, constraint.partner] + e
-    function: Function = code.function("limits", assignments)
+    function: Function = code.function("force_bounds", assignments)
     function.body += unlimited
-    g.keep("limits", function)
+    g.keep("force_bounds", function)
 
 
 def constraint_torques(code: BatchCode) -> Iterator[tuple[str, Any]]:

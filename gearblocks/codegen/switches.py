@@ -53,7 +53,7 @@ def event_functions(g: Generator, code: BatchCode) -> None:
             if scale is not None:
                 scaled.add(scale[0])
                 scales.append(Assignment(Operand(Role.SCALES, f"q{scale[0]}"), "max", scale[1]))
-    g.keep("surfaces", code.function("surfaces", values))
+    g.keep("event_functions", code.function("event_functions", values))
     g.keep("directions", code.function("directions", directions, vector=Role.DIRECTION))
     function = code.function("scales", scales)
     function.take(code.coordinate_argument(j) for j in sorted(scaled))
@@ -62,7 +62,7 @@ def event_functions(g: Generator, code: BatchCode) -> None:
         Assignment(Operand(Role.STATES, g.lay.state0[code.number, state], instance=True), "=", expr)
         for state, expr in code.holds
     ]
-    g.keep("hold", code.function("hold", states))
+    g.keep("update_states", code.function("update_states", states))
     switched_constraint_functions(g, code)
     _limits(g, code)
     _predictions(g, code)
@@ -83,7 +83,7 @@ def _limits(g: Generator, code: BatchCode) -> None:
             g.bands.append(Band(band, band.print(code.bands[i]), code.offsets.switches[i], code.n))
         else:
             assignments.append(Assignment(at, "sign", code.whens[i]))
-    g.keep("bounds", code.function("bounds", assignments))
+    g.keep("mode_limits", code.function("mode_limits", assignments))
 
 
 def _predictions(g: Generator, code: BatchCode) -> None:

@@ -165,9 +165,9 @@ class Matrix:
         for slopes in batches:
             targets, args = self._direct(slopes, linear.pattern) or (self._spread(slopes, linear.pattern), [])
             targets += self._sensed(slopes, linear.pattern)
-            function = slopes.code.function("jacobian", [*slopes.statements, *targets])
+            function = slopes.code.function("step_matrix", [*slopes.statements, *targets])
             function.take(args)
-            linear.keep("jacobian", function)
+            linear.keep("step_matrix", function)
             if self.op == "spread":
                 linear.keep("right_side", self._side(slopes))
                 linear.keep("kinematic_rates", _kinematic_rates(slopes.code))

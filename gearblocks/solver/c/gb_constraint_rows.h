@@ -38,9 +38,6 @@ static inline int gb_active_steps(int n) {
 static inline int gb_active_reduced(int n) {
     return 1 + 3 * n + 2 * n * n;
 }
-static inline int gb_active_size(int n, int m) {
-    return 1 + 3 * n + 2 * n * n + n * m;
-}
 
 static inline double gb_row_dot(const gb_constraint_rows *rows, const double *value, int i, const double *x) {
     double sum = 0.0;
