@@ -112,7 +112,7 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Se
     assembly.with_inertia = frozenset(number[r] for r in with_inertia if r in number)
     assembly.floating = {number[part]: number[r] for r, part in parts.items()}
     bases = {g for f in kinematics.dependent_groups[: len(parts)] for g in f.sources if g < train.n_nodes}
-    assembly.floats = frozenset(number[g] - len(independent) for g in bases)
+    assembly.floating_bases = frozenset(number[g] - len(independent) for g in bases)
     assembly.dependent_groups = [_renumbered(f, number) for f in kinematics.dependent_groups]
     for node in range(train.n_nodes):
         root, gain = groups.find(node)

@@ -67,7 +67,7 @@ class Assembly:
     coordinates, combinations that close loops; angles: groups whose absolute angle is a state; definitions (in order, with
     prescribed motions in between): the other group angles. in_law: a law reads angles. steady: groups whose speeds
     are fixed combinations; n_steady: coordinates at the front whose rates are. with_inertia: groups with inertia. floating:
-    massless groups that are a part of another (massless_groups.py), with that other; floats: numbers of the massless ones
+    massless groups that are a part of another (massless_groups.py), with that other; floating_bases: numbers of those
     that stand for several.
     """
 
@@ -81,7 +81,7 @@ class Assembly:
     n_massless: int = 0
     n_prescribed: int = 0
     floating: dict[int, int] = field(default_factory=dict)
-    floats: frozenset[int] = frozenset()
+    floating_bases: frozenset[int] = frozenset()
     dependent_groups: list[DependentGroup] = field(default_factory=list)
     with_inertia: frozenset[int] = frozenset()
     rows: list[dict[int, Exact]] = field(default_factory=list)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from gearblocks.laws.symbols import CONSTANT, MOVING, TIMED, clock
+from gearblocks.laws.symbols import CONSTANT, MOVING, TIMED, time_symbol
 
 if TYPE_CHECKING:
     from gearblocks.assembly.tables import Assembly, Batch
@@ -118,18 +118,18 @@ class EventFunctions:
 
 def line(expr: Any) -> tuple[Any, Any] | None:
     """(rate, offset) of an expression affine in time, None for others."""
-    rate = sp.diff(expr, clock())
-    if rate == 0 or rate.has(clock()):
+    rate = sp.diff(expr, time_symbol())
+    if rate == 0 or rate.has(time_symbol()):
         return None
-    return rate, expr.xreplace({clock(): sp.Integer(0)})
+    return rate, expr.xreplace({time_symbol(): sp.Integer(0)})
 
 
 def _wave(surface: Any) -> tuple[Any, Any, Any, Any] | None:
     """(size, rate, phase, offset) of size cos(rate t + phase) + offset."""
-    waves = [a for a in sp.Add.make_args(surface) if a.has(clock())]
+    waves = [a for a in sp.Add.make_args(surface) if a.has(time_symbol())]
     if len(waves) != 1:
         return None
-    size, wave = waves[0].as_independent(clock())
+    size, wave = waves[0].as_independent(time_symbol())
     if not isinstance(wave, (sp.cos, sp.sin)):
         return None
     found = line(wave.args[0])

@@ -85,7 +85,7 @@ def _columns(g: Generator) -> None:
             inverse_mass=g.inverse_mass,
             mass=g.mass,
             massless=massless,
-            floats=g.assembly.floats,
+            floating_bases=g.assembly.floating_bases,
             feedback={p: s.index for p, s in g.feedback.items()},
         )
         offsets.tables = {

@@ -13,10 +13,12 @@ import sympy as sp
 from gearblocks.assembly.tables import GROUND_GROUP, Batch
 from gearblocks.codegen.parts import Balance, MasslessRows
 from gearblocks.laws.law import Law
-from gearblocks.laws.symbols import clock
+from gearblocks.laws.symbols import time_symbol
 
 
-def balance_of(batch: Batch, hoist: Callable[[Any], Any], rows: MasslessRows, floats: frozenset[int]) -> Balance:
+def balance_of(
+    batch: Batch, hoist: Callable[[Any], Any], rows: MasslessRows, floating_bases: frozenset[int]
+) -> Balance:
     """The balance of a batch, hoisted; empty where none of its flanges is at such a shaft."""
     law = batch.law
     at = [f for f in batch.flanges if any(group in rows for group in batch.groups[f])]
@@ -26,7 +28,7 @@ def balance_of(batch: Batch, hoist: Callable[[Any], Any], rows: MasslessRows, fl
         if f not in law.torques or batch.groups[f][0] == GROUND_GROUP:
             continue
         torque = law.torques[f].xreplace(law.forces)
-        alone = all(floats.isdisjoint(rows.get(group, ())) for group in batch.groups[f])
+        alone = all(floating_bases.isdisjoint(rows.get(group, ())) for group in batch.groups[f])
         torque_rate = _rate(law, torque, damped=alone)
         result.torques[f], result.torque_rates[f] = hoist(torque), hoist(torque_rate)
         for other, w in speeds.items():
@@ -53,7 +55,7 @@ def _rate(law: Law, torque: Any, *, damped: bool) -> Any:
     if speeds and damped:
         return sp.Integer(0)
     torque = torque.xreplace(dict.fromkeys(speeds, sp.Integer(0)))
-    total = sp.diff(torque, clock())
+    total = sp.diff(torque, time_symbol())
     for form, u in zip(law.forms, law.coordinates, strict=True):
         slope = sp.diff(torque, u)
         if slope != 0:

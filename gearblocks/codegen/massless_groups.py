@@ -59,7 +59,7 @@ def lay_out_massless(g: Generator) -> None:
             for (f, other), _ in entries.items():
                 for a, b in _numbers(code, rows, f, other):
                     pairs.add((a, b))
-                    if a == b and (marks is sprung or a not in assembly.floats):
+                    if a == b and (marks is sprung or a not in assembly.floating_bases):
                         marks[a] = True
     for i in range(assembly.n_massless):
         if not damped[i] and not sprung[i]:
@@ -77,7 +77,7 @@ def lay_out_massless(g: Generator) -> None:
         i not in given or not damped[i] for i in range(assembly.n_massless)
     ]  # model/start_values.py checks the second
     g.massless = Massless(
-        rows, assembly.floats, damped, free, eliminate(assembly.n_massless, pairs), affine, _shifts(g)
+        rows, assembly.floating_bases, damped, free, eliminate(assembly.n_massless, pairs), affine, _shifts(g)
     )
     for code in g.codes:
         _functions(g, code)
@@ -178,6 +178,6 @@ def _terms(
         pairs = product(massless.rows.get(a, {}).items(), massless.rows.get(b, {}).items())
         found.append([
             (massless.entry(one, two), float(gain * x * y))
-            for (one, x), (two, y) in pairs if not damping or not massless.floats & {one, two}
+            for (one, x), (two, y) in pairs if not damping or not massless.floating_bases & {one, two}
         ])  # fmt: skip
     return found

@@ -19,7 +19,7 @@ from gearblocks.codegen.hoisting import HoistedTerm
 from gearblocks.language.signals import Table
 from gearblocks.laws.functions import TableAt
 from gearblocks.laws.switching import Mode
-from gearblocks.laws.symbols import TIMED, clock
+from gearblocks.laws.symbols import TIMED, time_symbol
 
 _LARGEST_POWER = 8  # of sums, which are written out term by term
 
@@ -54,7 +54,7 @@ def mean_of(expr: Any, code: BatchCode) -> Any:
 
 def _runs(expr: Any, code: BatchCode) -> bool:
     """Whether time or a switch of time stands in the expression."""
-    return any(x == clock() or code.law.pool.roles[x].role == "mode" for x in expr.free_symbols)
+    return any(x == time_symbol() or code.law.pool.roles[x].role == "mode" for x in expr.free_symbols)
 
 
 def _standing(rate: Any) -> Any:
@@ -88,7 +88,7 @@ def _mean_of_power(expr: Any, code: BatchCode) -> Any:
 
 def _mean_of_mode(mode: Any, code: BatchCode) -> Any:
     """The share of the cycle in which a square wave is on; other modes as they are."""
-    if mode == clock():
+    if mode == time_symbol():
         return mode
     meaning = code.law.pool.roles[mode]
     assert isinstance(meaning.of, Mode)

@@ -80,13 +80,13 @@ class Balance:
 
 @dataclass(slots=True)
 class Massless:
-    """Massless groups by number. floats: floating ones, which stand for several; damped: or not; free_start: whether the
+    """Massless groups by number. floating_bases: those that stand for several; damped: or not; free_start: whether the
     angle at the start is one of balance. pattern: of their coupling; affine: whether one Newton step gives the speeds.
     shifts: by state, what an angle moves it.
     """
 
     rows: MasslessRows
-    floats: frozenset[int]
+    floating_bases: frozenset[int]
     damped: list[bool]
     free_start: list[bool]
     pattern: Pattern

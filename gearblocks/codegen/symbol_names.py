@@ -34,7 +34,7 @@ class Offsets:
     inverse_mass: int = 0
     mass: int = 0
     massless: MasslessRows = field(default_factory=dict)
-    floats: frozenset[int] = frozenset()
+    floating_bases: frozenset[int] = frozenset()
     flange_torques: dict[str, int] = field(default_factory=dict)
     feedback: Mapping[str, int] = field(default_factory=dict)
     tables: Mapping[Any, str] = field(default_factory=dict)

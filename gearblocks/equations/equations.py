@@ -13,7 +13,7 @@ from gearblocks.equations.latex import latex_name
 from gearblocks.equations.switched_constraints import Sentence, SwitchedConstraint, constraint_torques, in_order, wanted
 from gearblocks.laws.functions import ContactSide, DeadZone
 from gearblocks.laws.printer import latex_text, plain_text
-from gearblocks.laws.symbols import clock
+from gearblocks.laws.symbols import time_symbol
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,8 @@ class Equations:
     mass matrix: its torques are in balance); states: states of blocks with their rates; held: states that take a
     value at an event (a contact starts, say) and keep it; definitions: symbols that stand for longer expressions (a mesh
     force N); parameters: all other symbols with their paths. forcing names the defined symbols; `expanded` has them put in.
-    rubs: switched constraints. Their constraint forces are symbols of the forcing whose values depend on the active
-    set; `in_modes` gives them.
+    switched_constraints: their constraint forces are symbols of the forcing whose values depend on the active set;
+    `in_modes` gives them.
     """
 
     name: str
@@ -39,7 +39,7 @@ class Equations:
     coordinates: Mapping[Any, Any]
     symbol_names: Mapping[Any, str]
     held: Mapping[Any, Any] = dataclasses.field(default_factory=dict)
-    rubs: tuple[SwitchedConstraint, ...] = ()
+    switched_constraints: tuple[SwitchedConstraint, ...] = ()
 
     def __repr__(self) -> str:
         counts = f"{len(self.q)} angles, {len(self.states)} states of blocks, {len(self.definitions)} definitions"
@@ -64,8 +64,8 @@ class Equations:
         minimum-norm split where several share a load); those that are not named stay symbols. Raises ParameterError for
         a name or mode that does not exist.
         """
-        found = wanted(self.rubs, modes)
-        given = {r: found[r.path] for r in self.rubs if r.path in found}
+        found = wanted(self.switched_constraints, modes)
+        given = {r: found[r.path] for r in self.switched_constraints if r.path in found}
         shown = {x: e for r, mode in given.items() for x, e in r.shown_in(mode).items()}
         sign = {r.torque: mode for r, mode in given.items() if r.kind == "tie"}
         acting = {r: r.torque_in(mode, sign.get(r.tie, 1)) for r, mode in given.items()}
@@ -74,12 +74,12 @@ class Equations:
         definitions = {**{s: e.xreplace(shown) for s, e in self.definitions.items()}, **torques, **slips}
         made = dataclasses.replace(
             self, definitions=definitions, forcing=self.forcing.xreplace(shown),
-            rubs=tuple(r for r in self.rubs if r not in given),
+            switched_constraints=tuple(r for r in self.switched_constraints if r not in given),
             states={s: e.xreplace(shown) for s, e in self.states.items()},
         )  # fmt: skip
         stuck = [r for r, e in acting.items() if e is None]
         if stuck:
-            held = constraint_torques(stuck, self.mass_matrix, made.expanded, self.q, self.v, clock())
+            held = constraint_torques(stuck, self.mass_matrix, made.expanded, self.q, self.v, time_symbol())
             made.definitions.update(zip((r.torque for r in stuck), held, strict=True))  # type: ignore[attr-defined]
         return made
 
@@ -149,8 +149,8 @@ class Equations:
     def _used(self) -> set[Any]:
         """Symbols of everything that is written out beside the cases of friction."""
         parts = [*self.forcing, *self.states.values(), *self.definitions.values()]
-        rubs = [e for r in self.rubs for e in r.expressions()]
-        return {x for e in [*parts, *rubs] for x in sp.sympify(e).free_symbols}
+        switched_constraints = [e for r in self.switched_constraints for e in r.expressions()]
+        return {x for e in [*parts, *switched_constraints] for x in sp.sympify(e).free_symbols}
 
     def sections(self) -> list[tuple[str, list[Any]]]:
         """(heading, equations) in the order for reading."""
@@ -159,7 +159,7 @@ class Equations:
         meaning = [sp.Eq(x, e, evaluate=False) for x, e in self.coordinates.items()] if relative else []
         parts = [
             ("Angle form", self.angle_form()),
-            ("Friction and stops", in_order(self.rubs, self._used())),
+            ("Friction and stops", in_order(self.switched_constraints, self._used())),
             ("States of blocks", rates),
             ("taken at an event and held", [sp.Eq(s, e, evaluate=False) for s, e in self.held.items()]),
             ("where", [sp.Eq(s, e, evaluate=False) for s, e in self.definitions.items()]),

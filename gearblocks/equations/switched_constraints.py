@@ -168,15 +168,20 @@ class SwitchedConstraint:
         yield Sentence(("impact as the gap closes: ", self.slip, " becomes ", rebound))
 
 
-def in_order(rubs: Sequence[SwitchedConstraint], used: set[Any]) -> list[Any]:
+def in_order(switched_constraints: Sequence[SwitchedConstraint], used: set[Any]) -> list[Any]:
     """The cases of all of them, and what the symbols of their modes mean that are among those used."""
-    meaning = [Sentence((x, words)) for c in rubs for x, words in zip(c.shown, c.meanings(), strict=True) if x in used]
-    return [line for c in rubs for line in c.cases()] + meaning
+    meaning = [
+        Sentence((x, words))
+        for c in switched_constraints
+        for x, words in zip(c.shown, c.meanings(), strict=True)
+        if x in used
+    ]
+    return [line for c in switched_constraints for line in c.cases()] + meaning
 
 
-def wanted(rubs: Sequence[SwitchedConstraint], modes: Mapping[str, float]) -> dict[str, int]:
+def wanted(switched_constraints: Sequence[SwitchedConstraint], modes: Mapping[str, float]) -> dict[str, int]:
     """Modes by path, checked. Raises ParameterError for an unknown name or mode."""
-    known = {r.path: r for r in rubs}
+    known = {r.path: r for r in switched_constraints}
     found: dict[str, int] = {}
     for name, mode in modes.items():
         ends = [p for p in known if p == name or p.endswith("." + name)]
@@ -187,8 +192,8 @@ def wanted(rubs: Sequence[SwitchedConstraint], modes: Mapping[str, float]) -> di
         if mode not in allowed:
             raise ParameterError(f"modes: '{path}' = {mode!r} must be one of: {words}")
         found[path] = int(mode)
-    ties = {r.torque: r.path for r in rubs if r.kind == "tie"}
-    for r in rubs:
+    ties = {r.torque: r.path for r in switched_constraints if r.kind == "tie"}
+    for r in switched_constraints:
         if r.tie in ties and (r.path in found) != (ties[r.tie] in found):
             raise ParameterError(f"modes: '{r.path}' and '{ties[r.tie]}' belong together; give both, or none")
     return found
@@ -203,17 +208,27 @@ _MODES = {
 
 
 def constraint_torques(
-    rubs: Sequence[SwitchedConstraint], mass: Any, forcing: Any, q: Sequence[Any], v: Sequence[Any], t: Any
+    switched_constraints: Sequence[SwitchedConstraint],
+    mass: Any,
+    forcing: Any,
+    q: Sequence[Any],
+    v: Sequence[Any],
+    t: Any,
 ) -> list[Any]:
     """Constraint forces T of an active set: G M^-1 (f + F T) + acceleration bias = 0, W T = -(...) with W = G M^-1 F.
 
     The minimum-norm split where rows of G are dependent. forcing: f + F T, without definitions of these torques.
     """
     moving = [i for i in range(mass.shape[0]) if any(mass[i, j] != 0 for j in range(mass.shape[1]))]
-    torques = [r.torque for r in rubs]
-    G = sp.Matrix([[sp.diff(r.sliding, x) for x in v] for r in rubs])
+    torques = [r.torque for r in switched_constraints]
+    G = sp.Matrix([[sp.diff(r.sliding, x) for x in v] for r in switched_constraints])
     rates = dict(zip(q, v, strict=True))
-    bias = sp.Matrix([sum((sp.diff(r.sliding, x) * w for x, w in rates.items()), sp.diff(r.sliding, t)) for r in rubs])
+    bias = sp.Matrix(
+        [
+            sum((sp.diff(r.sliding, x) * w for x, w in rates.items()), sp.diff(r.sliding, t))
+            for r in switched_constraints
+        ]
+    )
     bare = forcing.xreplace(dict.fromkeys(torques, sp.Integer(0)))
     F = forcing.jacobian(torques)[moving, :]
     M, G, bare = mass.extract(moving, moving), G[:, moving], sp.Matrix([bare[i] for i in moving])
@@ -221,7 +236,7 @@ def constraint_torques(
     own = G[rows, :]
     answer = _over(M, sp.Matrix.hstack(bare, F))
     free, delassus = own * answer[:, :1] + bias[rows, :], own * answer[:, 1:]
-    dependent = len(rows) < len(rubs)  # then the minimum-norm split
+    dependent = len(rows) < len(switched_constraints)  # then the minimum-norm split
     forces = -delassus.T * (delassus * delassus.T).LUsolve(free) if dependent else -delassus.LUsolve(free)
     return [sp.factor_terms(sp.together(x)) for x in forces]
 

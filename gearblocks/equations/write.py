@@ -22,7 +22,7 @@ from gearblocks.laws.derivation import derive
 from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import PrescribedMotion, frozen_motion
 from gearblocks.laws.switched_constraints import ConstraintLaw
-from gearblocks.laws.symbols import SymbolRole, clock
+from gearblocks.laws.symbols import SymbolRole, time_symbol
 from gearblocks.train.graph import GROUND, Component, Train
 from gearblocks.train.structure import structure_of
 from gearblocks.train.translational import flange_names, slider_names
@@ -66,7 +66,7 @@ class _Writer:
         self.definitions: dict[Any, Any] = {}
         self.parameters: dict[Any, str] = {}
         self.shows: dict[str, Any] = {}
-        self.rubs: list[SwitchedConstraint] = []
+        self.switched_constraints: list[SwitchedConstraint] = []
         self.deflections: dict[Any, Any] = {}
         self.inputs: set[Any] = set()
         self.number = 0
@@ -94,7 +94,9 @@ class _Writer:
         for number, motion in enumerate(law.prescribed):
             self.prescribed[self.number, number] = frozen_motion(motion, lambda e: sp.sympify(e).xreplace(replace))
         self.number += 1
-        self.rubs += [self._switched(c, constraint, law, replace) for constraint in law.constraints.values()]
+        self.switched_constraints += [
+            self._switched(c, constraint, law, replace) for constraint in law.constraints.values()
+        ]
         counts = {name for constraint in law.constraints.values() for name in (constraint.impulse, constraint.impacts)}
         for state, rate in law.rates.items():
             if state in counts:  # impulses and counts of impacts move nothing
@@ -215,11 +217,13 @@ class _Writer:
         definitions = {s: self._sensed(dependent.put(e).xreplace(mobility)) for s, e in self.definitions.items()}
         self.states = {s: self._sensed(dependent.put(e)) for s, e in self.states.items()} | dependent.rates
         self.shows = {path: dependent.put(e) for path, e in self.shows.items()}
-        self.rubs = [r.mapped(lambda e: self._sensed(dependent.put(e).xreplace(mobility))) for r in self.rubs]
+        self.switched_constraints = [
+            r.mapped(lambda e: self._sensed(dependent.put(e).xreplace(mobility))) for r in self.switched_constraints
+        ]
         self.deflections = {x: dependent.put(e) for x, e in self.deflections.items()}
         self.q, self.v = self.q[: dependent.n], self.v[: dependent.n]
         used: set[Any] = set()
-        for e in [*torque, *self.states.values(), *(e for r in self.rubs for e in r.expressions())]:
+        for e in [*torque, *self.states.values(), *(e for r in self.switched_constraints for e in r.expressions())]:
             used |= e.free_symbols
         kept: dict[Any, Any] = {}
         while new := [s for s in definitions if s in used and s not in kept]:
@@ -229,11 +233,11 @@ class _Writer:
         ordered = {s: kept[s] for s in definitions if s in kept}
         parameters = {s: p for s, p in self.parameters.items() if s in used or s in mass.free_symbols}
         everything = [*self.q, *self.v, *self.states, *ordered, *parameters]
-        everything += [x for r in self.rubs for x in (r.torque, r.slip, *r.shown)]
+        everything += [x for r in self.switched_constraints for x in (r.torque, r.slip, *r.shown)]
         return Equations(
             self.assembly.train.name, tuple(self.q), tuple(self.v), mass, sp.Matrix(torque), self.states,
             ordered, parameters, self._coordinates(), {s: latex_name(s.name) for s in everything},
-            {s: self._sensed(e) for s, e in self.held.items()}, tuple(self.rubs),
+            {s: self._sensed(e) for s, e in self.held.items()}, tuple(self.switched_constraints),
         )  # fmt: skip
 
     def _sensed(self, expr: Any) -> Any:
@@ -252,7 +256,7 @@ class _Writer:
         named = {x: e for x, e in named.items() if not sp.sympify(e).free_symbols & set(self.v)}
         for candidate in (named, self.deflections):
             rows = [[sp.diff(e, q) for q in self.q] for e in candidate.values()]
-            moving = {clock(), *self.states, *self.inputs}
+            moving = {time_symbol(), *self.states, *self.inputs}
             linear = all(not x.free_symbols & {*self.q, *moving} for row in rows for x in row)
             linear &= not any(sp.sympify(e).free_symbols & moving for e in candidate.values())
             if len(candidate) == wanted > 0 and linear and sp.Matrix(rows).rank() == wanted:

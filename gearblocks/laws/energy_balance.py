@@ -15,7 +15,7 @@ import sympy as sp
 
 from gearblocks.laws.functions import Table2At, TableAt
 from gearblocks.laws.law import Law
-from gearblocks.laws.symbols import Pool, clock
+from gearblocks.laws.symbols import Pool, time_symbol
 
 
 def vanishes(expr: Any, pool: Pool) -> bool:
@@ -79,7 +79,7 @@ def add_energy_balance(law: Law, flanges: Mapping[str, Any]) -> None:
     rest = sum((tau.xreplace(law.forces) * flanges[n].w for n, tau in law.torques.items()), sp.Integer(0))
     rest += law.loss if law.loss is not None else 0
     if law.stored is not None:
-        parametric = sp.diff(law.stored, clock())
+        parametric = sp.diff(law.stored, time_symbol())
         for form, u in zip(law.forms, law.coordinates, strict=True):
             rate = sum(c * flanges[n].w for n, c in form.coefficients.items())
             rest += sp.diff(law.stored, u) * rate

@@ -15,7 +15,7 @@ import sympy as sp
 
 from gearblocks.errors import ModelError
 from gearblocks.laws.functions import TableAt
-from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, clock
+from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, time_symbol
 
 
 @dataclass(slots=True)
@@ -125,7 +125,7 @@ def _rate(law: Any, kind: str, expr: Any, speeds: Mapping[Any, Any]) -> Any:
             )
         if law.pool.roles[x].role == "sense":
             raise ModelError(f"{kind}: a sensed output ('{x}') cannot prescribe a rigid motion; give compliance")
-    total = sp.diff(expr, clock())
+    total = sp.diff(expr, time_symbol())
     total += sum((sp.diff(expr, x) * w for x, w in speeds.items() if expr.has(x)), sp.Integer(0))
     for state, rate in law.rates.items():
         symbol = law.pool.symbol("state", state, state)

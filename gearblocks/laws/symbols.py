@@ -48,7 +48,7 @@ CONSTANT, TIMED, MOVING = 0, 1, 2
 
 
 @lru_cache(maxsize=1)
-def clock() -> Any:
+def time_symbol() -> Any:
     """The symbol of time."""
     return sp.Symbol("t", real=True)
 
@@ -59,7 +59,7 @@ class Pool:
     def __init__(self, *, reading: bool = False) -> None:
         self.reading = reading
         self.definitions: dict[Any, Any] = {}
-        self.roles: dict[Any, SymbolRole] = {clock(): SymbolRole("time", None)}
+        self.roles: dict[Any, SymbolRole] = {time_symbol(): SymbolRole("time", None)}
         self.nonzero: set[str] = set()
         """Numbers of the block that its bounds keep from 0."""
         self.starts: set[str] = set()
@@ -80,7 +80,7 @@ class Pool:
     def leaf(self, leaf: Expr) -> Any:
         """The symbol (or table call) of a leaf of an expression."""
         if leaf.op == "time":
-            return clock()
+            return time_symbol()
         if leaf.op == "parameter":
             return self.symbol("shared", leaf.args[0], leaf.args[0].name)
         if leaf.op == "input":
@@ -159,7 +159,7 @@ class Symbols:
 
     def __init__(self, owner: Declared, pool: Pool, grounded: frozenset[str], prefix: str = "") -> None:
         self._owner, self._pool, self._prefix = owner, pool, prefix
-        self.time = clock()
+        self.time = time_symbol()
         cls = type(owner)
         for name in cls.flanges:
             setattr(self, name, FlangeSymbols(pool, name, name in grounded))
@@ -248,7 +248,7 @@ class Symbols:
 
     def rate_of(self, expr: Any, rates: Iterable[Rate] = ()) -> Any:
         """d expr / dt along the motion, for expressions of angles, time and states with the given rates."""
-        total = sp.diff(expr, clock())
+        total = sp.diff(expr, time_symbol())
         for name in type(self._owner).flanges:
             flange = getattr(self, name)
             total += self.slope(expr, flange) * flange.w

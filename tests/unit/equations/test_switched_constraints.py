@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.laws.symbols import clock
+from gearblocks.laws.symbols import time_symbol
 from gearblocks.solver.structures import Options
 from gearblocks.train.values import numbers_of
 
@@ -62,7 +62,7 @@ def _known(rig, model, t, state):
     known = {symbol: values[path] for symbol, path in eq.parameters.items()}
     known |= {q: state[f"{q.name.removeprefix('phi_')}.phi"] for q in eq.q}
     known |= {v: state[f"{v.name.removeprefix('w_')}.w"] for v in eq.v}
-    return eq, known | {clock(): t}
+    return eq, known | {time_symbol(): t}
 
 
 def _switches_of(program, name):
@@ -116,7 +116,7 @@ def test_the_c_computes_what_the_equations_say_in_every_mode(modes):
         assert abs(dy[speeds[v.name[2:] + ".w"]] - float(x)) <= 1e-12 * largest, v  # rounding of sums of a few torques
     if [modes["near"], modes["far"], 1 - modes["wall"]].count(0) > 1:
         return  # they share a load: the motion is what counts
-    for rub in eq.rubs:
+    for rub in eq.switched_constraints:
         torque = found.definitions[rub.torque]
         while set(torque.free_symbols) & set(found.definitions):
             torque = torque.xreplace(dict(found.definitions))

@@ -9,7 +9,7 @@ import sympy as sp
 
 import gearblocks as gb
 from gearblocks.laws.functions import ContactSide, DeadZone
-from gearblocks.laws.symbols import clock
+from gearblocks.laws.symbols import time_symbol
 from gearblocks.solver.structures import Code, Method, Options
 from gearblocks.train.handles import FlangeHandle
 from gearblocks.train.values import numbers_of
@@ -80,7 +80,7 @@ def _train(name):
 def _by_symbols(rig, model, t, state):
     """Accelerations by name of the angle, and rates of the states of blocks, from the equations for reading."""
     eq = rig.equations()
-    forward = {r.path: float(state[f"{r.path.replace('load', 'c')}.w"]) > 0 for r in eq.rubs}
+    forward = {r.path: float(state[f"{r.path.replace('load', 'c')}.w"]) > 0 for r in eq.switched_constraints}
     eq = eq.in_modes({path: 1 if ahead else -1 for path, ahead in forward.items()})
     values = {p.path: v for p, v in zip(model.program.parameters, model.values, strict=True)}
     values |= {i.name: i.start for i in model.program.inputs}
@@ -89,8 +89,8 @@ def _by_symbols(rig, model, t, state):
     known |= {q: state[f"{q.name.removeprefix('phi_')}.phi"] for q in eq.q}
     known |= {v: state[f"{v.name.removeprefix('w_')}.w"] for v in eq.v}
     known |= dict.fromkeys(eq.states, state.get("one.stiffness_variation.angle"))
-    known[clock()] = t
-    eq = eq.in_modes({rub.path: 1 if _number(rub.sliding, known) > 0 else -1 for rub in eq.rubs})
+    known[time_symbol()] = t
+    eq = eq.in_modes({rub.path: 1 if _number(rub.sliding, known) > 0 else -1 for rub in eq.switched_constraints})
     forcing = sp.Matrix([_number(e, known) for e in eq.expanded])
     mass = eq.mass_matrix.applyfunc(lambda e: _number(e, known))
     rates = [float(_number(e, known)) for e in eq.states.values()]
@@ -152,7 +152,7 @@ def _paper(s, names):
     k1, k4, r = s["shaft_in.k"], s["shaft_out.k"], s["radius"]
     c1 = 2 * s["shaft_in.damping_ratio"] * sp.sqrt(k1 / (1 / I[0] + 1 / I[1]))
     c4 = 2 * s["shaft_out.damping_ratio"] * sp.sqrt(k4 / (1 / I[2] + 1 / I[3]))
-    km, t = s["spline.k"], clock()
+    km, t = s["spline.k"], time_symbol()
     kt = km * (1 + s["spline.stiffness_variation.cos[0]"] * sp.cos(s["speed"] * t))
     ct = 2 * s["spline.damping_ratio"] * sp.sqrt(km / (1 / (I[1] / r**2) + 1 / (I[2] / r**2)))
     T = s["torque"] * (1 + s["torque_variation"] * sp.cos(s["speed"] * t))
