@@ -123,10 +123,21 @@ def _declare_called_starts(cls: type[Block]) -> None:
     }
     taken = {v.start for v in (*vars(cls).values(), *cls.fields.values()) if isinstance(v, Field)}
     functions = [getattr(f, "__func__", getattr(f, "fget", f)) for f in vars(cls).values()]
-    mentioned = {name for f in functions if isinstance(f, FunctionType) for name in _mentioned(f.__code__)}
+    mentioned = {name for f in functions if isinstance(f, FunctionType) for name in _mentioned_by(f, set())}
     for name in own.keys() - mentioned:
         if _CALLED_STARTS[name] not in taken:
             setattr(cls, name, replace(own[name], start=_CALLED_STARTS[name]))
+
+
+def _mentioned_by(function: FunctionType, seen: set[int]) -> Iterator[str]:
+    """Names and texts in the code of a function and of the functions beside it that it names."""
+    seen.add(id(function))
+    names = set(_mentioned(function.__code__))
+    yield from names
+    for name in names:
+        other = function.__globals__.get(name)
+        if isinstance(other, FunctionType) and id(other) not in seen:
+            yield from _mentioned_by(other, seen)
 
 
 def _mentioned(code: CodeType) -> Iterator[str]:

@@ -60,6 +60,27 @@ class Plain(gb.Block):
         yield gb.Body(s.a, s.J)
 
 
+def _drag(s):
+    return -s.w0 * s.a.w
+
+
+class Outside(gb.Block):
+    """A function beside the class reads w0."""
+
+    a = gb.Flange("shaft")
+    J: float = gb.param("moment of inertia", "kg m2", gt=0)
+    w0: float = gb.param("drag", "N m s/rad", default=0.5)
+
+    def physics(self, s):
+        yield gb.Body(s.a, s.J)
+        yield gb.Acts(s.a, _drag(s))
+
+
+def test_a_number_that_a_function_beside_the_block_reads_is_a_parameter() -> None:
+    run = gb.simulate(_alone(Outside(J=2.0)), t=T, initial={"wheel.w": 3.0}, rtol=1e-11)
+    np.testing.assert_allclose(run["wheel.a.w"], 3.0 * np.exp(-0.25 * T), rtol=1e-9)
+
+
 class Half(gb.Block):
     """One start value, and a method beside physics that reads the other name."""
 
