@@ -5,7 +5,7 @@ Knows nothing of values, nor of generated code.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -77,8 +77,10 @@ class Pool:
             self._made[meaning] = made
         return self._made[meaning]
 
-    def leaf(self, leaf: Expr) -> Any:
-        """The symbol (or table call) of a leaf of an expression."""
+    def leaf(self, leaf: Expr, local: Mapping[str, Any] | None = None) -> Any:
+        """The symbol (or table call) of a leaf of an expression; local: what stands for the block's own quantities."""
+        if leaf.op == "local" and local is not None:
+            return local[leaf.args[0]]
         if leaf.op == "time":
             return time_symbol()
         if leaf.op == "parameter":
@@ -88,7 +90,7 @@ class Pool:
         if leaf.op == "sense":
             return self.symbol("sense", leaf.args[0], leaf.args[0])
         assert leaf.op in ("table", "table2"), leaf.op
-        return self.table_at(leaf.args[0], *(to_sympy(x, self.leaf) for x in leaf.args[1:]))
+        return self.table_at(leaf.args[0], *(to_sympy(x, lambda e: self.leaf(e, local)) for x in leaf.args[1:]))
 
     def table_at(self, table: Table | Table2, *quantities: Any) -> Any:
         """A table over its quantities."""
@@ -224,7 +226,7 @@ class Symbols:
             return self._pool.table_at(value, *values.values())
         if not isinstance(value, Expr):
             return getattr(self, field)
-        return to_sympy(value, lambda leaf: values[leaf.args[0]] if leaf.op == "local" else self._pool.leaf(leaf))
+        return to_sympy(value, lambda leaf: self._pool.leaf(leaf, values))
 
     def tabled(self, table: Table, x: Any) -> Any:
         """A Table that a law makes itself, over a quantity. Tables with the same joints share one switch."""

@@ -18,6 +18,7 @@ that side, where the contact takes over. A gap without load stays where it is.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,7 +26,7 @@ from numpy.typing import NDArray
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError, SimulationError
-from gearblocks.simulation.friction_at_rest import by_slips, judged
+from gearblocks.simulation.friction_at_rest import by_slips, judged, overlaps
 from gearblocks.solver.active_set import ReducedRows, null_space, reduced
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.kinematics import Kinematics, kinematics, knows_derivatives
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
 _ROUNDS = 200
 _WEAK, _WEAKEST = 1e-2, 1e-6  # spring on a coordinate relative to its stiffness, after a change of modes and at the end
 _NOTHING = 1e-14  # the same where the torques that are left do not shrink
+_AHEAD = 1e-9  # rad, of how far the train has turned: by so much it turns on
+_ROUNDING = 1e-13  # of the state
 _NEAR, _STALLED = 1e-13, 1e-11  # of the largest torque: what rounding leaves, and at most where it does not shrink
 
 
@@ -137,6 +140,13 @@ def _check_speeds(point: Point, kin: Kinematics) -> None:
         )
 
 
+def _roundings(n: int) -> Iterator[Array]:
+    """Signs of changes in the last bits of a state."""
+    generator = np.random.default_rng(1)
+    for _ in range(8):
+        yield generator.choice([-1.0, 1.0], n)
+
+
 class _Search:
     """Newton's method; after each step the modes are those of the state.
 
@@ -161,6 +171,7 @@ class _Search:
         self.n_t = self.L.shape[0]
         self.weak = _WEAK
         self.patterns: dict[bytes, list[Indices]] = {}
+        self.turn = self._turned_on()
         self.springs = self._stiffness()
 
     def run(self) -> Point:
@@ -173,7 +184,7 @@ class _Search:
             step, carried = self._step(matrix, idle, rest)
             y = self.point.y.copy()
             y[self.unknown] += step
-            fit = self.point.at(y=y).settled()
+            fit = self._fitting(y)
             same = np.array_equal(fit.modes, self.point.modes)
             if same and (error <= _NEAR or (error <= _STALLED and error > 0.3 * last)):
                 return fit.at(y=restarted(fit)) if self.kin.massless else fit
@@ -181,7 +192,29 @@ class _Search:
             self.weak = max(self.weak / 10, lowest) if same else _WEAK
             last = error if same else np.inf
             self.point = fit
+            if overlaps(fit):  # beyond a gap that a stop closes, nothing else may carry the load
+                return fit
         raise self._failure(carried)
+
+    def _fitting(self, y: Array) -> Point:
+        """The point at y in the modes of the instant just after, in which the train has turned on.
+
+        A mode that another rounding of the state would keep stays: what lies on a corner, as an angle of 0 that loads do
+        not change, would go back and forth for ever.
+        """
+        old, fit = self.point.modes, self.point.at(y=y + self.turn).settled().modes.copy()
+        for signs in _roundings(len(y)) if not np.array_equal(fit, old) else ():
+            other = self.point.at(y=(y + self.turn) * (1 + _ROUNDING * signs)).settled().modes
+            fit = np.where(other == old, old, fit)
+        return self.point.at(y=y, modes=fit)
+
+    def _turned_on(self) -> Array:
+        """A change of the state that its steady rotation makes at once: small beside any angle, large beside rounding."""
+        rates, turned = self.point.rates(), np.zeros_like(self.point.y)
+        turned[self.kin.angles] = rates[self.kin.angles]
+        fastest = np.abs(turned).max(initial=0.0)
+        far = max(1.0, float(np.abs(self.point.y[self.kin.angles]).max(initial=0.0)))
+        return np.asarray(turned * _AHEAD * far / (fastest or 1.0))
 
     def _stiffness(self) -> Array:
         """Stiffness of each coordinate, the largest of what it has now and with its contacts on either side.
@@ -202,7 +235,8 @@ class _Search:
         elif (loaded := found[0] > 0).any():
             back = -y[self.kin.coordinates] * loaded
             y[self.kin.coordinates] += self.D @ np.linalg.lstsq(self.D.toarray()[loaded], back[loaded], rcond=None)[0]
-        self.point = start.at(y=y).settled()
+        self.point = start
+        self.point = self._fitting(y)
         springs = np.nan_to_num(np.max(found, axis=0), posinf=0.0) if self.n_q else np.zeros(0)
         return np.asarray(np.where(springs > 0, springs, springs.max(initial=0.0) or 1.0))
 

@@ -55,9 +55,9 @@ def judged(found: Point) -> Point | None:
     if not switched:
         return None
     constraints, modes = found.constraints(), found.modes.copy()
-    overlaps = [i for i, constraint in enumerate(switched) if _overlaps(found, constraint, constraints, i)]
-    if overlaps:
-        deepest = min(overlaps, key=lambda i: constraints.slip[i])
+    beyond = overlaps(found)
+    if beyond:
+        deepest = min(beyond, key=lambda i: constraints.slip[i])
         modes[switched[deepest].active] = 1.0
         return found.at(y=_without_overlap(found, constraints, deepest), modes=modes).settled()
     reversed_ties = [
@@ -95,13 +95,16 @@ def _violation(constraints: ConstraintsAtPoint, i: int, kind: ConstraintKind) ->
     return float(violation / size) if violation > 0.0 and size > 0.0 else 0.0
 
 
-def _overlaps(point: Point, constraint: ConstraintSwitches, constraints: ConstraintsAtPoint, i: int) -> bool:
-    """Whether a stop is open with a gap below 0, by more than rounding makes of a gap of 0."""
-    if not constraint.is_stop or point.modes[constraint.active]:
-        return False
+def overlaps(point: Point) -> list[int]:
+    """The stops that are open with a gap below 0, by more than rounding makes of a gap of 0."""
+    switched = point.sim.constraints().constraints
+    opened = [i for i, x in enumerate(switched) if x.is_stop and not point.modes[x.active]]
+    if not opened:
+        return []
+    constraints = point.constraints()
     first = point.program.n - constraints.rows.shape[1]
-    size = np.abs(constraints.rows[i]).max() * np.abs(point.y[:first]).max(initial=0.0)
-    return bool(constraints.slip[i] < -_ROUNDING * size)
+    largest = np.abs(point.y[:first]).max(initial=0.0)
+    return [i for i in opened if constraints.slip[i] < -_ROUNDING * np.abs(constraints.rows[i]).max() * largest]
 
 
 def _without_overlap(point: Point, constraints: ConstraintsAtPoint, i: int) -> Array:
