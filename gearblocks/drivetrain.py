@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gearblocks.assembly.dependent_starts import dependent_angles
 from gearblocks.errors import GearblocksError, ModelError, by_name, check_arguments, did_you_mean
 from gearblocks.language.block import Block, Declared, start_fields
 from gearblocks.language.expression import as_expr
@@ -16,7 +17,6 @@ from gearblocks.model.build import build_train, check_user_blocks
 from gearblocks.solver.library import Model
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
 from gearblocks.train.handles import FlangeHandle, Handle
-from gearblocks.train.merging import released_angles
 from gearblocks.train.translational import unit_along
 from gearblocks.train.values import field_paths, replaced, unique_path, value_problems
 
@@ -239,19 +239,20 @@ class Drivetrain:
         after = other.effects()
         other.dropped = tuple(name for name in before if name not in after)
         gone = {name.rpartition(".")[::2] for name in other.dropped}  # a rigid impact is no tie as long as it has a gap
-        stiffened = [
-            p
-            for p, effect in sorted(gone)
-            if effect in GIVING_WAY and after.keys().isdisjoint(f"{p}.{e}" for e in GIVING_WAY)
-        ]
-        for path in list(released_angles(flatten(other.tree(), complete=False), stiffened)) if stiffened else ():
-            owner, name, _ = other._locate(path)
+        if any(effect in GIVING_WAY and after.keys().isdisjoint(f"{p}.{e}" for e in GIVING_WAY) for p, effect in gone):
+            other._release_angles(self)
+        return other
+
+    def _release_angles(self, compliant: Drivetrain) -> None:
+        """Leaves out start angles that described deflections of a train which had them: they depend on others now."""
+        before, now = (dependent_angles(flatten(x.tree(), complete=False)) for x in (compliant, self))
+        for path in sorted(set(now).difference(before), key=now.index):
+            owner, name, _ = self._locate(path)
             body = owner._parts[name]
             assert isinstance(body, Block)
             start = start_fields(type(body))[ANGLE]
             owner._parts[name] = body.changed(**{start: None})
-            other.dropped += (f"{path}.{start}",)
-        return other
+            self.dropped += (f"{path}.{start}",)
 
     # -- reading ------------------------------------------------------------------------------------------------------
 

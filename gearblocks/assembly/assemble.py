@@ -10,6 +10,7 @@ from typing import Any
 
 from gearblocks.assembly.coordinates import Coordinates
 from gearblocks.assembly.elimination import Combination, dependency_order
+from gearblocks.assembly.inverted_relations import inverted_relations
 from gearblocks.assembly.kinematics import DependentGroup, PrescribedRow
 from gearblocks.assembly.rigid_constraints import RigidConstraint, merge
 from gearblocks.assembly.rigid_groups import inertias, number_groups, start_values
@@ -31,10 +32,15 @@ def assemble(train: Train, *, reading: bool = False) -> Assembly:
 
     reading: for people, every shaft as it is. Raises ModelError for contradicting rigid constraints.
     """
-    laws = _laws(train)
+    made: dict[Any, Law] = {}
+    laws = _laws(train, made, frozenset())
     known = _exact_values(train, laws)
     groups = merge(train.n_nodes, list(_rigid_constraints(train, laws, known)))
-    assembly = Assembly(train, [], groups)
+    inverted = inverted_relations(train.components, laws, groups)
+    if inverted:
+        laws = _laws(train, made, inverted)
+        known = _exact_values(train, laws)
+    assembly = Assembly(train, [], groups, inverted=inverted)
     structural = {(p, v) for e in known for p, v in e.structural}
     bodies = inertias(train, laws)
     structural |= bodies.zeros | {(path, 0.0) for path in groups.zeros}
@@ -54,14 +60,14 @@ def _grounded(component: Component) -> frozenset[str]:
     )
 
 
-def _laws(train: Train) -> list[Law]:
-    """The law of each component; one derivation per kind."""
-    made: dict[Any, Law] = {}
+def _laws(train: Train, made: dict[Any, Law], inverted: frozenset[int]) -> list[Law]:
+    """The law of each component; one derivation per kind. inverted: components whose relation is solved for its other
+    flange."""
     laws = []
-    for c in train.components:
-        key = (structure_of(c.block), _grounded(c))
+    for index, c in enumerate(train.components):
+        key = (structure_of(c.block), _grounded(c), index in inverted)
         if key not in made:
-            made[key] = derive(c.block, key[1])
+            made[key] = derive(c.block, key[1], inverted=key[2])
             check_feedback(made[key], c.path)
         laws.append(made[key])
     return laws

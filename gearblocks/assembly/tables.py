@@ -68,7 +68,7 @@ class Assembly:
     prescribed motions in between): the other group angles. in_law: a law reads angles. steady: groups whose speeds
     are fixed combinations; n_steady: coordinates at the front whose rates are. with_inertia: groups with inertia. floating:
     massless groups that are a part of another (massless_groups.py), with that other; floating_bases: numbers of those
-    that stand for several.
+    that stand for several. inverted: components whose relation is solved for its other flange.
     """
 
     train: Train
@@ -94,6 +94,7 @@ class Assembly:
     n_steady: int = 0
     in_law: bool = False
     structural: tuple[tuple[str, float], ...] = ()
+    inverted: frozenset[int] = frozenset()
 
     def __repr__(self) -> str:
         counts = f"{self.n_groups} groups, {self.n_speeds} of them with a speed of their own"

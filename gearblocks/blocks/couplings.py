@@ -157,6 +157,11 @@ class UniversalJoint(Block):
         import sympy as sp
 
         q = sp.tan(s.angle / 2) ** 2
-        twice = 2 * (s.a.phi if s.phase is None else s.a.phi + s.phase)
-        yield Tie(s.b.phi - s.a.phi - sp.atan(q * sp.sin(twice) / (1 - q * sp.cos(twice))))
+
+        def lead(flange: Any, q: Any) -> Any:
+            twice = 2 * (flange.phi if s.phase is None else flange.phi + s.phase)
+            return sp.atan(q * sp.sin(twice) / (1 - q * sp.cos(twice)))
+
+        ahead = s.b.phi - s.a.phi
+        yield Tie(ahead - lead(s.a, q), inverse=(s.a, lambda: ahead + lead(s.b, -q)))
         yield Shows("torque", s.b.tau, "N m", "torque on flange b")

@@ -97,7 +97,7 @@ class NonCircularGear(Block):
         yield Shows("ratio", m, "1", "m, speed of b over that of a without its sign")
         yield Shows("driver_angle", theta, "rad", "angle of gear 1 over which the law is given")
         if self.k is None:
-            yield Tie(sign * q)
+            yield Tie(sign * q, inverse=(s.a, lambda: self._from_gear_2(s, phase, at_start)))
             yield Shows("torque", s.b.tau, "N m", "torque on flange b")
             return
         if self.transmission_error is not None:
@@ -126,6 +126,12 @@ class NonCircularGear(Block):
         yield Shows("deflection", q, "rad", "deflection about b")
         yield Shows("deflection_rate", rate, "rad/s", "rate of the deflection")
         yield Shows("stiffness", stiffness, "N m/rad", "stiffness about b")
+
+    def _from_gear_2(self, s: Any, phase: Any, at_start: Any) -> Any:
+        """The rigid relation solved for gear 1: theta - F^-1(F(phase at start) +- (phi_b - phi_c))."""
+        sign = 1 if self.external else -1
+        theta = s.a.phi - s.carrier.phi + phase
+        return theta - s.turned(self.law.inverted, at_start - sign * (s.b.phi - s.carrier.phi))
 
     def _phase(self, s: Any) -> Generator[Contribution, None, tuple[Any, Any, list[Rate]]]:
         """(phase, F of the phase at the start, rates of the states in the phase)."""

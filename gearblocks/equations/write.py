@@ -75,9 +75,10 @@ class _Writer:
     def write(self, c: Component) -> None:
         """Adds one component."""
         grounded = frozenset(n for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node == GROUND)
-        key = (structure_of(c.block), grounded)
+        inverted = self.number in self.assembly.inverted
+        key = (structure_of(c.block), grounded, inverted)
         if key not in self.laws:
-            self.laws[key] = derive(c.block, grounded, reading=True)
+            self.laws[key] = derive(c.block, grounded, reading=True, inverted=inverted)
         law = self.laws[key]
         names = list(type(c.block).flanges)
         groups = {n: self.assembly.group_of_node[c.nodes[names.index(n)]] for n in names if n not in grounded}

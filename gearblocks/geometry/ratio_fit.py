@@ -83,10 +83,10 @@ def _line_and_transition(k: float, b: float, X: float, n1: int, n2: int) -> Piec
     c, h = (X + T) / 2, (T - X) / 2
     rest = np.array([b - ratio + k * c, k * h, 0, 0, 0, 0, 0])
     rest += -k * T * np.array([1 / 2, 15 / 16, 0, -5 / 8, 0, 3 / 16, 0]) + C / 64 * np.array([1, 0, -3, 0, 3, 0, -1])
-    return _integrated(np.array([0.0, X, T]), np.array([working, rest]), joints=True)
+    return integrated(np.array([0.0, X, T]), np.array([working, rest]), joints=True)
 
 
-def _integrated(x: Array, slopes: Array, *, joints: bool) -> Pieces:
+def integrated(x: Array, slopes: Array, *, joints: bool) -> Pieces:
     """The periodic curve with the given slope polynomials (over v in [-1, 1]) that is 0 at x[0]."""
     half = np.diff(x) / 2
     y = np.zeros((len(slopes), slopes.shape[1] + 1))
@@ -135,7 +135,7 @@ def from_function(m: Any, T: float, normalise: bool) -> Fit:
     waves = _as_waves(expr, n1)
     if waves is not None:
         mean, curve = waves
-        return _closed(recipe, n1, mean, curve, normalise, 0.0)
+        return closed(recipe, n1, mean, curve, normalise, 0.0)
 
     def ratio(phi: float) -> float:
         try:
@@ -149,7 +149,7 @@ def from_function(m: Any, T: float, normalise: bool) -> Fit:
     powers = 1 / np.arange(1, slopes.shape[1] + 1)
     mean = float((slopes[:, ::2] @ powers[::2]).mean())
     slopes[:, 0] -= mean
-    return _closed(recipe, n1, mean, _integrated(x, slopes, joints=False), normalise, error)
+    return closed(recipe, n1, mean, integrated(x, slopes, joints=False), normalise, error)
 
 
 def _of_driver_angle(m: Any) -> Expr:
@@ -252,7 +252,7 @@ def _check_joints(text: str, x: Array, slopes: Array) -> None:
             )
 
 
-def _closed(
+def closed(
     recipe: tuple[str, tuple[Any, ...]], n1: int, mean: float, curve: Curve, normalise: bool, error: float
 ) -> Fit:
     """The fit, if gear 2 closes, or is made to. mean: of m; curve: the ripple that goes with it."""
@@ -300,7 +300,7 @@ def from_table(phi: ArrayLike, m: ArrayLike, normalise: bool) -> Fit:
     slopes = np.array([spline(middle, j) * half**j / math.factorial(j) for j in range(4)]).T
     slopes[:, 0] -= mean
     recipe = ("from_table", (tuple(x.tolist()), tuple(y.tolist()), normalise))
-    return _closed(recipe, n1, mean, _integrated(x, slopes, joints=True), normalise, 0.0)
+    return closed(recipe, n1, mean, integrated(x, slopes, joints=True), normalise, 0.0)
 
 
 driver_angle = Expr("local", "driver_angle")  # angle of gear 1 from its carrier in rad, for laws and stiffnesses

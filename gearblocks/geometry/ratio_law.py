@@ -17,6 +17,7 @@ from gearblocks.errors import ParameterError
 from gearblocks.geometry.pitch_curves import PitchPair
 from gearblocks.geometry.ratio_curves import TURN, Array, Curve, Ellipse, Extremes, RatioLawError, extremes
 from gearblocks.geometry.ratio_fit import Fit, driver_angle, from_function, from_table, largest_segment, segments
+from gearblocks.geometry.ratio_inverse import inverse_fit, joints_of
 from gearblocks.language.expression import finite_number
 
 
@@ -154,6 +155,17 @@ class RatioLaw:
             step = phi - wrong / self.m(phi)
             phi = np.where((step >= low) & (step <= high), step, 0.5 * (low + high))
         return np.asarray(phi + whole * self.period)
+
+    @cached_property
+    def inverted(self) -> RatioLaw:
+        """The law of the same pair with gear 2 as the driver: its F is the inverse of this one's.
+
+        Exact for ellipses, else fitted to rounding (see fit_error). Raises RatioLawError or ParameterError where m changes too
+        fast.
+        """
+        fit = Fit(self.recipe, self.n1, self.n2, self.curve, self.fit_error, self.scaled)
+        joints = joints_of(self.curve, self.period, self.F)
+        return RatioLaw._of(inverse_fit(fit, lambda y: 1 / self.m(self.inverse(y)), self.gain, joints))
 
     @cached_property
     def m_range(self) -> Extremes:

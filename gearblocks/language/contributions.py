@@ -7,7 +7,7 @@ blocks, trains or sympy.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -53,9 +53,12 @@ class Tie:
 
     Linear in the flange angles with exact ratios; or, where it moves with time, with states or not linearly with angles,
     solved for a flange that it contains linearly by itself (phi_b - F(phi_a)). Then it must be smooth twice over.
+    inverse: (another flange, a function that returns the relation with that one linearly by itself, phi_a - F^-1(phi_b)),
+    for trains in which something else moves or holds the first one.
     """
 
     zero: Any
+    inverse: tuple[Any, Callable[[], Any]] | None = None
 
 
 @dataclass(frozen=True, slots=True)

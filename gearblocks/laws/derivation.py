@@ -37,7 +37,13 @@ from gearblocks.language.contributions import (
 from gearblocks.laws.energy_balance import add_energy_balance
 from gearblocks.laws.functions import Table2At, TableAt
 from gearblocks.laws.law import COORDINATES, LOCATED, READ, Form, Law
-from gearblocks.laws.prescribed_motion import is_constant_tie, linear_tie, prescribed_angle, prescribed_speed
+from gearblocks.laws.prescribed_motion import (
+    can_be_solved,
+    is_constant_tie,
+    linear_tie,
+    prescribed_angle,
+    prescribed_speed,
+)
 from gearblocks.laws.relative_angles import in_coordinates
 from gearblocks.laws.switched_constraints import along, constraint_laws, constraint_loss, sliding_force
 from gearblocks.laws.switching import Freezer
@@ -54,10 +60,11 @@ def _contributions(block: Block, s: Symbols) -> defaultdict[type, list[Any]]:
     return found
 
 
-def derive(block: Block, grounded: frozenset[str], *, reading: bool = False) -> Law:
+def derive(block: Block, grounded: frozenset[str], *, reading: bool = False, inverted: bool = False) -> Law:
     """The law of the kind that `block` is an instance of.
 
-    reading=True keeps angles, conditions and named parts (a mesh force, say) as they are, for people to read.
+    inverted=True solves its nonlinear relation for its other flange (see `Tie.inverse`). reading=True keeps angles,
+    conditions and named parts (a mesh force, say) as they are, for people to read.
     """
     law = Law(Pool(reading=reading))
     pool, kind = law.pool, type(block).__name__
@@ -69,10 +76,11 @@ def derive(block: Block, grounded: frozenset[str], *, reading: bool = False) -> 
     law.starts = {pool.roles[x.state].of: sp.sympify(x.value) for x in found[Start]}
     law.holds = [(pool.roles[h.state].of, sp.sympify(h.value), sp.sympify(h.when)) for h in found[Hold]]
     law.rates |= {state: sp.Integer(0) for state, _, _ in law.holds}
-    for zero in (sp.expand(sp.sympify(t.zero)) for t in found[Tie]):
+    for tie in found[Tie]:
+        zero = _relation(law, tie, flanges, inverted)
         if is_constant_tie(law, flanges, zero):
-            tie = linear_tie(flanges, zero)
-            law.ties += [tie] if tie[0] else []
+            linear = linear_tie(flanges, zero)
+            law.ties += [linear] if linear[0] else []
         else:
             law.prescribed.append(prescribed_angle(law, kind, flanges, zero))
     law.prescribed += [prescribed_speed(law, kind, flanges, sp.expand(m.zero)) for m in found[Motion]]
@@ -103,6 +111,18 @@ def _energies(law: Law, entries: Iterable[Energy]) -> None:
 
 def _flange_name(flanges: Mapping[str, Any], wanted: Any) -> str:
     return next(name for name, f in flanges.items() if f is wanted)
+
+
+def _relation(law: Law, tie: Tie, flanges: Mapping[str, Any], inverted: bool) -> Any:
+    """What stays 0, solved for its other flange where that is wanted, or where the first one is grounded; notes which flange
+    that is."""
+    zero = sp.expand(sp.sympify(tie.zero))
+    if tie.inverse is None or not tie.inverse[0].phi.is_Symbol:
+        return zero
+    law.invertible = _flange_name(flanges, tie.inverse[0])
+    if inverted or not can_be_solved(zero, flanges):
+        return sp.expand(sp.sympify(tie.inverse[1]()))
+    return zero
 
 
 def _is_driven(pool: Pool, exprs: Iterable[Any]) -> bool:

@@ -7,7 +7,7 @@ flanges.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -105,12 +105,24 @@ def is_steady(law: Any, number: int) -> bool:
     return all(pool.roles[x].role == "state" and sp.diff(e, x).is_number for e, x in moving)
 
 
-def _pivot(kind: str, zero: Any, unknowns: Mapping[str, Any]) -> tuple[str, Any]:
-    """The flange to solve for, and its factor."""
+def can_be_solved(zero: Any, flanges: Mapping[str, Any]) -> bool:
+    """Whether a relation contains an angle with a number as its factor, so that it can be solved for that one."""
+    return next(_pivots(zero, {n: f.phi for n, f in flanges.items()}), None) is not None
+
+
+def _pivots(zero: Any, unknowns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """The flanges that have a number as their factor, and that."""
     for name, x in unknowns.items():
         slope = sp.diff(zero, x) if x.is_Symbol else sp.Integer(0)
         if slope != 0 and slope.is_number:
-            return name, slope
+            yield name, slope
+
+
+def _pivot(kind: str, zero: Any, unknowns: Mapping[str, Any]) -> tuple[str, Any]:
+    """The flange to solve for, and its factor."""
+    found = next(_pivots(zero, unknowns), None)
+    if found is not None:
+        return found
     raise ModelError(
         f"{kind}: the tie '{zero}' contains no flange linearly with a number as its factor, so it cannot be solved"
     )
