@@ -138,7 +138,7 @@ def _impact(law: Contact, elastic: Any, side: Any) -> Generator[Contribution, No
     factor = 1 + RestitutionDamping(s.restitution) * s.slowness * inward
     yield Switch("pushing", factor, when=side**2)
     approaching = 1 - sp.Heaviside(-inward, 1)
-    yield Hold(s.slowness, approaching / (inward + 1 - approaching), side**2)
+    yield Hold(s.slowness, approaching / (approaching * inward + 1 - approaching), side)
     return elastic * (sp.Heaviside(factor, 1) * factor - 1)
 
 

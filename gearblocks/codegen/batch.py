@@ -77,11 +77,12 @@ class BatchCode:
         return hoisted
 
     def _held(self, value: Any, when: Any, *, state: str) -> Any:
-        """A state of Hold after an event: the value where `when` has just turned to 1, else as it was."""
+        """A state of Hold after an event: the value where `when` has just come to 1 or -1, else as it was."""
         pool = self.law.pool
         modes = [x for x in when.free_symbols if pool.roles[x].role == "mode"]
         before = {x: pool.symbol("before", pool.roles[x].of, f"before{pool.roles[x].of.number}") for x in modes}
-        starts = when * (1 - when.xreplace(before))
+        kept = when * when.xreplace(before)  # 1: as before; 0 or -1: not
+        starts = when**2 * (1 - kept * (1 + kept) / 2)
         return starts * value + (1 - starts) * pool.symbol("state", state, state)
 
     def _coordinate_rate(self, j: int) -> Any:

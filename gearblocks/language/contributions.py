@@ -87,9 +87,9 @@ class Rate:
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """A state that stays as it is until `when` turns from 0 to 1 at an event; it then takes `value` of that instant.
+    """A state that stays as it is until `when` comes to 1, or to -1, at an event; it then takes `value` of that instant.
 
-    when: an expression of conditions that the law has anyway (a contact, say), 0 or 1.
+    when: an expression of conditions that the law has anyway (the side of a contact, say), -1, 0 or 1.
     """
 
     state: Any

@@ -104,8 +104,7 @@ static void recall_step(gb_sim *sim) {
     }
 }
 
-/* States that take a value as the modes change. */
-static int update_states(gb_sim *sim) {
+int gb_update_states(gb_sim *sim) {
     const int code = gb_time_terms_at(sim, sim->head->front.t1);
     if (code == GB_DONE) {
         sim->model->update_states(sim->par, sim->events.mode_before, sim->mode, sim->instant.time_terms, sim->y);
@@ -146,7 +145,7 @@ int gb_apply_event(gb_sim *sim) {
         gb_refresh_breaks(sim, 0);
     }
     if (code == GB_DONE && sim->model->update_states != NULL) {
-        code = update_states(sim);
+        code = gb_update_states(sim);
     }
     if (head->events.mode_hash != modes) {
         recall_step(sim);

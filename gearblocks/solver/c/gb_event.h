@@ -14,6 +14,9 @@ int gb_settle_all(gb_sim *sim, int log);
 /* Puts massless groups into balance, and takes the modes that belong to it. */
 int gb_balance_massless(gb_sim *sim, int starting);
 
+/* States that take a value as the modes change, from those in events.mode_before. */
+int gb_update_states(gb_sim *sim);
+
 /* Carries out what is pending at the front. */
 int gb_apply_event(gb_sim *sim);
 

@@ -57,8 +57,8 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     sim->log.count = sim->log.flushed = 0;
 }
 
-/* On a limit exactly: the mode follows the direction of motion (right limit). Affine event functions; the others are
- * told by the first step. */
+/* On a limit exactly: the mode follows the direction of motion (right limit), and begins here: states that take a value
+ * with it do so. Affine event functions; the others are told by the first step. */
 static int start_on_limits(gb_sim *sim) {
     const gb_model *model = sim->model;
     int code = gb_time_terms_at(sim, sim->head->front.t1);
@@ -70,6 +70,9 @@ static int start_on_limits(gb_sim *sim) {
         return code;
     }
     model->directions(sim->par, sim->k1, sim->events.slopes);
+    if (model->update_states != NULL) {
+        memcpy(sim->events.mode_before, sim->mode, sizeof(double) * (size_t)model->n_switches);
+    }
     for (int i = 0; i < model->n_affine; i++) {
         if (sim->events.role[i] == GB_CONSTRAINED) {
             continue;
@@ -78,6 +81,9 @@ static int start_on_limits(gb_sim *sim) {
         const double side = fabs(sim->events.s[i] - sim->events.lo[i]) <= rounding
                                 ? -1.0
                                 : fabs(sim->events.s[i] - sim->events.hi[i]) <= rounding;
+        if (side != 0.0 && side * sim->events.slopes[i] < 0.0 && model->update_states != NULL) {
+            sim->events.mode_before[i] = gb_far_side(sim, i, side);
+        }
         if (side != 0.0 && side * sim->events.slopes[i] > 0.0) {
             gb_set_mode(sim, i, gb_far_side(sim, i, side), 0);
             sim->events.armed[i] = -side;
@@ -85,7 +91,10 @@ static int start_on_limits(gb_sim *sim) {
         }
     }
     code = gb_settle_modes(sim, 0);
-    return code == GB_DONE ? gb_settle_all(sim, 0) : code;
+    if (code == GB_DONE) {
+        code = gb_settle_all(sim, 0);
+    }
+    return code == GB_DONE && model->update_states != NULL ? gb_update_states(sim) : code;
 }
 
 /* Modes of the state's switches until they agree with each other. */

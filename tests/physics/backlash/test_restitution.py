@@ -202,3 +202,34 @@ def test_teeth_with_their_own_gaps_take_impacts_too():
     run = gb.simulate(_ball(0.5, gap=gb.Backlash(gaps=(0.1, 0.12, 0.14))), t_end=0.35, **TIGHT)
     # the condition on chi holds for every rising force law: the first contact tells the speed
     assert run["ball.w"][_leaving(run["wall.contact"])[0]] == pytest.approx(-W / 2, rel=1e-8)
+
+
+@pytest.mark.parametrize("method", ["dp8", "rodas"])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_contact_that_begins_at_the_start_knows_its_speed(sign, method):
+    run = gb.simulate(_ball(0.5, phi0=sign * B), t_end=0.25, initial={"ball.w": sign * W}, method=method, rtol=1e-10)
+    left = _leaving(run["wall.contact"])[0]
+    assert run["ball.w"][left] == pytest.approx(-0.5 * sign * W, rel=1e-8)
+
+
+@pytest.mark.parametrize("phi0", [0.0, -0.02])
+def test_a_contact_without_a_gap_takes_its_speed_at_every_change_of_side(phi0):
+    run = gb.simulate(_ball(0.5, gb.Backlash(half_gap=0.0), phi0=phi0), t_end=0.8, **TIGHT)
+    passes = [ev.t for ev in run.events if ev.component == "wall" and ev.t > 0.0]
+    speeds = [abs(run["ball.w"][np.flatnonzero(run.t == t)[-1]]) for t in passes]
+    assert len(speeds) >= 4
+    first = 1 if phi0 else 0  # a contact that exists at the start has no speed to remember
+    assert np.divide(speeds[first + 1 :], speeds[first:-1]) == pytest.approx(0.5, rel=1e-8)
+    assert speeds[0] == pytest.approx(np.sqrt(W**2 + K * phi0**2) if phi0 else 0.5 * W, rel=1e-8)
+
+
+def test_a_lash_that_stands_on_its_corner_and_leaves_it_holds_nothing():
+    rig = gb.Drivetrain("lash")
+    body, lash = (
+        rig.add("body", gb.Inertia(J=1.0, w0=-1.0, phi0=0.1)),
+        rig.add("lash", gb.Lash(k=100.0, half_gap=0.1, contact_damping=gb.HuntCrossley(restitution=0.5))),
+    )
+    rig.chain(rig.add("ground", gb.Fixed()), lash, body)
+    run = gb.simulate(rig, t_end=0.6, rtol=1e-10)
+    assert run["body.w"][run["body.phi"] > -0.1 + 1e-9][-1] == pytest.approx(0.5, rel=1e-8)
+    assert run["lash.loss_power"][0] == 0.0
