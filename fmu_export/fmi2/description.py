@@ -51,7 +51,7 @@ def describe(header: Header, variables: Sequence[Variable]) -> bytes:
     """The XML file. The same arguments give the same bytes."""
     from lxml import etree
 
-    structured = all(_STRUCTURED.match(v.name) and v.name.isascii() for v in variables)
+    structured = all(structured_name(v.name) for v in variables)
     root = etree.Element(
         "fmiModelDescription",
         {
@@ -75,6 +75,11 @@ def describe(header: Header, variables: Sequence[Variable]) -> bytes:
         _variable(listed, variable)
     _structure(root, variables)
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+
+
+def structured_name(name: str) -> bool:
+    """Whether a variable's name is one of the naming convention "structured"."""
+    return name.isascii() and _STRUCTURED.match(name) is not None
 
 
 def _co_simulation(root: _Element, header: Header) -> None:
