@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import fmu_export
-from fmu_export.checks.limits import SECONDS_OF_ALL, SECONDS_OF_ONE
+from fmu_export.checks.limits import DEATHS, SECONDS_OF_ALL, SECONDS_OF_ONE
 from fmu_export.checks.report import Item, Report
 from gearblocks.errors import ParameterError
 
@@ -62,13 +62,12 @@ class _Work:
     done: bool = False
     at: str = ""
     since: float = 0.0
-    children: int = 0
+    deaths: int = 0
     began: float = field(default_factory=time.monotonic)
 
     def go_on(self) -> None:
         """One child, up to its end."""
-        self.children += 1
-        said = self.folder / f"said-{self.children}.jsonl"
+        said = self.folder / f"said-{self.deaths}.jsonl"
         order = {
             "fmu": str(self.fmu), "folder": str(self.folder / "fmu"), "said": str(said), "t_end": self.t_end,
             "steps": self.steps, "made": [[i.name, i.ok, i.words] for i in self.items],
@@ -123,7 +122,10 @@ class _Work:
     def _failed(self, words: str) -> None:
         """The check that the child was at; one that died between two checks makes no third."""
         self.items.append(Item(self.at or "check", False, words))
-        self.done = self.done or not self.at
+        self.deaths += 1
+        if self.deaths >= DEATHS and not self.done:
+            self.items.append(Item("rest", None, "not made: no more processes are spent on this file"))
+        self.done = self.done or not self.at or self.deaths >= DEATHS
 
 
 def _death(code: int | None) -> str:

@@ -67,6 +67,8 @@ def check_saved_state(plan: Plan) -> Item:
         instance.fmu.freeFMUstate(state)
     if data:
         with plan.open() as other:
+            if not plan.unpacked.own:  # one of gearblocks may be as new
+                other.start(plan.begin)
             copy = other.fmu.deSerializeFMUstate(data)
             other.fmu.setFMUstate(copy)
             same = same and _same(_steps(other, refs, 10, 30, plan), first)

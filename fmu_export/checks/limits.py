@@ -6,10 +6,12 @@ SECONDS_OF_ONE = 60.0
 """Of one check."""
 SECONDS_OF_ALL = 300.0
 """Of all checks of an FMU together."""
-BYTES_OF_MEMORY = 8 << 30
+BYTES_OF_MEMORY = 4 << 30
 """Address space of the process that makes the checks, and of each compiler that it starts."""
 BYTES_OF_FILES = 2 << 30
 """Of all files in an archive together, and of each file that is written."""
+DEATHS = 2
+"""Processes that may die or hang before the rest of the checks is left out."""
 FILES = 100_000
 """In an archive."""
 NAMES = 2_000
