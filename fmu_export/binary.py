@@ -13,7 +13,7 @@ from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, GENERATED_FLAGS, SHARED_SUFFIX, Compiler, find_compiler
 from gearblocks.solver.library import core_files, produced
 
-SHARED_GLUE = ("gb_fmu.c", "gb_fmu.h", "gb_fmu_internal.h", "gb_fmu_values.c")
+SHARED_GLUE = (*("gb_fmu.c", "gb_fmu.h", "gb_fmu_clock.c", "gb_fmu_failure.c", "gb_fmu_internal.h", "gb_fmu_values.c"),)
 """Life cycle and variables: the same for every FMI version."""
 
 VERSION_GLUE = {"2.0": ("fmi2.h", "fmi2_glue.c", "fmi2_instance.h", "fmi2_states.c")}

@@ -6,16 +6,19 @@ import importlib.metadata
 import os
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fmu_export import manifest
 from fmu_export.archive import write_archive
 from fmu_export.binary import build_binary, checked_platforms, source_files
+from fmu_export.bounds import opened_bounds
 from fmu_export.fmi2.description import Header, describe
+from fmu_export.manifest import Manifest
 from fmu_export.options import Experiment, SolverOptions, solver_options
 from fmu_export.start import start_vector
-from fmu_export.tables import render_table, token_of
+from fmu_export.tables import TOKEN_DIGITS, render_table, token_of
 from fmu_export.templates import render
 from fmu_export.variables import Variable, variables_of
 from gearblocks.codegen.program import Program
@@ -46,13 +49,15 @@ def export(
     initial: Any = None,
     t_end: float = 1.0,
     communication_step: float | None = None,
+    patience: float | None = 0.5,
 ) -> Path:
     """Write `train` (a train, or a Model) as an FMU for co-simulation and return its path.
 
     outputs: pattern or patterns of the outputs to show. method, rtol, step, max_step, locate: as in simulate().
     parameters: start values by path, instead of the train's. initial: start values by name, as in simulate(), or an
     earlier run or a state vector; with these the start values of the states take the place of start parameters.
-    t_end, communication_step: default experiment [s].
+    t_end, communication_step: default experiment [s]. patience: processor time [s] after which a step that is asked of
+    the FMU ends on its way with fmi2Discard, to be asked for again or gone on from; None: however long it takes.
     Raises ParameterError or UnknownNameError for what cannot be exported; an existing file is replaced whole or kept.
     """
     from gearblocks.drivetrain import build
@@ -65,22 +70,49 @@ def export(
     values = parameter_vector(program, model.values, parameters or {}, by_name)
     start = start_vector(program, initial)
     solver = solver_options(method, rtol, step, max_step, locate)
+    if patience is not None and not patience > 0:
+        raise ParameterError(f"patience = {patience!r} s must be > 0, or None")
+    program = replace(program, parameters=opened_bounds(model, values, start, solver))
     variables = variables_of(program, values, outputs, solver, start)
-    token = token_of(program, variables, solver)
-    identifier = model_identifier(program.name)
-    sources = source_files(fmi, program.source, render_table(program, variables, solver, token))
     experiment = Experiment(t_end, solver.rtol, communication_step)
-    header = Header(program.name, identifier, token, f"Drivetrain '{program.name}'", _tool(), list(sources), experiment)
-    files = {f"sources/{name}": data for name, data in sources.items()}
-    files["modelDescription.xml"] = describe(header, variables)
-    files["documentation/index.html"] = _documentation(program, variables, solver)
-    shown = tuple((v.name, v.index) for v in variables if v.kind == "output")
-    files[manifest.NAME] = manifest.to_json(manifest.Manifest(program, values, solver, start, shown), token)
+    content = Content(fmi, Manifest(program, values, solver, start, _shown(variables)), variables, experiment, patience)
+    files = content.files(token_of(content.files("0" * TOKEN_DIGITS)))
     if chosen:
-        files.update(build_binary(sources, identifier))
+        sources = {name.removeprefix("sources/"): data for name, data in files.items() if name.startswith("sources/")}
+        files.update(build_binary(sources, model_identifier(program.name)))
     target = Path(path)
     write_archive(target, files)
     return target
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """What an FMU is made of, but for the binary."""
+
+    fmi: str
+    manifest: Manifest
+    variables: tuple[Variable, ...]
+    experiment: Experiment
+    patience: float | None
+
+    def files(self, token: str) -> dict[str, bytes]:
+        """Every file but the binary, by its name in the archive, with `token` wherever the token stands."""
+        made, program = self.manifest, self.manifest.program
+        table = render_table(program, self.variables, made.solver, self.patience, token)
+        sources = source_files(self.fmi, program.source, table)
+        words = f"Drivetrain '{program.name}'"
+        names = (program.name, model_identifier(program.name))
+        header = Header(*names, token, words, _tool(), list(sources), self.experiment)
+        return {
+            **{f"sources/{name}": data for name, data in sources.items()},
+            "modelDescription.xml": describe(header, self.variables),
+            "documentation/index.html": _documentation(program, self.variables, made.solver),
+            manifest.NAME: manifest.to_json(made, token),
+        }
+
+
+def _shown(variables: Sequence[Variable]) -> tuple[tuple[str, int], ...]:
+    return tuple((v.name, v.index) for v in variables if v.kind == "output")
 
 
 def model_identifier(name: str) -> str:

@@ -13,7 +13,7 @@ from fmu_export.options import SolverOptions
 from gearblocks.codegen.program import Program
 
 NAME = "resources/gearblocks.json"
-FORMAT = 1
+FORMAT = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,7 +10,7 @@ from gearblocks.simulation.arguments import method_options
 from gearblocks.solver.structures import Method, Options
 
 RTOL_RANGE = (1e-14, 0.1)
-"""Tolerances that an FMU accepts; c/gb_fmu.c holds the same limits."""
+"""Tolerances that an FMU accepts; c/gb_fmu_internal.h holds the same limits."""
 
 
 @dataclass(frozen=True, slots=True)

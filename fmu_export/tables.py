@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import json
-from collections.abc import Sequence
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fmu_export.options import SolverOptions
@@ -13,20 +11,23 @@ from fmu_export.templates import render
 from fmu_export.variables import KINDS, Variable
 from gearblocks.codegen.program import Program
 
-
-def token_of(program: Program, variables: Sequence[Variable], solver: SolverOptions) -> str:
-    """Hash of the canonical content: 64 hexadecimal digits, other ones for any other model, variables or settings."""
-    content = {
-        "program": program.key,
-        "source": hashlib.sha256(program.source.encode()).hexdigest(),
-        "variables": [asdict(v) for v in variables],
-        "solver": asdict(solver),
-    }
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+TOKEN_DIGITS = 64
 
 
-def render_table(program: Program, variables: Sequence[Variable], solver: SolverOptions, token: str) -> str:
-    """Text of fmu_table.c."""
+def token_of(files: Mapping[str, bytes]) -> str:
+    """Hash of the names and bytes of `files`, 64 hexadecimal digits: other ones for any other content."""
+    hashed = hashlib.sha256()
+    for name, data in sorted(files.items()):
+        for part in (name.encode(), data):
+            hashed.update(len(part).to_bytes(8, "little"))
+            hashed.update(part)
+    return hashed.hexdigest()
+
+
+def render_table(
+    program: Program, variables: Sequence[Variable], solver: SolverOptions, patience: float | None, token: str
+) -> str:
+    """Text of fmu_table.c. patience: processor time [s] after which a step stops on its way, or None."""
     kinds = []
     for kind in KINDS:
         entries = [_entry(v) for v in variables if v.kind == kind]
@@ -37,11 +38,13 @@ def render_table(program: Program, variables: Sequence[Variable], solver: Solver
         name=program.name.replace("*/", "").replace("\n", " "),
         kinds=kinds,
         states=[c_string(q.name) for q in program.states],
+        quadratures=[{"name": c_string(f"{q.component}.{q.part}"), "index": q.offset} for q in program.integrals],
         switches=[c_string(f"{s.component}.{s.name}" if s.name else s.component) for s in program.switches],
         token=token,
         method=solver.to_core(None).method,
         locate=int(solver.locate),
         max_step=_number(solver.max_step, "HUGE_VAL"),
+        patience=_number(patience, "HUGE_VAL"),
     )
 
 
@@ -53,6 +56,8 @@ def _entry(variable: Variable) -> dict[str, Any]:
         "start": _number(variable.start, "0.0"),
         "lower": _number(variable.lower, "-HUGE_VAL"),
         "upper": _number(variable.upper, "HUGE_VAL"),
+        "open_lower": int(variable.open_lower),
+        "open_upper": int(variable.open_upper),
     }
 
 

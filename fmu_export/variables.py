@@ -30,7 +30,10 @@ TIME, RTOL, STEP = 0, 1, 2
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """One real variable. `index` points into the model's vector of its kind; `start` is None for computed ones."""
+    """One real variable. `index` points into the model's vector of its kind; `start` is None for computed ones.
+
+    open_lower, open_upper: the bound itself is refused.
+    """
 
     name: str
     kind: str
@@ -42,6 +45,8 @@ class Variable:
     lower: float | None = None
     upper: float | None = None
     tunable: bool = False
+    open_lower: bool = False
+    open_upper: bool = False
 
     @property
     def reference(self) -> int:
@@ -98,7 +103,8 @@ def _parameters(program: Program, values: NDArray[np.float64], tunable_only: boo
         if not math.isfinite(value):
             raise ParameterError(f"parameter '{p.path}' = {value!r} {p.unit} must be finite")
         name = p.path if p.tunable or p.path not in shown else f"{p.path}.start"
-        table.append(Variable(name, "parameter", position, i, p.unit, p.words, value, p.lower, p.upper, p.tunable))
+        bounds = (p.lower, p.upper, p.tunable, p.open_lower, p.open_upper)
+        table.append(Variable(name, "parameter", position, i, p.unit, p.words, value, *bounds))
     return table
 
 

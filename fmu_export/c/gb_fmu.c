@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { STEPS_BETWEEN_LOOKS = 32 }; /* at the clock */
+
 /* ---- reasons ------------------------------------------------------------------------------------------------- */
 
 int gb_fmu_refuse(gb_fmu *fmu, const char *format, ...) {
@@ -20,64 +22,6 @@ const char *gb_fmu_phase_words(int phase) {
     static const char *const words[] = {"before the initialization", "in the initialization", "while it runs",
                                         "after its end", "after a failure"};
     return words[phase];
-}
-
-static const char *input_name(const gb_fmu *fmu, int index) {
-    for (int i = 0; i < fmu->table->count[GB_FMU_INPUT]; i++)
-        if (fmu->table->entries[GB_FMU_INPUT][i].index == index)
-            return fmu->table->entries[GB_FMU_INPUT][i].name;
-    return "?";
-}
-
-static const char *state_name(const gb_fmu *fmu, int index) {
-    const gb_model *model = gb_model_of(fmu->sim);
-    if (index >= 0 && index < model->n)
-        return fmu->table->states[index];
-    for (int i = 0; i < fmu->table->count[GB_FMU_PARAMETER]; i++)
-        if (fmu->table->entries[GB_FMU_PARAMETER][i].index == index - model->n)
-            return fmu->table->entries[GB_FMU_PARAMETER][i].name;
-    return "?";
-}
-
-static const char *switch_name(const gb_fmu *fmu, int index) {
-    const int n = gb_model_of(fmu->sim)->n_switches;
-    if (index >= 0 && index < n)
-        return fmu->table->switches[index];
-    return index >= n ? input_name(fmu, index - n) : "?";
-}
-
-/* The solver gave up: name what, when, why. */
-int gb_fmu_solver_failed(gb_fmu *fmu, int code) {
-    gb_report report;
-    gb_get_report(fmu->sim, &report);
-    fmu->s.phase = GB_FMU_FAILED;
-    fmu->fresh = 0;
-    const double t = report.t;
-    switch (code) {
-    case GB_ERR_STEP:
-        return gb_fmu_refuse(fmu, "step size fell below rounding at t = %.9g s; the largest error is in '%s'", t,
-                             state_name(fmu, report.index));
-    case GB_ERR_NAN_RATE:
-        return gb_fmu_refuse(fmu, "the derivative of '%s' is %g at t = %.9g s", state_name(fmu, report.index),
-                             report.value, t);
-    case GB_ERR_NAN_INPUT:
-        return gb_fmu_refuse(fmu, "input '%s' is %g at t = %.9g s", input_name(fmu, report.index), report.value, t);
-    case GB_ERR_NAN_START:
-        return gb_fmu_refuse(fmu, "start value '%s' is %g", state_name(fmu, report.index), report.value);
-    case GB_ERR_CHATTER:
-        return gb_fmu_refuse(fmu, "'%s' switches without progress of time at t = %.9g s",
-                             switch_name(fmu, report.index), t);
-    case GB_ERR_BRANCH:
-        return gb_fmu_refuse(fmu, "no consistent mode of '%s' after an event at t = %.9g s",
-                             switch_name(fmu, report.index), t);
-    case GB_ERR_SINGULAR:
-        return gb_fmu_refuse(fmu, "the matrix of a step has no inverse at t = %.9g s, in '%s'", t,
-                             state_name(fmu, report.index));
-    case GB_ERR_MEMORY:
-        return gb_fmu_refuse(fmu, "out of memory at t = %.9g s", t);
-    default:
-        return gb_fmu_refuse(fmu, "the solver stopped with code %d at t = %.9g s", code, t);
-    }
 }
 
 /* ---- open, close, reset -------------------------------------------------------------------------------------- */
@@ -161,6 +105,22 @@ long long gb_fmu_events(const gb_fmu *fmu) {
 
 /* ---- life cycle ---------------------------------------------------------------------------------------------- */
 
+/* The importer's tolerance; a wish that a tolerance set as a variable overrules. */
+static int take_tolerance(gb_fmu *fmu, double rtol) {
+    double *own = &fmu->s.options.rtol;
+    if (fmu->s.own_rtol)
+        return 0;
+    if (rtol >= GB_FMU_LEAST_RTOL && rtol <= GB_FMU_MOST_RTOL) {
+        *own = rtol;
+        return 0;
+    }
+    if (rtol > 0.0)
+        *own = rtol > GB_FMU_MOST_RTOL ? GB_FMU_MOST_RTOL : GB_FMU_LEAST_RTOL;
+    gb_fmu_refuse(fmu, "the tolerance %g does not lie in [%g, %g]; %g is taken", rtol, GB_FMU_LEAST_RTOL,
+                  GB_FMU_MOST_RTOL, *own);
+    return 1;
+}
+
 int gb_fmu_setup(gb_fmu *fmu, double start, const double *stop, const double *rtol) {
     if (fmu->s.phase != GB_FMU_NEW)
         return gb_fmu_refuse(fmu, "an experiment is set up before the initialization, not %s",
@@ -169,13 +129,11 @@ int gb_fmu_setup(gb_fmu *fmu, double start, const double *stop, const double *rt
         return gb_fmu_refuse(fmu, "the start time is %g; it must be finite", start);
     if (stop && !(*stop > start))
         return gb_fmu_refuse(fmu, "the stop time %.9g s must be later than the start time %.9g s", *stop, start);
-    if (rtol && !(*rtol >= 1e-14 && *rtol <= 0.1))
-        return gb_fmu_refuse(fmu, "the tolerance is %g; it must lie in [1e-14, 0.1]", *rtol);
-    fmu->s.t_start = fmu->s.t = start;
+    if (rtol && (!isfinite(*rtol) || *rtol < 0.0))
+        return gb_fmu_refuse(fmu, "the tolerance is %g; it must be a number >= 0", *rtol);
+    fmu->s.t_start = fmu->s.t = fmu->s.t_asked = start;
     fmu->s.options.t_stop = stop ? *stop : HUGE_VAL;
-    if (rtol)
-        fmu->s.options.rtol = *rtol;
-    return 0;
+    return rtol ? take_tolerance(fmu, *rtol) : 0;
 }
 
 int gb_fmu_initialize(gb_fmu *fmu) {
@@ -211,29 +169,55 @@ int gb_fmu_begin(gb_fmu *fmu) {
     return 0;
 }
 
+/* To t, or as far as the patience of the table goes. The clock is read between runs of steps alone: most calls end
+ * within the first. */
+static int advance(gb_fmu *fmu, double t) {
+    int code = gb_advance_within(fmu->sim, t, STEPS_BETWEEN_LOOKS);
+    if (code != GB_PAUSE)
+        return code;
+    const double until = gb_fmu_clock() + fmu->table->patience;
+    while (code == GB_PAUSE && gb_fmu_clock() < until)
+        code = gb_advance_within(fmu->sim, t, STEPS_BETWEEN_LOOKS);
+    return code;
+}
+
+/* Whether a step from t may be asked: from where the instance stands, or again from where the last one was asked. */
+static int stands_at(const gb_fmu *fmu, double t, double slack) {
+    return fabs(t - fmu->s.t) <= slack || (fmu->s.t_asked < fmu->s.t && fabs(t - fmu->s.t_asked) <= slack);
+}
+
 int gb_fmu_step(gb_fmu *fmu, double t, double h) {
     const double slack = 1e-12 * fabs(t) + 1e-6 * fabs(h);
     if (fmu->s.phase != GB_FMU_RUNNING)
         return gb_fmu_refuse(fmu, "a step is asked %s", gb_fmu_phase_words(fmu->s.phase));
-    if (!isfinite(t) || !isfinite(h) || !(h > 0.0))
+    if (!isfinite(t) || !isfinite(h) || !(h > 0.0) || !isfinite(t + h))
         return gb_fmu_refuse(fmu, "a step of %g s from t = %g s is asked at t = %.9g s; it must be positive and finite",
                              h, t, fmu->s.t);
-    if (!(fabs(t - fmu->s.t) <= slack))
+    if (!stands_at(fmu, t, slack))
         return gb_fmu_refuse(fmu, "a step from t = %.9g s is asked but the instance stands at t = %.9g s", t, fmu->s.t);
     double end = t + h;
     if (end > fmu->s.options.t_stop + slack)
         return gb_fmu_refuse(fmu, "a step to t = %.9g s is asked beyond the stop time %.9g s", end,
                              fmu->s.options.t_stop);
     if (!(end > fmu->s.t))
-        return gb_fmu_refuse(fmu, "a step of %g s vanishes in the rounding of t = %.9g s", h, fmu->s.t);
+        return gb_fmu_refuse(
+            fmu, "a step of %g s from t = %.9g s does not lead beyond t = %.9g s, where the instance stands", h, t,
+            fmu->s.t);
     if (end > fmu->s.options.t_stop)
         end = fmu->s.options.t_stop;
     fmu->fresh = 0;
-    const int code = gb_advance(fmu->sim, end);
+    const int code = advance(fmu, end);
     if (code < 0)
         return gb_fmu_solver_failed(fmu, code);
-    fmu->s.t = end;
-    return 0;
+    fmu->s.t_asked = code == GB_PAUSE ? t : end;
+    fmu->s.t = code == GB_PAUSE ? gb_time(fmu->sim) : end;
+    if (code == GB_DONE)
+        return 0;
+    gb_fmu_refuse(fmu,
+                  "%.9g s of the step to t = %.9g s take more than %g s of processor time; the instance stands at t = "
+                  "%.9g s and goes on from there, or where the step is asked for again",
+                  h, end, fmu->table->patience, fmu->s.t);
+    return 1;
 }
 
 int gb_fmu_end(gb_fmu *fmu) {

@@ -1,4 +1,4 @@
-/* What gb_fmu.c and gb_fmu_values.c share. */
+/* What the files of gb_fmu share. */
 #ifndef GB_FMU_INTERNAL_H
 #define GB_FMU_INTERNAL_H
 
@@ -8,13 +8,20 @@ const gb_model *gb_get_model(void);
 
 enum { GB_FMU_TOKEN = 64, GB_FMU_KIND_SHIFT = 24 };
 
+/* Tolerances of the solver. */
+#define GB_FMU_LEAST_RTOL 1e-14
+#define GB_FMU_MOST_RTOL 0.1
+
 /* What changes during a run beside the solver's own block. Saved and restored as it is. */
 typedef struct gb_fmu_state {
     char token[GB_FMU_TOKEN];
+    unsigned long long checksum; /* of a saved state: of all this and the start vector */
     gb_options options;
     double t_start, t;
+    double t_asked; /* the last step was asked from here; before t where it stopped on its way */
     int phase;
-    int started; /* the solver holds the present start values */
+    int started;  /* the solver holds the present start values */
+    int own_rtol; /* the tolerance was set as a variable */
 } gb_fmu_state;
 
 struct gb_fmu {
@@ -28,6 +35,7 @@ struct gb_fmu {
 };
 
 int gb_fmu_refuse(gb_fmu *fmu, const char *format, ...); /* keeps the reason; always -1 */
+double gb_fmu_clock(void);                               /* processor time of this thread [s] */
 int gb_fmu_solver_failed(gb_fmu *fmu, int code);         /* names what, when and why; always -1 */
 const char *gb_fmu_phase_words(int phase);
 

@@ -74,9 +74,11 @@ static int may_set(gb_fmu *fmu, int kind, const gb_fmu_entry *entry, double valu
         return gb_fmu_refuse(fmu, "'%s' is fixed since the start of the run, and is set at t = %.9g s", entry->name, t);
     if (!isfinite(value))
         return gb_fmu_refuse(fmu, "'%s' is set to %g at t = %.9g s; it must be finite", entry->name, value, t);
-    if (value < entry->lower || value > entry->upper)
-        return gb_fmu_refuse(fmu, "'%s' is set to %.9g at t = %.9g s; it must lie in [%.9g, %.9g]", entry->name, value,
-                             t, entry->lower, entry->upper);
+    if (value < entry->lower || value > entry->upper || (entry->open_lower && value == entry->lower) ||
+        (entry->open_upper && value == entry->upper))
+        return gb_fmu_refuse(fmu, "'%s' is set to %.9g at t = %.9g s; it must lie in %c%.9g, %.9g%c", entry->name,
+                             value, t, entry->open_lower ? '(' : '[', entry->lower, entry->upper,
+                             entry->open_upper ? ')' : ']');
     return 0;
 }
 
@@ -91,6 +93,8 @@ int gb_fmu_set(gb_fmu *fmu, const unsigned *refs, size_t n, const double *values
         int kind = 0;
         const gb_fmu_entry *entry = find(fmu, refs[i], &kind);
         double *target = place(fmu, kind, entry);
+        if (kind == GB_FMU_SOLVER && entry->index == GB_FMU_RTOL)
+            fmu->s.own_rtol = 1;
         if (*target == values[i])
             continue;
         *target = values[i];
@@ -113,27 +117,49 @@ size_t gb_fmu_block_size(const gb_fmu *fmu) {
     return sizeof(gb_fmu_state) + start_size(fmu) + gb_snapshot_size(fmu->sim);
 }
 
+/* Of the part in front of the solver's block (which has a checksum of its own), the place of the sum left out. */
+static unsigned long long checksum_of(const gb_fmu *fmu, const char *block) {
+    const size_t at = offsetof(gb_fmu_state, checksum), after = at + sizeof(unsigned long long);
+    return gb_checksum(block + after, sizeof(gb_fmu_state) + start_size(fmu) - after, gb_checksum(block, at, 0));
+}
+
 void gb_fmu_save(const gb_fmu *fmu, void *block) {
     char *bytes = block;
     memcpy(bytes, &fmu->s, sizeof fmu->s);
     memcpy(bytes + sizeof fmu->s, fmu->start, start_size(fmu));
     gb_save(fmu->sim, bytes + sizeof fmu->s + start_size(fmu));
+    const unsigned long long checksum = checksum_of(fmu, bytes);
+    memcpy(bytes + offsetof(gb_fmu_state, checksum), &checksum, sizeof checksum);
+}
+
+static int in_range(const gb_fmu_state *state) {
+    return state->phase >= GB_FMU_NEW && state->phase <= GB_FMU_FAILED &&
+           (state->started == 0 || state->started == 1) && (state->own_rtol == 0 || state->own_rtol == 1) &&
+           isfinite(state->t) && isfinite(state->t_asked) && isfinite(state->t_start) &&
+           state->options.rtol >= GB_FMU_LEAST_RTOL && state->options.rtol <= GB_FMU_MOST_RTOL;
 }
 
 int gb_fmu_fits(gb_fmu *fmu, const void *block, size_t size) {
+    const char *bytes = block;
+    gb_fmu_state state;
     if (size != gb_fmu_block_size(fmu))
         return gb_fmu_refuse(fmu, "a saved state of %zu bytes is given; this model's has %zu", size,
                              gb_fmu_block_size(fmu));
     if (memcmp(block, fmu->table->token, GB_FMU_TOKEN) != 0)
         return gb_fmu_refuse(fmu, "the saved state belongs to another model");
+    memcpy(&state, bytes, sizeof state);
+    if (state.checksum != checksum_of(fmu, bytes) || !in_range(&state) ||
+        !gb_fits(fmu->sim, bytes + sizeof state + start_size(fmu)))
+        return gb_fmu_refuse(fmu, "the saved state is damaged");
     return 0;
 }
 
 int gb_fmu_restore(gb_fmu *fmu, const void *block) {
     const char *bytes = block;
-    const int code = gb_restore(fmu->sim, bytes + sizeof fmu->s + start_size(fmu));
-    if (code < 0)
-        return gb_fmu_refuse(fmu, "the saved state belongs to another model");
+    if (gb_fmu_fits(fmu, block, gb_fmu_block_size(fmu)))
+        return -1;
+    if (gb_restore(fmu->sim, bytes + sizeof fmu->s + start_size(fmu)) < 0)
+        return gb_fmu_refuse(fmu, "the saved state is damaged");
     memcpy(&fmu->s, bytes, sizeof fmu->s);
     memcpy(fmu->start, bytes + sizeof fmu->s, start_size(fmu));
     fmu->fresh = 0;

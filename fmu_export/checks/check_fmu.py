@@ -1,32 +1,40 @@
-"""check(): an FMU looked at from outside, run by fmpy, and compared with the run in-process."""
+"""check(): an FMU looked at from outside, run by fmpy, and compared with the run in-process.
+
+All of it happens in a child process with limits of time and memory, so that no file ends or stops the caller; the binary
+is loaded only after archive, description and binary have passed. What the child found is read from a file that it writes
+line by line: where it dies or does not end, the check it was at has failed, and another child makes the rest.
+"""
 
 from __future__ import annotations
 
+import json
 import os
+import signal
+import subprocess
+import sys
 import tempfile
+import time
 import zipfile
-from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from fmu_export import manifest
-from fmu_export.binary import native_platform
-from fmu_export.checks import file as check_file
-from fmu_export.checks import lifecycle
-from fmu_export.checks.instance import Unpacked
-from fmu_export.checks.replay import replay
+import fmu_export
+from fmu_export.checks.limits import DEATHS, SECONDS_OF_ALL, SECONDS_OF_ONE
 from fmu_export.checks.report import Item, Report
 from gearblocks.errors import ParameterError
+
+_POLL = 0.02  # s between looks at what the child has written
+_SOURCES = Path(fmu_export.__file__).parents[1]
 
 
 def check(path: str | os.PathLike[str], *, t_end: float | None = None, steps: int = 500) -> Report:
     """Report on an FMU: files, fmpy's validation, life cycle, a run by fmpy and the difference from the run in-process.
 
     t_end [s]: end of the run, by default that of the description; steps: communication steps of the run. FMUs of
-    others are checked as far as it goes. A check that cannot be made is listed, a check that breaks down has failed.
+    others are asked for what the standard asks for; what it leaves open is said and not judged. A check that cannot be
+    made is listed, a check that breaks down or takes longer than a minute has failed. Memory is limited where the
+    system knows such limits (not on Windows), time everywhere.
     Raises ParameterError where there is no FMU at `path`.
     """
     fmu = Path(path)
@@ -34,119 +42,108 @@ def check(path: str | os.PathLike[str], *, t_end: float | None = None, steps: in
         raise ParameterError(f"there is no file '{fmu}'")
     if not zipfile.is_zipfile(fmu):
         raise ParameterError(f"'{fmu}' is no FMU: it is not a zip file")
-    items = [
-        _guarded("archive", lambda: check_file.check_archive(fmu)),
-        _guarded("fmpy validation", lambda: check_file.check_validation(fmu)),
-    ]
-    differences: dict[str, float] = {}
     with tempfile.TemporaryDirectory(prefix="gearblocks-check-", ignore_cleanup_errors=True) as place:
-        unpacked = _unpack(fmu, Path(place), items)
-        if unpacked is not None:
-            items += _checks(unpacked, t_end, steps, differences)
-    return Report(fmu, tuple(items), tuple(differences.items()))
+        work = _Work(fmu.resolve(), Path(place), t_end, steps)
+        while not work.done:
+            work.go_on()
+    return Report(fmu, tuple(work.items), tuple(work.differences.items()))
 
 
-def _unpack(fmu: Path, folder: Path, items: list[Item]) -> Unpacked | None:
-    from fmpy import extract, read_model_description
+@dataclass(slots=True)
+class _Work:
+    """What the children have said so far. at: the check that the present one is at, and since when."""
 
+    fmu: Path
+    folder: Path
+    t_end: float | None
+    steps: int
+    items: list[Item] = field(default_factory=list)
+    differences: dict[str, float] = field(default_factory=dict)
+    done: bool = False
+    at: str = ""
+    since: float = 0.0
+    deaths: int = 0
+    began: float = field(default_factory=time.monotonic)
+
+    def go_on(self) -> None:
+        """One child, up to its end."""
+        said = self.folder / f"said-{self.deaths}.jsonl"
+        order = {
+            "fmu": str(self.fmu), "folder": str(self.folder / "fmu"), "said": str(said), "t_end": self.t_end,
+            "steps": self.steps, "made": [[i.name, i.ok, i.words] for i in self.items],
+        }  # fmt: skip
+        self.at, self.since = "", time.monotonic()
+        paths = [str(_SOURCES), *filter(None, [os.environ.get("PYTHONPATH")])]
+        with (self.folder / "output.txt").open("ab") as output:
+            child = subprocess.Popen(
+                [sys.executable, "-m", "fmu_export.checks.child", json.dumps(order)],
+                stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True,
+                env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)}, cwd=self.folder,
+            )  # fmt: skip
+            try:
+                late = self._follow(child, said)
+            finally:
+                _end(child)
+        if not self.done:
+            self._failed(late or _death(child.returncode))
+
+    def _follow(self, child: subprocess.Popen[bytes], said: Path) -> str:
+        """Reads what the child says until it ends; in words why it has to be ended, or ""."""
+        read = 0
+        while True:
+            ended = child.poll() is not None
+            lines = said.read_bytes()[read:] if said.is_file() else b""
+            whole = lines[: lines.rfind(b"\n") + 1]
+            read += len(whole)
+            for line in whole.splitlines():
+                self._hear(json.loads(line))
+            now = time.monotonic()
+            if ended:
+                return ""
+            if now - self.began > SECONDS_OF_ALL:
+                self.done = True
+                self._failed(f"all checks together have not ended after {SECONDS_OF_ALL:g} s")
+                return ""
+            if now - self.since > SECONDS_OF_ONE:
+                return f"has not ended after {SECONDS_OF_ONE:g} s"
+            time.sleep(_POLL)
+
+    def _hear(self, line: dict[str, Any]) -> None:
+        if "refused" in line:
+            raise ParameterError(line["refused"])
+        if "at" in line:
+            self.at, self.since = line["at"], time.monotonic()
+        if "item" in line:
+            self.items.append(Item(*line["item"]))
+            self.differences.update(line.get("differences", {}))
+            self.at = ""
+        self.done = self.done or line.get("done", False)
+
+    def _failed(self, words: str) -> None:
+        """The check that the child was at; one that died between two checks makes no third."""
+        self.items.append(Item(self.at or "check", False, words))
+        self.deaths += 1
+        if self.deaths >= DEATHS and not self.done:
+            self.items.append(Item("rest", None, "not made: no more processes are spent on this file"))
+        self.done = self.done or not self.at or self.deaths >= DEATHS
+
+
+def _death(code: int | None) -> str:
+    if code is not None and code < 0:
+        try:
+            return f"the process that made it was ended by {signal.Signals(-code).name}"
+        except ValueError:
+            return f"the process that made it was ended by signal {-code}"
+    return f"the process that made it ended with status {code}"
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    """The child and what it has started."""
     try:
-        extract(str(fmu), str(folder))
-        return Unpacked(folder, read_model_description(str(folder), validate=False))
-    except Exception as error:  # noqa: BLE001 - what fmpy cannot read is for the report, whatever it raises
-        items.append(Item("description", False, f"cannot be read: {error}"))
-        return None
-
-
-def _guarded(name: str, call: Callable[[], Item]) -> Item:
-    try:
-        return call()
-    except Exception as error:  # noqa: BLE001 - a check that breaks down has failed, and says so
-        return Item(name, False, f"{type(error).__name__}: {error}")
-
-
-def _checks(unpacked: Unpacked, t_end: float | None, steps: int, differences: dict[str, float]) -> list[Item]:
-    description = unpacked.description
-    items = [_guarded("description", lambda: check_file.check_description(description))]
-    if description.fmiVersion != "2.0" or description.coSimulation is None:
-        return [*items, Item("run", None, "only FMI 2.0 co-simulation is run by this version")]
-    begin, stop = _times(description, t_end)
-    h = (stop - begin) / steps
-    calls: dict[str, Callable[[], Item]] = {
-        "binary": lambda: check_file.check_binary(unpacked, native_platform()),
-        "token": lambda: lifecycle.check_token(unpacked),
-        "start values": lambda: lifecycle.check_start_values(unpacked),
-        "refusals": lambda: lifecycle.check_refusals(unpacked, h),
-        "saved state": lambda: lifecycle.check_saved_state(unpacked, h),
-        "reset": lambda: lifecycle.check_reset(unpacked, h),
-        "instances": lambda: lifecycle.check_instances(unpacked, h),
-        "communication step": lambda: lifecycle.check_steps(unpacked, h, _tolerance(description)),
-        "log": lambda: lifecycle.check_log(unpacked, h),
-        "sources": lambda: check_file.check_sources(unpacked),
-    }
-    items += [_guarded(name, call) for name, call in calls.items()]
-    results: list[Any] = []
-    items.append(_guarded("run", lambda: _run(unpacked, begin, stop, h, results)))
-    if results:
-        items.append(_guarded("in-process", lambda: _compare(unpacked, results[0], stop, differences)))
-    return items
-
-
-def _times(description: Any, t_end: float | None) -> tuple[float, float]:
-    experiment = description.defaultExperiment
-    begin = float(experiment.startTime or 0.0) if experiment is not None else 0.0
-    stop = begin + 1.0
-    if experiment is not None and experiment.stopTime is not None:
-        stop = float(experiment.stopTime)
-    stop = stop if t_end is None else t_end
-    if not stop > begin:
-        raise ParameterError(f"t_end = {stop!r} s must be later than the start at {begin!r} s")
-    return begin, stop
-
-
-def _tolerance(description: Any) -> float:
-    experiment = description.defaultExperiment
-    return 1e-6 if experiment is None or experiment.tolerance is None else float(experiment.tolerance)
-
-
-def _run(unpacked: Unpacked, begin: float, stop: float, h: float, results: list[Any]) -> Item:
-    """One run by fmpy.simulate_fmu; the result is appended to `results`."""
-    from fmpy import simulate_fmu
-
-    result = simulate_fmu(str(unpacked.folder), start_time=begin, stop_time=stop, output_interval=h)
-    results.append(result)
-    names = result.dtype.names[1:]
-    bad = [name for name in names if not np.all(np.isfinite(result[name]))]
-    reached = bool(np.isclose(result["time"][-1], stop))
-    words = f"fmpy: {len(result) - 1} steps to t = {stop:g} s, {len(names)} outputs"
-    if bad:
-        words += f"; not finite: {', '.join(bad[:3])}"
-    return Item("run", reached and not bad, words if reached else f"{words}; ended at t = {result['time'][-1]:g} s")
-
-
-def _compare(unpacked: Unpacked, result: Any, stop: float, differences: dict[str, float]) -> Item:
-    """The run by fmpy against the run in-process of the same sources."""
-    data, source = unpacked.folder / manifest.NAME, unpacked.folder / "sources" / "model.c"
-    if not (data.is_file() and source.is_file()):
-        return Item("in-process", None, "no FMU of gearblocks: nothing to compare with")
-    content = manifest.from_json(data.read_bytes(), source.read_text(encoding="utf-8"))
-    times = np.ascontiguousarray(result["time"], dtype=np.float64)
-    outputs = replay(content, times, stop)
-    equal = True
-    for name, i in content.outputs:
-        if name in result.dtype.names[1:]:
-            equal = equal and bool(np.array_equal(result[name], outputs[:, i]))
-            differences[name] = _difference(result[name], outputs[:, i])
-    if equal:
-        return Item("in-process", True, f"{len(differences)} outputs at {len(times)} points have equal bits")
-    name, worst = max(differences.items(), key=lambda entry: entry[1])
-    limit = 10 * content.solver.rtol
-    return Item(
-        "in-process", worst <= limit, f"largest difference {worst:.1e} of the peak, in '{name}' (limit {limit:.0e})"
-    )
-
-
-def _difference(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    """Largest difference relative to the largest value."""
-    peak = float(np.max(np.abs(b), initial=0.0))
-    gap = float(np.max(np.abs(a - b), initial=0.0))
-    return gap / peak if peak > 0 else gap
+        if hasattr(os, "killpg"):
+            os.killpg(child.pid, signal.SIGKILL)
+        else:
+            child.kill()
+    except OSError:
+        pass  # it has ended by itself
+    child.wait()

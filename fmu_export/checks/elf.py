@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 _DYNAMIC, _DYNSYM, _VERNEED = 6, 11, 0x6FFFFFFE
 _DT_NEEDED = 1
+_SHARED, _LOAD = 3, 1
+_MOST = 1 << 16  # entries of a table
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +39,40 @@ class _Section:
 
 
 def read_shared_library(data: bytes) -> SharedLibrary:
-    """Raises ValueError where `data` is no 64-bit little-endian ELF file."""
+    """Raises ValueError where `data` is no 64-bit little-endian ELF shared library, or one that is cut short or damaged."""
     if data[:6] != b"\x7fELF\x02\x01":
-        raise ValueError("no 64-bit little-endian ELF file")
+        raise ValueError("it is no 64-bit little-endian ELF file")
+    try:
+        _check_segments(data)
+        return _read(data)
+    except (struct.error, IndexError, UnicodeDecodeError, _CutShortError) as error:
+        raise ValueError(f"it is cut short or damaged ({error})") from None
+
+
+class _CutShortError(Exception):
+    """The file ends before what its tables name."""
+
+
+def _check_segments(data: bytes) -> None:
+    """What the loader maps must lie inside the file: beyond its end the process that reads there is ended."""
+    (table,) = struct.unpack_from("<Q", data, 0x20)
+    (kind,) = struct.unpack_from("<H", data, 0x10)
+    size, count = struct.unpack_from("<HH", data, 0x36)
+    if kind != _SHARED:
+        raise _CutShortError("no shared library by its header")
+    if not 0 < count < _MOST or size < struct.calcsize("<IIQQQQQQ"):
+        raise _CutShortError("no table of segments")
+    for i in range(count):
+        kind, _, offset, _, _, length, _, _ = struct.unpack_from("<IIQQQQQQ", data, table + i * size)
+        if kind == _LOAD and offset + length > len(data):
+            raise _CutShortError(f"a segment ends at byte {offset + length}, the file at {len(data)}")
+
+
+def _read(data: bytes) -> SharedLibrary:
     sections = list(_sections(data))
+    for section in sections:
+        if section.kind in (_DYNAMIC, _DYNSYM, _VERNEED) and section.offset + section.size > len(data):
+            raise _CutShortError(f"a table ends at byte {section.offset + section.size}, the file at {len(data)}")
     exports: set[str] = set()
     imports: set[str] = set()
     needed: set[str] = set()
@@ -72,10 +104,15 @@ def _sections(data: bytes) -> Iterator[_Section]:
 
 def _text(data: bytes, strings: _Section, at: int) -> str:
     begin = strings.offset + at
-    return data[begin : data.index(b"\0", begin)].decode()
+    end = data.find(b"\0", begin)
+    if not 0 <= begin <= end:
+        raise _CutShortError("a name beyond the end of the file")
+    return data[begin:end].decode()
 
 
 def _symbols(data: bytes, table: _Section, strings: _Section) -> Iterator[tuple[str, bool]]:
+    if table.entry_size < struct.calcsize("<IBBHQQ"):
+        raise _CutShortError("a table of symbols without entries")
     for at in range(table.offset, table.offset + table.size, table.entry_size):
         name, _, _, section, _, _ = struct.unpack_from("<IBBHQQ", data, at)
         if name:
@@ -91,7 +128,7 @@ def _needed(data: bytes, table: _Section, strings: _Section) -> Iterator[str]:
 
 def _versions(data: bytes, table: _Section, strings: _Section) -> Iterator[str]:
     at = table.offset
-    for _ in range(table.entries):
+    for _ in range(min(table.entries, _MOST)):
         _, count, _, first, following = struct.unpack_from("<HHIII", data, at)
         place = at + first
         for _ in range(count):

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import math
+import shutil
 import tempfile
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from fmu_export.archive import irregularities
-from fmu_export.checks.elf import read_shared_library
+from fmu_export.binary import native_platform
+from fmu_export.checks.elf import SharedLibrary, read_shared_library
 from fmu_export.checks.instance import Unpacked
+from fmu_export.checks.limits import BYTES_OF_FILES, FILES, NAMES
 from fmu_export.checks.report import Item
+from fmu_export.fmi2.description import structured_name
 from gearblocks.errors import CompileError
 from gearblocks.solver.compiler import SHARED_SUFFIX, find_compiler
 
@@ -33,17 +38,41 @@ LIBC = {"libc.so.6", "libm.so.6", "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1
 
 
 def check_archive(path: Path) -> Item:
-    """Names in the zip."""
+    """Names and sizes in the zip."""
+    with zipfile.ZipFile(path) as archive:
+        entries = archive.infolist()
+        size = sum(entry.file_size for entry in entries)
+    if len(entries) > FILES or size > BYTES_OF_FILES:
+        words = f"{len(entries)} files of {size / 2**20:.0f} MiB together are more than a check unpacks"
+        return Item("archive", False, words)
     found = irregularities(path)
     return Item("archive", not found, "; ".join(found) or "names are plain, every file can be read")
 
 
 def check_validation(path: Path) -> Item:
-    """fmpy's validation."""
-    from fmpy.validation import validate_fmu
+    """fmpy's validation; names of very many variables, which it parses slowly, by a look of our own."""
+    from fmpy import read_model_description
+    from fmpy.model_description import ValidationError
 
-    remarks = [remark.strip() for remark in validate_fmu(str(path))]
-    return Item("fmpy validation", not remarks, "; ".join(remarks) or "no remark")
+    with zipfile.ZipFile(path) as archive:
+        count = archive.read("modelDescription.xml").count(b"<ScalarVariable")
+    names = count <= NAMES
+    try:
+        described = read_model_description(
+            str(path), validate=True, validate_variable_names=names, validate_model_structure=True
+        )
+        remarks = [] if names else name_remarks(described)
+    except ValidationError as error:
+        remarks = [remark.strip() for remark in error.problems]
+    words = "no remark" if names else f"no remark; the names of {count} variables have the form that they claim"
+    return Item("fmpy validation", not remarks, "; ".join(remarks[:20]) or words)
+
+
+def name_remarks(description: Any) -> list[str]:
+    """Names that have not the form that the description claims for them."""
+    if description.variableNamingConvention != "structured":
+        return []
+    return [f"'{v.name}' is no structured name" for v in description.modelVariables if not structured_name(v.name)]
 
 
 def check_description(description: Any) -> Item:
@@ -87,40 +116,77 @@ def _number(text: Any) -> float | None:
         return None
 
 
-def check_binary(unpacked: Unpacked, platform: str) -> Item:
+def check_binary(unpacked: Unpacked) -> Item:
     """Exports, imports and needed glibc of this machine's library (Linux; elsewhere only that it is there)."""
+    platform = native_platform()
     name = unpacked.description.coSimulation.modelIdentifier + SHARED_SUFFIX
     path = unpacked.folder / "binaries" / platform / name
     if not path.is_file():
         return Item("binary", False, f"binaries/{platform}/{name} is missing")
     if platform != "linux64":
         return Item("binary", None, f"{name} is there; its symbols are read on Linux only")
-    library = read_shared_library(path.read_bytes())
-    found = [f"{symbol} is not exported" for symbol in sorted(MANDATORY - library.exports)]
+    try:
+        library = read_shared_library(path.read_bytes())
+    except ValueError as error:
+        return Item("binary", False, f"{name}: {error}")
+    missing = [f"{symbol} is not exported" for symbol in sorted(MANDATORY - library.exports)]
+    found = _beside(library)
+    version = ".".join(str(part) for part in library.glibc)
+    needs = f"needs glibc {version} or later" if version else "asks for no version of glibc"
+    if unpacked.own or missing:
+        words = "; ".join([*missing, *found][:5])
+        return Item("binary", not words, words or f"all functions and nothing else; {needs}")
+    return Item("binary", True, "; ".join([f"all functions; {needs}", *found][:6]))
+
+
+def _beside(library: SharedLibrary) -> list[str]:
+    """What the standard allows and gearblocks leaves away."""
     extra = sorted(s for s in library.exports - _LINKER_SYMBOLS if not s.startswith("fmi2"))
-    found += [f"{symbol} is exported besides" for symbol in extra]
+    found = [f"{symbol} is exported besides" for symbol in extra[:3]]
     found += [f"needs {other}" for other in sorted(library.needed - LIBC)]
     if library.writable > _LINKER_BYTES:
         found.append(f"{library.writable} bytes of variables are shared by all instances")
-    version = ".".join(str(part) for part in library.glibc)
-    return Item(
-        "binary", not found, "; ".join(found[:5]) or f"all functions and nothing else; needs glibc {version} or later"
-    )
+    return found
 
 
 def check_sources(unpacked: Unpacked) -> Item:
-    """The sources compile in an empty folder, warnings being errors."""
+    """The sources compile in an empty folder: the files that the description lists, the headers of FMI beside them.
+
+    Those of gearblocks bring all headers, list every file and give no warning.
+    """
     folder = unpacked.folder / "sources"
     if not folder.is_dir():
         return Item("sources", None, "none inside")
-    compiler = find_compiler()
+    listed = _listed(unpacked.description)
+    if not listed:
+        return Item("sources", False if unpacked.own else None, "the description lists no source files")
+    absent = [name for name in listed if not (folder / name).is_file()]
+    if absent:
+        return Item("sources", False, f"listed, but not inside: {', '.join(absent[:5])}")
+    unlisted = sorted({file.name for file in folder.glob("*.c")} - set(listed)) if unpacked.own else []
+    if unlisted:
+        return Item("sources", False, f"inside, but not listed: {', '.join(unlisted[:5])}")
     with tempfile.TemporaryDirectory(prefix="gearblocks-sources-", ignore_cleanup_errors=True) as place:
-        directory = Path(place)
-        for file in folder.iterdir():
-            (directory / file.name).write_bytes(file.read_bytes())
-        names = sorted(file.name for file in folder.glob("*.c"))
+        directory = Path(place) / "sources"
+        shutil.copytree(folder, directory)
+        flags = _STRICT if unpacked.own else ("-fPIC", "-shared", "-w", "-I.", f"-I{_standard_headers()}")
         try:
-            compiler.run((*_STRICT, *names, "-o", "all" + SHARED_SUFFIX, "-lm"), directory)
+            find_compiler().run((*flags, *listed, "-o", "all" + SHARED_SUFFIX, "-lm"), directory)
         except CompileError as error:
             return Item("sources", False, str(error))
-    return Item("sources", True, f"{len(names)} C files compile in an empty folder without a warning")
+    without = " without a warning" if unpacked.own else ""
+    return Item("sources", True, f"{len(listed)} C files compile in an empty folder{without}")
+
+
+def _listed(description: Any) -> list[str]:
+    """The source files that the description says are to be compiled."""
+    wanted = description.coSimulation.modelIdentifier
+    found = [c for c in description.buildConfigurations if c.modelIdentifier == wanted]
+    return [str(name) for files in found[0].sourceFileSets for name in files.sourceFiles] if found else []
+
+
+def _standard_headers() -> Path:
+    """FMI's headers, which need not lie in an FMU; fmpy has them."""
+    import fmpy
+
+    return Path(fmpy.__file__).parent / "c-code"

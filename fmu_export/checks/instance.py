@@ -8,7 +8,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-OK, ERROR = 0, 3
+from fmu_export import manifest
+from gearblocks.errors import ParameterError
+
+OK, ERROR, FATAL = 0, 3, 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,6 +20,53 @@ class Unpacked:
 
     folder: Path
     description: Any
+
+    @property
+    def own(self) -> bool:
+        """Whether gearblocks made it: more is asked of such FMUs than the standard asks."""
+        return (self.folder / manifest.NAME).is_file() and (self.folder / "sources" / "model.c").is_file()
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """An FMU and the window in which its instances are run [s]."""
+
+    unpacked: Unpacked
+    begin: float
+    stop: float
+    steps: int
+
+    @property
+    def h(self) -> float:
+        """The communication step: of FMUs of others the one that they ask for, if 64 of them lie in the window."""
+        span, experiment = self.stop - self.begin, self.unpacked.description.defaultExperiment
+        asked = None if self.unpacked.own or experiment is None else experiment.stepSize
+        if asked is not None and 0.0 < 64 * float(asked) <= span:
+            return float(asked)
+        return span / self.steps if self.unpacked.own else span / max(self.steps, 64)
+
+    @property
+    def tolerance(self) -> float:
+        """That of the description."""
+        experiment = self.unpacked.description.defaultExperiment
+        return 1e-6 if experiment is None or experiment.tolerance is None else float(experiment.tolerance)
+
+    def open(self, *, logging: bool = False) -> Instance:
+        """A new instance."""
+        return Instance(self.unpacked, logging=logging)
+
+
+def times_of(description: Any, t_end: float | None) -> tuple[float, float]:
+    """Start and end of the run [s]; ParameterError where t_end is not later than the start."""
+    experiment = description.defaultExperiment
+    begin = float(experiment.startTime or 0.0) if experiment is not None else 0.0
+    stop = begin + 1.0
+    if experiment is not None and experiment.stopTime is not None:
+        stop = float(experiment.stopTime)
+    stop = stop if t_end is None else t_end
+    if not stop > begin:
+        raise ParameterError(f"t_end = {stop!r} s must be later than the start at {begin!r} s")
+    return begin, stop
 
 
 class Instance:
@@ -28,6 +78,7 @@ class Instance:
 
         description = unpacked.description
         self.log: list[tuple[int, str, str]] = []
+        self.fatal = False
         self.fmu: Any = fmi2.FMU2Slave(
             guid=description.guid if token is None else token,
             unzipDirectory=str(unpacked.folder),
@@ -50,7 +101,8 @@ class Instance:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.fmu.freeInstance()
+        if not self.fatal:
+            self.fmu.freeInstance()
 
     def start(self, t0: float = 0.0, stop: float | None = None, tolerance: float | None = None) -> None:
         """Experiment and initialization."""
@@ -72,12 +124,17 @@ class Instance:
 
     def refuses(self, call: Callable[[], object]) -> str:
         """The log line of a call that must answer an error; "" where it was accepted or said nothing."""
+        before = len(self.log)
+        status = self.status_of(call)
+        return self.log[-1][2] if status == ERROR and len(self.log) > before else ""
+
+    def status_of(self, call: Callable[[], object]) -> int:
+        """What a call answers. After fmi2Fatal the instance may not even be freed."""
         from fmpy.fmi1 import FMICallException
 
-        before = len(self.log)
         try:
             call()
         except FMICallException as error:
-            if error.status == ERROR and len(self.log) > before:
-                return self.log[-1][2]
-        return ""
+            self.fatal = self.fatal or error.status == FATAL
+            return int(error.status)
+        return OK

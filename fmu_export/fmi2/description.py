@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -21,6 +22,8 @@ DISPLAY_UNITS = {"rad/s": ("rpm", 30.0 / math.pi), "rad": ("deg", 180.0 / math.p
 
 LOG_CATEGORIES = {
     "logStatusError": "what was refused or failed, where and when",
+    "logStatusWarning": "what was taken otherwise than asked",
+    "logStatusDiscard": "steps that ended on their way",
     "logEvents": "how many events were located in a step",
     "logAll": "all messages",
 }
@@ -48,7 +51,7 @@ def describe(header: Header, variables: Sequence[Variable]) -> bytes:
     """The XML file. The same arguments give the same bytes."""
     from lxml import etree
 
-    structured = all(_STRUCTURED.match(v.name) and v.name.isascii() for v in variables)
+    structured = all(structured_name(v.name) for v in variables)
     root = etree.Element(
         "fmiModelDescription",
         {
@@ -72,6 +75,11 @@ def describe(header: Header, variables: Sequence[Variable]) -> bytes:
         _variable(listed, variable)
     _structure(root, variables)
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+
+
+def structured_name(name: str) -> bool:
+    """Whether a variable's name is one of the naming convention "structured"."""
+    return name.isascii() and _STRUCTURED.match(name) is not None
 
 
 def _co_simulation(root: _Element, header: Header) -> None:
@@ -160,10 +168,23 @@ def _variable(parent: _Element, variable: Variable) -> None:
         real["unit"] = unit_name(variable.unit)
     if variable.unit in DISPLAY_UNITS:
         real["displayUnit"] = DISPLAY_UNITS[variable.unit][0]
-    for name, value in (("min", variable.lower), ("max", variable.upper), ("start", variable.start)):
+    for name, value in (*closed_bounds(variable).items(), ("start", variable.start)):
         if value is not None and math.isfinite(value):
             real[name] = repr(float(value))
     etree.SubElement(element, "Real", real)
+
+
+def closed_bounds(variable: Variable) -> dict[str, float | None]:
+    """`min` and `max` of the description, which belong to the values: of an open bound the next number inside, above 0 the
+    least that has all its digits."""
+    low, high = variable.lower, variable.upper
+    if low is not None and variable.open_lower:
+        low = max(math.nextafter(low, math.inf), sys.float_info.min) if low >= 0 else math.nextafter(low, math.inf)
+    if high is not None and variable.open_upper:
+        high = (
+            min(math.nextafter(high, -math.inf), -sys.float_info.min) if high <= 0 else math.nextafter(high, -math.inf)
+        )
+    return {"min": low, "max": high}
 
 
 def _structure(root: _Element, variables: Sequence[Variable]) -> None:

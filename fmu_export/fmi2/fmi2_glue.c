@@ -5,9 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LOG_ERRORS = 1, LOG_EVENTS = 2, LOG_ALL = 4 };
+enum { LOG_ERRORS = 1, LOG_EVENTS = 2, LOG_ALL = 4, LOG_WARNINGS = 8, LOG_DISCARDS = 16, LOG_EVERY = 31 };
 
-static const char *const category_names[] = {"logStatusError", "logEvents", "logAll"};
+static const char *const category_names[] = {"logStatusError", "logEvents", "logAll", "logStatusWarning",
+                                             "logStatusDiscard"};
+
+enum { N_CATEGORIES = sizeof category_names / sizeof category_names[0] };
 
 /* ---- log ----------------------------------------------------------------------------------------------------- */
 
@@ -38,6 +41,17 @@ fmi2Status fmi2_answer(const fmi2_instance *self, const char *function, int code
     return code ? fmi2_fail(self, function, gb_fmu_message(self->fmu)) : fmi2OK;
 }
 
+/* The same for calls that may answer with a message that is no error. */
+static fmi2Status answer_or(const fmi2_instance *self, const char *function, int code, fmi2Status status) {
+    if (code <= 0)
+        return fmi2_answer(self, function, code);
+    const int bit = status == fmi2Warning ? LOG_WARNINGS : LOG_DISCARDS;
+    if (self->logger && (self->log & (bit | LOG_ALL)))
+        say(self, status, status == fmi2Warning ? "logStatusWarning" : "logStatusDiscard", function,
+            gb_fmu_message(self->fmu));
+    return status;
+}
+
 static void log_events(const fmi2_instance *self, long long events) {
     if (!self->logger || !(self->log & (LOG_EVENTS | LOG_ALL)) || events <= 0)
         return;
@@ -50,14 +64,16 @@ fmi2Status FMI2_NAME(fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean on, size_
     fmi2_instance *self = c;
     if (!self || (count && !names))
         return fmi2Error;
-    int mask = count ? 0 : LOG_ERRORS | LOG_EVENTS | LOG_ALL;
+    int mask = count ? 0 : LOG_EVERY;
     for (size_t i = 0; i < count; i++) {
         int bit = 0;
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < N_CATEGORIES; k++)
             if (names[i] && strcmp(names[i], category_names[k]) == 0)
                 bit = 1 << k;
         if (!bit)
-            return fmi2_fail(self, "fmi2SetDebugLogging", "the categories are logStatusError, logEvents and logAll");
+            return fmi2_fail(
+                self, "fmi2SetDebugLogging",
+                "the categories are logStatusError, logStatusWarning, logStatusDiscard, logEvents and logAll");
         mask |= bit;
     }
     self->log = on ? self->log | mask : self->log & ~mask;
@@ -113,7 +129,7 @@ fmi2Component FMI2_NAME(fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2Str
     }
     self->logger = functions ? functions->logger : NULL;
     self->environment = functions ? functions->componentEnvironment : NULL;
-    self->log = log ? LOG_ERRORS | LOG_EVENTS | LOG_ALL : LOG_ERRORS;
+    self->log = log ? LOG_EVERY : LOG_ERRORS | LOG_WARNINGS | LOG_DISCARDS;
     return self;
 }
 
@@ -131,9 +147,8 @@ fmi2Status FMI2_NAME(fmi2SetupExperiment)(fmi2Component c, fmi2Boolean tolerance
     fmi2_instance *self = c;
     if (!self)
         return fmi2Error;
-    return fmi2_answer(
-        self, "fmi2SetupExperiment",
-        gb_fmu_setup(self->fmu, start, stop_defined ? &stop : NULL, tolerance_defined ? &tolerance : NULL));
+    const int code = gb_fmu_setup(self->fmu, start, stop_defined ? &stop : NULL, tolerance_defined ? &tolerance : NULL);
+    return answer_or(self, "fmi2SetupExperiment", code, fmi2Warning);
 }
 
 fmi2Status FMI2_NAME(fmi2EnterInitializationMode)(fmi2Component c) {
@@ -205,7 +220,7 @@ fmi2Status FMI2_NAME(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real step, 
         return fmi2Error;
     const int counted = self->log & (LOG_EVENTS | LOG_ALL);
     const long long before = counted ? gb_fmu_events(self->fmu) : 0;
-    const fmi2Status status = fmi2_answer(self, "fmi2DoStep", gb_fmu_step(self->fmu, time, step));
+    const fmi2Status status = answer_or(self, "fmi2DoStep", gb_fmu_step(self->fmu, time, step), fmi2Discard);
     if (counted && status == fmi2OK)
         log_events(self, gb_fmu_events(self->fmu) - before);
     return status;

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias
 
 from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Assembly, Batch
@@ -112,34 +112,44 @@ def _parameters(lay: Layout) -> None:
         for found in expr.expr.leaves():
             if found.op == "parameter":
                 lay.shared_objects.setdefault(found.args[0].name, found.args[0])
-    bounds = _shared_bounds(lay)
+    narrowest = _shared_bounds(lay)
     for name, parameter in sorted(lay.shared_objects.items()):
         lay.shared[name] = len(lay.parameters)
-        lower, upper = bounds.get(name, (None, None))
-        _add(lay, name, Field(f"parameter {name}", parameter.unit, "param", ge=lower, le=upper), tunable=True)
+        gt, ge, lt, le = narrowest.get(name, (None, None, None, None))
+        spec = Field(f"parameter {name}", parameter.unit, "param", gt=gt, ge=ge, lt=lt, le=le)
+        _add(lay, name, spec, tunable=True)
     _start_values(lay)
 
 
-def _shared_bounds(lay: Layout) -> dict[str, tuple[float | None, float | None]]:
-    """(largest lower, smallest upper) bound of the fields that each Parameter stands in by itself."""
-    found: dict[str, tuple[float | None, float | None]] = {}
+Bounds: TypeAlias = tuple[float | None, float | None, float | None, float | None]
+"""Of a field: gt, ge, lt, le."""
+
+
+def _shared_bounds(lay: Layout) -> dict[str, Bounds]:
+    """The narrowest bounds of the fields that each Parameter stands in by itself."""
+    found: dict[str, list[Field]] = {}
     for c in lay.assembly.train.components:
         for _, value, spec in numbers_of(c.block, ""):
             if isinstance(value, Parameter):
-                lower, upper = found.get(value.name, (None, None))
-                lowest = spec.gt if spec.ge is None else spec.ge
-                highest = spec.lt if spec.le is None else spec.le
-                lower = lowest if lower is None else lower if lowest is None else max(lower, lowest)
-                upper = highest if upper is None else upper if highest is None else min(upper, highest)
-                found[value.name] = lower, upper
-    return found
+                found.setdefault(value.name, []).append(spec)
+    return {name: _narrowest(specs) for name, specs in found.items()}
+
+
+def _narrowest(specs: list[Field]) -> Bounds:
+    gt, ge, lt, le = (
+        [x for x in values if x is not None] for values in zip(*((s.gt, s.ge, s.lt, s.le) for s in specs), strict=True)
+    )
+    return max(gt, default=None), max(ge, default=None), min(lt, default=None), min(le, default=None)
 
 
 def _add(lay: Layout, path: str, spec: Field, *, tunable: bool, start: str = "") -> int:
-    lower = spec.gt if spec.ge is None else spec.ge
-    upper = spec.lt if spec.le is None else spec.le
+    open_lower = spec.gt is not None and (spec.ge is None or spec.gt >= spec.ge)
+    open_upper = spec.lt is not None and (spec.le is None or spec.lt <= spec.le)
+    lower, upper = (spec.gt if open_lower else spec.ge), (spec.lt if open_upper else spec.le)
     lay.path_of[path] = len(lay.parameters)
-    lay.parameters.append(ParameterInfo(path, spec.unit, spec.words, lower, upper, tunable, start))
+    lay.parameters.append(
+        ParameterInfo(path, spec.unit, spec.words, lower, upper, tunable, start, open_lower, open_upper)
+    )
     return len(lay.parameters) - 1
 
 

@@ -25,7 +25,8 @@ class Quantity(NamedTuple):
 class ParameterInfo(NamedTuple):
     """One entry of the parameter vector. `tunable` is False for start values, which are fixed once a run has begun.
 
-    start: what a start value is of: "angle" or "speed" of a shaft, or "state" of a block.
+    start: what a start value is of: "angle" or "speed" of a shaft, or "state" of a block. open_lower, open_upper: the
+    bound itself is no value of it (> lower, < upper).
     """
 
     path: str
@@ -35,6 +36,8 @@ class ParameterInfo(NamedTuple):
     upper: float | None
     tunable: bool
     start: str = ""
+    open_lower: bool = False
+    open_upper: bool = False
 
 
 class InputInfo(NamedTuple):

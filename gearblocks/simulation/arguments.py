@@ -144,7 +144,8 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
             raise ParameterError(
                 f"'{info.path}' enters a ratio, which is structural: make a new train with rig.set(...)"
             )
-        result[i] = checked(info.path, value, info.unit, info.lower, info.upper)
+        bounds = (info.lower, info.upper, info.open_lower, info.open_upper)
+        result[i] = checked(info.path, value, info.unit, *bounds)
     if isinstance(initial, Mapping):
         _initial(program, result, initial)
     elif not (initial is None or isinstance(initial, Trajectory) or is_static(initial)):
@@ -185,14 +186,17 @@ def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> N
             )
 
 
-def checked(name: str, value: float, unit: str, lower: float | None, upper: float | None) -> float:
-    """A finite number within its bounds, or ParameterError by name."""
+def checked(
+    name: str, value: float, unit: str, lower: float | None, upper: float | None,
+    open_lower: bool = False, open_upper: bool = False,
+) -> float:  # fmt: skip
+    """A finite number within its bounds, which an open one leaves out, or ParameterError by name."""
     number = finite_number(name, value)
     words = f"{name} = {number!r}{' ' + unit if unit not in ('', '1') else ''}"
-    if lower is not None and number < lower:
-        raise ParameterError(f"{words} must be >= {lower:g}")
-    if upper is not None and number > upper:
-        raise ParameterError(f"{words} must be <= {upper:g}")
+    if lower is not None and (number < lower or (open_lower and number == lower)):
+        raise ParameterError(f"{words} must be {'>' if open_lower else '>='} {lower:g}")
+    if upper is not None and (number > upper or (open_upper and number == upper)):
+        raise ParameterError(f"{words} must be {'<' if open_upper else '<='} {upper:g}")
     return number
 
 

@@ -347,7 +347,7 @@ class Simulation:
         return block.raw
 
     def restore(self, block: bytes) -> Code:
-        """Back to a saved state; ERR_STATE where the block has another length or belongs to another model."""
+        """Back to a saved state; ERR_STATE where the block has another length, belongs to another model or is damaged."""
         if len(block) != self._shared.gb_snapshot_size(self._sim):
             return Code.ERR_STATE
         return Code(self._shared.gb_restore(self._sim, block))

@@ -32,7 +32,7 @@ enum {
     GB_ERR_NAN_START = -4, /* a start value or parameter is NaN or infinite; index: state or n + parameter */
     GB_ERR_CHATTER = -5,   /* a switch flips without progress; index: switch */
     GB_ERR_BRANCH = -6,    /* no consistent set of modes after an event; index: switch */
-    GB_ERR_STATE = -7,     /* a saved state of another model or size */
+    GB_ERR_STATE = -7,     /* a saved state of another model or size, or a damaged one */
     GB_ERR_MEMORY = -8,
     GB_ERR_CALLBACK = -9,  /* the input callback asked to stop; index: input */
     GB_ERR_SINGULAR = -10, /* the step matrix has no inverse; index: state (from n on: massless speed) */
@@ -112,6 +112,9 @@ GB_API int gb_start(gb_sim *sim, const gb_options *options, double t0, const dou
 
 /* FMU style: advance to t (>= the last one) and hold there. The solver's own step goes on across calls. */
 GB_API int gb_advance(gb_sim *sim, double t);
+/* The same with at most so many steps and events, failing which the communication point is the front and the answer
+ * GB_PAUSE: the next call goes on from there with the bits of one call. */
+GB_API int gb_advance_within(gb_sim *sim, double t, long moves);
 GB_API double gb_time(const gb_sim *sim);            /* the present communication point */
 GB_API int gb_state(gb_sim *sim, double *y);         /* interpolated there */
 GB_API int gb_outputs(gb_sim *sim, double *out);     /* all outputs there, length n_outputs */
@@ -163,10 +166,13 @@ GB_API int gb_constraints_at(gb_sim *sim, const gb_point *at, const double *y, d
 GB_API int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, double *out, double *energy,
                     double *fit);
 
-/* The whole changing state as one block. */
+/* The whole changing state as one block. gb_fits: whether it was saved by this model and is as it was; gb_restore
+ * answers GB_ERR_STATE for any other. gb_checksum: of any bytes. */
 GB_API size_t gb_snapshot_size(const gb_sim *sim);
 GB_API void gb_save(const gb_sim *sim, void *block);
+GB_API int gb_fits(const gb_sim *sim, const void *block);
 GB_API int gb_restore(gb_sim *sim, const void *block);
+GB_API unsigned long long gb_checksum(const void *bytes, size_t count, unsigned long long seed);
 
 GB_API void gb_get_stats(const gb_sim *sim, gb_stats *stats);
 GB_API void gb_get_report(const gb_sim *sim, gb_report *report);

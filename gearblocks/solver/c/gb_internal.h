@@ -116,6 +116,7 @@ struct gb_event_state {
 /* The head of the block that changes during a run. No pointers. */
 typedef struct gb_head {
     uint64_t key, bytes;
+    uint64_t checksum; /* of a saved block; see gb_snapshot.h */
     gb_options options;
     gb_report report;
     int started;

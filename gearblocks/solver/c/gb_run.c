@@ -9,6 +9,7 @@
 #include "gb_step.h"
 #include "gb_vector.h"
 
+#include <limits.h>
 #include <time.h>
 
 enum { STEPS_BETWEEN_LOOKS = 64 }; /* at the clock */
@@ -38,10 +39,14 @@ static int move(gb_sim *sim, double target) {
     return code;
 }
 
-int gb_advance(gb_sim *sim, double t) {
+int gb_advance_within(gb_sim *sim, double t, long moves) {
     gb_head *head = sim->head;
     int code = begin(sim);
     while (code == GB_DONE && (head->front.t1 < t || (head->front.t1 == t && head->events.pending))) {
+        if (moves-- <= 0) {
+            head->front.t_comm = head->front.t1;
+            return GB_PAUSE;
+        }
         code = move(sim, t);
         sim->log.count = sim->log.flushed = 0;
     }
@@ -52,6 +57,10 @@ int gb_advance(gb_sim *sim, double t) {
         head->front.t_comm = t;
     }
     return code;
+}
+
+int gb_advance(gb_sim *sim, double t) {
+    return gb_advance_within(sim, t, LONG_MAX);
 }
 
 double gb_time(const gb_sim *sim) {

@@ -12,6 +12,7 @@
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_rosenbrock.h"
+#include "gb_vector.h"
 
 /* Derived parameters, natural scales and lanes of constants. */
 static int take_values(gb_sim *sim, double t) {
@@ -197,6 +198,9 @@ int gb_apply_changes(gb_sim *sim) {
         const double share =
             head->front.h > 0.0 ? (head->front.t_comm - head->front.t0) / (head->front.t1 - head->front.t0) : 1.0;
         head->ledger.turnover -= (1.0 - share) * head->ledger.turnover_segment;
+        /* Only a step that is passed to its end lets the next one grow: where changes cut every step short and the
+         * motion is a polynomial in time, it would grow without bound. */
+        head->control.h_next = gb_min(head->control.h_next, gb_max(head->front.h, head->control.h_worked));
         head->events.pending = 0;
         memset(sim->events.pending, 0, sizeof(double) * (size_t)sim->model->n_switches);
     }

@@ -167,6 +167,14 @@ static int name_taint(gb_sim *sim) {
     return gb_check_finite(sim, GB_ERR_NAN_RATE, sim->z, total, 0, sim->lanes.t[sim->method->stages]);
 }
 
+/* No step is short enough: what the last try of size h said. finite: it only had too large an error. */
+static int give_up(gb_sim *sim, int code, int finite, double h) {
+    if (code == GB_DONE && !finite) {
+        code = name_taint(sim);
+    }
+    return code != GB_DONE ? code : gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), sim->head->front.t1, h);
+}
+
 /* Time terms, the derivative at the front and all stages of a step that ends at `end`. */
 static int try_step(gb_sim *sim, double end) {
     const gb_method *method = sim->method;
@@ -219,7 +227,7 @@ int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
     const double limit = gb_min(head->events.t_break, stop);
-    int rejected = 0, tainted = 0, again = 0, code = sim->model->n_wrapped > 0 ? gb_wrap_angles(sim, 1) : GB_DONE;
+    int rejected = 0, again = 0, code = sim->model->n_wrapped > 0 ? gb_wrap_angles(sim, 1) : GB_DONE;
     gb_copy(sim->y0, sim->y, sim->model->n_total);
     head->front.have_dense = head->front.have_quadratures = 0;
     head->front.h = 0.0;
@@ -240,7 +248,7 @@ int gb_step(gb_sim *sim, double stop) {
         const double end = end_of_step(sim, h, limit);
         const double size = end - head->front.t1;
         code = try_step(sim, end);
-        if (code != GB_DONE && (code != GB_ERR_SINGULAR || fixed || tainted > 12)) {
+        if (code != GB_DONE && code != GB_ERR_SINGULAR) {
             break;
         }
         const double error = code == GB_DONE ? judge(sim, size) : NAN;
@@ -260,14 +268,12 @@ int gb_step(gb_sim *sim, double stop) {
         }
         head->counts.rejected++;
         rejected = 1;
-        if (!(error > 0.0) && (fixed || ++tainted > 12)) {
-            code = code == GB_DONE ? name_taint(sim) : code;
-            break;
-        }
-        code = sim->head->report.code = GB_DONE;
-        h = gb_choice_rejected(sim, size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1));
+        const int finite = error > 0.0;
+        h = fixed ? 0.0 : gb_choice_rejected(sim, size * (finite ? gb_step_factor(sim, error, 0) : 0.1));
         if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->front.t1), head->control.h_largest) || h < 1e-200) {
-            code = gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), head->front.t1, h);
+            code = give_up(sim, code, finite, h);
+        } else {
+            code = sim->head->report.code = GB_DONE;
         }
     }
     return code;
