@@ -339,7 +339,8 @@ def simulate(train: Drivetrain | Model, *unnamed: Any, **arguments: Any) -> Traj
     t_end: end of the run [s]; the samples are the accepted steps with both sides of each event. Or t: sample times [s].
     t_start: start [s], default 0. method: "auto", "rk4" (needs step), "dp5", "dp8", "rodas". rtol: tolerance relative to the
     largest value of each state so far. step: fixed step [s] for any method. max_step: longest step [s].
-    locate: False changes modes at the ends of steps only, wherever the corners lie (to see what that costs in accuracy).
+    locate: False locates nothing: every stage of a step takes the side it is on, as an `if` in the right-hand side does (to see
+    what that costs); friction, stops and lossy gears then change at the ends of steps.
     inputs: by name a number, a `Table` over time, or a function of time (called per stage: slow; a Table is fast).
     parameters: other values by path ("mesh.k"), without recompiling. initial: start values by name ("motor.w",
     "motor.phi", states of blocks), an earlier run to continue, "static" (the equilibrium with every excitation by time at

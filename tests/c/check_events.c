@@ -95,7 +95,7 @@ static void check_general_event_function(double level, double rtol) {
     free_run(&r);
 }
 
-/* Without location the modes follow at step ends: near the truth, not on it. */
+/* Without location every stage has the modes of its own state: near the truth, not on it. */
 static void check_without_location(void) {
     double t[21];
     grid(t, 21, 20.0);

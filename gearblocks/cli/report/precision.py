@@ -31,7 +31,7 @@ class Line:
     def label(self) -> str:
         """Words for a legend."""
         kind = "fixed step" if self.steps else "adaptive"
-        return f"{self.method} {kind}, corners {'located' if self.locate else 'at step ends'}"
+        return f"{self.method} {kind}, corners {'located' if self.locate else 'by stage'}"
 
 
 @dataclass(frozen=True, slots=True)

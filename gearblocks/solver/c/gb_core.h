@@ -46,7 +46,7 @@ enum { GB_RK4 = 0, GB_DP5 = 1, GB_DP8 = 2, GB_RODAS = 3, GB_METHODS = 4, GB_AUTO
 
 typedef struct gb_options {
     int method;      /* GB_RK4 .. GB_AUTO */
-    int locate;      /* 1: switches are located; 0: modes are refreshed at step ends only */
+    int locate;      /* 1: switches are located; 0: each stage has its own modes, constraints switch at step ends */
     double rtol;     /* relative tolerance of the step control */
     double step;     /* > 0: fixed steps on the grid t_start + i step (events in between), else adaptive */
     double max_step; /* largest adaptive step, HUGE_VAL: none */

@@ -72,7 +72,11 @@ int gb_dense_complete(gb_sim *sim) {
     if (sim->head->front.have_dense == 2) {
         return GB_DONE;
     }
-    gb_run_extra_stages(sim, sim->head->front.h);
+    if (sim->head->options.locate) {
+        gb_run_extra_stages(sim, sim->head->front.h);
+    } else {
+        gb_run_extra_stages_unlocated(sim, sim->head->front.h);
+    }
     for (int j = method->stages + 1; j < method->all_stages; j++) {
         const double *k = sim->k + (size_t)j * (size_t)model->n_total;
         if (!(gb_taint(k, model->n_total) == 0.0)) {

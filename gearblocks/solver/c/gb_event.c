@@ -52,7 +52,7 @@ int gb_settle_all(gb_sim *sim, int log) {
     for (int round = 0; round < GB_FLIPS && sim->model->n_constraints > 0 && code == GB_DONE; round++) {
         code = gb_switch_constraints(sim, log);
         modes = sim->head->events.mode_hash;
-        if (code == GB_DONE && (!log || sim->head->options.locate)) {
+        if (code == GB_DONE) {
             code = gb_settle_modes(sim, log);
         }
         if (modes == sim->head->events.mode_hash) {
@@ -130,10 +130,8 @@ int gb_apply_event(gb_sim *sim) {
         gb_input_find(sim, head->front.t1, 1);
     }
     int code = flip_pending(sim);
-    if (code == GB_DONE && head->options.locate) {
+    if (code == GB_DONE) {
         code = gb_settle_modes(sim, 1);
-    } else if (code == GB_DONE && sim->model->n_switches > 0) {
-        sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
     }
     if (code == GB_DONE) {
         code = gb_settle_all(sim, 1);

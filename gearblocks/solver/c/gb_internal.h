@@ -167,6 +167,13 @@ struct gb_events {
     double flight;                     /* until a body that has just hit a stop is back */
 };
 
+/* Without location. */
+struct gb_unlocated {
+    double *mode; /* of the stage; behind them the active set */
+    int lanes;    /* with time terms */
+    int crossed;  /* a mode changed between two stages of the step */
+};
+
 struct gb_event_log {
     gb_event *event;
     long count, flushed, capacity;
@@ -227,6 +234,7 @@ struct gb_sim {
     struct gb_control control;
     gb_lanes lanes, instant; /* of a step, of single instants */
     struct gb_events events;
+    struct gb_unlocated unlocated;
     struct gb_event_log log;
     struct gb_constraints constraints;
     struct gb_lossy lossy;

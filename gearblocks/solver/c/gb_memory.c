@@ -122,6 +122,7 @@ static void lay_events(gb_sim *sim, char *base, size_t *at) {
     e->slopes = doubles(base, at, (long)GB_ROWS * m->n_affine);
     e->mode_before = doubles(base, at, m->update_states ? m->n_switches : 0);
     e->samples = doubles(base, at, (m->n_event_functions > m->n_affine ? (long)GB_STAGES : 0) * m->n_event_functions);
+    sim->unlocated.mode = doubles(base, at, m->n_switches + m->n_active_set);
     e->role = take(base, at, sizeof(int) * (size_t)(m->n_switches + 1));
     sim->log.capacity = 4L * m->n_switches + m->n_inputs + 64;
     sim->log.event = take(base, at, sizeof(gb_event) * (size_t)sim->log.capacity);

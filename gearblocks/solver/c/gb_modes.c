@@ -1,5 +1,6 @@
 #include "gb_modes.h"
 #include "gb_report.h"
+#include "gb_stage_modes.h"
 #include "gb_vector.h"
 
 static uint64_t mix(uint64_t x) {
@@ -84,24 +85,27 @@ void gb_mark_time_events(gb_sim *sim) {
     sim->head->events.pending = 1;
 }
 
-void gb_mark_modes(gb_sim *sim) {
+int gb_mark_modes(gb_sim *sim) {
     const gb_model *model = sim->model;
-    if (model->n_event_functions == 0) {
-        return;
+    const int alone = model->n_constraints == 0 && !model->update_states && !model->balance_massless;
+    const int lane = sim->method->stages, none = gb_stage_modes(sim, &sim->lanes, sim->unlocated.lanes, lane, sim->y);
+    if (none >= 0) {
+        return gb_fail(sim, GB_ERR_BRANCH, none, sim->head->front.t1, sim->events.s[none]);
     }
-    model->event_functions(sim->par, sim->mode, sim->lanes.time_terms + sim->method->stages, sim->y, sim->events.s);
     for (int i = 0; i < model->n_event_functions; i++) {
-        if (sim->events.role[i] == GB_CONSTRAINED) {
-            sim->events.pending[i] =
-                sim->events.s[i] < sim->events.lo[i] || sim->events.s[i] > sim->events.hi[i] ? 3.0 : 0.0;
-            sim->head->events.pending = sim->head->events.pending || sim->events.pending[i] != 0.0;
-            continue;
-        }
-        const double mode = model->mode_at(sim->par, i, sim->events.s[i]);
-        if (mode != sim->mode[i]) {
+        const int role = sim->events.role[i];
+        const double s = sim->events.s[i], fit = model->mode_at(sim->par, i, s);
+        if (role == GB_CONSTRAINED ? s < sim->events.lo[i] || s > sim->events.hi[i] : fit != sim->mode[i]) {
+            sim->events.next_mode[i] = fit;
             sim->events.pending[i] = 3.0;
-            sim->events.next_mode[i] = mode;
-            sim->head->events.pending = 1;
+            sim->head->events.pending = !alone;
         }
     }
+    for (int i = 0; i < model->n_event_functions && alone; i++) {
+        if (sim->events.pending[i] == 3.0) { /* the rates at the front are those of its new mode already */
+            sim->events.pending[i] = 0.0;
+            gb_set_mode(sim, i, sim->events.next_mode[i], sim->events.role[i] == GB_ORDINARY);
+        }
+    }
+    return GB_DONE;
 }

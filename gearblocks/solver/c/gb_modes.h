@@ -40,7 +40,8 @@ void gb_time_modes(gb_sim *sim, int log);
 /* The front has reached an announced instant. */
 void gb_mark_time_events(gb_sim *sim);
 
-/* Without location: modes follow their event functions at the end of the step. */
-void gb_mark_modes(gb_sim *sim);
+/* Without location: modes follow their event functions at the end of the step, at once where no state and no constraint
+ * does, else as an event. */
+int gb_mark_modes(gb_sim *sim);
 
 #endif

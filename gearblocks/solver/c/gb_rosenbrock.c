@@ -2,6 +2,7 @@
 #include "gb_constraint_rows.h"
 #include "gb_report.h"
 #include "gb_sparse_ldu.h"
+#include "gb_stage_modes.h"
 #include "gb_vector.h"
 
 /* Part of a step in which the rates are differenced in time: rounding and truncation are of equal weight there. */
@@ -261,6 +262,9 @@ int gb_rosenbrock_stages(gb_sim *sim, double h) {
         return code;
     }
     slope_in_time(sim, h);
+    if (!sim->head->options.locate) {
+        gb_stage_modes_begin(sim, method->all_stages + (model->n_time_terms > 0 ? 2 : 0));
+    }
     if (model->n_time_terms > 0) {
         add(sim, sim->k1, method->slope[0], sim->k + (size_t)GB_SLOPE * (size_t)total, sim->k);
     } else {
@@ -270,7 +274,11 @@ int gb_rosenbrock_stages(gb_sim *sim, double h) {
     for (int j = 1; j < method->stages; j++) {
         double *k = sim->k + (size_t)j * (size_t)total;
         sum_stages(sim, j, h);
-        model->rhs(sim->par, sim->mode, sim->lanes.time_terms + j, sim->z, k);
+        if (sim->head->options.locate) {
+            model->rhs(sim->par, sim->mode, sim->lanes.time_terms + j, sim->z, k);
+        } else {
+            gb_stage_rates(sim, j, 0, sim->z, k);
+        }
         add(sim, k, 1.0, sim->z2, k);
         solve_stage(sim, k);
     }
@@ -295,8 +303,12 @@ void gb_rosenbrock_quadratures(gb_sim *sim, double h) {
     }
     for (int i = 0; i < GB_NODES; i++) {
         const int j = method->stages + 1 + i;
-        model->rhs_full(sim->par, sim->mode, sim->lanes.time_terms + j, node(sim, i),
-                        sim->k + (size_t)j * (size_t)total);
+        double *k = sim->k + (size_t)j * (size_t)total;
+        if (sim->head->options.locate) {
+            model->rhs_full(sim->par, sim->mode, sim->lanes.time_terms + j, node(sim, i), k);
+        } else {
+            gb_stage_rates(sim, j, 1, node(sim, i), k);
+        }
         sim->head->counts.rhs_calls++;
     }
     gb_combine(&method->quadratures[0], sim->k, total, padded, total, sim->y0, h, sim->z);

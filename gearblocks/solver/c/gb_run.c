@@ -5,6 +5,7 @@
 #include "gb_event.h"
 #include "gb_inputs.h"
 #include "gb_report.h"
+#include "gb_stage_modes.h"
 #include "gb_start.h"
 #include "gb_step.h"
 #include "gb_vector.h"
@@ -73,34 +74,51 @@ int gb_state(gb_sim *sim, double *y) {
     return code;
 }
 
-/* State, time terms and derivative at the communication point, into z, `instant` and z2. */
-static int at_communication_point(gb_sim *sim) {
+/* The modes at t, where the state is y: those of the front, or without location those that fit there. */
+static int modes_between(gb_sim *sim, double t, const double *y, const double **mode) {
+    int code = GB_DONE;
+    *mode = sim->mode;
+    if (!sim->head->options.locate && t < sim->head->front.t1) {
+        code = gb_time_terms_at(sim, t);
+        gb_stage_modes_begin(sim, 1);
+        gb_stage_modes(sim, &sim->instant, 1, 0, y);
+        *mode = sim->unlocated.mode;
+    }
+    return code;
+}
+
+/* State, modes, time terms and derivative at the communication point: z, `mode`, `instant` and z2. */
+static int at_communication_point(gb_sim *sim, const double **mode) {
     int code = gb_state(sim, sim->z);
     if (code == GB_DONE) {
         code = gb_time_terms_at(sim, sim->head->front.t_comm);
     }
     if (code == GB_DONE) {
-        sim->model->rhs_full(sim->par, sim->mode, sim->instant.time_terms, sim->z, sim->z2);
+        code = modes_between(sim, sim->head->front.t_comm, sim->z, mode);
+    }
+    if (code == GB_DONE) {
+        sim->model->rhs_full(sim->par, *mode, sim->instant.time_terms, sim->z, sim->z2);
         if (sim->model->output_time_terms) {
-            sim->model->output_time_terms(sim->par, sim->mode, 1, sim->instant.t, sim->instant.u,
-                                          sim->instant.time_terms);
+            sim->model->output_time_terms(sim->par, *mode, 1, sim->instant.t, sim->instant.u, sim->instant.time_terms);
         }
     }
     return code;
 }
 
 int gb_outputs(gb_sim *sim, double *out) {
-    const int code = at_communication_point(sim);
+    const double *mode;
+    const int code = at_communication_point(sim, &mode);
     if (code == GB_DONE) {
-        sim->model->outputs(sim->par, sim->mode, sim->instant.time_terms, sim->z, sim->z2, out);
+        sim->model->outputs(sim->par, mode, sim->instant.time_terms, sim->z, sim->z2, out);
     }
     return code;
 }
 
 int gb_energies(gb_sim *sim, double *energy) {
-    const int code = at_communication_point(sim);
+    const double *mode;
+    const int code = at_communication_point(sim, &mode);
     if (code == GB_DONE) {
-        sim->model->energies(sim->par, sim->mode, sim->instant.time_terms, sim->z, energy);
+        sim->model->energies(sim->par, mode, sim->instant.time_terms, sim->z, energy);
     }
     return code;
 }
@@ -139,9 +157,13 @@ static int write_row(gb_sim *sim, gb_record *record, double t) {
     double *row = record->rows + (size_t)record->n_rows * row_length(m);
     *row++ = t;
     gb_dense_all(sim, t, row);
+    const double *mode;
+    int code = modes_between(sim, t, row, &mode);
     row += m->n_total;
-    memcpy(row, sim->mode, sizeof(double) * (size_t)m->n_switches);
-    const int code = gb_input_values(sim, t, row + m->n_switches);
+    memcpy(row, mode, sizeof(double) * (size_t)m->n_switches);
+    if (code == GB_DONE) {
+        code = gb_input_values(sim, t, row + m->n_switches);
+    }
     if (code == GB_DONE) {
         record->n_rows++;
         sim->head->front.t_comm = t;

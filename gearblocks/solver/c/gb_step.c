@@ -10,6 +10,7 @@
 #include "gb_report.h"
 #include "gb_rosenbrock.h"
 #include "gb_runge_kutta.h"
+#include "gb_stage_modes.h"
 #include "gb_vector.h"
 
 /* log2 of the error of the states, in units of the tolerance, below which the ledger may need shorter steps. */
@@ -20,9 +21,13 @@ enum { AGAIN = 100, MOST_AGAIN = 8 };
 
 static void last_derivative(gb_sim *sim) {
     const int last = sim->method->stages;
-    sim->model->rhs_full(sim->par, sim->mode, sim->lanes.time_terms + last, sim->z,
-                         sim->k + (size_t)last * (size_t)sim->model->n_total);
+    double *k = sim->k + (size_t)last * (size_t)sim->model->n_total;
     sim->head->counts.rhs_calls++;
+    if (!sim->head->options.locate) {
+        gb_stage_rates(sim, last, 1, sim->z, k);
+        return;
+    }
+    sim->model->rhs_full(sim->par, sim->mode, sim->lanes.time_terms + last, sim->z, k);
 }
 
 /* Where a step of size h from the front ends: on the grid, at an announced instant, or where it likes. */
@@ -77,8 +82,8 @@ static int accept(gb_sim *sim, double end, int may_shorten) {
             gb_wrapping_advance(sim);
         }
         head->front.t1 = end;
-        if (!head->options.locate) {
-            gb_mark_modes(sim);
+        if (!head->options.locate && gb_mark_modes(sim) != GB_DONE) {
+            return head->report.code;
         }
     }
     if (head->front.t1 >= head->events.t_break) { /* also where a switch of the state is pending there */
@@ -195,7 +200,11 @@ static int try_step(gb_sim *sim, double end) {
         return gb_rosenbrock_stages(sim, h);
     }
     gb_copy(sim->k, sim->k1, sim->model->n_total);
-    gb_run_stages(sim, h);
+    if (sim->head->options.locate) {
+        gb_run_stages(sim, h);
+    } else {
+        gb_run_stages_unlocated(sim, h);
+    }
     return GB_DONE;
 }
 
