@@ -130,6 +130,15 @@ static int log_changes(gb_sim *sim, int log) {
     return code;
 }
 
+/* It slides since this very instant: it does not hold its static peak again before time has gone on. */
+static int has_just_let_go(const gb_sim *sim, int i) {
+    const gb_constraint *constraint = &sim->model->constraints[i];
+    const gb_head *head = sim->head;
+    return constraint->kind == GB_FRICTION && !gb_is_active(sim, i) && sim->mode[constraint->slip] != 0.0 &&
+           head->front.t1 - sim->events.flip_time[constraint->active] <=
+               10.0 * gb_rounding(head->front.t1, head->front.h);
+}
+
 /* Constraint forces of the old modes, and which of them were redundant, before anything changes. */
 static void look_back(gb_sim *sim) {
     const gb_model *model = sim->model;
@@ -140,6 +149,7 @@ static void look_back(gb_sim *sim) {
             sim->mode[model->n_switches] > 0.0 && sim->mode[model->n_switches + gb_active_redundant(n) + i] != 0.0;
         sim->constraints.shrink[i] = 0.0;
         sim->constraints.released[i] = sim->constraints.struck[i] = 0;
+        sim->constraints.was_broken[i] = has_just_let_go(sim, i);
     }
     model->constraint_forces(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.other,
                              sim->constraints.force);
