@@ -9,6 +9,8 @@
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_vector.h"
+#include <stdio.h>  /*DBG*/
+#include <stdlib.h> /*DBG*/
 
 /* Mode for the events: 0 stuck, 1 forward, -1 backward, 2 free; of a stop 1 closed, 0 open. */
 static double shown_mode(const gb_sim *sim, int i) {
@@ -197,8 +199,10 @@ static int look_ahead(gb_sim *sim) {
     return code;
 }
 
-/* How long the first of the bodies that have just hit a stop stays away from it. */
-static double shortest_flight(const gb_sim *sim) {
+/* How long the first of the bodies that have just hit a stop stays away from it. Friction may turn its pace on the way:
+ * the same counts then, for a while. */
+static void note_flight(gb_sim *sim) {
+    struct gb_event_state *events = &sim->head->events;
     double shortest = HUGE_VAL;
     for (int i = 0; i < sim->model->n_constraints; i++) {
         double size;
@@ -208,7 +212,12 @@ static double shortest_flight(const gb_sim *sim) {
             shortest = gb_min(shortest, -2.0 * sim->constraints.slip[i] / rate);
         }
     }
-    return shortest;
+    if (shortest < HUGE_VAL) {
+        events->flight = shortest;
+        events->flight_end = sim->head->front.t1 + 16.0 * shortest;
+    } else if (!(events->flight > 0.0 && sim->head->front.t1 < events->flight_end)) {
+        events->flight = HUGE_VAL;
+    }
 }
 
 /* A stop that a start value lies beyond, or a lossy gear whose sides start at speeds that it does not allow; or -1.
@@ -297,7 +306,7 @@ int gb_switch_constraints(gb_sim *sim, int log) {
     if (sim->constraints.y != sim->y && code == GB_DONE) {
         code = gb_time_terms_at(sim, sim->head->front.t1);
     }
-    sim->events.flight = shortest_flight(sim);
+    note_flight(sim);
     take_modes(sim);
     gb_factor_active_set(sim, sim->mode, sim->instant.time_terms, sim->y);
     gb_project_velocities(sim, sim->instant.time_terms);

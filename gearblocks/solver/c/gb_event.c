@@ -1,4 +1,5 @@
 #include "gb_event.h"
+#include "gb_constraint_state.h"
 #include "gb_constraint_switching.h"
 #include "gb_evaluate.h"
 #include "gb_inputs.h"
@@ -21,7 +22,8 @@ static int beyond(const gb_sim *sim, int i) {
 static int clearly_beyond(gb_sim *sim, int i) {
     const int side = beyond(sim, i);
     const double distance = side == 0 ? 0.0 : sim->events.s[i] - (side < 0 ? sim->events.lo[i] : sim->events.hi[i]);
-    return side != 0 && !gb_is_noise(sim, i, distance, sim->instant.time_terms, sim->y, sim->y);
+    return side != 0 &&
+           !(gb_some_active(sim) && gb_is_noise(sim, i, distance, sim->instant.time_terms, sim->y, sim->y));
 }
 
 int gb_settle_modes(gb_sim *sim, int log) {
@@ -160,7 +162,7 @@ int gb_apply_event(gb_sim *sim) {
         recall_step(sim);
     }
     if (sim->model->n_constraints > 0) { /* a step much longer than a bounce could not tell the bounce */
-        head->control.h_next = gb_min(head->control.h_next, 2.0 * sim->events.flight);
+        head->control.h_next = gb_min(head->control.h_next, 2.0 * head->events.flight);
     }
     return code;
 }

@@ -108,6 +108,8 @@ struct gb_event_state {
     double t_break;     /* the next announced instant: time switches and tables */
     int pending;        /* an event waits at the front */
     int armed;          /* some switch has just flipped and is watched from its limit */
+    double flight;      /* how long a body that has just hit a stop is away (HUGE_VAL: none) */
+    double flight_end;  /* and until when that may still be so, friction changing its pace */
     uint64_t mode_hash; /* of all modes */
     uint64_t remembered_modes[GB_MEMORY];
     double remembered_step[GB_MEMORY];
@@ -165,7 +167,6 @@ struct gb_events {
     double *located, *side;            /* theta at which it leaves its mode, and the limit */
     int undersampled;                  /* samples of the last step do not tell what a constraint force does */
     int in_doubt;                      /* its polynomial takes back at once what was decided at its start */
-    double flight;                     /* until a body that has just hit a stop is back */
 };
 
 struct gb_event_log {

@@ -7,9 +7,6 @@ static const double STEEPEST = 1e6;
 int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, const double *y, const double *other) {
     const gb_model *model = sim->model;
     double largest = 0.0, noise = 0.0, *s = sim->events.moved, *moved = sim->z2;
-    if (model->n_constraints == 0 || sim->mode[model->n_switches] == 0.0) {
-        return 0;
-    }
     for (int j = 0; j < model->n; j++) {
         largest = gb_max(largest, gb_max(fabs(y[j]), fabs(other[j])));
     }

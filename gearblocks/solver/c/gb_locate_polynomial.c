@@ -1,4 +1,5 @@
 #include "gb_locate_polynomial.h"
+#include "gb_constraint_state.h"
 #include "gb_dense_output.h"
 #include "gb_limit_noise.h"
 #include "gb_locate_sampled.h"
@@ -256,7 +257,7 @@ static int has_stayed(gb_sim *sim, int i) {
     const gb_model *model = sim->model;
     const double *time_terms = sim->lanes.time_terms + sim->method->stages;
     const double limit = sim->events.side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
-    if (sim->events.role[i] == GB_CONSTRAINED ||
+    if (sim->events.role[i] == GB_CONSTRAINED || !gb_some_active(sim) ||
         !gb_is_noise(sim, i, sim->events.s0[i] - limit, time_terms, sim->z, sim->y0)) {
         return 0;
     }
