@@ -45,7 +45,7 @@ from gearblocks.laws.prescribed_motion import (
     prescribed_speed,
 )
 from gearblocks.laws.relative_angles import in_coordinates
-from gearblocks.laws.switched_constraints import along, constraint_laws, constraint_loss, sliding_force
+from gearblocks.laws.switched_constraints import along, constraint_laws, constraint_loss, sizes_of_slips, sliding_force
 from gearblocks.laws.switching import Freezer
 from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, Symbols
 
@@ -237,7 +237,7 @@ def _constant_part(slope: Any, angles: set[Any]) -> Any:
 
 def _frozen(law: Law, declared: Iterable[Switch]) -> Law:
     """The law with the conditions of its dynamics as modes; outputs read these modes and locate nothing of their own."""
-    pool, freezer = law.pool, Freezer(law.pool)
+    pool, freezer = law.pool, Freezer(law.pool, sizes_of_slips(law.pool, law.constraints))
 
     def new(expr: Any) -> Any:
         return in_coordinates(pool, expr, law.replaced)

@@ -152,6 +152,15 @@ def along(pool: Pool, constraint: ConstraintLaw, expr: Any) -> Any:
     )
 
 
+def sizes_of_slips(pool: Pool, constraints: Mapping[str, ConstraintLaw]) -> frozenset[Any]:
+    """direction * slip of all that rub: what abs(slip) becomes along them."""
+    return frozenset(
+        sp.expand(pool.symbol("direction", x.name, f"dir_{x.name}".rstrip("_")) * x.slip)
+        for x in constraints.values()
+        if not x.is_stop
+    )
+
+
 def _along(expr: Any, slip: Any, direction: Any) -> Any:
     """abs(slip) as direction * slip, so that the law stays on one branch within a step."""
 

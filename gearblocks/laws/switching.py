@@ -19,6 +19,8 @@ from gearblocks.laws.functions import ContactSide, DeadZone, Table2At, TableAt
 from gearblocks.laws.switched_constraints import ConstraintLaw
 from gearblocks.laws.symbols import CONSTANT, MOVING, Pool
 
+_OUT_OF_REACH = -1e300
+
 _COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
 """floor(x) as a periodic step table over x: its segments are numbered by the whole part."""
 
@@ -60,9 +62,13 @@ class EventFunction:
 
 @dataclass
 class Freezer:
-    """Replaces conditions by mode symbols and collects the switches. One per kind."""
+    """Replaces conditions by mode symbols and collects the switches. One per kind.
+
+    sizes: expressions that are no less than 0 but for rounding, since a switched constraint decides about their side.
+    """
 
     pool: Pool
+    sizes: frozenset[Any] = frozenset()
     switches: list[EventFunction] = field(default_factory=list)
     locating: bool = True
     _memo: dict[Any, Any] = field(default_factory=dict)
@@ -197,15 +203,22 @@ class Freezer:
         n = 1 if isinstance(e, TableAt) else 2
         symbol, quantities, orders = e.args[0], [self.freeze(x) for x in e.args[1 : n + 1]], e.args[n + 1 : 2 * n + 1]
         axes = [symbol] if n == 1 else [self.pool.table(axis) for axis in self.pool.roles[symbol].of.axes]
-        modes = [self._segment(axis, x) for axis, x in zip(axes, quantities, strict=True)]
+        modes = [
+            self._segment(axis, x, least=isinstance(raw, sp.Abs) or sp.expand(x) in self.sizes)
+            for axis, x, raw in zip(axes, quantities, e.args[1 : n + 1], strict=True)
+        ]
         if None in modes:
             return e.func(symbol, *quantities, *orders)
         if n == 1 and self.pool.roles[symbol].of.kind == "step":
             quantities = [sp.Integer(0)]
         return e.func(symbol, *quantities, *orders, *modes)
 
-    def _segment(self, table: Any, x: Any, name: str = "table") -> Any:
-        """The mode that is the segment of a table over x, shared by all with the same joints; None where none is located."""
+    def _segment(self, table: Any, x: Any, name: str = "table", least: bool = False) -> Any:
+        """The mode that is the segment of a table over x, shared by all with the same joints; None where none is located.
+
+        least: x is a size, whose side is decided elsewhere: no joint below or at 0 is a corner.
+        """
+        table = self._beyond_zero(table) if least else table
         for switch in self.switches:
             if switch.table is not None and switch.surface == x and self._same_joints(switch.table, table):
                 return switch.symbol
@@ -213,6 +226,16 @@ class Freezer:
         if not self.locating or smooth or self.pool.level(x) == CONSTANT:
             return None
         return self._add(name, x, table).symbol
+
+    def _beyond_zero(self, table: Any) -> Any:
+        """A table with the same numbers of segments whose joints up to 0 are out of reach."""
+        of = self.pool.roles[table].of
+        if not isinstance(of, Table) or of.periodic or of.x[0] > 0:
+            return table
+        below = [i for i, x in enumerate(of.x) if x <= 0]
+        x = [_OUT_OF_REACH * (below[-1] + 1 - i) for i in below] + [float(x) for x in of.x[len(below) :]]
+        made = Table(x, [0.0] * len(x), "step")
+        return self.pool.symbol("table", made, f"table_{made.digest()}")
 
     def _same_joints(self, one: Any, other: Any) -> bool:
         """Whether two tables have the same segments, so that one switch serves both."""

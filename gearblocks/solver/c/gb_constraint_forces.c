@@ -36,14 +36,82 @@ static int cannot_hold(const gb_sim *sim, int i) {
            sim->constraints.free_acceleration[i] != 0.0;
 }
 
-/* The complementarity problem of the candidates: forces within their bounds that keep the slips at zero. Those that
- * slip all the same slide from here; returns how many. */
+/* Bounds of the constraint force of candidate i: what it holds while stuck, and once it is broken what it carries while
+ * it slides. */
+static void bounds_of(const gb_sim *sim, int i, double *lo, double *hi) {
+    const double *bounds = sim->constraints.bounds + 5 * i, keep = 1.0 - sim->constraints.shrink[i];
+    const int bounded = sim->model->constraints[i].kind != GB_LOSS, broken = sim->constraints.broken[i];
+    *lo = !bounded || bounds[0] <= -HUGE_VAL ? -HUGE_VAL : broken ? gb_max(bounds[0], -bounds[2]) : keep * bounds[0];
+    *hi = !bounded || bounds[1] >= HUGE_VAL ? HUGE_VAL : broken ? gb_min(bounds[1], bounds[3]) : keep * bounds[1];
+    *hi = gb_max(*hi, *lo);
+}
+
+/* Slip acceleration of the p-th of `count` candidates; 0 where it is rounding, or no force is at its bound. */
+static double candidate_slips(const gb_sim *sim, int p, int count) {
+    const double *x = sim->constraints.force;
+    double w = sim->constraints.right[p], size = fabs(w);
+    for (int q = 0; q < count; q++) {
+        w += sim->constraints.matrix[p * count + q] * x[q];
+        size += fabs(sim->constraints.matrix[p * count + q] * x[q]);
+    }
+    const int at_bound = x[p] <= sim->constraints.lo[p] || x[p] >= sim->constraints.hi[p];
+    return at_bound && fabs(w) > gb_acceleration_rounding(sim, sim->constraints.index[p], size) ? w : 0.0;
+}
+
+/* Among the candidates that slip beyond their static peaks those break that the load exceeds most, in proportion to
+ * the peak: they would be the first if it rose from zero. */
+static int break_first(gb_sim *sim, int count) {
+    const double *x = sim->constraints.force;
+    double *lo = sim->constraints.lo, *hi = sim->constraints.hi, *peak = sim->constraints.peak, most = 0.0;
+    for (int p = 0; p < count; p++) {
+        if (peak[p] > 0.0) {
+            lo[p] = -HUGE_VAL;
+            hi[p] = HUGE_VAL;
+        }
+    }
+    const int code = gb_solve_problem(sim, count);
+    for (int p = 0; p < count && code == GB_DONE; p++) {
+        peak[p] = peak[p] > 0.0 ? fabs(x[p]) / peak[p] : 0.0;
+        most = gb_max(most, peak[p]);
+    }
+    for (int p = 0; p < count; p++) {
+        if (peak[p] > 0.0 && peak[p] >= (1.0 - 1e-9) * most) {
+            sim->constraints.broken[sim->constraints.index[p]] = 1;
+        }
+    }
+    return code;
+}
+
+/* The complementarity problem of `count` candidates. A candidate that slips although it holds its static peak is
+ * broken: it goes on with what it carries while it slides, and may stay at rest with no more than that. */
+static int solve_with_peaks(gb_sim *sim, int count) {
+    int code = GB_DONE;
+    for (int over = 1, round = 0; over > 0 && code == GB_DONE && round <= count; round++) {
+        for (int p = 0; p < count; p++) {
+            bounds_of(sim, sim->constraints.index[p], &sim->constraints.lo[p], &sim->constraints.hi[p]);
+        }
+        code = gb_solve_problem(sim, count);
+        over = 0;
+        for (int p = 0; p < count && code == GB_DONE; p++) {
+            const int i = sim->constraints.index[p];
+            const double w = candidate_slips(sim, p, count), *bounds = sim->constraints.bounds + 5 * i;
+            const double force = fabs(sim->constraints.force[p]), sliding = w > 0.0 ? bounds[2] : bounds[3];
+            const int drops = sim->model->constraints[i].kind == GB_FRICTION && sliding < (1.0 - 1e-12) * force;
+            sim->constraints.peak[p] = w != 0.0 && drops && !sim->constraints.broken[i] ? force : 0.0;
+            over += sim->constraints.peak[p] > 0.0;
+        }
+        if (over > 0) {
+            code = break_first(sim, count);
+        }
+    }
+    return code;
+}
+
+/* The candidates whose slip no force within their bounds keeps at zero slide from here; returns how many. */
 static int decide(gb_sim *sim, int *code) {
     const gb_model *model = sim->model;
     const int n = model->n_constraints;
     int *index = sim->constraints.index, count = 0, lost = 0;
-    double *lo = sim->constraints.lo, *hi = sim->constraints.hi, *b = sim->constraints.right,
-           *x = sim->constraints.force;
     for (int i = 0; i < n; i++) {
         if (sim->constraints.decision[i] == GB_CANDIDATE && cannot_hold(sim, i)) {
             sim->constraints.decision[i] = GB_SLIDES;
@@ -51,47 +119,61 @@ static int decide(gb_sim *sim, int *code) {
             lost++;
         }
         if (sim->constraints.decision[i] == GB_CANDIDATE) {
-            const double *bounds = sim->constraints.bounds + 5 * i, keep = 1.0 - sim->constraints.shrink[i];
-            const int bounded = model->constraints[i].kind != GB_LOSS;
-            lo[count] = bounded && bounds[0] > -HUGE_VAL ? keep * bounds[0] : -HUGE_VAL;
-            hi[count] = bounded && bounds[1] < HUGE_VAL ? gb_max(keep * bounds[1], lo[count]) : HUGE_VAL;
-            b[count] = sim->constraints.free_acceleration[i];
+            sim->constraints.right[count] = sim->constraints.free_acceleration[i];
             index[count++] = i;
         }
     }
-    *code = gb_solve_problem(sim, count);
-    if (*code != GB_DONE) {
-        return 0;
-    }
-    for (int i = 0; i < count; i++) {
-        const gb_constraint *constraint = &model->constraints[index[i]];
-        double w = b[i], size = fabs(b[i]);
-        for (int j = 0; j < count; j++) {
-            w += sim->constraints.matrix[i * count + j] * x[j];
-            size += fabs(sim->constraints.matrix[i * count + j] * x[j]);
-        }
-        if (fabs(w) > gb_acceleration_rounding(sim, index[i], size) && (x[i] <= lo[i] || x[i] >= hi[i])) {
-            sim->constraints.decision[index[i]] = constraint->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
+    *code = solve_with_peaks(sim, count);
+    for (int p = 0; p < count && *code == GB_DONE; p++) {
+        const gb_constraint *constraint = &model->constraints[index[p]];
+        const double w = candidate_slips(sim, p, count);
+        if (w != 0.0) {
+            sim->constraints.decision[index[p]] = constraint->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
             sim->mode[constraint->slip] = constraint->kind == GB_STOP ? 0.0 : w > 0.0 ? 1.0 : -1.0;
-            sim->constraints.shrink[index[i]] = 0.0;
+            sim->constraints.shrink[index[p]] = 0.0;
             lost++;
         }
     }
-    if (lost == 0) {
+    if (*code == GB_DONE && lost == 0) {
         *code = gb_refuse_contradiction(sim, count);
     }
-    sim->constraints.count = count;
-    return lost;
+    sim->constraints.count = *code == GB_DONE ? count : 0;
+    return *code == GB_DONE ? lost : 0;
+}
+
+/* What was released at its peak and would slide back at once, since another one let go too, stays at rest with what it
+ * carries while it slides; returns how many. */
+static int take_back(gb_sim *sim) {
+    int back = 0;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        const gb_constraint *constraint = &sim->model->constraints[i];
+        if (constraint->kind == GB_FRICTION && sim->constraints.released[i] && !sim->constraints.broken[i] &&
+            sim->constraints.decision[i] == GB_SLIDES) {
+            double size;
+            const double rate = gb_slip_acceleration(sim, i, &size);
+            if (sim->mode[constraint->slip] * rate < -1e-6 * size) {
+                sim->constraints.decision[i] = GB_CANDIDATE;
+                sim->constraints.broken[i] = 1;
+                sim->mode[constraint->slip] = 0.0;
+                back++;
+            }
+        }
+    }
+    return back;
 }
 
 int gb_choose_active_set(gb_sim *sim) {
+    const int n = sim->model->n_constraints;
     int code = GB_DONE;
-    for (int round = 0; code == GB_DONE && round <= sim->model->n_constraints; round++) {
+    for (int i = 0; i < n; i++) {
+        sim->constraints.broken[i] = sim->constraints.was_broken[i];
+    }
+    for (int round = 0; code == GB_DONE && round <= 2 * n; round++) {
         code = free_accelerations(sim);
         if (code == GB_DONE) {
             sim->model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, 1,
                                  sim->constraints.delassus);
-            if (decide(sim, &code) == 0) {
+            if (decide(sim, &code) == 0 && (code != GB_DONE || take_back(sim) == 0)) {
                 break;
             }
         }

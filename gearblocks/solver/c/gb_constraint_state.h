@@ -15,6 +15,11 @@ int gb_is_active(const gb_sim *sim, int i);
 int gb_is_stop(const gb_sim *sim, int i);
 int gb_is_unbounded(const gb_sim *sim, int i);
 
+/* Some constraint is active. */
+static inline int gb_some_active(const gb_sim *sim) {
+    return sim->model->n_constraints > 0 && sim->mode[sim->model->n_switches] > 0.0;
+}
+
 /* The gap of a stop is closed: it has just been met, or has no width. */
 int gb_touches(const gb_sim *sim, int i);
 

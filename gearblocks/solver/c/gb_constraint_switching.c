@@ -9,6 +9,8 @@
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_vector.h"
+#include <stdio.h>  /*DBG*/
+#include <stdlib.h> /*DBG*/
 
 /* Mode for the events: 0 stuck, 1 forward, -1 backward, 2 free; of a stop 1 closed, 0 open. */
 static double shown_mode(const gb_sim *sim, int i) {
@@ -130,6 +132,15 @@ static int log_changes(gb_sim *sim, int log) {
     return code;
 }
 
+/* It slides since this very instant: it does not hold its static peak again before time has gone on. */
+static int has_just_let_go(const gb_sim *sim, int i) {
+    const gb_constraint *constraint = &sim->model->constraints[i];
+    const gb_head *head = sim->head;
+    return constraint->kind == GB_FRICTION && !gb_is_active(sim, i) && sim->mode[constraint->slip] != 0.0 &&
+           head->front.t1 - sim->events.flip_time[constraint->active] <=
+               10.0 * gb_rounding(head->front.t1, head->front.h);
+}
+
 /* Constraint forces of the old modes, and which of them were redundant, before anything changes. */
 static void look_back(gb_sim *sim) {
     const gb_model *model = sim->model;
@@ -140,6 +151,7 @@ static void look_back(gb_sim *sim) {
             sim->mode[model->n_switches] > 0.0 && sim->mode[model->n_switches + gb_active_redundant(n) + i] != 0.0;
         sim->constraints.shrink[i] = 0.0;
         sim->constraints.released[i] = sim->constraints.struck[i] = 0;
+        sim->constraints.was_broken[i] = has_just_let_go(sim, i);
     }
     model->constraint_forces(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.other,
                              sim->constraints.force);
@@ -187,8 +199,10 @@ static int look_ahead(gb_sim *sim) {
     return code;
 }
 
-/* How long the first of the bodies that have just hit a stop stays away from it. */
-static double shortest_flight(const gb_sim *sim) {
+/* How long the first of the bodies that have just hit a stop stays away from it. Friction may turn its pace on the way:
+ * the same counts then, for a while. */
+static void note_flight(gb_sim *sim) {
+    struct gb_event_state *events = &sim->head->events;
     double shortest = HUGE_VAL;
     for (int i = 0; i < sim->model->n_constraints; i++) {
         double size;
@@ -198,7 +212,12 @@ static double shortest_flight(const gb_sim *sim) {
             shortest = gb_min(shortest, -2.0 * sim->constraints.slip[i] / rate);
         }
     }
-    return shortest;
+    if (shortest < HUGE_VAL) {
+        events->flight = shortest;
+        events->flight_end = sim->head->front.t1 + 16.0 * shortest;
+    } else if (!(events->flight > 0.0 && sim->head->front.t1 < events->flight_end)) {
+        events->flight = HUGE_VAL;
+    }
 }
 
 /* A stop that a start value lies beyond, or a lossy gear whose sides start at speeds that it does not allow; or -1.
@@ -287,7 +306,7 @@ int gb_switch_constraints(gb_sim *sim, int log) {
     if (sim->constraints.y != sim->y && code == GB_DONE) {
         code = gb_time_terms_at(sim, sim->head->front.t1);
     }
-    sim->events.flight = shortest_flight(sim);
+    note_flight(sim);
     take_modes(sim);
     gb_factor_active_set(sim, sim->mode, sim->instant.time_terms, sim->y);
     gb_project_velocities(sim, sim->instant.time_terms);

@@ -1,7 +1,9 @@
 #include "gb_event.h"
+#include "gb_constraint_state.h"
 #include "gb_constraint_switching.h"
 #include "gb_evaluate.h"
 #include "gb_inputs.h"
+#include "gb_limit_noise.h"
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_vector.h"
@@ -16,6 +18,14 @@ static int beyond(const gb_sim *sim, int i) {
     return sim->events.armed[i] != 1.0 && hi < HUGE_VAL && s > hi + unit * (fabs(s) + fabs(hi));
 }
 
+/* The same, and by more than the noise of what active constraints hold there. */
+static int clearly_beyond(gb_sim *sim, int i) {
+    const int side = beyond(sim, i);
+    const double distance = side == 0 ? 0.0 : sim->events.s[i] - (side < 0 ? sim->events.lo[i] : sim->events.hi[i]);
+    return side != 0 &&
+           !(gb_some_active(sim) && gb_is_noise(sim, i, distance, sim->instant.time_terms, sim->y, sim->y));
+}
+
 int gb_settle_modes(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
     int last = -1, code = GB_DONE;
@@ -26,7 +36,7 @@ int gb_settle_modes(gb_sim *sim, int log) {
         int changed = 0;
         code = gb_event_functions_now(sim);
         for (int i = 0; i < model->n_event_functions && code == GB_DONE; i++) {
-            if (sim->events.role[i] != GB_CONSTRAINED && beyond(sim, i)) {
+            if (sim->events.role[i] != GB_CONSTRAINED && clearly_beyond(sim, i)) {
                 const double mode = model->mode_at(sim->par, i, sim->events.s[i]);
                 if (mode == sim->mode[i]) {
                     return gb_fail(sim, GB_ERR_BRANCH, i, sim->head->front.t1, sim->events.s[i]);
@@ -149,7 +159,7 @@ int gb_apply_event(gb_sim *sim) {
         recall_step(sim);
     }
     if (sim->model->n_constraints > 0) { /* a step much longer than a bounce could not tell the bounce */
-        head->control.h_next = gb_min(head->control.h_next, 2.0 * sim->events.flight);
+        head->control.h_next = gb_min(head->control.h_next, 2.0 * head->events.flight);
     }
     return code;
 }

@@ -1,17 +1,26 @@
 #include "gb_impact.h"
 #include "gb_constraint_state.h"
+#include "gb_limit_noise.h"
 #include "gb_modes.h"
 #include "gb_report.h"
 
-/* Stops whose impacts follow on each other within what can be told apart come to rest. */
-static double restitution(const gb_sim *sim, int i) {
+/* Stops whose impacts follow on each other within what can be told apart, in time or in the height of the flight
+ * between them (a quarter of its duration times its speed), come to rest: the end of a flight lower than the rounding
+ * of its gap is located no better than that, and would give back the speed that the impact took. */
+static double restitution(gb_sim *sim, int i) {
     const gb_head *head = sim->head;
-    const double pause = head->front.t1 - sim->events.flip_time[sim->model->constraints[i].slip];
-    return pause <= 64.0 * gb_rounding(head->front.t1, head->front.h) ? 0.0 : sim->constraints.bounds[5 * i + 2];
+    const int gap = sim->model->constraints[i].slip;
+    const double pause = head->front.t1 - sim->events.flip_time[gap];
+    const double height = 0.25 * pause * fabs(sim->constraints.slip[i]);
+    if (pause <= 64.0 * gb_rounding(head->front.t1, head->front.h) ||
+        (height < HUGE_VAL && gb_is_noise(sim, gap, height, sim->instant.time_terms, sim->y, sim->y))) {
+        return 0.0;
+    }
+    return sim->constraints.bounds[5 * i + 2];
 }
 
 /* Bounds of the impulse of constraint i and the slip that it must undo; 0: it takes no part. */
-static int takes_impulse(const gb_sim *sim, int i, double *lo, double *hi, double *undo) {
+static int takes_impulse(gb_sim *sim, int i, double *lo, double *hi, double *undo) {
     const double slip = sim->constraints.slip[i], *bounds = sim->constraints.bounds + 5 * i;
     *lo = bounds[0] <= -HUGE_VAL ? -HUGE_VAL : 0.0;
     *hi = bounds[1] >= HUGE_VAL ? HUGE_VAL : 0.0;

@@ -108,6 +108,8 @@ struct gb_event_state {
     double t_break;     /* the next announced instant: time switches and tables */
     int pending;        /* an event waits at the front */
     int armed;          /* some switch has just flipped and is watched from its limit */
+    double flight;      /* how long a body that has just hit a stop is away (HUGE_VAL: none) */
+    double flight_end;  /* and until when that may still be so, friction changing its pace */
     uint64_t mode_hash; /* of all modes */
     uint64_t remembered_modes[GB_MEMORY];
     double remembered_step[GB_MEMORY];
@@ -162,9 +164,10 @@ struct gb_events {
     int *role;                         /* who decides about its mode */
     double *mode_before;               /* modes before an event */
     double *s0, *s, *slopes, *samples; /* event functions: at the start of a step, at an instant, along rows, sampled */
+    double *moved;                     /* and with one state moved */
     double *located, *side;            /* theta at which it leaves its mode, and the limit */
     int undersampled;                  /* samples of the last step do not tell what a constraint force does */
-    double flight;                     /* until a body that has just hit a stop is back */
+    int in_doubt;                      /* its polynomial takes back at once what was decided at its start */
 };
 
 /* Without location. */
@@ -203,8 +206,10 @@ struct gb_constraints {
     double *other, *force_before; /* forces or impulses of all; forces before the event */
     double *mode_before, *shrink, *full_mode;
     int *decision, *was_redundant, *released, *struck;
-    const double *y; /* the state by which it is decided */
-    double fastest;  /* of the accelerations with no constraint active */
+    int *was_broken, *broken; /* holds no more than what it carries while it slides: before and after the decision */
+    double *peak;             /* by number in index[]: what it holds before it breaks */
+    const double *y;          /* the state by which it is decided */
+    double fastest;           /* of the accelerations with no constraint active */
 };
 
 /* Lossy gears: what is decided without them, the best combination so far, the one that is tried. */

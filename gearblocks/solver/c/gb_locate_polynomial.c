@@ -1,5 +1,7 @@
 #include "gb_locate_polynomial.h"
+#include "gb_constraint_state.h"
 #include "gb_dense_output.h"
+#include "gb_limit_noise.h"
 #include "gb_locate_sampled.h"
 #include "gb_modes.h"
 #include "gb_vector.h"
@@ -250,11 +252,35 @@ static int watch_all_affine(gb_sim *sim, double tolerance) {
     return GB_DONE;
 }
 
+/* Switch i, located in this step, has not left its limit from the start to the end but for noise. */
+static int has_stayed(gb_sim *sim, int i) {
+    const gb_model *model = sim->model;
+    const double *time_terms = sim->lanes.time_terms + sim->method->stages;
+    const double limit = sim->events.side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
+    if (sim->events.role[i] == GB_CONSTRAINED || !gb_some_active(sim) ||
+        !gb_is_noise(sim, i, sim->events.s0[i] - limit, time_terms, sim->z, sim->y0)) {
+        return 0;
+    }
+    model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
+    return gb_is_noise(sim, i, sim->events.s[i] - limit, time_terms, sim->z, sim->y0);
+}
+
+/* A slip that has just let go in the direction of its acceleration, or a switch that flips for the second time without
+ * progress, and yet comes back in the first eighth of the step: the error of the polynomial may do that, a shorter step
+ * tells, as long as it can be told from rounding. */
+static int comes_back_early(const gb_sim *sim, int i) {
+    const double h = sim->head->front.h;
+    return h > 1e6 * gb_rounding(sim->head->front.t0, h) &&
+           (sim->events.role[i] == GB_CONSTRAINED || sim->events.flips[i] > 1.0) &&
+           sim->events.located[i] < eighths[0] && sim->events.armed[i] == sim->events.side[i];
+}
+
 int gb_locate(gb_sim *sim, double *theta) {
     const gb_model *model = sim->model;
     const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
     double first = 2.0;
     int code = GB_DONE;
+    sim->events.undersampled = sim->events.in_doubt = 0;
     model->event_functions(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->events.s0);
     if (model->n_affine > 0) {
         code = watch_all_affine(sim, tolerance);
@@ -263,6 +289,10 @@ int gb_locate(gb_sim *sim, double *theta) {
         code = gb_locate_sampled(sim);
     }
     for (int i = 0; i < model->n_event_functions; i++) {
+        if (code == GB_DONE && sim->events.located[i] <= 1.0 && has_stayed(sim, i)) {
+            sim->events.located[i] = 2.0;
+        }
+        sim->events.in_doubt |= comes_back_early(sim, i);
         first = gb_min(first, sim->events.located[i]);
     }
     if (code == GB_DONE && first <= 1.0) {

@@ -72,13 +72,14 @@ static void lay_constraints(gb_sim *sim, char *base, size_t *at) {
                                       &c->free_acceleration,
                                       &c->mode_before,
                                       &c->shrink,
+                                      &c->peak,
                                       &lossy->base_mode,
                                       &lossy->base_sign,
                                       &lossy->best_mode,
                                       &lossy->best_rate};
     double **const by_pair[] = {&c->delassus, &c->matrix, &sim->implicit.row_inverse};
-    int **const marks[] = {&c->index,  &c->decision,          &c->was_redundant,     &c->released,
-                           &c->struck, &lossy->base_decision, &lossy->best_decision, &lossy->option};
+    int **const marks[] = {&c->index,  &c->decision,   &c->was_redundant,     &c->released,          &c->struck,
+                           &c->broken, &c->was_broken, &lossy->base_decision, &lossy->best_decision, &lossy->option};
     for (size_t i = 0; i < sizeof by_constraint / sizeof by_constraint[0]; i++) {
         *by_constraint[i] = doubles(base, at, n);
     }
@@ -115,7 +116,7 @@ static void lay_implicit(gb_sim *sim, char *base, size_t *at) {
 static void lay_events(gb_sim *sim, char *base, size_t *at) {
     const gb_model *m = sim->model;
     struct gb_events *e = &sim->events;
-    double **const by_surface[] = {&e->s0, &e->s, &e->located, &e->side};
+    double **const by_surface[] = {&e->s0, &e->s, &e->located, &e->side, &e->moved};
     for (size_t i = 0; i < sizeof by_surface / sizeof by_surface[0]; i++) {
         *by_surface[i] = doubles(base, at, m->n_event_functions);
     }

@@ -17,7 +17,7 @@
 static const double QUIET = -14.0;
 
 /* Another try with a shorter step, and how often in one step. */
-enum { AGAIN = 100, MOST_AGAIN = 8 };
+enum { AGAIN = 100, MOST_AGAIN = 8, MOST_DOUBTS = 3 };
 
 static void last_derivative(gb_sim *sim) {
     const int last = sim->method->stages;
@@ -55,7 +55,7 @@ static double energy_exchange(const gb_sim *sim) {
 }
 
 /* Takes the step over: the front moves to its end or to the first event inside it. AGAIN: it was too long for that. */
-static int accept(gb_sim *sim, double end, int may_shorten) {
+static int accept(gb_sim *sim, double end, int again) {
     const gb_model *model = sim->model;
     gb_head *head = sim->head;
     const double from = head->front.t1;
@@ -67,7 +67,8 @@ static int accept(gb_sim *sim, double end, int may_shorten) {
         if (code != GB_DONE) {
             return code;
         }
-        if (sim->events.undersampled && !(head->options.step > 0.0) && may_shorten) {
+        const int most = sim->events.undersampled ? MOST_AGAIN : sim->events.in_doubt ? MOST_DOUBTS : 0;
+        if (again < most && !(head->options.step > 0.0)) {
             return AGAIN;
         }
     }
@@ -263,7 +264,7 @@ int gb_step(gb_sim *sim, double stop) {
         const double error = code == GB_DONE ? judge(sim, size) : NAN;
         if (error <= 0.0) {
             propose(sim, error, size, h, rejected);
-            code = accept(sim, end, again < MOST_AGAIN);
+            code = accept(sim, end, again);
             if (code != AGAIN) {
                 return code;
             }

@@ -1,0 +1,15 @@
+/* Noise of an event function: what the rounding of the states does to it,
+ *     64 eps sum_j |ds/dy_j| |y_j|,   by differences.
+ * A speed that an active constraint holds at the limit of a switch (that of a planetary's braked sun, say) differs from
+ * the limit by this alone, and its sign tells nothing.
+ * Knows nothing of modes. */
+#ifndef GB_LIMIT_NOISE_H
+#define GB_LIMIT_NOISE_H
+
+#include "gb_internal.h"
+
+/* Event function i is off its limit by no more than noise, `distance`, while constraints are active; the states are y
+ * or, where these are larger, `other`. */
+int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, const double *y, const double *other);
+
+#endif
