@@ -1,4 +1,5 @@
 #include "gb_constraint_forces.h"
+#include "gb_constraint_rows.h"
 #include "gb_constraint_state.h"
 #include "gb_constraints.h"
 #include "gb_report.h"
@@ -36,6 +37,52 @@ static int cannot_hold(const gb_sim *sim, int i) {
            sim->constraints.free_acceleration[i] != 0.0;
 }
 
+/* Bounds of candidate number `count`, constraint i. Those of a lossy gear at rest grow with the force of its tie, along
+ * the sides that are assumed. */
+static void bounds_of(gb_sim *sim, int i, int count) {
+    struct gb_constraints *c = &sim->constraints;
+    const double *bounds = c->bounds + 5 * i, keep = 1.0 - c->shrink[i];
+    c->on[count] = -1;
+    if (sim->model->constraints[i].kind == GB_LOSS) {
+        const gb_loss_line forward = gb_loss_on_side(bounds, sim->lossy.forward[i]),
+                           backward = gb_loss_on_side(bounds, sim->lossy.backward[i]);
+        c->on[count] = sim->model->constraints[i].partner;
+        c->lo[count] = -keep * forward.fixed;
+        c->hi[count] = keep * backward.fixed;
+        c->lo_slope[count] = -keep * forward.slope;
+        c->hi_slope[count] = -keep * backward.slope;
+        return;
+    }
+    c->lo[count] = bounds[0] > -HUGE_VAL ? keep * bounds[0] : -HUGE_VAL;
+    c->hi[count] = bounds[1] < HUGE_VAL ? gb_max(keep * bounds[1], c->lo[count]) : HUGE_VAL;
+}
+
+/* Ties have numbers among the candidates. Returns whether there are any that bounds grow with. */
+static int number_ties(gb_sim *sim, int count) {
+    int found = 0;
+    for (int i = 0; i < count; i++) {
+        for (int j = 0, tie = sim->constraints.on[i]; tie >= 0 && j < count; j++) {
+            if (sim->constraints.index[j] == tie) {
+                sim->constraints.on[i] = j;
+                found = 1;
+            }
+        }
+    }
+    return found;
+}
+
+/* A candidate slides from here, with this slip acceleration. */
+static void slide(gb_sim *sim, int i, double w) {
+    const gb_constraint *constraint = &sim->model->constraints[i];
+    const double direction = w > 0.0 ? 1.0 : -1.0;
+    sim->constraints.decision[i] = constraint->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
+    sim->mode[constraint->slip] = constraint->kind == GB_STOP ? 0.0 : direction;
+    if (constraint->kind == GB_LOSS) {
+        const int *side = direction > 0.0 ? sim->lossy.forward : sim->lossy.backward;
+        sim->mode[sim->model->constraints[constraint->partner].slip] = direction * side[i];
+    }
+}
+
 /* The complementarity problem of the candidates: forces within their bounds that keep the slips at zero. Those that
  * slip all the same slide from here; returns how many. */
 static int decide(gb_sim *sim, int *code) {
@@ -51,28 +98,29 @@ static int decide(gb_sim *sim, int *code) {
             lost++;
         }
         if (sim->constraints.decision[i] == GB_CANDIDATE) {
-            const double *bounds = sim->constraints.bounds + 5 * i, keep = 1.0 - sim->constraints.shrink[i];
-            const int bounded = model->constraints[i].kind != GB_LOSS;
-            lo[count] = bounded && bounds[0] > -HUGE_VAL ? keep * bounds[0] : -HUGE_VAL;
-            hi[count] = bounded && bounds[1] < HUGE_VAL ? gb_max(keep * bounds[1], lo[count]) : HUGE_VAL;
+            bounds_of(sim, i, count);
             b[count] = sim->constraints.free_acceleration[i];
             index[count++] = i;
         }
     }
-    *code = gb_solve_problem(sim, count);
+    const int coupled = number_ties(sim, count);
+    const gb_coupled_bounds growth = {sim->constraints.on, sim->constraints.lo_slope, sim->constraints.hi_slope};
+    *code = gb_solve_problem(sim, count, coupled);
     if (*code != GB_DONE) {
         return 0;
     }
     for (int i = 0; i < count; i++) {
-        const gb_constraint *constraint = &model->constraints[index[i]];
+        if (coupled) {
+            lo[i] += gb_lcp_shift(&growth, i, -1, x);
+            hi[i] += gb_lcp_shift(&growth, i, 1, x);
+        }
         double w = b[i], size = fabs(b[i]);
         for (int j = 0; j < count; j++) {
             w += sim->constraints.matrix[i * count + j] * x[j];
             size += fabs(sim->constraints.matrix[i * count + j] * x[j]);
         }
         if (fabs(w) > gb_acceleration_rounding(sim, index[i], size) && (x[i] <= lo[i] || x[i] >= hi[i])) {
-            sim->constraints.decision[index[i]] = constraint->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
-            sim->mode[constraint->slip] = constraint->kind == GB_STOP ? 0.0 : w > 0.0 ? 1.0 : -1.0;
+            slide(sim, index[i], w);
             sim->constraints.shrink[index[i]] = 0.0;
             lost++;
         }
