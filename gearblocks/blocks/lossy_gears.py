@@ -17,17 +17,19 @@ from gearblocks.language.signals import Table
 class LossyGear(Block):
     """A rigid gear pair with losses of its teeth and bearings, without inertia: phi_a = ratio phi_b about the housing.
 
-        tau_b = -ratio (tau_a - loss),   tau_a: what enters at a
-        w_a tau_a >= 0:  loss = (1 - eta1) tau_a + sign(w_a) tau1      (a drives b)
-        else:            loss = (1 - 1/eta2) tau_a + sign(w_a) tau2    (b drives a)
+        tau_b = -ratio T,   tau_a: what enters at a,   T: what leaves at b (both positive where a drives forward)
+        a drives b, sign(w_a) T + tau1 >= 0:  tau_a = (T + sign(w_a) tau1)/eta1
+        b drives a, sign(w_a) T + tau2 < 0:   tau_a = (T + sign(w_a) tau2) eta2
 
     (Pelchen, Schweiger, Otter, Modeling and simulating the efficiency of gearboxes and of planetary gearboxes, 2nd
     Modelica Conference, 2002.) Give efficiency=(eta1, eta2) and, where wanted, bearing=(tau1, tau2) in N m; or
     loss_table, rows of (abs(w_a), eta1, eta2, tau1, tau2), linear in between and held outside. eta2 < 0: b cannot drive
-    a (self-locking). At rest it sticks while tau_a lies between what both directions would ask for; there nothing
-    starts to move that can stay at rest. Both sides need inertia. mode: 0 stuck, else the sign of w_a.
-    Raises SimulationError where the losses admit no acceleration, or several (a self-locking gear that is driven from b
-    while it turns).
+    a (self-locking); pushed on from b it asks a for torque all the same. Where tau1 < tau2 no torque enters at a between
+    the two cases; where tau1 > tau2 both hold in between and the present one goes on. At rest it sticks while tau_a lies
+    between what both directions would ask for; there nothing starts to move that can stay at rest. Both sides need inertia.
+    mode: 0 stuck, else the sign of w_a.
+    Raises SimulationError where the losses admit no acceleration: a self-locking gear that b drives while it turns jams,
+    as the friction grows faster than what slows it down, where J_a ratio^2 < -eta2 J_b.
     """
 
     a, b = Flange("driving side"), Flange("driven side")
@@ -71,18 +73,17 @@ class LossyGear(Block):
             yield Shows("loss_power", sp.Integer(0), "W", "power lost")
             yield Shows("mode", sp.Integer(2), "1", "2: it loses nothing and never sticks")
             return
-        slip = s.ratio * w_b
-        eta1, eta2, tau1, tau2 = self._values(s, sp.Abs(slip))
-        driving, coasting = (1 - eta1, tau1), (1 - 1 / eta2, tau2)
-        yield LossyTie(slip - w_a, slip, driving, coasting)
-        sign, _, carried = s.stick("tie")
+        eta1, eta2, tau1, tau2 = self._values(s, sp.Abs(w_a))
+        yield LossyTie(s.ratio * w_b - w_a, w_a, (1 / eta1 - 1, tau1), (eta2 - 1, tau2))
+        sign, _, leaving = s.stick("tie")
         direction, _, held = s.stick("loss")
-        same = (1 + direction * sign) / 2
-        share = same * driving[0] + (1 - same) * coasting[0]
-        loss = direction**2 * share * carried + direction * (same * tau1 + (1 - same) * tau2) - held
-        yield Shows("torque", s.ratio * (carried - loss), "N m", "torque on flange b")
-        yield Shows("torque_a", carried, "N m", "torque that enters at flange a")
-        yield Shows("loss_power", loss * slip, "W", "power lost")
+        side = direction * sign  # 1: a drives, -1: b drives, 0: at rest, or nothing enters
+        drives, driven = side * (side + 1) / 2, side * (side - 1) / 2
+        entering = drives * (leaving + direction * tau1) / eta1 + driven * (leaving + direction * tau2) * eta2
+        entering += (1 - direction**2) * (leaving - held)
+        yield Shows("torque", s.ratio * leaving, "N m", "torque on flange b")
+        yield Shows("torque_a", entering, "N m", "torque that enters at flange a")
+        yield Shows("loss_power", (entering - leaving) * w_a, "W", "power lost")
         yield Shows("mode", direction, "1", "0 stuck, +1 turns forward, -1 backward")
 
     def _values(self, s: Any, speed: Any) -> tuple[Any, Any, Any, Any]:

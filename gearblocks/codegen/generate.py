@@ -26,6 +26,7 @@ from gearblocks.codegen.operands import Assignment, Operand, Role
 from gearblocks.codegen.output_names import (
     dependent_starts,
     flange_outputs,
+    lossy_starts,
     prescribed_starts,
     shown,
     start_infos,
@@ -246,7 +247,7 @@ def _program(g: Generator, source: str, key: str) -> Program:
         g.assembly.train.name, source, key, tuple(lay.parameters),
         tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(state_quantities(g)), tuple(g.switches),
         tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
-        tuple(start_infos(g)), g.assembly.structural, tuple(dependent_starts(g)),
+        tuple(start_infos(g)), g.assembly.structural, (*dependent_starts(g), *lossy_starts(g)),
         tuple(prescribed_starts(g)), tuple(unknown_outputs(g)),
     )  # fmt: skip
 

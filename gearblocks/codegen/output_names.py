@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from gearblocks.assembly.assemble import GROUND_GROUP, expand_rows
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator
-from gearblocks.codegen.program import DependentStart, PrescribedStart, Quantity, StartInfo
+from gearblocks.codegen.program import LOSSY, DependentStart, PrescribedStart, Quantity, StartInfo
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import flange_names, slider_names, unit_along, words_along
@@ -102,6 +102,27 @@ def dependent_starts(g: Generator) -> Iterator[DependentStart]:
                 if all(s < a.n_speeds for s in row.groups):
                     w = {lay.w0[s]: float(gain * x / a.starts[s].w0_gain) for s, x in row.groups.items()}
                     yield DependentStart(f"{c.path}.{speed}", tuple(w), tuple(w.values()), SPEED)
+
+
+def lossy_starts(g: Generator) -> Iterator[DependentStart]:
+    """Slips of lossy ties at the start, which must be 0, over the start speeds of independent groups."""
+    a, lay = g.assembly, g.lay
+    expanded = expand_rows(a)
+    for member in g.constraints.members:
+        if member.law.kind != "tie":
+            continue
+        row: dict[int, float] = {}
+        for group, value in member.row.items():
+            for source, gain in expanded[group].groups.items() if group in expanded else ((group, 1),):
+                row[source] = row.get(source, 0.0) + value * float(gain)
+        if all(source < a.n_speeds for source in row):
+            factors: dict[int, float] = {}
+            for source, value in row.items():
+                offset = lay.w0[source]
+                factors[offset] = factors.get(offset, 0.0) + value / float(a.starts[source].w0_gain)
+            least = 1e-12 * max(map(abs, row.values()), default=0.0)  # both sides may have one start value
+            factors = {offset: x for offset, x in factors.items() if abs(x) > least}
+            yield DependentStart(f"{member.path}.tie", tuple(factors), tuple(factors.values()), LOSSY)
 
 
 def prescribed_starts(g: Generator) -> Iterator[PrescribedStart]:

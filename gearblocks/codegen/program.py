@@ -89,10 +89,13 @@ class StartInfo(NamedTuple):
     of: str = ""
 
 
+LOSSY = "lossy"
+
+
 class DependentStart(NamedTuple):
     """A start value that follows from others through rigid constraints: the sum of factors times the parameters at `offsets`.
 
-    of: "angle" or "speed".
+    of: "angle" or "speed"; LOSSY: the slip of a lossy tie, which must be 0.
     """
 
     name: str

@@ -37,8 +37,8 @@ class SwitchedConstraint:
     sliders); slip: symbol of the slip, or of the rate of the gap, and `sliding` its expression in speeds.
 
     lower, upper: force bounds (None: without). forward, backward: sizes of the torque against the slip. engaged: > 0 where
-    friction is pressed. gap, restitution: of a Stop. lost: of a loss, its torque by direction and by whether the tie, whose
-    torque is `tie`, drives. shown: symbols of direction, activity and constraint torque.
+    friction is pressed. gap, restitution: of a Stop. lost: of a loss, its torque by direction and by whether the tie,
+    whose torque is `tie`, drives; inside: the torque whose sign tells that. shown: symbols of direction, activity and constraint torque.
     """
 
     path: str
@@ -56,6 +56,7 @@ class SwitchedConstraint:
     kind: str = "friction"
     tie: Any = None
     lost: Mapping[tuple[int, bool], Any] | None = None
+    inside: Mapping[tuple[int, bool], Any] | None = None
 
     @property
     def is_stop(self) -> bool:
@@ -66,21 +67,23 @@ class SwitchedConstraint:
         """The same with every expression replaced by new(expression)."""
         names = ("sliding", "lower", "upper", "forward", "backward", "engaged", "gap", "restitution")
         changed = {n: None if (e := getattr(self, n)) is None else new(e) for n in names}
-        if self.lost is not None:
-            changed["lost"] = {case: new(e) for case, e in self.lost.items()}
+        of_case = [n for n in ("lost", "inside") if getattr(self, n) is not None]
+        for name in of_case:
+            changed[name] = {case: new(e) for case, e in getattr(self, name).items()}
         values: dict[str, Any] = {n: changed.get(n, getattr(self, n)) for n in self.__dataclass_fields__}
         if values["sliding"].is_Symbol:
             one = {self.slip: values["sliding"]}
             values |= {n: e.xreplace(one) for n, e in changed.items() if isinstance(e, sp.Basic)}
-            if self.lost is not None:
-                values["lost"] = {case: e.xreplace(one) for case, e in values["lost"].items()}
+            for name in of_case:
+                values[name] = {case: e.xreplace(one) for case, e in values[name].items()}
             values["slip"] = values["sliding"]
         return SwitchedConstraint(**values)
 
     def expressions(self) -> list[Any]:
         """Everything that stands in its cases."""
         found = (self.sliding, self.lower, self.upper, self.forward, self.backward, self.engaged)
-        return [x for x in (*found, self.gap, self.restitution, *(self.lost or {}).values()) if x is not None]
+        cases = [*(self.lost or {}).values(), *(self.inside or {}).values()]
+        return [x for x in (*found, self.gap, self.restitution, *cases) if x is not None]
 
     def torque_in(self, mode: int, sign: int = 1) -> Any:
         """The torque in a mode (1, -1: slides; 2: free; of a stop 0: open), None while active. sign: of the tie's
@@ -147,11 +150,12 @@ class SwitchedConstraint:
     def _of_loss(self) -> Iterator[Any]:
         zero = sp.Integer(0)
         for (mode, drives), torque in (self.lost or {}).items():
+            inside = (self.inside or {})[mode, drives]
             turns = (sp.Gt if mode > 0 else sp.Lt)(self.slip, zero, evaluate=False)
             relation = (sp.Ge if mode > 0 else sp.Le) if drives else (sp.Lt if mode > 0 else sp.Gt)
             words = "drives" if drives else "is driven"
             law = sp.Eq(self.torque, torque, evaluate=False)
-            yield Sentence((f"{words}, ", turns, " and ", relation(self.tie, zero, evaluate=False), ": ", law))
+            yield Sentence((f"{words}, ", turns, " and ", relation(inside, zero, evaluate=False), ": ", law))
         still = sp.Eq(self.slip, zero, evaluate=False)
         yield Sentence(
             ("stuck, ", still, ": ", self.torque, " is what keeps it at rest, between its values in either direction")

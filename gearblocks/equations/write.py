@@ -158,21 +158,24 @@ class _Writer:
                 None if expr is None else expr.xreplace(own).xreplace({direction: sp.Integer(mode)}).xreplace(replace)
             )
 
-        tie = (
-            None
-            if constraint.losses is None
-            else self._symbol(c, SymbolRole("friction", str(constraint.partner)), "", {})
-        )
-        lost = {
-            (mode, drives): -of(constraint.losses[first], mode) * tie - mode * of(constraint.losses[first + 1], mode)
-            for mode in (1, -1) for drives, first in ((True, 0), (False, 2))
-        } if constraint.losses is not None else None  # fmt: skip
+        tie: Any = None
+        inside: dict[tuple[int, bool], Any] | None = None
+        lost: dict[tuple[int, bool], Any] | None = None
+        if constraint.losses is not None:
+            tie = self._symbol(c, SymbolRole("friction", str(constraint.partner)), "", {})
+            of_case = {True: constraint.losses[:2], False: constraint.losses[2:]}
+            cases = [(mode, drives) for mode in (1, -1) for drives in (True, False)]
+            inside = {(m, drives): tie + m * of(of_case[drives][1], m) for m, drives in cases}
+            lost = {
+                (m, drives): -of(share, m) * tie - m * of((1 + share) * rest, m)
+                for m, drives in cases for share, rest in (of_case[drives],)
+            }  # fmt: skip
         return SwitchedConstraint(
             f"{c.path}.{constraint.name}".rstrip("."), symbol("friction"), slip, constraint.slip.xreplace(replace),
             of(constraint.lower, 0), of(constraint.upper, 0), of(constraint.forward, 1), of(constraint.backward, -1),
             of(constraint.engaged, 0),
             None if constraint.gap is None else constraint.gap.xreplace(replace), of(constraint.restitution, 0),
-            (symbol("direction"), symbol("stuck"), symbol("constraint_force")), constraint.kind, tie, lost,
+            (symbol("direction"), symbol("stuck"), symbol("constraint_force")), constraint.kind, tie, lost, inside,
         )  # fmt: skip
 
     def _claim(self, text: str, meaning: Any) -> Any:

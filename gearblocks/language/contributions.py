@@ -151,10 +151,12 @@ class Stop:
 class LossyTie:
     """A rigid constraint with losses in proportion to its constraint force, and stuck at rest.
 
-    tie: the speed that stays 0, linear in the flange speeds; its force is Symbols.stick("tie"). slip: the speed along
-    which the loss acts; force lost = share * force of the tie + rest, against the slip: (share, rest) =
-    `driving` where slip * force >= 0, else `coasting` (both may contain sympy.Abs(slip)). At rest it is stuck while
-    its force lies between the losses of either direction; see Symbols.stick("loss").
+    tie: the speed that stays 0, linear in the flange speeds; its force F is Symbols.stick("tie"). slip: the speed along
+    which the loss acts. With d = sign(slip) and m = d F + rest the force lost is d (share m + rest), against the slip:
+    (share, rest) = `driving` where m >= 0, else `coasting` (both may contain sympy.Abs(slip)). What enters is (1 + share) m;
+    where the two leave a gap (rest of `driving` < -d F < rest of `coasting`) nothing enters, where they overlap both hold
+    and the present one stays. At rest it is stuck while its force lies between the losses of either direction; see
+    Symbols.stick("loss").
     """
 
     tie: Any

@@ -27,7 +27,7 @@ class ConstraintLaw:
     sliding force against the slip. of a Stop: gap and restitution. switches: numbers of its switches in the law by their
     event function: "slip" (or "gap", or "sign"), "hold", "engaged". impulse, impacts: names of states. of a LossyTie: the
     tie has `share`, the part of its constraint force that is lost while it slides; the loss has `losses` (share and rest
-    driving, then coasting).
+    driving, then coasting; the force inside is that of the tie along the slip and the rest).
     """
 
     name: str
@@ -84,11 +84,15 @@ def _directions(pool: Pool) -> tuple[Any, Any]:
     return pool.symbol("direction", "loss", "dir_loss"), pool.symbol("direction", "tie", "dir_tie")
 
 
-def _either(pool: Pool, driving: Any, coasting: Any) -> Any:
-    """The value for the present directions: driving where slip and force have one sign, else coasting."""
+def _either(pool: Pool, item: LossyTie, driving: Any, coasting: Any, neither: Any) -> Any:
+    """The value for the present directions: driving where slip and force inside have one sign, coasting where they have two;
+    `neither` where nothing enters (the sign is 0), which there is only where the rests differ."""
     direction, sign = _directions(pool)
-    same = (1 + direction * sign) / 2
-    return same * sp.sympify(driving) + (1 - same) * sp.sympify(coasting)
+    side = direction * sign
+    if sp.sympify(item.driving[1] - item.coasting[1]) == 0:
+        same = (1 + side) / 2
+        return same * sp.sympify(driving) + (1 - same) * sp.sympify(coasting)
+    return side * (side + 1) / 2 * driving + side * (side - 1) / 2 * coasting + (1 - side**2) * neither
 
 
 def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLaw:
@@ -96,14 +100,14 @@ def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLa
     row = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
     direction, _ = _directions(pool)
     made = ConstraintLaw("tie", slip, row, partner="loss")
-    made.share = direction**2 * _either(pool, item.driving[0], item.coasting[0])
+    made.share = direction**2 * _either(pool, item, item.driving[0], item.coasting[0], -1)
     return made.map(lambda e: _along(e, sp.expand(item.slip), direction))
 
 
 def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.slip))
     row = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
-    size = _either(pool, item.driving[1], item.coasting[1])
+    size = _either(pool, item, *((1 + share) * rest for share, rest in (item.driving, item.coasting)), 0)
     made = ConstraintLaw("loss", slip, row, forward=size, backward=size, partner="tie")
     made.losses = tuple(sp.sympify(x) for x in (*item.driving, *item.coasting))
     return made.map(lambda e: _along(e, slip, _directions(pool)[0]))

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gearblocks.codegen.program import DependentStart, Program
+from gearblocks.codegen.program import LOSSY, DependentStart, Program
 from gearblocks.errors import ModelError
 from gearblocks.language.block import Block, given_start, start_fields
 from gearblocks.language.expression import Expr, evaluate
@@ -53,18 +53,20 @@ def contradictions(program: Program, train: Train) -> Iterator[str]:
 
 
 def solve_dependent(program: Program, train: Train, values: dict[str, float]) -> Iterator[str]:
-    """Start values given on dependent groups: open ones of independent groups are solved for (into `values`); yields
-    contradictions."""
+    """Start values given on dependent groups, and those beside lossy ties: open ones of independent groups are solved for (into
+    `values`); yields contradictions (those of lossy ties a run says)."""
     blocks = {c.path: c.block for c in train.components}
     rows = []
-    for info in program.dependent_starts:
+    for info in (x for x in program.dependent_starts if x.of != LOSSY):
         path = info.name.rpartition(".")[0]
         value = start_of(blocks[path], info.of)
         if value is not None:
             rows.append((info, path, start_fields(type(blocks[path]))[info.of], value))
-    if not rows:
+    asked = [(info, value) for info, _, _, value in rows]
+    asked += [(info, 0.0) for info in program.dependent_starts if info.of == LOSSY]
+    if not asked:
         return
-    _solve(program, blocks, [(info, value) for info, _, _, value in rows], values)
+    _solve(program, blocks, asked, values)
     for info, path, field, value in rows:
         paths = [program.parameters[i].path for i in info.offsets]
         terms = [f * values.get(p, 0.0) for p, f in zip(paths, info.factors, strict=True)]

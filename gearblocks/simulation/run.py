@@ -308,9 +308,9 @@ _CAUSES: dict[Code, tuple[str, str]] = {
     ),
     Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
     Code.ERR_LOSS: (
-        "no motion, or more than one, agrees with its losses: it jams, or locks itself against a load that drives it",
-        "with these inertias the efficiency (below 0, or far below 1 at a large ratio) allows no single acceleration; "
-        "give it a compliant shaft beside, more inertia, or a better efficiency",
+        "no motion agrees with its losses: it jams while it turns, as its friction grows faster than what slows it down",
+        "the load drives a self-locking gear (efficiency below 0) whose driving side has too little inertia; give that side "
+        "J > -efficiency J_b/ratio^2, put a compliant shaft beside, or raise the efficiency",
     ),
     Code.ERR_BEYOND: (
         "the start values contradict it", "start between the limits of a stop, and beside a lossy gear as its ratio says"

@@ -28,6 +28,7 @@ ALONE = (
     "gb_constraints.h",
     "gb_double_double.h",
     "gb_lcp.h",
+    "gb_loss.h",
     "gb_constraint_rows.h",
     "gb_mass.h",
     "gb_math.h",

@@ -36,14 +36,73 @@ static int cannot_hold(const gb_sim *sim, int i) {
            sim->constraints.free_acceleration[i] != 0.0;
 }
 
-/* Bounds of the constraint force of candidate i: what it holds while stuck, and once it is broken what it carries while
- * it slides. */
-static void bounds_of(const gb_sim *sim, int i, double *lo, double *hi) {
-    const double *bounds = sim->constraints.bounds + 5 * i, keep = 1.0 - sim->constraints.shrink[i];
-    const int bounded = sim->model->constraints[i].kind != GB_LOSS, broken = sim->constraints.broken[i];
-    *lo = !bounded || bounds[0] <= -HUGE_VAL ? -HUGE_VAL : broken ? gb_max(bounds[0], -bounds[2]) : keep * bounds[0];
-    *hi = !bounded || bounds[1] >= HUGE_VAL ? HUGE_VAL : broken ? gb_min(bounds[1], bounds[3]) : keep * bounds[1];
-    *hi = gb_max(*hi, *lo);
+/* Bounds of the constraint force of candidate number p, constraint i: what it holds while stuck, and once it is broken
+ * what it carries while it slides. Those of a lossy gear at rest grow with the force of its tie, along the sides that
+ * are assumed. */
+static void bounds_of(gb_sim *sim, int i, int p) {
+    struct gb_constraints *c = &sim->constraints;
+    const double *bounds = c->bounds + 5 * i, keep = 1.0 - c->shrink[i];
+    c->on[p] = -1;
+    if (sim->model->constraints[i].kind == GB_LOSS) {
+        const gb_loss_line forward = gb_loss_on_side(bounds, sim->lossy.forward[i]),
+                           backward = gb_loss_on_side(bounds, sim->lossy.backward[i]);
+        c->on[p] = sim->model->constraints[i].partner;
+        c->lo[p] = -keep * forward.fixed;
+        c->hi[p] = keep * backward.fixed;
+        c->lo_slope[p] = -keep * forward.slope;
+        c->hi_slope[p] = -keep * backward.slope;
+        return;
+    }
+    c->lo[p] = bounds[0] <= -HUGE_VAL ? -HUGE_VAL : c->broken[i] ? gb_max(bounds[0], -bounds[2]) : keep * bounds[0];
+    c->hi[p] = bounds[1] >= HUGE_VAL ? HUGE_VAL : c->broken[i] ? gb_min(bounds[1], bounds[3]) : keep * bounds[1];
+    c->hi[p] = gb_max(c->hi[p], c->lo[p]);
+}
+
+/* Ties have numbers among the candidates. Returns whether there are any that bounds grow with. */
+static int number_ties(gb_sim *sim, int count) {
+    int found = 0;
+    for (int i = 0; i < count; i++) {
+        for (int j = 0, tie = sim->constraints.on[i]; tie >= 0 && j < count; j++) {
+            if (sim->constraints.index[j] == tie) {
+                sim->constraints.on[i] = j;
+                found = 1;
+            }
+        }
+    }
+    return found;
+}
+
+/* A candidate slides from here, with this slip acceleration. */
+static void slide(gb_sim *sim, int i, double w) {
+    const gb_constraint *constraint = &sim->model->constraints[i];
+    const double direction = w > 0.0 ? 1.0 : -1.0;
+    sim->constraints.decision[i] = constraint->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
+    sim->mode[constraint->slip] = constraint->kind == GB_STOP ? 0.0 : direction;
+    if (constraint->kind == GB_LOSS) {
+        const int *side = direction > 0.0 ? sim->lossy.forward : sim->lossy.backward;
+        sim->mode[sim->model->constraints[constraint->partner].slip] = direction * side[i];
+    }
+}
+
+/* The complementarity problem of `count` candidates with the bounds that they have now, of which those of static peaks
+ * may be left out; bounds that grow with a force are those at the solution afterwards. */
+static int solve_within(gb_sim *sim, int count, int without_peaks) {
+    struct gb_constraints *c = &sim->constraints;
+    for (int p = 0; p < count; p++) {
+        bounds_of(sim, c->index[p], p);
+        if (without_peaks && c->peak[p] > 0.0) {
+            c->lo[p] = -HUGE_VAL;
+            c->hi[p] = HUGE_VAL;
+        }
+    }
+    const int coupled = number_ties(sim, count);
+    const gb_coupled_bounds growth = {c->on, c->lo_slope, c->hi_slope};
+    const int code = gb_solve_problem(sim, count, coupled);
+    for (int p = 0; p < count && coupled && code == GB_DONE; p++) {
+        c->lo[p] += gb_lcp_shift(&growth, p, -1, c->force);
+        c->hi[p] += gb_lcp_shift(&growth, p, 1, c->force);
+    }
+    return code;
 }
 
 /* Slip acceleration of the p-th of `count` candidates; 0 where it is rounding, or no force is at its bound. */
@@ -62,14 +121,8 @@ static double candidate_slips(const gb_sim *sim, int p, int count) {
  * the peak: they would be the first if it rose from zero. */
 static int break_first(gb_sim *sim, int count) {
     const double *x = sim->constraints.force;
-    double *lo = sim->constraints.lo, *hi = sim->constraints.hi, *peak = sim->constraints.peak, most = 0.0;
-    for (int p = 0; p < count; p++) {
-        if (peak[p] > 0.0) {
-            lo[p] = -HUGE_VAL;
-            hi[p] = HUGE_VAL;
-        }
-    }
-    const int code = gb_solve_problem(sim, count);
+    double *peak = sim->constraints.peak, most = 0.0;
+    const int code = solve_within(sim, count, 1);
     for (int p = 0; p < count && code == GB_DONE; p++) {
         peak[p] = peak[p] > 0.0 ? fabs(x[p]) / peak[p] : 0.0;
         most = gb_max(most, peak[p]);
@@ -87,10 +140,7 @@ static int break_first(gb_sim *sim, int count) {
 static int solve_with_peaks(gb_sim *sim, int count) {
     int code = GB_DONE;
     for (int over = 1, round = 0; over > 0 && code == GB_DONE && round <= count; round++) {
-        for (int p = 0; p < count; p++) {
-            bounds_of(sim, sim->constraints.index[p], &sim->constraints.lo[p], &sim->constraints.hi[p]);
-        }
-        code = gb_solve_problem(sim, count);
+        code = solve_within(sim, count, 0);
         over = 0;
         for (int p = 0; p < count && code == GB_DONE; p++) {
             const int i = sim->constraints.index[p];
@@ -125,11 +175,9 @@ static int decide(gb_sim *sim, int *code) {
     }
     *code = solve_with_peaks(sim, count);
     for (int p = 0; p < count && *code == GB_DONE; p++) {
-        const gb_constraint *constraint = &model->constraints[index[p]];
         const double w = candidate_slips(sim, p, count);
         if (w != 0.0) {
-            sim->constraints.decision[index[p]] = constraint->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
-            sim->mode[constraint->slip] = constraint->kind == GB_STOP ? 0.0 : w > 0.0 ? 1.0 : -1.0;
+            slide(sim, index[p], w);
             sim->constraints.shrink[index[p]] = 0.0;
             lost++;
         }

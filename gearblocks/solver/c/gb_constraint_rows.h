@@ -13,7 +13,7 @@
 #ifndef GB_CONSTRAINT_ROWS_H
 #define GB_CONSTRAINT_ROWS_H
 
-#include "gb_lcp.h"
+#include "gb_loss.h"
 
 /* Rows: entries [start[i], start[i + 1]) lie in the columns column[]; column c is speed[c]. */
 typedef struct gb_constraint_rows {
@@ -209,22 +209,68 @@ static inline void gb_delassus_skew(int n, const int *partner, const double *ske
     }
 }
 
-/* By how much a lossy gear at rest leaves the range between its losses in either direction. bounds: share and rest of
- * the force lost driving, then coasting; carried: the force of the gear, force: that of the loss. With the force f =
- * carried + force that leaves the gear, sliding asks for carried = (f + rest)/(1 - share) driving, (f - rest)/(1 -
- * share) coasting; taken over f, the range holds for self-locking gears too. */
-static inline double gb_loss_excess(const double *bounds, double carried, double force) {
-    const double f = carried + force, side = f >= 0.0 ? 1.0 : -1.0;
-    const double driving = (f + side * bounds[1]) / (1.0 - bounds[0]),
-                 coasting = (f - side * bounds[3]) / (1.0 - bounds[2]);
-    return fmax(side * (carried - driving), side * (coasting - carried));
+/* A split of the load of redundant active constraints, numbered by index[]: force x of each within its bounds, those of
+ * a lossy gear along its sides forward and backward, two numbers each. */
+static inline void gb_split_once(int n, int count, const int *index, const int *is_own, const double *A,
+                                 const double *b, const double *lower, const double *upper, const int *tie_of,
+                                 const double *losses, const int *sides, double *x, int *on) {
+    double lo[count + 1], hi[count + 1], lo_slope[count + 1], hi_slope[count + 1];
+    int position[n + 1];
+    for (int p = 0; p < count; p++) {
+        position[index[p]] = p;
+    }
+    for (int p = 0; p < count; p++) {
+        const int i = index[p], own = is_own[p];
+        on[p] = -1;
+        lo[p] = own ? -HUGE_VAL : lower[i];
+        hi[p] = own ? HUGE_VAL : fmax(lower[i], upper[i]);
+        if (tie_of && tie_of[i] >= 0 && !own) {
+            const gb_loss_line forward = gb_loss_on_side(losses + 5 * (long)i, sides[2 * p]),
+                               backward = gb_loss_on_side(losses + 5 * (long)i, sides[2 * p + 1]);
+            on[p] = position[tie_of[i]];
+            lo[p] = -forward.fixed;
+            lo_slope[p] = -forward.slope;
+            hi[p] = backward.fixed;
+            hi_slope[p] = -backward.slope;
+        }
+    }
+    const gb_coupled_bounds coupled = {on, lo_slope, hi_slope};
+    gb_lcp_solve(count, A, b, lo, hi, tie_of ? &coupled : NULL, x);
+}
+
+/* The same, with the sides of the forces that come out: Newton steps, all lossy gears at once, later one alone. */
+static inline void gb_split_by_sides(int n, int count, const int *index, const int *is_own, const double *A,
+                                     const double *b, const double *lower, const double *upper, const int *tie_of,
+                                     const double *losses, const double *force, double *x) {
+    int on[count + 1], sides[2 * count + 1], wrong = 1;
+    for (int p = 0; p < count && tie_of; p++) {
+        const double *of = losses + 5 * (long)index[p], tie = tie_of[index[p]] >= 0 ? force[tie_of[index[p]]] : 0.0;
+        sides[2 * p] = gb_loss_side(of, tie);
+        sides[2 * p + 1] = gb_loss_side(of, -tie);
+    }
+    for (int round = 0; wrong && round < 4 + 4 * count; round++) {
+        gb_split_once(n, count, index, is_own, A, b, lower, upper, tie_of, losses, sides, x, on);
+        wrong = 0;
+        for (int p = 0; p < count; p++) {
+            const double *of = losses + 5 * (long)index[p], tie = on[p] >= 0 ? x[on[p]] : 0.0;
+            const int forward = gb_loss_side(of, tie), backward = gb_loss_side(of, -tie);
+            const int same = on[p] < 0 || (sides[2 * p] == forward && sides[2 * p + 1] == backward);
+            if (!same && !gb_loss_inside(of, sides[2 * p], sides[2 * p + 1], tie, x[p]) && (round < 4 || !wrong)) {
+                sides[2 * p] = forward;
+                sides[2 * p + 1] = backward;
+                wrong = 1;
+            }
+        }
+    }
 }
 
 /* Minimum-norm split: by how much the force of each active constraint exceeds its bounds, < 0 inside; -1 for all
  * others. Redundant constraints share by minimum norm within their bounds, and exceed them together once there is no
- * such split. */
+ * such split. tie_of: of the loss of a lossy gear its tie, -1 for all others (NULL: there is none); its losses are five
+ * numbers further each. */
 static inline void gb_split_forces(int n, const double *active, const double *matrix, const int *is_active,
-                                   const double *lower, const double *upper, double *force, double *violation) {
+                                   const double *lower, const double *upper, const int *tie_of, const double *losses,
+                                   double *force, double *violation) {
     int index[n + 1], count = 0, redundant = 0;
     for (int i = 0; i < n; i++) {
         if (is_active[i]) {
@@ -233,18 +279,18 @@ static inline void gb_split_forces(int n, const double *active, const double *ma
         }
     }
     if (redundant) {
-        double A[count * count + 1], b[count + 1], lo[count + 1], hi[count + 1], x[count + 1], worst = 0.0, size = 0.0;
+        double A[count * count + 1], b[count + 1], x[count + 1], worst = 0.0, size = 0.0;
+        int is_own[count + 1];
         for (int p = 0; p < count; p++) {
-            const int i = index[p], own = active[gb_active_redundant(n) + i] == 0.0;
+            const int i = index[p];
+            is_own[p] = active[gb_active_redundant(n) + i] == 0.0;
             b[p] = 0.0;
             for (int q = 0; q < count; q++) {
                 A[p * count + q] = matrix[i * n + index[q]];
                 b[p] -= A[p * count + q] * force[index[q]];
             }
-            lo[p] = own ? -HUGE_VAL : lower[i];
-            hi[p] = own ? HUGE_VAL : fmax(lower[i], upper[i]);
         }
-        gb_lcp_solve(count, A, b, lo, hi, x);
+        gb_split_by_sides(n, count, index, is_own, A, b, lower, upper, tie_of, losses, force, x);
         for (int p = 0; p < count; p++) {
             double left = b[p], terms = fabs(b[p]);
             for (int q = 0; q < count; q++) {
@@ -263,7 +309,9 @@ static inline void gb_split_forces(int n, const double *active, const double *ma
         if (!is_active[i]) {
             violation[i] = -1.0;
         } else if (active[gb_active_redundant(n) + i] == 0.0) {
-            const double over = fmax(force[i] - upper[i], lower[i] - force[i]);
+            const int lossy = tie_of && tie_of[i] >= 0;
+            const double over = lossy ? gb_loss_excess(losses + 5 * i, force[tie_of[i]], force[i])
+                                      : fmax(force[i] - upper[i], lower[i] - force[i]);
             violation[i] = over > -HUGE_VAL ? over : -1.0;
         }
     }

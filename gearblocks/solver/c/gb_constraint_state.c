@@ -97,15 +97,16 @@ void gb_slips_now(gb_sim *sim) {
     }
 }
 
-int gb_solve_problem(gb_sim *sim, int count) {
+int gb_solve_problem(gb_sim *sim, int count, int coupled) {
     const int n = sim->model->n_constraints, *index = sim->constraints.index;
     for (int i = 0; i < count; i++) {
         for (int j = 0; j < count; j++) {
             sim->constraints.matrix[i * count + j] = sim->constraints.delassus[index[i] * n + index[j]];
         }
     }
+    const gb_coupled_bounds bounds = {sim->constraints.on, sim->constraints.lo_slope, sim->constraints.hi_slope};
     if (!gb_lcp_solve(count, sim->constraints.matrix, sim->constraints.right, sim->constraints.lo, sim->constraints.hi,
-                      sim->constraints.force)) {
+                      coupled ? &bounds : NULL, sim->constraints.force)) {
         return gb_fail(sim, GB_ERR_BRANCH, sim->model->constraints[index[0]].slip, sim->head->front.t1,
                        sim->constraints.right[0]);
     }

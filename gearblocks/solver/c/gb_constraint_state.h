@@ -7,8 +7,8 @@
 #include "gb_internal.h"
 
 /* Forces (or impulses) x of `count` constraints, numbered by index[], with lo <= x <= hi and  W x + right complementary
- * to the bounds; W from `delassus`. */
-int gb_solve_problem(gb_sim *sim, int count);
+ * to the bounds; W from `delassus`. coupled: bounds grow with other forces. */
+int gb_solve_problem(gb_sim *sim, int count, int coupled);
 
 /* Of constraint i: it is active; it is a stop; its force has no bounds. */
 int gb_is_active(const gb_sim *sim, int i);

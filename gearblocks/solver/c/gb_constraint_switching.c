@@ -12,6 +12,9 @@
 #include <stdio.h>  /*DBG*/
 #include <stdlib.h> /*DBG*/
 
+/* Flips that a look ahead stands for, where the force of a lossy gear has just come to zero. */
+static const double SIGN_AHEAD = 8.0;
+
 /* Mode for the events: 0 stuck, 1 forward, -1 backward, 2 free; of a stop 1 closed, 0 open. */
 static double shown_mode(const gb_sim *sim, int i) {
     const gb_constraint *constraint = &sim->model->constraints[i];
@@ -40,9 +43,10 @@ static void sort_by_slip(gb_sim *sim, int impacted) {
             *state = gb_touches(sim, i) && rests ? GB_CANDIDATE : GB_IS_OPEN;
         } else if (zero || gb_is_unbounded(sim, i)) {
             *state = GB_CANDIDATE;
-        } else {
+        } else { /* one that has just begun to slide is still about its limit: the sign of the slip there is rounding */
+            const double begun = impacted ? 0.0 : -sim->events.armed[constraint->slip];
             *state = GB_SLIDES;
-            sim->mode[constraint->slip] = slip > 0.0 ? 1.0 : -1.0;
+            sim->mode[constraint->slip] = begun != 0.0 ? begun : slip > 0.0 ? 1.0 : -1.0;
         }
     }
 }
@@ -56,15 +60,12 @@ static void release_pending(gb_sim *sim) {
             continue;
         }
         const double force = sim->constraints.other[i], *bounds = sim->constraints.bounds + 5 * i;
-        if (constraint->kind == GB_LOSS) {
-            sim->constraints.released[i] = 1; /* its options say how it goes on */
-            continue;
-        }
         if (sim->constraints.was_redundant[i]) {
             sim->constraints.shrink[i] = 1e-6;
             continue;
         }
-        const int upper = force - bounds[1] > bounds[0] - force;
+        const int upper = constraint->kind == GB_LOSS ? gb_loss_is_upper(sim, i, sim->constraints.other)
+                                                      : force - bounds[1] > bounds[0] - force;
         sim->constraints.decision[i] = constraint->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
         sim->mode[constraint->slip] = constraint->kind == GB_STOP ? 0.0 : upper ? -1.0 : 1.0;
         sim->constraints.released[i] = 1;
@@ -181,6 +182,9 @@ static int look_ahead(gb_sim *sim) {
         const int stands = head->front.t1 - sim->events.flip_time[constraint->active] <=
                            10.0 * gb_rounding(head->front.t1, head->front.h);
         flips = pending && stands ? gb_max(flips, sim->events.flips[constraint->active]) : flips;
+        if (constraint->kind == GB_TIE && sim->events.pending[constraint->slip] != 0.0) {
+            flips = gb_max(flips, SIGN_AHEAD); /* the force is 0 there; what it does next tells its sign */
+        }
     }
     sim->constraints.y = sim->y;
     if (flips == 0.0) {

@@ -82,7 +82,7 @@ int gb_impact(gb_sim *sim) {
         return GB_DONE;
     }
     model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->y, 0, sim->constraints.delassus);
-    if (gb_solve_problem(sim, count) != GB_DONE || gb_refuse_contradiction(sim, count) != GB_DONE) {
+    if (gb_solve_problem(sim, count, 0) != GB_DONE || gb_refuse_contradiction(sim, count) != GB_DONE) {
         return sim->head->report.code;
     }
     double *whole = sim->constraints.other, *before = sim->constraints.slip_before;

@@ -166,6 +166,7 @@ struct gb_events {
     double *s0, *s, *slopes, *samples; /* event functions: at the start of a step, at an instant, along rows, sampled */
     double *moved;                     /* and with one state moved */
     double *located, *side;            /* theta at which it leaves its mode, and the limit */
+    double *slack;                     /* sign of the force of a lossy gear: how far beyond counts as on it; else -1 */
     int undersampled;                  /* samples of the last step do not tell what a constraint force does */
     int in_doubt;                      /* its polynomial takes back at once what was decided at its start */
 };
@@ -203,6 +204,8 @@ struct gb_constraints {
     double *delassus;                         /* W of all of them */
     double *matrix, *right, *lo, *hi, *force; /* the complementarity problem of `count` of them, numbered by index[] */
     int count, *index;
+    double *lo_slope, *hi_slope; /* what bounds grow by per force of another one, on[] (-1: they do not) */
+    int *on;
     double *other, *force_before; /* forces or impulses of all; forces before the event */
     double *mode_before, *shrink, *full_mode;
     int *decision, *was_redundant, *released, *struck;
@@ -212,10 +215,11 @@ struct gb_constraints {
     double fastest;           /* of the accelerations with no constraint active */
 };
 
-/* Lossy gears: what is decided without them, the best combination so far, the one that is tried. */
+/* Lossy gears, by the constraint of their loss: what is decided without them; the sides that are assumed where they
+ * slide forward and backward; what is tried. */
 struct gb_lossy {
-    double *base_mode, *base_sign, *best_mode, *best_rate;
-    int *base_decision, *best_decision, *option;
+    double *base_mode;
+    int *base_decision, *forward, *backward, *option;
 };
 
 struct gb_sim {

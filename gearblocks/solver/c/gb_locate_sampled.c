@@ -20,13 +20,34 @@ static int event_functions_at(gb_sim *sim, double theta, double *s) {
     return code;
 }
 
+/* What forces of lossy gears may go beyond zero, as slip acceleration: what changes speeds by no more than their
+ * rounding within the step. Both sides of zero ask for the same motion there. */
+static void measure_slack(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    double speed = 0.0;
+    for (int i = 0; i < model->n_event_functions; i++) {
+        sim->events.slack[i] = -1.0;
+    }
+    for (int i = model->n - model->n_speeds; i < model->n && model->n_constraints > 0; i++) {
+        speed = gb_max(speed, fabs(sim->y0[i]));
+    }
+    for (int i = 0; i < model->n_constraints; i++) {
+        if (model->constraints[i].kind == GB_TIE) {
+            sim->events.slack[model->constraints[i].slip] =
+                64.0 * DBL_EPSILON * speed * sim->constraints.row_size[i] / sim->head->front.h;
+        }
+    }
+}
+
 /* Distance of event function i to its limit `side`; from its start value where it is armed there. */
 static double distance(const gb_sim *sim, int i, double side, double s) {
     const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
     const double rounding = gb_limit_rounding(sim, i, limit);
     const double start = side * (limit - sim->events.s0[i]);
-    const double from = sim->events.armed[i] == side || start <= rounding ? sim->events.s0[i] : limit;
-    return side * (from - s);
+    const int armed =
+        sim->events.armed[i] == side && sim->events.slack[i] < 0.0; /* a force may jump inside as it turns */
+    const double from = armed || start <= rounding ? sim->events.s0[i] : limit;
+    return side * (from - s) + gb_max(sim->events.slack[i], 0.0);
 }
 
 /* The root in [a, b] with distance(a) >= 0 > distance(b): false position with the Illinois rule, then halving. */
@@ -219,7 +240,10 @@ static int first_through(gb_sim *sim, int i, double side, double tolerance, doub
     const int n = sim->model->n_event_functions;
     double f[POINTS];
     const int code = first_seen(sim, i, side, tolerance, first);
-    if (code != GB_DONE || sim->events.role[i] != GB_CONSTRAINED || side < 0.0 || sim->events.hi[i] >= HUGE_VAL) {
+    const double limit = side < 0.0 && sim->events.slack[i] < 0.0 ? -HUGE_VAL
+                         : side < 0.0                             ? sim->events.lo[i]
+                                                                  : sim->events.hi[i];
+    if (code != GB_DONE || sim->events.role[i] != GB_CONSTRAINED || fabs(limit) >= HUGE_VAL) {
         return code;
     }
     for (int l = 0; l < POINTS; l++) {
@@ -257,6 +281,7 @@ int gb_locate_sampled(gb_sim *sim) {
         code = event_functions_at(sim, thetas[l], sim->events.samples + (size_t)l * (size_t)n);
     }
     sim->events.undersampled = 0;
+    measure_slack(sim);
     for (int i = model->n_affine; i < n && code == GB_DONE; i++) {
         double low = 2.0, high = 2.0;
         code = first_through(sim, i, -1.0, tolerance, &low);
@@ -265,8 +290,9 @@ int gb_locate_sampled(gb_sim *sim) {
         }
         sim->events.located[i] = gb_min(low, high);
         sim->events.side[i] = low < high ? -1.0 : 1.0;
-        sim->events.undersampled = sim->events.undersampled || (sim->events.role[i] == GB_CONSTRAINED &&
-                                                                sim->events.hi[i] == 0.0 && is_untold(sim, i));
+        sim->events.undersampled =
+            sim->events.undersampled || (sim->events.role[i] == GB_CONSTRAINED && sim->events.hi[i] == 0.0 &&
+                                         sim->events.slack[i] < 0.0 && is_untold(sim, i));
     }
     return code;
 }

@@ -3,132 +3,178 @@
 #include "gb_constraint_rows.h"
 #include "gb_constraints.h"
 #include "gb_report.h"
+#include "gb_vector.h"
+
+/* Most steps over the sides, and how many of them all at once without fewer that disagree; most combinations. */
+enum { STEPS = 60, PATIENCE = 3, COMBINATIONS = 20000 };
+
+/* Sides forward and backward of a gear at rest, by the force that leaves it: above all rests, below, between; between
+ * the rests where nothing enters. */
+enum { OPTIONS = 5 };
+static const int sides[OPTIONS][2] = {{1, -1}, {-1, 1}, {1, 1}, {1, 0}, {0, 1}};
+
+static const double *losses_of(const gb_sim *sim, int i) {
+    return sim->constraints.bounds + 5 * i;
+}
+
+static int is_loss(const gb_sim *sim, int i) {
+    return sim->model->constraints[i].kind == GB_LOSS;
+}
 
 int gb_has_lossy(const gb_sim *sim) {
     int found = 0;
     for (int i = 0; i < sim->model->n_constraints; i++) {
-        found = found || sim->model->constraints[i].kind == GB_LOSS;
+        found = found || is_loss(sim, i);
     }
     return found;
 }
 
-/* Options of a lossy gear: 0 at rest; else the direction in which it slides and the sign of the force that it carries.
- */
-static void take_option(gb_sim *sim, int i, int option) {
-    const gb_constraint *loss = &sim->model->constraints[i], *tie = &sim->model->constraints[loss->partner];
-    sim->constraints.decision[i] = option == 0 ? GB_CANDIDATE : GB_SLIDES;
-    sim->mode[loss->slip] = option == 0 ? 0.0 : option <= 2 ? 1.0 : -1.0;
-    sim->mode[tie->slip] = option % 2 == 0 ? -1.0 : 1.0;
+int gb_loss_is_upper(const gb_sim *sim, int i, const double *force) {
+    const double *losses = losses_of(sim, i), tie = force[sim->model->constraints[i].partner];
+    return force[i] - gb_loss_of(losses, -tie) > -gb_loss_of(losses, tie) - force[i];
 }
 
-static int is_option(const gb_sim *sim, int i, int option) {
-    const gb_constraint *loss = &sim->model->constraints[i], *tie = &sim->model->constraints[loss->partner];
-    const double direction = option <= 2 ? 1.0 : -1.0, sign = option % 2 == 0 ? -1.0 : 1.0;
-    if (sim->lossy.base_decision[i] != GB_CANDIDATE) {
-        const int left = sim->events.pending[tie->slip] != 0.0 && sim->lossy.base_sign[i] == sign;
-        return option > 0 && sim->lossy.base_mode[i] == direction && !left;
-    }
-    return option > 0 || !sim->constraints.released[i];
-}
-
-/* What was assumed about a lossy gear is what came of it. */
-static int holds_true(gb_sim *sim, int i) {
-    const gb_constraint *loss = &sim->model->constraints[i], *tie = &sim->model->constraints[loss->partner];
-    const double carried = gb_constraint_force(sim, loss->partner);
-    double size;
-    const double rate = gb_slip_acceleration(sim, i, &size);
-    if (sim->constraints.decision[i] == GB_CANDIDATE) {
-        const double force = gb_constraint_force(sim, i);
-        const double violation = gb_loss_excess(sim->constraints.bounds + 5 * i, carried, force);
-        sim->mode[tie->slip] = carried >= 0.0 ? 1.0 : -1.0;
-        return violation <= 1e-10 * (fabs(force) + fabs(carried));
-    }
-    const int j = loss->partner;
-    const double response = fabs(sim->constraints.delassus[j * sim->model->n_constraints + j]);
-    const int fits = sim->mode[tie->slip] * carried * response >= -gb_acceleration_rounding(sim, j, 0.0);
-    return fits && (sim->lossy.base_decision[i] != GB_CANDIDATE ||
-                    sim->mode[loss->slip] * rate >= -gb_acceleration_rounding(sim, i, size));
-}
-
-/* Keeps the modes and slip accelerations of a solution; 1: another one was kept before. */
-static int keep_solution(gb_sim *sim, int known) {
-    const gb_model *model = sim->model;
-    int other = 0;
-    for (int i = 0; i < model->n_constraints; i++) {
-        double size;
-        const double rate = gb_slip_acceleration(sim, i, &size);
-        other = other || (known && fabs(rate - sim->lossy.best_rate[i]) >
-                                       1e3 * gb_acceleration_rounding(sim, i, size + fabs(sim->lossy.best_rate[i])));
-        if (!known) {
-            sim->lossy.best_rate[i] = rate;
-            sim->lossy.best_decision[i] = sim->constraints.decision[i];
-            sim->lossy.best_mode[i] = sim->mode[model->constraints[i].slip];
+/* The sides of the modes before; those that no mode tells follow from the forces before. */
+static void begin(gb_sim *sim) {
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        const gb_constraint *loss = &sim->model->constraints[i];
+        sim->lossy.base_decision[i] = sim->constraints.decision[i];
+        sim->lossy.base_mode[i] = sim->mode[loss->slip];
+        if (!is_loss(sim, i)) {
+            continue;
+        }
+        const double *losses = losses_of(sim, i), tie = sim->constraints.force_before[loss->partner];
+        const double sign = sim->mode[sim->model->constraints[loss->partner].slip],
+                     before = sim->constraints.mode_before[i];
+        sim->lossy.forward[i] = gb_loss_side(losses, tie);
+        sim->lossy.backward[i] = gb_loss_side(losses, -tie);
+        if (before == 1.0 && sign != 0.0) {
+            sim->lossy.forward[i] = (int)sign;
+        } else if (before == -1.0 && sign != 0.0) {
+            sim->lossy.backward[i] = (int)-sign;
         }
     }
-    return other;
 }
 
-/* All lossy gears are at rest. */
-static int all_rest(const gb_sim *sim) {
-    int rest = 1;
-    for (int i = 0; i < sim->model->n_constraints; i++) {
-        rest = rest && (sim->model->constraints[i].kind != GB_LOSS || sim->constraints.decision[i] == GB_CANDIDATE);
+/* The active set with the sides that are assumed. */
+static int solve(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    for (int i = 0; i < model->n_constraints; i++) {
+        const gb_constraint *constraint = &model->constraints[i];
+        sim->constraints.decision[i] = sim->lossy.base_decision[i];
+        if (constraint->kind != GB_TIE) {
+            sim->mode[constraint->slip] = sim->lossy.base_mode[i];
+        }
     }
-    return rest;
+    for (int i = 0; i < model->n_constraints; i++) {
+        const double direction = sim->lossy.base_mode[i];
+        if (is_loss(sim, i) && sim->constraints.decision[i] != GB_CANDIDATE) {
+            sim->mode[model->constraints[model->constraints[i].partner].slip] =
+                direction * (direction > 0.0 ? sim->lossy.forward[i] : sim->lossy.backward[i]);
+        }
+    }
+    return gb_choose_active_set(sim);
+}
+
+/* The force that the tie of gear i has come to lies on the side that was assumed, or beyond it by no more than
+ * rounding; at rest the loss is in its range. */
+static int holds_true(gb_sim *sim, int i) {
+    const int j = sim->model->constraints[i].partner;
+    const double *losses = losses_of(sim, i), tie = gb_constraint_force(sim, j), force = gb_constraint_force(sim, i);
+    const double direction = sim->mode[sim->model->constraints[i].slip];
+    if (sim->constraints.decision[i] == GB_CANDIDATE) {
+        return gb_loss_excess(losses, tie, force) <= 1e-10 * (fabs(force) + fabs(tie));
+    }
+    double size;
+    gb_slip_acceleration(sim, j, &size);
+    const int side = direction > 0.0 ? sim->lossy.forward[i] : sim->lossy.backward[i];
+    const double response = fabs(sim->constraints.delassus[j * sim->model->n_constraints + j]);
+    return gb_loss_margin(losses, side, direction * tie) * response >= -gb_acceleration_rounding(sim, j, size);
+}
+
+/* Takes the sides of the forces found for gears that do not hold true, or for the first of them; returns how many. */
+static int take_sides(gb_sim *sim, int all) {
+    int wrong = 0;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        if (is_loss(sim, i) && !holds_true(sim, i)) {
+            const double tie = gb_constraint_force(sim, sim->model->constraints[i].partner);
+            if (all || wrong == 0) {
+                sim->lossy.forward[i] = gb_loss_side(losses_of(sim, i), tie);
+                sim->lossy.backward[i] = gb_loss_side(losses_of(sim, i), -tie);
+            }
+            wrong++;
+        }
+    }
+    return wrong;
+}
+
+/* A failed try is none. */
+static void forgive(gb_sim *sim) {
+    sim->head->report.code = GB_DONE;
+}
+
+static void take_option(gb_sim *sim, int i, int option) {
+    const int rests = sim->lossy.base_decision[i] == GB_CANDIDATE, slides = option == 0 ? 1 : option == 1 ? -1 : 0;
+    sim->lossy.option[i] = option;
+    sim->lossy.forward[i] = rests ? sides[option][0] : slides;
+    sim->lossy.backward[i] = rests ? sides[option][1] : slides;
+}
+
+/* The next combination of sides that can be; 0: there is none. */
+static int next_combination(gb_sim *sim) {
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        if (!is_loss(sim, i)) {
+            continue;
+        }
+        const double *losses = losses_of(sim, i);
+        const int gap = losses[1] < losses[3], rests = sim->lossy.base_decision[i] == GB_CANDIDATE;
+        const int count = rests ? (gap ? 5 : losses[1] > 0.0 ? 3 : 2) : (gap ? 3 : 2);
+        take_option(sim, i, (sim->lossy.option[i] + 1) % count);
+        if (sim->lossy.option[i] != 0) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static int try_every_combination(gb_sim *sim) {
+    int last = 0;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        if (is_loss(sim, i)) {
+            take_option(sim, i, 0);
+            last = i;
+        }
+    }
+    for (int count = 0; count < COMBINATIONS; count++) {
+        int wrong = solve(sim) != GB_DONE;
+        forgive(sim);
+        for (int i = 0; i < sim->model->n_constraints && !wrong; i++) {
+            wrong = is_loss(sim, i) && !holds_true(sim, i);
+        }
+        if (!wrong) {
+            return GB_DONE;
+        }
+        if (!next_combination(sim)) {
+            break;
+        }
+    }
+    return gb_fail(sim, GB_ERR_LOSS, sim->model->constraints[last].slip, sim->head->front.t1, 0.0);
 }
 
 int gb_choose_lossy(gb_sim *sim) {
-    const gb_model *model = sim->model;
-    int n_found = 0, last = -1, code = GB_DONE;
-    for (int i = 0; i < model->n_constraints; i++) {
-        const gb_constraint *constraint = &model->constraints[i];
-        sim->lossy.base_decision[i] = sim->constraints.decision[i];
-        sim->lossy.base_mode[i] = sim->mode[constraint->slip];
-        sim->lossy.base_sign[i] =
-            constraint->kind == GB_LOSS ? sim->mode[model->constraints[constraint->partner].slip] : 0.0;
-        sim->lossy.option[i] = 0;
-        last = constraint->kind == GB_LOSS ? i : last;
+    int fewest = sim->model->n_constraints + 1, patience = PATIENCE;
+    begin(sim);
+    for (int step = 0; step < STEPS; step++) {
+        if (solve(sim) != GB_DONE) {
+            forgive(sim);
+            break;
+        }
+        const int wrong = take_sides(sim, patience > 0);
+        if (wrong == 0) {
+            return GB_DONE;
+        }
+        patience = wrong < fewest ? PATIENCE : patience - 1;
+        fewest = wrong < fewest ? wrong : fewest;
     }
-    for (int more = 1; more && code == GB_DONE;) {
-        int wanted = 1;
-        for (int i = 0; i < model->n_constraints; i++) {
-            wanted = wanted && (model->constraints[i].kind != GB_LOSS || is_option(sim, i, sim->lossy.option[i]));
-        }
-        for (int i = 0; i < model->n_constraints && wanted; i++) {
-            sim->constraints.decision[i] = sim->lossy.base_decision[i];
-            if (model->constraints[i].kind != GB_TIE) {
-                sim->mode[model->constraints[i].slip] = sim->lossy.base_mode[i];
-            }
-        }
-        for (int i = 0; i < model->n_constraints && wanted; i++) {
-            if (model->constraints[i].kind == GB_LOSS) {
-                take_option(sim, i, sim->lossy.option[i]);
-            }
-        }
-        code = wanted ? gb_choose_active_set(sim) : GB_DONE;
-        for (int i = 0; i < model->n_constraints && wanted; i++) {
-            wanted = model->constraints[i].kind != GB_LOSS || holds_true(sim, i);
-        }
-        if (wanted && code == GB_DONE && keep_solution(sim, n_found++ > 0)) {
-            return gb_fail(sim, GB_ERR_LOSS, model->constraints[last].slip, sim->head->front.t1, 2.0);
-        }
-        more = 0;
-        if (wanted && all_rest(sim)) {
-            break; /* nothing begins to slide that can stay at rest */
-        }
-        for (int i = 0; i < model->n_constraints && !more; i++) {
-            if (model->constraints[i].kind == GB_LOSS) {
-                sim->lossy.option[i] = (sim->lossy.option[i] + 1) % 5;
-                more = sim->lossy.option[i] != 0;
-            }
-        }
-    }
-    if (code == GB_DONE && n_found == 0) {
-        return gb_fail(sim, GB_ERR_LOSS, model->constraints[last].slip, sim->head->front.t1, 0.0);
-    }
-    for (int i = 0; i < model->n_constraints && code == GB_DONE; i++) {
-        sim->constraints.decision[i] = sim->lossy.best_decision[i];
-        sim->mode[model->constraints[i].slip] = sim->lossy.best_mode[i];
-    }
-    return code;
+    return try_every_combination(sim);
 }

@@ -60,26 +60,14 @@ static void lay_constraints(gb_sim *sim, char *base, size_t *at) {
     const long n = m->n_constraints;
     struct gb_constraints *c = &sim->constraints;
     struct gb_lossy *lossy = &sim->lossy;
-    double **const by_constraint[] = {&c->slip,
-                                      &c->slip_rounding,
-                                      &c->right,
-                                      &c->lo,
-                                      &c->hi,
-                                      &c->force,
-                                      &c->other,
-                                      &c->force_before,
-                                      &c->slip_before,
-                                      &c->free_acceleration,
-                                      &c->mode_before,
-                                      &c->shrink,
-                                      &c->peak,
-                                      &lossy->base_mode,
-                                      &lossy->base_sign,
-                                      &lossy->best_mode,
-                                      &lossy->best_rate};
+    double **const by_constraint[] = {&c->slip,        &c->slip_rounding, &c->right,       &c->lo,
+                                      &c->hi,          &c->lo_slope,      &c->hi_slope,    &c->force,
+                                      &c->other,       &c->force_before,  &c->slip_before, &c->free_acceleration,
+                                      &c->mode_before, &c->shrink,        &c->peak,        &lossy->base_mode};
     double **const by_pair[] = {&c->delassus, &c->matrix, &sim->implicit.row_inverse};
-    int **const marks[] = {&c->index,  &c->decision,   &c->was_redundant,     &c->released,          &c->struck,
-                           &c->broken, &c->was_broken, &lossy->base_decision, &lossy->best_decision, &lossy->option};
+    int **const marks[] = {
+        &c->index,      &c->decision, &c->was_redundant,     &c->released,    &c->struck,       &c->broken,
+        &c->was_broken, &c->on,       &lossy->base_decision, &lossy->forward, &lossy->backward, &lossy->option};
     for (size_t i = 0; i < sizeof by_constraint / sizeof by_constraint[0]; i++) {
         *by_constraint[i] = doubles(base, at, n);
     }
@@ -116,7 +104,7 @@ static void lay_implicit(gb_sim *sim, char *base, size_t *at) {
 static void lay_events(gb_sim *sim, char *base, size_t *at) {
     const gb_model *m = sim->model;
     struct gb_events *e = &sim->events;
-    double **const by_surface[] = {&e->s0, &e->s, &e->located, &e->side, &e->moved};
+    double **const by_surface[] = {&e->s0, &e->s, &e->located, &e->side, &e->moved, &e->slack};
     for (size_t i = 0; i < sizeof by_surface / sizeof by_surface[0]; i++) {
         *by_surface[i] = doubles(base, at, m->n_event_functions);
     }
