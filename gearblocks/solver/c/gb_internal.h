@@ -17,6 +17,7 @@ enum {
     GB_SLOPE = 14,
     GB_ROWS = 8,    /* rows of a dense polynomial */
     GB_EIGHTHS = 8, /* interior samples of an event function */
+    GB_PANEL_POINTS = 13, /* of polynomials of event functions' arguments: 9 that fit, 4 that check */
     GB_MEMORY = 64, /* remembered step sizes */
     GB_FLIPS = 20   /* flips of one switch without progress of time before the run stops */
 };
@@ -108,6 +109,7 @@ struct gb_event_state {
     double t_break;     /* the next announced instant: time switches and tables */
     int pending;        /* an event waits at the front */
     int armed;          /* some switch has just flipped and is watched from its limit */
+    double piece;       /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
     uint64_t mode_hash; /* of all modes */
     uint64_t remembered_modes[GB_MEMORY];
     double remembered_step[GB_MEMORY];
@@ -164,6 +166,15 @@ struct gb_events {
     double *located, *side;            /* theta at which it leaves its mode, and the limit */
     int undersampled;                  /* samples of the last step do not tell what a constraint force does */
     double flight;                     /* until a body that has just hit a stop is back */
+};
+
+/* Enclosures of event functions over a piece of a step. values: arguments at the points of a panel; bernstein, slack: of
+ * those that are read, what they are along it and how far that may be off; x: all arguments over a piece; left, right:
+ * event functions at its ends; noise: how finely they are told there. */
+struct gb_panel {
+    double from, to;
+    double *values, *bernstein, *slack, *left, *right, *noise;
+    struct gb_enclosure *x, *enclosure;
 };
 
 struct gb_event_log {
@@ -226,6 +237,7 @@ struct gb_sim {
     struct gb_control control;
     gb_lanes lanes, instant; /* of a step, of single instants */
     struct gb_events events;
+    struct gb_panel panel;
     struct gb_event_log log;
     struct gb_constraints constraints;
     struct gb_lossy lossy;

@@ -9,8 +9,7 @@ enum { POINTS = GB_EIGHTHS + 2 }; /* the start, one close to it, and the eighths
 
 static const double thetas[POINTS] = {0.0, 0.03125, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
 
-/* All event functions at theta, into s. */
-static int event_functions_at(gb_sim *sim, double theta, double *s) {
+int gb_event_functions_at(gb_sim *sim, double theta, double *s) {
     const gb_head *head = sim->head;
     const int code = gb_time_terms_at(sim, head->front.t0 + theta * head->front.h);
     if (code == GB_DONE) {
@@ -20,8 +19,7 @@ static int event_functions_at(gb_sim *sim, double theta, double *s) {
     return code;
 }
 
-/* Distance of event function i to its limit `side`; from its start value where it is armed there. */
-static double distance(const gb_sim *sim, int i, double side, double s) {
+double gb_limit_distance(const gb_sim *sim, int i, double side, double s) {
     const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
     const double rounding = gb_limit_rounding(sim, i, limit);
     const double start = side * (limit - sim->events.s0[i]);
@@ -29,17 +27,16 @@ static double distance(const gb_sim *sim, int i, double side, double s) {
     return side * (from - s);
 }
 
-/* The root in [a, b] with distance(a) >= 0 > distance(b): false position with the Illinois rule, then halving. */
-static int true_root(gb_sim *sim, int i, double side, double a, double b, double fa, double fb, double tolerance,
-                     double *root) {
+int gb_event_root(gb_sim *sim, int i, double side, double a, double b, double fa, double fb, double tolerance,
+                  double *root) {
     int code = GB_DONE;
     for (int count = 0; count < 100 && b - a > tolerance && code == GB_DONE; count++) {
         double x = a + (b - a) * (fa / (fa - fb));
         if (count % 4 == 3 || !(x > a && x < b)) {
             x = 0.5 * (a + b);
         }
-        code = event_functions_at(sim, x, sim->events.s);
-        const double f = distance(sim, i, side, sim->events.s[i]);
+        code = gb_event_functions_at(sim, x, sim->events.s);
+        const double f = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (f < 0.0) {
             b = x;
             fb = f;
@@ -62,8 +59,8 @@ static int true_dip(gb_sim *sim, int i, double side, double a, double m, double 
     *f = fm;
     for (int count = 0; count < 30 && *f >= 0.0 && b - a > 1e-5 && code == GB_DONE; count++) {
         const double trial = b - m > m - a ? m + golden * (b - m) : m - golden * (m - a);
-        code = event_functions_at(sim, trial, sim->events.s);
-        const double value = distance(sim, i, side, sim->events.s[i]);
+        code = gb_event_functions_at(sim, trial, sim->events.s);
+        const double value = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (value < *f) {
             if (trial > m) {
                 a = m;
@@ -94,10 +91,10 @@ static int return_root(gb_sim *sim, int i, double side, double b, double fb, dou
     int code = GB_DONE;
     *root = 0.0;
     for (double a = 0.0625 * b; fb < -rounding && a > tolerance && code == GB_DONE; a *= 0.0625) {
-        code = event_functions_at(sim, a, sim->events.s);
-        const double fa = distance(sim, i, side, sim->events.s[i]);
+        code = gb_event_functions_at(sim, a, sim->events.s);
+        const double fa = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (code == GB_DONE && fa > rounding) {
-            return true_root(sim, i, side, a, b, fa, fb, tolerance, root);
+            return gb_event_root(sim, i, side, a, b, fa, fb, tolerance, root);
         }
         b = a;
         fb = fa;
@@ -113,8 +110,8 @@ static int end_dip(gb_sim *sim, int i, double side, double low, double next, dou
         return GB_DONE;
     }
     const double inside = low + 1e-3 * (next - low);
-    int code = event_functions_at(sim, inside, sim->events.s);
-    const double there = distance(sim, i, side, sim->events.s[i]);
+    int code = gb_event_functions_at(sim, inside, sim->events.s);
+    const double there = gb_limit_distance(sim, i, side, sim->events.s[i]);
     if (code != GB_DONE || there >= f) {
         return code;
     }
@@ -122,7 +119,7 @@ static int end_dip(gb_sim *sim, int i, double side, double low, double next, dou
     code = true_dip(sim, i, side, gb_min(low, next), inside, gb_max(low, next), there, &x, &value);
     if (code == GB_DONE && value < 0.0) {
         const double a = gb_min(low, next), fa = low < next ? f : other;
-        code = true_root(sim, i, side, a, x, fa, value, tolerance, root);
+        code = gb_event_root(sim, i, side, a, x, fa, value, tolerance, root);
     }
     return code;
 }
@@ -138,11 +135,12 @@ static int look_closer(gb_sim *sim, int i, double side, double a, double b, cons
     }
     double at[5] = {f[0], 0.0, f[1], 0.0, f[2]};
     for (int q = 1; q < 4; q += 2) {
-        const int code = event_functions_at(sim, a + q * width, sim->events.s);
-        at[q] = distance(sim, i, side, sim->events.s[i]);
+        const int code = gb_event_functions_at(sim, a + q * width, sim->events.s);
+        at[q] = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (code != GB_DONE || at[q] < 0.0) {
             const double x = a + (q - 1) * width;
-            return code != GB_DONE ? code : true_root(sim, i, side, x, x + width, at[q - 1], at[q], tolerance, first);
+            return code != GB_DONE ? code
+                                   : gb_event_root(sim, i, side, x, x + width, at[q - 1], at[q], tolerance, first);
         }
     }
     const double off = fabs(at[1] - (0.375 * f[0] + 0.75 * f[1] - 0.125 * f[2]));
@@ -184,7 +182,7 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
         return GB_DONE;
     }
     for (int l = 0; l < POINTS; l++) {
-        f[l] = distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
+        f[l] = gb_limit_distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
     }
     const int armed = f[0] == 0.0;
     const double rounding = gb_limit_rounding(sim, i, 0.0);
@@ -199,7 +197,7 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
             if (armed && l == 1) {
                 return return_root(sim, i, side, thetas[l], f[l], tolerance, first);
             }
-            return true_root(sim, i, side, thetas[l - 1], thetas[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
+            return gb_event_root(sim, i, side, thetas[l - 1], thetas[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
         }
         if (l + 1 < POINTS && f[l + 1] >= 0.0 && !(armed && l == 1) && may_dip(f[l - 1], f[l], f[l + 1])) {
             double x, value;
@@ -207,7 +205,7 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
             if (code != GB_DONE || value < 0.0) {
                 const double a = x > thetas[l] ? thetas[l] : thetas[l - 1];
                 const double fa = x > thetas[l] ? f[l] : f[l - 1];
-                return code != GB_DONE ? code : true_root(sim, i, side, a, x, fa, value, tolerance, first);
+                return code != GB_DONE ? code : gb_event_root(sim, i, side, a, x, fa, value, tolerance, first);
             }
         }
     }
@@ -223,7 +221,7 @@ static int first_through(gb_sim *sim, int i, double side, double tolerance, doub
         return code;
     }
     for (int l = 0; l < POINTS; l++) {
-        f[l] = distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
+        f[l] = gb_limit_distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
     }
     return f[0] > 0.0 ? look_at_force(sim, i, side, f, tolerance, first) : code;
 }
@@ -235,7 +233,7 @@ static int is_untold(const gb_sim *sim, int i) {
     const int n = sim->model->n_event_functions;
     double least = HUGE_VAL, most = -HUGE_VAL, bend = 0.0, f[POINTS];
     for (int l = 0; l < POINTS; l++) {
-        f[l] = distance(sim, i, 1.0, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
+        f[l] = gb_limit_distance(sim, i, 1.0, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
         least = gb_min(least, f[l]);
         most = gb_max(most, f[l]);
     }
@@ -247,18 +245,32 @@ static int is_untold(const gb_sim *sim, int i) {
     return least < 2.0 * range && gb_max(bend, 4.0 * start) > 0.3 * range;
 }
 
+/* Whether its crossings are found by enclosures. */
+static int is_enclosed(const gb_model *model, int i) {
+    return model->n_arguments > 0 && model->is_enclosed[i - model->n_affine];
+}
+
 int gb_locate_sampled(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = model->n_event_functions;
+    int first = model->n_affine;
+    while (first < n && is_enclosed(model, first)) {
+        first++;
+    }
+    if (first == n) {
+        return GB_DONE;
+    }
     const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
     int code = gb_dense_complete(sim);
     memcpy(sim->events.samples, sim->events.s0, sizeof(double) * (size_t)n);
     for (int l = 1; l < POINTS && code == GB_DONE; l++) {
-        code = event_functions_at(sim, thetas[l], sim->events.samples + (size_t)l * (size_t)n);
+        code = gb_event_functions_at(sim, thetas[l], sim->events.samples + (size_t)l * (size_t)n);
     }
-    sim->events.undersampled = 0;
-    for (int i = model->n_affine; i < n && code == GB_DONE; i++) {
+    for (int i = first; i < n && code == GB_DONE; i++) {
         double low = 2.0, high = 2.0;
+        if (is_enclosed(model, i)) {
+            continue;
+        }
         code = first_through(sim, i, -1.0, tolerance, &low);
         if (code == GB_DONE) {
             code = first_through(sim, i, 1.0, tolerance, &high);
