@@ -85,13 +85,38 @@ static int verdict(const gb_sim *sim, const search *s, limit at) {
     return lowest >= enough ? FREE : OPEN;
 }
 
+/* The root of f in [a, b], which falls from fa >= 0 to fb < 0 with the given rates: secants, kept in the bracket that
+ * each value gives with the rates (interval Newton). */
+static int falling_root(gb_sim *sim, limit at, double a, double b, double fa, double fb, double tolerance,
+                        double *root) {
+    const gb_interval rate = margin_rate(sim, at);
+    double x0 = a, f0 = fa, x1 = b, f1 = fb;
+    int code = GB_DONE;
+    for (int count = 0; count < 100 && b - a > tolerance && code == GB_DONE; count++) {
+        double x = x1 - f1 * ((x1 - x0) / (f1 - f0));
+        if (count % 4 == 3 || !(x > a && x < b)) {
+            x = 0.5 * (a + b);
+        }
+        code = gb_event_functions_at(sim, x, sim->events.s);
+        x0 = x1;
+        f0 = f1;
+        x1 = x;
+        f1 = gb_limit_distance(sim, at.i, at.side, sim->events.s[at.i]);
+        const double soon = x - f1 / rate.lo, late = x - f1 / rate.hi; /* by the steepest and by the flattest fall */
+        a = gb_max(a, f1 < 0.0 ? (rate.hi < 0.0 ? late : a) : gb_max(x, soon));
+        b = gb_min(b, f1 < 0.0 ? gb_min(x, soon) : (rate.hi < 0.0 ? late : b));
+    }
+    *root = 0.5 * (a + b);
+    return code;
+}
+
 /* The only root in the piece, if it is no later than what is found already. */
 static int take_root(gb_sim *sim, search *s, limit at) {
-    const double end = gb_min(s->b, s->until + s->tolerance);
-    double fa = gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]), root = 0.0;
-    double fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]);
+    const double fa = gb_max(gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]), 0.0);
+    double end = s->b, fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]), root = 0.0;
     int code = GB_DONE;
-    if (end < s->b) {
+    if (s->until + s->tolerance < end) {
+        end = s->until + s->tolerance;
         code = gb_event_functions_at(sim, end, sim->events.s);
         fb = gb_limit_distance(sim, at.i, at.side, sim->events.s[at.i]);
     }
@@ -99,13 +124,37 @@ static int take_root(gb_sim *sim, search *s, limit at) {
         return code;
     }
     if (s->a > 0.0 || !is_armed(sim, at)) {
-        code = gb_event_root(sim, at.i, at.side, s->a, end, gb_max(fa, 0.0), fb, s->tolerance, &root);
+        code = falling_root(sim, at, s->a, end, fa, fb, s->tolerance, &root);
     }
     if (root < sim->events.located[at.i]) {
         sim->events.located[at.i] = root;
         sim->events.side[at.i] = at.side;
     }
     s->until = gb_min(s->until, root);
+    return code;
+}
+
+/* The roots in the piece up to the first: the one that the chords put first, then those that are as early. */
+static int take_roots(gb_sim *sim, search *s) {
+    const int n = limits(sim->model);
+    double soonest = HUGE_VAL;
+    int first = 0, code = GB_DONE;
+    for (int k = 0; k < n; k++) {
+        const limit at = limit_at(sim, k);
+        if (!is_clear(sim, at) && verdict(sim, s, at) == ROOT) {
+            const double fa = gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]);
+            const double fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]);
+            first = fa / (fa - fb) < soonest ? k : first;
+            soonest = gb_min(soonest, fa / (fa - fb));
+        }
+    }
+    code = take_root(sim, s, limit_at(sim, first));
+    for (int k = 0; k < n && code == GB_DONE; k++) {
+        const limit at = limit_at(sim, k);
+        if (k != first && !is_clear(sim, at) && verdict(sim, s, at) == ROOT) {
+            code = take_root(sim, s, at);
+        }
+    }
     return code;
 }
 
@@ -140,13 +189,7 @@ static int judge_piece(gb_sim *sim, search *s, int *found) {
         const int one = is_clear(sim, at) ? FREE : verdict(sim, s, at);
         *found = one == FREE ? *found : one;
     }
-    for (int k = 0; *found == ROOT && k < n && code == GB_DONE; k++) {
-        const limit at = limit_at(sim, k);
-        if (!is_clear(sim, at) && verdict(sim, s, at) == ROOT) {
-            code = take_root(sim, s, at);
-        }
-    }
-    return code;
+    return code == GB_DONE && *found == ROOT ? take_roots(sim, s) : code;
 }
 
 static void enclose(gb_sim *sim, double a, double b) {

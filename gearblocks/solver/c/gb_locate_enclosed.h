@@ -4,7 +4,7 @@
  *
  * Pieces of the step are taken from the left. Enclosures (gb_enclosure.h) of g and dg/dth over a piece [a, b] tell
  *     free      f >= 0 by its values, or by the tangents from both ends that its rates allow,
- *     one root  f falls throughout and is negative at b: found by gb_event_root,
+ *     one root  f falls throughout and is negative at b: found by secants,
  *     open      neither: the piece is halved,
  * so that no crossing between two looks is missed (branch and bound; Hansen and Walster 2004, ch. 9). At the width to
  * which an instant can be told, or a value to rounding, its ends decide: a touch is no crossing.

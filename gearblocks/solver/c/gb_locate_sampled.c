@@ -27,8 +27,9 @@ double gb_limit_distance(const gb_sim *sim, int i, double side, double s) {
     return side * (from - s);
 }
 
-int gb_event_root(gb_sim *sim, int i, double side, double a, double b, double fa, double fb, double tolerance,
-                  double *root) {
+/* The root in [a, b] with distance(a) >= 0 > distance(b): false position with the Illinois rule, then halving. */
+static int true_root(gb_sim *sim, int i, double side, double a, double b, double fa, double fb, double tolerance,
+                     double *root) {
     int code = GB_DONE;
     for (int count = 0; count < 100 && b - a > tolerance && code == GB_DONE; count++) {
         double x = a + (b - a) * (fa / (fa - fb));
@@ -94,7 +95,7 @@ static int return_root(gb_sim *sim, int i, double side, double b, double fb, dou
         code = gb_event_functions_at(sim, a, sim->events.s);
         const double fa = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (code == GB_DONE && fa > rounding) {
-            return gb_event_root(sim, i, side, a, b, fa, fb, tolerance, root);
+            return true_root(sim, i, side, a, b, fa, fb, tolerance, root);
         }
         b = a;
         fb = fa;
@@ -119,7 +120,7 @@ static int end_dip(gb_sim *sim, int i, double side, double low, double next, dou
     code = true_dip(sim, i, side, gb_min(low, next), inside, gb_max(low, next), there, &x, &value);
     if (code == GB_DONE && value < 0.0) {
         const double a = gb_min(low, next), fa = low < next ? f : other;
-        code = gb_event_root(sim, i, side, a, x, fa, value, tolerance, root);
+        code = true_root(sim, i, side, a, x, fa, value, tolerance, root);
     }
     return code;
 }
@@ -139,8 +140,7 @@ static int look_closer(gb_sim *sim, int i, double side, double a, double b, cons
         at[q] = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (code != GB_DONE || at[q] < 0.0) {
             const double x = a + (q - 1) * width;
-            return code != GB_DONE ? code
-                                   : gb_event_root(sim, i, side, x, x + width, at[q - 1], at[q], tolerance, first);
+            return code != GB_DONE ? code : true_root(sim, i, side, x, x + width, at[q - 1], at[q], tolerance, first);
         }
     }
     const double off = fabs(at[1] - (0.375 * f[0] + 0.75 * f[1] - 0.125 * f[2]));
@@ -197,7 +197,7 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
             if (armed && l == 1) {
                 return return_root(sim, i, side, thetas[l], f[l], tolerance, first);
             }
-            return gb_event_root(sim, i, side, thetas[l - 1], thetas[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
+            return true_root(sim, i, side, thetas[l - 1], thetas[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
         }
         if (l + 1 < POINTS && f[l + 1] >= 0.0 && !(armed && l == 1) && may_dip(f[l - 1], f[l], f[l + 1])) {
             double x, value;
@@ -205,7 +205,7 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
             if (code != GB_DONE || value < 0.0) {
                 const double a = x > thetas[l] ? thetas[l] : thetas[l - 1];
                 const double fa = x > thetas[l] ? f[l] : f[l - 1];
-                return code != GB_DONE ? code : gb_event_root(sim, i, side, a, x, fa, value, tolerance, first);
+                return code != GB_DONE ? code : true_root(sim, i, side, a, x, fa, value, tolerance, first);
             }
         }
     }

@@ -14,12 +14,6 @@ int gb_event_functions_at(gb_sim *sim, double theta, double *s);
 /* Distance of event function i to its limit `side`; from its start value where it is armed there. */
 double gb_limit_distance(const gb_sim *sim, int i, double side, double s);
 
-/* The root in [a, b] with distance(a) = fa >= 0 > fb = distance(b): false position with the Illinois rule, then
- * halving.
- */
-int gb_event_root(gb_sim *sim, int i, double side, double a, double b, double fa, double fb, double tolerance,
-                  double *root);
-
 /* The event functions [n_affine, n_event_functions) without enclosures; fills located and side. */
 int gb_locate_sampled(gb_sim *sim);
 
