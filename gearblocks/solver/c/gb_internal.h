@@ -110,6 +110,7 @@ struct gb_event_state {
     int pending;        /* an event waits at the front */
     int armed;          /* some switch has just flipped and is watched from its limit */
     double piece;       /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
+    double entered;     /* the last event: the present modes began there */
     uint64_t mode_hash; /* of all modes */
     uint64_t remembered_modes[GB_MEMORY];
     double remembered_step[GB_MEMORY];
