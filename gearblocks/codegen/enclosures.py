@@ -47,13 +47,55 @@ def lay_out_enclosures(g: Generator) -> Enclosures:
             known.add(path)
     for code in g.codes:
         _event_functions(g, code, known, found)
+    if _has_linear_forces(g):
+        _forces(g, known, found)
     return found
+
+
+def _has_linear_forces(g: Generator) -> bool:
+    """Whether constraint forces follow from the torques by constant numbers."""
+    constraints = g.constraints
+    changing = constraints.dynamic or constraints.lossy or constraints.prescribed
+    return bool(constraints.members) and not changing and not g.assembly.n_massless
+
+
+def _forces(g: Generator, known: set[str], found: Enclosures) -> None:
+    """Torques on groups and force bounds, if all of them are enclosed."""
+    functions = []
+    for code in g.codes:
+        for flange, expr in code.torques.items():
+            pair = _enclosed(g, code, expr, known, found)
+            if pair is None:
+                return
+            names, text = pair
+            if code.batch.groups[flange][0] == GROUND_GROUP:
+                continue
+            target = Operand(Role.GROUP_TORQUES, code.symbols.group_key(flange, names))
+            gain = code.symbols.gain(flange, names)
+            text = f"gb_enclosed_scale({text}, {gain})" if gain else text
+            body = [Statement(target, "=", f"gb_enclosed_add({target}, {text})")]
+            functions.append(_function(code, f"torque_enclosure_{flange}", names, body))
+        for name in code.law.constraints:
+            first = g.constraints.first[code.number, name]
+            for k, key in enumerate(("lower", "upper")):
+                target = Operand(Role.BOUNDS_OVER_PIECE, f"2 * ({first} + e) + {k}")
+                names, text = Names(Role.STATES), f"gb_enclosed_number({'-' if k == 0 else ''}HUGE_VAL)"
+                if key in code.constraint_values[name]:
+                    pair = _enclosed(g, code, code.constraint_values[name][key], known, found)
+                    if pair is None:
+                        return
+                    names, text = pair
+                body = [Statement(target, "=", text)]
+                functions.append(_function(code, f"{key}_bound_enclosure_{name}", names, body))
+    for function in functions:
+        g.keep("force_enclosures", function)
+    found.forces = True
 
 
 def _signals(g: Generator) -> set[str]:
     """Feedback signals that event functions read, with what they read in turn."""
     wanted: set[str] = set()
-    todo = [(code, x) for code in g.codes for i in _general(code) for x in code.surfaces[i].free_symbols]
+    todo = [(code, x) for code in g.codes for expr in _read(g, code) for x in expr.free_symbols]
     while todo:
         code, symbol = todo.pop()
         meaning = code.law.pool.roles[symbol]
@@ -64,6 +106,15 @@ def _signals(g: Generator) -> set[str]:
         elif meaning.role in ("hoisted", "force"):
             todo += [(code, x) for x in _inner(code, symbol).free_symbols]
     return wanted
+
+
+def _read(g: Generator, code: BatchCode) -> list[Any]:
+    """The expressions of a batch that enclosures read."""
+    exprs = [code.surfaces[i] for i in _general(code)]
+    if _has_linear_forces(g):
+        exprs += code.torques.values()
+        exprs += [v[k] for v in code.constraint_values.values() for k in ("lower", "upper") if k in v]
+    return exprs
 
 
 def _general(code: BatchCode) -> list[int]:

@@ -42,6 +42,8 @@ class Role(Enum):
     ARGUMENTS = "x"
     FEEDBACK_ENCLOSURES = "signal"
     ENCLOSURES = "enclosure"
+    GROUP_TORQUES = "group_torque"
+    BOUNDS_OVER_PIECE = "bound"
     OUTPUTS = "out"
     ENERGIES = "energy"
     SCALES = "scale"
@@ -77,7 +79,9 @@ class Role(Enum):
 _KINDS = {Role.STEP: "double", Role.FULL: "int", Role.LANE: "int", Role.INSTANCE: "int"}
 """Roles that are one number and no vector."""
 
-_ENCLOSURES = (Role.ARGUMENTS, Role.FEEDBACK_ENCLOSURES, Role.ENCLOSURES)
+_ENCLOSURES = (
+    Role.ARGUMENTS, Role.FEEDBACK_ENCLOSURES, Role.ENCLOSURES, Role.GROUP_TORQUES, Role.BOUNDS_OVER_PIECE,
+)  # fmt: skip
 """Vectors of enclosures."""
 
 _BY_LANE = (Role.TIME_TERMS, Role.INPUTS)

@@ -15,11 +15,11 @@ enum {
     GB_NODES = 2,   /* of the quadratures of an implicit method */
     GB_SPARE = 12,  /* slots of k for the states at the nodes; the next one holds h df/dt */
     GB_SLOPE = 14,
-    GB_ROWS = 8,    /* rows of a dense polynomial */
-    GB_EIGHTHS = 8, /* interior samples of an event function */
+    GB_ROWS = 8,          /* rows of a dense polynomial */
+    GB_EIGHTHS = 8,       /* interior samples of an event function */
     GB_PANEL_POINTS = 13, /* of polynomials of event functions' arguments: 9 that fit, 4 that check */
-    GB_MEMORY = 64, /* remembered step sizes */
-    GB_FLIPS = 20   /* flips of one switch without progress of time before the run stops */
+    GB_MEMORY = 64,       /* remembered step sizes */
+    GB_FLIPS = 20         /* flips of one switch without progress of time before the run stops */
 };
 
 /* The non-zero entries of one row of a tableau. */
@@ -169,13 +169,15 @@ struct gb_events {
     double flight;                     /* until a body that has just hit a stop is back */
 };
 
-/* Enclosures of event functions over a piece of a step. values: arguments at the points of a panel; bernstein, slack: of
- * those that are read, what they are along it and how far that may be off; x: all arguments over a piece; left, right:
- * event functions at its ends; noise: how finely they are told there. */
+/* Enclosures of event functions over a piece of a step. values: arguments at the points of a panel; bernstein, slack:
+ * of those that are read, what they are along it and how far that may be off; x: all arguments over a piece; left,
+ * right: event functions at its ends; noise: how finely they are told there; watched: those that are enclosed in this
+ * step. response: constraint forces per torque on each group (NULL: too many), unit: such a torque. */
 struct gb_panel {
     double from, to;
-    double *values, *bernstein, *slack, *left, *right, *noise;
-    struct gb_enclosure *x, *enclosure;
+    double *values, *bernstein, *slack, *left, *right, *noise, *response, *unit;
+    struct gb_enclosure *x, *enclosure, *torque, *bound;
+    int *watched;
 };
 
 struct gb_event_log {

@@ -1,6 +1,7 @@
 #include "gb_locate_enclosed.h"
 #include "gb_dense_output.h"
 #include "gb_enclosure.h"
+#include "gb_force_enclosure.h"
 #include "gb_locate_sampled.h"
 #include "gb_modes.h"
 #include "gb_panel.h"
@@ -18,6 +19,7 @@ typedef struct search {
     double a, b, until, tolerance;
     int have_left, have_right; /* event functions at a and at b are known */
     int by_ends, open;         /* ends decide; how many pieces were open so far */
+    int with_forces;           /* constraint forces are enclosed too */
 } search;
 
 /* An event function and one of its limits, by number; side 0: not to be watched. */
@@ -29,7 +31,7 @@ typedef struct limit {
 static limit limit_at(const gb_sim *sim, int number) {
     const int i = sim->model->n_affine + number / 2;
     const double side = number % 2 ? 1.0 : -1.0, at = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
-    const limit found = {i, sim->model->is_enclosed[number / 2] && fabs(at) < HUGE_VAL ? side : 0.0};
+    const limit found = {i, sim->panel.watched[i] && fabs(at) < HUGE_VAL ? side : 0.0};
     return found;
 }
 
@@ -192,19 +194,22 @@ static int judge_piece(gb_sim *sim, search *s, int *found) {
     return code == GB_DONE && *found == ROOT ? take_roots(sim, s) : code;
 }
 
-static void enclose(gb_sim *sim, double a, double b) {
+/* with_forces: those of constraint forces too. */
+static void enclose(gb_sim *sim, int with_forces, double a, double b) {
     gb_panel_piece(sim, a, b);
     sim->model->enclosures(sim->par, sim->mode, sim->panel.x, sim->panel.enclosure);
+    if (with_forces) {
+        gb_forces_enclose(sim);
+    }
 }
 
 /* How finely event functions are told at all, after many open pieces: their width over hardly any time. */
 static void measure_noise(gb_sim *sim, const search *s) {
-    enclose(sim, s->a, gb_min(s->a + s->tolerance, sim->panel.to));
+    enclose(sim, s->with_forces, s->a, gb_min(s->a + s->tolerance, sim->panel.to));
     for (int i = sim->model->n_affine; i < sim->model->n_event_functions; i++) {
         const gb_enclosure *g = &sim->panel.enclosure[i];
         const int bounded = g->up - g->down < HUGE_VAL;
-        sim->panel.noise[i] =
-            sim->model->is_enclosed[i - sim->model->n_affine] && bounded ? 2.0 * (g->hi - g->lo) : 0.0;
+        sim->panel.noise[i] = sim->panel.watched[i] && bounded ? 2.0 * (g->hi - g->lo) : 0.0;
     }
 }
 
@@ -230,29 +235,61 @@ static void move_on(gb_sim *sim, search *s) {
     }
 }
 
-int gb_locate_enclosed(gb_sim *sim) {
-    const gb_model *model = sim->model;
-    gb_head *head = sim->head;
-    search s = {0.0, 1.0, 2.0, gb_rounding(head->front.t0, head->front.h) / head->front.h, 0, 0, 0, 0};
-    double width = head->events.piece > 0.0 ? gb_min(1.0, 4.0 * head->events.piece / head->front.h) : 1.0;
-    int code = gb_dense_complete(sim), found = FREE;
-    for (int i = 0; i < model->n_event_functions; i++) {
-        s.until = i < model->n_affine ? gb_min(s.until, sim->events.located[i]) : s.until;
-        sim->panel.noise[i] = 0.0;
-        if (i >= model->n_affine && model->is_enclosed[i - model->n_affine]) {
-            sim->events.located[i] = 2.0;
-        }
+/* Watches the constraint forces, or leaves them to samples. */
+static void watch_forces(gb_sim *sim, int watched) {
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        sim->panel.watched[sim->model->constraints[i].active] = watched;
     }
-    sim->panel.to = 0.0;
+}
+
+/* Which event functions are enclosed in this step, constraint forces where they agree with those at its start; the
+ * first panel. Without a limit to watch the search is over. */
+static int begin(gb_sim *sim, search *s) {
+    const gb_model *model = sim->model;
+    int code = GB_DONE, any = 0;
+    for (int i = 0; i < model->n_affine; i++) {
+        s->until = gb_min(s->until, sim->events.located[i]);
+    }
+    for (int i = model->n_affine; i < model->n_event_functions; i++) {
+        sim->panel.noise[i] = 0.0;
+        sim->panel.watched[i] = model->is_enclosed[i - model->n_affine];
+    }
+    s->with_forces = gb_forces_prepare(sim);
+    watch_forces(sim, s->with_forces);
+    for (int k = 0; k < limits(model); k++) {
+        any = any || limit_at(sim, k).side != 0.0;
+    }
+    s->a = any ? 0.0 : 1.0;
+    if (any) {
+        code = gb_dense_complete(sim);
+        code = code == GB_DONE ? next_panel(sim, 0.0, 1.0) : code;
+    }
+    if (code == GB_DONE && any && s->with_forces) {
+        enclose(sim, 1, 0.0, s->tolerance);
+        s->with_forces = gb_forces_agree(sim);
+        watch_forces(sim, s->with_forces);
+    }
+    for (int i = model->n_affine; i < model->n_event_functions; i++) {
+        sim->events.located[i] = 2.0;
+    }
+    return code;
+}
+
+int gb_locate_enclosed(gb_sim *sim) {
+    gb_head *head = sim->head;
+    const double tolerance = gb_rounding(head->front.t0, head->front.h) / head->front.h;
+    search s = {.until = 2.0, .tolerance = tolerance};
+    double width = head->events.piece > 0.0 ? gb_min(1.0, 4.0 * head->events.piece / head->front.h) : 1.0;
+    int code = begin(sim, &s), found = FREE;
     while (code == GB_DONE && found != ROOT && s.a < gb_min(s.until + s.tolerance, 1.0)) {
         if (s.a >= sim->panel.to) {
-            code = next_panel(sim, s.a, s.a > 0.0 ? 2.0 * (sim->panel.to - sim->panel.from) : 1.0);
+            code = next_panel(sim, s.a, 2.0 * (sim->panel.to - sim->panel.from));
         }
         s.b = s.a + 1.01 * width < sim->panel.to ? s.a + width : sim->panel.to;
         s.have_right = 0;
         s.by_ends = s.b - s.a <= s.tolerance || s.open > MOST_PIECES;
         if (code == GB_DONE) {
-            enclose(sim, s.a, s.b);
+            enclose(sim, s.with_forces, s.a, s.b);
             code = judge_piece(sim, &s, &found);
         }
         width = found == OPEN ? 0.5 * (s.b - s.a) : 2.0 * (s.b - s.a);

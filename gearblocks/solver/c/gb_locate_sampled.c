@@ -245,30 +245,32 @@ static int is_untold(const gb_sim *sim, int i) {
     return least < 2.0 * range && gb_max(bend, 4.0 * start) > 0.3 * range;
 }
 
-/* Whether its crossings are found by enclosures. */
-static int is_enclosed(const gb_model *model, int i) {
-    return model->n_arguments > 0 && model->is_enclosed[i - model->n_affine];
+/* It has a limit, and no enclosure. */
+static int is_sampled(const gb_sim *sim, int i) {
+    const int enclosed = sim->model->n_arguments > 0 && sim->panel.watched[i];
+    return !enclosed && (sim->events.lo[i] > -HUGE_VAL || sim->events.hi[i] < HUGE_VAL);
 }
 
 int gb_locate_sampled(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = model->n_event_functions;
-    int first = model->n_affine;
-    while (first < n && is_enclosed(model, first)) {
-        first++;
+    const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
+    int code = GB_DONE, any = 0;
+    for (int i = model->n_affine; i < n; i++) {
+        any = any || is_sampled(sim, i);
+        sim->events.located[i] = model->n_arguments > 0 && sim->panel.watched[i] ? sim->events.located[i] : 2.0;
     }
-    if (first == n) {
+    if (!any) {
         return GB_DONE;
     }
-    const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
-    int code = gb_dense_complete(sim);
+    code = gb_dense_complete(sim);
     memcpy(sim->events.samples, sim->events.s0, sizeof(double) * (size_t)n);
     for (int l = 1; l < POINTS && code == GB_DONE; l++) {
         code = gb_event_functions_at(sim, thetas[l], sim->events.samples + (size_t)l * (size_t)n);
     }
-    for (int i = first; i < n && code == GB_DONE; i++) {
+    for (int i = model->n_affine; i < n && code == GB_DONE; i++) {
         double low = 2.0, high = 2.0;
-        if (is_enclosed(model, i)) {
+        if (!is_sampled(sim, i)) {
             continue;
         }
         code = first_through(sim, i, -1.0, tolerance, &low);

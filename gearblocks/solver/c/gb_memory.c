@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 enum { LINE = 64 };
+enum { MOST_RESPONSES = 4096 }; /* of constraint forces to torques: beyond, samples cost less */
 
 void gb_set_method(gb_sim *sim, int method) {
     sim->head->method = method;
@@ -138,6 +139,13 @@ static void lay_panel(gb_sim *sim, char *base, size_t *at) {
     p->left = doubles(base, at, n);
     p->right = doubles(base, at, n);
     p->noise = doubles(base, at, n);
+    const long responses = m->force_enclosures ? (long)m->n_groups * m->n_constraints : 0;
+    p->unit = doubles(base, at, m->n_groups);
+    p->response = doubles(base, at, responses <= MOST_RESPONSES ? responses : 0);
+    p->response = responses > 0 && responses <= MOST_RESPONSES ? p->response : NULL;
+    p->watched = take(base, at, sizeof(int) * (size_t)(m->n_event_functions + 1));
+    p->torque = take(base, at, sizeof(gb_enclosure) * (size_t)(m->n_groups + 1));
+    p->bound = take(base, at, sizeof(gb_enclosure) * (size_t)(2 * m->n_constraints + 1));
     p->x = take(base, at, sizeof(gb_enclosure) * (size_t)(m->n_arguments + 1));
     p->enclosure = take(base, at, sizeof(gb_enclosure) * (size_t)(n + 1));
 }
