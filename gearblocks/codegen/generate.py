@@ -14,6 +14,7 @@ from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Assembly
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.comments import Comments, in_comment, tool
+from gearblocks.codegen.enclosures import lay_out_enclosures
 from gearblocks.codegen.feedback import order_signals, reads_angles
 from gearblocks.codegen.function import column, identifier
 from gearblocks.codegen.generator import Generator
@@ -58,6 +59,8 @@ def generate(assembly: Assembly) -> Program:
     _columns(g)
     _laws(g)
     g.feedback = order_signals(g.feedback, g.codes, g.assembly, set(in_law), g.wrapping.unwrapped)
+    if g.n_surfaces > g.n_affine:
+        g.enclosures = lay_out_enclosures(g)
     g.lay.n_total = g.lay.n_padded + padded(g.n_end - g.lay.n_padded)
     g.linear = linear_part(g)
     g.outputs += flange_outputs(g)

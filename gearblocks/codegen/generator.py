@@ -13,6 +13,7 @@ from gearblocks.codegen.operands import Operand, Statement
 from gearblocks.codegen.parts import (
     Band,
     DependentGroups,
+    Enclosures,
     FeedbackSignal,
     Linear,
     Massless,
@@ -62,6 +63,7 @@ class Generator:
     supply0: int = 0
     n_end: int = 0
     linear: Linear | None = None
+    enclosures: Enclosures | None = None
 
     def shared_time_terms(self, outputs_only: bool) -> list[Statement]:
         """Shared time terms: those of the rates, or those that only outputs and energies read."""

@@ -39,6 +39,11 @@ class Role(Enum):
     INPUTS = "u"
     RATES = "dy"
     EVENT_FUNCTIONS = "s"
+    ARGUMENTS = "x"
+    FEEDBACK_ENCLOSURES = "signal"
+    ENCLOSURES = "enclosure"
+    GROUP_TORQUES = "group_torque"
+    BOUNDS_OVER_PIECE = "bound"
     OUTPUTS = "out"
     ENERGIES = "energy"
     SCALES = "scale"
@@ -67,11 +72,17 @@ class Role(Enum):
         """Its C in a signature."""
         if self in _KINDS:
             return f"const {_KINDS[self]} {self.value}"
-        return f"{'' if written else 'const '}double *restrict {self.value}"
+        kind = "gb_enclosure" if self in _ENCLOSURES else "double"
+        return f"{'' if written else 'const '}{kind} *restrict {self.value}"
 
 
 _KINDS = {Role.STEP: "double", Role.FULL: "int", Role.LANE: "int", Role.INSTANCE: "int"}
 """Roles that are one number and no vector."""
+
+_ENCLOSURES = (
+    Role.ARGUMENTS, Role.FEEDBACK_ENCLOSURES, Role.ENCLOSURES, Role.GROUP_TORQUES, Role.BOUNDS_OVER_PIECE,
+)  # fmt: skip
+"""Vectors of enclosures."""
 
 _BY_LANE = (Role.TIME_TERMS, Role.INPUTS)
 """Vectors with GB_LANES numbers for each offset."""

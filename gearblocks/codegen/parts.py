@@ -160,6 +160,27 @@ class Call(NamedTuple):
 
 
 @dataclass(slots=True)
+class Enclosures:
+    """Enclosures of the event functions of a program.
+
+    first: offsets in the arguments of what they consist of; used: arguments that some enclosure reads. switches: (first,
+    count) of those that are enclosed. feedback: calls, each of which reads only earlier ones. forces: whether torques and
+    force bounds are enclosed too, and with them the constraint forces.
+    """
+
+    first: dict[str, int]
+    used: set[int] = field(default_factory=set)
+    switches: list[tuple[int, int]] = field(default_factory=list)
+    feedback: list[Call] = field(default_factory=list)
+    forces: bool = False
+
+    def flags(self, first: int, end: int) -> list[int]:
+        """Of the switches [first, end): 1 where it is enclosed."""
+        enclosed = {i + e for i, count in self.switches for e in range(count)}
+        return [int(i in enclosed) for i in range(first, end)]
+
+
+@dataclass(slots=True)
 class FeedbackSignal:
     """An output that a signal reads: its index in feedback[], where it is shown, and the call that fills it."""
 

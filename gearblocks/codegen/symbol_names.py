@@ -61,10 +61,11 @@ class SymbolNames:
         """The names of all symbols in the expressions."""
         names = Names(vector)
         for symbol in by_name(*exprs):
-            names.text[symbol] = self._name(symbol, names)
+            names.text[symbol] = self.name(symbol, names)
         return names
 
-    def _name(self, symbol: Any, into: Names) -> str:
+    def name(self, symbol: Any, into: Names) -> str:
+        """The C of a symbol."""
         meaning = self.law.pool.roles[symbol]
         role, of = meaning.role, meaning.of
         if role == "coordinate":
@@ -72,7 +73,7 @@ class SymbolNames:
         elif role in ("w", "phi", "alpha"):
             into.constants[name := f"{role}_{of}"] = self._flange(role, of, into)
         elif role == "force":
-            inner = {x: self._name(x, into) for x in by_name(self.forces[symbol])}
+            inner = {x: self.name(x, into) for x in by_name(self.forces[symbol])}
             into.constants[name := f"force{of}"] = c_text(self.forces[symbol], inner)
         elif role in ("table", "table2"):
             name = self.offsets.tables[symbol]
@@ -137,11 +138,15 @@ class SymbolNames:
     def _from_angles(self, j: int, into: Names) -> str:
         """A coordinate that is no state, from absolute angles (outputs only)."""
         terms = []
-        for flange, expr in self.law.forms[j].coefficients.items():
-            values = [float(v) for v in self._exact_column(expr)]
+        for flange, values in self.form(j).items():
             key = into.argument("double", f"c{j}_{flange}", self.batch.name, values)
             terms.append(f"{key} * ({self._flange('phi', flange, into)})")
         return " + ".join(terms)
+
+    def form(self, j: int) -> dict[str, list[float]]:
+        """The coefficients of a coordinate over the flange angles, by instance."""
+        forms = self.law.forms[j].coefficients
+        return {flange: [float(v) for v in self._exact_column(expr)] for flange, expr in forms.items()}
 
     def _exact_column(self, expr: Any) -> list[Any]:
         numbers = self.batch.exact
@@ -150,7 +155,7 @@ class SymbolNames:
     def _flange(self, role: str, flange: str, into: Names) -> str:
         groups = self.batch.groups[flange]
         if groups[0] == GROUND_GROUP:
-            return self._held_angle(flange, into) if role == "phi" and into.vector is not Role.DIRECTION else "0.0"
+            return self.held_angle(flange, into) if role == "phi" and into.vector is not Role.DIRECTION else "0.0"
         gain = self._factor(flange, into)
         if role == "phi":
             unwrapped = into.vector is Role.UNWRAPPED_ANGLES
@@ -172,7 +177,8 @@ class SymbolNames:
             return into.argument("int", f"v_{flange}", self.batch.name, speed_index(self.lay, self.batch, flange))
         return self.group_key(flange, into)
 
-    def _held_angle(self, flange: str, into: Names) -> str:
+    def held_angle(self, flange: str, into: Names) -> str:
+        """The angle of a flange at the ground."""
         offsets = self.lay.assembly.ground_offset
         at = [self.lay.path_of.get(offsets[node] or "", -1) for node in self.batch.nodes[flange]]
         if all(i < 0 for i in at):

@@ -13,7 +13,8 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_error_control", "gb_evaluate", "gb_constraint_forces", "gb_impact", "gb_snapshot"),
     ("gb_angle_wrapping", "gb_lossy_gear", "gb_method_choice", "gb_point", "gb_step_matrix"),
     ("gb_dense_output", "gb_constraint_switching"),
-    ("gb_locate_sampled", "gb_event"),
+    ("gb_locate_sampled", "gb_event", "gb_panel", "gb_force_enclosure"),
+    ("gb_locate_enclosed",),
     ("gb_locate_polynomial", "gb_start"),
     ("gb_step",),
     ("gb_run",),
@@ -33,6 +34,8 @@ ALONE = (
     "gb_mass.h",
     "gb_math.h",
     "gb_table.h",
+    "gb_enclosure.h",
+    "gb_enclosed_table.h",
     "gb_vector.h",
 )
 """Headers without a .c: every file may include them, they themselves those before them in this list."""

@@ -105,6 +105,24 @@ static int flip_pending(gb_sim *sim) {
     return code;
 }
 
+/* Whether an event function that is not affine in the states flips here. */
+static int crosses_general(const gb_sim *sim) {
+    for (int i = sim->model->n_affine; i < sim->model->n_event_functions && sim->model->n_arguments > 0; i++) {
+        if (sim->events.pending[i] != 0.0 && sim->model->is_enclosed[i - sim->model->n_affine]) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* What is worth remembering of the step size in the modes that end. A law that is cut by a condition over an angle
+ * bends over the time between its events: a step much longer is judged by what the law never does, and cut where it is
+ * hardly right. */
+static double step_worth(const gb_sim *sim) {
+    const double lasted = sim->head->front.t1 - sim->head->events.entered, worked = sim->head->control.h_worked;
+    return crosses_general(sim) ? gb_min(worked, gb_max(1.25 * lasted, 0.02 * worked)) : worked;
+}
+
 /* The step size that worked last in these modes, where there is one. */
 static void recall_step(gb_sim *sim) {
     gb_head *head = sim->head;
@@ -130,7 +148,8 @@ int gb_apply_event(gb_sim *sim) {
     const uint64_t modes = head->events.mode_hash;
     const size_t slot = (size_t)(modes % GB_MEMORY);
     head->events.remembered_modes[slot] = modes;
-    head->events.remembered_step[slot] = head->control.h_worked;
+    head->events.remembered_step[slot] = step_worth(sim);
+    head->events.entered = head->front.t1;
     head->events.pending = 0;
     head->front.have_k1 = 0;
     head->front.row_due = 1;

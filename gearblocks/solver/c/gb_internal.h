@@ -15,10 +15,11 @@ enum {
     GB_NODES = 2,   /* of the quadratures of an implicit method */
     GB_SPARE = 12,  /* slots of k for the states at the nodes; the next one holds h df/dt */
     GB_SLOPE = 14,
-    GB_ROWS = 8,    /* rows of a dense polynomial */
-    GB_EIGHTHS = 8, /* interior samples of an event function */
-    GB_MEMORY = 64, /* remembered step sizes */
-    GB_FLIPS = 20   /* flips of one switch without progress of time before the run stops */
+    GB_ROWS = 8,          /* rows of a dense polynomial */
+    GB_EIGHTHS = 8,       /* interior samples of an event function */
+    GB_PANEL_POINTS = 13, /* of polynomials of event functions' arguments: 9 that fit, 4 that check */
+    GB_MEMORY = 64,       /* remembered step sizes */
+    GB_FLIPS = 20         /* flips of one switch without progress of time before the run stops */
 };
 
 /* The non-zero entries of one row of a tableau. */
@@ -110,6 +111,8 @@ struct gb_event_state {
     int armed;          /* some switch has just flipped and is watched from its limit */
     double flight;      /* how long a body that has just hit a stop is away (HUGE_VAL: none) */
     double flight_end;  /* and until when that may still be so, friction changing its pace */
+    double piece;       /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
+    double entered;     /* the last event: the present modes began there */
     uint64_t mode_hash; /* of all modes */
     uint64_t remembered_modes[GB_MEMORY];
     double remembered_step[GB_MEMORY];
@@ -178,6 +181,17 @@ struct gb_unlocated {
     int crossed;  /* a mode changed between two stages of the step */
 };
 
+/* Enclosures of event functions over a piece of a step. values: arguments at the points of a panel; bernstein, slack:
+ * of those that are read, what they are along it and how far that may be off; x: all arguments over a piece; left,
+ * right: event functions at its ends; noise: how finely they are told there; watched: those that are enclosed in this
+ * step. response: constraint forces per torque on each group (NULL: too many), unit: such a torque. */
+struct gb_panel {
+    double from, to;
+    double *values, *bernstein, *slack, *left, *right, *noise, *response, *unit;
+    struct gb_enclosure *x, *enclosure, *torque, *bound;
+    int *watched;
+};
+
 struct gb_event_log {
     gb_event *event;
     long count, flushed, capacity;
@@ -244,6 +258,7 @@ struct gb_sim {
     gb_lanes lanes, instant; /* of a step, of single instants */
     struct gb_events events;
     struct gb_unlocated unlocated;
+    struct gb_panel panel;
     struct gb_event_log log;
     struct gb_constraints constraints;
     struct gb_lossy lossy;

@@ -2,6 +2,7 @@
 #include "gb_constraint_state.h"
 #include "gb_dense_output.h"
 #include "gb_limit_noise.h"
+#include "gb_locate_enclosed.h"
 #include "gb_locate_sampled.h"
 #include "gb_modes.h"
 #include "gb_vector.h"
@@ -284,6 +285,12 @@ int gb_locate(gb_sim *sim, double *theta) {
     model->event_functions(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->events.s0);
     if (model->n_affine > 0) {
         code = watch_all_affine(sim, tolerance);
+    }
+    if (model->n_event_functions > model->n_affine) {
+        gb_measure_slack(sim);
+    }
+    if (code == GB_DONE && model->n_arguments > 0) {
+        code = gb_locate_enclosed(sim);
     }
     if (code == GB_DONE && model->n_event_functions > model->n_affine) {
         code = gb_locate_sampled(sim);

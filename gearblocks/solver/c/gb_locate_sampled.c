@@ -9,8 +9,7 @@ enum { POINTS = GB_EIGHTHS + 2 }; /* the start, one close to it, and the eighths
 
 static const double thetas[POINTS] = {0.0, 0.03125, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
 
-/* All event functions at theta, into s. */
-static int event_functions_at(gb_sim *sim, double theta, double *s) {
+int gb_event_functions_at(gb_sim *sim, double theta, double *s) {
     const gb_head *head = sim->head;
     const int code = gb_time_terms_at(sim, head->front.t0 + theta * head->front.h);
     if (code == GB_DONE) {
@@ -20,9 +19,7 @@ static int event_functions_at(gb_sim *sim, double theta, double *s) {
     return code;
 }
 
-/* What forces of lossy gears may go beyond zero, as slip acceleration: what changes speeds by no more than their
- * rounding within the step. Both sides of zero ask for the same motion there. */
-static void measure_slack(gb_sim *sim) {
+void gb_measure_slack(gb_sim *sim) {
     const gb_model *model = sim->model;
     double speed = 0.0;
     for (int i = 0; i < model->n_event_functions; i++) {
@@ -39,8 +36,7 @@ static void measure_slack(gb_sim *sim) {
     }
 }
 
-/* Distance of event function i to its limit `side`; from its start value where it is armed there. */
-static double distance(const gb_sim *sim, int i, double side, double s) {
+double gb_limit_distance(const gb_sim *sim, int i, double side, double s) {
     const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
     const double rounding = gb_limit_rounding(sim, i, limit);
     const double start = side * (limit - sim->events.s0[i]);
@@ -59,8 +55,8 @@ static int true_root(gb_sim *sim, int i, double side, double a, double b, double
         if (count % 4 == 3 || !(x > a && x < b)) {
             x = 0.5 * (a + b);
         }
-        code = event_functions_at(sim, x, sim->events.s);
-        const double f = distance(sim, i, side, sim->events.s[i]);
+        code = gb_event_functions_at(sim, x, sim->events.s);
+        const double f = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (f < 0.0) {
             b = x;
             fb = f;
@@ -83,8 +79,8 @@ static int true_dip(gb_sim *sim, int i, double side, double a, double m, double 
     *f = fm;
     for (int count = 0; count < 30 && *f >= 0.0 && b - a > 1e-5 && code == GB_DONE; count++) {
         const double trial = b - m > m - a ? m + golden * (b - m) : m - golden * (m - a);
-        code = event_functions_at(sim, trial, sim->events.s);
-        const double value = distance(sim, i, side, sim->events.s[i]);
+        code = gb_event_functions_at(sim, trial, sim->events.s);
+        const double value = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (value < *f) {
             if (trial > m) {
                 a = m;
@@ -115,8 +111,8 @@ static int return_root(gb_sim *sim, int i, double side, double b, double fb, dou
     int code = GB_DONE;
     *root = 0.0;
     for (double a = 0.0625 * b; fb < -rounding && a > tolerance && code == GB_DONE; a *= 0.0625) {
-        code = event_functions_at(sim, a, sim->events.s);
-        const double fa = distance(sim, i, side, sim->events.s[i]);
+        code = gb_event_functions_at(sim, a, sim->events.s);
+        const double fa = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (code == GB_DONE && fa > rounding) {
             return true_root(sim, i, side, a, b, fa, fb, tolerance, root);
         }
@@ -134,8 +130,8 @@ static int end_dip(gb_sim *sim, int i, double side, double low, double next, dou
         return GB_DONE;
     }
     const double inside = low + 1e-3 * (next - low);
-    int code = event_functions_at(sim, inside, sim->events.s);
-    const double there = distance(sim, i, side, sim->events.s[i]);
+    int code = gb_event_functions_at(sim, inside, sim->events.s);
+    const double there = gb_limit_distance(sim, i, side, sim->events.s[i]);
     if (code != GB_DONE || there >= f) {
         return code;
     }
@@ -159,8 +155,8 @@ static int look_closer(gb_sim *sim, int i, double side, double a, double b, cons
     }
     double at[5] = {f[0], 0.0, f[1], 0.0, f[2]};
     for (int q = 1; q < 4; q += 2) {
-        const int code = event_functions_at(sim, a + q * width, sim->events.s);
-        at[q] = distance(sim, i, side, sim->events.s[i]);
+        const int code = gb_event_functions_at(sim, a + q * width, sim->events.s);
+        at[q] = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (code != GB_DONE || at[q] < 0.0) {
             const double x = a + (q - 1) * width;
             return code != GB_DONE ? code : true_root(sim, i, side, x, x + width, at[q - 1], at[q], tolerance, first);
@@ -205,7 +201,7 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
         return GB_DONE;
     }
     for (int l = 0; l < POINTS; l++) {
-        f[l] = distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
+        f[l] = gb_limit_distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
     }
     const int armed = f[0] == 0.0;
     const double rounding = gb_limit_rounding(sim, i, 0.0);
@@ -247,7 +243,7 @@ static int first_through(gb_sim *sim, int i, double side, double tolerance, doub
         return code;
     }
     for (int l = 0; l < POINTS; l++) {
-        f[l] = distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
+        f[l] = gb_limit_distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
     }
     return f[0] > 0.0 ? look_at_force(sim, i, side, f, tolerance, first) : code;
 }
@@ -259,7 +255,7 @@ static int is_untold(const gb_sim *sim, int i) {
     const int n = sim->model->n_event_functions;
     double least = HUGE_VAL, most = -HUGE_VAL, bend = 0.0, f[POINTS];
     for (int l = 0; l < POINTS; l++) {
-        f[l] = distance(sim, i, 1.0, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
+        f[l] = gb_limit_distance(sim, i, 1.0, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
         least = gb_min(least, f[l]);
         most = gb_max(most, f[l]);
     }
@@ -271,19 +267,34 @@ static int is_untold(const gb_sim *sim, int i) {
     return least < 2.0 * range && gb_max(bend, 4.0 * start) > 0.3 * range;
 }
 
+/* It has a limit, and no enclosure. */
+static int is_sampled(const gb_sim *sim, int i) {
+    const int enclosed = sim->model->n_arguments > 0 && sim->panel.watched[i];
+    return !enclosed && (sim->events.lo[i] > -HUGE_VAL || sim->events.hi[i] < HUGE_VAL);
+}
+
 int gb_locate_sampled(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = model->n_event_functions;
     const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
-    int code = gb_dense_complete(sim);
+    int code = GB_DONE, any = 0;
+    for (int i = model->n_affine; i < n; i++) {
+        any = any || is_sampled(sim, i);
+        sim->events.located[i] = model->n_arguments > 0 && sim->panel.watched[i] ? sim->events.located[i] : 2.0;
+    }
+    if (!any) {
+        return GB_DONE;
+    }
+    code = gb_dense_complete(sim);
     memcpy(sim->events.samples, sim->events.s0, sizeof(double) * (size_t)n);
     for (int l = 1; l < POINTS && code == GB_DONE; l++) {
-        code = event_functions_at(sim, thetas[l], sim->events.samples + (size_t)l * (size_t)n);
+        code = gb_event_functions_at(sim, thetas[l], sim->events.samples + (size_t)l * (size_t)n);
     }
-    sim->events.undersampled = 0;
-    measure_slack(sim);
     for (int i = model->n_affine; i < n && code == GB_DONE; i++) {
         double low = 2.0, high = 2.0;
+        if (!is_sampled(sim, i)) {
+            continue;
+        }
         code = first_through(sim, i, -1.0, tolerance, &low);
         if (code == GB_DONE) {
             code = first_through(sim, i, 1.0, tolerance, &high);

@@ -1,10 +1,12 @@
 #include "gb_memory.h"
+#include "gb_enclosure.h"
 #include "gb_methods.h"
 #include "gb_sparse_ldu.h"
 
 #include <stdlib.h>
 
 enum { LINE = 64 };
+enum { MOST_RESPONSES = 4096 }; /* of constraint forces to torques: beyond, samples cost less */
 
 void gb_set_method(gb_sim *sim, int method) {
     sim->head->method = method;
@@ -117,6 +119,27 @@ static void lay_events(gb_sim *sim, char *base, size_t *at) {
     sim->log.event = take(base, at, sizeof(gb_event) * (size_t)sim->log.capacity);
 }
 
+static void lay_panel(gb_sim *sim, char *base, size_t *at) {
+    const gb_model *m = sim->model;
+    struct gb_panel *p = &sim->panel;
+    const long read = m->n_arguments_read, n = m->n_arguments > 0 ? m->n_event_functions : 0;
+    p->values = doubles(base, at, (long)GB_PANEL_POINTS * m->n_arguments);
+    p->bernstein = doubles(base, at, (long)GB_PANEL_POINTS * read);
+    p->slack = doubles(base, at, read);
+    p->left = doubles(base, at, n);
+    p->right = doubles(base, at, n);
+    p->noise = doubles(base, at, n);
+    const long responses = m->force_enclosures ? (long)m->n_groups * m->n_constraints : 0;
+    p->unit = doubles(base, at, m->n_groups);
+    p->response = doubles(base, at, responses <= MOST_RESPONSES ? responses : 0);
+    p->response = responses > 0 && responses <= MOST_RESPONSES ? p->response : NULL;
+    p->watched = take(base, at, sizeof(int) * (size_t)(m->n_event_functions + 1));
+    p->torque = take(base, at, sizeof(gb_enclosure) * (size_t)(m->n_groups + 1));
+    p->bound = take(base, at, sizeof(gb_enclosure) * (size_t)(2 * m->n_constraints + 1));
+    p->x = take(base, at, sizeof(gb_enclosure) * (size_t)(m->n_arguments + 1));
+    p->enclosure = take(base, at, sizeof(gb_enclosure) * (size_t)(n + 1));
+}
+
 /* Scratch that may be forgotten between calls. Returns its size. */
 static size_t lay_scratch(gb_sim *sim, char *base) {
     const gb_model *m = sim->model;
@@ -139,6 +162,7 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
         lay_implicit(sim, base, &at);
     }
     lay_events(sim, base, &at);
+    lay_panel(sim, base, &at);
     lay_constraints(sim, base, &at);
     sim->inputs.source = take(base, &at, sizeof(gb_source) * (size_t)(m->n_inputs + 1));
     sim->inputs.moving = take(base, &at, sizeof(int) * (size_t)(m->n_inputs + 1));

@@ -60,6 +60,7 @@ typedef struct gb_constraint {
 } gb_constraint;
 
 struct gb_constraint_rows;
+struct gb_enclosure;
 
 typedef struct gb_model {
     const char *name;
@@ -114,6 +115,22 @@ typedef struct gb_model {
     /* Event functions of the switches [0, n_event_functions) at one instant. */
     void (*event_functions)(const double *par, const double *mode, const double *time_terms, const double *y,
                             double *s);
+
+    /* Enclosures (n_arguments 0: there are none): event functions as functions of n_arguments quantities x that move as
+     * smoothly as the solution: t, the inputs, then what `arguments` fills in at a point (it leaves t and inputs
+     * alone). enclosures: event functions over a piece of a step, from x over it, of those with is_enclosed[i -
+     * n_affine]; they read the x named in arguments_read. */
+    int n_arguments, n_arguments_read;
+    const int *arguments_read, *is_enclosed;
+    void (*arguments)(const double *par, const double *mode, const double *time_terms, const double *y, double *x);
+    void (*enclosures)(const double *par, const double *mode, const struct gb_enclosure *x, struct gb_enclosure *s);
+
+    /* NULL, or: constraint forces are a linear function of torques on n_groups groups (those of states and inputs, over a
+     * piece of a step, with the force bounds: lower and upper of each constraint). forces_of_torques changes torque. */
+    int n_groups;
+    void (*force_enclosures)(const double *par, const double *mode, const struct gb_enclosure *x,
+                             struct gb_enclosure *torque, struct gb_enclosure *bound);
+    void (*forces_of_torques)(const double *par, const double *mode, double *torque, double *force);
 
     /* The linear part of the affine event functions [0, n_affine), applied to the direction dir (length n). */
     void (*directions)(const double *par, const double *dir, double *s);

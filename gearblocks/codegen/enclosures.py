@@ -1,0 +1,248 @@
+"""Enclosures of event functions: what the location of those that are not affine in the states asks of a model.
+
+    g(t, x) over a piece of a step, from enclosures of its arguments x: time, inputs, states, angles, speeds
+
+The arguments move as smoothly as the solution does; what is sharp stands in the expressions, which are printed in interval
+arithmetic. Knows nothing of how crossings are located.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from gearblocks.assembly.assemble import GROUND_GROUP
+from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.function import Function, Names
+from gearblocks.codegen.generator import Generator
+from gearblocks.codegen.operands import Operand, Role, Statement
+from gearblocks.codegen.parts import Call, Enclosures
+from gearblocks.codegen.symbol_names import by_name
+from gearblocks.laws.enclosure_printer import NotEnclosed, enclosure_text
+from gearblocks.laws.symbols import TIMED
+
+_NUMBERS = {"own", "exact", "shared", "mobility", "gain", "mode", "direction", "stuck", "hoisted", "table", "table2"}
+"""Roles of symbols that stand still along a step."""
+
+
+def lay_out_enclosures(g: Generator) -> Enclosures:
+    """The enclosures of all event functions that have one; what they read is laid out by then."""
+    lay, n_groups = g.lay, g.assembly.n_groups
+    first = {"inputs": 1, "states": 1 + len(lay.inputs)}
+    first["loops"] = first["states"] + lay.n
+    first["angles"] = first["loops"] + len(g.assembly.dependents)
+    first["speeds"] = first["angles"] + n_groups
+    first["end"] = first["speeds"] + n_groups
+    found = Enclosures(first)
+    known: set[str] = set()
+    wanted = _signals(g)
+    for path, signal in g.feedback.items():
+        code = g.codes[signal.batch]
+        if path in wanted and (pair := _enclosed(g, code, signal.expr, known, found)) is not None:
+            names, text = pair
+            target = Operand(Role.FEEDBACK_ENCLOSURES, signal.index)
+            function = _function(code, f"feedback_enclosure_{signal.index}", names, [Statement(target, "=", text)])
+            g.keep("feedback_enclosures", function)
+            found.feedback.append(Call(function, signal.instance))
+            known.add(path)
+    for code in g.codes:
+        _event_functions(g, code, known, found)
+    if _has_linear_forces(g):
+        _forces(g, known, found)
+    return found
+
+
+def _has_linear_forces(g: Generator) -> bool:
+    """Whether constraint forces follow from the torques by constant numbers."""
+    constraints = g.constraints
+    changing = constraints.dynamic or constraints.lossy or constraints.prescribed
+    return bool(constraints.members) and not changing and not g.assembly.n_massless
+
+
+def _forces(g: Generator, known: set[str], found: Enclosures) -> None:
+    """Torques on groups and force bounds, if all of them are enclosed."""
+    functions = []
+    for code in g.codes:
+        for flange, expr in code.torques.items():
+            pair = _enclosed(g, code, expr, known, found)
+            if pair is None:
+                return
+            names, text = pair
+            if code.batch.groups[flange][0] == GROUND_GROUP:
+                continue
+            target = Operand(Role.GROUP_TORQUES, code.symbols.group_key(flange, names))
+            gain = code.symbols.gain(flange, names)
+            text = f"gb_enclosed_scale({text}, {gain})" if gain else text
+            body = [Statement(target, "=", f"gb_enclosed_add({target}, {text})")]
+            functions.append(_function(code, f"torque_enclosure_{flange}", names, body))
+        for name in code.law.constraints:
+            first = g.constraints.first[code.number, name]
+            for k, key in enumerate(("lower", "upper")):
+                target = Operand(Role.BOUNDS_OVER_PIECE, f"2 * ({first} + e) + {k}")
+                names, text = Names(Role.STATES), f"gb_enclosed_number({'-' if k == 0 else ''}HUGE_VAL)"
+                if key in code.constraint_values[name]:
+                    pair = _enclosed(g, code, code.constraint_values[name][key], known, found)
+                    if pair is None:
+                        return
+                    names, text = pair
+                body = [Statement(target, "=", text)]
+                functions.append(_function(code, f"{key}_bound_enclosure_{name}", names, body))
+    for function in functions:
+        g.keep("force_enclosures", function)
+    found.forces = True
+
+
+def _signals(g: Generator) -> set[str]:
+    """Feedback signals that event functions read, with what they read in turn."""
+    wanted: set[str] = set()
+    todo = [(code, x) for code in g.codes for expr in _read(g, code) for x in expr.free_symbols]
+    while todo:
+        code, symbol = todo.pop()
+        meaning = code.law.pool.roles[symbol]
+        if meaning.role == "sense" and meaning.of not in wanted:
+            wanted.add(meaning.of)
+            signal = g.feedback[meaning.of]
+            todo += [(g.codes[signal.batch], x) for x in signal.expr.free_symbols]
+        elif meaning.role in ("hoisted", "force"):
+            todo += [(code, x) for x in _inner(code, symbol).free_symbols]
+    return wanted
+
+
+def _read(g: Generator, code: BatchCode) -> list[Any]:
+    """The expressions of a batch that enclosures read."""
+    exprs = [code.surfaces[i] for i in _general(code)]
+    if _has_linear_forces(g):
+        exprs += code.torques.values()
+        exprs += [v[k] for v in code.constraint_values.values() for k in ("lower", "upper") if k in v]
+    return exprs
+
+
+def _general(code: BatchCode) -> list[int]:
+    return [i for i, sort in enumerate(code.events.sorts) if sort == "general"]
+
+
+def _event_functions(g: Generator, code: BatchCode, known: set[str], found: Enclosures) -> None:
+    for i in _general(code):
+        pair = _enclosed(g, code, code.surfaces[i], known, found)
+        if pair is not None:
+            names, text = pair
+            first = code.offsets.switches[i]
+            body = [Statement(Operand(Role.ENCLOSURES, first, instance=True), "=", text)]
+            g.keep("event_enclosures", _function(code, f"event_enclosure_{i}", names, body))
+            found.switches.append((first, code.n))
+
+
+def _function(code: BatchCode, name: str, names: Names, body: list[Statement]) -> Function:
+    arguments, constants = list(names.arguments.values()), list(names.constants.items())
+    return Function(f"{name}_{code.batch.name}", arguments, constants, body, names.reads, code.n, code.words)
+
+
+def _inner(code: BatchCode, symbol: Any) -> Any:
+    """What a hoisted term or a force stands for."""
+    if code.law.pool.roles[symbol].role == "force":
+        return code.forces[symbol]
+    return next(term.expr for term in code.hoister.terms if term.symbol == symbol)
+
+
+def _spelled_out(code: BatchCode, expr: Any) -> Any:
+    """An expression with time terms and forces written out."""
+    roles = code.law.pool.roles
+    while True:
+        inner = {
+            x: _inner(code, x)
+            for x in expr.free_symbols
+            if roles[x].role == "force" or (roles[x].role == "hoisted" and roles[x].of[0] == TIMED)
+        }
+        if not inner:
+            return expr
+        expr = expr.xreplace(inner)
+
+
+def _enclosed(
+    g: Generator, code: BatchCode, expr: Any, known: set[str], found: Enclosures
+) -> tuple[Names, str] | None:  # fmt: skip
+    """C of the enclosure of an expression, with the names in it; None where it has none."""
+    expr = _spelled_out(code, expr)
+    names, moving, used = Names(Role.STATES), {}, set()
+    try:
+        for symbol in by_name(expr):
+            meaning = code.law.pool.roles[symbol]
+            if meaning.role in _NUMBERS:
+                names.text[symbol] = code.symbols.name(symbol, names)
+            elif meaning.role == "sense" and meaning.of not in known:
+                return None
+            else:
+                reading = _Reading(g, code, found.first, names, used)
+                moving[symbol] = reading.argument(meaning.role, meaning.of)
+        text = enclosure_text(expr, moving, names.text)
+    except NotEnclosed:
+        return None
+    found.used |= used
+    return names, text
+
+
+@dataclass(slots=True)
+class _Reading:
+    """C of the arguments that one function reads; used: their offsets."""
+
+    g: Generator
+    code: BatchCode
+    first: dict[str, int]
+    names: Names
+    used: set[int]
+
+    def argument(self, role: str, of: Any) -> str:
+        """C of a moving symbol: an enclosure."""
+        if role == "sense":
+            return self.names.place(Operand(Role.FEEDBACK_ENCLOSURES, self.g.feedback[of].index))
+        if role == "time":
+            return self._at("0", [0])
+        if role == "input":
+            at = self.first["inputs"] + list(self.g.lay.inputs).index(of.name)
+            return self._at(str(at), [at])
+        if role == "state":
+            at = self.first["states"] + self.g.lay.state0[self.code.number, of]
+            self.used |= {at + e for e in range(self.code.n)}
+            return self.names.place(Operand(Role.ARGUMENTS, at, instance=True))
+        if role == "coordinate":
+            return self._coordinate(of)
+        if role in ("phi", "w"):
+            return self._flange(role, of)
+        raise NotEnclosed(role)
+
+    def _at(self, offset: str, used: list[int]) -> str:
+        self.used |= set(used)
+        return self.names.place(Operand(Role.ARGUMENTS, offset))
+
+    def _column(self, first: int, key: str) -> str:
+        """The argument at an index of the instance."""
+        values = self.names.arguments[key].column.values
+        return self._at(f"{first} + {key}", [first + int(i) for i in values])
+
+    def _coordinate(self, j: int) -> str:
+        batch = self.code.batch
+        if batch.used and not batch.used[j]:
+            return self._from_angles(j)
+        key = self.names.argument("int", f"q{j}", batch.name, batch.sources[j])
+        return self._column(self.first["loops" if batch.dependent[j] else "states"], key)
+
+    def _from_angles(self, j: int) -> str:
+        """A coordinate that is no state."""
+        total = ""
+        for flange, values in self.code.symbols.form(j).items():
+            key = self.names.argument("double", f"c{j}_{flange}", self.code.batch.name, values)
+            term = f"gb_enclosed_scale({self._flange('phi', flange)}, {key})"
+            total = f"gb_enclosed_add({total}, {term})" if total else term
+        return total
+
+    def _flange(self, role: str, flange: str) -> str:
+        symbols, plain = self.code.symbols, self.g.assembly.plain
+        if self.code.batch.groups[flange][0] == GROUND_GROUP:
+            held = symbols.held_angle(flange, self.names) if role == "phi" else "0.0"
+            return f"gb_enclosed_number({held})"
+        if role == "phi":
+            text = self._column(self.first["angles"], symbols.group_key(flange, self.names))
+        else:
+            text = self._column(self.first["states" if plain else "speeds"], symbols.speed_key(flange, self.names))
+        gain = symbols.gain(flange, self.names)
+        return f"gb_enclosed_scale({text}, {gain})" if gain else text

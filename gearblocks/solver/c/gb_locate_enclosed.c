@@ -1,0 +1,306 @@
+#include "gb_locate_enclosed.h"
+#include "gb_dense_output.h"
+#include "gb_enclosure.h"
+#include "gb_force_enclosure.h"
+#include "gb_locate_sampled.h"
+#include "gb_modes.h"
+#include "gb_panel.h"
+#include "gb_vector.h"
+
+/* Open pieces of one step before noise is measured, and before the step is taken to be too long. */
+enum { MANY_PIECES = 64, MOST_PIECES = 20000 };
+
+enum { OPEN, FREE, ROOT };
+
+static const double shortest_panel = 1.0 / 64.0;
+
+/* The search along one step, over the piece [a, b]: nothing has been found before `until`. */
+typedef struct search {
+    double a, b, until, tolerance;
+    int have_left, have_right; /* event functions at a and at b are known */
+    int by_ends, open;         /* ends decide; how many pieces were open so far */
+    int with_forces;           /* constraint forces are enclosed too */
+} search;
+
+/* An event function and one of its limits, by number; side 0: not to be watched. */
+typedef struct limit {
+    int i;
+    double side;
+} limit;
+
+static limit limit_at(const gb_sim *sim, int number) {
+    const int i = sim->model->n_affine + number / 2;
+    const double side = number % 2 ? 1.0 : -1.0, at = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
+    const limit found = {i, sim->panel.watched[i] && fabs(at) < HUGE_VAL ? side : 0.0};
+    return found;
+}
+
+static int limits(const gb_model *model) {
+    return 2 * (model->n_event_functions - model->n_affine);
+}
+
+/* f over the piece. */
+static gb_interval margin(const gb_sim *sim, limit at) {
+    const gb_enclosure *g = &sim->panel.enclosure[at.i];
+    const gb_interval f = {gb_limit_distance(sim, at.i, at.side, at.side < 0.0 ? g->lo : g->hi),
+                           gb_limit_distance(sim, at.i, at.side, at.side < 0.0 ? g->hi : g->lo)};
+    return f;
+}
+
+/* df/dth over it. */
+static gb_interval margin_rate(const gb_sim *sim, limit at) {
+    const gb_enclosure *g = &sim->panel.enclosure[at.i];
+    const gb_interval rate = {at.side < 0.0 ? g->down : -g->up, at.side < 0.0 ? g->up : -g->down};
+    return rate;
+}
+
+/* It starts on its limit. */
+static int is_armed(const gb_sim *sim, limit at) {
+    return gb_limit_distance(sim, at.i, at.side, sim->events.s0[at.i]) == 0.0;
+}
+
+/* Its values alone tell that it is free. */
+static int is_clear(const gb_sim *sim, limit at) {
+    return at.side == 0.0 || margin(sim, at).lo >= -gb_limit_rounding(sim, at.i, 0.0);
+}
+
+/* Rates over a piece so long tell nothing: its ends are not worth a look. */
+static int is_hopeless(const gb_sim *sim, const search *s, limit at) {
+    const gb_interval f = margin(sim, at), rate = margin_rate(sim, at);
+    return !(gb_min(-rate.lo, rate.hi) * (s->b - s->a) <= 2.0 * (f.hi - f.lo));
+}
+
+/* What the piece is by its ends and rates. */
+static int verdict(const gb_sim *sim, const search *s, limit at) {
+    const double fa = gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]);
+    const double fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]);
+    const double rounding = gb_limit_rounding(sim, at.i, 0.0), enough = -rounding - sim->panel.noise[at.i];
+    const gb_interval rate = margin_rate(sim, at);
+    if (fb < (is_armed(sim, at) ? -rounding : 0.0)) {
+        return rate.hi <= 0.0 || s->by_ends ? ROOT : OPEN;
+    }
+    if (rate.hi <= 0.0 || rate.lo >= 0.0 || s->by_ends || margin(sim, at).lo >= enough) {
+        return FREE;
+    }
+    /* where the steepest fall from a meets the steepest rise to b */
+    const double lowest = (fa * rate.hi - fb * rate.lo + rate.lo * rate.hi * (s->b - s->a)) / (rate.hi - rate.lo);
+    return lowest >= enough ? FREE : OPEN;
+}
+
+/* The root of f in [a, b], which falls from fa >= 0 to fb < 0 with the given rates: secants, kept in the bracket that
+ * each value gives with the rates (interval Newton). */
+static int falling_root(gb_sim *sim, limit at, double a, double b, double fa, double fb, double tolerance,
+                        double *root) {
+    const gb_interval rate = margin_rate(sim, at);
+    double x0 = a, f0 = fa, x1 = b, f1 = fb;
+    int code = GB_DONE;
+    for (int count = 0; count < 100 && b - a > tolerance && code == GB_DONE; count++) {
+        double x = x1 - f1 * ((x1 - x0) / (f1 - f0));
+        if (count % 4 == 3 || !(x > a && x < b)) {
+            x = 0.5 * (a + b);
+        }
+        code = gb_event_functions_at(sim, x, sim->events.s);
+        x0 = x1;
+        f0 = f1;
+        x1 = x;
+        f1 = gb_limit_distance(sim, at.i, at.side, sim->events.s[at.i]);
+        const double soon = x - f1 / rate.lo, late = x - f1 / rate.hi; /* by the steepest and by the flattest fall */
+        a = gb_max(a, f1 < 0.0 ? (rate.hi < 0.0 ? late : a) : gb_max(x, soon));
+        b = gb_min(b, f1 < 0.0 ? gb_min(x, soon) : (rate.hi < 0.0 ? late : b));
+    }
+    *root = 0.5 * (a + b);
+    return code;
+}
+
+/* The only root in the piece, if it is no later than what is found already. */
+static int take_root(gb_sim *sim, search *s, limit at) {
+    const double fa = gb_max(gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]), 0.0);
+    double end = s->b, fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]), root = 0.0;
+    int code = GB_DONE;
+    if (s->until + s->tolerance < end) {
+        end = s->until + s->tolerance;
+        code = gb_event_functions_at(sim, end, sim->events.s);
+        fb = gb_limit_distance(sim, at.i, at.side, sim->events.s[at.i]);
+    }
+    if (code != GB_DONE || !(fb < 0.0)) {
+        return code;
+    }
+    if (s->a > 0.0 || !is_armed(sim, at)) {
+        code = falling_root(sim, at, s->a, end, fa, fb, s->tolerance, &root);
+    }
+    if (root < sim->events.located[at.i]) {
+        sim->events.located[at.i] = root;
+        sim->events.side[at.i] = at.side;
+    }
+    s->until = gb_min(s->until, root);
+    return code;
+}
+
+/* The roots in the piece up to the first: the one that the chords put first, then those that are as early. */
+static int take_roots(gb_sim *sim, search *s) {
+    const int n = limits(sim->model);
+    double soonest = HUGE_VAL;
+    int first = 0, code = GB_DONE;
+    for (int k = 0; k < n; k++) {
+        const limit at = limit_at(sim, k);
+        if (!is_clear(sim, at) && verdict(sim, s, at) == ROOT) {
+            const double fa = gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]);
+            const double fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]);
+            first = fa / (fa - fb) < soonest ? k : first;
+            soonest = gb_min(soonest, fa / (fa - fb));
+        }
+    }
+    code = take_root(sim, s, limit_at(sim, first));
+    for (int k = 0; k < n && code == GB_DONE; k++) {
+        const limit at = limit_at(sim, k);
+        if (k != first && !is_clear(sim, at) && verdict(sim, s, at) == ROOT) {
+            code = take_root(sim, s, at);
+        }
+    }
+    return code;
+}
+
+/* Event functions at the ends of the piece. */
+static int look_at_ends(gb_sim *sim, search *s) {
+    int code = s->have_left ? GB_DONE : gb_event_functions_at(sim, s->a, sim->panel.left);
+    if (code == GB_DONE && !s->have_right) {
+        code = gb_event_functions_at(sim, s->b, sim->panel.right);
+    }
+    s->have_left = s->have_right = 1;
+    return code;
+}
+
+/* What the piece is by all that is enclosed: open where it is for one of them, then free where it is for all. */
+static int judge_piece(gb_sim *sim, search *s, int *found) {
+    const int n = limits(sim->model);
+    int clear = 1;
+    *found = FREE;
+    for (int k = 0; k < n; k++) {
+        const limit at = limit_at(sim, k);
+        if (!is_clear(sim, at)) {
+            clear = 0;
+            if (!s->by_ends && is_hopeless(sim, s, at)) {
+                *found = OPEN;
+                return GB_DONE;
+            }
+        }
+    }
+    int code = clear ? GB_DONE : look_at_ends(sim, s);
+    for (int k = 0; !clear && k < n && *found != OPEN; k++) {
+        const limit at = limit_at(sim, k);
+        const int one = is_clear(sim, at) ? FREE : verdict(sim, s, at);
+        *found = one == FREE ? *found : one;
+    }
+    return code == GB_DONE && *found == ROOT ? take_roots(sim, s) : code;
+}
+
+/* with_forces: those of constraint forces too. */
+static void enclose(gb_sim *sim, int with_forces, double a, double b) {
+    gb_panel_piece(sim, a, b);
+    sim->model->enclosures(sim->par, sim->mode, sim->panel.x, sim->panel.enclosure);
+    if (with_forces) {
+        gb_forces_enclose(sim);
+    }
+}
+
+/* How finely event functions are told at all, after many open pieces: their width over hardly any time. */
+static void measure_noise(gb_sim *sim, const search *s) {
+    enclose(sim, s->with_forces, s->a, gb_min(s->a + s->tolerance, sim->panel.to));
+    for (int i = sim->model->n_affine; i < sim->model->n_event_functions; i++) {
+        const gb_enclosure *g = &sim->panel.enclosure[i];
+        const int bounded = g->up - g->down < HUGE_VAL;
+        sim->panel.noise[i] = sim->panel.watched[i] && bounded ? 2.0 * (g->hi - g->lo) : 0.0;
+    }
+}
+
+/* The panel that begins at `from`, as long as its polynomials hold. */
+static int next_panel(gb_sim *sim, double from, double span) {
+    int good = 0, code = GB_DONE;
+    for (double width = gb_min(span, 1.0 - from); !good && code == GB_DONE; width *= 0.5) {
+        code = gb_panel_fill(sim, from, width >= 1.0 - from ? 1.0 : from + width, &good);
+        good = good || width <= shortest_panel;
+    }
+    return code;
+}
+
+/* Goes on behind a free piece. */
+static void move_on(gb_sim *sim, search *s) {
+    double *right = sim->panel.right;
+    s->a = s->b;
+    s->have_left = s->have_right;
+    s->have_right = 0;
+    if (s->have_left) {
+        sim->panel.right = sim->panel.left;
+        sim->panel.left = right;
+    }
+}
+
+/* Watches the constraint forces, or leaves them to samples. */
+static void watch_forces(gb_sim *sim, int watched) {
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        sim->panel.watched[sim->model->constraints[i].active] = watched;
+    }
+}
+
+/* Which event functions are enclosed in this step, constraint forces where they agree with those at its start; the
+ * first panel. Without a limit to watch the search is over. */
+static int begin(gb_sim *sim, search *s) {
+    const gb_model *model = sim->model;
+    int code = GB_DONE, any = 0;
+    for (int i = 0; i < model->n_affine; i++) {
+        s->until = gb_min(s->until, sim->events.located[i]);
+    }
+    for (int i = model->n_affine; i < model->n_event_functions; i++) {
+        sim->panel.noise[i] = 0.0;
+        sim->panel.watched[i] = model->is_enclosed[i - model->n_affine];
+    }
+    s->with_forces = gb_forces_prepare(sim);
+    watch_forces(sim, s->with_forces);
+    for (int k = 0; k < limits(model); k++) {
+        any = any || limit_at(sim, k).side != 0.0;
+    }
+    s->a = any ? 0.0 : 1.0;
+    if (any) {
+        code = gb_dense_complete(sim);
+        code = code == GB_DONE ? next_panel(sim, 0.0, 1.0) : code;
+    }
+    if (code == GB_DONE && any && s->with_forces) {
+        enclose(sim, 1, 0.0, s->tolerance);
+        s->with_forces = gb_forces_agree(sim);
+        watch_forces(sim, s->with_forces);
+    }
+    for (int i = model->n_affine; i < model->n_event_functions; i++) {
+        sim->events.located[i] = 2.0;
+    }
+    return code;
+}
+
+int gb_locate_enclosed(gb_sim *sim) {
+    gb_head *head = sim->head;
+    const double tolerance = gb_rounding(head->front.t0, head->front.h) / head->front.h;
+    search s = {.until = 2.0, .tolerance = tolerance};
+    double width = head->events.piece > 0.0 ? gb_min(1.0, 4.0 * head->events.piece / head->front.h) : 1.0;
+    int code = begin(sim, &s), found = FREE;
+    while (code == GB_DONE && found != ROOT && s.a < gb_min(s.until + s.tolerance, 1.0)) {
+        if (s.a >= sim->panel.to) {
+            code = next_panel(sim, s.a, 2.0 * (sim->panel.to - sim->panel.from));
+        }
+        s.b = s.a + 1.01 * width < sim->panel.to ? s.a + width : sim->panel.to;
+        s.have_right = 0;
+        s.by_ends = s.b - s.a <= s.tolerance || s.open > MOST_PIECES;
+        if (code == GB_DONE) {
+            enclose(sim, s.with_forces, s.a, s.b);
+            code = judge_piece(sim, &s, &found);
+        }
+        width = found == OPEN ? 0.5 * (s.b - s.a) : 2.0 * (s.b - s.a);
+        if (found == FREE) {
+            move_on(sim, &s);
+        } else if (found == ROOT) {
+            head->events.piece = (s.b - s.a) * head->front.h;
+        } else if (s.open++ == MANY_PIECES) {
+            measure_noise(sim, &s);
+        }
+    }
+    sim->events.undersampled = s.open > MOST_PIECES;
+    return code;
+}

@@ -1,0 +1,142 @@
+#include "gb_panel.h"
+#include "gb_dense_output.h"
+#include "gb_enclosure.h"
+#include "gb_evaluate.h"
+#include "gb_vector.h"
+
+enum { DEGREE = 8, POINTS = GB_PANEL_POINTS };
+
+/* Where the polynomials are fitted, then where they are checked. */
+static const double points[POINTS] = {0.0,     0.03125, 0.15625, 0.3125,   0.5,     0.6875,  0.84375,
+                                      0.96875, 1.0,     0.09375, 0.234375, 0.40625, 0.765625};
+
+/* Bernstein coefficients 1 to 4 from values at the points of the fit; 8 - i are those of i read backwards, 0 and 8 the
+ * values at the ends. */
+static const double fit[4][DEGREE + 1] = {
+    {-5.033998588030846, 6.876678876678877, -1.3058000822706706, 0.7409897292250234, -0.4696969696969697,
+     0.33681351328410153, -0.24181483005012416, 0.22182835086060892, -0.125},
+    {11.171270151592733, -18.217282533513973, 13.010241633984949, -8.060272171719417, 5.2702668823880945,
+     -3.8317294145492093, 2.769595308632742, -2.5503751676818753, 1.4382853108659561},
+    {-14.50278181197536, 24.917070639057325, -23.222129520311338, 24.244886390021776, -18.353313510283208,
+     14.179691396199333, -10.549071162547099, 9.871282655634934, -5.585635075796366},
+    {11.602225449580288, -20.334877524137124, 20.881896044933477, -26.10603910789905, 28.91359027504482,
+     -26.10603910789905, 20.881896044933477, -20.334877524137124, 11.602225449580288},
+};
+
+/* All arguments at theta, into x. */
+static int arguments_at(gb_sim *sim, double theta, double *x) {
+    const gb_head *head = sim->head;
+    const double t = head->front.t0 + theta * head->front.h;
+    const int code = gb_time_terms_at(sim, t);
+    if (code == GB_DONE) {
+        gb_dense_states(sim, theta, sim->z2);
+        x[0] = t;
+        for (int i = 0; i < sim->model->n_inputs; i++) {
+            x[1 + i] = sim->instant.u[i * GB_LANES];
+        }
+        sim->model->arguments(sim->par, sim->mode, sim->instant.time_terms, sim->z2, x);
+    }
+    return code;
+}
+
+/* sum b_i B_i,8(u). */
+static double bernstein(const double *b, double u) {
+    double c[DEGREE + 1];
+    memcpy(c, b, sizeof c);
+    for (int r = 1; r <= DEGREE; r++) {
+        for (int i = 0; i <= DEGREE - r; i++) {
+            c[i] += u * (c[i + 1] - c[i]);
+        }
+    }
+    return c[0];
+}
+
+/* The polynomial of argument j and how far it may be off; whether that is little beside how it moves. Rounding of the
+ * values comes out of the fit up to 190 times as large. */
+static int fit_argument(gb_sim *sim, int j, double *b, double *slack) {
+    const size_t n = (size_t)sim->model->n_arguments;
+    double v[POINTS], size = 0.0, range = 0.0, off = 0.0;
+    for (int l = 0; l < POINTS; l++) {
+        const double value = sim->panel.values[(size_t)l * n + (size_t)j];
+        v[l] = value - sim->panel.values[j];
+        size = gb_max(size, fabs(value));
+        range = gb_max(range, fabs(v[l]));
+    }
+    b[0] = 0.0;
+    b[DEGREE] = v[DEGREE];
+    for (int i = 1; i <= 4; i++) {
+        double forward = 0.0, backward = 0.0;
+        for (int l = 0; l <= DEGREE; l++) {
+            forward += fit[i - 1][l] * v[l];
+            backward += fit[i - 1][l] * v[DEGREE - l];
+        }
+        b[i] = forward;
+        b[DEGREE - i] = i < 4 ? backward : b[DEGREE - i];
+    }
+    for (int l = DEGREE + 1; l < POINTS; l++) {
+        off = gb_max(off, fabs(v[l] - bernstein(b, points[l])));
+    }
+    *slack = range == 0.0 ? 0.0 : 1e-13 * size + 4.0 * off;
+    return 4.0 * off <= 1e-12 * size + 1e-6 * range;
+}
+
+int gb_panel_fill(gb_sim *sim, double from, double to, int *good) {
+    const gb_model *model = sim->model;
+    int code = GB_DONE;
+    for (int l = 0; l < POINTS && code == GB_DONE; l++) {
+        double *x = sim->panel.values + (size_t)l * (size_t)model->n_arguments;
+        code = arguments_at(sim, from + points[l] * (to - from), x);
+    }
+    sim->panel.from = from;
+    sim->panel.to = to;
+    *good = 1;
+    for (int k = 0; k < model->n_arguments_read && code == GB_DONE; k++) {
+        double *b = sim->panel.bernstein + (size_t)k * (DEGREE + 1);
+        const int holds = fit_argument(sim, model->arguments_read[k], b, &sim->panel.slack[k]);
+        *good = *good && holds;
+    }
+    return code;
+}
+
+/* The coefficients over [u, v] from those over [0, 1]. */
+static void restrict_to(double *c, double u, double v) {
+    for (int r = 1; v < 1.0 && r <= DEGREE; r++) {
+        for (int i = DEGREE; i >= r; i--) {
+            c[i] = c[i - 1] + v * (c[i] - c[i - 1]);
+        }
+    }
+    const double s = u / v;
+    for (int r = 1; u > 0.0 && r <= DEGREE; r++) {
+        for (int i = 0; i <= DEGREE - r; i++) {
+            c[i] += s * (c[i + 1] - c[i]);
+        }
+    }
+}
+
+void gb_panel_piece(gb_sim *sim, double a, double b) {
+    const gb_model *model = sim->model;
+    const double width = sim->panel.to - sim->panel.from;
+    const double u = (a - sim->panel.from) / width, v = gb_min((b - sim->panel.from) / width, 1.0);
+    for (int k = 0; k < model->n_arguments_read; k++) {
+        const int j = model->arguments_read[k];
+        const double start = sim->panel.values[j], slack = sim->panel.slack[k];
+        double c[DEGREE + 1], lo = HUGE_VAL, hi = -HUGE_VAL, down = HUGE_VAL, up = -HUGE_VAL;
+        memcpy(c, sim->panel.bernstein + (size_t)k * (DEGREE + 1), sizeof c);
+        restrict_to(c, u, v);
+        for (int i = 0; i <= DEGREE; i++) {
+            lo = gb_min(lo, c[i]);
+            hi = gb_max(hi, c[i]);
+        }
+        for (int i = 0; i < DEGREE; i++) {
+            down = gb_min(down, c[i + 1] - c[i]);
+            up = gb_max(up, c[i + 1] - c[i]);
+        }
+        const double blur = 16.0 * slack / width;
+        const gb_interval value = gb_interval_widened(start + lo - slack, start + hi + slack);
+        const gb_interval rate = {DEGREE * down / (b - a) - blur, DEGREE * up / (b - a) + blur};
+        sim->panel.x[j] = gb_enclosed(value, rate);
+    }
+    const double t0 = sim->head->front.t0, h = sim->head->front.h;
+    const gb_interval time = gb_interval_widened(t0 + a * h, t0 + b * h), pace = {h, h};
+    sim->panel.x[0] = gb_enclosed(time, pace);
+}
