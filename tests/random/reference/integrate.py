@@ -113,7 +113,13 @@ class Integration:
         return None, rows[-1]
 
     def _negative(self, row: Array) -> Array:
-        return np.flatnonzero(row < -1e-11 * self.scale)
+        bound = -1e-11 * self.scale
+        s, gaps = self.d.s, len(row) - 4 * len(self.d.s.lossy)
+        if s.stops:  # gaps are exactly 0 after an impact, and the smallest bounces count
+            bound[gaps - 2 * len(s.stops) : gaps : 2] = -2e-15 * np.maximum(
+                self.scale[gaps - 2 * len(s.stops) : gaps : 2], 1e-3
+            )
+        return np.flatnonzero(row < bound)
 
     def _dip(self, times: Any, rows: list[Array], f: Any) -> tuple[float, list[int]] | None:
         """A margin that may fall below zero and rise again between three looks: the vertex of its parabola."""

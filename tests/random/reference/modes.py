@@ -252,10 +252,20 @@ class Modes:
         for row, target, i in one:
             if i >= 0 and target > 0:
                 fast = self.rebound[i] = max(self.rebound.get(i, 0.0), target)
-                if target < 1e-7 * fast and float(row @ v) < 1e-6 * fast:
+                if target < 1e-6 * fast and float(row @ v) < 1e-5 * fast:
                     v = self._impulse(v, [(row, 0.0, -1)], [row, *both])
-        y = self.with_v(y, v)
+        y = self.onto(self.with_v(y, v), [s.stops[i] for _, target, i in one if i >= 0 and target > 0])
         self.note(y)
+        return y
+
+    def onto(self, y: Array, stops: list[Any]) -> Array:
+        """Gaps of rounding become 0, so that the smallest bounces leave their stop."""
+        q, _ = self.qv(y)
+        y = y.copy()
+        for stop in stops:
+            push = self.s.Minv @ stop.row
+            q = q - push * (float(stop.row @ q) - stop.bound) / float(stop.row @ push)
+        y[: self.d.cut[0]] = self.s.Ur.T @ q
         return y
 
     def _impulse(self, v: Array, one: list[tuple[Array, float, int]], both: list[Array]) -> Array:
