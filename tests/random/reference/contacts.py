@@ -39,7 +39,7 @@ def contact_law(s: System, p: Part, k: float) -> Force:
         if c is None or choice == "always":
             return elastic + viscous, G
         if choice == "clipped":
-            bound = abs(elastic)
+            bound = elastic * side
             above, below = s.sw(low, viscous + bound), s.sw(high, bound - viscous)
             if side == 0:
                 return elastic, G

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tests.random.reference.rubbing import merge
+from tests.random.reference.sharing import Sharing
 from tests.random.reference.switches import NoEvidence, is_zero
 from tests.random.reference.system import Array, Dry, Lossy, Stop, System, derivative
 
@@ -177,37 +178,44 @@ class Dynamics:
         scale = np.sqrt(high)
         if np.linalg.cond(W / np.outer(scale, scale)) < 1e10:
             return G, MB, np.linalg.inv(W), None
-        eigen, U = np.linalg.eigh(W)
-        if self.s.lossy or self.s.nonlinear or (eigen < 1e-10 * eigen.max()).sum() != 1:
+        W = W / np.outer(scale, scale)
+        _, sizes, V = np.linalg.svd(W)
+        free = sizes < 1e-10 * sizes.max()
+        if self.s.nonlinear or free.sum() > 2:
             raise NoEvidence("locks that share a load")
-        return G, MB, np.linalg.pinv(W, rcond=1e-10), U[:, 0]
+        return G, MB, np.linalg.pinv(W, rcond=1e-10) / np.outer(scale, scale), (V[free] / scale).T
 
     def _shared(self, values: list[float], numbers: Array, null: Array) -> list[float]:
-        """One load more than the motion needs: the margin is how much room there is to share it within all bounds."""
+        """More loads than the motion needs: the margin is how much room there is to share them within all bounds."""
         s, at = self.s, 0
-        lows, highs, places = [], [], []
+        sharing = Sharing(numbers, null)
+        places: list[int] = []
         for i, d in enumerate(s.dry):
             if d.mode == 0:
-                if abs(null[at]) > 1e-8:
-                    low, high = self.limits(d)
-                    places.append(3 * i + 1)
-                    ends = sorted(((low - numbers[at]) / null[at], (high - numbers[at]) / null[at]))
-                    lows.append(ends[0])
-                    highs.append(ends[1])
+                low, high = self.limits(d)
+                if sharing.bounded(at, low, high):
+                    places += [3 * i + 1, 3 * i + 2]
                 at += 1
+        base = 3 * len(s.dry)
         for i, stop in enumerate(s.stops):
             if stop.mode == 0:
-                if abs(null[at]) > 1e-8:
-                    places.append(3 * len(s.dry) + 2 * i + 1)
-                    end = -numbers[at] / null[at]
-                    lows.append(end if null[at] > 0 else -math.inf)
-                    highs.append(math.inf if null[at] > 0 else end)
+                if sharing.bounded(at, 0.0, math.inf):
+                    places.append(base + 2 * i + 1)
                 at += 1
-        room = min(highs) - max(lows)
+        base += 2 * len(s.stops)
+        for i, g in enumerate(s.lossy):
+            if g.mode[0]:
+                at += 1
+                continue
+            if sharing.gear(at, *g.values(0.0)):
+                places += [base + 4 * i + 2, base + 4 * i + 3]
+            at += 2
+        if not places:
+            return values
+        room = sharing.room()
         for place in places:
-            values[place] = room
-            if place < 3 * len(s.dry):
-                values[place + 1] = NONE
+            values[place] = NONE
+        values[places[0]] = room
         return values
 
     def _rub(self, d: Dry, f: Array, v: Array) -> tuple[Array, float]:

@@ -142,18 +142,31 @@ class Integration:
         return None
 
     def _locate(self, a: float, b: float, f: Any, before: Array, low: Array) -> tuple[float, list[int]]:
-        roots = {}
-        for i in low.tolist():
-            if before[i] <= 0:
-                roots[i] = a
-                continue
-            value = before[i] if math.isfinite(before[i]) else 1.0
-            if value <= 0:
-                roots[i] = a
-                continue
-            roots[i] = brentq(lambda x, i=i: self._one(float(x), f, i), a, b, xtol=1e-15 * self.span, rtol=8.9e-16)
-        first = min(roots.values())
-        return first, [i for i, at in roots.items() if at <= first + 1e-13 * self.span]
+        """The first zero between a, where all is well, and b; looked at again at each zero for one that came before."""
+        roots: dict[int, float] = {}
+        for _ in range(20):
+            for i in low.tolist():
+                roots[i] = min(roots.get(i, b), self._zero(a, b, f, i, before[i]))
+            b = min(roots.values())
+            low = self._negative(self._margins(b, f(b)))
+            low = np.array([i for i in low.tolist() if i not in roots or roots[i] > b + 1e-13 * self.span], dtype=int)
+            if not low.size or b <= a:
+                break
+        return b, [i for i, at in roots.items() if at <= b + 1e-13 * self.span]
+
+    def _zero(self, a: float, b: float, f: Any, i: int, before: float) -> float:
+        if not before > 0:  # it begins on its surface: it may leave it for a short while
+            reach = b - a
+            for _ in range(40):
+                reach /= 2
+                if self._one(a + reach, f, i) > 0:
+                    a += reach
+                    break
+            else:
+                return a
+        if self._one(b, f, i) >= 0:
+            return b
+        return float(brentq(lambda x: self._one(float(x), f, i), a, b, xtol=1e-15 * self.span, rtol=8.9e-16))
 
     def _one(self, t: float, f: Any, i: int) -> float:
         value = self._margins(t, f(t))[i]
