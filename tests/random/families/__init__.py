@@ -1,0 +1,22 @@
+"""Six families of random trains; each is a function from a seed to a description."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from tests.random.description import Train
+from tests.random.families.contact import contact
+from tests.random.families.control import control
+from tests.random.families.friction import friction
+from tests.random.families.lossy import lossy
+from tests.random.families.mixed import mixed
+from tests.random.families.smooth import smooth
+
+FAMILIES: dict[str, Callable[[int], Train]] = {
+    f.__name__: f for f in (smooth, contact, friction, lossy, control, mixed)
+}
+
+
+def draw(family: str, seed: int) -> Train:
+    """The train of a family that belongs to a seed."""
+    return FAMILIES[family](seed)

@@ -1,0 +1,277 @@
+"""The verdict on one train: its runs against evidence that is not the same solver in the same order.
+
+Evidence, the strongest first: the independent reference; a fine run of another method; the same in another order of parts
+and connections. `without` is held against the train that was built without.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from random import Random
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tests.random.description import Train, arguments, build
+from tests.random.without import tied_pair
+
+Array = NDArray[np.float64]
+METHODS = ("dp5", "dp8", "rodas")
+SAMPLES = 101
+FINE = 1e-9
+CPU_LIMIT = 15.0  # s of a run that takes milliseconds as a rule
+FACTOR = 100.0  # allowed deviation in units of rtol, times 1 + how much the train magnifies errors
+LEDGER = 10.0  # allowed energy residual in units of rtol
+PERTURBATION = 1e-8
+CHAOTIC = 1e-2  # a train whose tolerance grows beyond this gives no evidence
+
+
+class Hang(Exception):
+    """A run used more processor time than it may."""
+
+
+@dataclass
+class Verdict:
+    """kind: right, wrong, ledger, refused, stopped, hang, crash, or none (no evidence). evidence: what it rests on."""
+
+    family: str
+    seed: int
+    kind: str = "right"
+    what: str = ""
+    message: str = ""
+    evidence: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    seconds: float = 0.0
+
+    def fails(self, kind: str, what: str, message: str) -> None:
+        """The first failure decides; those that follow are notes."""
+        if self.kind == "right":
+            self.kind, self.what, self.message = kind, what, message
+        else:
+            self.notes.append(f"{kind} ({what}): {message}")
+
+
+@contextmanager
+def cpu_limit(seconds: float) -> Iterator[None]:
+    """Raises Hang after so much processor time of this process."""
+
+    def stop(*_: Any) -> None:
+        raise Hang
+
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+
+
+@dataclass
+class Motion:
+    """Angles and speeds of all bodies at the samples; jumps: times of impacts."""
+
+    angles: Array
+    speeds: Array
+    jumps: Array
+
+
+def motion_of(run: Any, train: Train) -> Motion:
+    """The motion of a run of gearblocks."""
+    names = train.outputs()
+    jumps = [e.t for e in run.events if e.kind == "impact" or "dog" in e.component or "sync" in e.component]
+    jumps += [e.t for e in run.events if "freewheel" in e.component or "oneway" in e.component]
+    return Motion(np.array([run[a] for a, _ in names]), np.array([run[w] for _, w in names]), np.array(jumps))
+
+
+def deviation(one: Motion, other: Motion, t: Array) -> float:
+    """Largest difference relative to the largest value of each quantity; speeds not beside their jumps."""
+    worst = 0.0
+    keep = np.ones(len(t), dtype=bool)
+    for at in np.concatenate([one.jumps, other.jumps]):
+        keep &= np.abs(t - at) > 2e-4 * t[-1]
+    for a, b, use in ((one.angles, other.angles, slice(None)), (one.speeds, other.speeds, keep)):
+        known = ~np.isnan(b).any(axis=1)
+        if not known.any():
+            continue
+        size = np.abs(b[known]).max(axis=1)
+        scale = np.maximum(size, 1e-3 * max(float(size.max()), 1e-12))[:, None]
+        off = (np.abs(a[known] - b[known]) / scale)[:, use]
+        if not np.isfinite(off).all():
+            return float("inf")
+        worst = max(worst, float(off.max(initial=0.0)))
+    return worst
+
+
+class Judge:
+    """Runs and compares; `stage` is told what begins, so that a killed process can be placed."""
+
+    def __init__(self, gb: Any, train: Train, stage: Callable[[str], None] = lambda _: None) -> None:
+        self.gb, self.train, self.stage = gb, train, stage
+        self.verdict = Verdict(train.family, train.seed)
+        self.t = np.linspace(0.0, train.t_end, SAMPLES)
+        self.random = Random(f"judge {train.family} {train.seed}")
+        self.runs: dict[str, tuple[float, Motion]] = {}
+
+    def judge(self, with_reference: bool = True) -> Verdict:
+        """The verdict, with the time that it took."""
+        begin = time.perf_counter()
+        self._judge(with_reference)
+        self.verdict.seconds = time.perf_counter() - begin
+        return self.verdict
+
+    def _judge(self, with_reference: bool) -> None:
+        model = self._build("build", self.train, None)
+        if model is None:
+            return
+        used = self._run("default", model, method="auto", rtol=1e-6)
+        drawn = self.random.choice(METHODS)
+        self._run("drawn", model, method=drawn, rtol=self.random.choice((1e-6, 1e-7, 1e-8)))
+        fine = self.random.choice([m for m in METHODS if m != used])
+        self._run("fine", model, method=fine, rtol=FINE)
+        shuffled = self._build("shuffled", self.train, Random(f"order {self.train.seed}"))
+        if shuffled is not None:
+            self._run("shuffled", shuffled, method=used or "dp8", rtol=FINE)
+        if with_reference:
+            self._against_reference()
+        if "reference" not in self.verdict.evidence:
+            self._against_each_other(model, fine)
+        self._without()
+        if self.verdict.kind == "right" and not self.verdict.evidence:
+            self.verdict.kind = "none"
+
+    # -- runs ---------------------------------------------------------------------------------------------------------
+
+    def _build(self, name: str, train: Train, order: Random | None) -> Any:
+        self.stage(name)
+        try:
+            return self.gb.build(build(train, self.gb, order))
+        except self.gb.GearblocksError as error:
+            self.verdict.fails("refused", name, f"{type(error).__name__}: {error}")
+        except Exception as error:  # noqa: BLE001  whatever else comes out of a legal train is a finding
+            self.verdict.fails("crash", name, f"{type(error).__name__}: {error}")
+        return None
+
+    def _run(self, name: str, model: Any, **options: Any) -> str | None:
+        """Runs, checks the ledger, keeps the motion; the method that was used, or None where it failed."""
+        self.stage(name)
+        given = arguments(self.train, self.gb)
+        text = f"{name}, method={options['method']!r}, rtol={options['rtol']:g}"
+        try:
+            with cpu_limit(CPU_LIMIT):
+                run = self.gb.simulate(model, t=self.t, **given, **options)
+        except Hang:
+            if name in ("default", "drawn"):
+                self.verdict.fails("hang", text, f"more than {CPU_LIMIT:g} s of processor time")
+            return None
+        except self.gb.SimulationError as error:
+            self.verdict.fails("stopped", text, str(error))
+            return None
+        except self.gb.GearblocksError as error:
+            self.verdict.fails("refused", text, f"{type(error).__name__}: {error}")
+            return None
+        except Exception as error:  # noqa: BLE001  see above
+            self.verdict.fails("crash", text, f"{type(error).__name__}: {error}")
+            return None
+        residual = run.energy.residual
+        if not residual <= LEDGER * options["rtol"] + 1e-12:
+            self.verdict.fails("ledger", text, f"energy residual {residual:.1e}")
+        self.runs[text] = (options["rtol"], motion_of(run, self.train))
+        return run.stats.method if run.stats.method in METHODS else "dp8"
+
+    # -- comparisons --------------------------------------------------------------------------------------------------
+
+    def _against_reference(self) -> None:
+        from tests.random.reference import NoEvidence, reference_motion
+
+        self.stage("reference")
+        try:
+            with cpu_limit(4 * CPU_LIMIT):
+                true = reference_motion(self.train, self.t)
+                self._compare("reference", true, lambda: self._magnification(true))
+        except NoEvidence as reason:
+            self.verdict.notes.append(f"no reference: {reason}")
+        except Hang:
+            self.verdict.notes.append("no reference: too slow")
+
+    def _magnification(self, true: Motion) -> float:
+        from tests.random.reference import reference_motion
+
+        other = reference_motion(self.train, self.t, perturbation=PERTURBATION)
+        return deviation(other, true, self.t) / PERTURBATION
+
+    def _against_each_other(self, model: Any, method: str) -> None:
+        fine = next((m for text, (_, m) in self.runs.items() if text.startswith("fine")), None)
+        others = {text: r for text, r in self.runs.items() if not text.startswith("fine")}
+        if fine is None or not others:
+            return
+        self._compare("other method", fine, lambda: self._perturbed(model, fine, method))
+        if any(text.startswith("shuffled") for text in others) and "other method" in self.verdict.evidence:
+            self.verdict.evidence.append("other order")
+
+    def _perturbed(self, model: Any, true: Motion, method: str) -> float:
+        """How much the train magnifies a change of its inertias."""
+        rng = Random(f"perturb {self.train.seed}")
+        changed = {}
+        for body in self.train.bodies:
+            name = "m" if body.block == "Mass" else "J"
+            changed[f"{body.name}.{name}"] = body.field(name) * (1 + PERTURBATION * rng.uniform(-1, 1))
+        try:
+            with cpu_limit(CPU_LIMIT):
+                given = arguments(self.train, self.gb)
+                run = self.gb.simulate(model, t=self.t, rtol=FINE, method=method, parameters=changed, **given)
+        except (self.gb.GearblocksError, Hang):
+            return float("inf")
+        return max(deviation(motion_of(run, self.train), true, self.t) - 10 * FINE, 0.0) / PERTURBATION
+
+    def _compare(self, evidence: str, true: Motion, magnification: Callable[[], float]) -> None:
+        """Every run against a motion; where one is off, how much the train magnifies errors decides."""
+        found = {text: deviation(m, true, self.t) for text, (_, m) in self.runs.items() if m is not true}
+        factor, judged = 1.0, 0
+        if any(off > FACTOR * self.runs[text][0] for text, off in found.items()):
+            factor += magnification()
+        for text, off in found.items():
+            allowed = FACTOR * self.runs[text][0] * factor
+            if allowed > CHAOTIC and off > FACTOR * self.runs[text][0]:
+                self.verdict.notes.append(f"sensitive ({text}): off by {off:.1e}, errors grow by {factor:.1e}")
+                continue
+            judged += 1
+            if off > allowed:
+                self.verdict.fails("wrong", text, f"off by {off:.1e} from {evidence}, {allowed:.1e} allowed")
+        if judged:
+            self.verdict.evidence.append(evidence)
+
+    def _without(self) -> None:
+        """A compliant part taken away against the train that was built without it; from rest."""
+        self.stage("without")
+        pair = tied_pair(self.train, self.random)
+        if pair is None or self.verdict.kind != "right":
+            return
+        name, rested, built = pair
+        try:
+            with cpu_limit(2 * CPU_LIMIT):
+                taken = build(rested, self.gb).without(f"{name}.compliance")
+                options = {"rtol": 1e-8, "t": self.t, **arguments(rested, self.gb)}
+                one = self.gb.simulate(taken, **options)
+                other = self.gb.simulate(build(built, self.gb), **options)
+        except (self.gb.GearblocksError, Hang) as error:
+            self.verdict.notes.append(f"without {name}: {type(error).__name__}: {error}")
+            return
+        off = deviation(motion_of(one, rested), motion_of(other, rested), self.t)
+        if off > FACTOR * 1e-8:
+            self.verdict.notes.append(f"without {name}: off by {off:.1e}")
+            if off > CHAOTIC and not self.verdict.evidence:
+                self.verdict.kind = "none"
+        else:
+            self.verdict.evidence.append("without")
+
+
+def as_dict(verdict: Verdict) -> dict[str, Any]:
+    """Plain values, for the way back from a worker."""
+    return dataclasses.asdict(verdict)

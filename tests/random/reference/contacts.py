@@ -1,0 +1,224 @@
+"""Contacts: dead zones with what damping does in them, meshes along the line of action, splines, stops."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from scipy.optimize import brentq
+
+from tests.random.description import Part
+from tests.random.expressions import Node
+from tests.random.reference.switches import Context, NoEvidence, Switches
+from tests.random.reference.system import Array, Stop, System
+
+Force = Callable[[float, float, float], tuple[float, float]]
+
+
+def contact_law(s: System, p: Part, k: float) -> Force:
+    """(x, x', factor on k) -> (k factor g(x) + damping, G(x) the integral of g).
+
+    Damping: "clipped" c x' within +-abs(k g); "clipped_force" never pulling; "always" in the gap too; Hunt and Crossley.
+    """
+    gap: Any = p.field("backlash")
+    if p.block == "Lash":
+        gap = Node("object", ("Backlash", (("half_gap", p.field("half_gap")),)))
+    choice = p.field("contact_damping", "clipped")
+    zone = _zone(s.sw, gap)
+    c = p.field("c")
+    if isinstance(choice, Node):
+        return _hunt_crossley(s, zone, k, dict(choice.args[1])["restitution"])
+    if gap is None:
+        choice = "always"
+    low, high, pushes = s.sw.new(), s.sw.new(), s.sw.new()
+
+    def force(x: float, rate: float, factor: float) -> tuple[float, float]:
+        g, G, side = zone(x)
+        elastic, viscous = k * factor * g, 0.0 if c is None else c * rate
+        if c is None or choice == "always":
+            return elastic + viscous, G
+        if choice == "clipped":
+            bound = elastic * side
+            above, below = s.sw(low, viscous + bound), s.sw(high, bound - viscous)
+            if side == 0:
+                return elastic, G
+            return elastic + (viscous if above and below else (bound if above else -bound)), G
+        on = s.sw(pushes, (elastic + viscous) * side)
+        return (elastic + viscous if on and side else 0.0), G
+
+    return force
+
+
+def _zone(sw: Switches, gap: Any) -> Callable[[float], tuple[float, float, int]]:
+    """g, its integral, and the side of a dead zone."""
+    if gap is None:
+        return lambda x: (x, x * x / 2, 1 if x >= 0 else -1)
+    fields = dict(gap.args[1])
+    if "gaps" in fields:
+        return _teeth(sw, fields["gaps"])
+    b = fields["half_gap"]
+    if fields.get("law", "exact") == "smooth":
+        w = fields["width"]
+        return lambda x: (x + (math.hypot(x - b, w) - math.hypot(x + b, w)) / 2, math.nan, 1)
+    if fields.get("law", "exact") != "exact":
+        raise NoEvidence("a polynomial backlash")
+    ahead, behind = sw.new(), sw.new()
+
+    def zone(x: float) -> tuple[float, float, int]:
+        up, down = sw(ahead, x - b), sw(behind, -x - b)
+        if up:
+            return x - b, (x - b) ** 2 / 2, 1
+        return (x + b, (x + b) ** 2 / 2, -1) if down else (0.0, 0.0, 0)
+
+    zone.switches = (ahead, behind)  # type: ignore[attr-defined]
+    return zone
+
+
+def _teeth(sw: Switches, gaps: tuple[float, ...]) -> Callable[[float], tuple[float, float, int]]:
+    pairs = [(sw.new(), sw.new(), b) for b in gaps]
+    n = len(gaps)
+
+    def zone(x: float) -> tuple[float, float, int]:
+        g, side = 0.0, 0
+        for ahead, behind, b in pairs:
+            up, down = sw(ahead, x - b), sw(behind, -x - b)
+            if up:
+                g, side = g + (x - b) / n, 1
+            elif down:
+                g, side = g + (x + b) / n, -1
+        return g, math.nan, side
+
+    return zone
+
+
+def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
+    """N = k g (1 + d x'/v), v the speed at which the contact began; d from the restitution; never pulling.
+
+    A half wave of m x'' = -k x (1 + d x'/v) from v to -e v: d (1 + e) = ln((1 + d)/(1 - d e)).
+    """
+    if not hasattr(zone, "switches"):
+        raise NoEvidence("Hunt and Crossley without corners")
+    d = 0.0
+    if e < 1:
+        d = brentq(lambda d: d * (1 + e) - math.log((1 + d) / (1 - d * e)), 0.1 * (1 - e), (1 - 1e-14) / e, xtol=1e-15)
+    held = {"slowness": None}
+    last = {"inward": 0.0}
+    pushes = s.sw.new()
+    for i in zone.switches:
+        s.sw.on_flip[i] = lambda: held.__setitem__("slowness", None)
+
+    def force(x: float, rate: float, factor: float) -> tuple[float, float]:
+        g, G, side = zone(x)
+        inward = side * rate
+        if side == 0:
+            held["slowness"] = None
+        elif held["slowness"] is None and not s.sw.fresh:
+            held["slowness"] = 1.0 / inward if inward > 0 else 0.0
+        last["inward"] = inward
+        damped = 1 + d * (held["slowness"] or 0.0) * inward
+        on = s.sw(pushes, damped if side else 1.0)
+        return (k * factor * g * damped if on else 0.0), G
+
+    return force
+
+
+def lash(s: System, p: Part) -> None:
+    """A spring with a gap, or with `hits` rigid sides that hit each other."""
+    row = s.node(p.node("b")) - s.node(p.node("a"))
+    if p.field("hits"):
+        hits(s, p, row, p.field("half_gap"))
+        return
+    i, force = s.law_row(row), contact_law(s, p, p.field("k"))
+
+    def law(c: Context, f: list[float]) -> None:
+        f[i] -= force(c.X[i], c.V[i], 1.0)[0]
+
+    s.laws.append(law)
+
+
+def spline(s: System, p: Part) -> None:
+    """x = radius (phi_a - phi_b)."""
+    row, r = s.node(p.node("a")) - s.node(p.node("b")), p.field("radius")
+    if p.field("hits"):
+        hits(s, p, row, dict(p.field("backlash").args[1])["half_gap"] / r)
+        return
+    if p.field("stiffness_variation") is not None:
+        raise NoEvidence("a spline with a varying stiffness")
+    i, force = s.law_row(row), contact_law(s, p, p.field("k"))
+
+    def law(c: Context, f: list[float]) -> None:
+        f[i] -= r * force(r * c.X[i], r * c.V[i], 1.0)[0]
+
+    s.laws.append(law)
+
+
+def mesh(s: System, p: Part) -> None:
+    """x = r1 (phi_1 - phi_c) +- r2 (phi_2 - phi_c) - e; N dx/dphi on every flange; k(phi_1) from a potential."""
+    one = s.node(p.node("pinion")) - s.node(p.node("carrier"))
+    two = s.node(p.node("wheel")) - s.node(p.node("carrier"))
+    teeth, sign = p.field("teeth"), 1.0 if p.field("external") else -1.0
+    if p.field("k") is None and p.field("backlash") is None:
+        s.ties.append(one + sign * teeth[1] / teeth[0] * two)
+        return
+    r1, r2 = p.field("r_base")
+    if p.field("k") is None:
+        hits(s, p, one + sign * r2 / r1 * two, dict(p.field("backlash").args[1])["half_gap"] / r1)
+        return
+    i, j = s.law_row(one), s.law_row(two)
+    k, z = p.field("k"), teeth[0]
+    force = contact_law(s, p, k)
+    vary, error = _excitation(s, p.field("stiffness_variation"), i, z), _excitation(s, p.field("transmission_error"), i, z)
+
+    def law(c: Context, f: list[float]) -> None:
+        v, v_phi, _ = vary(c)
+        e, e_phi, e_rate = error(c)
+        x = r1 * c.X[i] + sign * r2 * c.X[j] - e
+        rate = (r1 - e_phi) * c.V[i] + sign * r2 * c.V[j] - e_rate
+        N, G = force(x, rate, 1 + v)
+        f[i] -= N * (r1 - e_phi) + (k * v_phi * G if v_phi else 0.0)
+        f[j] -= N * sign * r2
+
+    s.laws.append(law)
+
+
+def _excitation(s: System, effect: Any, i: int, z: int) -> Callable[[Context], tuple[float, float, float]]:
+    """Value, its slope over the pinion's angle, and its rate over time, of a Fourier, Harmonic or Square."""
+    if effect is None:
+        return lambda c: (0.0, 0.0, 0.0)
+    name, fields = effect.args[0], dict(effect.args[1])
+    driven = fields.get("driven_by", "angle")
+    if name == "Square":
+        share, ripple, k = fields["contact_ratio"] - 1, fields["ripple"], s.sw.new()
+        s.sw.phases.append((-1, driven))
+
+        def square(c: Context) -> tuple[float, float, float]:
+            upper = s.sw(k, math.cos(driven * c.t - math.pi * share) - math.cos(math.pi * share))
+            return (2 * ripple * (1 - share) if upper else -2 * ripple * share), 0.0, 0.0
+
+        return square
+    if "sin" in fields or "phase" in fields or name not in ("Fourier", "Harmonic"):
+        raise NoEvidence(f"this {name}")
+    a = fields["cos"]
+
+    def wave(c: Context) -> tuple[float, float, float]:
+        theta = z * c.X[i] if driven == "angle" else driven * c.t
+        value = sum(x * math.cos(n * theta) for n, x in enumerate(a, 1))
+        slope = -sum(n * x * math.sin(n * theta) for n, x in enumerate(a, 1))
+        return (value, z * slope, 0.0) if driven == "angle" else (value, 0.0, driven * slope)
+
+    return wave
+
+
+def hits(s: System, p: Part, row: Array, half_gap: float) -> None:
+    """Rigid sides at both ends of a gap."""
+    restitution = dict(p.field("contact_damping").args[1])["restitution"]
+    stops(s, row, -half_gap, half_gap, restitution)
+
+
+def stops(s: System, row: Array, lower: float | None, upper: float | None, restitution: float) -> None:
+    """Unilateral contacts at either end."""
+    if lower is not None:
+        s.stops.append(Stop(row, lower, restitution))
+    if upper is not None:
+        s.stops.append(Stop(-row, -upper, restitution))

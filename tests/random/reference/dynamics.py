@@ -1,0 +1,349 @@
+"""Accelerations on frozen modes, and the margins that tell when a mode ends.
+
+    M a = f + B l,    G a = gamma        G: rows of what is stuck, closed or tied; B: the directions in which they push
+
+B differs from G' for gears with losses alone.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from tests.random.reference.rubbing import merge
+from tests.random.reference.sharing import Sharing
+from tests.random.reference.switches import NoEvidence, is_zero
+from tests.random.reference.system import Array, Dry, Lossy, Stop, System, derivative
+
+NONE = math.inf  # margin of what is not asked
+
+
+class Dynamics:
+    """The right-hand side of a system: y = (qr, q1, vr, p, s)."""
+
+    def __init__(self, system: System) -> None:
+        self.s = s = system
+        merge(s)
+        for stop in s.stops:
+            stop.row = stop.row @ s.N
+        for gear in s.lossy:
+            gear.ra, gear.rb = gear.ra @ s.N, gear.rb @ s.N
+        self.drives = [s.compile(signal) for signal, _ in s.prescribed.values()]
+        for signal, kind in s.prescribed.values():
+            if kind != "speed":
+                raise NoEvidence("a prescribed angle")
+            derivative(signal)  # must be smooth
+        self.nr, self.n1, self.np = s.Ur.shape[1], s.Z1.shape[1], s.P.shape[1]
+        self.cut = np.cumsum([self.nr, self.n1, self.nr, self.np, s.extra])
+        self.cache: dict[Any, tuple[Array, Array, Array, Array | None]] = {}
+        self.RT = s.R.T
+        self.constant = not s.nonlinear
+        self.varying = [i for i, g in enumerate(s.lossy) if g.values(0.0) != g.values(1e3)]
+        self.teeth = {id(m): k for m, k in getattr(s, "synchronizers", [])}
+        self.plain = not (s.dry or s.stops or s.lossy or s.nonlinear)
+
+    # -- one evaluation -----------------------------------------------------------------------------------------------
+
+    def __call__(self, t: float, y: Array) -> Array:
+        """y'."""
+        return self.evaluate(t, y)[0]
+
+    def split(self, y: Array) -> list[Array]:
+        """qr, q1, vr, p, s."""
+        return np.split(y, self.cut[:-1])
+
+    def coordinates(self, t: float, y: Array) -> tuple[Array, Array, Array, Array]:
+        """q, v (without the part of Z2), rates of q1, and forces of springs and given torques."""
+        s, c = self.s, self.s.context
+        qr, q1, vr, p, extra = self.split(y)
+        c.t, c.s = t, extra.tolist()
+        q, v = s.Ur @ qr, s.Ur @ vr
+        wp = np.array([d(c) for d in self.drives])
+        if s.has_massless:
+            c.X, c.V = (s.R @ q + s.RP @ p).tolist(), (s.R @ v + s.RP @ wp).tolist()
+            push = s.torque_rows.T @ np.array([f(c) for _, f, _ in s.torques]) if s.torques else np.zeros(len(q))
+            q = q + s.Z1 @ q1
+            if s.Z2.shape[1]:
+                q = q + s.Z2 @ (s.K22 @ (s.Z2.T @ (push - s.K @ q - s.KP @ p)))
+            elastic = push - s.K @ q - s.KP @ p
+            if self.n1:
+                v1 = s.C11 @ (s.Z1.T @ (elastic - s.C @ v - s.CP @ wp))
+                return q, v + s.Z1 @ v1, v1, elastic - s.CP @ wp
+            return q, v, np.zeros(0), elastic - s.CP @ wp
+        c.X, c.V = (s.R @ q + s.RP @ p).tolist(), (s.R @ v + s.RP @ wp).tolist()
+        given = -(s.K @ q)
+        if self.np:
+            given = given - s.KP @ p - s.CP @ wp
+        for (_, f, _), row in zip(s.torques, s.torque_rows, strict=True):
+            given = given + f(c) * row
+        return q, v, np.zeros(0), given
+
+    def evaluate(self, t: float, y: Array, margins: bool = False) -> tuple[Array, list[float]]:
+        """y' and, where asked, the margins."""
+        s, c = self.s, self.s.context
+        q, v, v1, given = self.coordinates(t, y)
+        f = [0.0] * (len(s.R) + s.extra)
+        for law in s.laws:
+            law(c, f)
+        force = given - s.C @ v
+        if len(s.R):
+            force = force + self.RT @ np.array(f[: len(s.R)])
+        fr = s.Ur.T @ force if s.has_massless else force
+        vr = y[self.cut[1] : self.cut[2]]
+        if self.plain:
+            a, values = s.Minv @ fr, []
+        else:
+            a, values = self._constrained(fr, q, v, margins)
+        rates = [vr, v1, a, np.array([d(c) for d in self.drives]), np.array([f[-1 - i] for i in range(s.extra)])]
+        dy = np.concatenate(rates)
+        if not margins:
+            return dy, values
+        return dy, s.sw.margins() + [m for u in s.iwan for m in u.margins()] + values
+
+    # -- constraints --------------------------------------------------------------------------------------------------
+
+    def _constrained(self, f: Array, q: Array, v: Array, margins: bool) -> tuple[Array, list[float]]:
+        s, c = self.s, self.s.context
+        numbers: list[Any] = []
+        sliding = []
+        for d in s.dry:
+            f, more = self._rub(d, f, v)
+            sliding.append(more)
+        losses = [self._losses(g, float(g.ra @ v)) for g in s.lossy]
+        for g, loss in zip(s.lossy, losses, strict=True):
+            if g.mode[0]:
+                f = f - g.ratio * loss[1] * g.rb
+        key = None
+        if self.constant and not self.varying:
+            key = (tuple(d.mode for d in s.dry), tuple(x.mode for x in s.stops), tuple(g.mode for g in s.lossy))
+        found = self.cache.get(key) if key is not None else None
+        gamma = None
+        if found is None:
+            G, B, gamma = self.active(q, v, losses)
+            found = self._solver(G, B)
+            if key is not None:
+                self.cache[key] = found
+        G, MB, W, null = found
+        a = s.Minv @ f
+        if len(G):
+            bias = 0.0 if gamma is None else gamma
+            numbers = (W @ (bias - G @ a)).tolist()
+            a = a + MB @ np.array(numbers)
+        if not margins:
+            return a, []
+        values = self._margins(q, v, numbers, sliding, losses, c)
+        return a, values if null is None else self._shared(values, np.array(numbers), null)
+
+    def active(self, q: Array, v: Array, losses: list[tuple[float, float]]) -> tuple[Array, Array, Array]:
+        """G, B, gamma of what is active, in the order dry, stops, lossy gears, nonlinear ties."""
+        s = self.s
+        G, B, gamma = [], [], []
+        for d in s.dry:
+            if d.mode == 0:
+                G.append(d.row)
+                B.append(d.row)
+                gamma.append(0.0)
+        for stop in s.stops:
+            if stop.mode == 0:
+                G.append(stop.row)
+                B.append(stop.row)
+                gamma.append(0.0)
+        for g, loss in zip(s.lossy, losses, strict=True):
+            if g.mode[0]:
+                G.append(g.ra - g.ratio * g.rb)
+                B.append(-g.ra + g.ratio * (1 - loss[0]) * g.rb)
+                gamma.append(0.0)
+            else:  # both sides stand: what enters at a, and what leaves at b without the ratio
+                G += [g.ra, g.ratio * g.rb]
+                B += [-g.ra, g.ratio * g.rb]
+                gamma += [0.0, 0.0]
+        for n in s.nonlinear:
+            row, bias = n.rate(q, v)
+            G.append(row)
+            B.append(row)
+            gamma.append(-bias)
+        n = len(q)
+        return np.array(G).reshape(-1, n), np.array(B).reshape(-1, n), np.array(gamma)
+
+    def _solver(self, G: Array, B: Array) -> tuple[Array, Array, Array, Array | None]:
+        MB = self.s.Minv @ B.T
+        W = G @ MB
+        if not len(G):
+            return G, MB, W, None
+        high = np.abs(W).max(axis=1)
+        if not high.all():
+            raise NoEvidence("a lock on what cannot move")
+        scale = np.sqrt(high)
+        if np.linalg.cond(W / np.outer(scale, scale)) < 1e10:
+            return G, MB, np.linalg.inv(W), None
+        W = W / np.outer(scale, scale)
+        _, sizes, V = np.linalg.svd(W)
+        free = sizes < 1e-10 * sizes.max()
+        if self.s.nonlinear or free.sum() > 2:
+            raise NoEvidence("locks that share a load")
+        return G, MB, np.linalg.pinv(W, rcond=1e-10) / np.outer(scale, scale), (V[free] / scale).T
+
+    def _shared(self, values: list[float], numbers: Array, null: Array) -> list[float]:
+        """More loads than the motion needs: the margin is how much room there is to share them within all bounds."""
+        s, at = self.s, 0
+        sharing = Sharing(numbers, null)
+        places: list[int] = []
+        for i, d in enumerate(s.dry):
+            if d.mode == 0:
+                low, high = self.limits(d)
+                if sharing.bounded(at, low, high):
+                    places += [3 * i + 1, 3 * i + 2]
+                at += 1
+        base = 3 * len(s.dry)
+        for i, stop in enumerate(s.stops):
+            if stop.mode == 0:
+                if sharing.bounded(at, 0.0, math.inf):
+                    places.append(base + 2 * i + 1)
+                at += 1
+        base += 2 * len(s.stops)
+        for i, g in enumerate(s.lossy):
+            if g.mode[0]:
+                at += 1
+                continue
+            if sharing.gear(at, *g.values(0.0)):
+                places += [base + 4 * i + 2, base + 4 * i + 3]
+            at += 2
+        if not places:
+            return values
+        room = sharing.room()
+        for place in places:
+            values[place] = NONE
+        values[places[0]] = room
+        return values
+
+    def _rub(self, d: Dry, f: Array, v: Array) -> tuple[Array, float]:
+        """Adds the sliding forces; every member's engagement and sliding law are looked at, so that switches stay fresh."""
+        c, slip = self.s.context, float(d.row @ v)
+        total = 0.0
+        for m in d.members:
+            self.engage(m)
+            size = m.sliding(c, m.scale * slip if d.mode else 0.0)
+            if m.on and not m.dog and d.mode in (1, -1):
+                total -= d.mode * abs(m.scale) * size
+        return (f + total * d.row if total else f), slip
+
+    def engage(self, m: Any) -> None:
+        """Whether a friction element is pressed, by its frozen switch."""
+        c, sw = self.s.context, self.s.sw
+        pressed = m.switch < 0 or not sw(m.switch, -m.engaged(c))
+        if m.teeth is not None:
+            asked = not sw(self.teeth[id(m)], -m.teeth(c))
+            m.locked = m.locked and asked
+        m.on = pressed or m.locked
+
+    def limits(self, d: Dry) -> tuple[float, float]:
+        """Bounds of the group's force along its row."""
+        low, high = 0.0, 0.0
+        for m in d.members:
+            if not m.on:
+                continue
+            a, b = (-math.inf, math.inf) if m.locked else m.limits(self.s.context)
+            low += min(m.scale * a, m.scale * b)
+            high += max(m.scale * a, m.scale * b)
+        return low, high
+
+    def _losses(self, g: Lossy, w: float) -> tuple[float, float]:
+        """loss = first tau_a + second, in the gear's mode."""
+        one, two, tau1, tau2 = g.values(abs(w) if g.mode[0] else 0.0)
+        return (1 - one, g.mode[0] * tau1) if g.mode[1] else (1 - 1 / two, g.mode[0] * tau2)
+
+    def _margins(
+        self, q: Array, v: Array, numbers: list[float], slips: list[float], losses: list[Any], c: Any
+    ) -> list[float]:
+        s, at, out = self.s, 0, []
+        for d, slip in zip(s.dry, slips, strict=True):
+            low, high = self.limits(d)
+            if d.mode == 0:
+                out += [NONE, high - numbers[at], numbers[at] - low]
+                at += 1
+            else:
+                out += [d.mode * slip if abs(d.mode) == 1 else NONE, NONE, NONE]
+        for stop in s.stops:
+            if stop.mode == 0:
+                out += [NONE, numbers[at]]
+                at += 1
+            else:
+                out += [float(stop.row @ q) - stop.bound, NONE]
+        for g in s.lossy:
+            tau = numbers[at]
+            at += 1
+            if g.mode[0]:
+                out += [g.mode[0] * float(g.ra @ v), (1 if g.mode[1] else -1) * g.mode[0] * tau, NONE, NONE]
+            else:
+                loss = tau - numbers[at]
+                at += 1
+                one, two, tau1, tau2 = g.values(0.0)
+                high = (1 - one) * tau + tau1 if tau >= 0 else (1 - 1 / two) * tau + tau2
+                low = (1 - one) * tau - tau1 if tau <= 0 else (1 - 1 / two) * tau - tau2
+                out += [NONE, NONE, high - loss, loss - low]
+        return out
+
+    # -- start and results --------------------------------------------------------------------------------------------
+
+    def start(self, perturbation: float) -> Array:
+        """Start values that agree with the given ones and the ties."""
+        from random import Random
+
+        s, random = self.s, Random(f"reference {self.s.train.seed}")
+        rows, angles, speeds, sped = [], [], [], []
+        for p in s.train.bodies:
+            row = s.N[s.index[p.node("a")]]
+            for name, values, kept in ((("phi0", "s0"), angles, rows), (("w0", "v0"), speeds, sped)):
+                value = p.field(name[0], p.field(name[1]))
+                if value is not None:
+                    kept.append(row)
+                    values.append(value)
+        n = s.N.shape[1]
+        if s.nonlinear and any(angles):
+            raise NoEvidence("a start off zero beside a nonlinear tie")
+        tied = [g.ra - g.ratio * g.rb for g in s.lossy]
+        q = _fit(rows + tied, angles + [0.0] * len(tied), n)
+        v0 = _fit(sped + tied + [x.rate(q, np.zeros(n))[0] for x in s.nonlinear],
+                  speeds + [0.0] * (len(tied) + len(s.nonlinear)), n)  # fmt: skip
+        if perturbation:
+            free = _free(tied + [x.rate(q, np.zeros(n))[0] for x in s.nonlinear], n)
+            size = max(float(np.abs(v0).max()), 1.0)
+            v0 = v0 + perturbation * size * free @ np.array([random.uniform(-1, 1) for _ in range(free.shape[1])])
+        qr, vr = s.Ur.T @ q, s.Ur.T @ v0
+        return np.concatenate([qr, s.Z1.T @ q, vr, np.zeros(self.np), np.array(s.start)])
+
+    def motion(self, t: float, y: Array, bodies: list[int]) -> tuple[Array, Array]:
+        """Angles and speeds of nodes; NaN for a speed that only its rate of balance would give."""
+        s = self.s
+        q, v, _, _ = self.coordinates(t, y)
+        p = y[self.cut[2] : self.cut[3]]
+        wp = np.array([d(s.context) for d in self.drives])
+        angles, speeds = s.N @ q + s.P @ p, s.N @ v + s.P @ wp
+        for i in range(len(angles)):
+            if s.Z2.shape[1] and not is_zero(s.N[i] @ s.Z2):
+                speeds[i] = math.nan
+        return angles[bodies], speeds[bodies]
+
+
+def _fit(rows: list[Array], values: list[float], n: int) -> Array:
+    if not rows:
+        return np.zeros(n)
+    A, b = np.array(rows), np.array(values)
+    x = np.linalg.lstsq(A, b, rcond=1e-12)[0]
+    if np.abs(A @ x - b).max() > 1e-9 * max(1.0, np.abs(b).max()):
+        raise NoEvidence("start values that contradict each other")
+    return np.asarray(x)
+
+
+def _free(rows: list[Array], n: int) -> Array:
+    """Directions that the rows leave open."""
+    if not rows:
+        return np.eye(n)
+    _, size, V = np.linalg.svd(np.array(rows).reshape(-1, n))
+    rank = int((size > 1e-10 * size.max()).sum())
+    return np.asarray(V[rank:].T)
+
+
+__all__ = ["NONE", "Dynamics", "Stop"]

@@ -1,0 +1,293 @@
+"""What every block does, written anew: ties, springs, laws over rows, friction, stops, lossy gears."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from tests.random.description import GROUND, Part, Train
+from tests.random.expressions import Node, walk
+from tests.random.reference import contacts, rubbing
+from tests.random.reference.switches import Context, NoEvidence, Table2, ellipse
+from tests.random.reference.system import Array, System, Tie
+
+
+def system_of(train: Train) -> System:
+    """The system of a train; NoEvidence for what it has no law for."""
+    if train.initial is not None:
+        raise NoEvidence("a static start")
+    s = System(train)
+    ordered = sorted(train.parts, key=lambda p: p.block not in ("Governor",))
+    for part in ordered:
+        add = ELEMENTS.get(part.block)
+        if add is None:
+            raise NoEvidence(f"the block {part.block}")
+        add(s, part)
+    s.context.aux = [0.0] * len(s.aux)
+    s.reduce()
+    return s
+
+
+def relative(s: System, part: Part, b: str, a: str) -> Array:
+    """Angle of flange b over that of flange a."""
+    return s.node(part.node(b)) - s.node(part.node(a))
+
+
+# -- bodies and ties --------------------------------------------------------------------------------------------------
+
+
+def body(s: System, p: Part) -> None:
+    """J or m."""
+    s.J[s.index[p.node("a")]] += p.field("J" if p.block == "Inertia" else "m")
+
+
+def gear(s: System, p: Part) -> None:
+    """phi_a = ratio phi_b about the housing."""
+    teeth = p.field("teeth")
+    ratio = p.field("ratio") if teeth is None else teeth[1] / teeth[0] * (-1 if p.field("external") else 1)
+    s.ties.append(relative(s, p, "a", "housing") - ratio * relative(s, p, "b", "housing"))
+
+
+def planetary(s: System, p: Part) -> None:
+    """phi_sun + ratio phi_ring = (1 + ratio) phi_carrier."""
+    i = p.field("ratio")
+    s.ties.append(s.node(p.node("sun")) + i * s.node(p.node("ring")) - (1 + i) * s.node(p.node("carrier")))
+
+
+def differential(s: System, p: Part) -> None:
+    """phi_left + phi_right = 2 phi_carrier/ratio."""
+    carrier = s.node(p.node("carrier"))
+    s.ties.append(s.node(p.node("left")) + s.node(p.node("right")) - 2 / p.field("ratio", 1) * carrier)
+
+
+def rack(s: System, p: Part) -> None:
+    """s = radius phi."""
+    s.ties.append(s.node(p.node("slider")) - p.field("radius") * s.node(p.node("flange")))
+
+
+def joint(s: System, p: Part) -> None:
+    """Hooke's joint as a nonlinear tie: phi_b = phi_a + atan(q sin 2 phi_a/(1 - q cos 2 phi_a))."""
+    q = math.tan(p.field("angle") / 2) ** 2
+
+    def m(phi: float) -> float:
+        return 1 + 2 * q * (math.cos(2 * phi) - q) / (1 - 2 * q * math.cos(2 * phi) + q * q)
+
+    def dm(phi: float) -> float:
+        d = 1 - 2 * q * math.cos(2 * phi) + q * q
+        up = -4 * q * math.sin(2 * phi)
+        return up / d - 2 * q * (math.cos(2 * phi) - q) * 4 * q * math.sin(2 * phi) / d**2
+
+    nonlinear_tie(s, s.node(p.node("a")), s.node(p.node("b")), m, dm, 1.0)
+
+
+def nonlinear_tie(
+    s: System, a: Array, b: Array, m: Callable[[float], float], dm: Callable[[float], float], sign: float
+) -> None:
+    """w_b = sign m(phi_a) w_a, until `reduce` over nodes."""
+
+    def rate(q: Array, v: Array) -> tuple[Array, float]:
+        ra, rb = a @ s.N, b @ s.N
+        if s.P.shape[1]:
+            raise NoEvidence("a nonlinear tie beside a prescribed motion")
+        phi, w = float(ra @ q), float(ra @ v)
+        return rb - sign * m(phi) * ra, -sign * dm(phi) * w * w
+
+    s.nonlinear.append(Tie(rate))
+
+
+def noncircular(s: System, p: Part) -> None:
+    """phi_b = -+F(phi_a): a tie, or with k a contact of q = F(theta) -+ phi_b."""
+    law = p.field("law")
+    if not isinstance(law, Node) or law.args[0] != "RatioLaw.ellipse":
+        raise NoEvidence("a ratio law")
+    fields = dict(law.args[1])
+    F, m, dm = ellipse(fields["e"], fields.get("order", 1))
+    a, b = relative(s, p, "a", "carrier"), relative(s, p, "b", "carrier")
+    sign = 1.0 if p.field("external") else -1.0
+    if p.field("k") is None:
+        nonlinear_tie(s, a, b, m, dm, -sign)
+        return
+    i, j = s.law_row(a), s.law_row(b)
+    force = contacts.contact_law(s, p, p.field("k"))
+
+    def law_of(c: Context, f: list[float]) -> None:
+        slope = m(c.X[i])
+        M = force(F(c.X[i]) + sign * c.X[j], slope * c.V[i] + sign * c.V[j], 1.0)[0]
+        f[i] -= slope * M
+        f[j] -= sign * M
+
+    s.laws.append(law_of)
+
+
+# -- springs and loads ------------------------------------------------------------------------------------------------
+
+
+def shaft(s: System, p: Part) -> None:
+    """k twist + c twist'; or a law over the twist; inner friction beside."""
+    row = relative(s, p, "b", "a")
+    if p.field("rigid"):
+        s.ties.append(row)
+        return
+    if p.field("k") is not None:
+        s.springs.append((row, p.field("k")))
+    else:
+        i = s.law_row(row)
+        torque = s.compile(p.field("torque"), lambda c: c.X[i])
+
+        def law(c: Context, f: list[float]) -> None:
+            f[i] -= torque(c)
+
+        s.laws.append(law)
+    if p.field("c") is not None:
+        s.dampers.append((row, p.field("c")))
+    if p.field("hysteresis") is not None:
+        rubbing.inner_friction(s, row, dict(p.field("hysteresis").args[1]), p.name)
+
+
+def damper(s: System, p: Part) -> None:
+    """c w_rel."""
+    s.dampers.append((relative(s, p, "b", "a"), p.field("c")))
+
+
+def torque(s: System, p: Part) -> None:
+    """A given torque or force against the housing."""
+    value = p.field("tau" if p.block == "Torque" else "f")
+    timely = not any(n.op == "sense" for n in walk(value))
+    s.torques.append((relative(s, p, "flange", "housing"), s.compile(value), timely))
+
+
+def speed(s: System, p: Part) -> None:
+    """A prescribed speed of a node that nothing else prescribes."""
+    node = p.node("flange")
+    if p.node("housing") != GROUND or node in s.prescribed or p.field("filter") is not None:
+        raise NoEvidence("this prescribed motion")
+    s.prescribed[node] = (p.field("w"), "speed")
+
+
+def speed_load(s: System, p: Part) -> None:
+    """-sign(w)(c0 + c1 abs(w) + c2 w^2); c0 holds at rest."""
+    row = s.node(p.node("flange"))
+    c0, c1, c2 = p.field("coeffs")
+    if c1:
+        s.dampers.append((row, c1))
+    if c2:
+        square(s, row, c2)
+    if c0:
+        rubbing.constant(s, row, c0, p.name)
+
+
+def square(s: System, row: Array, c2: float) -> None:
+    """-c2 w abs(w)."""
+    i, k = s.law_row(row), s.sw.new()
+
+    def law(c: Context, f: list[float]) -> None:
+        w = c.V[i]
+        f[i] -= c2 * w * w if s.sw(k, w) else -c2 * w * w
+
+    s.laws.append(law)
+
+
+def vehicle(s: System, p: Part) -> None:
+    """Mass, drag, rolling resistance as dry friction, slope; without tyre."""
+    if p.field("tyre") is not None or p.field("rolling_speed") is not None:
+        raise NoEvidence("a tyre")
+    r, m = p.field("wheel_radius"), p.field("mass")
+    row, grade = s.node(p.node("flange")), p.field("grade", 0.0)
+    s.J[s.index[p.node("flange")]] += m * r * r
+    weight = m * 9.80665
+    climb = weight * math.sin(grade) * r
+    if climb:
+        s.torques.append((row, lambda c: -climb, True))
+    if p.field("drag_area"):
+        square(s, row, 1.2 * p.field("drag_area") / 2 * r**3)
+    if p.field("rolling"):
+        rubbing.constant(s, row, p.field("rolling") * weight * math.cos(grade) * r, p.name)
+
+
+def eddy(s: System, p: Part) -> None:
+    """-2 excitation tau_n/(w_n/w + w/w_n)."""
+    i = s.law_row(relative(s, p, "flange", "housing"))
+    excitation = s.compile(p.field("excitation", 1.0))
+    t_n, w_n = p.field("tau_nominal"), p.field("w_nominal")
+
+    def law(c: Context, f: list[float]) -> None:
+        w = c.V[i]
+        f[i] -= 2 * excitation(c) * t_n * w_n * w / (w * w + w_n * w_n)
+
+    s.laws.append(law)
+
+
+def motor(s: System, p: Part) -> None:
+    """L i' = u - R i - k w, torque k i."""
+    i, state = s.law_row(relative(s, p, "flange", "housing")), s.state()
+    u, R, L, k = s.compile(p.field("u")), p.field("R"), p.field("L"), p.field("k")
+
+    def law(c: Context, f: list[float]) -> None:
+        current = c.s[state]
+        f[i] += k * current
+        f[-1 - state] = (u(c) - R * current - k * c.V[i]) / L
+
+    s.laws.append(law)
+
+
+def governor(s: System, p: Part) -> None:
+    """u = bias + gain e + integral, held between limits; back-calculation; an actuator of first order."""
+    i = s.law_row(s.node(p.node("flange")))
+    target, gain = s.compile(p.field("target")), p.field("gain")
+    Ki, T = p.field("integral_gain"), p.field("time_constant")
+    bias, lower, upper = p.field("bias", 0.0), p.field("lower", 0.0), p.field("upper", 1.0)
+    out = s.aux.setdefault(f"{p.name}.command", len(s.aux))
+    integral = s.state() if Ki is not None else None
+    actuator = s.state() if T is not None else None
+    at_low, at_high = s.sw.new(), s.sw.new()
+
+    def law(c: Context, f: list[float]) -> None:
+        error = target(c) - c.V[i]
+        wanted = bias + gain * error + (0.0 if integral is None else c.s[integral])
+        above, below = s.sw(at_low, wanted - lower), s.sw(at_high, upper - wanted)
+        held = wanted if above and below else (upper if above else lower)
+        if integral is not None:
+            f[-1 - integral] = Ki * (error + (held - wanted) / gain)
+        if actuator is not None:
+            f[-1 - actuator] = (held - c.s[actuator]) / T
+        c.aux[out] = held if actuator is None else c.s[actuator]
+
+    s.laws.append(law)
+
+
+def engine(s: System, p: Part) -> None:
+    """A bilinear map over speed and throttle."""
+    i = s.law_row(relative(s, p, "flange", "housing"))
+    found, throttle = Table2(s.sw, dict(p.field("torque_map").args[1])), s.compile(p.field("throttle"))
+
+    def law(c: Context, f: list[float]) -> None:
+        f[i] += found(c.V[i], throttle(c))
+
+    s.laws.append(law)
+
+
+def stop(s: System, p: Part) -> None:
+    """lower <= phi_b - phi_a <= upper; over the ground phi_a."""
+    row = relative(s, p, "b", "a") if p.node("b") != GROUND else s.node(p.node("a"))
+    contacts.stops(s, row, p.field("lower"), p.field("upper"), p.field("restitution"))
+
+
+def nothing(s: System, p: Part) -> None:
+    """The ground is built in."""
+
+
+ELEMENTS: dict[str, Any] = {
+    "Inertia": body, "Mass": body, "IdealGear": gear, "BeltDrive": gear, "IdealPlanetary": planetary,
+    "Differential": differential, "Rack": rack, "UniversalJoint": joint, "NonCircularGear": noncircular, "Shaft": shaft,
+    "Damper": damper, "Torque": torque, "Force": torque, "Speed": speed, "SpeedLoad": speed_load, "Vehicle": vehicle,
+    "EddyCurrentBrake": eddy, "DCMotor": motor, "Governor": governor, "Engine": engine, "HardStop": stop,
+    "Lash": contacts.lash, "GearMesh": contacts.mesh, "SplineCoupling": contacts.spline, "Fixed": nothing,
+    "Clutch": rubbing.clutch, "Brake": rubbing.brake, "OneWayClutch": rubbing.clutch, "Freewheel": rubbing.freewheel,
+    "BearingFriction": rubbing.bearing, "DogClutch": rubbing.dog, "Synchronizer": rubbing.clutch,
+    "LossyGear": rubbing.lossy_gear, "Worm": rubbing.worm,
+}  # fmt: skip
+
+__all__ = ["np", "system_of"]

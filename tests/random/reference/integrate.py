@@ -1,0 +1,199 @@
+"""Phases of smooth motion by DOP853 at rtol 1e-11, between events that are bracketed by fine sampling."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
+
+from tests.random.reference.dynamics import Dynamics
+from tests.random.reference.modes import Modes
+from tests.random.reference.switches import NoEvidence
+from tests.random.reference.system import Array
+
+MOST_EVENTS = 4000
+MOST_STEPS = 12000
+PHASE = 0.12  # rad of a wave between two looks
+
+
+class Integration:
+    """One run of a system."""
+
+    def __init__(self, dynamics: Dynamics, rtol: float, span: float) -> None:
+        self.d, self.modes, self.rtol, self.span = dynamics, Modes(dynamics), rtol, span
+        self.scale = np.zeros(0)
+        self.steps = 0
+
+    def run(self, y: Array, t: Array) -> tuple[Array, Array]:
+        """Angles and speeds at the times t of all bodies, shape (bodies, len(t))."""
+        d, s = self.d, self.d.s
+        bodies = [s.index[p.node("a")] for p in s.train.bodies]
+        angles, speeds = np.empty((len(bodies), len(t))), np.empty((len(bodies), len(t)))
+        for _ in range(3):  # signals that read what others compute
+            d.evaluate(0.0, y, margins=True)
+        s.sw.fresh = False
+        y = self.modes.decide(0.0, y, self.span)
+        now, done, events, still = 0.0, 0, 0, 0
+        while done < len(t):
+            until = self.span
+            if d.n1:  # stiff there: speeds follow from small differences, which the dense output does not keep
+                until = float(t[min(done + (t[done] <= now), len(t) - 1)])
+            end, state, dense, which = self._phase(now, y, until)
+            while done < len(t) and (t[done] < end or (t[done] <= end and which is None)):
+                at = float(t[done])
+                part = next((f for lo, hi, f in dense if lo <= at <= hi), None)
+                value = state if at == end else (y if part is None else part(at))
+                angles[:, done], speeds[:, done] = d.motion(at, value, bodies)
+                done += 1
+            if done >= len(t):
+                break
+            if which is None:
+                now, y = end, state
+                continue
+            still = still + 1 if end - now <= 1e-13 * self.span else 0
+            events += 1
+            if events > MOST_EVENTS or still > 30:
+                raise NoEvidence("events without end")
+            now, y = end, self._event(end, state, which)
+        return angles, speeds
+
+    def _phase(self, now: float, y: Array, until: float) -> tuple[float, Array, list[Any], list[int] | None]:
+        """Integrates until an event or the end."""
+        size = np.maximum(np.abs(y), 1e-3)
+        dense: list[Any] = []
+        solver = DOP853(self.d, now, y, until, rtol=self.rtol, atol=1e-3 * self.rtol * size, max_step=self.span / 100)
+        before = self.d.evaluate(now, y, margins=True)[1]
+        while solver.status == "running":
+            failed = solver.step()
+            self.steps += 1
+            if failed is not None and solver.status == "failed":
+                raise NoEvidence("the reference's step size fell to nothing")
+            if self.steps > MOST_STEPS:
+                raise NoEvidence("too many steps")
+            f = solver.dense_output()
+            found, before = self._search(solver.t_old, solver.t, f, before)
+            if found is not None:
+                at, which = found
+                dense.append((solver.t_old, at, f))
+                return at, f(at), dense, which
+            dense.append((solver.t_old, solver.t, f))
+            self.modes.note(solver.y)
+        return until, solver.y, dense, None
+
+    # -- events -------------------------------------------------------------------------------------------------------
+
+    def _margins(self, t: float, y: Array) -> Array:
+        values = np.array(self.d.evaluate(t, y, margins=True)[1])
+        if len(self.scale) != len(values):
+            self.scale = np.zeros(len(values))
+        finite = np.isfinite(values)
+        self.scale[finite] = np.maximum(self.scale[finite], np.abs(values[finite]))
+        return values
+
+    def _search(self, a: float, b: float, f: Any, first: Any) -> tuple[tuple[float, list[int]] | None, Any]:
+        """The first event of a step, and the margins at its end."""
+        rate = sum(k * (1.0 if row < 0 else abs(self.d.s.context.V[row])) for row, k in self.d.s.sw.phases)
+        count = int(min(200, max(6, math.ceil((b - a) * rate / PHASE))))
+        times = np.linspace(a, b, count + 1)
+        rows = [self._margins(a, f(a))]
+        if not len(rows[0]):
+            return None, rows[0]
+        rows += [self._margins(float(x), f(x)) for x in times[1:]]
+        for i in range(1, count + 1):
+            low = self._negative(rows[i])
+            if low.size:
+                return self._locate(float(times[i - 1]), float(times[i]), f, rows[i - 1], low), None
+            if i >= 2:
+                dip = self._dip(times[i - 2 : i + 1], rows[i - 2 : i + 1], f)
+                if dip is not None:
+                    return dip, None
+        return None, rows[-1]
+
+    def _negative(self, row: Array) -> Array:
+        bound = -1e-11 * self.scale
+        s, gaps = self.d.s, len(row) - 4 * len(self.d.s.lossy)
+        if s.stops:  # gaps are exactly 0 after an impact, and the smallest bounces count
+            bound[gaps - 2 * len(s.stops) : gaps : 2] = -2e-15 * np.maximum(
+                self.scale[gaps - 2 * len(s.stops) : gaps : 2], 1e-3
+            )
+        return np.flatnonzero(row < bound)
+
+    def _dip(self, times: Any, rows: list[Array], f: Any) -> tuple[float, list[int]] | None:
+        """A margin that may fall below zero and rise again between three looks: the vertex of its parabola."""
+        r0, r1, r2 = rows
+        with np.errstate(invalid="ignore"):
+            lowest = (r1 <= r0) & (r1 <= r2) & np.isfinite(r0) & np.isfinite(r1) & np.isfinite(r2)
+            near = r1 < 2.0 * np.maximum(r0 - r1, r2 - r1)
+        for i in np.flatnonzero(lowest & near):
+            bend = r0[i] - 2 * r1[i] + r2[i]
+            if bend <= 0:
+                continue
+            at = float(times[1] + (times[1] - times[0]) * 0.5 * (r0[i] - r2[i]) / bend)
+            if not times[0] < at < times[2]:
+                continue
+            values = self._margins(at, f(at))
+            low = self._negative(values)
+            if low.size:
+                left = float(times[0] if at <= times[1] else times[1])
+                return self._locate(left, at, f, self._margins(left, f(left)), low)
+        return None
+
+    def _locate(self, a: float, b: float, f: Any, before: Array, low: Array) -> tuple[float, list[int]]:
+        """The first zero between a, where all is well, and b; looked at again at each zero for one that came before."""
+        roots: dict[int, float] = {}
+        for _ in range(20):
+            for i in low.tolist():
+                roots[i] = min(roots.get(i, b), self._zero(a, b, f, i, before[i]))
+            b = min(roots.values())
+            low = self._negative(self._margins(b, f(b)))
+            low = np.array([i for i in low.tolist() if i not in roots or roots[i] > b + 1e-13 * self.span], dtype=int)
+            if not low.size or b <= a:
+                break
+        return b, [i for i, at in roots.items() if at <= b + 1e-13 * self.span]
+
+    def _zero(self, a: float, b: float, f: Any, i: int, before: float) -> float:
+        if not before > 0:  # it begins on its surface: it may leave it for a short while
+            reach = b - a
+            for _ in range(40):
+                reach /= 2
+                if self._one(a + reach, f, i) > 0:
+                    a += reach
+                    break
+            else:
+                return a
+        if self._one(b, f, i) >= 0:
+            return b
+        return float(brentq(lambda x: self._one(float(x), f, i), a, b, xtol=1e-15 * self.span, rtol=8.9e-16))
+
+    def _one(self, t: float, f: Any, i: int) -> float:
+        value = self._margins(t, f(t))[i]
+        return float(value) if math.isfinite(value) else 1.0
+
+    def _event(self, t: float, y: Array, which: list[int]) -> Array:
+        s = self.d.s
+        switches = len(s.sw.value)
+        self.d.evaluate(t, y)
+        for i in which:
+            if i < switches:
+                s.sw.flip(i)
+            elif i < switches + 2 * len(s.iwan):
+                unit = s.iwan[(i - switches) // 2]
+                if unit.mode:
+                    unit.mode = 0
+                else:
+                    unit.mode = 1 if (i - switches) % 2 == 0 else -1
+            else:
+                self._unit(i - switches - 2 * len(s.iwan))
+        y = self._exact(t, y)
+        self.d.evaluate(t, y)
+        return self.modes.decide(t, y, self.span)
+
+    def _unit(self, i: int) -> None:
+        """Nothing but decisions follow from the margins of units."""
+
+    def _exact(self, t: float, y: Array) -> Array:
+        """The state as it is: events lie within rounding of their surface."""
+        return y

@@ -1,0 +1,295 @@
+"""Which modes go on from a state: every set of them is tried, and looked at a short time ahead.
+
+A set fits where, a short time later, nothing that is stuck exceeds its bounds and nothing slides against its direction. With
+several that fit, the one that sticks most counts (a static peak holds what is at rest); otherwise there is no evidence.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+
+from tests.random.reference.dynamics import Dynamics
+from tests.random.reference.switches import NoEvidence
+from tests.random.reference.system import Array
+
+MOST = 3000  # sets of modes
+
+
+class Modes:
+    """Decides modes and impacts of a system."""
+
+    def __init__(self, dynamics: Dynamics) -> None:
+        self.d, self.s = dynamics, dynamics.s
+        self.speed = 0.0  # largest speed so far
+        self.free = 0.0  # speed that the largest forces would give to what is free, within the run
+        self.jumps: list[float] = []
+        self.rebound: dict[int, float] = {}
+
+    # -- state --------------------------------------------------------------------------------------------------------
+
+    def qv(self, y: Array) -> tuple[Array, Array]:
+        """q and v of units."""
+        qr, _, vr, _, _ = self.d.split(y)
+        return self.s.Ur @ qr, self.s.Ur @ vr
+
+    def with_v(self, y: Array, v: Array) -> Array:
+        """y with other speeds."""
+        y = y.copy()
+        y[self.d.cut[1] : self.d.cut[2]] = self.s.Ur.T @ v
+        return y
+
+    def rows(self) -> list[Array]:
+        """Rows of all units."""
+        s = self.s
+        return [d.row for d in s.dry] + [x.row for x in s.stops] + [g.ra for g in s.lossy]
+
+    def small(self) -> float:
+        """A speed that counts as none."""
+        return 1e-9 * max(self.speed, 1e-6 * self.free)
+
+    def note(self, y: Array) -> None:
+        """Keeps the largest speed."""
+        _, v = self.qv(y)
+        self.speed = max(self.speed, float(np.abs(self.s.N @ v).max()))
+
+    # -- deciding -----------------------------------------------------------------------------------------------------
+
+    def decide(self, t: float, y: Array, span: float) -> Array:
+        """Sets the modes for what follows t; the state, after impacts and without slip where something is stuck."""
+        if self.d.plain:
+            return y
+        self.note(y)
+        self.free = max(self.free, self.force(t, y) * float(np.abs(np.diag(self.s.Minv)).max()) * span)
+        self.d.evaluate(t, y)  # engagements as they are
+        y = self.impact(t, y)
+        _, v = self.qv(y)
+        choices = self.choices(y, v)
+        fits: list[tuple[Any, Array, Array]] = []
+        for reach in (1e-6 * span, 1e-8 * span, 1e-4 * span):
+            total = math.prod(len(c) for c in choices)
+            if total > MOST:
+                raise NoEvidence(f"{total} sets of modes")
+            for modes in itertools.product(*choices):
+                found = self.fits(t, y, modes, reach, [len(c) > 1 for c in choices])
+                if found is not None:
+                    fits.append((modes, *found))
+            if fits:
+                break
+        if not fits:
+            raise NoEvidence("no set of modes fits")
+        modes, y, _ = self.chosen(fits)
+        self.set(modes)
+        self.lock()
+        return y
+
+    def choices(self, y: Array, v: Array) -> list[list[Any]]:
+        """Possible modes of every unit."""
+        s, small = self.s, self.small()
+        q, _ = self.qv(y)
+        out: list[list[Any]] = []
+        for d in s.dry:
+            slip = float(d.row @ v)
+            on = [m for m in d.members if m.on]
+            if not on:
+                out.append([2])
+            elif abs(slip) > small:
+                out.append([1 if slip > 0 else -1])
+            else:
+                barred = {-1 if m.scale > 0 else 1 for m in on if m.one_way}
+                endless = any(m.dog or m.locked for m in on)
+                out.append([0] if endless else [0, *(x for x in (1, -1) if x not in barred)])
+        for stop in s.stops:
+            gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
+            touching = abs(gap) <= 1e-10 * max(1.0, abs(stop.bound)) and abs(rate) <= small
+            out.append([0, 1] if touching else [1])
+        for g in s.lossy:
+            w = float(g.ra @ v)
+            if abs(w) <= small:
+                out.append([(0, 0), (1, 1), (1, 0), (-1, 1), (-1, 0)])
+            else:
+                out.append([(1, 1), (1, 0)] if w > 0 else [(-1, 1), (-1, 0)])
+        return out
+
+    def set(self, modes: tuple[Any, ...]) -> None:
+        """Modes of all units."""
+        for unit, mode in zip([*self.s.dry, *self.s.stops, *self.s.lossy], modes, strict=True):
+            unit.mode = mode
+
+    def lock(self) -> None:
+        """Teeth of synchronizers go in where the cone sticks."""
+        for d in self.s.dry:
+            for m in d.members:
+                if m.teeth is not None and m.on and d.mode == 0 and m.teeth(self.s.context) > 0:
+                    m.locked = True
+
+    def fits(self, t: float, y: Array, modes: tuple[Any, ...], reach: float, asked: list[bool]) -> tuple[Array, Array] | None:
+        """The projected state and its accelerations, if the modes that are asked for hold for that long."""
+        self.set(modes)
+        y = self.project(t, y)
+        first = self.d(t, y)
+        acceleration = first[self.d.cut[1] : self.d.cut[2]]
+        half = y + reach / 2 * first
+        second = self.d(t + reach / 2, half)
+        third = self.d(t + reach / 2, y + reach / 2 * second)
+        fourth = self.d(t + reach, y + reach * third)
+        later = y + reach / 6 * (first + 2 * second + 2 * third + fourth)
+        margins = self.d.evaluate(t + reach, later, margins=True)[1]
+        units = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :]
+        q, v = self.qv(later)
+        size = max(self.force(t + reach, later), 1e-300)
+        at, asked = 0, asked.copy()
+        for d in self.s.dry:
+            slip, high, low = units[at : at + 3]
+            at += 3
+            if not asked.pop(0):
+                continue
+            if d.mode == 0 and min(high, low) < -1e-9 * size:
+                return None
+            if abs(d.mode) == 1 and slip <= 1e-15 * self.speed:
+                return None
+        for stop in self.s.stops:
+            gap, push = units[at : at + 2]
+            at += 2
+            if not asked.pop(0):
+                continue
+            if (stop.mode == 0 and push < -1e-9 * size) or (stop.mode == 1 and gap < -1e-13):
+                return None
+        for g in self.s.lossy:
+            turn, drive, high, low = units[at : at + 4]
+            at += 4
+            if not asked.pop(0):
+                continue
+            if g.mode[0] == 0 and min(high, low) < -1e-9 * size:
+                return None
+            if g.mode[0] and (turn <= 1e-15 * self.speed or drive < -1e-9 * size):
+                return None
+        return y, acceleration
+
+    def force(self, t: float, y: Array) -> float:
+        """A size of the forces, for rounding."""
+        q, v, _, given = self.d.coordinates(t, y)
+        return float(np.abs(given).max(initial=0.0)) + float(np.abs(self.s.C @ v).max(initial=0.0))
+
+    def project(self, t: float, y: Array) -> Array:
+        """Speeds without slip along what is active, and gaps of closed stops at 0."""
+        s = self.s
+        q, v = self.qv(y)
+        losses = [self.d._losses(g, float(g.ra @ v)) for g in s.lossy]
+        G, _, _ = self.d.active(q, v, losses)
+        if not len(G):
+            return y
+        slip = G @ v
+        if not np.abs(slip).max() > 0:
+            return y
+        MG = s.Minv @ G.T
+        try:
+            return self.with_v(y, v - MG @ np.linalg.lstsq(G @ MG, slip, rcond=1e-11)[0])
+        except np.linalg.LinAlgError:
+            raise NoEvidence("locks that share a load") from None
+
+    def chosen(self, fits: list[tuple[Any, Array, Array]]) -> tuple[Any, Array, Array]:
+        """The set that counts."""
+        best = max(fits, key=lambda x: self.stuck(x[0]))
+        size = max(float(np.abs(best[2]).max(initial=0.0)), 1e-300)
+        for other in fits:
+            if np.abs(other[2] - best[2]).max(initial=0.0) <= 1e-7 * size:
+                continue
+            held = set(self.held(best[0]))
+            if not set(self.held(other[0])) < held:
+                raise NoEvidence("several sets of modes fit")
+        return best
+
+    def held(self, modes: tuple[Any, ...]) -> list[int]:
+        """Units that stick or turn not; closed stops count as open ones."""
+        n, m = len(self.s.dry), len(self.s.stops)
+        out = [i for i in range(n) if modes[i] == 0]
+        return out + [i for i in range(n + m, len(modes)) if modes[i] == (0, 0)]
+
+    def stuck(self, modes: tuple[Any, ...]) -> int:
+        """How many stick."""
+        return len(self.held(modes))
+
+    # -- impacts ------------------------------------------------------------------------------------------------------
+
+    def impact(self, t: float, y: Array) -> Array:
+        """Newton's law at stops that close, plastic locks; several at once as one complementarity problem.
+
+        v+ = v + M^-1 G' P,  P >= 0,  G v+ >= target,  P (G v+ - target) = 0; locks without limit: G v+ = 0.
+        """
+        s, small = self.s, self.small()
+        q, v = self.qv(y)
+        one: list[tuple[Array, float, int]] = []
+        both: list[Array] = []
+        hit = False
+        for i, stop in enumerate(s.stops):
+            gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
+            if gap <= 1e-10 * max(1.0, abs(stop.bound)) and rate <= small:
+                closing = rate < -small
+                hit = hit or closing
+                one.append((stop.row, -stop.restitution * rate if closing else 0.0, i))
+        for d in s.dry:
+            slip = float(d.row @ v)
+            on = [m for m in d.members if m.on]
+            if any(m.dog or m.locked for m in on):
+                both.append(d.row)
+                hit = hit or abs(slip) > small
+            for m in on:
+                if m.one_way and m.scale * slip <= small:
+                    one.append((math.copysign(1.0, m.scale) * d.row, 0.0, -1))
+                    hit = hit or m.scale * slip < -small
+                    break
+        if not hit:
+            return y
+        if s.lossy:
+            raise NoEvidence("an impact beside a gear with losses")
+        both += [n.rate(q, v)[0] for n in s.nonlinear]
+        self.jumps.append(t)
+        v = self._impulse(v, one, both)
+        for row, target, i in one:
+            if i >= 0 and target > 0:
+                fast = self.rebound[i] = max(self.rebound.get(i, 0.0), target)
+                if target < 1e-6 * fast and float(row @ v) < 1e-5 * fast:
+                    v = self._impulse(v, [(row, 0.0, -1)], [row, *both])
+        y = self.onto(self.with_v(y, v), [s.stops[i] for _, target, i in one if i >= 0 and target > 0])
+        self.note(y)
+        return y
+
+    def onto(self, y: Array, stops: list[Any]) -> Array:
+        """Gaps of rounding become 0, so that the smallest bounces leave their stop."""
+        q, _ = self.qv(y)
+        y = y.copy()
+        for stop in stops:
+            push = self.s.Minv @ stop.row
+            q = q - push * (float(stop.row @ q) - stop.bound) / float(stop.row @ push)
+        y[: self.d.cut[0]] = self.s.Ur.T @ q
+        return y
+
+    def _impulse(self, v: Array, one: list[tuple[Array, float, int]], both: list[Array]) -> Array:
+        if len(one) > 8:
+            raise NoEvidence("too many contacts at once")
+        size = self.speed
+        found = []
+        for active in itertools.product((False, True), repeat=len(one)):
+            rows = [*both, *(o[0] for o, a in zip(one, active, strict=True) if a)]
+            target = np.array([0.0] * len(both) + [o[1] for o, a in zip(one, active, strict=True) if a])
+            new, P = v, np.zeros(0)
+            if rows:
+                G = np.array(rows)
+                MG = self.s.Minv @ G.T
+                W = G @ MG
+                if np.linalg.cond(W) > 1e11:
+                    continue
+                P = np.linalg.solve(W, target - G @ v)
+                new = v + MG @ P
+            scale = 1e-10 * size
+            if (P[len(both) :] >= 0).all() and all(float(r @ new) >= x - scale for r, x, _ in one):
+                found.append(new)
+        if not found:
+            raise NoEvidence("no impulse fits")
+        if any(np.abs(f - found[0]).max() > 1e-7 * max(size, 1e-300) for f in found):
+            raise NoEvidence("several impulses fit")
+        return found[0]
