@@ -1,4 +1,5 @@
 #include "gb_constraint_forces.h"
+#include "gb_constraint_rows.h"
 #include "gb_constraint_state.h"
 #include "gb_constraints.h"
 #include "gb_report.h"
