@@ -251,7 +251,7 @@ static inline void gb_split_by_sides(int n, int count, const int *index, const i
     for (int round = 0; wrong && round < 4 + 4 * count; round++) {
         gb_split_once(n, count, index, is_own, A, b, lower, upper, tie_of, losses, sides, x, on);
         wrong = 0;
-        for (int p = 0; p < count; p++) {
+        for (int p = 0; p < count && tie_of; p++) {
             const double *of = losses + 5 * (long)index[p], tie = on[p] >= 0 ? x[on[p]] : 0.0;
             const int forward = gb_loss_side(of, tie), backward = gb_loss_side(of, -tie);
             const int same = on[p] < 0 || (sides[2 * p] == forward && sides[2 * p + 1] == backward);
