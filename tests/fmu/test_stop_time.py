@@ -227,3 +227,21 @@ def test_a_trial_step_that_is_not_finite_is_a_step_too_long(tmp_path: Path, unpa
         line = instance.refuses(lambda: instance.step(0.999999, 1e6))
         assert "t = 1 s" in line
         assert "body.w" in line or "drive" in line
+
+
+def test_steps_that_are_lost_in_the_rounding_of_the_time_end_the_run_by_name(tmp_path: Path, unpacker: Unpacker) -> None:
+    """With an inertia of 1e-60 the first step that is right is 1e-31 s long; at t = 1 s that is no step at all."""
+    rig = gb.Drivetrain("light")
+    rig.chain(
+        rig.add("ground", gb.Fixed()),
+        rig.add("shaft", gb.Shaft(k=100.0)),
+        rig.add("end", gb.Inertia(J=0.5)),
+        rig.add("drive", gb.Torque(tau=1.0)),
+    )
+    unpacked = unpacker(fmu_export.export(rig, tmp_path / "m.fmu", patience=0.05), tmp_path / "m")
+    with Instance(unpacked) as instance:
+        instance.start(t0=1.0)
+        instance.set(refs_of(unpacked, "end.J"), [1e-60])
+        line = instance.refuses(lambda: instance.step(1.0, 1e-3))
+        assert "step size fell below rounding" in line
+        assert "'end." in line or "'shaft." in line
