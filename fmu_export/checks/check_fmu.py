@@ -19,13 +19,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import fmu_export
 from fmu_export.checks.limits import DEATHS, SECONDS_OF_ALL, SECONDS_OF_ONE
 from fmu_export.checks.report import Item, Report
 from gearblocks.errors import ParameterError
 
 _POLL = 0.02  # s between looks at what the child has written
-_SOURCES = Path(fmu_export.__file__).parents[1]
+_SOURCES = Path(__file__).parents[2]
 
 
 def check(path: str | os.PathLike[str], *, t_end: float | None = None, steps: int = 500) -> Report:

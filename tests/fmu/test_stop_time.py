@@ -229,7 +229,9 @@ def test_a_trial_step_that_is_not_finite_is_a_step_too_long(tmp_path: Path, unpa
         assert "body.w" in line or "drive" in line
 
 
-def test_steps_that_are_lost_in_the_rounding_of_the_time_end_the_run_by_name(tmp_path: Path, unpacker: Unpacker) -> None:
+def test_steps_that_are_lost_in_the_rounding_of_the_time_end_the_run_by_name(
+    tmp_path: Path, unpacker: Unpacker
+) -> None:
     """With an inertia of 1e-60 the first step that is right is 1e-31 s long; at t = 1 s that is no step at all."""
     rig = gb.Drivetrain("light")
     rig.chain(
