@@ -25,6 +25,8 @@ from gearblocks.errors import ParameterError
 
 _POLL = 0.02  # s between looks at what the child has written
 _SOURCES = Path(__file__).parents[2]
+_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+"""Each thread of a linear algebra that nobody uses here would take its share of the address space."""
 
 
 def check(path: str | os.PathLike[str], *, t_end: float | None = None, steps: int = 500) -> Report:
@@ -77,7 +79,7 @@ class _Work:
             child = subprocess.Popen(
                 [sys.executable, "-m", "fmu_export.checks.child", json.dumps(order)],
                 stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True,
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)}, cwd=self.folder,
+                env={**os.environ, **_ONE_THREAD, "PYTHONPATH": os.pathsep.join(paths)}, cwd=self.folder,
             )  # fmt: skip
             try:
                 late = self._follow(child, said)

@@ -85,7 +85,7 @@ def test_inputs_written_at_every_step_let_no_step_run_away(
         for i in range(1000):
             torque = 1.0 + 0.5 * np.sin(i)
             instance.set([tau], [torque])
-            instance.step(i * h, h)
+            assert instance.status_of(lambda t=i * h: instance.step(t, h)) == OK
             angle += h * speed + 0.5 * h * h * GAIN[rig.name] * torque
             speed += h * GAIN[rig.name] * torque
         got = instance.get([phi, w])
