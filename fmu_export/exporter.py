@@ -57,7 +57,7 @@ def export(
     parameters: start values by path, instead of the train's. initial: start values by name, as in simulate(), or an
     earlier run or a state vector; with these the start values of the states take the place of start parameters.
     t_end, communication_step: default experiment [s]. patience: processor time [s] after which a step that is asked of
-    the FMU ends on its way with fmi2Discard, to be asked for again or gone on from; 0: after some tens of internal steps;
+    the FMU ends on its way with fmi2Discard, to be asked for again or gone on from; 0: after a few internal steps;
     None: however long it takes.
     Raises ParameterError or UnknownNameError for what cannot be exported; an existing file is replaced whole or kept.
     """
