@@ -57,7 +57,8 @@ def export(
     parameters: start values by path, instead of the train's. initial: start values by name, as in simulate(), or an
     earlier run or a state vector; with these the start values of the states take the place of start parameters.
     t_end, communication_step: default experiment [s]. patience: processor time [s] after which a step that is asked of
-    the FMU ends on its way with fmi2Discard, to be asked for again or gone on from; None: however long it takes.
+    the FMU ends on its way with fmi2Discard, to be asked for again or gone on from; 0: after a few internal steps;
+    None: however long it takes.
     Raises ParameterError or UnknownNameError for what cannot be exported; an existing file is replaced whole or kept.
     """
     from gearblocks.drivetrain import build
@@ -70,8 +71,8 @@ def export(
     values = parameter_vector(program, model.values, parameters or {}, by_name)
     start = start_vector(program, initial)
     solver = solver_options(method, rtol, step, max_step, locate)
-    if patience is not None and not patience > 0:
-        raise ParameterError(f"patience = {patience!r} s must be > 0, or None")
+    if patience is not None and not patience >= 0:
+        raise ParameterError(f"patience = {patience!r} s must be >= 0, or None")
     program = replace(program, parameters=opened_bounds(model, values, start, solver))
     variables = variables_of(program, values, outputs, solver, start)
     experiment = Experiment(t_end, solver.rtol, communication_step)

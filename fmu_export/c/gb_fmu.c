@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS_BETWEEN_LOOKS = 32 }; /* at the clock */
+enum { STEPS_BETWEEN_LOOKS = 8 }; /* at the clock */
 
 /* ---- reasons ------------------------------------------------------------------------------------------------- */
 

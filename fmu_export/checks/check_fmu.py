@@ -19,13 +19,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import fmu_export
 from fmu_export.checks.limits import DEATHS, SECONDS_OF_ALL, SECONDS_OF_ONE
 from fmu_export.checks.report import Item, Report
 from gearblocks.errors import ParameterError
 
 _POLL = 0.02  # s between looks at what the child has written
-_SOURCES = Path(fmu_export.__file__).parents[1]
+_SOURCES = Path(__file__).parents[2]
+_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+"""Each thread of a linear algebra that nobody uses here would take its share of the address space."""
 
 
 def check(path: str | os.PathLike[str], *, t_end: float | None = None, steps: int = 500) -> Report:
@@ -78,7 +79,7 @@ class _Work:
             child = subprocess.Popen(
                 [sys.executable, "-m", "fmu_export.checks.child", json.dumps(order)],
                 stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True,
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)}, cwd=self.folder,
+                env={**os.environ, **_ONE_THREAD, "PYTHONPATH": os.pathsep.join(paths)}, cwd=self.folder,
             )  # fmt: skip
             try:
                 late = self._follow(child, said)

@@ -1,6 +1,8 @@
 /* Saved states, communication points, inputs, and what is refused. */
 #include "checks.h"
 
+#include "gb_internal.h"
+
 static const double *advance_all(gb_sim *sim, const double *t, long from, long to, double *y) {
     for (long i = from; i < to; i++) {
         CHECK(gb_advance(sim, t[i]) == GB_DONE, "advance to %g", t[i]);
@@ -34,6 +36,56 @@ static void check_snapshot(const gb_options *options) {
     gb_close(sim);
     gb_close(other);
     gb_close(stranger);
+}
+
+/* Blocks with a sound checksum and a head that no run has: what chooses from tables is looked at too. */
+static void check_forged(void) {
+    const gb_options options = options_of(GB_DP8, 1e-8, 0.0);
+    int code;
+    gb_sim *sim = open_model(&p1_model, p1_values, &options, &code);
+    const size_t size = gb_snapshot_size(sim), at = offsetof(gb_head, checksum), after = at + sizeof(uint64_t);
+    char *block = malloc(size);
+    gb_head head;
+    CHECK(gb_advance(sim, 0.001) == GB_DONE, "advance");
+    for (int i = 0; i < 9; i++) {
+        gb_save(sim, block);
+        memcpy(&head, block, sizeof head);
+        switch (i) {
+        case 0:
+            head.method = GB_METHODS;
+            break;
+        case 1:
+            head.options.method = -1;
+            break;
+        case 2:
+            head.choice.explicit_method = 17;
+            break;
+        case 3:
+            head.front.t_comm = head.front.t1 + 1.0;
+            break;
+        case 4:
+            head.front.t1 = HUGE_VAL;
+            break;
+        case 5:
+            head.control.h_next = NAN;
+            break;
+        case 6:
+            head.options.rtol = 0.0;
+            break;
+        case 7:
+            head.front.sample = -1;
+            break;
+        default: /* as it was */
+            break;
+        }
+        memcpy(block, &head, sizeof head);
+        const uint64_t own = gb_checksum(block + after, size - after, gb_checksum(block, at, 0));
+        memcpy(block + at, &own, sizeof own);
+        CHECK(gb_restore(sim, block) == (i < 8 ? GB_ERR_STATE : GB_DONE), "forged block %d", i);
+        CHECK(gb_fits(sim, block) == (i == 8), "forged block %d fits", i);
+    }
+    free(block);
+    gb_close(sim);
 }
 
 /* Communication points do not disturb the steps: the values are those of one run through the same samples. */
@@ -133,6 +185,7 @@ void check_state(void) {
     check_snapshot(&options);
     options = options_of(GB_RK4, 1e-7, 1e-6);
     check_snapshot(&options);
+    check_forged();
     check_communication(1e-5, 0.01);
     check_communication(1e-3, 0.01);
     check_communication(1.7e-7, 0.001);

@@ -39,7 +39,7 @@ static const char *const kind_names[KINDS] = {"life", "setup", "begin", "step", 
 
 static struct {
     unsigned long long random;
-    long long calls, failures, count[KINDS], statuses[6];
+    long long calls, failures, count[KINDS], good[KINDS], statuses[6];
     double limit, longest[KINDS], sum[KINDS];
     double longest_h;
     long share_of_long; /* one of so many steps is long; 0: none */
@@ -103,6 +103,7 @@ static fmi2Status after(int kind, fmi2Status status, double value) {
     const double took = seconds() - began;
     all.calls++;
     all.count[kind]++;
+    all.good[kind] += status == fmi2OK;
     all.sum[kind] += took;
     if (took > all.longest[kind]) {
         all.longest[kind] = took;
@@ -130,9 +131,14 @@ static const gb_fmu_entry *entry_of(fmi2ValueReference ref) {
     return kind < GB_FMU_KINDS && position < (unsigned)table->count[kind] ? &table->entries[kind][position] : NULL;
 }
 
-static fmi2ValueReference any_of(int kind) {
-    const int count = gb_fmu_the_table.count[kind];
-    return ((fmi2ValueReference)kind << 24) + (fmi2ValueReference)(count > 0 ? below(count) : 0);
+/* One that there is, of that kind or of parameters; mostly one that may be set while the model runs. */
+static fmi2ValueReference any_of(int wanted) {
+    const gb_fmu_table *table = &gb_fmu_the_table;
+    const int kind = table->count[wanted] > 0 ? wanted : GB_FMU_PARAMETER, count = table->count[kind];
+    int position = count > 0 ? below(count) : 0;
+    for (int i = 0; i < 8 && count > 0 && kind == GB_FMU_PARAMETER && !table->entries[kind][position].tunable; i++)
+        position = below(count);
+    return ((fmi2ValueReference)kind << 24) + (fmi2ValueReference)position;
 }
 
 static fmi2ValueReference any_reference(void) {
@@ -194,7 +200,7 @@ static void set_some(instance *x, int kind_mostly) {
     double values[REFS];
     const int n = below(3) + 1;
     for (int i = 0; i < n; i++) {
-        refs[i] = below(4) ? any_of(kind_mostly) : any_reference();
+        refs[i] = below(10) ? any_of(kind_mostly) : any_reference();
         values[i] = any_value(refs[i]);
     }
     if (n > 1 && below(500) == 0)
@@ -224,7 +230,7 @@ static void get_some(instance *x) {
     double values[REFS];
     const int n = below(REFS) + 1;
     for (int i = 0; i < n; i++)
-        refs[i] = below(3) ? any_of(GB_FMU_OUTPUT) : any_reference();
+        refs[i] = below(10) ? any_of(GB_FMU_OUTPUT) : any_reference();
     if (CALL(GET, refs[0], fmi2GetReal(x->c, refs, (size_t)n, values)) == fmi2OK)
         for (int i = 0; i < n; i++)
             if (!isfinite(values[i]))
@@ -416,8 +422,8 @@ int main(int argc, char **argv) {
         printf(" %lld", all.statuses[i]);
     printf("\n");
     for (int k = 0; k < KINDS; k++)
-        printf("%-6s %9lld calls, longest %.3g s, mean %.3g us\n", kind_names[k], all.count[k], all.longest[k],
-               all.count[k] > 0 ? 1e6 * all.sum[k] / (double)all.count[k] : 0.0);
+        printf("%-6s %9lld calls, %9lld fmi2OK, longest %.3g s, mean %.3g us\n", kind_names[k], all.count[k],
+               all.good[k], all.longest[k], all.count[k] > 0 ? 1e6 * all.sum[k] / (double)all.count[k] : 0.0);
     printf("longest step: of %g s\n", all.longest_h);
     return all.failures > 0;
 }

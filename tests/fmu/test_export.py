@@ -178,6 +178,7 @@ def test_sources_compile_in_an_empty_folder_without_a_warning(unpacked: Unpacked
         ({"initial": [math.nan, *START[1:]]}, "the initial value of 'wheel.phi'"),
         ({"initial": [0.0]}, "a state vector has 16 entries"),
         ({"t_end": 0.0}, "t_end = 0.0 s"),
+        ({"patience": -1.0}, "patience = -1.0 s must be >= 0"),
     ],
 )
 def test_what_cannot_be_exported_is_refused_by_name_and_the_file_kept(

@@ -90,8 +90,11 @@ def test_bytes_that_are_cut_lengthened_or_no_state_are_refused(fmu: Unpacked) ->
 
 
 def test_a_state_goes_on_with_the_same_bits_wherever_its_bytes_lie(fmu: Unpacked) -> None:
-    refs = [v.valueReference for v in fmu.description.modelVariables if v.causality == "output"]
+    described = fmu.description.modelVariables
+    refs = [v.valueReference for v in described if v.causality in ("output", "parameter")]
+    starts = [v for v in described if v.name.endswith(".start")]
     with Instance(fmu) as instance, Instance(fmu) as other:
+        instance.set([v.valueReference for v in starts], [2.0 * float(v.start) for v in starts])
         instance.start()
         instance.step(0.0, 0.31)
         data = _saved(instance)

@@ -85,7 +85,7 @@ def test_inputs_written_at_every_step_let_no_step_run_away(
         for i in range(1000):
             torque = 1.0 + 0.5 * np.sin(i)
             instance.set([tau], [torque])
-            instance.step(i * h, h)
+            assert instance.status_of(lambda t=i * h: instance.step(t, h)) == OK
             angle += h * speed + 0.5 * h * h * GAIN[rig.name] * torque
             speed += h * GAIN[rig.name] * torque
         got = instance.get([phi, w])
@@ -164,7 +164,7 @@ def test_a_step_of_any_length_is_bounded_work_and_goes_on_where_it_is_asked_agai
     model: Model, tmp_path: Path, unpacker: Unpacker
 ) -> None:
     """fmi2Discard, where the instance stands is told, and the way in pieces has the bits of the way at once."""
-    hasty = unpacker(fmu_export.export(model, tmp_path / "a.fmu", patience=1e-9), tmp_path / "a")
+    hasty = unpacker(fmu_export.export(model, tmp_path / "a.fmu", patience=0.0), tmp_path / "a")
     patient = unpacker(fmu_export.export(model, tmp_path / "b.fmu", patience=None), tmp_path / "b")
     names, end = ("wheel.phi", "wheel.w", "spring.contact"), 0.5
     with Instance(patient) as instance:
@@ -191,7 +191,7 @@ def test_a_step_of_any_length_is_bounded_work_and_goes_on_where_it_is_asked_agai
 
 @pytest.mark.parametrize("h", [1e3, 1e12, 1e300])
 def test_steps_of_the_age_of_the_world_and_beyond_come_back(h: float, tmp_path: Path, unpacker: Unpacker) -> None:
-    unpacked = unpacker(fmu_export.export(_governed(), tmp_path / "m.fmu", patience=0.01), tmp_path / "m")
+    unpacked = unpacker(fmu_export.export(_governed(), tmp_path / "m.fmu", patience=0.0), tmp_path / "m")
     with Instance(unpacked) as instance:
         instance.start()
         assert instance.status_of(lambda: instance.step(0.0, h)) == DISCARD
@@ -220,10 +220,30 @@ def test_a_trial_step_that_is_not_finite_is_a_step_too_long(tmp_path: Path, unpa
     unpacked = unpacker(fmu_export.export(rig, tmp_path / "m.fmu"), tmp_path / "m")
     with Instance(unpacked) as instance:
         instance.start()
-        instance.step(0.0, 0.999999)
+        assert instance.status_of(lambda: instance.step(0.0, 0.999999)) == OK
         assert instance.get(refs_of(unpacked, "body.w"))[0] == pytest.approx(
             4.0 / 3.0, rel=1e-5
         )  # 2 int (1 - t)^0.5 dt
         line = instance.refuses(lambda: instance.step(0.999999, 1e6))
         assert "t = 1 s" in line
         assert "body.w" in line or "drive" in line
+
+
+def test_steps_that_are_lost_in_the_rounding_of_the_time_end_the_run_by_name(
+    tmp_path: Path, unpacker: Unpacker
+) -> None:
+    """With an inertia of 1e-60 the first step that is right is 1e-31 s long; at t = 1 s that is no step at all."""
+    rig = gb.Drivetrain("light")
+    rig.chain(
+        rig.add("ground", gb.Fixed()),
+        rig.add("shaft", gb.Shaft(k=100.0)),
+        rig.add("end", gb.Inertia(J=0.5, phi0=0.1, w0=1.0)),
+        rig.add("drive", gb.Torque(tau=1.0)),
+    )
+    unpacked = unpacker(fmu_export.export(rig, tmp_path / "m.fmu", patience=0.0), tmp_path / "m")
+    with Instance(unpacked) as instance:
+        instance.start(t0=1.0)
+        instance.set(refs_of(unpacked, "end.J"), [1e-60])
+        line = instance.refuses(lambda: instance.step(1.0, 1e-3))
+        assert "step size fell below rounding" in line
+        assert "'end." in line or "'shaft." in line

@@ -257,6 +257,9 @@ int gb_step(gb_sim *sim, double stop) {
     while (code == GB_DONE) {
         const double end = end_of_step(sim, h, limit);
         const double size = end - head->front.t1;
+        if (!(size > 0.0)) { /* lost in the rounding of the time */
+            return give_up(sim, GB_DONE, 1, h);
+        }
         code = try_step(sim, end);
         if (code != GB_DONE && code != GB_ERR_SINGULAR) {
             break;
