@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import isclose
 from typing import Any
 
-from gearblocks.blocks.contact import Line, damping, damping_problems, mesh
+from gearblocks.blocks.contact import Line, damping, damping_problems, mesh, variation_problems
 from gearblocks.blocks.effects import (
     Backlash,
     Fourier,
@@ -84,6 +84,7 @@ class GearMesh(Block):
         wrong_teeth = list(teeth_problems(self))
         yield from wrong_teeth
         yield from damping_problems(self)
+        yield from variation_problems(self)
         if self.r_base is not None and (self.module is not None or self.pressure_angle is not None):
             yield "r_base and module/pressure_angle are both given; give one of them"
         elif self.r_base is not None:

@@ -6,6 +6,7 @@ Knows nothing of blocks, nor of when a signal is evaluated.
 from __future__ import annotations
 
 import hashlib
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.errors import GearblocksError, ParameterError
-from gearblocks.language.expression import Expr, as_expr, finite_number, numpy_call
+from gearblocks.language.expression import Expr, as_expr, evaluate, finite_number, numpy_call
 
 time = Expr("time")  # time in s, for expressions
 twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft
@@ -193,6 +194,20 @@ class Table(_Leaf):
         spline = CubicSpline(x, y, bc_type="periodic" if self.periodic else "clamped")
         return np.asarray(spline(x, 2), dtype=float)
 
+    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """y at the quantities x, shape of x, as a run reads the table."""
+        known, y = np.asarray(self.x), np.asarray(self.y)
+        span = known[-1] - known[0]
+        at = known[0] + np.mod(x - known[0], span) if self.periodic else np.clip(x, known[0], known[-1])
+        i = np.clip(np.searchsorted(known, at, "right") - 1, 0, len(known) - 2)
+        if self.kind == "step":
+            return np.asarray(np.where(at >= known[-1], y[-1], y[i]))
+        h = known[i + 1] - known[i]
+        b = (at - known[i]) / h
+        a = 1 - b
+        bend = ((a**3 - a) * self.second[i] + (b**3 - b) * self.second[i + 1]) * h**2 / 6
+        return np.asarray(a * y[i] + b * y[i + 1] + bend)
+
     def digest(self) -> str:
         """A short hash of the content, the table's name in printed expressions."""
         data = repr((list(self.x), list(self.y), self.kind, self.periodic)).encode()
@@ -220,3 +235,11 @@ def sense(path: str) -> Expr:
     if not isinstance(path, str) or not path:
         raise ParameterError(f"sense({path!r}): give the name of an output as text, such as gb.sense('motor.w')")
     return Expr("sense", path)
+
+
+def constant_value(x: Any) -> float:
+    """The number of a number, a Parameter or an expression of Parameters; NaN where it has none."""
+    try:
+        return evaluate(as_expr(x), lambda leaf: float(leaf.args[0].value))
+    except (ArithmeticError, AttributeError, ValueError, TypeError):
+        return math.nan

@@ -4,6 +4,7 @@
 #include "gb_dense_output.h"
 #include "gb_error_control.h"
 #include "gb_evaluate.h"
+#include "gb_growth.h"
 #include "gb_locate_polynomial.h"
 #include "gb_method_choice.h"
 #include "gb_modes.h"
@@ -60,6 +61,9 @@ static int accept(gb_sim *sim, double end, int may_shorten) {
     gb_head *head = sim->head;
     const double from = head->front.t1;
     double theta = 2.0;
+    if (head->options.step > 0.0 && sim->method->gamma == 0.0 && gb_watch_fixed_step(sim, end - from) != GB_DONE) {
+        return head->report.code;
+    }
     head->front.t0 = from;
     head->front.h = end - from;
     if (model->n_event_functions > 0 && head->options.locate) {
@@ -99,6 +103,9 @@ static int accept(gb_sim *sim, double end, int may_shorten) {
     gb_scales_grow(sim, sim->y);
     head->ledger.turnover_segment = energy_exchange(sim);
     head->ledger.turnover += head->ledger.turnover_segment;
+    if (head->ledger.turnover > head->growth.mark && gb_watch_turnover(sim) != GB_DONE) {
+        return head->report.code;
+    }
     head->control.h_largest = gb_max(head->control.h_largest, head->front.t1 - from);
     head->counts.steps++;
     head->counts.steps_by[head->method]++;
@@ -270,13 +277,13 @@ int gb_step(gb_sim *sim, double stop) {
         head->counts.rejected++;
         rejected = 1;
         if (!(error > 0.0) && (fixed || ++tainted > 12)) {
-            code = code == GB_DONE ? name_taint(sim) : code;
+            code = code == GB_DONE ? gb_name_escape(sim, name_taint(sim)) : code;
             break;
         }
         code = sim->head->report.code = GB_DONE;
         h = gb_choice_rejected(sim, size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1));
         if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->front.t1), head->control.h_largest) || h < 1e-200) {
-            code = gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), head->front.t1, h);
+            code = gb_name_escape(sim, gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), head->front.t1, h));
         }
     }
     return code;
