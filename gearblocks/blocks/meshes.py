@@ -55,7 +55,9 @@ class GearMesh(Block):
     module: Value | None = param("normal module", "m", default=None, gt=0)
     pressure_angle: Value | None = param("normal pressure angle", "rad", default=None, ge=0, lt=1.5)
     helix_angle: Value | None = param("helix angle", "rad", default=None, gt=-1.5, lt=1.5)
-    r_base: tuple[Value, Value] | None = param("base radii (r1, r2)", "m", default=None, gt=0, many=True)
+    r_base: tuple[Value, Value] | None = param(
+        "base radii (r1, r2), r2 in the ratio of the teeth", "m", default=None, gt=0, many=True, leading=1
+    )
     face_width: Value | None = param("common face width", "m", default=None, gt=0)
     profile_shift: tuple[Value, Value] | None = param(
         "profile shifts (x1, x2) over the module", default=None, many=True

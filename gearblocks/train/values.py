@@ -29,7 +29,7 @@ def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
         elif value is None or field.role == "option":
             continue
         elif isinstance(value, tuple):
-            for i, v in enumerate(value):
+            for i, v in enumerate(value[: field.leading]):
                 yield f"{prefix}{name}[{i}]", v, field
         elif field.role != "effect" and not isinstance(value, str):
             yield prefix + name, value, field

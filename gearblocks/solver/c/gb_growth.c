@@ -3,12 +3,7 @@
 #include "gb_vector.h"
 
 /* A wrong step weighs as much as four right ones: where contacts cut steps short, some of them are right by that. */
-enum { BLOCKS = 4, WEIGHT = 4, MOST_WRONG = 24 * WEIGHT };
-
-static const double BLOCK = 65536.0, LONGER = 1.5;
-
-/* J: what no train exchanges; below it the pattern alone says nothing (an exponential from rest to its end). */
-static const double BEYOND = 1e30;
+enum { WEIGHT = 4, MOST_WRONG = 24 * WEIGHT };
 
 /* A rate so large that the rest of the run cannot tell the time in which the value doubles. */
 static const double SUDDEN = 1e10;
@@ -68,19 +63,9 @@ int gb_watch_fixed_step(gb_sim *sim, double h) {
     return GB_DONE;
 }
 
-int gb_watch_turnover(gb_sim *sim) {
-    gb_head *head = sim->head;
-    struct gb_growth *growth = &head->growth;
-    const double t = head->front.t1, turnover = head->ledger.turnover, span = t - growth->t_mark;
-    growth->blocks = growth->mark > 0.0 && span <= LONGER * growth->span ? growth->blocks + 1 : 0;
-    growth->span = growth->mark > 0.0 ? span : 0.0;
-    growth->t_mark = t;
-    growth->mark = BLOCK * turnover;
-    if (growth->blocks >= BLOCKS && turnover > BEYOND) {
-        double pace;
-        return fail(sim, fastest(sim, &pace), turnover);
-    }
-    return GB_DONE;
+int gb_name_growth(gb_sim *sim) {
+    double pace;
+    return fail(sim, fastest(sim, &pace), sim->head->ledger.turnover);
 }
 
 int gb_name_escape(gb_sim *sim, int code) {

@@ -86,9 +86,7 @@ struct gb_ledger {
 
 /* Motion that grows without bound, see gb_growth.h. */
 struct gb_growth {
-    double mark, t_mark, span; /* turnover that ends the present block, when it began, how long the last one was */
-    int blocks;                /* since one was longer than the one before it */
-    int wrong;                 /* fixed steps with an error of the size of the motion, weighed against those without */
+    int wrong; /* fixed steps with an error of the size of the motion, weighed against those without */
 };
 
 struct gb_counts {

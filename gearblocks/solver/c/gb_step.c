@@ -103,8 +103,8 @@ static int accept(gb_sim *sim, double end, int may_shorten) {
     gb_scales_grow(sim, sim->y);
     head->ledger.turnover_segment = energy_exchange(sim);
     head->ledger.turnover += head->ledger.turnover_segment;
-    if (head->ledger.turnover > head->growth.mark && gb_watch_turnover(sim) != GB_DONE) {
-        return head->report.code;
+    if (head->ledger.turnover > GB_BEYOND) {
+        return gb_name_growth(sim);
     }
     head->control.h_largest = gb_max(head->control.h_largest, head->front.t1 - from);
     head->counts.steps++;

@@ -93,7 +93,7 @@ def test_growth_without_end_stops_before_numbers_do(feed):
     torque = {"speed": 5 * W, "angle": 25 * PHI, "resonance": -PHI * (1 + 0.5 * gb.cos(2 * gb.time))}[feed]
     with pytest.raises(gb.SimulationError, match=r"'rotor': the motion grows without bound") as caught:
         gb.simulate(_fed(torque, phi0=1e-3, w0=1e-3), t_end=1e4)
-    assert 1e12 < np.abs(caught.value.trajectory["rotor.w"]).max() < 1e30
+    assert 1e90 < np.abs(caught.value.trajectory["rotor.w"]).max() < 1e110
 
 
 def test_what_grows_far_but_ends_or_grows_as_a_power_of_time_runs_to_its_end():
