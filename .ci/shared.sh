@@ -34,6 +34,87 @@ tests() {
     closing+=("$name: $(tail -n 1 "$work/tests.txt")")
 }
 
+# The kernels of OpenBLAS can be chosen where numpy and scipy bring one with several; the names that they answer say whether
+# they obeyed.
+blas_kernels() {
+    "$bin/python" - <<'PYTHON'
+import ctypes
+from pathlib import Path
+
+import numpy
+import scipy
+
+for module in (numpy, scipy):
+    root = Path(module.__file__).parent
+    for library in [*root.parent.glob(f"{root.name}.libs/*openblas*"), *root.glob(".dylibs/*openblas*")]:
+        loaded = ctypes.CDLL(str(library))
+        for name in ("scipy_openblas_get_corename64_", "scipy_openblas_get_corename", "openblas_get_corename"):
+            if hasattr(loaded, name):
+                answer = getattr(loaded, name)
+                answer.restype = ctypes.c_char_p
+                print(answer().decode())
+PYTHON
+}
+
+# Whether the processor has all of these instructions; where it does not say so, it has none of them.
+processor_has() {
+    local flag
+    for flag in "$@"; do
+        grep -qsw -m 1 "$flag" /proc/cpuinfo || return 1
+    done
+}
+
+# Those of numpy's loops for newer processors that are used here and begin with one of these words.
+numpy_features() {
+    "$bin/python" - "$@" <<'PYTHON'
+import sys
+
+try:
+    from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+except ImportError:
+    from numpy.core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+
+print(*(name for name in __cpu_dispatch__ if __cpu_features__.get(name) and name.startswith(tuple(sys.argv[1:]))))
+PYTHON
+}
+
+# Every processor that can be had here: calls `$1 NAME COMMAND...` for each, COMMAND being what goes before a test command.
+on_processors() {
+    local each=$1 kernel instructions level without features before=
+    for kernel in Haswell Zen SkylakeX; do
+        instructions="avx2 fma"
+        if [ "$kernel" = SkylakeX ]; then instructions="avx2 fma avx512f"; fi
+        # shellcheck disable=SC2086
+        if processor_has $instructions && OPENBLAS_CORETYPE=$kernel blas_kernels | grep -x "$kernel" >/dev/null; then
+            "$each" "OpenBLAS for $kernel" env OPENBLAS_CORETYPE="$kernel"
+        else
+            left_out "OpenBLAS for $kernel"
+        fi
+    done
+    for without in "AVX512 X86_V4" "AVX512 X86_V4 AVX2 FMA3 X86_V3"; do
+        # shellcheck disable=SC2086
+        features=$(numpy_features $without)
+        if [ -n "$features" ] && [ "$features" != "$before" ]; then
+            "$each" "numpy without $features" env NPY_DISABLE_CPU_FEATURES="$features"
+        else
+            left_out "numpy without $without"
+        fi
+        before=$features
+    done
+    for level in "x86-64-v2 ssse3 sse4_1 sse4_2 popcnt" "x86-64-v3 avx2 fma bmi2 movbe"; do
+        # shellcheck disable=SC2086
+        set -- $level
+        if processor_has "${@:2}" && command -v cc >/dev/null && compiles_for "$1"; then
+            "$each" "C for $1" env CC="cc -march=$1"
+        else
+            left_out "C for $1"
+        fi
+    done
+}
+
+# Whether the C compiler knows an architecture.
+compiles_for() { echo 'int main(void) { return 0; }' | cc "-march=$1" -x c - -o "$work/probe" 2>/dev/null; }
+
 # The last words: what pytest said, what was left out.
 finish() {
     step "all passed"

@@ -14,7 +14,7 @@ class GearblocksError(Exception):
 
 
 class GearblocksWarning(UserWarning):
-    """Something went another way than asked, and the result is still right."""
+    """Something went another way than asked, or a result is less right than one would take it to be: by name, with a remedy."""
 
 
 class ModelError(GearblocksError):

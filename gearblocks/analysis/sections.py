@@ -13,6 +13,7 @@ from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
 from gearblocks.simulation.arguments import resolve
 from gearblocks.simulation.run import run_model
+from gearblocks.simulation.trajectory import matches
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -93,22 +94,25 @@ def section_points(
     model: Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
     rtol: float = 1e-9, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
 ) -> Points:  # fmt: skip
-    """`keep` points after `transient` periods; of: outputs (default: all deflections, twists and their rates)."""
+    """`keep` points after `transient` periods; of: patterns of outputs, in the order
+    of the columns (default: all deflections, twists and their rates)."""
     if transient < 0 or keep < 1:
         raise ParameterError(f"transient = {transient} must be >= 0 and keep = {keep} must be >= 1")
     period = 2 * np.pi / _frequency(model, section, parameters or {})
-    names = of if of is not None else [q.name for q in model.program.outputs if q.name.rsplit(".", 1)[-1] in _RELATIVE]
+    relative = [q.name for q in model.program.outputs if q.name.rsplit(".", 1)[-1] in _RELATIVE]
+    patterns = relative if of is None else [of] if isinstance(of, str) else list(of)
     t = period * np.arange(transient, transient + keep)
     fine = t[-1] + period * (np.arange(1, _FINE * _LAST) / _FINE - min(_LAST, keep - 1))
     run = run_model(
         model, t=np.union1d(t, fine[(fine > t[0]) & (fine < t[-1])]), rtol=rtol, parameters=parameters, initial=initial,
-        outputs=list(names),
+        outputs=patterns,
     )  # fmt: skip
-    table = np.stack([run[name] for name in run.names], axis=1)
+    names = tuple(dict.fromkeys(name for pattern in patterns for name in run.names if matches(name, pattern)))
+    table = np.stack([run[name] for name in names], axis=1)
     extent = np.abs(table).max(axis=0)
     extent[extent == 0.0] = 1.0
     values: Array = table[np.searchsorted(run.t, t)].astype(np.float64)
-    return Points(t.astype(np.float64), run.names, values, extent, run)
+    return Points(t.astype(np.float64), names, values, extent, run)
 
 
 def _frequency(model: Model, section: Section, parameters: Mapping[str, float]) -> float:

@@ -56,6 +56,17 @@ def damping_problems(block: Any) -> Iterator[str]:
         yield f"contact_damping = {choice!r}: a smooth law has no gap to tell contact by; give 'clipped' or 'always'"
 
 
+def variation_problems(block: Any) -> Iterator[str]:
+    """A stiffness that its variation takes below 0 in part of the cycle."""
+    variation = block.stiffness_variation
+    least = 0.0 if variation is None else variation.least()
+    if least < -1 - 1e-12:
+        yield (
+            f"stiffness_variation: in part of its cycle the stiffness is {1 + least:.3g} times k, below 0, and pushes the "
+            "teeth ever further apart; give a variation that stays above -1"
+        )
+
+
 def _impact_problems(block: Any, damped: bool) -> Iterator[str]:
     """Problems of damping by Hunt and Crossley: it needs corners, and no other damping beside it."""
     gap = getattr(block, "backlash", None)

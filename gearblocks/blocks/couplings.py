@@ -46,9 +46,9 @@ class TorqueConverter(Block):
         inside = np.linspace(joints.min(), joints.max(), 2001)
         far = 10 * (np.ptp(joints) + np.abs(joints).max())
         nu = np.unique(np.concatenate([joints, inside, [-far, far]]))
-        lost = table_values(self.capacity, nu) * (1 - table_values(self.ratio, nu) * nu)
+        lost = self.capacity.values(nu) * (1 - self.ratio.values(nu) * nu)
         worst = int(np.argmin(lost))
-        if lost[worst] < -1e-12 * np.abs(table_values(self.capacity, nu)).max():
+        if lost[worst] < -1e-12 * np.abs(self.capacity.values(nu)).max():
             where = {far: "above the last point", -far: "below the first point"}.get(nu[worst], f"at {nu[worst]:.4g}")
             yield (
                 f"the tables give more power than they take, most at a speed ratio {where}: "
@@ -71,16 +71,6 @@ class TorqueConverter(Block):
         yield Shows("impeller_torque", taken, "N m", "torque that the impeller takes")
         yield Shows("speed_ratio", nu, "1", "turbine over impeller speed")
         yield Shows("loss_power", taken * w_i - given * w_t, "W", "power lost in the fluid")
-
-
-def table_values(table: Table, x: Any) -> Any:
-    """The values of a table that is held outside its ends."""
-    at, y, m = np.asarray(table.x), np.asarray(table.y), table.second
-    x = np.clip(x, at[0], at[-1])
-    i = np.clip(np.searchsorted(at, x, side="right") - 1, 0, len(at) - 2)
-    h, a = at[i + 1] - at[i], x - at[i]
-    slope = (y[i + 1] - y[i]) / h - h * (2 * m[i] + m[i + 1]) / 6
-    return y[i] + a * (slope + a * (m[i] / 2 + a * (m[i + 1] - m[i]) / (6 * h)))
 
 
 class Creep(Effect):

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import zip_longest
 from typing import Any
+
+import numpy as np
 
 from gearblocks.blocks.backlash import Backlash, HuntCrossley
 from gearblocks.language.block import Effect
 from gearblocks.language.fields import State, effect, option, param, signal
-from gearblocks.language.signals import Table, Value
+from gearblocks.language.signals import Table, Value, constant_value
 
 __all__ = [
     "Backlash",
@@ -42,6 +45,20 @@ class Fourier(Effect):
 
         orders = [(a, sp.cos, j) for j, a in enumerate(s.cos, 1)] + [(b, sp.sin, j) for j, b in enumerate(s.sin, 1)]
         return sp.Add(*(a * f(j * theta) for a, f, j in orders))
+
+    def least(self) -> float:
+        """The least value of the sum over a cycle, at the present values of Parameters."""
+        a, b = ([constant_value(x) for x in row] for row in (self.cos, self.sin))
+        order = max(len(a), len(b))
+        slopes = np.zeros(2 * order + 1, dtype=complex)  # i times the derivative, a polynomial in exp(i theta)
+        total = np.zeros(2 * order + 1, dtype=complex)
+        for j, (real, imaginary) in enumerate(zip_longest(a, b, fillvalue=0.0), 1):
+            total[order + j], total[order - j] = complex(real, -imaginary) / 2, complex(real, imaginary) / 2
+            slopes[order + j], slopes[order - j] = j * total[order + j], -j * total[order - j]
+        grid = 2 * np.pi * np.arange(64 * order + 1) / (64 * order + 1)
+        theta = np.concatenate([grid, np.angle(np.roots(slopes[::-1]))]) if np.isfinite(slopes).all() else grid
+        waves = np.exp(1j * np.outer(theta, np.arange(-order, order + 1)))
+        return float((waves @ total).real.min()) if order else 0.0
 
 
 class Harmonic(Fourier):
@@ -78,6 +95,11 @@ class Profile(Effect):
 
         return s.local("table", cycles=theta / (2 * sp.pi))
 
+    def least(self) -> float:
+        """The least value over a cycle."""
+        x = np.linspace(0.0, 1.0, 64 * len(self.table.x) + 1)
+        return float(min(np.min(self.table.y), np.min(self.table.values(x))))
+
 
 def as_profile(value: Any) -> Any:
     """A bare Table as a Profile; everything else as it is."""
@@ -109,6 +131,10 @@ class Square(Effect):
         share = s.contact_ratio - 1
         upper = sp.cos(theta - sp.pi * share) > sp.cos(sp.pi * share)
         return sp.Piecewise((2 * s.ripple * (1 - share), upper), (-2 * s.ripple * share, True))
+
+    def least(self) -> float:
+        """The lower value, at the present values of Parameters."""
+        return -2 * constant_value(self.ripple) * (constant_value(self.contact_ratio) - 1)
 
 
 class ToothFriction(Effect):

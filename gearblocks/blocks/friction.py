@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from gearblocks.blocks.couplings import table_values
 from gearblocks.language.block import Block, Effect
 from gearblocks.language.contributions import Contribution, Rate, Shows, Start, Stick
 from gearblocks.language.fields import Flange, State, effect, option, param, signal
@@ -56,7 +55,7 @@ def over_slip_problems(name: str, table: Any) -> Iterator[str]:
     if table.periodic:
         yield f"{name} = {table!r} must not be periodic: it goes over the size of the slip"
     points = np.interp(np.linspace(0, len(table.x) - 1, 32 * len(table.x)), np.arange(len(table.x)), table.x)
-    if min(np.min(table.y), np.min(table_values(table, points))) < 0:
+    if min(np.min(table.y), np.min(table.values(points))) < 0:
         yield f"{name} = {table!r} must be >= 0 everywhere: friction takes energy, it gives none"
 
 

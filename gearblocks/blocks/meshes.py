@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import isclose
 from typing import Any
 
-from gearblocks.blocks.contact import Line, damping, damping_problems, mesh
+from gearblocks.blocks.contact import Line, damping, damping_problems, mesh, variation_problems
 from gearblocks.blocks.effects import (
     Backlash,
     Fourier,
@@ -55,7 +55,9 @@ class GearMesh(Block):
     module: Value | None = param("normal module", "m", default=None, gt=0)
     pressure_angle: Value | None = param("normal pressure angle", "rad", default=None, ge=0, lt=1.5)
     helix_angle: Value | None = param("helix angle", "rad", default=None, gt=-1.5, lt=1.5)
-    r_base: tuple[Value, Value] | None = param("base radii (r1, r2)", "m", default=None, gt=0, many=True)
+    r_base: tuple[Value, Value] | None = param(
+        "base radii (r1, r2), r2 in the ratio of the teeth", "m", default=None, gt=0, many=True, leading=1
+    )
     face_width: Value | None = param("common face width", "m", default=None, gt=0)
     profile_shift: tuple[Value, Value] | None = param(
         "profile shifts (x1, x2) over the module", default=None, many=True
@@ -84,6 +86,7 @@ class GearMesh(Block):
         wrong_teeth = list(teeth_problems(self))
         yield from wrong_teeth
         yield from damping_problems(self)
+        yield from variation_problems(self)
         if self.r_base is not None and (self.module is not None or self.pressure_angle is not None):
             yield "r_base and module/pressure_angle are both given; give one of them"
         elif self.r_base is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from gearblocks.blocks.contact import Line, damping, damping_problems, mesh
+from gearblocks.blocks.contact import Line, damping, damping_problems, mesh, variation_problems
 from gearblocks.blocks.effects import Backlash, Fourier, HuntCrossley, Profile, Square, as_profile
 from gearblocks.blocks.rigid_impact import hits, impact, without
 from gearblocks.language.block import Block
@@ -45,6 +45,7 @@ class SplineCoupling(Block):
     def problems(self) -> Iterator[str]:
         """Contradicting fields."""
         yield from damping_problems(self)
+        yield from variation_problems(self)
         if int(self.teeth) != self.teeth or self.teeth <= 0:
             yield f"teeth = {self.teeth!r} must be a whole number > 0"
         gaps = None if self.backlash is None else self.backlash.gaps

@@ -164,7 +164,7 @@ def given_start(block: Declared, of: str) -> Any:
 def _plain(value: Any, many: bool) -> Any:
     """A given value as it is kept: tuples for lists and arrays, Python numbers, light expressions for sympy ones."""
     if many and not isinstance(value, (str, bytes)) and hasattr(value, "__iter__") and not is_sympy(value):
-        return tuple(_plain(v, False) for v in value)
+        return tuple(_plain(v, True) for v in value)  # rows of rows too
     if is_sympy(value):
         expression = from_sympy(value)
         return expression.args[0] if expression.op in ("number", "parameter", "input") else expression

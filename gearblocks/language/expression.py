@@ -176,7 +176,11 @@ def _binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | None = 
     if is_sympy(left) or is_sympy(right) or (op in _RELATIONS and "sympy" in sys.modules):
         return _sympy_binary(op, left, right, wrap)
     a, b = as_expr(left), as_expr(right)
-    return Expr(op, a, wrap(b) if wrap else b)
+    b = wrap(b) if wrap else b
+    if op in ("+", "*"):  # long sums and products are one node, not a chain of them
+        before = a.args if a.op == op else (a,)
+        return Expr(op, *before, *(b.args if b.op == op and all(x.op != "number" for x in b.args) else (b,)))
+    return Expr(op, a, b)
 
 
 _NUMPY_OPERATORS: dict[str, Callable[..., Any]] = {

@@ -40,7 +40,7 @@ class Field:
     convert: turns a short form (a Table, say) into the effect that it stands for. over: the quantity of the block
     ("twist") that an expression in the field may contain, and a Table in it is read at. start: the start value that the
     field is, of the shaft that its block has a body at: "angle" or "speed". absence_of: the effect that True in this
-    option says is absent.
+    option says is absent. leading: of a row, how many of its first numbers the law takes; the others follow from them.
     """
 
     words: str
@@ -57,6 +57,7 @@ class Field:
     over: str | None = None
     start: str | None = None
     absence_of: str | None = None
+    leading: int | None = None
 
     @property
     def required(self) -> bool:
@@ -67,17 +68,17 @@ class Field:
 def param(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
     lt: float | None = None, le: float | None = None, many: bool = False, belongs_to: str | None = None,
-    start: str | None = None,
+    start: str | None = None, leading: int | None = None,
 ) -> Any:  # fmt: skip
     """A number in SI units; a `Parameter` may stand for it. Bounds: gt (>), ge (>=), lt (<), le (<=).
 
     default=None makes it optional: None means absent. many=True: a tuple of numbers. start="angle" or "speed": the start
     angle [rad, m] or start speed [rad/s, m/s] of the shaft that the block has a Body at, fixed once a run has begun; the
-    physics of the block cannot read it.
+    physics of the block cannot read it. leading: only so many first numbers of a row run as values, the others follow.
     """
     if start not in (None, ANGLE, SPEED) or (start is not None and many):
         raise ModelError(f"param '{words}': start = {start!r} must be 'angle' or 'speed', of one number")
-    return Field(words, unit, "param", default, gt, ge, lt, le, many, belongs_to, start=start)
+    return Field(words, unit, "param", default, gt, ge, lt, le, many, belongs_to, start=start, leading=leading)
 
 
 def exact(words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False) -> Any:

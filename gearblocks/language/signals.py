@@ -6,16 +6,17 @@ Knows nothing of blocks, nor of when a signal is evaluated.
 from __future__ import annotations
 
 import hashlib
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.errors import GearblocksError, ParameterError
-from gearblocks.language.expression import Expr, as_expr, finite_number, numpy_call
+from gearblocks.language.expression import Expr, as_expr, evaluate, finite_number, numpy_call
 
 time = Expr("time")  # time in s, for expressions
 twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft
@@ -157,14 +158,17 @@ class Table(_Leaf):
     """Points (x, y) joined by straight lines ("linear"), a spline ("cubic") or held from the left ("step").
 
     x: increasing, shape (n,), n >= 2; y: shape (n,). Over time where a signal is wanted; over twist or slip where a
-    law asks for it. Outside: the end values are held ("step", "linear": flat; "cubic": flat), or repeated when
-    `periodic` (then y[-1] must equal y[0], but for "step"). Each joint is a located switch.
+    law asks for it. Outside the end values are held, or the table repeats when `periodic` (y[-1] must then equal y[0] but
+    for rounding; not of "step"). Each joint is a located switch. ends: of a spline that is not periodic "not-a-knot" (one
+    cubic over the first two segments, and over the last two: of order 4 up to the ends, where its slope jumps to 0), or
+    "flat" (slope 0 there: what moves on smoothly when it is held, such as a prescribed angle).
     """
 
     x: NDArray[np.float64] | Sequence[float]
     y: NDArray[np.float64] | Sequence[float]
     kind: str = "linear"
     periodic: bool = False
+    ends: str = "not-a-knot"
     second: NDArray[np.float64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -177,10 +181,14 @@ class Table(_Leaf):
             raise GearblocksError("Table: x must increase; sort the points and drop repeated ones")
         if self.kind not in ("linear", "cubic", "step"):
             raise ParameterError(f"Table: kind = {self.kind!r} must be 'linear', 'cubic' or 'step'")
-        if self.periodic and self.kind != "step" and y[0] != y[-1]:
-            raise GearblocksError(
-                f"Table: a periodic table must end where it starts, but y[0] = {y[0]}, y[-1] = {y[-1]}"
-            )
+        if self.ends not in ("not-a-knot", "flat"):
+            raise ParameterError(f"Table: ends = {self.ends!r} must be 'not-a-knot' or 'flat'")
+        if self.periodic and self.kind != "step":
+            if abs(y[0] - y[-1]) > 1e-12 * np.abs(y).max():
+                raise GearblocksError(
+                    f"Table: a periodic table must end where it starts, but y[0] = {y[0]}, y[-1] = {y[-1]}"
+                )
+            y[-1] = y[0]
         for name, value in (("x", x), ("y", y), ("second", self._second(x, y))):
             value.setflags(write=False)
             object.__setattr__(self, name, value)
@@ -190,12 +198,27 @@ class Table(_Leaf):
             return np.zeros_like(x)
         from scipy.interpolate import CubicSpline
 
-        spline = CubicSpline(x, y, bc_type="periodic" if self.periodic else "clamped")
+        spline = CubicSpline(
+            x, y, bc_type="periodic" if self.periodic else "clamped" if self.ends == "flat" else "not-a-knot"
+        )
         return np.asarray(spline(x, 2), dtype=float)
+
+    def values(self, x: ArrayLike) -> NDArray[np.float64]:
+        """y at the quantities x, shape of x, as a run reads the table."""
+        known, y, x = np.asarray(self.x), np.asarray(self.y), np.asarray(x, dtype=float)
+        span = known[-1] - known[0]
+        at = known[0] + np.mod(x - known[0], span) if self.periodic else np.clip(x, known[0], known[-1])
+        i = np.clip(np.searchsorted(known, at, side="right") - 1, 0, len(known) - 2)
+        if self.kind == "step":
+            return np.asarray(np.where(at >= known[-1], y[-1], y[i]))
+        h, a, m = known[i + 1] - known[i], at - known[i], self.second
+        slope = (y[i + 1] - y[i]) / h - h * (2 * m[i] + m[i + 1]) / 6
+        return np.asarray(y[i] + a * (slope + a * (m[i] / 2 + a * (m[i + 1] - m[i]) / (6 * h))))
 
     def digest(self) -> str:
         """A short hash of the content, the table's name in printed expressions."""
-        data = repr((list(self.x), list(self.y), self.kind, self.periodic)).encode()
+        flat = ("flat",) if self.ends == "flat" else ()
+        data = repr((list(self.x), list(self.y), self.kind, self.periodic, *flat)).encode()
         return hashlib.sha256(data).hexdigest()[:12]
 
     def __repr__(self) -> str:
@@ -220,3 +243,11 @@ def sense(path: str) -> Expr:
     if not isinstance(path, str) or not path:
         raise ParameterError(f"sense({path!r}): give the name of an output as text, such as gb.sense('motor.w')")
     return Expr("sense", path)
+
+
+def constant_value(x: Any) -> float:
+    """The number of a number, a Parameter or an expression of Parameters; NaN where it has none."""
+    try:
+        return evaluate(as_expr(x), lambda leaf: float(leaf.args[0].value))
+    except (ArithmeticError, AttributeError, ValueError, TypeError):
+        return math.nan

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time as _time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from gearblocks.codegen.program import Program
 from gearblocks.errors import (
     GearblocksError,
+    GearblocksWarning,
     ParameterError,
     SimulationError,
 )  # fmt: skip
@@ -70,6 +72,10 @@ def run_model(
         return run.go(options, begin, y0, why)
 
 
+RESIDUAL = 1e-2
+"""The energy residual above which a finished run is warned about."""
+ROOM = 2 << 30
+"""Bytes that the record of every step may take."""
 ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
 """The names that `run_model` takes."""
 
@@ -95,6 +101,7 @@ class _Run:
     largest: float = 0.0
     cpu: float = 0.0
     last: Array | None = None
+    room: int = 0
 
     def balanced(self, begin: float, initial: Any) -> Array:
         """The state of the static equilibrium."""
@@ -103,19 +110,17 @@ class _Run:
         try:
             return static_state(self.sim, self.model.program, begin, means=initial == "static")
         except RuntimeError:
-            raise self._failure(Code(self.sim.report.code), None) from self.sim.error
+            raise self._stopped(Code(self.sim.report.code)) from self.sim.error
 
     def go(self, options: Options, begin: float, y0: Array | None, why: str) -> Trajectory:
         """Runs to the end, to an error or to Ctrl-C."""
         code = self.sim.start(options, begin, y0)
         if code < 0:
-            raise self._failure(code, None)
+            raise self._stopped(code) from self.sim.error
         try:
             first = self.sim.state(), self.sim.energies()
         except RuntimeError:
-            if self.sim.error is not None and not isinstance(self.sim.error, Exception):
-                raise self.sim.error from None
-            raise self._failure(Code(self.sim.report.code), None) from self.sim.error
+            raise self._stopped(Code(self.sim.report.code)) from self.sim.error
         self.largest = float(first[1].sum())
         complete = False
         try:
@@ -128,9 +133,19 @@ class _Run:
         result = self._result(first, complete, why)
         if code < 0:
             raise self._failure(code, result) from self.sim.error
+        if self.full:
+            raise self._too_long(result)
         if self._lost(first):
             words = f"the energy residual is {result.energy.residual:.2g}, above the {self.residual:g} asked for,"
             raise SimulationError(float(result.t[-1]), "", words, "give a smaller rtol", result)
+        if complete and not result.energy.residual <= RESIDUAL:
+            warnings.warn(
+                f"run of '{self.model.program.name}': its energy is balanced to {result.energy.residual:.2g} of the turnover "
+                f"only: {'a shorter step' if options.step else 'a smaller rtol'} makes it better; residual={RESIDUAL:g} makes "
+                "it an error",
+                GearblocksWarning,
+                stacklevel=4,
+            )
         return result
 
     def _lost(self, first: tuple[Array, Array]) -> bool:
@@ -151,15 +166,21 @@ class _Run:
                 if isinstance(tell, _Line):
                     tell.close()
                 return code if code < 0 else taken
-            if self._lost(first):
+            if self._lost(first) or self.full:
                 return Code.PAUSE
             if _time.monotonic() - shown > 0.2:
                 shown = _time.monotonic()
                 tell((self.sim.counters.t - begin) / (self.end - begin))
 
+    @property
+    def full(self) -> bool:
+        """Whether steps and events of a run without sample times fill the room for them."""
+        return self.samples is None and self.room > ROOM
+
     def _take(self, rows: Array, events: NDArray[np.void]) -> Code:
         if len(events):
             self.events.append(events)
+            self.room += events.nbytes
         if not len(rows):
             return Code.DONE
         code, out, energy = self.sim.evaluate(rows, np.array(self.pick, dtype=np.intc), energies=True)
@@ -167,6 +188,7 @@ class _Run:
             return code
         self.times.append(rows[:, 0].copy())
         self.values.append(out)
+        self.room += out.nbytes
         self.last = rows[-1]
         if energy.shape[1]:
             with np.errstate(invalid="ignore", over="ignore"):  # a run that blows up
@@ -240,6 +262,11 @@ class _Run:
 
     # -- failures -----------------------------------------------------------------------------------------------------
 
+    def _stopped(self, code: Code) -> BaseException:
+        """Why a run does not begin: what an input function raised to end the program (Ctrl-C), or the solver's reason."""
+        raised = self.sim.error
+        return raised if raised is not None and not isinstance(raised, Exception) else self._failure(code, None)
+
     def _failure(self, code: Code, run: Trajectory | None) -> GearblocksError:
         """The error of a return code, with the name of the thing and the way out."""
         report, program = self.sim.report, self.model.program
@@ -251,8 +278,22 @@ class _Run:
             if p.path.endswith((".J", ".m")) and v == 0
         ]
         if code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and massless:
-            remedy = f"{', '.join(massless[:3])} = 0: a shaft without any inertia is not available, give it some"
+            remedy = (
+                f"{', '.join(massless[:3])} = 0: a shaft without inertia moves by what damps it, in every mode (teeth in their "
+                "gap damp nothing): give a spring beside it a c, contact_damping='always', or the shaft an inertia"
+            )
         return SimulationError(report.t, name, cause, remedy, run)
+
+    def _too_long(self, run: Trajectory) -> SimulationError:
+        """The error of a record that has no end: by the name of the train."""
+        program, steps = self.model.program, self.sim.counters.steps
+        words = (
+            f"{steps} steps and {self.sim.counters.events} events fill the {ROOM >> 30} GiB that their record may take"
+        )
+        remedy = (
+            "give sample times t=, fewer outputs=, or look for what makes the steps so short: it may grow without bound"
+        )
+        return SimulationError(float(run.t[-1]), program.name, words, remedy, run)
 
 
 class _Line:
@@ -314,6 +355,15 @@ _CAUSES: dict[Code, tuple[str, str]] = {
     ),
     Code.ERR_BEYOND: (
         "the start values contradict it", "start between the limits of a stop, and beside a lossy gear as its ratio says"
+    ),
+    Code.ERR_UNSTABLE: (
+        "the fixed step is too long: outside the stability of its method, steps are wrong by as much as there is motion",
+        "give a shorter step=, or leave it out: without it a method finds its own steps",
+    ),
+    Code.ERR_ESCAPE: (
+        "the motion grows without bound",
+        "look for what feeds it: a torque that rises with its own speed or angle, a stiffness below zero, a resonance without "
+        "damping",
     ),
     Code.ERR_SINGULAR: (
         "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"

@@ -1,4 +1,8 @@
-"""The C compiler: the one named in CC, else `cc` on PATH, else the zig that comes as a Python package."""
+"""The C compiler: the one named in CC, else `cc` on PATH, else the zig that comes as a Python package.
+
+CC may hold flags: with one of -march= or -mcpu= ("cc -march=x86-64-v3") the C is made for that processor, else for the one at
+hand.
+"""
 
 from __future__ import annotations
 
@@ -163,7 +167,8 @@ def _tried(command: tuple[str, ...]) -> str:
     with tempfile.TemporaryDirectory(prefix="gearblocks-") as place:
         directory = Path(place)
         (directory / "probe.c").write_text(_PROBE)
-        for native in ("-march=native", "-mcpu=native", ""):
+        named = any(word.startswith(("-march=", "-mcpu=")) for word in command[1:])
+        for native in ("",) if named else ("-march=native", "-mcpu=native", ""):
             flags = (*FLAGS, native) if native else FLAGS
             try:
                 _run((*command, *flags, "-shared", "probe.c", "-o", "probe" + SHARED_SUFFIX, "-lm"), directory, False)

@@ -31,6 +31,8 @@ class Code(IntEnum):
     ERR_METHOD = -11
     ERR_LOSS = -12
     ERR_BEYOND = -13
+    ERR_UNSTABLE = -14
+    ERR_ESCAPE = -15
 
 
 class Method(IntEnum):

@@ -109,7 +109,9 @@ def _expr(expr: Expr, leaves: dict[str, Any]) -> str:
             leaves[i.name] = {"input": i.name, "start": i.start, "unit": i.unit}
         elif leaf.op == "table":
             t = leaf.args[0]
-            leaves[t.digest()] = {"x": list(t.x), "y": list(t.y), "kind": t.kind, "periodic": t.periodic}
+            leaves[t.digest()] = {
+                "x": list(t.x), "y": list(t.y), "kind": t.kind, "periodic": t.periodic, "ends": t.ends,
+            }  # fmt: skip
         elif leaf.op == "table2":
             leaves[leaf.args[0].digest()] = _grid(leaf.args[0])
     return str(expr)
@@ -129,7 +131,7 @@ def _leaf(item: Mapping[str, Any]) -> Parameter | Input | Table | Table2:
         return Input(item["input"], item["start"], item["unit"])
     if "z" in item:
         return Table2(item["x"], item["y"], item["z"], item["kind"])
-    return Table(item["x"], item["y"], item["kind"], item["periodic"])
+    return Table(item["x"], item["y"], item["kind"], item["periodic"], item.get("ends", "not-a-knot"))
 
 
 def _class(name: str) -> Any:

@@ -13,9 +13,9 @@ from typing import Any, get_args
 
 from gearblocks.errors import ModelError, did_you_mean
 from gearblocks.language.block import Block, Declared, Effect
-from gearblocks.language.expression import Expr, evaluate
+from gearblocks.language.expression import Expr
 from gearblocks.language.fields import Field
-from gearblocks.language.signals import Input, Parameter, Table
+from gearblocks.language.signals import Input, Parameter, Table, constant_value
 from gearblocks.language.tables import Table2
 
 
@@ -29,7 +29,7 @@ def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
         elif value is None or field.role == "option":
             continue
         elif isinstance(value, tuple):
-            for i, v in enumerate(value):
+            for i, v in enumerate(value[: field.leading]):
                 yield f"{prefix}{name}[{i}]", v, field
         elif field.role != "effect" and not isinstance(value, str):
             yield prefix + name, value, field
@@ -143,12 +143,7 @@ def _is_constant(value: Expr) -> bool:
 
 def _constant(value: Parameter | Expr) -> float:
     """The number of a Parameter, or of an expression of Parameters; NaN where it has none."""
-    if isinstance(value, Parameter):
-        return value.value
-    try:
-        return evaluate(value, lambda leaf: float(leaf.args[0].value))
-    except (ArithmeticError, ValueError, TypeError):
-        return math.nan
+    return constant_value(value)
 
 
 def _signal_problem(name: str, value: Any, field: Field) -> str:

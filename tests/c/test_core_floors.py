@@ -9,7 +9,7 @@ CORE = Path(__file__).parents[2] / "gearblocks" / "solver" / "c"
 
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_sparse_ldu", "gb_report", "gb_stage_modes"),
-    ("gb_runge_kutta", "gb_rosenbrock", "gb_inputs", "gb_modes", "gb_constraint_state", "gb_memory", "gb_limit_noise"),
+    ("gb_runge_kutta", "gb_rosenbrock", "gb_inputs", "gb_modes", "gb_constraint_state", "gb_memory", "gb_limit_noise", "gb_growth"),
     ("gb_error_control", "gb_evaluate", "gb_constraint_forces", "gb_impact", "gb_snapshot"),
     ("gb_angle_wrapping", "gb_lossy_gear", "gb_method_choice", "gb_point", "gb_step_matrix"),
     ("gb_dense_output", "gb_constraint_switching"),

@@ -38,7 +38,9 @@ enum {
     GB_ERR_SINGULAR = -10, /* the step matrix has no inverse; index: state (from n on: massless speed) */
     GB_ERR_METHOD = -11,   /* the model has no Jacobian for this method; index: method */
     GB_ERR_LOSS = -12,     /* a lossy gear has no motion that fits its losses; index: switch */
-    GB_ERR_BEYOND = -13    /* the start lies beyond a stop, or breaks a lossy gear; index: switch */
+    GB_ERR_BEYOND = -13,   /* the start lies beyond a stop, or breaks a lossy gear; index: switch */
+    GB_ERR_UNSTABLE = -14, /* fixed steps (value) outside the stability of the method; index: state */
+    GB_ERR_ESCAPE = -15    /* motion that grows without bound; index: the state that grows quickest, or -1 */
 };
 
 /* GB_AUTO: order 8 (order 5 above a tolerance of 1e-4), and the implicit method while the train is stiff. */

@@ -85,6 +85,11 @@ struct gb_ledger {
     double turnover, turnover_segment, stored;
 };
 
+/* Motion that grows without bound, see gb_growth.h. */
+struct gb_growth {
+    int wrong; /* fixed steps with an error of the size of the motion, weighed against those without */
+};
+
 struct gb_counts {
     long long steps, rejected, rhs_calls, events, jacobians;
     long long steps_by[GB_METHODS];
@@ -130,6 +135,7 @@ typedef struct gb_head {
     struct gb_front front;
     struct gb_pace control;
     struct gb_ledger ledger;
+    struct gb_growth growth;
     struct gb_counts counts;
     struct gb_choice choice;
     struct gb_event_state events;

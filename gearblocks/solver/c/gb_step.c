@@ -4,6 +4,7 @@
 #include "gb_dense_output.h"
 #include "gb_error_control.h"
 #include "gb_evaluate.h"
+#include "gb_growth.h"
 #include "gb_locate_polynomial.h"
 #include "gb_method_choice.h"
 #include "gb_modes.h"
@@ -60,6 +61,9 @@ static int accept(gb_sim *sim, double end, int again) {
     gb_head *head = sim->head;
     const double from = head->front.t1;
     double theta = 2.0;
+    if (head->options.step > 0.0 && sim->method->gamma == 0.0 && gb_watch_fixed_step(sim, end - from) != GB_DONE) {
+        return head->report.code;
+    }
     head->front.t0 = from;
     head->front.h = end - from;
     if (model->n_event_functions > 0 && head->options.locate) {
@@ -100,6 +104,9 @@ static int accept(gb_sim *sim, double end, int again) {
     gb_scales_grow(sim, sim->y);
     head->ledger.turnover_segment = energy_exchange(sim);
     head->ledger.turnover += head->ledger.turnover_segment;
+    if (head->ledger.turnover > GB_BEYOND) {
+        return gb_name_growth(sim);
+    }
     head->control.h_largest = gb_max(head->control.h_largest, head->front.t1 - from);
     head->counts.steps++;
     head->counts.steps_by[head->method]++;
@@ -175,10 +182,11 @@ static int name_taint(gb_sim *sim) {
 
 /* No step is short enough: what the last try of size h said. finite: it only had too large an error. */
 static int give_up(gb_sim *sim, int code, int finite, double h) {
-    if (code == GB_DONE && !finite) {
-        code = name_taint(sim);
+    if (code != GB_DONE) {
+        return code;
     }
-    return code != GB_DONE ? code : gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), sim->head->front.t1, h);
+    return gb_name_escape(sim, finite ? gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), sim->head->front.t1, h)
+                                      : name_taint(sim));
 }
 
 /* Time terms, the derivative at the front and all stages of a step that ends at `end`. */

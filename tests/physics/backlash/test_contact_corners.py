@@ -55,6 +55,7 @@ def test_p2_is_the_equation_of_the_gear_pair(p2, reference):
     assert np.abs(run["mesh.deflection"] - true[:, 0]).max() < 1e-10
 
 
+@pytest.mark.numeric
 @pytest.mark.parametrize(
     ("method", "order", "steps"),
     [

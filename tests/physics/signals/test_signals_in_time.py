@@ -71,13 +71,15 @@ def test_an_input_is_a_number_a_table_or_a_function():
     assert _end(u, 2.0, rtol=1e-11, inputs={"u": lambda t: 3 * t**2}) == pytest.approx(8.0, rel=1e-10)
 
 
-def test_a_cubic_table_is_a_spline_with_flat_ends():
+@pytest.mark.parametrize(("ends", "scipys"), [("not-a-knot", "not-a-knot"), ("flat", "clamped")])
+def test_a_cubic_table_is_a_spline_with_these_ends(ends, scipys):
     from scipy.interpolate import CubicSpline
 
     x, y = np.array([0.0, 0.3, 1.0, 1.4, 2.0]), np.array([1.0, -1.0, 2.0, 0.5, 3.0])
-    area = float(CubicSpline(x, y, bc_type="clamped").integrate(0, 2)) + 3.0  # held for one second
-    assert _end(gb.Input("u"), 3.0, inputs={"u": gb.Table(x, y, "cubic")}) == pytest.approx(area, rel=EXACT)
-    assert _end(gb.Table(x, y, "cubic"), 3.0) == pytest.approx(area, rel=EXACT)
+    area = float(CubicSpline(x, y, bc_type=scipys).integrate(0, 2)) + 3.0  # held for one second
+    table = gb.Table(x, y, "cubic", ends=ends)
+    assert _end(gb.Input("u"), 3.0, inputs={"u": table}) == pytest.approx(area, rel=EXACT)
+    assert _end(table, 3.0) == pytest.approx(area, rel=EXACT)
 
 
 @pytest.mark.parametrize("as_input", [True, False], ids=["input", "signal"])

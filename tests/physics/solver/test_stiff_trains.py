@@ -65,6 +65,7 @@ def test_auto_leaves_the_explicit_method_where_stability_sets_its_steps_and_says
     assert run.stats.steps < reference.stats.steps / 10
 
 
+@pytest.mark.numeric
 def test_meshes_that_hit_both_sides_are_located_by_the_implicit_method_too():
     model = gb.build(chain(swing=1.5))
     one, other = (gb.simulate(model, t=TIMES, method=m, rtol=1e-9) for m in ("rodas", "dp8"))

@@ -8,6 +8,8 @@ import pytest
 
 from gearblocks.geometry.backlash_fit import polynomial_fit
 
+pytestmark = pytest.mark.numeric
+
 DATA = Path(__file__).parents[2] / "data"
 
 

@@ -10,6 +10,8 @@ from scipy.optimize import brentq
 
 from gearblocks.geometry.involute import ToothPair, inverse_involute, iso_problems, mesh_stiffness, single_stiffness
 
+pytestmark = pytest.mark.numeric
+
 DATA = Path(__file__).parents[2] / "data"
 ANGLE = math.radians(20)
 

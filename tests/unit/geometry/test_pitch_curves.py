@@ -5,6 +5,8 @@ import pytest
 
 import gearblocks as gb
 
+pytestmark = pytest.mark.numeric
+
 TURN = 2 * np.pi
 
 

@@ -7,6 +7,8 @@ import sympy as sp
 import gearblocks as gb
 from gearblocks.geometry.ratio_fit import power_series
 
+pytestmark = pytest.mark.numeric
+
 TURN = 2 * np.pi
 PHI = sp.Symbol("phi")
 

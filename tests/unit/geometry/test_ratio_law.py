@@ -6,6 +6,8 @@ import sympy as sp
 
 import gearblocks as gb
 
+pytestmark = pytest.mark.numeric
+
 TURN = 2 * np.pi
 X = np.deg2rad(240)
 PHI = sp.Symbol("phi")

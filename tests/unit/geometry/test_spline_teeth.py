@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 
 from gearblocks.geometry.spline_teeth import deflection_at, engaged_teeth, force_at, segments, start_forces
 
+pytestmark = pytest.mark.numeric
+
 DATA = Path(__file__).parents[2] / "data"
 CASE = json.loads((DATA / "spline_engaged_teeth.json").read_text())
 GAPS = [b * 1e-6 for b in CASE["gap_drive_um"]]

@@ -1,5 +1,6 @@
 """Expressions take what a signal can be, and refuse the rest with words."""
 
+import functools
 import math
 import pickle
 from typing import Any
@@ -108,3 +109,22 @@ def test_foreign_sympy_is_refused_with_the_field_it_was_meant_for(expr: Any, wor
 def test_text_is_read_as_an_expression_and_never_run(text: str) -> None:
     with pytest.raises(gb.GearblocksError):
         parse(text, {"P": P})
+
+
+def test_long_sums_and_products_are_one_node_and_keep_their_text() -> None:
+    u = [gb.Input(f"u{i}", 1.0) for i in range(1000)]
+    total = sum(u)
+    assert len(total.args) == 1001 and str(total).startswith("0 + input('u0') + input('u1') + ")
+    assert evaluate(total, lambda leaf: leaf.args[0].start) == 1000.0
+    falling = functools.reduce(lambda a, b: b + a, u)
+    assert evaluate(falling, lambda leaf: leaf.args[0].start) == 1000.0
+    product = functools.reduce(lambda a, b: a * b, [1 + 0.001 * x for x in u])
+    assert evaluate(product, lambda leaf: leaf.args[0].start) == pytest.approx(1.001**1000)
+    assert len(sp.Add.make_args(to_sympy(functools.reduce(lambda a, b: a - b, u)))) == 1000
+
+
+def test_a_train_takes_a_sum_of_a_thousand_signals() -> None:
+    rig = gb.Drivetrain("many")
+    torque = sum(gb.Input(f"u{i}", 1.0) for i in range(1000))
+    rig.chain(rig.add("drive", gb.Torque(tau=torque)), rig.add("body", gb.Inertia(J=10.0)))
+    assert gb.simulate(rig, t_end=1.0, outputs="body.w")["body.w"][-1] == pytest.approx(100.0, rel=1e-12)

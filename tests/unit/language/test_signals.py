@@ -25,3 +25,53 @@ def test_parameters_and_inputs_have_plain_names(name: Any) -> None:
             make(name, 1.0)
         with pytest.raises(gb.ParameterError, match="unit = 3 must be text"):
             make("p", 1.0, 3)
+
+
+# -- tables --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("points", [2, 3, 4, 13])
+@pytest.mark.parametrize("ends", ["not-a-knot", "flat"])
+def test_cubic_tables_are_scipys_splines_for_any_number_of_points(points: int, ends: str) -> None:
+    from scipy.interpolate import CubicSpline
+
+    x = np.linspace(0.0, 2.0, points) ** 1.5
+    y = np.exp(-x) + 0.1 * np.cos(7 * x)
+    at = np.linspace(x[0], x[-1], 97)
+    known = CubicSpline(x, y, bc_type="clamped" if ends == "flat" else "not-a-knot")
+    table = gb.Table(x, y, "cubic", ends=ends)
+    assert table.values(at) == pytest.approx(known(at), rel=1e-12, abs=1e-13)
+    assert table.values([x[0] - 1.0, x[-1] + 1.0]) == pytest.approx([y[0], y[-1]])
+    assert gb.Table(x, y, "cubic") == gb.Table(x, y, "cubic", ends="not-a-knot") != gb.Table(x, y, "cubic", ends="flat")
+
+
+def test_a_cubic_table_is_closer_to_a_friction_curve_than_straight_lines_are() -> None:
+    def mu(slip: Any) -> Any:
+        return 0.08 + 0.07 * np.exp(-slip / 0.4)
+
+    x, at = np.linspace(0.0, 3.0, 13), np.linspace(0.0, 3.0, 1001)
+    off = {kind: np.abs(gb.Table(x, mu(x), kind).values(at) - mu(at)).max() for kind in ("cubic", "linear")}
+    assert off["cubic"] < off["linear"] / 10
+
+
+@pytest.mark.parametrize("kind", ["linear", "cubic"])
+@pytest.mark.parametrize("size", [1.0, 1e-5, 1e6])
+def test_a_periodic_table_may_miss_its_start_by_rounding(kind: str, size: float) -> None:
+    x = np.linspace(0.0, 1.0, 21)
+    table = gb.Table(x, size * np.sin(2 * np.pi * x), kind, periodic=True)
+    assert table.y[-1] == table.y[0] == 0.0
+    assert table.values([2.25, -0.75]) == pytest.approx([size, size])
+    with pytest.raises(gb.GearblocksError, match="must end where it starts"):
+        gb.Table(x, size * (np.sin(2 * np.pi * x) + 1e-6 * x), kind, periodic=True)
+    with pytest.raises(gb.ParameterError, match="ends = 'natural' must be 'not-a-knot' or 'flat'"):
+        gb.Table(x, x, "cubic", ends="natural")
+
+
+def test_a_table_of_losses_is_rows_in_any_form() -> None:
+    rows = [[0.0, 0.6, 0.45, 0.2, 0.5], [10.0, 0.7, 0.5, 0.1, 0.4]]
+    kept = gb.LossyGear(ratio=3, loss_table=tuple(map(tuple, rows)))
+    for given in (rows, np.array(rows), tuple(rows), [np.array(row) for row in rows]):
+        gear = gb.LossyGear(ratio=3, loss_table=given)  # type: ignore[arg-type]
+        assert gear == kept
+        gb.Drivetrain("x").add("gear", gear)
+    assert gb.GearMesh(teeth=[20, 31], external=True, k=1e8, r_base=np.array([0.02, 0.031])).teeth == (20, 31)

@@ -72,6 +72,19 @@ def test_a_compiler_is_tried_out_once(empty_path: Path, tmp_path: Path) -> None:
 
 
 @on_posix
+@pytest.mark.parametrize("flag", ["-march=x86-64-v2", "-mcpu=cortex-a53"])
+def test_a_processor_named_in_cc_takes_the_place_of_the_one_at_hand(
+    empty_path: Path, monkeypatch: pytest.MonkeyPatch, flag: str
+) -> None:
+    _program(empty_path / "cc", f"echo > probe{SHARED_SUFFIX}")
+    plain = find_compiler()
+    monkeypatch.setenv("CC", f"cc {flag}")
+    named = find_compiler()
+    assert plain.native == ("-march=native",) and named.native == ()
+    assert named.command[1:] == (flag,) and named.identity != plain.identity
+
+
+@on_posix
 def test_a_changed_compiler_has_another_identity(empty_path: Path) -> None:
     _program(empty_path / "cc", f"echo > probe{SHARED_SUFFIX}")
     first = find_compiler()

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 import gearblocks as gb
@@ -85,3 +86,20 @@ def test_set_takes_values_that_only_fit_together() -> None:
     changed = rig.set({"mesh.teeth": (10, 30), "mesh.r_base": (0.1, 0.3)})
     assert "(10, 30)" in changed.describe()
     _refused(lambda: rig.set({"mesh.teeth": (10, 30)}), "r_base = (0.1, 0.2)", "teeth = (10, 30)")
+
+
+@pytest.mark.parametrize("teeth", [(20, 31), (17, 51)])
+def test_a_number_that_follows_from_others_is_no_parameter_of_a_run(teeth: tuple[int, int]) -> None:
+    radii = (0.02, 0.02 * teeth[1] / teeth[0])
+    rig = gb.Drivetrain("pair")
+    mesh = rig.add("g", gb.GearMesh(teeth=teeth, external=True, k=1e8, r_base=radii))
+    drive = rig.add("drive", gb.Torque(tau=1.0))
+    rig.chain(drive, rig.add("a", gb.Inertia(J=1.0)), mesh, rig.add("b", gb.Inertia(J=1.0)))
+    model = gb.build(rig)
+    paths = [p.path for p in model.program.parameters]
+    assert "g.r_base[0]" in paths and "g.r_base[1]" not in paths
+    with pytest.raises(gb.UnknownNameError, match=r"no parameter 'g\.r_base\[1\]' - did you mean 'g\.r_base\[0\]'"):
+        gb.simulate(model, t_end=0.1, parameters={"g.r_base[1]": 0.05})
+    larger = gb.simulate(model, t_end=1e-3, parameters={"g.r_base[0]": 0.04})
+    scaled = gb.simulate(rig.set({"g.r_base": (0.04, 2 * radii[1])}), t_end=1e-3)
+    assert np.array_equal(larger["a.w"], scaled["a.w"])
