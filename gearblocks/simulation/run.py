@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time as _time
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -95,6 +97,7 @@ class _Run:
     largest: float = 0.0
     cpu: float = 0.0
     last: Array | None = None
+    size: int = 0
 
     def balanced(self, begin: float, initial: Any) -> Array:
         """The state of the static equilibrium."""
@@ -158,6 +161,9 @@ class _Run:
                 tell((self.sim.counters.t - begin) / (self.end - begin))
 
     def _take(self, rows: Array, events: NDArray[np.void]) -> Code:
+        self.size += 256 * len(events) + rows.itemsize * len(rows) * (1 + len(self.pick))
+        if self.size > memory_limit():
+            return Code.ERR_MEMORY
         if len(events):
             self.events.append(events)
         if not len(rows):
@@ -245,6 +251,15 @@ class _Run:
         report, program = self.sim.report, self.model.program
         name = _component_of(program, code, report.index)
         cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
+        if code == Code.ERR_CHATTER and report.value >= _CROWD:
+            cause, remedy = f"{report.value:.0f} events in a row hardly bring the run on", _CROWDED
+        t = report.t
+        if self.size > memory_limit():
+            t = float(self.sim.counters.t)
+            counts = Counter(np.concatenate(self.events)["index"].tolist()) if self.events else Counter()
+            name = _component_of(program, Code.ERR_CHATTER, max(counts, key=counts.__getitem__, default=-1))
+            cause = f"the record with {counts.total()} events takes more than half of the memory"
+            remedy = "give times t or fewer outputs, or a shorter run; look at what switches so often"
         massless = [
             p.path
             for p, v in zip(program.parameters, self.sim.parameters, strict=True)
@@ -252,7 +267,7 @@ class _Run:
         ]
         if code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and massless:
             remedy = f"{', '.join(massless[:3])} = 0: a shaft without any inertia is not available, give it some"
-        return SimulationError(report.t, name, cause, remedy, run)
+        return SimulationError(t, name, cause, remedy, run)
 
 
 class _Line:
@@ -293,6 +308,20 @@ def _net(events: list[Event]) -> list[Event]:
 
 def _shown(low: float, high: float, mode: float) -> float:
     return {0.0: low, 1.0: high}.get(mode, mode)
+
+
+_CROWD = 1000
+"""Flips in the report of a switch without progress: more are events that follow on each other too closely (gb_run.c)."""
+
+_CROWDED = "what bounces or chatters there needs a loss, a compliance or a shorter run"
+
+
+def memory_limit() -> int:
+    """Bytes that the record of a run may take: half of the memory, 4 GiB where that is not known."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+    except (AttributeError, ValueError, OSError):
+        return 1 << 32
 
 
 _CAUSES: dict[Code, tuple[str, str]] = {

@@ -110,6 +110,8 @@ struct gb_event_state {
     int armed;          /* some switch has just flipped and is watched from its limit */
     double flight;      /* how long a body that has just hit a stop is away (HUGE_VAL: none) */
     double flight_end;  /* and until when that may still be so, friction changing its pace */
+    long long crowd;    /* events when it was last asked whether they let time go on, */
+    double t_crowd;     /* and the time then */
     uint64_t mode_hash; /* of all modes */
     uint64_t remembered_modes[GB_MEMORY];
     double remembered_step[GB_MEMORY];
