@@ -55,6 +55,15 @@ def test_of_two_peaks_in_a_row_the_weaker_one_breaks(method, load, peaks, modes)
 
 
 @pytest.mark.parametrize("method", METHODS)
+def test_what_the_load_exceeds_most_breaks_first_and_may_save_the_other(method):
+    """6 N m exceed the peaks of 3 N m (clutch) and 2.85 N m (bearing). Once the bearing turns, the clutch needs 2.72 N m."""
+    run = gb.simulate(_pair(6.0, 2.0, 1.5, 1.9, bearing_peak=1.5), t=[0.0, 1.0], method=method)
+    assert (run["clutch.mode"][-1], run["bearing.mode"][-1]) == (0.0, 1.0)
+    assert run["clutch.torque"][-1] == pytest.approx((0.25 * 6.0 + 1.0 * 1.9) / 1.25, rel=EXACT)
+    assert run["a.w"][-1] == run["b.w"][-1] == pytest.approx((6.0 - 1.9) / 1.25, rel=EXACT)
+
+
+@pytest.mark.parametrize("method", METHODS)
 def test_a_rising_load_breaks_the_clutch_at_its_peak_and_nothing_else(method):
     """a stands until load = 1.841 * 1.3; the jump of the clutch to 1.841 N m is no reason for the bearing to let go."""
     run = gb.simulate(_pair(gb.time, 1.841, 1.3, 2.5), t=[0.0, 4.0], method=method, rtol=1e-8)
