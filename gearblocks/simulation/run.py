@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time as _time
 import warnings
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -74,8 +76,6 @@ def run_model(
 
 RESIDUAL = 1e-2
 """The energy residual above which a finished run is warned about."""
-ROOM = 2 << 30
-"""Bytes that the record of every step may take."""
 ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
 """The names that `run_model` takes."""
 
@@ -101,7 +101,7 @@ class _Run:
     largest: float = 0.0
     cpu: float = 0.0
     last: Array | None = None
-    room: int = 0
+    size: int = 0
 
     def balanced(self, begin: float, initial: Any) -> Array:
         """The state of the static equilibrium."""
@@ -133,8 +133,6 @@ class _Run:
         result = self._result(first, complete, why)
         if code < 0:
             raise self._failure(code, result) from self.sim.error
-        if self.full:
-            raise self._too_long(result)
         if self._lost(first):
             words = f"the energy residual is {result.energy.residual:.2g}, above the {self.residual:g} asked for,"
             raise SimulationError(float(result.t[-1]), "", words, "give a smaller rtol", result)
@@ -166,21 +164,18 @@ class _Run:
                 if isinstance(tell, _Line):
                     tell.close()
                 return code if code < 0 else taken
-            if self._lost(first) or self.full:
+            if self._lost(first):
                 return Code.PAUSE
             if _time.monotonic() - shown > 0.2:
                 shown = _time.monotonic()
                 tell((self.sim.counters.t - begin) / (self.end - begin))
 
-    @property
-    def full(self) -> bool:
-        """Whether steps and events of a run without sample times fill the room for them."""
-        return self.samples is None and self.room > ROOM
-
     def _take(self, rows: Array, events: NDArray[np.void]) -> Code:
+        self.size += 256 * len(events) + rows.itemsize * len(rows) * (1 + len(self.pick))
+        if self.size > memory_limit(self.samples is not None):
+            return Code.ERR_MEMORY
         if len(events):
             self.events.append(events)
-            self.room += events.nbytes
         if not len(rows):
             return Code.DONE
         code, out, energy = self.sim.evaluate(rows, np.array(self.pick, dtype=np.intc), energies=True)
@@ -188,7 +183,6 @@ class _Run:
             return code
         self.times.append(rows[:, 0].copy())
         self.values.append(out)
-        self.room += out.nbytes
         self.last = rows[-1]
         if energy.shape[1]:
             with np.errstate(invalid="ignore", over="ignore"):  # a run that blows up
@@ -272,6 +266,16 @@ class _Run:
         report, program = self.sim.report, self.model.program
         name = _component_of(program, code, report.index)
         cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
+        if code == Code.ERR_CHATTER and report.value >= _CROWD:
+            cause, remedy = f"{report.value:.0f} events in a row hardly bring the run on", _CROWDED
+        t = report.t
+        if self.size > memory_limit(self.samples is not None):
+            t = float(self.sim.counters.t)
+            counts = Counter(np.concatenate(self.events)["index"].tolist()) if self.events else Counter()
+            name = _component_of(program, Code.ERR_CHATTER, max(counts, key=counts.__getitem__, default=-1))
+            steps = self.sim.counters.steps
+            cause = f"the record of {steps} steps and {counts.total()} events fills the memory that it may take"
+            remedy = "give times t or fewer outputs; look for what switches so often, or grows without bound"
         massless = [
             p.path
             for p, v in zip(program.parameters, self.sim.parameters, strict=True)
@@ -282,18 +286,7 @@ class _Run:
                 f"{', '.join(massless[:3])} = 0: a shaft without inertia moves by what damps it, in every mode (teeth in their "
                 "gap damp nothing): give a spring beside it a c, contact_damping='always', or the shaft an inertia"
             )
-        return SimulationError(report.t, name, cause, remedy, run)
-
-    def _too_long(self, run: Trajectory) -> SimulationError:
-        """The error of a record that has no end: by the name of the train."""
-        program, steps = self.model.program, self.sim.counters.steps
-        words = (
-            f"{steps} steps and {self.sim.counters.events} events fill the {ROOM >> 30} GiB that their record may take"
-        )
-        remedy = (
-            "give sample times t=, fewer outputs=, or look for what makes the steps so short: it may grow without bound"
-        )
-        return SimulationError(float(run.t[-1]), program.name, words, remedy, run)
+        return SimulationError(t, name, cause, remedy, run)
 
 
 class _Line:
@@ -334,6 +327,22 @@ def _net(events: list[Event]) -> list[Event]:
 
 def _shown(low: float, high: float, mode: float) -> float:
     return {0.0: low, 1.0: high}.get(mode, mode)
+
+
+_CROWD = 1000
+"""Flips in the report of a switch without progress: more are events that follow on each other too closely (gb_run.c)."""
+
+_CROWDED = "what bounces or chatters there needs a loss, a compliance or a shorter run"
+
+
+def memory_limit(sampled: bool) -> int:
+    """Bytes that the record of a run may take: half of the memory (4 GiB where that is not known) with sample times, whose
+    number is known, and no more than 2 GiB with every step."""
+    try:
+        half = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+    except (AttributeError, ValueError, OSError):
+        half = 1 << 32
+    return half if sampled else min(half, 2 << 30)
 
 
 _CAUSES: dict[Code, tuple[str, str]] = {

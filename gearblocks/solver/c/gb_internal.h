@@ -118,6 +118,8 @@ struct gb_event_state {
     double flight_end;  /* and until when that may still be so, friction changing its pace */
     double piece;       /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
     double entered;     /* the last event: the present modes began there */
+    long long crowd;    /* events when it was last asked whether they let time go on, */
+    double t_crowd;     /* and the time then */
     uint64_t mode_hash; /* of all modes */
     uint64_t remembered_modes[GB_MEMORY];
     double remembered_step[GB_MEMORY];

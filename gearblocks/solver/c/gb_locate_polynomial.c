@@ -276,6 +276,19 @@ static int comes_back_early(const gb_sim *sim, int i) {
            sim->events.located[i] < eighths[0] && sim->events.armed[i] == sim->events.side[i];
 }
 
+/* The first theta of all that was located, less what is noise; and whether it is in doubt. */
+static double look_again(gb_sim *sim) {
+    double first = 2.0;
+    for (int i = 0; i < sim->model->n_event_functions; i++) {
+        if (sim->events.located[i] <= 1.0) {
+            sim->events.located[i] = has_stayed(sim, i) ? 2.0 : sim->events.located[i];
+            sim->events.in_doubt |= comes_back_early(sim, i);
+            first = gb_min(first, sim->events.located[i]);
+        }
+    }
+    return first;
+}
+
 int gb_locate(gb_sim *sim, double *theta) {
     const gb_model *model = sim->model;
     const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
@@ -296,11 +309,10 @@ int gb_locate(gb_sim *sim, double *theta) {
         code = gb_locate_sampled(sim);
     }
     for (int i = 0; i < model->n_event_functions; i++) {
-        if (code == GB_DONE && sim->events.located[i] <= 1.0 && has_stayed(sim, i)) {
-            sim->events.located[i] = 2.0;
-        }
-        sim->events.in_doubt |= comes_back_early(sim, i);
         first = gb_min(first, sim->events.located[i]);
+    }
+    if (code == GB_DONE && first <= 1.0) {
+        first = look_again(sim);
     }
     if (code == GB_DONE && first <= 1.0) {
         for (int i = 0; i < model->n_event_functions; i++) {

@@ -14,6 +14,8 @@
 #include <time.h>
 
 enum { STEPS_BETWEEN_LOOKS = 64 }; /* at the clock */
+enum { CROWD = 100000 };           /* events in a row that must bring the run on by a part of what is left of it: */
+static const double LEAST_PROGRESS = 1e-5;
 
 static size_t row_length(const gb_model *m) {
     return (size_t)(1 + m->n_total + m->n_switches + m->n_inputs);
@@ -27,10 +29,30 @@ static int begin(gb_sim *sim) {
     return gb_apply_changes(sim);
 }
 
+/* Limit of progress: events that follow on each other so closely that the run does not end. Named is the switch of the
+ * last one. */
+static int check_progress(gb_sim *sim, double target) {
+    gb_head *head = sim->head;
+    const long long crowd = head->counts.events - head->events.crowd;
+    if (crowd < CROWD) {
+        return GB_DONE;
+    }
+    const double progress = head->front.t1 - head->events.t_crowd;
+    const int index = sim->log.count > 0 ? sim->log.event[sim->log.count - 1].index : 0;
+    head->events.crowd = head->counts.events;
+    head->events.t_crowd = head->front.t1;
+    return progress < LEAST_PROGRESS * (target - head->front.t1)
+               ? gb_fail(sim, GB_ERR_CHATTER, index, head->front.t1, (double)crowd)
+               : GB_DONE;
+}
+
 /* The front moves on: what is pending there, or else a step. After an error the last good front stands. */
 static int move(gb_sim *sim, double target) {
-    const int code =
-        sim->head->events.pending ? gb_apply_event(sim) : gb_step(sim, gb_max(sim->head->options.t_stop, target));
+    const int pending = sim->head->events.pending;
+    int code = pending ? gb_apply_event(sim) : gb_step(sim, gb_max(sim->head->options.t_stop, target));
+    if (pending && code == GB_DONE) {
+        code = check_progress(sim, target);
+    }
     if (code != GB_DONE) {
         sim->head->front.t0 = sim->head->front.t1;
         sim->head->front.h = 0.0;

@@ -190,3 +190,32 @@ def test_a_continued_run_keeps_the_parameters_of_the_first():
     second = gb.simulate(rig, t_end=2.0, initial=first)
     assert second["body.alpha"][0] == 0.25
     assert abs(second["body.w"][-1] - 0.5) < 1e-15  # rounding of the sum of steps
+
+
+# -- events without end -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def ball() -> gb.Model:
+    """A body that loses nothing between stops 1e-9 rad apart: 1e9 impacts a second."""
+    rig = gb.Drivetrain("ball")
+    body = rig.add("body", gb.Inertia(J=1.0, w0=1.0))
+    rig.connect(rig.add("gap", gb.HardStop(lower=0.0, upper=1e-9, restitution=1)).a, body.b)
+    return gb.build(rig)
+
+
+@pytest.mark.long
+def test_events_that_do_not_let_the_run_end_stop_it_by_the_name_of_the_element(ball: gb.Model) -> None:
+    with pytest.raises(gb.SimulationError, match=r"'gap': 10000\d events in a row .* needs a loss") as caught:
+        gb.simulate(ball, t=[0.0, 100.0])
+    assert caught.value.time == pytest.approx(1e-4, rel=0.01)
+
+
+def test_the_record_of_a_run_is_bounded(ball: gb.Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    from gearblocks.simulation import run
+
+    monkeypatch.setattr(run, "memory_limit", lambda _: 5_000_000)
+    with pytest.raises(gb.SimulationError, match=r"'gap': the record with \d+ events .* give times t") as caught:
+        gb.simulate(ball, t_end=100.0)
+    assert 1e-6 < caught.value.time < 1e-4
+    assert caught.value.trajectory is not None

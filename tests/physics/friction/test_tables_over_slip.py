@@ -1,0 +1,79 @@
+"""Friction tables over the size of the slip: what lies at or below slip 0 is no corner, the direction of the slip decides."""
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+METHODS = ["dp5", "dp8", "rodas", "auto"]
+
+
+def _swinging(part, *, wall=False):
+    """A body on a spring of 100 N m/rad, turned by 1 rad, with friction against the ground (a wall for what has two sides)."""
+    rig = gb.Drivetrain("swinging")
+    body = rig.add("body", gb.Inertia(J=1.0, phi0=1.0))
+    rig.chain(rig.add("ground", gb.Fixed()), rig.add("spring", gb.Shaft(k=100.0)), body)
+    rub = rig.add("rub", part)
+    rig.connect(rub.a, body.b)
+    if wall:
+        rig.connect(rig.add("wall", gb.Fixed()).flange, rub.b)
+    return rig
+
+
+def _half_swings(t, level=1.0, rise=0.1, k=100.0):
+    """Angle and speed under a torque level + rise abs(w) against the motion, swing by swing in closed form."""
+    wd = np.sqrt(k - rise**2 / 4)
+    x, begin = 1.0, 0.0
+    while True:
+        offset = np.sign(x) * level / k
+        if abs(x) <= level / k:
+            return x, 0.0
+        tau = min(t - begin, np.pi / wd)
+        decay = (x - offset) * np.exp(-rise / 2 * tau)
+        if t - begin <= np.pi / wd:
+            angle = offset + decay * (np.cos(wd * tau) + rise / 2 / wd * np.sin(wd * tau))
+            return angle, -decay * (wd + rise**2 / 4 / wd) * np.sin(wd * tau)
+        x, begin = offset - (x - offset) * np.exp(-rise / 2 * np.pi / wd), begin + np.pi / wd
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    "joints",
+    [[0.0, 12.0], [-1.0, 12.0], [-3.0, 0.0, 12.0], [-2.0, -1.0, 0.0, 5.0, 12.0]],
+    ids=["from 0", "from -1", "joint at 0", "joints below"],
+)
+def test_a_bearing_swings_out_whatever_its_table_says_below_slip_0(method, joints):
+    table = gb.Table(joints, 1 + 0.1 * np.array(joints))
+    run = gb.simulate(_swinging(gb.BearingFriction(torque=table)), t=[0.0, 1.1, 2.5], method=method, rtol=1e-9)
+    for i, t in ((1, 1.1), (2, 2.5)):
+        angle, speed = _half_swings(t)
+        assert run["body.phi"][i] == pytest.approx(angle, abs=1e-6)
+        assert run["body.w"][i] == pytest.approx(speed, abs=1e-5)
+    reversals = [e for e in run.events if e.component == "rub"]
+    assert len(reversals) == len({e.t for e in reversals}) == 7  # one at each half swing
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_brake_and_a_clutch_take_tables_of_mu_from_slip_0(method):
+    table = gb.Table([0.0, 12.0], [0.25, 0.55])
+    brake = gb.Brake(mu=table, force_max=4.0, engagement=1.0)
+    clutch = gb.Clutch(mu=table, force_max=4.0, engagement=1.0)
+    for train in (_swinging(brake), _swinging(clutch, wall=True)):
+        run = gb.simulate(train, t=[0.0, 2.5], method=method, rtol=1e-9)
+        assert run["body.phi"][-1] == pytest.approx(_half_swings(2.5)[0], abs=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_step_table_that_begins_at_slip_0_is_constant_friction(method):
+    table = gb.Table([0.0, 20.0], [1.0, 5.0], "step")
+    run = gb.simulate(_swinging(gb.BearingFriction(torque=table)), t=[0.0, 2.5], method=method, rtol=1e-9)
+    assert run["body.phi"][-1] == pytest.approx(_half_swings(2.5, rise=0.0)[0], abs=1e-6)
+
+
+def test_the_corner_of_a_table_above_slip_0_is_still_located():
+    """1 N m up to 2 rad/s, 3 N m from there on: spins down in (10 - 2)/3 + 2/1 s."""
+    rig = gb.Drivetrain("corner")
+    body = rig.add("body", gb.Inertia(J=1.0, w0=10.0))
+    rig.connect(rig.add("rub", gb.BearingFriction(torque=gb.Table([0.0, 2.0], [1.0, 3.0], "step"))).a, body.b)
+    run = gb.simulate(rig, t=[0.0, 6.0], rtol=1e-8)
+    assert [e.t for e in run.events] == pytest.approx([8 / 3, 8 / 3 + 2], rel=1e-9)
