@@ -95,12 +95,20 @@ class LossyGear(Block):
             bearing = s.bearing if self.bearing is not None else (zero, zero)
             return (*s.efficiency, *bearing)
         assert self.loss_table is not None
-        w, *columns = zip(*self.loss_table, strict=True)
+        w, *columns = zip(*_from_rest(self.loss_table), strict=True)
         if len(w) == 1:
             eta1, eta2, tau1, tau2 = (sp.Float(c[0]) for c in columns)
         else:
             eta1, eta2, tau1, tau2 = (s.tabled(Table(w, c), speed) for c in columns)
         return eta1, eta2, tau1, tau2
+
+
+def _from_rest(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+    """The rows with the first line drawn on below a speed of 0, where it is never read: no joint, and so no event, at rest."""
+    if len(rows) < 2 or rows[0][0] != 0:
+        return rows
+    first, second = rows[:2]
+    return (tuple(2 * a - b for a, b in zip(first, second, strict=True)), *rows[1:])
 
 
 def _efficiency_problems(where: str, eta1: Any, eta2: Any) -> Iterator[str]:

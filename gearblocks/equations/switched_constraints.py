@@ -38,7 +38,8 @@ class SwitchedConstraint:
 
     lower, upper: force bounds (None: without). forward, backward: sizes of the torque against the slip. engaged: > 0 where
     friction is pressed. gap, restitution: of a Stop. lost: of a loss, its torque by direction and by whether the tie,
-    whose torque is `tie`, drives; inside: the torque whose sign tells that. shown: symbols of direction, activity and constraint torque.
+    whose torque is `tie`, drives; inside: the torque whose sign tells that. shown: symbols of direction, activity and
+    constraint torque.
     """
 
     path: str

@@ -107,7 +107,8 @@ def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLa
 def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.slip))
     row = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
-    size = _either(pool, item, *((1 + share) * rest for share, rest in (item.driving, item.coasting)), 0)
+    driving, coasting = ((1 + share) * rest for share, rest in (item.driving, item.coasting))
+    size = _either(pool, item, driving, coasting, 0)
     made = ConstraintLaw("loss", slip, row, forward=size, backward=size, partner="tie")
     made.losses = tuple(sp.sympify(x) for x in (*item.driving, *item.coasting))
     return made.map(lambda e: _along(e, slip, _directions(pool)[0]))

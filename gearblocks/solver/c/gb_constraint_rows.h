@@ -248,16 +248,18 @@ static inline void gb_split_by_sides(int n, int count, const int *index, const i
         sides[2 * p] = gb_loss_side(of, tie);
         sides[2 * p + 1] = gb_loss_side(of, -tie);
     }
-    for (int round = 0; wrong && round < 4 + 4 * count; round++) {
+    for (int round = 0; wrong && round < 4 + count; round++) {
+        double largest = 0.0;
         gb_split_once(n, count, index, is_own, A, b, lower, upper, tie_of, losses, sides, x, on);
+        for (int p = 0; p < count; p++) {
+            largest = fmax(largest, fabs(x[p]));
+        }
         wrong = 0;
-        for (int p = 0; p < count && tie_of; p++) {
-            const double *of = losses + 5 * (long)index[p], tie = on[p] >= 0 ? x[on[p]] : 0.0;
-            const int forward = gb_loss_side(of, tie), backward = gb_loss_side(of, -tie);
-            const int same = on[p] < 0 || (sides[2 * p] == forward && sides[2 * p + 1] == backward);
-            if (!same && !gb_loss_inside(of, sides[2 * p], sides[2 * p + 1], tie, x[p]) && (round < 4 || !wrong)) {
-                sides[2 * p] = forward;
-                sides[2 * p + 1] = backward;
+        for (int p = 0; p < count && (round < 4 || !wrong); p++) {
+            const double *of = losses + 5 * (long)index[p];
+            if (on[p] >= 0 && !gb_loss_agrees(of, sides[2 * p], sides[2 * p + 1], x[on[p]], x[p], 1e-12 * largest)) {
+                sides[2 * p] = gb_loss_side(of, x[on[p]]);
+                sides[2 * p + 1] = gb_loss_side(of, -x[on[p]]);
                 wrong = 1;
             }
         }
@@ -302,7 +304,8 @@ static inline void gb_split_forces(int n, const double *active, const double *ma
         }
         for (int p = 0; p < count; p++) {
             force[index[p]] = x[p];
-            violation[index[p]] = worst - 1e-11 * size - DBL_MIN;
+            violation[index[p]] =
+                worst - (tie_of ? 1e-8 : 1e-11) * size - DBL_MIN; /* coupled bounds keep what is lifted */
         }
     }
     for (int i = 0; i < n; i++) {

@@ -165,7 +165,7 @@ static inline int gb_lcp_pivoting(int n, const double *A, const double *b, const
 }
 
 /* One proximal step as a correction of x: what is left of the equations is solved for, so that the rounding of a matrix
- * that is nearly singular does not stay in them. */
+ * that is nearly singular does not stay in them. 2: by no more than rounding; 0: not found. */
 static inline int gb_lcp_correct(int n, const double *A, const double *lifted, const double *b, const double *lo,
                                  const double *hi, const gb_coupled_bounds *coupled, double *x) {
     double left[n + 1], least[n + 1], most[n + 1], step[n + 1];
@@ -180,8 +180,11 @@ static inline int gb_lcp_correct(int n, const double *A, const double *lifted, c
     if (!gb_lcp_pivoting(n, lifted, left, least, most, coupled, step)) {
         return 0;
     }
+    double moved = 0.0, largest = 0.0;
     for (int i = 0; i < n; i++) {
         x[i] += step[i];
+        moved = fmax(moved, fabs(step[i]));
+        largest = fmax(largest, fabs(x[i]));
     }
     for (int i = 0; i < n; i++) { /* at a bound means exactly there */
         for (int side = -1; side <= 1; side += 2) {
@@ -190,7 +193,7 @@ static inline int gb_lcp_correct(int n, const double *A, const double *lifted, c
             x[i] = met ? bound : x[i];
         }
     }
-    return 1;
+    return moved <= 1e-13 * largest ? 2 : 1;
 }
 
 /* The same for a matrix that may be singular: among the solutions about the smallest x, by steps of a proximal method.
@@ -211,9 +214,10 @@ static inline int gb_lcp_solve(int n, const double *A, const double *b, const do
         for (int i = 0; i < n; i++) {
             right[i] = b[i] - lift * x[i];
         }
-        if (coupled ? !gb_lcp_correct(n, A, lifted, b, lo, hi, coupled, x)
-                    : !gb_lcp_pivoting(n, lifted, right, lo, hi, NULL, x)) {
-            return 0;
+        const int found = coupled ? gb_lcp_correct(n, A, lifted, b, lo, hi, coupled, x)
+                                  : gb_lcp_pivoting(n, lifted, right, lo, hi, NULL, x);
+        if (found != 1) {
+            return found;
         }
     }
     return 1;

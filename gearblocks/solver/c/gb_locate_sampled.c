@@ -21,15 +21,12 @@ int gb_event_functions_at(gb_sim *sim, double theta, double *s) {
 
 void gb_measure_slack(gb_sim *sim) {
     const gb_model *model = sim->model;
-    double speed = 0.0;
-    for (int i = 0; i < model->n_event_functions; i++) {
-        sim->events.slack[i] = -1.0;
-    }
-    for (int i = model->n - model->n_speeds; i < model->n && model->n_constraints > 0; i++) {
-        speed = gb_max(speed, fabs(sim->y0[i]));
-    }
     for (int i = 0; i < model->n_constraints; i++) {
         if (model->constraints[i].kind == GB_TIE) {
+            double speed = 0.0;
+            for (int k = model->n - model->n_speeds; k < model->n; k++) {
+                speed = gb_max(speed, fabs(sim->y0[k]));
+            }
             sim->events.slack[model->constraints[i].slip] =
                 64.0 * DBL_EPSILON * speed * sim->constraints.row_size[i] / sim->head->front.h;
         }

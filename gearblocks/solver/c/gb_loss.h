@@ -54,11 +54,16 @@ static inline double gb_loss_excess(const double *losses, double tie, double for
     return excess - 1e-13 * (fabs(tie) + fabs(force));
 }
 
-/* The force of a lossy gear at rest lies inside its range, and inside the one that was assumed, by these sides. */
-static inline int gb_loss_inside(const double *losses, int forward, int backward, double tie, double force) {
+/* A gear at rest for which these sides were assumed: the range is that of its tie but for rounding, or its force lies
+ * inside both. */
+static inline int gb_loss_agrees(const double *losses, int forward, int backward, double tie, double force,
+                                 double rounding) {
     const gb_loss_line up = gb_loss_on_side(losses, forward), down = gb_loss_on_side(losses, backward);
-    return force > -(up.slope * tie + up.fixed) && force < down.fixed - down.slope * tie &&
-           gb_loss_excess(losses, tie, force) <= 0.0;
+    const double least = -(up.slope * tie + up.fixed), most = down.fixed - down.slope * tie;
+    if (fabs(least + gb_loss_of(losses, tie)) <= rounding && fabs(most - gb_loss_of(losses, -tie)) <= rounding) {
+        return 1;
+    }
+    return force > least && force < most && gb_loss_excess(losses, tie, force) <= 0.0;
 }
 
 #endif

@@ -34,7 +34,16 @@ int gb_loss_is_upper(const gb_sim *sim, int i, const double *force) {
     return force[i] - gb_loss_of(losses, -tie) > -gb_loss_of(losses, tie) - force[i];
 }
 
-/* The sides of the modes before; those that no mode tells follow from the forces before. */
+/* The side that a gear which slides in a direction comes to from `side`, as its force crosses the limit of that. */
+static int side_beyond(const double *losses, int side, double u) {
+    if (side == 0) {
+        return fabs(u + losses[1]) < fabs(u + losses[3]) ? 1 : -1;
+    }
+    return losses[1] < losses[3] ? 0 : -side;
+}
+
+/* The sides of the modes before, or those beyond a limit that has just been crossed (there either would do); those that
+ * no mode tells follow from the forces before. */
 static void begin(gb_sim *sim) {
     for (int i = 0; i < sim->model->n_constraints; i++) {
         const gb_constraint *loss = &sim->model->constraints[i];
@@ -43,15 +52,20 @@ static void begin(gb_sim *sim) {
         if (!is_loss(sim, i)) {
             continue;
         }
+        const int sign = sim->model->constraints[loss->partner].slip;
         const double *losses = losses_of(sim, i), tie = sim->constraints.force_before[loss->partner];
-        const double sign = sim->mode[sim->model->constraints[loss->partner].slip],
-                     before = sim->constraints.mode_before[i];
+        const double before = sim->constraints.mode_before[i];
         sim->lossy.forward[i] = gb_loss_side(losses, tie);
         sim->lossy.backward[i] = gb_loss_side(losses, -tie);
-        if (before == 1.0 && sign != 0.0) {
-            sim->lossy.forward[i] = (int)sign;
-        } else if (before == -1.0 && sign != 0.0) {
-            sim->lossy.backward[i] = (int)-sign;
+        if (before != 1.0 && before != -1.0) {
+            continue;
+        }
+        int *side = before > 0.0 ? &sim->lossy.forward[i] : &sim->lossy.backward[i];
+        const int present = (int)(before * sim->mode[sign]);
+        if (sim->events.pending[sign] != 0.0) {
+            *side = side_beyond(losses, present, before * tie);
+        } else if (present != 0) {
+            *side = present;
         }
     }
 }

@@ -196,6 +196,9 @@ gb_sim *gb_open(const gb_model *model) {
     lay_scratch(sim, base + block);
     sim->head->key = hash_text(model->key);
     sim->head->bytes = block;
+    for (int i = 0; i < model->n_switches; i++) {
+        sim->events.slack[i] = -1.0;
+    }
     for (int i = 0; i < model->n_constraints; i++) {
         const gb_constraint *constraint = &model->constraints[i];
         sim->events.role[constraint->slip] = sim->events.role[constraint->active] = GB_CONSTRAINED;
