@@ -18,15 +18,15 @@ from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.operands import Operand, Role, Statement
 from gearblocks.codegen.parts import Call, Enclosures
 from gearblocks.codegen.symbol_names import by_name
-from gearblocks.laws.enclosure_printer import NotEnclosed, enclosure_text
+from gearblocks.laws.enclosure_printer import EnclosureError, enclosure_text
 from gearblocks.laws.symbols import TIMED
 
 _NUMBERS = {"own", "exact", "shared", "mobility", "gain", "mode", "direction", "stuck", "hoisted", "table", "table2"}
 """Roles of symbols that stand still along a step."""
 
 
-def lay_out_enclosures(g: Generator) -> Enclosures:
-    """The enclosures of all event functions that have one; what they read is laid out by then."""
+def lay_out_enclosures(g: Generator) -> Enclosures | None:
+    """The enclosures of all event functions that have one (None: there are none); what they read is laid out by then."""
     lay, n_groups = g.lay, g.assembly.n_groups
     first = {"inputs": 1, "states": 1 + len(lay.inputs)}
     first["loops"] = first["states"] + lay.n
@@ -49,7 +49,7 @@ def lay_out_enclosures(g: Generator) -> Enclosures:
         _event_functions(g, code, known, found)
     if _has_linear_forces(g):
         _forces(g, known, found)
-    return found
+    return found if found.switches or found.forces else None
 
 
 def _has_linear_forces(g: Generator) -> bool:
@@ -163,7 +163,8 @@ def _enclosed(
 ) -> tuple[Names, str] | None:  # fmt: skip
     """C of the enclosure of an expression, with the names in it; None where it has none."""
     expr = _spelled_out(code, expr)
-    names, moving, used = Names(Role.STATES), {}, set()
+    names, moving = Names(Role.STATES), {}
+    used: set[int] = set()
     try:
         for symbol in by_name(expr):
             meaning = code.law.pool.roles[symbol]
@@ -175,7 +176,7 @@ def _enclosed(
                 reading = _Reading(g, code, found.first, names, used)
                 moving[symbol] = reading.argument(meaning.role, meaning.of)
         text = enclosure_text(expr, moving, names.text)
-    except NotEnclosed:
+    except EnclosureError:
         return None
     found.used |= used
     return names, text
@@ -208,7 +209,7 @@ class _Reading:
             return self._coordinate(of)
         if role in ("phi", "w"):
             return self._flange(role, of)
-        raise NotEnclosed(role)
+        raise EnclosureError(role)
 
     def _at(self, offset: str, used: list[int]) -> str:
         self.used |= set(used)

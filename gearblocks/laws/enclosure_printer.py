@@ -23,7 +23,7 @@ _FUNCTIONS = {
 """Functions with an enclosure of their own."""
 
 
-class NotEnclosed(Exception):
+class EnclosureError(Exception):
     """An expression with a function that has no enclosure."""
 
 
@@ -61,7 +61,7 @@ class _Printer:
         if type(e) in _FUNCTIONS:
             n = 2 if isinstance(e, sp.atan2) else 1
             return f"gb_enclosed_{_FUNCTIONS[type(e)]}({', '.join(self.text(a) for a in e.args[:n])})"
-        raise NotEnclosed(str(type(e).__name__))
+        raise EnclosureError(str(type(e).__name__))
 
     def _chain(self, e: Any) -> str:
         """A sum or product: what moves by twos, then what does not."""
@@ -91,15 +91,15 @@ class _Printer:
     def _table2(self, e: Any) -> str:
         table, x, y, by_x, by_y, *modes = e.args
         if not modes:
-            raise NotEnclosed("Table2At across cells")
+            raise EnclosureError("Table2At across cells")
         cell = ", ".join(self.number(m) for m in modes)
         orders = f"{int(by_x)}, {int(by_y)}"
         return f"gb_enclosed_table2(&{self.names[table]}, {cell}, {self.text(x)}, {self.text(y)}, {orders})"
 
 
 def enclosure_text(expr: Any, moving: Mapping[Any, str], names: Mapping[Any, str]) -> str:
-    """C of the enclosure of an expression; NotEnclosed where a function in it has none."""
+    """C of the enclosure of an expression; EnclosureError where a function in it has none."""
     return _Printer(moving, names).text(sp.sympify(expr))
 
 
-__all__ = ["NotEnclosed", "enclosure_text"]
+__all__ = ["EnclosureError", "enclosure_text"]

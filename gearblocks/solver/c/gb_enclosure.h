@@ -141,6 +141,10 @@ static inline gb_interval gb_interval_power(gb_interval x, int n) {
 /* x^n for any whole n but 0. */
 static inline gb_enclosure gb_enclosed_power(gb_enclosure x, int n) {
     const gb_interval at = gb_value_of(x), one = {1.0, 1.0}, size = {n, n};
+    if (n < 0 && x.lo <= 0.0 && x.hi >= 0.0) { /* a pole: it jumps from one infinity to the other */
+        const gb_interval all = {-HUGE_VAL, HUGE_VAL};
+        return gb_enclosed(all, all);
+    }
     if (n < 0) {
         const gb_interval inverse = gb_interval_inverse(at);
         return gb_chained(x, gb_interval_power(inverse, -n), gb_interval_mul(size, gb_interval_power(inverse, 1 - n)));

@@ -59,6 +59,11 @@ static int is_armed(const gb_sim *sim, limit at) {
     return gb_limit_distance(sim, at.i, at.side, sim->events.s0[at.i]) == 0.0;
 }
 
+/* f has left its mode: a touch has not. */
+static int is_beyond(const gb_sim *sim, limit at, double f) {
+    return f < (is_armed(sim, at) ? -gb_limit_rounding(sim, at.i, 0.0) : 0.0);
+}
+
 /* Its values alone tell that it is free. */
 static int is_clear(const gb_sim *sim, limit at) {
     return at.side == 0.0 || margin(sim, at).lo >= -gb_limit_rounding(sim, at.i, 0.0);
@@ -74,9 +79,9 @@ static int is_hopeless(const gb_sim *sim, const search *s, limit at) {
 static int verdict(const gb_sim *sim, const search *s, limit at) {
     const double fa = gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]);
     const double fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]);
-    const double rounding = gb_limit_rounding(sim, at.i, 0.0), enough = -rounding - sim->panel.noise[at.i];
+    const double enough = -gb_limit_rounding(sim, at.i, 0.0) - sim->panel.noise[at.i];
     const gb_interval rate = margin_rate(sim, at);
-    if (fb < (is_armed(sim, at) ? -rounding : 0.0)) {
+    if (is_beyond(sim, at, fb)) {
         return rate.hi <= 0.0 || s->by_ends ? ROOT : OPEN;
     }
     if (rate.hi <= 0.0 || rate.lo >= 0.0 || s->by_ends || margin(sim, at).lo >= enough) {
@@ -122,7 +127,7 @@ static int take_root(gb_sim *sim, search *s, limit at) {
         code = gb_event_functions_at(sim, end, sim->events.s);
         fb = gb_limit_distance(sim, at.i, at.side, sim->events.s[at.i]);
     }
-    if (code != GB_DONE || !(fb < 0.0)) {
+    if (code != GB_DONE || !is_beyond(sim, at, fb)) {
         return code;
     }
     if (s->a > 0.0 || !is_armed(sim, at)) {

@@ -125,8 +125,9 @@ typedef struct gb_model {
     void (*arguments)(const double *par, const double *mode, const double *time_terms, const double *y, double *x);
     void (*enclosures)(const double *par, const double *mode, const struct gb_enclosure *x, struct gb_enclosure *s);
 
-    /* NULL, or: constraint forces are a linear function of torques on n_groups groups (those of states and inputs, over a
-     * piece of a step, with the force bounds: lower and upper of each constraint). forces_of_torques changes torque. */
+    /* NULL, or: constraint forces are a linear function of torques on n_groups groups (those of states and inputs, over
+     * a piece of a step, with the force bounds: lower and upper of each constraint). forces_of_torques changes torque.
+     */
     int n_groups;
     void (*force_enclosures)(const double *par, const double *mode, const struct gb_enclosure *x,
                              struct gb_enclosure *torque, struct gb_enclosure *bound);

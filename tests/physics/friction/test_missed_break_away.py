@@ -14,7 +14,11 @@ METHODS = ("dp8", "dp5", "rodas")
 def braked(capacity, tau, *parts):
     """A torque on a braked inertia of 1 kg m2."""
     rig = gb.Drivetrain("braked")
-    rig.chain(rig.add("load", gb.Torque(tau=tau)), rig.add("m", gb.Inertia(J=1.0)), rig.add("brake", gb.Brake(capacity=capacity)))
+    rig.chain(
+        rig.add("load", gb.Torque(tau=tau)),
+        rig.add("m", gb.Inertia(J=1.0)),
+        rig.add("brake", gb.Brake(capacity=capacity)),
+    )
     for chain in parts:
         rig.chain(*(rig.add(name, block) for name, block in chain))
     return gb.build(rig)
@@ -59,11 +63,21 @@ def test_a_short_pulse_of_the_load_lets_the_shaft_go(method):
 
 
 @pytest.mark.parametrize("method", METHODS)
+def test_a_short_pull_backwards_lets_the_shaft_go(method):
+    t = sp.sympify(gb.time)
+    tau = lambda x: 1.5 * np.exp(-((120 * (x - 0.4)) ** 2)) - 0.1  # noqa: E731
+    model = braked(1.0, sp.Rational(1, 10) - 1.5 * sp.exp(-((120 * (t - sp.Rational(2, 5))) ** 2)))
+    start, rest, angle = slides_from(lambda x: tau(x) - 1.0, lambda x: 1.0, tau, (0.37, 0.4), 0.43)
+    run = gb.simulate(model, t_end=1.0, method=method, rtol=1e-7)
+    assert np.allclose([e.t for e in run.events], [start, rest], rtol=0, atol=1e-7)
+    assert abs(run["m.phi"][-1] + angle) < 1e-5 * angle
+
+
+@pytest.mark.parametrize("method", METHODS)
 def test_a_capacity_over_the_angle_of_another_shaft_lets_go_in_every_period(method):
     phi = gb.sense("cam.phi")
-    model = braked(
-        1.0 + 0.999 * gb.cos(30 * phi), 0.01, [("free", gb.Torque(tau=gb.Parameter("none", 0.0))), ("cam", gb.Inertia(J=1.0, w0=20.0))]
-    )  # fmt: skip
+    cam = [("free", gb.Torque(tau=gb.Parameter("none", 0.0))), ("cam", gb.Inertia(J=1.0, w0=20.0))]
+    model = braked(1.0 + 0.999 * gb.cos(30 * phi), 0.01, cam)
     period = 2 * np.pi / 600
     first = (np.pi - np.arccos(0.99 / 0.999)) / 600
     for rtol in (1e-4, 1e-6, 1e-9):
