@@ -90,12 +90,13 @@ class Dynamics:
         force = given - s.C @ v
         if len(s.R):
             force = force + self.RT @ np.array(f[: len(s.R)])
-        fr = s.Ur.T @ force if s.has_massless else force
         vr = y[self.cut[1] : self.cut[2]]
         if self.plain:
-            a, values = s.Minv @ fr, []
+            a, values = s.Minv @ force, []
         else:
-            a, values = self._constrained(fr, q, v, margins)
+            a, values = self._constrained(force, q, v, margins)
+        if s.has_massless:
+            a = s.Ur.T @ a
         rates = [vr, v1, a, np.array([d(c) for d in self.drives]), np.array([f[-1 - i] for i in range(s.extra)])]
         dy = np.concatenate(rates)
         if not margins:
@@ -181,7 +182,7 @@ class Dynamics:
         W = W / np.outer(scale, scale)
         _, sizes, V = np.linalg.svd(W)
         free = sizes < 1e-10 * sizes.max()
-        if self.s.nonlinear or free.sum() > 2:
+        if self.s.nonlinear or free.sum() > 4:
             raise NoEvidence("locks that share a load")
         return G, MB, np.linalg.pinv(W, rcond=1e-10) / np.outer(scale, scale), (V[free] / scale).T
 

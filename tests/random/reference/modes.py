@@ -69,6 +69,7 @@ class Modes:
         _, v = self.qv(y)
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
+        alone = self.unique()
         for reach in (1e-6 * span, 1e-8 * span, 1e-4 * span):
             total = math.prod(len(c) for c in choices)
             if total > MOST:
@@ -77,6 +78,8 @@ class Modes:
                 found = self.fits(t, y, modes, reach, [len(c) > 1 for c in choices])
                 if found is not None:
                     fits.append((modes, *found))
+                    if alone:
+                        break
             if fits:
                 break
         if not fits:
@@ -132,6 +135,9 @@ class Modes:
         y = self.project(t, y)
         first = self.d(t, y)
         acceleration = first[self.d.cut[1] : self.d.cut[2]]
+        size = max(self.force(t, y), 1e-300)
+        if self.hopeless(t, y, acceleration, size, asked):
+            return None
         half = y + reach / 2 * first
         second = self.d(t + reach / 2, half)
         third = self.d(t + reach / 2, y + reach / 2 * second)
@@ -139,8 +145,7 @@ class Modes:
         later = y + reach / 6 * (first + 2 * second + 2 * third + fourth)
         margins = self.d.evaluate(t + reach, later, margins=True)[1]
         units = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :]
-        q, v = self.qv(later)
-        size = max(self.force(t + reach, later), 1e-300)
+        size = max(self.force(t + reach, later), size)
         at, asked = 0, asked.copy()
         for d in self.s.dry:
             slip, high, low = units[at : at + 3]
@@ -168,6 +173,40 @@ class Modes:
             if g.mode[0] and (turn <= 1e-15 * self.speed or drive < -1e-9 * size):
                 return None
         return y, acceleration
+
+    def hopeless(self, t: float, y: Array, acceleration: Array, size: float, asked: list[bool]) -> bool:
+        """Whether a set fails at once and by far, before it is looked at ahead."""
+        margins = self.d.evaluate(t, y, margins=True)[1]
+        units = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :]
+        a = self.s.Ur @ acceleration
+        rate = -1e-6 * max(float(np.abs(a).max(initial=0.0)), 1e-300)
+        at = 0
+        for asks, d in zip(asked, self.s.dry, strict=False):
+            _, high, low = units[at : at + 3]
+            at += 3
+            if asks and (min(high, low) < -1e-5 * size or (abs(d.mode) == 1 and d.mode * float(d.row @ a) < rate)):
+                return True
+        for asks, stop in zip(asked[len(self.s.dry) :], self.s.stops, strict=False):
+            push = units[at + 1]
+            at += 2
+            if asks and (push < -1e-5 * size or (stop.mode == 1 and float(stop.row @ a) < rate)):
+                return True
+        for asks, g in zip(asked[len(self.s.dry) + len(self.s.stops) :], self.s.lossy, strict=False):
+            _, drive, high, low = units[at : at + 4]
+            at += 4
+            if asks and (min(high, low, drive) < -1e-5 * size or (g.mode[0] and g.mode[0] * float(g.ra @ a) < 0 > rate)):
+                w = g.mode[0] * float(g.ra @ self.qv(y)[1])
+                if min(high, low, drive) < -1e-5 * size or (w <= self.small() and g.mode[0] * float(g.ra @ a) < rate):
+                    return True
+        return False
+
+    def unique(self) -> bool:
+        """Whether theory leaves no second motion: what sticks holds no more than what slides, and no gear loses."""
+        c = self.s.context
+        members = [m for d in self.s.dry for m in d.members if m.on and not m.dog and not m.locked]
+        return not self.s.lossy and all(
+            -low <= m.sliding(c, 0.0) * (1 + 1e-12) for m in members for low in (m.limits(c)[0],)
+        )
 
     def force(self, t: float, y: Array) -> float:
         """A size of the forces, for rounding."""

@@ -207,7 +207,7 @@ class System:
             raise NoEvidence("massless directions")
         if not is_zero(self.C @ self.Z2):
             raise NoEvidence("damping that is no square")
-        self.Minv = np.linalg.inv(self.Ur.T @ self.M @ self.Ur)
+        self.Minv = self.Ur @ np.linalg.inv(self.Ur.T @ self.M @ self.Ur) @ self.Ur.T
         self.C11 = np.linalg.inv(self.Z1.T @ self.C @ self.Z1)
         K22 = self.Z2.T @ self.K @ self.Z2
         if len(K22) and np.linalg.cond(K22) > 1e8:
