@@ -34,7 +34,7 @@ def main() -> None:
         job = json.loads(line)
         say(stage="draw")
         train = from_plain(job["train"]) if "train" in job else draw(job["family"], job["seed"])
-        verdict = Judge(gb, train, lambda stage: say(stage=stage)).judge(job.get("reference", True))
+        verdict = Judge(gb, train, lambda stage: say(stage=stage)).judge(job.get("light", False))
         say(verdict=as_dict(verdict))
 
 

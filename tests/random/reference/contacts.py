@@ -60,7 +60,7 @@ def _zone(sw: Switches, gap: Any) -> Callable[[float], tuple[float, float, int]]
     b = fields["half_gap"]
     if fields.get("law", "exact") == "smooth":
         w = fields["width"]
-        return lambda x: (x + (math.hypot(x - b, w) - math.hypot(x + b, w)) / 2, math.nan, 1)
+        return lambda x: (x + (math.hypot(x - b, w) - math.hypot(x + b, w)) / 2, _smooth_potential(x, b, w), 1)
     if fields.get("law", "exact") != "exact":
         raise NoEvidence("a polynomial backlash")
     ahead, behind = sw.new(), sw.new()
@@ -73,6 +73,15 @@ def _zone(sw: Switches, gap: Any) -> Callable[[float], tuple[float, float, int]]
 
     zone.switches = (ahead, behind)  # type: ignore[attr-defined]
     return zone
+
+
+def _smooth_potential(x: float, b: float, w: float) -> float:
+    """Integral of x + (hypot(x - b, w) - hypot(x + b, w))/2 from 0."""
+
+    def S(u: float) -> float:
+        return (u * math.hypot(u, w) + w * w * math.asinh(u / w)) / 2
+
+    return x * x / 2 + (S(x - b) - S(x + b)) / 2 + S(b)
 
 
 def _teeth(sw: Switches, gaps: tuple[float, ...]) -> Callable[[float], tuple[float, float, int]]:

@@ -313,7 +313,19 @@ class Dynamics:
             size = max(float(np.abs(v0).max()), 1.0)
             v0 = v0 + perturbation * size * free @ np.array([random.uniform(-1, 1) for _ in range(free.shape[1])])
         qr, vr = s.Ur.T @ q, s.Ur.T @ v0
-        return np.concatenate([qr, s.Z1.T @ q, vr, np.zeros(self.np), np.array(s.start)])
+        return np.concatenate([qr, self._balanced(qr), vr, np.zeros(self.np), np.array(s.start)])
+
+    def _balanced(self, qr: Array) -> Array:
+        """Start angles of nodes without inertia: nobody gives them, so they rest in balance with what is at rest."""
+        s, c = self.s, self.s.context
+        if not self.n1:
+            return np.zeros(0)
+        c.t, Z = 0.0, np.hstack([s.Z1, s.Z2])
+        push = s.torque_rows.T @ np.array([f(c) for _, f, _ in s.torques]) if s.torques else np.zeros(len(Z))
+        stiffness = Z.T @ s.K @ Z
+        if np.linalg.cond(stiffness) > 1e10:
+            raise NoEvidence("a massless node that only dampers hold")
+        return np.asarray(np.linalg.solve(stiffness, Z.T @ (push - s.K @ (s.Ur @ qr)))[: self.n1])
 
     def motion(self, t: float, y: Array, bodies: list[int]) -> tuple[Array, Array]:
         """Angles and speeds of nodes; NaN for a speed that only its rate of balance would give."""

@@ -215,7 +215,7 @@ class System:
         self.K22 = np.linalg.inv(K22)
         units = [d.row for d in self.dry] + [s.row for s in self.stops] + [r for x in self.lossy for r in (x.ra, x.rb)]
         rows = [*self.R, *(r @ self.N for r in units)]
-        if not all(is_zero(r @ Z) for r in rows) or self.nonlinear:
+        if not all(is_zero(r @ Z) for r in rows):
             raise NoEvidence("a law or switch beside a massless node")
         for (_, _, timely), row in zip(self.torques, self.torque_rows, strict=True):
             if not timely and not is_zero(row @ Z):
