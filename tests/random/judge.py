@@ -33,7 +33,7 @@ PERTURBATION = 1e-8
 CHAOTIC = 1e-2  # a train whose tolerance grows beyond this gives no evidence
 
 
-class Hang(Exception):
+class HangError(Exception):
     """A run used more processor time than it may."""
 
 
@@ -60,10 +60,10 @@ class Verdict:
 
 @contextmanager
 def cpu_limit(seconds: float) -> Iterator[None]:
-    """Raises Hang after so much processor time of this process."""
+    """Raises HangError after so much processor time of this process."""
 
     def stop(*_: Any) -> None:
-        raise Hang
+        raise HangError
 
     before = signal.signal(signal.SIGPROF, stop)
     signal.setitimer(signal.ITIMER_PROF, seconds)
@@ -168,7 +168,7 @@ class Judge:
         try:
             with cpu_limit(CPU_LIMIT):
                 run = self.gb.simulate(model, t=self.t, **given, **options)
-        except Hang:
+        except HangError:
             if name in ("default", "drawn"):
                 self.verdict.fails("hang", text, f"more than {CPU_LIMIT:g} s of processor time")
             return None
@@ -190,16 +190,16 @@ class Judge:
     # -- comparisons --------------------------------------------------------------------------------------------------
 
     def _against_reference(self) -> None:
-        from tests.random.reference import NoEvidence, reference_motion
+        from tests.random.reference import NoEvidenceError, reference_motion
 
         self.stage("reference")
         try:
             with cpu_limit(2 * CPU_LIMIT):
                 true = reference_motion(self.train, self.t)
                 self._compare("reference", true, lambda: self._magnification(true))
-        except NoEvidence as reason:
+        except NoEvidenceError as reason:
             self.verdict.notes.append(f"no reference: {reason}")
-        except Hang:
+        except HangError:
             self.verdict.notes.append("no reference: too slow")
 
     def _magnification(self, true: Motion) -> float:
@@ -228,7 +228,7 @@ class Judge:
             with cpu_limit(CPU_LIMIT):
                 given = arguments(self.train, self.gb)
                 run = self.gb.simulate(model, t=self.t, rtol=FINE, method=method, parameters=changed, **given)
-        except (self.gb.GearblocksError, Hang):
+        except (self.gb.GearblocksError, HangError):
             return float("inf")
         return max(deviation(motion_of(run, self.train), true, self.t) - 10 * FINE, 0.0) / PERTURBATION
 
@@ -262,7 +262,7 @@ class Judge:
                 options = {"rtol": 1e-8, "t": self.t, **arguments(rested, self.gb)}
                 one = self.gb.simulate(taken, **options)
                 other = self.gb.simulate(build(built, self.gb), **options)
-        except (self.gb.GearblocksError, Hang) as error:
+        except (self.gb.GearblocksError, HangError) as error:
             self.verdict.notes.append(f"without {name}: {type(error).__name__}: {error}")
             return
         off = deviation(motion_of(one, rested), motion_of(other, rested), self.t)

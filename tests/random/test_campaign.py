@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT)) if str(ROOT) not in sys.path else None
+if str(ROOT) not in sys.path:
+    sys.path.insert(0, str(ROOT))
 
 from tests.random.description import GROUND, Part, Train, script  # noqa: E402
 from tests.random.families import FAMILIES, draw  # noqa: E402
 from tests.random.reduce import from_plain, to_plain  # noqa: E402
-from tests.random.reference import NoEvidence, reference_motion  # noqa: E402
+from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
 
 
 def test_the_fixed_trains_of_every_family_are_right():
@@ -78,5 +79,5 @@ def test_the_reference_loses_in_a_gear_what_its_efficiency_says():
 
 def test_the_reference_says_where_it_has_no_law():
     body = Part("j", "Inertia", (("J", 1.0),), (("a", "j"),))
-    with pytest.raises(NoEvidence, match="TorqueConverter"):
+    with pytest.raises(NoEvidenceError, match="TorqueConverter"):
         reference_motion(_train(body, Part("c", "TorqueConverter", (), ())), T)

@@ -22,7 +22,6 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     import gearblocks as gb
-
     from tests.random.families import draw
     from tests.random.judge import Judge, as_dict
     from tests.random.reduce import from_plain

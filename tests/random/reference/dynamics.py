@@ -14,7 +14,7 @@ import numpy as np
 
 from tests.random.reference.rubbing import merge
 from tests.random.reference.sharing import Sharing
-from tests.random.reference.switches import NoEvidence, is_zero
+from tests.random.reference.switches import NoEvidenceError, is_zero
 from tests.random.reference.system import Array, Dry, Lossy, Stop, System, derivative
 
 NONE = math.inf  # margin of what is not asked
@@ -33,7 +33,7 @@ class Dynamics:
         self.drives = [s.compile(signal) for signal, _ in s.prescribed.values()]
         for signal, kind in s.prescribed.values():
             if kind != "speed":
-                raise NoEvidence("a prescribed angle")
+                raise NoEvidenceError("a prescribed angle")
             derivative(signal)  # must be smooth
         self.nr, self.n1, self.np = s.Ur.shape[1], s.Z1.shape[1], s.P.shape[1]
         self.cut = np.cumsum([self.nr, self.n1, self.nr, self.np, s.extra])
@@ -175,7 +175,7 @@ class Dynamics:
             return G, MB, W, None
         high = np.abs(W).max(axis=1)
         if not high.all():
-            raise NoEvidence("a lock on what cannot move")
+            raise NoEvidenceError("a lock on what cannot move")
         scale = np.sqrt(high)
         if np.linalg.cond(W / np.outer(scale, scale)) < 1e10:
             return G, MB, np.linalg.inv(W), None
@@ -183,7 +183,7 @@ class Dynamics:
         _, sizes, V = np.linalg.svd(W)
         free = sizes < 1e-10 * sizes.max()
         if self.s.nonlinear or free.sum() > 4:
-            raise NoEvidence("locks that share a load")
+            raise NoEvidenceError("locks that share a load")
         return G, MB, np.linalg.pinv(W, rcond=1e-10) / np.outer(scale, scale), (V[free] / scale).T
 
     def _shared(self, values: list[float], numbers: Array, null: Array) -> list[float]:
@@ -303,7 +303,7 @@ class Dynamics:
                     values.append(value)
         n = s.N.shape[1]
         if s.nonlinear and any(angles):
-            raise NoEvidence("a start off zero beside a nonlinear tie")
+            raise NoEvidenceError("a start off zero beside a nonlinear tie")
         tied = [g.ra - g.ratio * g.rb for g in s.lossy]
         q = _fit(rows + tied, angles + [0.0] * len(tied), n)
         v0 = _fit(sped + tied + [x.rate(q, np.zeros(n))[0] for x in s.nonlinear],
@@ -324,7 +324,7 @@ class Dynamics:
         push = s.torque_rows.T @ np.array([f(c) for _, f, _ in s.torques]) if s.torques else np.zeros(len(Z))
         stiffness = Z.T @ s.K @ Z
         if np.linalg.cond(stiffness) > 1e10:
-            raise NoEvidence("a massless node that only dampers hold")
+            raise NoEvidenceError("a massless node that only dampers hold")
         return np.asarray(np.linalg.solve(stiffness, Z.T @ (push - s.K @ (s.Ur @ qr)))[: self.n1])
 
     def motion(self, t: float, y: Array, bodies: list[int]) -> tuple[Array, Array]:
@@ -346,7 +346,7 @@ def _fit(rows: list[Array], values: list[float], n: int) -> Array:
     A, b = np.array(rows), np.array(values)
     x = np.linalg.lstsq(A, b, rcond=1e-12)[0]
     if np.abs(A @ x - b).max() > 1e-9 * max(1.0, np.abs(b).max()):
-        raise NoEvidence("start values that contradict each other")
+        raise NoEvidenceError("start values that contradict each other")
     return np.asarray(x)
 
 

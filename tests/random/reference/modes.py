@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from tests.random.reference.dynamics import Dynamics
-from tests.random.reference.switches import NoEvidence
+from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
 
 MOST = 3000  # sets of modes
@@ -73,7 +73,7 @@ class Modes:
         for reach in (1e-6 * span, 1e-8 * span, 1e-4 * span):
             total = math.prod(len(c) for c in choices)
             if total > MOST:
-                raise NoEvidence(f"{total} sets of modes")
+                raise NoEvidenceError(f"{total} sets of modes")
             for modes in itertools.product(*choices):
                 found = self.fits(t, y, modes, reach, [len(c) > 1 for c in choices])
                 if found is not None:
@@ -83,7 +83,7 @@ class Modes:
             if fits:
                 break
         if not fits:
-            raise NoEvidence("no set of modes fits")
+            raise NoEvidenceError("no set of modes fits")
         modes, y, _ = self.chosen(fits)
         self.set(modes)
         self.lock()
@@ -129,7 +129,9 @@ class Modes:
                 if m.teeth is not None and m.on and d.mode == 0 and m.teeth(self.s.context) > 0:
                     m.locked = True
 
-    def fits(self, t: float, y: Array, modes: tuple[Any, ...], reach: float, asked: list[bool]) -> tuple[Array, Array] | None:
+    def fits(
+        self, t: float, y: Array, modes: tuple[Any, ...], reach: float, asked: list[bool]
+    ) -> tuple[Array, Array] | None:
         """The projected state and its accelerations, if the modes that are asked for hold for that long."""
         self.set(modes)
         y = self.project(t, y)
@@ -194,7 +196,9 @@ class Modes:
         for asks, g in zip(asked[len(self.s.dry) + len(self.s.stops) :], self.s.lossy, strict=False):
             _, drive, high, low = units[at : at + 4]
             at += 4
-            if asks and (min(high, low, drive) < -1e-5 * size or (g.mode[0] and g.mode[0] * float(g.ra @ a) < 0 > rate)):
+            if asks and (
+                min(high, low, drive) < -1e-5 * size or (g.mode[0] and g.mode[0] * float(g.ra @ a) < 0 > rate)
+            ):
                 w = g.mode[0] * float(g.ra @ self.qv(y)[1])
                 if min(high, low, drive) < -1e-5 * size or (w <= self.small() and g.mode[0] * float(g.ra @ a) < rate):
                     return True
@@ -210,7 +214,7 @@ class Modes:
 
     def force(self, t: float, y: Array) -> float:
         """A size of the forces, for rounding."""
-        q, v, _, given = self.d.coordinates(t, y)
+        _, v, _, given = self.d.coordinates(t, y)
         return float(np.abs(given).max(initial=0.0)) + float(np.abs(self.s.C @ v).max(initial=0.0))
 
     def project(self, t: float, y: Array) -> Array:
@@ -228,7 +232,7 @@ class Modes:
         try:
             return self.with_v(y, v - MG @ np.linalg.lstsq(G @ MG, slip, rcond=1e-11)[0])
         except np.linalg.LinAlgError:
-            raise NoEvidence("locks that share a load") from None
+            raise NoEvidenceError("locks that share a load") from None
 
     def chosen(self, fits: list[tuple[Any, Array, Array]]) -> tuple[Any, Array, Array]:
         """The set that counts."""
@@ -239,7 +243,7 @@ class Modes:
                 continue
             held = set(self.held(best[0]))
             if not set(self.held(other[0])) < held:
-                raise NoEvidence("several sets of modes fit")
+                raise NoEvidenceError("several sets of modes fit")
         return best
 
     def held(self, modes: tuple[Any, ...]) -> list[int]:
@@ -284,18 +288,27 @@ class Modes:
         if not hit:
             return y
         if s.lossy:
-            raise NoEvidence("an impact beside a gear with losses")
+            raise NoEvidenceError("an impact beside a gear with losses")
         both += [n.rate(q, v)[0] for n in s.nonlinear]
         self.jumps.append(t)
         v = self._impulse(v, one, both)
         for row, target, i in one:
             if i >= 0 and target > 0:
                 fast = self.rebound[i] = max(self.rebound.get(i, 0.0), target)
-                if target < 1e-6 * fast and float(row @ v) < 1e-5 * fast:
+                if self._dies(t, self.with_v(y, v), row, float(row @ v), i) and target < 1e-3 * fast:
                     v = self._impulse(v, [(row, 0.0, -1)], [row, *both])
         y = self.onto(self.with_v(y, v), [s.stops[i] for _, target, i in one if i >= 0 and target > 0])
         self.note(y)
         return y
+
+    def _dies(self, t: float, y: Array, row: Array, speed: float, i: int) -> bool:
+        """Whether a body comes back to its stop so soon that only rounding would be seen of its flight."""
+        stop = self.s.stops[i]
+        if stop.restitution >= 1:
+            return False
+        stop.mode = 1
+        rate = float(row @ self.s.Ur @ self.d(t, y)[self.d.cut[1] : self.d.cut[2]])
+        return speed * speed < -2e-13 * rate * max(abs(stop.bound), 1e-3)
 
     def onto(self, y: Array, stops: list[Any]) -> Array:
         """Gaps of rounding become 0, so that the smallest bounces leave their stop."""
@@ -309,7 +322,7 @@ class Modes:
 
     def _impulse(self, v: Array, one: list[tuple[Array, float, int]], both: list[Array]) -> Array:
         if len(one) > 8:
-            raise NoEvidence("too many contacts at once")
+            raise NoEvidenceError("too many contacts at once")
         size = self.speed
         found = []
         for active in itertools.product((False, True), repeat=len(one)):
@@ -328,7 +341,7 @@ class Modes:
             if (P[len(both) :] >= 0).all() and all(float(r @ new) >= x - scale for r, x, _ in one):
                 found.append(new)
         if not found:
-            raise NoEvidence("no impulse fits")
+            raise NoEvidenceError("no impulse fits")
         if any(np.abs(f - found[0]).max() > 1e-7 * max(size, 1e-300) for f in found):
-            raise NoEvidence("several impulses fit")
+            raise NoEvidenceError("several impulses fit")
         return found[0]
