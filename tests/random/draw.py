@@ -166,9 +166,9 @@ def corner_signal(d: Draw, size: float, t_end: float) -> Any:
     wave = call("sin", w * TIME)
     return d.choice((
         lambda: size * call("sign", wave),
-        lambda: either(size, TIME > at, 0.0),
-        lambda: either(d.either_sign(size), TIME < at, digits(-0.7 * size)),
-        lambda: either(digits(3 * size) * (TIME - at), TIME > at, 0.0),
+        lambda: either(size, at < TIME, 0.0),
+        lambda: either(d.either_sign(size), at > TIME, digits(-0.7 * size)),
+        lambda: either(digits(3 * size) * (TIME - at), at < TIME, 0.0),
         lambda: size * call("Abs", wave),
         lambda: size * call("Max", wave, d.even(-0.5, 0.5)),
         lambda: table((0.0, at, later, t_end), (0.0, size, -size, d.choice((0.0, size)))),

@@ -50,7 +50,9 @@ def reduced(train: Train, verdict: dict[str, Any], package: str | None) -> tuple
             nonlocal worker
             if worker.child.poll() is not None:
                 worker = Worker(package, cache)
-            return worker.judge({"family": train.family, "seed": train.seed, "train": to_plain(candidate)})
+            light = str(verdict["what"]).startswith(("build", "default", "drawn"))
+            job = {"family": train.family, "seed": train.seed, "train": to_plain(candidate), "light": light}
+            return worker.judge(job)
 
         try:
             return _shrink(train, verdict, judge)

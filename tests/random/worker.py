@@ -22,7 +22,6 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     import gearblocks as gb
-
     from tests.random.families import draw
     from tests.random.judge import Judge, as_dict
     from tests.random.reduce import from_plain
@@ -34,7 +33,7 @@ def main() -> None:
         job = json.loads(line)
         say(stage="draw")
         train = from_plain(job["train"]) if "train" in job else draw(job["family"], job["seed"])
-        verdict = Judge(gb, train, lambda stage: say(stage=stage)).judge(job.get("reference", True))
+        verdict = Judge(gb, train, lambda stage: say(stage=stage)).judge(job.get("light", False))
         say(verdict=as_dict(verdict))
 
 

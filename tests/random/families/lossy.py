@@ -1,4 +1,4 @@
-"""Lossy gears: efficiencies, bearing torques and tables, reversals of torque and speed, beside springs, friction, planetaries."""
+"""Lossy gears: efficiencies, bearing torques and tables, reversals, beside springs, friction, planetaries."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 from tests.random.description import GROUND, WALL, Train
@@ -77,7 +78,7 @@ def _massless(g: Growth, a: str, b: str) -> None:
     for n in nodes[1:-1]:
         if d.chance(0.5):  # a body with J = 0
             g.add("light", "Inertia", {"a": n}, J=0.0)
-    for left, right in zip(nodes, nodes[1:], strict=False):
+    for left, right in pairwise(nodes):
         k = digits(g.reduced(a, b) * d.log(6.0, 60.0) ** 2)
         g.add(
             "shaft", "Shaft", {"a": left, "b": right}, k=k, c=digits(k / d.log(5.0, 2000.0)) if d.chance(0.5) else None

@@ -11,13 +11,13 @@ from tests.random.description import Train
 from tests.random.reference.dynamics import Dynamics
 from tests.random.reference.elements import system_of
 from tests.random.reference.integrate import Integration
-from tests.random.reference.switches import NoEvidence
+from tests.random.reference.switches import NoEvidenceError
 
 RTOL = 1e-11
 
 
 def reference_motion(train: Train, t: NDArray[np.float64], perturbation: float = 0.0, rtol: float = RTOL) -> Any:
-    """The motion of a train at times t; start speeds perturbed relatively. NoEvidence where the reference does not know."""
+    """The motion of a train at times t; start speeds perturbed relatively. NoEvidenceError where it does not know."""
     from tests.random.judge import Motion
 
     with np.errstate(all="ignore"):
@@ -27,4 +27,4 @@ def reference_motion(train: Train, t: NDArray[np.float64], perturbation: float =
     return Motion(angles, speeds, np.array(integration.modes.jumps))
 
 
-__all__ = ["NoEvidence", "reference_motion"]
+__all__ = ["NoEvidenceError", "reference_motion"]

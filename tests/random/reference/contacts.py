@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from tests.random.description import Part
 from tests.random.expressions import Node
-from tests.random.reference.switches import Context, NoEvidence, Switches
+from tests.random.reference.switches import Context, NoEvidenceError, Switches
 from tests.random.reference.system import Array, Stop, System
 
 Force = Callable[[float, float, float], tuple[float, float]]
@@ -60,9 +60,9 @@ def _zone(sw: Switches, gap: Any) -> Callable[[float], tuple[float, float, int]]
     b = fields["half_gap"]
     if fields.get("law", "exact") == "smooth":
         w = fields["width"]
-        return lambda x: (x + (math.hypot(x - b, w) - math.hypot(x + b, w)) / 2, math.nan, 1)
+        return lambda x: (x + (math.hypot(x - b, w) - math.hypot(x + b, w)) / 2, _smooth_potential(x, b, w), 1)
     if fields.get("law", "exact") != "exact":
-        raise NoEvidence("a polynomial backlash")
+        raise NoEvidenceError("a polynomial backlash")
     ahead, behind = sw.new(), sw.new()
 
     def zone(x: float) -> tuple[float, float, int]:
@@ -73,6 +73,15 @@ def _zone(sw: Switches, gap: Any) -> Callable[[float], tuple[float, float, int]]
 
     zone.switches = (ahead, behind)  # type: ignore[attr-defined]
     return zone
+
+
+def _smooth_potential(x: float, b: float, w: float) -> float:
+    """Integral of x + (hypot(x - b, w) - hypot(x + b, w))/2 from 0."""
+
+    def S(u: float) -> float:
+        return (u * math.hypot(u, w) + w * w * math.asinh(u / w)) / 2
+
+    return x * x / 2 + (S(x - b) - S(x + b)) / 2 + S(b)
 
 
 def _teeth(sw: Switches, gaps: tuple[float, ...]) -> Callable[[float], tuple[float, float, int]]:
@@ -98,7 +107,7 @@ def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
     A half wave of m x'' = -k x (1 + d x'/v) from v to -e v: d (1 + e) = ln((1 + d)/(1 - d e)).
     """
     if not hasattr(zone, "switches"):
-        raise NoEvidence("Hunt and Crossley without corners")
+        raise NoEvidenceError("Hunt and Crossley without corners")
     d = 0.0
     if e < 1:
         d = brentq(lambda d: d * (1 + e) - math.log((1 + d) / (1 - d * e)), 0.1 * (1 - e), (1 - 1e-14) / e, xtol=1e-15)
@@ -144,7 +153,7 @@ def spline(s: System, p: Part) -> None:
         hits(s, p, row, dict(p.field("backlash").args[1])["half_gap"] / r)
         return
     if p.field("stiffness_variation") is not None:
-        raise NoEvidence("a spline with a varying stiffness")
+        raise NoEvidenceError("a spline with a varying stiffness")
     i, force = s.law_row(row), contact_law(s, p, p.field("k"))
 
     def law(c: Context, f: list[float]) -> None:
@@ -168,7 +177,10 @@ def mesh(s: System, p: Part) -> None:
     i, j = s.law_row(one), s.law_row(two)
     k, z = p.field("k"), teeth[0]
     force = contact_law(s, p, k)
-    vary, error = _excitation(s, p.field("stiffness_variation"), i, z), _excitation(s, p.field("transmission_error"), i, z)
+    vary, error = (
+        _excitation(s, p.field("stiffness_variation"), i, z),
+        _excitation(s, p.field("transmission_error"), i, z),
+    )
 
     def law(c: Context, f: list[float]) -> None:
         v, v_phi, _ = vary(c)
@@ -198,7 +210,7 @@ def _excitation(s: System, effect: Any, i: int, z: int) -> Callable[[Context], t
 
         return square
     if "sin" in fields or "phase" in fields or name not in ("Fourier", "Harmonic"):
-        raise NoEvidence(f"this {name}")
+        raise NoEvidenceError(f"this {name}")
     a = fields["cos"]
 
     def wave(c: Context) -> tuple[float, float, float]:

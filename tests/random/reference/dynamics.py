@@ -14,7 +14,7 @@ import numpy as np
 
 from tests.random.reference.rubbing import merge
 from tests.random.reference.sharing import Sharing
-from tests.random.reference.switches import NoEvidence, is_zero
+from tests.random.reference.switches import NoEvidenceError, is_zero
 from tests.random.reference.system import Array, Dry, Lossy, Stop, System, derivative
 
 NONE = math.inf  # margin of what is not asked
@@ -33,7 +33,7 @@ class Dynamics:
         self.drives = [s.compile(signal) for signal, _ in s.prescribed.values()]
         for signal, kind in s.prescribed.values():
             if kind != "speed":
-                raise NoEvidence("a prescribed angle")
+                raise NoEvidenceError("a prescribed angle")
             derivative(signal)  # must be smooth
         self.nr, self.n1, self.np = s.Ur.shape[1], s.Z1.shape[1], s.P.shape[1]
         self.cut = np.cumsum([self.nr, self.n1, self.nr, self.np, s.extra])
@@ -90,12 +90,13 @@ class Dynamics:
         force = given - s.C @ v
         if len(s.R):
             force = force + self.RT @ np.array(f[: len(s.R)])
-        fr = s.Ur.T @ force if s.has_massless else force
         vr = y[self.cut[1] : self.cut[2]]
         if self.plain:
-            a, values = s.Minv @ fr, []
+            a, values = s.Minv @ force, []
         else:
-            a, values = self._constrained(fr, q, v, margins)
+            a, values = self._constrained(force, q, v, margins)
+        if s.has_massless:
+            a = s.Ur.T @ a
         rates = [vr, v1, a, np.array([d(c) for d in self.drives]), np.array([f[-1 - i] for i in range(s.extra)])]
         dy = np.concatenate(rates)
         if not margins:
@@ -174,15 +175,15 @@ class Dynamics:
             return G, MB, W, None
         high = np.abs(W).max(axis=1)
         if not high.all():
-            raise NoEvidence("a lock on what cannot move")
+            raise NoEvidenceError("a lock on what cannot move")
         scale = np.sqrt(high)
         if np.linalg.cond(W / np.outer(scale, scale)) < 1e10:
             return G, MB, np.linalg.inv(W), None
         W = W / np.outer(scale, scale)
         _, sizes, V = np.linalg.svd(W)
         free = sizes < 1e-10 * sizes.max()
-        if self.s.nonlinear or free.sum() > 2:
-            raise NoEvidence("locks that share a load")
+        if self.s.nonlinear or free.sum() > 4:
+            raise NoEvidenceError("locks that share a load")
         return G, MB, np.linalg.pinv(W, rcond=1e-10) / np.outer(scale, scale), (V[free] / scale).T
 
     def _shared(self, values: list[float], numbers: Array, null: Array) -> list[float]:
@@ -302,7 +303,7 @@ class Dynamics:
                     values.append(value)
         n = s.N.shape[1]
         if s.nonlinear and any(angles):
-            raise NoEvidence("a start off zero beside a nonlinear tie")
+            raise NoEvidenceError("a start off zero beside a nonlinear tie")
         tied = [g.ra - g.ratio * g.rb for g in s.lossy]
         q = _fit(rows + tied, angles + [0.0] * len(tied), n)
         v0 = _fit(sped + tied + [x.rate(q, np.zeros(n))[0] for x in s.nonlinear],
@@ -312,7 +313,19 @@ class Dynamics:
             size = max(float(np.abs(v0).max()), 1.0)
             v0 = v0 + perturbation * size * free @ np.array([random.uniform(-1, 1) for _ in range(free.shape[1])])
         qr, vr = s.Ur.T @ q, s.Ur.T @ v0
-        return np.concatenate([qr, s.Z1.T @ q, vr, np.zeros(self.np), np.array(s.start)])
+        return np.concatenate([qr, self._balanced(qr), vr, np.zeros(self.np), np.array(s.start)])
+
+    def _balanced(self, qr: Array) -> Array:
+        """Start angles of nodes without inertia: nobody gives them, so they rest in balance with what is at rest."""
+        s, c = self.s, self.s.context
+        if not self.n1:
+            return np.zeros(0)
+        c.t, Z = 0.0, np.hstack([s.Z1, s.Z2])
+        push = s.torque_rows.T @ np.array([f(c) for _, f, _ in s.torques]) if s.torques else np.zeros(len(Z))
+        stiffness = Z.T @ s.K @ Z
+        if np.linalg.cond(stiffness) > 1e10:
+            raise NoEvidenceError("a massless node that only dampers hold")
+        return np.asarray(np.linalg.solve(stiffness, Z.T @ (push - s.K @ (s.Ur @ qr)))[: self.n1])
 
     def motion(self, t: float, y: Array, bodies: list[int]) -> tuple[Array, Array]:
         """Angles and speeds of nodes; NaN for a speed that only its rate of balance would give."""
@@ -333,7 +346,7 @@ def _fit(rows: list[Array], values: list[float], n: int) -> Array:
     A, b = np.array(rows), np.array(values)
     x = np.linalg.lstsq(A, b, rcond=1e-12)[0]
     if np.abs(A @ x - b).max() > 1e-9 * max(1.0, np.abs(b).max()):
-        raise NoEvidence("start values that contradict each other")
+        raise NoEvidenceError("start values that contradict each other")
     return np.asarray(x)
 
 

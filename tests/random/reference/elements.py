@@ -11,20 +11,20 @@ import numpy as np
 from tests.random.description import GROUND, Part, Train
 from tests.random.expressions import Node, walk
 from tests.random.reference import contacts, rubbing
-from tests.random.reference.switches import Context, NoEvidence, Table2, ellipse
+from tests.random.reference.switches import Context, NoEvidenceError, Table2, ellipse
 from tests.random.reference.system import Array, System, Tie
 
 
 def system_of(train: Train) -> System:
-    """The system of a train; NoEvidence for what it has no law for."""
+    """The system of a train; NoEvidenceError for what it has no law for."""
     if train.initial is not None:
-        raise NoEvidence("a static start")
+        raise NoEvidenceError("a static start")
     s = System(train)
     ordered = sorted(train.parts, key=lambda p: p.block not in ("Governor",))
     for part in ordered:
         add = ELEMENTS.get(part.block)
         if add is None:
-            raise NoEvidence(f"the block {part.block}")
+            raise NoEvidenceError(f"the block {part.block}")
         add(s, part)
     s.context.aux = [0.0] * len(s.aux)
     s.reduce()
@@ -90,8 +90,8 @@ def nonlinear_tie(
 
     def rate(q: Array, v: Array) -> tuple[Array, float]:
         ra, rb = a @ s.N, b @ s.N
-        if s.P.shape[1]:
-            raise NoEvidence("a nonlinear tie beside a prescribed motion")
+        if np.abs([*(a @ s.P), *(b @ s.P)]).max(initial=0.0) > 0:
+            raise NoEvidenceError("a nonlinear tie beside a prescribed motion")
         phi, w = float(ra @ q), float(ra @ v)
         return rb - sign * m(phi) * ra, -sign * dm(phi) * w * w
 
@@ -102,7 +102,7 @@ def noncircular(s: System, p: Part) -> None:
     """phi_b = -+F(phi_a): a tie, or with k a contact of q = F(theta) -+ phi_b."""
     law = p.field("law")
     if not isinstance(law, Node) or law.args[0] != "RatioLaw.ellipse":
-        raise NoEvidence("a ratio law")
+        raise NoEvidenceError("a ratio law")
     fields = dict(law.args[1])
     F, m, dm = ellipse(fields["e"], fields.get("order", 1))
     a, b = relative(s, p, "a", "carrier"), relative(s, p, "b", "carrier")
@@ -163,7 +163,7 @@ def speed(s: System, p: Part) -> None:
     """A prescribed speed of a node that nothing else prescribes."""
     node = p.node("flange")
     if p.node("housing") != GROUND or node in s.prescribed or p.field("filter") is not None:
-        raise NoEvidence("this prescribed motion")
+        raise NoEvidenceError("this prescribed motion")
     s.prescribed[node] = (p.field("w"), "speed")
 
 
@@ -193,7 +193,7 @@ def square(s: System, row: Array, c2: float) -> None:
 def vehicle(s: System, p: Part) -> None:
     """Mass, drag, rolling resistance as dry friction, slope; without tyre."""
     if p.field("tyre") is not None or p.field("rolling_speed") is not None:
-        raise NoEvidence("a tyre")
+        raise NoEvidenceError("a tyre")
     r, m = p.field("wheel_radius"), p.field("mass")
     row, grade = s.node(p.node("flange")), p.field("grade", 0.0)
     s.J[s.index[p.node("flange")]] += m * r * r
@@ -289,5 +289,3 @@ ELEMENTS: dict[str, Any] = {
     "BearingFriction": rubbing.bearing, "DogClutch": rubbing.dog, "Synchronizer": rubbing.clutch,
     "LossyGear": rubbing.lossy_gear, "Worm": rubbing.worm,
 }  # fmt: skip
-
-__all__ = ["np", "system_of"]

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from tests.random.reference.dynamics import Dynamics
 from tests.random.reference.modes import Modes
-from tests.random.reference.switches import NoEvidence
+from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
 
 MOST_EVENTS = 4000
@@ -56,7 +56,7 @@ class Integration:
             still = still + 1 if end - now <= 1e-13 * self.span else 0
             events += 1
             if events > MOST_EVENTS or still > 30:
-                raise NoEvidence("events without end")
+                raise NoEvidenceError("events without end")
             now, y = end, self._event(end, state, which)
         return angles, speeds
 
@@ -70,9 +70,9 @@ class Integration:
             failed = solver.step()
             self.steps += 1
             if failed is not None and solver.status == "failed":
-                raise NoEvidence("the reference's step size fell to nothing")
+                raise NoEvidenceError("the reference's step size fell to nothing")
             if self.steps > MOST_STEPS:
-                raise NoEvidence("too many steps")
+                raise NoEvidenceError("too many steps")
             f = solver.dense_output()
             found, before = self._search(solver.t_old, solver.t, f, before)
             if found is not None:

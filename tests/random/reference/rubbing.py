@@ -11,7 +11,7 @@ import numpy as np
 
 from tests.random.description import Part
 from tests.random.expressions import Node
-from tests.random.reference.switches import Context, NoEvidence, Signal, Table1
+from tests.random.reference.switches import Context, NoEvidenceError, Signal, Table1
 from tests.random.reference.system import Array, Dry, Lossy, Member, System
 
 
@@ -62,7 +62,11 @@ def _friction_fields(s: System, p: Part) -> tuple[Signal, Callable[[Context, flo
     xs, ys, kind, periodic, _ = mu.args
     table = Table1(s.sw, xs, ys, kind, periodic)
     rest = value_at(xs, ys, kind, 0.0)
-    return engagement, lambda c, slip: table(abs(slip)) * force * engagement(c), lambda c: peak * rest * force * engagement(c)
+    return (
+        engagement,
+        lambda c, slip: table(abs(slip)) * force * engagement(c),
+        lambda c: peak * rest * force * engagement(c),
+    )
 
 
 def value_at(xs: tuple[float, ...], ys: tuple[float, ...], kind: str, x: float) -> float:
@@ -143,7 +147,9 @@ def dog(s: System, p: Part) -> None:
     """Locked without limit while engaged > 0."""
     row = s.node(p.node("b")) - s.node(p.node("a"))
     engaged = s.compile(p.field("engaged"))
-    member = Member(p.name, 1.0, engaged, lambda c, slip: 0.0, lambda c: (-math.inf, math.inf), switch=s.sw.new(), dog=True)
+    member = Member(
+        p.name, 1.0, engaged, lambda c, slip: 0.0, lambda c: (-math.inf, math.inf), switch=s.sw.new(), dog=True
+    )
     group(s, row, member)
 
 
@@ -202,10 +208,14 @@ def lossy_gear(s: System, p: Part) -> None:
 
 def worm(s: System, p: Part) -> None:
     """eta1 = (cos a - mu tan g)/(cos a + mu/tan g), eta2 = (cos a - mu/tan g)/(cos a + mu tan g)."""
-    c, t, mu = math.cos(p.field("pressure_angle", 0.3490658503988659)), math.tan(p.field("lead_angle")), p.field("friction")
+    c, t, mu = (
+        math.cos(p.field("pressure_angle", 0.3490658503988659)),
+        math.tan(p.field("lead_angle")),
+        p.field("friction"),
+    )
     one, two = (c - mu * t) / (c + mu / t), (c - mu / t) / (c + mu * t)
     if two <= 0:
-        raise NoEvidence("a worm that locks itself")
+        raise NoEvidenceError("a worm that locks itself")
     a = s.node(p.node("a")) - s.node(p.node("housing"))
     b = s.node(p.node("b")) - s.node(p.node("housing"))
     s.lossy.append(Lossy(a, b, p.field("ratio"), lambda w: (one, two, 0.0, 0.0)))

@@ -1,4 +1,4 @@
-"""Loads that the motion leaves open: whether locks and gears at rest can share them within their bounds, and with how much room.
+"""Loads that the motion leaves open: can locks and gears at rest share them within their bounds, and with how much room?
 
     l = l0 + null x;  room = max over x of the smallest margin, >= 0 where there is a way to share
 

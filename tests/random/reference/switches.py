@@ -17,7 +17,7 @@ from scipy.interpolate import CubicSpline
 from tests.random.expressions import Node
 
 
-class NoEvidence(Exception):
+class NoEvidenceError(Exception):
     """The reference does not know, and says why."""
 
 
@@ -63,9 +63,7 @@ class Switches:
 
     def margins(self) -> list[float]:
         """>= 0 while every mode is right."""
-        return [
-            v if (i in self.jumps or m) else -v for i, (v, m) in enumerate(zip(self.value, self.mode, strict=True))
-        ]
+        return [v if (i in self.jumps or m) else -v for i, (v, m) in enumerate(zip(self.value, self.mode, strict=True))]
 
     def flip(self, i: int) -> None:
         """The side behind the value's zero."""
@@ -81,7 +79,9 @@ class Switches:
 class Table1:
     """A table with frozen segments: linear, cubic (flat ends, or periodic) or step; held outside, or repeated."""
 
-    def __init__(self, switches: Switches, x: tuple[float, ...], y: tuple[float, ...], kind: str, periodic: bool) -> None:
+    def __init__(
+        self, switches: Switches, x: tuple[float, ...], y: tuple[float, ...], kind: str, periodic: bool
+    ) -> None:
         self.sw, self.x, self.y, self.kind, self.periodic = switches, list(x), list(y), kind, periodic
         self.low, self.high = switches.new(), switches.new()
         switches.jumps[self.low] = switches.jumps[self.high] = self.low
@@ -120,16 +120,13 @@ class Table1:
             return float(e + d * (c + d * (b + d * a)))
         return self.y[i] + d * (self.y[i + 1] - self.y[i]) / (self.x[i + 1] - self.x[i])
 
-    def integral(self) -> None:
-        """Not needed: the reference has no ledger."""
-
 
 class Table2:
     """A bilinear table, held at its edges."""
 
     def __init__(self, switches: Switches, fields: dict[str, Any]) -> None:
         if fields.get("kind", "linear") != "linear":
-            raise NoEvidence("a cubic map")
+            raise NoEvidenceError("a cubic map")
         self.x, self.y, self.z = fields["x"], fields["y"], fields["z"]
         self.axes = [Table1(switches, a, a, "linear", False) for a in (self.x, self.y)]
 
@@ -236,10 +233,12 @@ class Compiler:
                 return one if bool(sw(i, one - other)) == largest else other
 
             return extreme
-        raise NoEvidence(f"the function {op}")
+        raise NoEvidenceError(f"the function {op}")
 
 
-def ellipse(e: float, order: int) -> tuple[Callable[[float], float], Callable[[float], float], Callable[[float], float]]:
+def ellipse(
+    e: float, order: int
+) -> tuple[Callable[[float], float], Callable[[float], float], Callable[[float], float]]:
     """F, F' and F'' of a pair of elliptic gears: tan(n F/2) = K tan(n phi/2), K = (1 + e)/(1 - e)."""
     K = (1 + e) / (1 - e)
 

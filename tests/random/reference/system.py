@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from tests.random.description import FIXED, Train
 from tests.random.expressions import Node
-from tests.random.reference.switches import Compiler, Context, NoEvidence, Signal, Switches, is_zero
+from tests.random.reference.switches import Compiler, Context, NoEvidenceError, Signal, Switches, is_zero
 
 Array = NDArray[np.float64]
 Law = Callable[[Context, list[float]], None]
@@ -25,7 +25,7 @@ Law = Callable[[Context, list[float]], None]
 
 @dataclass
 class Member:
-    """One friction element of a group. scale: its slip over that of the group; reach: limits of what it holds, along its slip."""
+    """One friction element of a group. scale: its slip over that of the group; limits: of what it holds, along its slip."""
 
     name: str
     scale: float
@@ -134,12 +134,11 @@ class System:
                 self.sensed[name] = self.law_row(self.node(body.node("a")))
             i = self.sensed[name]
             signal: Any = (lambda c: c.X[i]) if output in ("phi", "s") else (lambda c: c.V[i])
-            signal = _Sensed(signal, i if output == "phi" else None)
-            return signal
+            return _Sensed(signal, i if output == "phi" else None)
         if output == "command":
             i = self.aux.setdefault(path, len(self.aux))
             return lambda c: c.aux[i]
-        raise NoEvidence(f"the output {path}")
+        raise NoEvidenceError(f"the output {path}")
 
     # -- reduction ----------------------------------------------------------------------------------------------------
 
@@ -152,7 +151,7 @@ class System:
         self.RP = np.array(self.law_rows).reshape(-1, len(self.node_names)) @ self.P
         self.K, self.C = np.zeros((n, n)), np.zeros((n, n))
         self.KP, self.CP = np.zeros((n, self.P.shape[1])), np.zeros((n, self.P.shape[1]))
-        for (rows, matrix, driven) in ((self.springs, self.K, self.KP), (self.dampers, self.C, self.CP)):
+        for rows, matrix, driven in ((self.springs, self.K, self.KP), (self.dampers, self.C, self.CP)):
             for row, k in rows:
                 r = row @ self.N
                 matrix += k * np.outer(r, r)
@@ -182,7 +181,7 @@ class System:
             pivots.append(column)
             row += 1
         if row < len(A) and not is_zero(A[row:]):
-            raise NoEvidence("ties of prescribed motions")
+            raise NoEvidenceError("ties of prescribed motions")
         free = [i for i in range(count) if i not in pivots and i not in given]
         T = np.zeros((count, len(free) + len(given)))
         for j, i in enumerate([*free, *given]):
@@ -204,22 +203,22 @@ class System:
         top = max(float(damped.max(initial=0.0)), 1e-300)
         self.Z1, self.Z2 = Z @ V[:, damped > 1e-12 * top], Z @ V[:, damped <= 1e-12 * top]
         if self.Z1.shape[1] and damped.max() <= 0:
-            raise NoEvidence("massless directions")
+            raise NoEvidenceError("massless directions")
         if not is_zero(self.C @ self.Z2):
-            raise NoEvidence("damping that is no square")
-        self.Minv = np.linalg.inv(self.Ur.T @ self.M @ self.Ur)
+            raise NoEvidenceError("damping that is no square")
+        self.Minv = self.Ur @ np.linalg.inv(self.Ur.T @ self.M @ self.Ur) @ self.Ur.T
         self.C11 = np.linalg.inv(self.Z1.T @ self.C @ self.Z1)
         K22 = self.Z2.T @ self.K @ self.Z2
         if len(K22) and np.linalg.cond(K22) > 1e8:
-            raise NoEvidence("a massless node that nothing holds")
+            raise NoEvidenceError("a massless node that nothing holds")
         self.K22 = np.linalg.inv(K22)
         units = [d.row for d in self.dry] + [s.row for s in self.stops] + [r for x in self.lossy for r in (x.ra, x.rb)]
         rows = [*self.R, *(r @ self.N for r in units)]
-        if not all(is_zero(r @ Z) for r in rows) or self.nonlinear:
-            raise NoEvidence("a law or switch beside a massless node")
+        if not all(is_zero(r @ Z) for r in rows):
+            raise NoEvidenceError("a law or switch beside a massless node")
         for (_, _, timely), row in zip(self.torques, self.torque_rows, strict=True):
             if not timely and not is_zero(row @ Z):
-                raise NoEvidence("a controlled torque on a massless node")
+                raise NoEvidenceError("a controlled torque on a massless node")
 
     @property
     def has_massless(self) -> bool:
@@ -238,7 +237,7 @@ class _Sensed:
 
 
 def derivative(x: Any) -> Any:
-    """The derivative of a tree over time; NoEvidence where it has none."""
+    """The derivative of a tree over time; NoEvidenceError where it has none."""
     if not isinstance(x, Node):
         return 0.0
     if x.op == "time":
@@ -254,4 +253,4 @@ def derivative(x: Any) -> Any:
         return Node("*", (-1.0, Node("*", (Node("sin", x.args), derivative(x.args[0])))))
     if x.op == "exp":
         return Node("*", (x, derivative(x.args[0])))
-    raise NoEvidence(f"the rate of {x.op}")
+    raise NoEvidenceError(f"the rate of {x.op}")

@@ -1,0 +1,83 @@
+"""The short form of the campaign, and what the campaign itself must not get wrong."""
+
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+if str(ROOT) not in sys.path:
+    sys.path.insert(0, str(ROOT))
+
+from tests.random.description import GROUND, Part, Train, script  # noqa: E402
+from tests.random.families import FAMILIES, draw  # noqa: E402
+from tests.random.reduce import from_plain, to_plain  # noqa: E402
+from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
+
+
+def test_the_fixed_trains_of_every_family_are_right():
+    command = [sys.executable, "-m", "tests.random", "--short", "--workers", "1"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+    rows = [line.split("|")[1:-1] for line in done.stdout.splitlines() if line.startswith("| all")]
+    numbers = [int(x) for x in rows[0][1:]]
+    assert numbers[0] == numbers[1] == numbers[-1] >= 18  # all are right, by the reference
+
+
+def test_a_seed_is_one_train_whatever_was_drawn_before():
+    for family in FAMILIES:
+        assert draw(family, 5) == draw(family, 5) != draw(family, 6)
+
+
+def test_a_description_survives_the_way_to_a_worker():
+    for family in FAMILIES:
+        for seed in range(20):
+            train = draw(family, seed)
+            assert from_plain(to_plain(train)) == train
+            compile(script(train), "script", "exec")
+
+
+T = np.linspace(0.0, 1.0, 11)
+
+
+def _train(*parts, t_end=1.0):
+    return Train("closed form", 0, parts, t_end)
+
+
+def test_the_reference_stops_a_braked_wheel_when_momentum_says():
+    wheel = Part("j", "Inertia", (("J", 2.0), ("w0", 3.0)), (("a", "j"),))
+    brake = Part("b", "Brake", (("capacity", 10.0),), (("a", "j"), ("housing", GROUND)))
+    motion = reference_motion(_train(wheel, brake), T)  # 3 - 5 t until 0.6 s
+    assert np.abs(motion.speeds[0] - np.maximum(3 - 5 * T, 0)).max() < 1e-12
+    assert abs(motion.angles[0, -1] - 0.9) < 1e-12
+
+
+def test_the_reference_bounces_as_newton_says():
+    body = Part("j", "Inertia", (("J", 1.0), ("w0", 2.0)), (("a", "j"),))
+    stop = Part("s", "HardStop", (("upper", 1.0), ("restitution", 0.5)), (("a", "j"),))
+    motion = reference_motion(_train(body, stop), T)  # hits at 0.5 s, goes back with 1 rad/s
+    assert np.abs(motion.angles[0] - np.where(T < 0.5, 2 * T, 1.5 - T)).max() < 1e-12
+    assert motion.jumps == pytest.approx([0.5], abs=1e-13)
+
+
+def test_the_reference_loses_in_a_gear_what_its_efficiency_says():
+    a = Part("a", "Inertia", (("J", 1.0), ("w0", 3.0)), (("a", "a"),))
+    b = Part("b", "Inertia", (("J", 1.0),), (("a", "b"),))
+    gear = Part("g", "LossyGear", (("ratio", 3.0), ("efficiency", (0.9, 0.8))), (("a", "a"), ("b", "b")))
+    drive = Part("t", "Torque", (("tau", 2.0),), (("flange", "a"),))
+    motion = reference_motion(_train(a, b, gear, drive), T)
+    alpha = 2.0 / (1.0 + 1.0 / (9.0 * 0.9))  # a drives: 2 - tau = a, 3 0.9 tau = a/3
+    assert np.abs(motion.speeds[0] - 3 - alpha * T).max() < 1e-11
+    braked = replace(drive, fields=(("tau", -2.0),))
+    motion = reference_motion(_train(a, b, gear, braked), T)
+    alpha = -2.0 / (1.0 + 1.0 * 0.8 / 9.0)  # b drives: 3/0.8 tau = a/3
+    assert np.abs(motion.speeds[0] - 3 - alpha * T).max() < 1e-11
+
+
+def test_the_reference_says_where_it_has_no_law():
+    body = Part("j", "Inertia", (("J", 1.0),), (("a", "j"),))
+    with pytest.raises(NoEvidenceError, match="TorqueConverter"):
+        reference_motion(_train(body, Part("c", "TorqueConverter", (), ())), T)
