@@ -19,9 +19,9 @@ from gearblocks.assembly.elimination import Combination, Elimination, Row, row_s
 from gearblocks.assembly.kinematics import DependentGroup
 from gearblocks.assembly.rigid_constraints import Groups
 from gearblocks.assembly.tables import ExactValues
-from gearblocks.laws.energy_balance import vanishes
 from gearblocks.laws.law import Law
 from gearblocks.laws.rational import exact_value
+from gearblocks.laws.vanishing import vanishes
 from gearblocks.train.graph import GROUND, Component
 
 _ROUNDING = 1e-12  # of the sizes of what cancels: factors that are floats
@@ -100,7 +100,7 @@ def _shares(law: Law, gradient: dict[str, Any]) -> set[int] | None:
         done.add(pivot)
         for n, c in form.coefficients.items():
             left[n] = left.get(n, 0) - share * c
-    return found if all(vanishes(sp.sympify(x), law.pool) for x in left.values()) else None
+    return found if all(vanishes(sp.sympify(x), law) for x in left.values()) else None
 
 
 def _alone(law: Law, flange: str, number: int) -> bool:

@@ -12,6 +12,9 @@ from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import flange_names, slider_names, unit_along, words_along
 
+POWER_INTO_FLANGE = "power from the block into the flange"
+"""Words of the outputs by which a block gives power."""
+
 
 def components_of(g: Generator, code: BatchCode) -> list[Component]:
     """The components of a batch, one per instance."""
@@ -30,7 +33,7 @@ def flange_outputs(g: Generator) -> Iterator[Quantity]:
     """Outputs of the flanges and the coordinates for reading, which follow the outputs of the blocks."""
     for i, (unit, words) in enumerate((
         ("rad", "angle"), ("rad/s", "speed"), ("N m", "torque of the block on the flange"),
-        ("W", "power from the block into the flange"),
+        ("W", POWER_INTO_FLANGE),
     )):  # fmt: skip
         for code in g.codes:
             for flange in code.batch.flanges:

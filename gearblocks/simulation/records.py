@@ -58,7 +58,9 @@ class EnergyLedger:
     stored: per element at the end of the run; start: their sum at its beginning;
     dissipated, supplied: per element over the run (parametric work counts as supplied);
     exchanged: sum of all amounts that went in or out, each step without its sign;
-    largest_stored: greatest total during the run.
+    largest_stored: greatest total during the run;
+    unbalanced: where the residual is above 10 rtol, what the balance of each element misses over the first steps of the run
+    (what it stored, lost and passed on more than it was supplied with), largest first.
     """
 
     stored: Mapping[str, float] = field(default_factory=dict)
@@ -67,9 +69,10 @@ class EnergyLedger:
     supplied: Mapping[str, float] = field(default_factory=dict)
     exchanged: float = 0.0
     largest_stored: float = 0.0
+    unbalanced: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in ("stored", "dissipated", "supplied"):
+        for name in ("stored", "dissipated", "supplied", "unbalanced"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -104,11 +107,18 @@ class EnergyLedger:
             "supplied": dict(self.supplied),
             "exchanged": self.exchanged,
             "largest_stored": self.largest_stored,
+            **({"unbalanced": dict(self.unbalanced)} if self.unbalanced else {}),
         }
+
+    @property
+    def culprit(self) -> str:
+        """The element whose own balance misses most, where the residual is above 10 rtol and it could be found; else ""."""
+        return next(iter(self.unbalanced), "")
 
     def __repr__(self) -> str:
         counts = f"{len(self.stored)} stored, {len(self.supplied)} supplied, {len(self.dissipated)} dissipated"
-        return f"<EnergyLedger: {counts}; residual {self.residual:.1e} of a turnover of {self.turnover:.6g} J>"
+        most = f", most of it in '{self.culprit}'" if self.culprit else ""
+        return f"<EnergyLedger: {counts}; residual {self.residual:.1e} of a turnover of {self.turnover:.6g} J{most}>"
 
     def __str__(self) -> str:
         rows = [("stored at the start", self.start), ("stored at the end", self.end)]
@@ -118,6 +128,10 @@ class EnergyLedger:
         width = max(len(words) for words, _ in rows)
         lines = [f"{words:<{width}}  {value: .6e} J" for words, value in rows]
         lines.append(f"{'residual':<{width}}  {self.residual: .1e} of a turnover of {self.turnover:.6e} J")
+        if self.culprit:
+            lines.append(
+                f"the balance of '{self.culprit}' misses {self.unbalanced[self.culprit]:.2g} J in the first steps"
+            )
         return "\n".join(lines)
 
 

@@ -34,6 +34,7 @@ _HOT = (
     "gb_dense_output.c",
     "gb_error_control.c",
     "gb_evaluate.c",
+    "gb_ledger.c",
     "gb_locate_polynomial.c",
     "gb_rosenbrock.c",
     "gb_runge_kutta.c",

@@ -13,7 +13,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_error_control", "gb_evaluate", "gb_constraint_forces", "gb_impact", "gb_snapshot"),
     ("gb_angle_wrapping", "gb_lossy_gear", "gb_method_choice", "gb_point", "gb_step_matrix"),
     ("gb_dense_output", "gb_constraint_switching"),
-    ("gb_locate_sampled", "gb_event", "gb_panel", "gb_force_enclosure"),
+    ("gb_locate_sampled", "gb_event", "gb_panel", "gb_force_enclosure", "gb_ledger"),
     ("gb_locate_enclosed",),
     ("gb_locate_polynomial", "gb_start"),
     ("gb_step",),

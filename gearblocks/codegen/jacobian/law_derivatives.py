@@ -16,7 +16,7 @@ import sympy as sp
 from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.operands import Assignment, Local, Operand, Role
-from gearblocks.laws.energy_balance import vanishes
+from gearblocks.laws.vanishing import vanishes
 
 
 @dataclass(slots=True)
@@ -169,7 +169,7 @@ class Slopes:
             left = b[x] * row[pivot] - b[pivot] * a
             while left.free_symbols & whole.keys():
                 left = left.xreplace(whole)
-            if not vanishes(left, self.code.law.pool):
+            if not vanishes(left, self.code.law):
                 return False
         return True
 

@@ -2,9 +2,6 @@
 #include "gb_rosenbrock.h"
 #include "gb_vector.h"
 
-/* Tolerance of the ledger below which rounding of powers that cancel would decide. */
-static const double LEAST = 1e-12;
-
 /* exp2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
 static double rough_exp2(double x) {
     const double within = gb_min(gb_max(x, -1000.0), 1000.0), whole = floor(within), f = within - whole;
@@ -14,8 +11,7 @@ static double rough_exp2(double x) {
     return power * (1.0 + f * (0.6951 + f * (0.2276 + f * 0.0773)));
 }
 
-/* log2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
-static double rough_log2(double x) {
+double gb_rough_log2(double x) {
     uint64_t bits;
     double m;
     memcpy(&bits, &x, sizeof bits);
@@ -229,86 +225,6 @@ static double last_norm(const gb_sim *sim) {
     return largest_of(worst);
 }
 
-/* How far the energies of the step just computed may be off, all together, without the factor h. */
-static double exchange_error(const gb_sim *sim, const gb_weights *e) {
-    const gb_model *model = sim->model;
-    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_quadratures;
-    double sum = 0.0;
-    for (int i = from; i < to; i++) {
-        double error = 0.0;
-        for (int j = 0; j < e->count; j++) {
-            error += e->value[j] * sim->k[(size_t)e->index[j] * (size_t)model->n_total + (size_t)i];
-        }
-        sum += fabs(error);
-    }
-    return sum;
-}
-
-/* The second and third differences of the rates of the energies at the four points of an implicit step: for a power
- * sin wt at most (wh)^2/60 and (wh)^3/450 of it, so that third and second powers exceed the error (wh)^6/1512000. */
-static void exchange_bend(const gb_sim *sim, double *second, double *third) {
-    const gb_model *model = sim->model;
-    const int from = model->n_padded + model->n_angles, to = model->n_padded + model->n_quadratures;
-    const size_t total = (size_t)model->n_total;
-    const double *first = sim->k1, *end = sim->k + (size_t)sim->method->stages * total, *one = end + total,
-                 *two = one + total, root = sqrt(5.0);
-    *second = *third = 0.0;
-    for (int i = from; i < to; i++) {
-        *second += fabs((first[i] - one[i]) + (end[i] - two[i])) / 12.0;
-        *third += fabs((end[i] - first[i]) - root * (two[i] - one[i])) / 15.0;
-    }
-}
-
-/* The exchange of the step just computed, and a small part of the turnover so far and of what is stored. */
-static double exchange_size(gb_sim *sim, int with_stored) {
-    const gb_model *model = sim->model;
-    gb_head *head = sim->head;
-    double step = 0.0;
-    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_quadratures; i++) {
-        step += fabs(sim->z[i] - sim->y0[i]);
-    }
-    if (with_stored) {
-        double stored = 0.0;
-        model->energies(sim->par, sim->mode, sim->lanes.time_terms + sim->method->stages, sim->z,
-                        sim->scratch.energies);
-        for (int i = 0; i < model->n_energies; i++) {
-            stored += fabs(sim->scratch.energies[i]);
-        }
-        head->ledger.stored = gb_max(head->ledger.stored, stored);
-    }
-    return step + 0.05 * (head->ledger.turnover + head->ledger.stored);
-}
-
-double gb_log_exchange_error(gb_sim *sim, double h) {
-    const gb_method *method = sim->method;
-    const int implicit = method->gamma > 0.0;
-    const double rtol = gb_max(sim->head->options.rtol, LEAST);
-    double first, second = 0.0, found = -100.0;
-    if (implicit) {
-        exchange_bend(sim, &first, &second);
-    } else {
-        first = exchange_error(sim, &method->e[0]);
-        second = method->n_errors > 1 ? exchange_error(sim, &method->e[1]) : 0.0;
-    }
-    for (int with_stored = 0; with_stored < 2; with_stored++) {
-        const double size = exchange_size(sim, with_stored) / h, one = first / size, two = second / size;
-        if (!(size > 0.0 && one + two > 1e-30)) {
-            return -100.0;
-        }
-        if (implicit) {
-            found = rough_log2(gb_max(one * one * one, two * two) / rtol + 1e-30);
-        } else if (method->n_errors == 1) {
-            found = rough_log2(one / rtol);
-        } else {
-            found = rough_log2(one * one / sqrt(one * one + 0.01 * two * two) / rtol + 1e-30);
-        }
-        if (found <= 0.0) {
-            return found;
-        }
-    }
-    return found;
-}
-
 double gb_log_error(const gb_sim *sim, double h) {
     const gb_method *method = sim->method;
     const double first = h * (method->gamma > 0.0 ? last_norm(sim) : error_norm(sim, &method->e[0]));
@@ -316,11 +232,11 @@ double gb_log_error(const gb_sim *sim, double h) {
         return -100.0;
     }
     if (method->n_errors == 1) {
-        return rough_log2(first);
+        return gb_rough_log2(first);
     }
     const double second = h * error_norm(sim, &method->e[1]);
     if (sim->unlocated.crossed) { /* at a corner both are of order 2, and their quotient tells nothing */
-        return rough_log2(gb_max(first, 0.1 * second));
+        return gb_rough_log2(gb_max(first, 0.1 * second));
     }
-    return 2.0 * rough_log2(first) - 0.5 * rough_log2(first * first + 0.01 * second * second);
+    return 2.0 * gb_rough_log2(first) - 0.5 * gb_rough_log2(first * first + 0.01 * second * second);
 }

@@ -1,7 +1,7 @@
 /* Error estimates and step sizes:  err = max_i |e_i| / weight_i,   h_next = h err^(-1/p) with PI control. Error weight
  * of a state: rtol times its tolerance scale, which is the largest value it had, its natural scale, or what its rate
  * gives at first, plus h times the noise of its rate. There is no absolute tolerance: every state is measured against
- * its own history. The ledger is controlled by what a step exchanges.
+ * its own history.
  * Assumed: the stages of the step just computed.
  * Sources: Hairer, Norsett and Wanner 1993, II.4 (first step, error of order 8 from two estimates: II.10); Hairer and
  * Wanner 1996, IV.2 (PI control); exp2 and log2 to about 1e-3 here.
@@ -10,6 +10,9 @@
 #define GB_ERROR_CONTROL_H
 
 #include "gb_internal.h"
+
+/* log2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
+double gb_rough_log2(double x);
 
 /* Error weights 1 / (rtol scale + h noise). The tolerance scale of a state is its largest value so far, its natural
  * scale where the train knows one, and before the first step what its rate gives; never less than a small part of the
@@ -29,10 +32,6 @@ double gb_step_factor(gb_sim *sim, double log_error, int accepted);
 
 /* A first step from the rates at the start and after a small Euler step (after Hairer, Norsett, Wanner 1993, II.4). */
 double gb_first_step(gb_sim *sim);
-
-/* log2 of the error of the ledger in the step just computed, in units of the tolerance times its exchange. What is
- * stored counts too, and is asked for only where it decides. */
-double gb_log_exchange_error(gb_sim *sim, double h);
 
 /* log2 of the largest error of a state in units of its weight. */
 double gb_log_error(const gb_sim *sim, double h);

@@ -80,9 +80,17 @@ struct gb_pace {
     int unscaled;                       /* a state has no tolerance scale yet: weights follow the trial step */
 };
 
-/* Energies that steps exchange; stored: the largest that a look at it found. */
+/* Energies that steps exchange, and what the last look at their error found. */
 struct gb_ledger {
-    double turnover, turnover_segment, stored;
+    double turnover, turnover_segment;
+    double stored;               /* the largest that a look at it found */
+    double noise;                /* of the powers, all together */
+    double log_dense;            /* error inside a step in units of its tolerance, base 2 */
+    double found, h_found;       /* what the last look that was content found there, and its step size */
+    uint64_t found_modes;        /* the modes there */
+    long long found_at, look_at; /* steps that were done at that look, and at the next one */
+    uint64_t modes[GB_MEMORY];   /* modes that were looked at */
+    double h_known[GB_MEMORY];   /* a longer step in them is looked at */
 };
 
 /* Motion that grows without bound, see gb_growth.h. */

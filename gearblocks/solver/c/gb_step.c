@@ -5,6 +5,7 @@
 #include "gb_error_control.h"
 #include "gb_evaluate.h"
 #include "gb_growth.h"
+#include "gb_ledger.h"
 #include "gb_locate_polynomial.h"
 #include "gb_method_choice.h"
 #include "gb_modes.h"
@@ -13,9 +14,6 @@
 #include "gb_runge_kutta.h"
 #include "gb_stage_modes.h"
 #include "gb_vector.h"
-
-/* log2 of the error of the states, in units of the tolerance, below which the ledger may need shorter steps. */
-static const double QUIET = -14.0;
 
 /* Another try with a shorter step, and how often in one step. */
 enum { AGAIN = 100, MOST_AGAIN = 8, MOST_DOUBTS = 3 };
@@ -46,15 +44,6 @@ static double end_of_step(const gb_sim *sim, double h, double limit) {
     return t + 2.0 * h > limit ? t + 0.5 * (limit - t) : t + h;
 }
 
-static double energy_exchange(const gb_sim *sim) {
-    const gb_model *model = sim->model;
-    double sum = 0.0;
-    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_quadratures; i++) {
-        sum += fabs(sim->y[i] - sim->y0[i]);
-    }
-    return sum;
-}
-
 /* Takes the step over: the front moves to its end or to the first event inside it. AGAIN: it was too long for that. */
 static int accept(gb_sim *sim, double end, int again) {
     const gb_model *model = sim->model;
@@ -78,6 +67,10 @@ static int accept(gb_sim *sim, double end, int again) {
     }
     if (theta <= 1.0) {
         gb_dense_cut(sim, theta);
+        const int code = gb_ledger_cut(sim, theta);
+        if (code != GB_DONE) {
+            return code;
+        }
         head->events.pending = 1;
         head->front.have_k1 = 0;
     } else {
@@ -102,8 +95,7 @@ static int accept(gb_sim *sim, double end, int again) {
         head->events.armed = 0;
     }
     gb_scales_grow(sim, sim->y);
-    head->ledger.turnover_segment = energy_exchange(sim);
-    head->ledger.turnover += head->ledger.turnover_segment;
+    gb_ledger_take(sim);
     if (head->ledger.turnover > GB_BEYOND) {
         return gb_name_growth(sim);
     }
@@ -159,9 +151,8 @@ static double judge(gb_sim *sim, double h) {
             gb_rosenbrock_quadratures(sim, h);
             error += gb_taint(sim->z + model->n_padded, model->n_total - model->n_padded);
         }
-        if (error <= (model->prescribed_motion ? 0.0 : QUIET) && !(head->options.step > 0.0) &&
-            model->n_quadratures > model->n_angles) {
-            error = gb_max(error, gb_log_exchange_error(sim, h));
+        if (error <= 0.0 && !(head->options.step > 0.0) && model->n_quadratures > model->n_angles) {
+            error = gb_max(error, gb_ledger_log_error(sim, h, error));
         }
     }
     return error;

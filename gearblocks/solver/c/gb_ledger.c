@@ -1,0 +1,245 @@
+#include "gb_ledger.h"
+#include "gb_dense_output.h"
+#include "gb_error_control.h"
+#include "gb_evaluate.h"
+#include "gb_vector.h"
+
+/* Tolerance below which rounding would decide. */
+static const double LEAST = 1e-12;
+
+/* Part of the mean exchange of a step of this length that may stand for its own. */
+static const double SHARE = 0.3;
+
+/* Part of the turnover and of what is stored that counts in every step: a jump that no switch announces costs no more.
+ */
+static const double LITTLE = 1e-3;
+
+/* Steps between two looks where the states set the step; log2 of an error that is looked at again at once. */
+enum { BETWEEN = 64, NEAR = -1 };
+
+/* By how much an estimate may fall from one step to the next, as log2, and from where on that is looked at: far below
+ * rounding decides. */
+static const double FALL = 3.0, FAR = -12.0;
+
+/* Points of Gauss and Legendre in [0, 1]. */
+typedef struct gauss_point {
+    double at, weight;
+} gauss_point;
+
+static const gauss_point GAUSS_3[] = {
+    {0.1127016653792583, 0.2777777777777778},
+    {0.5, 0.4444444444444444},
+    {0.8872983346207417, 0.2777777777777778},
+};
+static const gauss_point GAUSS_5[] = {
+    {0.0469100770306680, 0.1184634425280945}, {0.2307653449471585, 0.2393143352496833}, {0.5, 0.2844444444444444},
+    {0.7692346550528415, 0.2393143352496833}, {0.9530899229693320, 0.1184634425280945},
+};
+
+/* sum_i |sum_j e_j P_i,j| over the energies: their embedded error, without the factor h. */
+static double embedded_error(const gb_sim *sim, const gb_weights *e) {
+    const gb_model *model = sim->model;
+    const int first = gb_first_energy(model), end = gb_end_energy(model);
+    double sum = 0.0;
+    for (int b = first - first % GB_PAD; b < end; b += GB_PAD) {
+        double error[GB_PAD];
+        gb_combine(e, sim->k + b, model->n_total, 0, GB_PAD, sim->zero, 1.0, error);
+        for (int l = b < first ? first - b : 0; l < GB_PAD && b + l < end; l++) {
+            sum += fabs(error[l]);
+        }
+    }
+    return sum;
+}
+
+/* The differences of second and third order of the powers at the four points of an implicit step, (wh)^2/60 and
+ * (wh)^3/450 for P = sin wt. */
+static void bends(const gb_sim *sim, double *second, double *third) {
+    const gb_model *model = sim->model;
+    const size_t total = (size_t)model->n_total;
+    const double *first = sim->k1, *end = sim->k + (size_t)sim->method->stages * total, *one = end + total,
+                 *two = one + total, root = sqrt(5.0);
+    *second = *third = 0.0;
+    for (int i = gb_first_energy(model); i < gb_end_energy(model); i++) {
+        *second += fabs((first[i] - one[i]) + (end[i] - two[i])) / 12.0;
+        *third += fabs((end[i] - first[i]) - root * (two[i] - one[i])) / 15.0;
+    }
+}
+
+/* The powers at theta of the step just computed, from its polynomial. */
+static int powers_at(gb_sim *sim, double theta, double h, double *rate) {
+    const double from = sim->head->front.t0;
+    gb_dense_states(sim, theta, sim->z2);
+    const int code = gb_time_terms_at(sim, from + theta * h);
+    if (code == GB_DONE) {
+        sim->model->rhs_full(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
+        sim->head->counts.rhs_calls++;
+    }
+    return code;
+}
+
+/* The difference of fourth order in the middle of an implicit step, (wh)^4/1920 for P = sin wt: what a cubic through
+ * the four points misses there. HUGE_VAL where it cannot be had. */
+static double bend_in_the_middle(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const size_t total = (size_t)model->n_total;
+    const double *first = sim->k1, *end = sim->k + (size_t)sim->method->stages * total, *one = end + total,
+                 *two = one + total;
+    double *middle = sim->k + (size_t)(GB_STAGES - 1) * total, sum = 0.0;
+    sim->head->front.t0 = sim->head->front.t1;
+    sim->head->front.h = h;
+    gb_dense_hermite(sim);
+    const int code = powers_at(sim, 0.5, h, middle);
+    sim->head->front.h = 0.0;
+    sim->head->front.have_dense = 0;
+    for (int i = gb_first_energy(model); i < gb_end_energy(model); i++) {
+        sum += fabs(middle[i] - 0.125 * (5.0 * (one[i] + two[i]) - (first[i] + end[i])));
+    }
+    return code == GB_DONE ? sum : HUGE_VAL;
+}
+
+/* How far rounding moves the powers: their answer to a change of the states in their last bits, of alternating sign. */
+static void measure_noise(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
+    for (int i = 0; i < model->n_padded; i++) {
+        const double bit = 2.0 * DBL_EPSILON * sim->control.largest[i];
+        sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
+    }
+    model->rhs_full(sim->par, sim->mode, sim->lanes.time_terms, sim->z2, rate);
+    sim->head->counts.rhs_calls++;
+    double noise = 0.0;
+    for (int i = gb_first_energy(model); i < gb_end_energy(model); i++) {
+        noise += fabs(rate[i] - sim->k1[i]);
+    }
+    sim->head->ledger.noise = gb_max(noise, sim->head->ledger.noise);
+}
+
+/* The largest energy that the train stored at a look. */
+static void look_at_stored(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    double stored = 0.0;
+    model->energies(sim->par, sim->mode, sim->lanes.time_terms + sim->method->stages, sim->z, sim->scratch.energies);
+    for (int i = 0; i < model->n_energies; i++) {
+        stored += fabs(sim->scratch.energies[i]);
+    }
+    sim->head->ledger.stored = gb_max(sim->head->ledger.stored, stored);
+}
+
+/* The power against which the errors of a step count: its exchange and parts of what was exchanged so far, over h. */
+static double yardstick(const gb_sim *sim, double exchanged, double h) {
+    const gb_head *head = sim->head;
+    const double so_far = head->front.t1 - head->front.t_start + h;
+    return exchanged / h + (SHARE / so_far + LITTLE / h) * (head->ledger.turnover + head->ledger.stored);
+}
+
+/* log2 of the error at the end of a step and inside it, over the yardstick. */
+typedef struct gb_errors {
+    double end, inside;
+} gb_errors;
+
+/* From the embedded estimates. An interpolant of the order of the method is as right as its estimate; that of a single
+ * pair is an order below. */
+static gb_errors explicit_errors(const gb_method *method, double one, double two) {
+    if (method->n_errors == 1) {
+        const double log = gb_rough_log2(one + 1e-30);
+        return (gb_errors){1.2 * log + 0.7, log + 3.0};
+    }
+    const double log = gb_rough_log2(one * one / sqrt(one * one + 0.01 * two * two) + 1e-30);
+    return (gb_errors){1.125 * log - 2.6, log - 1.6};
+}
+
+/* From the differences of the powers. */
+static gb_errors implicit_errors(double second, double third) {
+    const double square = second * second;
+    return (gb_errors){gb_rough_log2(gb_max(square * second, third * third) + 1e-30) - 3.0,
+                       gb_rough_log2(square + 1e-30) - 2.3};
+}
+
+/* At the end of an implicit step where its middle tells more: a power that is a polynomial up to the third degree has
+ * no error at all, however much it bends. */
+static double implicit_error_by_middle(double fourth) {
+    return 1.5 * gb_rough_log2(fourth + 1e-30) - 1.0;
+}
+
+/* log2 of the error in units of its tolerance, at the cost that it takes to find out. */
+static double estimate(gb_sim *sim, double h) {
+    const gb_method *method = sim->method;
+    gb_head *head = sim->head;
+    const int implicit = method->gamma > 0.0;
+    const double rtol = gb_max(head->options.rtol, LEAST), exchanged = gb_exchange(sim, sim->z);
+    double one, two = 0.0;
+    if (implicit) {
+        bends(sim, &one, &two);
+    } else {
+        one = embedded_error(sim, &method->e[0]);
+        two = method->n_errors > 1 ? embedded_error(sim, &method->e[1]) : 0.0;
+    }
+    for (int more = 0;; more++) {
+        const double size = yardstick(sim, exchanged, h);
+        if (!(size > 0.0 && one + two > 1e-30 * size)) {
+            head->ledger.log_dense = -100.0;
+            return -100.0;
+        }
+        const double tolerance = gb_rough_log2(rtol + head->ledger.noise / size);
+        const gb_errors found =
+            implicit ? implicit_errors(one / size, two / size) : explicit_errors(method, one / size, two / size);
+        head->ledger.log_dense = found.inside - tolerance;
+        if (found.end <= tolerance) {
+            return found.end - tolerance;
+        }
+        if (more == 1) {
+            const double by_middle = implicit ? implicit_error_by_middle(bend_in_the_middle(sim, h) / size) : HUGE_VAL;
+            return gb_min(found.end, by_middle) - tolerance;
+        }
+        look_at_stored(sim);
+        measure_noise(sim);
+    }
+}
+
+/* An estimate passes zero by chance where a power turns: it falls by no more than FALL from one step to the next
+ * in the same modes, beside what the step size explains. */
+static double against_chance(const gb_sim *sim, double h, double found) {
+    const struct gb_ledger *ledger = &sim->head->ledger;
+    if (sim->head->counts.steps != ledger->found_at + 1 || sim->head->events.mode_hash != ledger->found_modes ||
+        ledger->found < FAR) {
+        return found;
+    }
+    const double power = (double)(sim->method->order + 1);
+    return gb_max(found, ledger->found + power * gb_rough_log2(h / ledger->h_found) - FALL);
+}
+
+double gb_ledger_look(gb_sim *sim, double h) {
+    gb_head *head = sim->head;
+    const uint64_t modes = head->events.mode_hash;
+    const size_t slot = (size_t)(modes % GB_MEMORY);
+    const double found = against_chance(sim, h, estimate(sim, h));
+    const double known = head->ledger.modes[slot] == modes ? 0.8 * head->ledger.h_known[slot] : 0.0;
+    head->ledger.look_at = head->counts.steps + (found > NEAR ? 1 : BETWEEN);
+    head->ledger.modes[slot] = modes;
+    head->ledger.h_known[slot] = found > NEAR ? h : gb_max(2.0 * h, known);
+    if (found <= 0.0) {
+        head->ledger.found = found;
+        head->ledger.h_found = h;
+        head->ledger.found_at = head->counts.steps;
+        head->ledger.found_modes = modes;
+    }
+    return found;
+}
+
+int gb_ledger_integrate(gb_sim *sim, double theta) {
+    const gb_model *model = sim->model;
+    const double h = sim->head->front.h;
+    const int count = sim->method->order > 5 ? 5 : 3;
+    const gauss_point *points = count == 5 ? GAUSS_5 : GAUSS_3;
+    for (int i = gb_first_energy(model); i < gb_end_energy(model); i++) {
+        sim->y[i] = sim->y0[i];
+    }
+    int code = GB_DONE;
+    for (int j = 0; j < count && code == GB_DONE; j++) {
+        code = powers_at(sim, points[j].at * theta, h, sim->z);
+        for (int i = gb_first_energy(model); i < gb_end_energy(model); i++) {
+            sim->y[i] += theta * h * points[j].weight * sim->z[i];
+        }
+    }
+    return code;
+}
