@@ -39,6 +39,7 @@ class Role(Enum):
     INPUTS = "u"
     RATES = "dy"
     EVENT_FUNCTIONS = "s"
+    FEATURES = "feature"
     OUTPUTS = "out"
     ENERGIES = "energy"
     SCALES = "scale"

@@ -5,8 +5,7 @@
 /* Tolerance of the ledger below which rounding of powers that cancel would decide. */
 static const double LEAST = 1e-12;
 
-/* exp2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
-static double rough_exp2(double x) {
+double gb_rough_exp2(double x) {
     const double within = gb_min(gb_max(x, -1000.0), 1000.0), whole = floor(within), f = within - whole;
     const uint64_t bits = (uint64_t)(int64_t)(whole + 1023.0) << 52;
     double power;
@@ -14,8 +13,7 @@ static double rough_exp2(double x) {
     return power * (1.0 + f * (0.6951 + f * (0.2276 + f * 0.0773)));
 }
 
-/* log2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
-static double rough_log2(double x) {
+double gb_rough_log2(double x) {
     uint64_t bits;
     double m;
     memcpy(&bits, &x, sizeof bits);
@@ -69,9 +67,10 @@ static double largest_in(const double *restrict peak, const double *restrict tri
 }
 
 /* What the error weights of a range of states are made of. least: a part of the largest of their kind; per_time: makes
- * a scale of least_scale; first, trial: by state, scales in their own right. */
+ * a scale of least_scale; trusted: natural scales from which on the trial does not count (a step from rest may end far
+ * beyond an event); first, trial: by state, scales in their own right. */
 typedef struct gb_sizes {
-    double rtol, h, least, per_time;
+    double rtol, h, least, per_time, trusted;
     const double *first, *trial;
 } gb_sizes;
 
@@ -81,13 +80,14 @@ static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
                            *restrict noise = sim->control.noise;
     const double *restrict floor = sim->control.least_scale, *restrict first = sizes->first,
                            *restrict trial = sizes->trial;
-    const double rtol = sizes->rtol, h = sizes->h, least = sizes->least, per_time = sizes->per_time;
+    const double rtol = sizes->rtol, h = sizes->h, least = sizes->least, per_time = sizes->per_time,
+                 trusted = sizes->trusted;
     double *restrict out = sim->control.error_weight;
     int poor = 0;
     for (int i = from; i < to; i++) {
         const double known = gb_max(gb_max(peak[i], scale[i]), gb_max(least, floor[i] * per_time));
         const double own = gb_max(known, fabs(h * first[i]));
-        const double size = peak[i] <= least ? gb_max(own, fabs(trial[i])) : own;
+        const double size = peak[i] <= least && scale[i] < trusted ? gb_max(own, fabs(trial[i])) : own;
         const double weight = rtol * size + h * noise[i];
         poor |= peak[i] <= least;
         out[i] = weight > 0.0 ? 1.0 / weight : 0.0;
@@ -113,9 +113,12 @@ void gb_error_weights(gb_sim *sim, double h, const double *time_terms, const dou
                       .per_time = implicit ? 1.0 / (head->front.t1 - head->front.t_start + h) : 0.0,
                       .first = head->counts.steps == 0 ? sim->k1 : sim->zero,
                       .trial = trial ? trial : sim->zero};
+    sizes.trusted = HUGE_VAL;
     sizes.least = 1e-10 * largest_in(sim->control.largest, sizes.trial, 0, speeds);
     head->control.unscaled = weigh(sim, &sizes, 0, speeds);
-    sizes.least = 1e-6 * largest_in(sim->control.largest, sizes.trial, speeds, n);
+    const double rest = largest_in(sim->control.natural_scale, sim->zero, speeds, n);
+    sizes.least = 1e-6 * gb_max(largest_in(sim->control.largest, sizes.trial, speeds, n), rest);
+    sizes.trusted = DBL_MIN;
     head->control.unscaled |= weigh(sim, &sizes, speeds, n);
     head->control.h_weights = h;
     head->control.t_weights = head->front.t1;
@@ -157,9 +160,10 @@ double gb_step_factor(gb_sim *sim, double log_error, int accepted) {
     gb_head *head = sim->head;
     const double order = (double)sim->method->error_order, beta = sim->method->beta;
     if (!accepted) {
-        return gb_min(gb_max(0.85 * rough_exp2(-log_error / order), 0.2), 0.95);
+        return gb_min(gb_max(0.85 * gb_rough_exp2(-log_error / order), 0.2), 0.95);
     }
-    const double factor = 0.85 * rough_exp2((0.75 * beta - 1.0 / order) * log_error + beta * head->control.log_error);
+    const double factor =
+        0.85 * gb_rough_exp2((0.75 * beta - 1.0 / order) * log_error + beta * head->control.log_error);
     head->control.log_error = gb_max(log_error, -13.0);
     return gb_min(gb_max(factor, 0.3), head->counts.steps == 0 ? 100.0 : 6.0);
 }
@@ -296,11 +300,11 @@ double gb_log_exchange_error(gb_sim *sim, double h) {
             return -100.0;
         }
         if (implicit) {
-            found = rough_log2(gb_max(one * one * one, two * two) / rtol + 1e-30);
+            found = gb_rough_log2(gb_max(one * one * one, two * two) / rtol + 1e-30);
         } else if (method->n_errors == 1) {
-            found = rough_log2(one / rtol);
+            found = gb_rough_log2(one / rtol);
         } else {
-            found = rough_log2(one * one / sqrt(one * one + 0.01 * two * two) / rtol + 1e-30);
+            found = gb_rough_log2(one * one / sqrt(one * one + 0.01 * two * two) / rtol + 1e-30);
         }
         if (found <= 0.0) {
             return found;
@@ -316,8 +320,8 @@ double gb_log_error(const gb_sim *sim, double h) {
         return -100.0;
     }
     if (method->n_errors == 1) {
-        return rough_log2(first);
+        return gb_rough_log2(first);
     }
     const double second = h * error_norm(sim, &method->e[1]);
-    return 2.0 * rough_log2(first) - 0.5 * rough_log2(first * first + 0.01 * second * second);
+    return 2.0 * gb_rough_log2(first) - 0.5 * gb_rough_log2(first * first + 0.01 * second * second);
 }

@@ -34,6 +34,10 @@ double gb_first_step(gb_sim *sim);
  * stored counts too, and is asked for only where it decides. */
 double gb_log_exchange_error(gb_sim *sim, double h);
 
+/* log2 and exp2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
+double gb_rough_exp2(double x);
+double gb_rough_log2(double x);
+
 /* log2 of the largest error of a state in units of its weight. */
 double gb_log_error(const gb_sim *sim, double h);
 
