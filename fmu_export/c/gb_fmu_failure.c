@@ -62,10 +62,11 @@ int gb_fmu_solver_failed(gb_fmu *fmu, int code) {
         return gb_fmu_refuse(fmu, "the matrix of a step has no inverse at t = %.9g s, in '%s'", t,
                              state_name(fmu, i, 1));
     case GB_ERR_UNSTABLE:
-        return gb_fmu_refuse(fmu,
-                             "the fixed step of %.9g s is outside the stability of the method at t = %.9g s; the largest"
-                             " error is in '%s'",
-                             report.value, t, state_name(fmu, i, 0));
+        return gb_fmu_refuse(
+            fmu,
+            "the fixed step of %.9g s is outside the stability of the method at t = %.9g s; the largest"
+            " error is in '%s'",
+            report.value, t, state_name(fmu, i, 0));
     case GB_ERR_ESCAPE:
         return gb_fmu_refuse(fmu, "the motion grows without bound at t = %.9g s, quickest in '%s'", t,
                              state_name(fmu, i, 0));

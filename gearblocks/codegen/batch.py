@@ -17,6 +17,7 @@ from gearblocks.codegen.massless_balance import balance_of
 from gearblocks.codegen.operands import Assignment, Operand, Role, Statement
 from gearblocks.codegen.parts import Balance
 from gearblocks.codegen.symbol_names import Offsets, SymbolNames
+from gearblocks.laws.features import narrow_features
 from gearblocks.laws.prescribed_motion import frozen_motion
 
 _OF_CONSTRAINTS = ("lower", "upper", "forward", "backward", "engaged", "restitution", "share")
@@ -55,6 +56,7 @@ class BatchCode:
         ]
         self.bands = [None if s.band is None else hoist(s.band) for s in law.switches]
         self.whens = [hoist(sp.sympify(s.when)) for s in law.switches]
+        self.features = [(hoist(x.argument), x.bounded) for x in narrow_features(law)]
         self.shows = [(x, apart(x.expr)) for x in law.shows]
         self.holds = [(state, hoist(self._held(*rest, state=state))) for state, *rest in law.holds]
         self.speeds = [self._coordinate_rate(j) for j in range(len(law.forms))]

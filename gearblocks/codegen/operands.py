@@ -44,6 +44,7 @@ class Role(Enum):
     ENCLOSURES = "enclosure"
     GROUP_TORQUES = "group_torque"
     BOUNDS_OVER_PIECE = "bound"
+    FEATURES = "feature"
     OUTPUTS = "out"
     ENERGIES = "energy"
     SCALES = "scale"

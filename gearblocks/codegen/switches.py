@@ -63,6 +63,11 @@ def event_functions(g: Generator, code: BatchCode) -> None:
         for state, expr in code.holds
     ]
     g.keep("update_states", code.function("update_states", states))
+    features: list[Assignment] = []
+    for argument, bounded in code.features:
+        features.append(Assignment(Operand(Role.FEATURES, len(g.features), instance=True), "=", argument))
+        g.features += [bounded] * code.n
+    g.keep("features", code.function("features", features))
     switched_constraint_functions(g, code)
     _limits(g, code)
     _predictions(g, code)

@@ -147,7 +147,11 @@ class Freezer:
         return e.func(*a)
 
     def _piecewise(self, e: Any) -> Any:
-        """Nested selection by indicators; the last condition must be True, else the value outside is NaN."""
+        """Nested selection by indicators m; the last condition must be True, else the value outside is NaN.
+
+        What holds elsewhere has the factor (1 - m)^2 in place of 1 - m, which sympy would multiply out: a small value beside
+        200 - 200 m keeps no digit below those of 200.
+        """
         result: Any = None
         for value, condition in reversed(e.args):
             if condition is sp.true:
@@ -156,7 +160,7 @@ class Freezer:
             if result is None:
                 raise GearblocksError(f"'{e}' has no value where no condition holds: end it with (value, True)")
             chosen = self.freeze(condition)
-            result = chosen * self.freeze(value) + (1 - chosen) * result
+            result = chosen * self.freeze(value) + (1 - chosen) ** 2 * result
         return result
 
     def _indicator(self, surface: Any, name: str | None = None) -> Any:

@@ -32,6 +32,10 @@ class Tableau:
         R3 = R1 - h K_new - R2 and R_m = h sum_j dense[m - 4][j] K_j the solution inside the step is
         y0 + th (R1 + (1 - th) (R2 + th (R3 + (1 - th) (R4 + ...)))).
     beta: the memory of the step control (0: none).
+    reach: the largest step size times rate, abs(h lambda), up to which estimate and dense polynomial tell the error, if that
+        is less than where the method is stable (0: they do wherever it is). Needs a stage at the end of the step.
+    defect: (theta, factor): the error of the dense polynomial inside the step is about factor h times its defect at theta,
+        for stiff, vibrating and forced motions alike (factor 0: not known).
     """
 
     name: str
@@ -47,6 +51,8 @@ class Tableau:
     extra_a: tuple[Weights, ...] = ()
     dense: tuple[Weights, ...] = ()
     beta: float = 0.0
+    reach: float = 0.0
+    defect: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         problems = [*self._shape_problems(), *self._sum_problems()]
@@ -108,6 +114,8 @@ class Tableau:
             out.append("a stage may use earlier stages only")
         if self.all_stages > MAX_STAGES or self.rows > MAX_ROWS:
             out.append(f"at most {MAX_STAGES} stages and {MAX_ROWS} dense rows fit")
+        if self.reach and 1.0 not in self.c:
+            out.append("a reach needs a stage at the end of the step, c = 1")
         if not self.b_hat and not self.errors:
             out.append("an error estimate is needed: b_hat or errors")
         if any(len(row) > self.stages + 1 for row in (self.b_hat, *self.errors)) or len(self.errors) > 2:
@@ -177,6 +185,7 @@ DP5 = Tableau(
         ),
     ),
     beta=0.04,
+    defect=(0.65, 0.3),
 )
 
 DP8 = Tableau(
@@ -219,6 +228,8 @@ DP8 = Tableau(
         -0.1521609496625161 0.20136540080403034 0.04471061572777259
         """
     )[0],
+    reach=4.0,
+    defect=(0.65, 0.13),
     errors=_rows(
         """
         0.01312004499419488 0 0 0 0 -1.2251564463762044 -0.4957589496572502 1.6643771824549864 -0.35032884874997366

@@ -129,6 +129,20 @@ static void horner(const gb_sim *sim, double theta, int to, double *out) {
     }
 }
 
+void gb_dense_rates(const gb_sim *sim, double theta, double *states, double *rates) {
+    const int total = sim->model->n_total, last = sim->method->rows - 1;
+    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
+        gb_block p = *gb_block_at(sim->rows + (size_t)last * (size_t)total + b), d = {0.0};
+        for (int m = last - 1; m >= 0; m--) {
+            const double factor = m % 2 == 0 ? 1.0 - theta : theta, sign = m % 2 == 0 ? -1.0 : 1.0;
+            d = factor * d + sign * p;
+            p = *gb_block_at(sim->rows + (size_t)m * (size_t)total + b) + factor * p;
+        }
+        *(gb_block *)(void *)(states + b) = *gb_block_at(sim->y0 + b) + theta * p;
+        *(gb_block *)(void *)(rates + b) = p + theta * d;
+    }
+}
+
 void gb_dense_states(const gb_sim *sim, double theta, double *out) {
     horner(sim, theta, sim->model->n_padded, out);
 }

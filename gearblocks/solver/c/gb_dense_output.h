@@ -20,6 +20,9 @@ int gb_dense_quadratures(gb_sim *sim);
 /* The n states at theta in [0, 1]; the rows must be complete. */
 void gb_dense_states(const gb_sim *sim, double theta, double *out);
 
+/* The n states at theta, and their derivatives by theta: h times rates. */
+void gb_dense_rates(const gb_sim *sim, double theta, double *states, double *rates);
+
 /* The whole vector at t in [t0, t1]; the rows must be complete, those of the quadratures too, unless t is the front. */
 void gb_dense_all(const gb_sim *sim, double t, double *out);
 

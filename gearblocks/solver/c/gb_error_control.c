@@ -2,8 +2,7 @@
 #include "gb_rosenbrock.h"
 #include "gb_vector.h"
 
-/* exp2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
-static double rough_exp2(double x) {
+double gb_rough_exp2(double x) {
     const double within = gb_min(gb_max(x, -1000.0), 1000.0), whole = floor(within), f = within - whole;
     const uint64_t bits = (uint64_t)(int64_t)(whole + 1023.0) << 52;
     double power;
@@ -65,9 +64,10 @@ static double largest_in(const double *restrict peak, const double *restrict tri
 }
 
 /* What the error weights of a range of states are made of. least: a part of the largest of their kind; per_time: makes
- * a scale of least_scale; first, trial: by state, scales in their own right. */
+ * a scale of least_scale; trusted: natural scales from which on the trial does not count (a step from rest may end far
+ * beyond an event); first, trial: by state, scales in their own right. */
 typedef struct gb_sizes {
-    double rtol, h, least, per_time;
+    double rtol, h, least, per_time, trusted;
     const double *first, *trial;
 } gb_sizes;
 
@@ -77,13 +77,14 @@ static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
                            *restrict noise = sim->control.noise;
     const double *restrict floor = sim->control.least_scale, *restrict first = sizes->first,
                            *restrict trial = sizes->trial;
-    const double rtol = sizes->rtol, h = sizes->h, least = sizes->least, per_time = sizes->per_time;
+    const double rtol = sizes->rtol, h = sizes->h, least = sizes->least, per_time = sizes->per_time,
+                 trusted = sizes->trusted;
     double *restrict out = sim->control.error_weight;
     int poor = 0;
     for (int i = from; i < to; i++) {
         const double known = gb_max(gb_max(peak[i], scale[i]), gb_max(least, floor[i] * per_time));
         const double own = gb_max(known, fabs(h * first[i]));
-        const double size = peak[i] <= least ? gb_max(own, fabs(trial[i])) : own;
+        const double size = peak[i] <= least && scale[i] < trusted ? gb_max(own, fabs(trial[i])) : own;
         const double weight = rtol * size + h * noise[i];
         poor |= peak[i] <= least;
         out[i] = weight > 0.0 ? 1.0 / weight : 0.0;
@@ -109,9 +110,12 @@ void gb_error_weights(gb_sim *sim, double h, const double *time_terms, const dou
                       .per_time = implicit ? 1.0 / (head->front.t1 - head->front.t_start + h) : 0.0,
                       .first = head->counts.steps == 0 ? sim->k1 : sim->zero,
                       .trial = trial ? trial : sim->zero};
+    sizes.trusted = HUGE_VAL;
     sizes.least = 1e-10 * largest_in(sim->control.largest, sizes.trial, 0, speeds);
     head->control.unscaled = weigh(sim, &sizes, 0, speeds);
-    sizes.least = 1e-6 * largest_in(sim->control.largest, sizes.trial, speeds, n);
+    const double rest = largest_in(sim->control.natural_scale, sim->zero, speeds, n);
+    sizes.least = 1e-6 * gb_max(largest_in(sim->control.largest, sizes.trial, speeds, n), rest);
+    sizes.trusted = DBL_MIN;
     head->control.unscaled |= weigh(sim, &sizes, speeds, n);
     head->control.h_weights = h;
     head->control.t_weights = head->front.t1;
@@ -153,9 +157,10 @@ double gb_step_factor(gb_sim *sim, double log_error, int accepted) {
     gb_head *head = sim->head;
     const double order = (double)sim->method->error_order, beta = sim->method->beta;
     if (!accepted) {
-        return gb_min(gb_max(0.85 * rough_exp2(-log_error / order), 0.2), 0.95);
+        return gb_min(gb_max(0.85 * gb_rough_exp2(-log_error / order), 0.2), 0.95);
     }
-    const double factor = 0.85 * rough_exp2((0.75 * beta - 1.0 / order) * log_error + beta * head->control.log_error);
+    const double factor =
+        0.85 * gb_rough_exp2((0.75 * beta - 1.0 / order) * log_error + beta * head->control.log_error);
     head->control.log_error = gb_max(log_error, -13.0);
     return gb_min(gb_max(factor, 0.3), head->counts.steps == 0 ? 100.0 : 6.0);
 }

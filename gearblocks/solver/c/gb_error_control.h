@@ -11,9 +11,6 @@
 
 #include "gb_internal.h"
 
-/* log2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
-double gb_rough_log2(double x);
-
 /* Error weights 1 / (rtol scale + h noise). The tolerance scale of a state is its largest value so far, its natural
  * scale where the train knows one, and before the first step what its rate gives; never less than a small part of the
  * largest of its kind (a front that runs along a chain is not followed into its last digit). `trial` counts too where a
@@ -32,6 +29,10 @@ double gb_step_factor(gb_sim *sim, double log_error, int accepted);
 
 /* A first step from the rates at the start and after a small Euler step (after Hairer, Norsett, Wanner 1993, II.4). */
 double gb_first_step(gb_sim *sim);
+
+/* log2 and exp2 to about 1e-3: enough for step sizes, quick, and the same bits on every machine. */
+double gb_rough_exp2(double x);
+double gb_rough_log2(double x);
 
 /* log2 of the largest error of a state in units of its weight. */
 double gb_log_error(const gb_sim *sim, double h);

@@ -5,6 +5,7 @@
 #include "gb_inputs.h"
 #include "gb_limit_noise.h"
 #include "gb_modes.h"
+#include "gb_reach.h"
 #include "gb_report.h"
 #include "gb_vector.h"
 
@@ -153,7 +154,7 @@ int gb_apply_event(gb_sim *sim) {
     head->events.pending = 0;
     head->front.have_k1 = 0;
     head->front.row_due = 1;
-    head->control.log_error = 0.0;
+    head->control.log_error = head->control.h_feature = 0.0;
     const int timed = head->front.t1 >= head->events.t_break;
     if (timed) {
         gb_input_find(sim, head->front.t1, 1);
@@ -176,6 +177,7 @@ int gb_apply_event(gb_sim *sim) {
     }
     if (head->events.mode_hash != modes) {
         recall_step(sim);
+        gb_reach_changed(sim);
     }
     if (sim->model->n_constraints > 0) { /* a step much longer than a bounce could not tell the bounce */
         head->control.h_next = gb_min(head->control.h_next, 2.0 * head->events.flight);

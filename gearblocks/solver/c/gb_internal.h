@@ -35,7 +35,10 @@ enum { GB_ORDINARY, GB_CONSTRAINED, GB_SILENT };
 /* A one-step method; see Tableau in methods.py and, for implicit ones (gamma > 0), Rosenbrock in rosenbrock.py. */
 typedef struct gb_method {
     int order, stages, all_stages, rows, n_errors, error_order;
-    double beta, c[GB_STAGES];
+    double beta, reach; /* h lambda up to which the estimates and the dense polynomial tell the error, 0: all */
+    double defect[2];   /* theta where the defect of the dense polynomial is looked at, its error over h times that, 0:
+                           not looked at */
+    double c[GB_STAGES];
     int full[GB_STAGES];                    /* quadratures are needed at this stage */
     gb_weights a[GB_STAGES];                /* row `stages` is b */
     gb_weights e[2];                        /* error estimates */
@@ -76,6 +79,10 @@ struct gb_pace {
     double h_weights, t_weights;        /* step size and time for which the error weights were made */
     double h_noise;                     /* step size for which the noise was measured */
     double log_error;                   /* of the last accepted step, base 2 */
+    double h_feature;                   /* see gb_features.h: limit of the next step, 0: none */
+    double h_trusted;                   /* size up to which dense polynomials have proved right lately */
+    double reach_rate;                  /* the fastest rate that the last look found: see gb_reach.h */
+    long long reach_at, reach_gap;      /* when to look again, and how many steps later once more */
     long long noise_at, least_scale_at; /* when noise and least scales are to be renewed */
     int unscaled;                       /* a state has no tolerance scale yet: weights follow the trial step */
 };
@@ -166,6 +173,8 @@ struct gb_control {
     double *least_scale;   /* implicit methods: see gb_rosenbrock.h */
     double *noise;         /* of its rate */
     double *error_weight;  /* 1 / (rtol scale + h noise) */
+    double *fastest_rate;  /* largest rate so far of twists of massless groups: see gb_massless_error.h */
+    double *fast;          /* direction of the fastest motion: see gb_reach.h */
 };
 
 /* Instants, GB_LANES of them: inputs and time terms there. */
@@ -180,6 +189,7 @@ struct gb_events {
     double *pending, *next_mode;       /* pending != 0: it flips at the front, into next_mode */
     double *next_time;                 /* time switches: when they leave their mode (into next_mode) */
     double *flip_time, *flips;         /* the last flip, and how many without progress */
+    double *defect;                    /* of a dense polynomial, by state */
     int *role;                         /* who decides about its mode */
     double *mode_before;               /* modes before an event */
     double *s0, *s, *slopes, *samples; /* event functions: at the start of a step, at an instant, along rows, sampled */
@@ -284,6 +294,7 @@ struct gb_sim {
     } choice;
     struct {
         double *energies, *outputs, *inputs; /* of one instant */
+        double *features;                    /* at the start, in the middle and at the end of a step */
     } scratch;
 };
 

@@ -34,8 +34,9 @@ static size_t lay_block(gb_sim *sim, char *base) {
     double **const by_input[] = {&sim->inputs.value, &sim->inputs.cell, &sim->inputs.cell_end};
     double **const by_switch[] = {&events->lo,        &events->hi,        &events->armed,     &events->pending,
                                   &events->next_mode, &events->next_time, &events->flip_time, &events->flips};
-    double **const by_state[] = {&control->largest, &control->natural_scale, &control->noise, &control->error_weight,
-                                 &control->least_scale};
+    double **const by_state[] = {&control->largest,      &control->natural_scale, &control->noise,
+                                 &control->error_weight, &control->least_scale,   &control->fastest_rate,
+                                 &control->fast};
     double **const whole[] = {&sim->y0, &sim->y, &sim->k1};
     sim->par = doubles(base, &at, m->n_par > m->n_parameters ? m->n_par : m->n_parameters);
     for (size_t i = 0; i < sizeof by_input / sizeof by_input[0]; i++) {
@@ -144,7 +145,7 @@ static void lay_panel(gb_sim *sim, char *base, size_t *at) {
 static size_t lay_scratch(gb_sim *sim, char *base) {
     const gb_model *m = sim->model;
     size_t at = 0;
-    double **const whole[] = {&sim->z, &sim->z2, &sim->zero};
+    double **const whole[] = {&sim->z, &sim->z2, &sim->zero, &sim->events.defect};
     gb_lanes *const lanes[] = {&sim->lanes, &sim->instant};
     sim->k = doubles(base, &at, (long)GB_STAGES * m->n_total);
     for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
@@ -153,6 +154,7 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
     sim->scratch.energies = doubles(base, &at, m->n_energies);
     sim->scratch.outputs = doubles(base, &at, m->n_outputs);
     sim->scratch.inputs = doubles(base, &at, m->n_inputs);
+    sim->scratch.features = doubles(base, &at, 3L * m->n_features);
     for (size_t i = 0; i < sizeof lanes / sizeof lanes[0]; i++) {
         lanes[i]->t = doubles(base, &at, GB_LANES);
         lanes[i]->u = doubles(base, &at, (long)GB_LANES * m->n_inputs);

@@ -14,9 +14,10 @@ static const double MANY_STEPS = 2e4;
  * vibration is stepped over. */
 static const double HOPELESS = 1e6, LARGE_STEP = 1e4, STEPPED_OVER = 30.0;
 
-/* Step size times fastest rate at which explicit steps are at the limit of stability, and where a look is worth it. */
+/* Step size times fastest rate at which explicit steps are at the limit of stability or of what they reach
+ * (gb_reach.h), and where a look is worth it. */
 static double stability(const gb_sim *sim) {
-    return sim->head->choice.explicit_method == GB_DP8 ? 6.0 : 3.3;
+    return sim->head->choice.explicit_method == GB_DP8 ? 4.0 : 3.3;
 }
 
 /* Cost of an implicit step in explicit ones, counted in right-hand sides; calibrated on a chain. */
@@ -61,6 +62,8 @@ static void change_method(gb_sim *sim, int method, double h) {
     memset(head->events.remembered_step, 0, sizeof head->events.remembered_step);
     head->control.noise_at = head->counts.steps;
     head->control.h_noise = head->control.h_weights = head->control.log_error = 0.0;
+    head->control.reach_rate = 0.0;
+    head->control.reach_at = head->counts.steps;
     head->control.h_next = h;
 }
 

@@ -147,6 +147,12 @@ typedef struct gb_model {
     void (*update_states)(const double *par, const double *before, const double *mode, const double *time_terms,
                           double *y);
 
+    /* Narrow features: arguments x of functions that are flat but for a part of their range, in widths of that part;
+     * bounded: flat where abs(x) is large, else they go on periodically (n_features 0: there are none). */
+    int n_features;
+    const int *bounded_feature;
+    void (*features)(const double *par, const double *mode, const double *time_terms, const double *y, double *feature);
+
     /* Event function of time switch i (in [n_event_functions, n_switches)) at t, its modes as everywhere above. */
     double (*time_function)(const double *par, int i, double t);
 

@@ -53,6 +53,8 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     memset(sim->control.noise, 0, states);
     memset(sim->control.error_weight, 0, states);
     memset(sim->control.least_scale, 0, states);
+    memset(sim->control.fast, 0, states);
+    memset(sim->control.fastest_rate, 0, states);
     gb_choice_start(sim);
     gb_set_method(sim, options->method == GB_AUTO ? head->choice.explicit_method : options->method);
     sim->log.count = sim->log.flushed = 0;

@@ -4,16 +4,23 @@
 #include "gb_dense_output.h"
 #include "gb_error_control.h"
 #include "gb_evaluate.h"
+#include "gb_features.h"
 #include "gb_growth.h"
 #include "gb_ledger.h"
 #include "gb_locate_polynomial.h"
+#include "gb_massless_error.h"
 #include "gb_method_choice.h"
 #include "gb_modes.h"
+#include "gb_reach.h"
 #include "gb_report.h"
+#include "gb_rest.h"
 #include "gb_rosenbrock.h"
 #include "gb_runge_kutta.h"
 #include "gb_stage_modes.h"
 #include "gb_vector.h"
+
+/* Growth of steps from which on the error inside a step is looked at, and how many tolerances it may have there. */
+static const double GROWN = 1.5, DENSE = 1.0;
 
 /* Another try with a shorter step, and how often in one step. */
 enum { AGAIN = 100, MOST_AGAIN = 8, MOST_DOUBTS = 3 };
@@ -99,6 +106,7 @@ static int accept(gb_sim *sim, double end, int again) {
     if (head->ledger.turnover > GB_BEYOND) {
         return gb_name_growth(sim);
     }
+    head->control.h_trusted = gb_max(0.9 * head->control.h_trusted, end - from);
     head->control.h_largest = gb_max(head->control.h_largest, head->front.t1 - from);
     head->counts.steps++;
     head->counts.steps_by[head->method]++;
@@ -116,6 +124,33 @@ static int jump(gb_sim *sim, double limit) {
         gb_mark_time_events(sim);
     }
     return GB_DONE;
+}
+
+/* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial. */
+static double log_defect(gb_sim *sim, double h) {
+    gb_head *head = sim->head;
+    const double theta = sim->method->defect[0], factor = sim->method->defect[1] / DENSE;
+    double worst = 0.0, *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)sim->model->n_total,
+           *slope = sim->events.defect;
+    if (!(factor > 0.0)) {
+        return -100.0;
+    }
+    head->front.t0 = head->front.t1;
+    head->front.h = h;
+    if (gb_dense_complete(sim) == GB_DONE && gb_time_terms_at(sim, head->front.t0 + theta * h) == GB_DONE) {
+        gb_dense_rates(sim, theta, sim->z2, slope);
+        sim->model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
+        head->counts.rhs_calls++;
+        for (int i = 0; i < sim->model->n; i++) {
+            worst = gb_max(worst, fabs(slope[i] - h * rate[i]) * sim->control.error_weight[i]);
+        }
+    }
+    const double error = gb_rough_log2(factor * worst + 1e-30);
+    if (error > 0.0) {
+        head->front.h = 0.0;
+        head->front.have_dense = 0;
+    }
+    return error;
 }
 
 /* The error of the step just computed, as log2 in units of the tolerance; NaN when a rate or the new state is not
@@ -153,6 +188,15 @@ static double judge(gb_sim *sim, double h) {
         }
         if (error <= 0.0 && !(head->options.step > 0.0) && model->n_quadratures > model->n_angles) {
             error = gb_max(error, gb_ledger_log_error(sim, h, error));
+        }
+        if (error <= 0.0 && model->n_massless > 0 && !implicit && !(head->options.step > 0.0)) {
+            error = gb_max(error, gb_log_massless_error(sim, h, error));
+        }
+        if (error <= 0.0 && !(head->options.step > 0.0)) {
+            error = gb_max(error, gb_log_reach(sim, h));
+        }
+        if (error <= 0.0 && !(head->options.step > 0.0) && h > GROWN * head->control.h_trusted) {
+            error = gb_max(error, log_defect(sim, h));
         }
     }
     return error;
@@ -208,13 +252,16 @@ static int try_step(gb_sim *sim, double end) {
     return GB_DONE;
 }
 
-/* Before the first step: its size, once the derivative is known. */
+/* Before the first step, and after an event: its size, once the derivative is known; scales of a motion that has none.
+ */
 static int prepare_first(gb_sim *sim) {
     int code = gb_time_terms_at(sim, sim->head->front.t1);
     if (code == GB_DONE && !sim->head->front.have_k1) {
         code = gb_first_derivative(sim, sim->instant.time_terms);
     }
-    if (code == GB_DONE) {
+    const int scaled = code == GB_DONE && gb_scales_from_rest(sim);
+    if (code == GB_DONE && (scaled || sim->head->control.h_next == 0.0)) {
+        code = gb_time_terms_at(sim, sim->head->front.t1);
         memcpy(sim->k, sim->k1, sizeof(double) * (size_t)sim->model->n_total);
         sim->head->control.h_next = gb_first_step(sim);
     }
@@ -232,6 +279,23 @@ static void propose(gb_sim *sim, double error, double size, double wanted, int r
     }
 }
 
+/* The size that the control wants, within every limit of it. */
+static double wanted_step(const gb_sim *sim) {
+    const gb_head *head = sim->head;
+    double h = gb_reach_step(sim, gb_min(head->control.h_next, head->options.max_step));
+    if (head->control.h_feature > 0.0) {
+        h = gb_min(h, head->control.h_feature);
+    }
+    return sim->model->n_wrapped > 0 ? gb_wrapping_step(sim, h) : h;
+}
+
+/* The step just computed is as good as its error says, and short enough for the narrow features of the laws: the part
+ * of it that may be kept. */
+static double part_kept(gb_sim *sim, double error, double size) {
+    const int asked = error <= 0.0 && sim->model->n_features > 0 && !(sim->head->options.step > 0.0);
+    return asked ? gb_features_part(sim, size) : 1.0;
+}
+
 int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
@@ -243,16 +307,13 @@ int gb_step(gb_sim *sim, double stop) {
     if (code == GB_DONE && limit - head->front.t1 <= 4.0 * DBL_EPSILON * fabs(head->front.t1)) {
         return jump(sim, limit);
     }
-    if (code == GB_DONE && !fixed && head->control.h_next == 0.0) {
+    if (code == GB_DONE && !fixed && (head->control.h_next == 0.0 || (!head->front.have_k1 && gb_is_at_rest(sim)))) {
         code = prepare_first(sim);
     }
     if (code == GB_DONE) {
         code = gb_choice_look(sim, limit);
     }
-    double h = gb_min(head->control.h_next, head->options.max_step);
-    if (sim->model->n_wrapped > 0) {
-        h = gb_wrapping_step(sim, h);
-    }
+    double h = wanted_step(sim);
     while (code == GB_DONE) {
         const double end = end_of_step(sim, h, limit);
         const double size = end - head->front.t1;
@@ -264,6 +325,12 @@ int gb_step(gb_sim *sim, double stop) {
             break;
         }
         const double error = code == GB_DONE ? judge(sim, size) : NAN;
+        const double part = part_kept(sim, error, size);
+        if (part < 1.0) {
+            head->counts.rejected++;
+            h = part * size;
+            continue;
+        }
         if (error <= 0.0) {
             propose(sim, error, size, h, rejected);
             code = accept(sim, end, again);

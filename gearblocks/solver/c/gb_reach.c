@@ -1,0 +1,101 @@
+#include "gb_reach.h"
+#include "gb_error_control.h"
+#include "gb_vector.h"
+
+/* Most steps from one look to the next. */
+enum { SELDOM = 64 };
+
+/* By how much a step may reach further than what a look along the iteration says, and the length of u in scales of the
+ * states: differences of rates stand clear of rounding there, and the laws are straight. */
+static const double SLACK = 1.1, LENGTH = 1e-6;
+
+/* sum a b weight^2, of the states. */
+static double product(const gb_sim *sim, const double *a, const double *b) {
+    gb_block sum = {0.0};
+    for (int i = 0; i < sim->model->n_padded; i += GB_PAD) {
+        const gb_block weight = *gb_block_at(sim->control.error_weight + i);
+        sum += (weight * *gb_block_at(a + i)) * (weight * *gb_block_at(b + i));
+    }
+    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+}
+
+/* out = J u: the difference of the rates at the end of the step and beside it. size: u u. */
+static void apply(gb_sim *sim, const double *u, double size, double *out) {
+    const gb_model *model = sim->model;
+    const double *end = sim->k + (size_t)sim->method->stages * (size_t)model->n_total;
+    const double scale = LENGTH / (sqrt(size) * sim->head->options.rtol), inverse = 1.0 / scale;
+    for (int b = 0; b < model->n_padded; b += GB_PAD) {
+        *(gb_block *)(void *)(sim->z2 + b) = *gb_block_at(sim->z + b) + scale * *gb_block_at(u + b);
+    }
+    model->rhs(sim->par, sim->mode, sim->lanes.time_terms + sim->method->stages, sim->z2, out);
+    sim->head->counts.rhs_calls++;
+    for (int b = 0; b < model->n_padded; b += GB_PAD) {
+        *(gb_block *)(void *)(out + b) = inverse * (*gb_block_at(out + b) - *gb_block_at(end + b));
+    }
+}
+
+/* The modulus of the larger root from the products of u, v = J u and w = J v. */
+static double larger_root(double uu, double uv, double vv, double uw, double vw) {
+    const double det = uu * vv - uv * uv;
+    if (!(det > 1e-10 * uu * vv)) { /* u is along an eigenvector */
+        return sqrt(vv / uu);
+    }
+    const double p = (uu * vw - uv * uw) / det, q = (uv * vw - vv * uw) / det, under = 0.25 * p * p - q;
+    return under > 0.0 ? 0.5 * fabs(p) + sqrt(under) : sqrt(q);
+}
+
+/* One turn of the iteration: |lambda|, 0: not known. It begins with what the step itself did to the rates. */
+static double fastest_rate(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const size_t total = (size_t)model->n_total;
+    double *u = sim->control.fast, *v = sim->k + (size_t)(GB_STAGES - 1) * total, *w = v - total;
+    const double *end = sim->k + (size_t)sim->method->stages * total;
+    double uu = product(sim, u, u);
+    if (!(uu > 0.0 && uu < HUGE_VAL)) {
+        for (int i = 0; i < model->n_padded; i++) {
+            u[i] = end[i] - sim->k1[i];
+        }
+        uu = product(sim, u, u);
+    }
+    if (!(uu > 0.0)) {
+        return 0.0;
+    }
+    apply(sim, u, uu, v);
+    const double vv = product(sim, v, v);
+    if (!(vv > 0.0)) {
+        return 0.0;
+    }
+    apply(sim, v, vv, w);
+    const double rate = larger_root(uu, product(sim, u, v), vv, product(sim, u, w), product(sim, v, w));
+    const double shorter = 1.0 / vv;
+    for (int i = 0; i < model->n_padded; i++) {
+        u[i] = shorter * w[i];
+    }
+    return rate < HUGE_VAL ? rate : 0.0;
+}
+
+double gb_log_reach(gb_sim *sim, double h) {
+    struct gb_pace *control = &sim->head->control;
+    const double reach = sim->method->reach, before = control->reach_rate;
+    if (!(reach > 0.0) || sim->head->counts.steps < control->reach_at) {
+        return -100.0;
+    }
+    const double rate = fastest_rate(sim), found = h * rate;
+    const int settled = fabs(rate - before) < 0.2 * before;
+    control->reach_rate = rate;
+    control->reach_gap = settled ? (2 * control->reach_gap < SELDOM ? 2 * control->reach_gap : SELDOM) : 1;
+    control->reach_at = sim->head->counts.steps + control->reach_gap;
+    return found > SLACK * reach ? gb_rough_log2(found / reach) * (double)sim->method->error_order : -100.0;
+}
+
+double gb_reach_step(const gb_sim *sim, double h) {
+    const double rate = sim->head->control.reach_rate;
+    return rate * h > sim->method->reach && sim->method->reach > 0.0 ? sim->method->reach / rate : h;
+}
+
+void gb_reach_changed(gb_sim *sim) {
+    struct gb_pace *control = &sim->head->control;
+    if (control->h_next * control->reach_rate > 0.75 * sim->method->reach) {
+        control->reach_at = 0;
+    }
+}

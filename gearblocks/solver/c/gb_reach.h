@@ -1,0 +1,24 @@
+/* How far an explicit method reaches: h |lambda| <= reach for the eigenvalue lambda of largest modulus of the Jacobian
+ * J of the rates. Stable up to 6 on the negative real axis, the pair 8(5,3) tells its error up to 4 only: beyond, its
+ * estimate has a zero (near -5.7) where the step control settles, and the dense polynomial is off by ten times the ends
+ * of the step. Power iteration along the run, two evaluations a look:  v = J u, w = J v,  w = p v - q u in the least
+ * squares, lambda the larger root of  x^2 - p x + q  (a vibration has a pair of them, which two steps of the iteration
+ * tell whatever the units of angles and speeds);  u <- w for the next look. Source: power iteration for the step size
+ * of stabilized methods: Sommeijer, Shampine and Verwer 1998. Assumed: the stages of the step just computed, the rates
+ * at its end, error weights. Knows nothing of why a train is fast. */
+#ifndef GB_REACH_H
+#define GB_REACH_H
+
+#include "gb_internal.h"
+
+/* log2 of the error that would shorten a step of size h to what the method reaches; -100 where it is short enough or
+ * where it is not time to look. */
+double gb_log_reach(gb_sim *sim, double h);
+
+/* h, or less where the last look says so. */
+double gb_reach_step(const gb_sim *sim, double h);
+
+/* Modes have changed: what was found is in doubt where it was close to deciding. */
+void gb_reach_changed(gb_sim *sim);
+
+#endif

@@ -1,0 +1,74 @@
+#include "gb_rest.h"
+#include "gb_evaluate.h"
+#include "gb_vector.h"
+
+/* The window: short beside the motions of a drivetrain, long beside what rounding leaves of a soft rise. */
+static const double WINDOW = 1e-3;
+
+/* Part of its rate at the end of the window that a speed may have at its start: rounding, of forces that cancel. */
+static const double SOFT = 0.1;
+
+/* The first speed; where a model does not know its speeds, all states are like them. */
+static int first_speed(const gb_model *model) {
+    return model->n_speeds > 0 ? model->n - model->n_speeds : 0;
+}
+
+int gb_is_at_rest(const gb_sim *sim) {
+    const gb_model *model = sim->model;
+    for (int i = first_speed(model); i < model->n; i++) {
+        if (sim->control.largest[i] > 0.0 || sim->control.natural_scale[i] > 0.0) {
+            return 0;
+        }
+    }
+    return model->n > 0;
+}
+
+/* Every speed that moves now does so much faster at the end of the window. */
+static int is_soft(const gb_sim *sim, const double *later) {
+    for (int i = first_speed(sim->model); i < sim->model->n; i++) {
+        if (fabs(sim->k1[i]) > SOFT * fabs(later[i])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Natural scales of the states in [from, to) that rest, from their rates over the window; adds what they change to z2.
+ */
+static double drive(gb_sim *sim, int from, int to, double window, const double *rate) {
+    double most = 0.0;
+    for (int i = from; i < to; i++) {
+        const double change = window * rate[i];
+        if (fabs(change) < HUGE_VAL && sim->control.largest[i] == 0.0) {
+            sim->control.natural_scale[i] = gb_max(sim->control.natural_scale[i], fabs(change));
+            sim->z2[i] += change;
+            most = gb_max(most, fabs(change));
+        }
+    }
+    return most;
+}
+
+int gb_scales_from_rest(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    gb_head *head = sim->head;
+    const int speeds = first_speed(model);
+    const double window = gb_min(WINDOW, head->events.t_break - head->front.t1);
+    double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total, energy = 0.0;
+    if (!gb_is_at_rest(sim) || gb_time_terms_at(sim, head->front.t1 + window) != GB_DONE) {
+        return 0;
+    }
+    memcpy(sim->z2, sim->y, sizeof(double) * (size_t)model->n_total);
+    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
+    head->counts.rhs_calls++;
+    if (!is_soft(sim, rate) || !(drive(sim, speeds, model->n, window, rate) > 0.0)) {
+        return 0;
+    }
+    model->rhs_full(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
+    head->counts.rhs_calls++;
+    drive(sim, 0, speeds, window, rate);
+    for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_quadratures; i++) {
+        energy += window * fabs(rate[i]);
+    }
+    head->ledger.stored = gb_max(head->ledger.stored, energy < HUGE_VAL ? energy : 0.0);
+    return 1;
+}

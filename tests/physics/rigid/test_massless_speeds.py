@@ -1,0 +1,72 @@
+"""Speeds of massless groups between dampers, fast beside all else, against the exponential of the matrix."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import gearblocks as gb
+
+METHODS = ("auto", "dp5", "dp8", "rodas")
+
+# inertias, stiffnesses, dampings (None: undamped) along a chain from a torque of 1 N m to the ground
+CHAINS = {
+    "one": ((0.025, 0.0, 0.075), (210.0, 1800.0, 7000.0), (0.17, 0.19, None)),
+    "slow": ((0.3, 0.0, 0.1), (900.0, 400.0, 2000.0), (8.0, 3.0, 1.0)),
+    "two apart": ((0.05, 0.0, 0.2, 0.0, 0.03), (500.0, 3000.0, 900.0, 5000.0, 2500.0), (0.4, 0.1, 0.9, 0.2, None)),
+    "two together": ((0.1, 0.0, 0.0, 0.05), (800.0, 2000.0, 1200.0, 3000.0), (0.5, 0.3, 0.7, 0.1)),
+}
+
+
+def chain(inertias, stiffnesses, dampings) -> gb.Drivetrain:
+    rig = gb.Drivetrain("chain")
+    parts = [rig.add("source", gb.Torque(tau=1.0))]
+    for i, (J, k, c) in enumerate(zip(inertias, stiffnesses, dampings, strict=True)):
+        parts += [
+            rig.add(f"i{i}", gb.Inertia(J=J)),
+            rig.add(f"s{i}", gb.Shaft(k=k) if c is None else gb.Shaft(k=k, c=c)),
+        ]
+    rig.chain(*parts, rig.add("wall", gb.Fixed()))
+    return rig
+
+
+def exact(inertias, stiffnesses, dampings, t):
+    """Angles and speeds, shape (2, len(t), n): descriptor form with the massless speeds solved for."""
+    n, heavy = len(inertias), [i for i, J in enumerate(inertias) if J > 0]
+    light = [i for i in range(n) if i not in heavy]
+    K, C = np.zeros((n, n)), np.zeros((n, n))
+    for matrix, values in ((K, stiffnesses), (C, [c or 0.0 for c in dampings])):
+        for i, value in enumerate(values):
+            matrix[i, i] += value
+            if i + 1 < n:
+                matrix[i + 1, i + 1] += value
+                matrix[i, i + 1] -= value
+                matrix[i + 1, i] -= value
+    size = n + len(heavy) + 1  # angles, speeds, 1
+    phi, load = np.eye(n, size), np.zeros((n, size))
+    load[0, -1] = 1.0
+    w = np.zeros((n, size))
+    w[heavy] = np.eye(len(heavy), size, n)
+    w[light] = np.linalg.solve(C[np.ix_(light, light)], (load - K @ phi - C @ w)[light])
+    A = np.zeros((size, size))
+    A[:n] = w
+    A[n:-1] = (load - K @ phi - C @ w)[heavy] / np.array([inertias[i] for i in heavy])[:, None]
+    step, y = expm(A * (t[1] - t[0])), np.zeros((len(t), size))
+    y[0, -1] = 1.0
+    for i in range(1, len(t)):
+        y[i] = step @ y[i - 1]
+    return y[:, :n], y @ w.T
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_speeds_of_massless_shafts_are_as_right_as_those_of_others(name):
+    t = np.linspace(0.0, 0.3, 301)
+    phi, w = exact(*CHAINS[name], t)
+    rig = chain(*CHAINS[name])
+    for method in METHODS:
+        for rtol in (1e-3, 1e-4, 1e-6, 1e-8):
+            run = gb.simulate(rig, t=t, rtol=rtol, method=method)
+            for i in range(w.shape[1]):
+                for what, right in (("w", w[:, i]), ("phi", phi[:, i])):
+                    error = np.max(abs(run[f"i{i}.{what}"] - right)) / np.max(abs(right))
+                    # 30: the last body moves a fiftieth of what the first does; tolerances are those of twists
+                    assert error < 30 * rtol, (method, rtol, i, what, error / rtol)

@@ -1,0 +1,72 @@
+"""Explicit steps beside fast damped motions: the estimate of the error and the polynomial inside a step tell the truth."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import gearblocks as gb
+from gearblocks.solver.methods import DP8
+
+
+def estimate_and_error(z: complex) -> tuple[float, float]:
+    """Of one step of y' = z y of size 1 with the pair 8(5,3): its joined estimate, and its true error."""
+    rates = []
+    for row in DP8.a:
+        rates.append(z * (1 + sum(a * k for a, k in zip(row, rates, strict=False))))
+    e5, e3 = (abs(sum(e * k for e, k in zip(row, rates, strict=False))) for row in DP8.errors)
+    new = 1 + sum(b * k for b, k in zip(DP8.b, rates, strict=True))
+    return e5**2 / np.hypot(e5, 0.1 * e3), abs(new - np.exp(z))
+
+
+def test_within_its_reach_the_estimate_covers_the_error_and_beyond_it_does_not():
+    for angle in np.linspace(np.pi / 2, np.pi, 13):
+        for size in np.linspace(0.5, DP8.reach, 15):
+            estimate, error = estimate_and_error(size * np.exp(1j * angle))
+            assert error < estimate, (angle, size)
+    beyond = [estimate_and_error(z) for z in np.linspace(-6.2, -5.2, 21)]
+    assert max(error / estimate for estimate, error in beyond) > 20
+
+
+@pytest.mark.parametrize("method", ["dp8", "dp5", "auto"])
+@pytest.mark.parametrize(("J", "k", "c"), [(1e-3, 50.0, 2.0), (4e-4, 8.0, 0.6), (2e-3, 1e4, 6.0)])
+def test_a_light_inertia_in_a_strong_damper_is_right_between_the_steps(method, J, k, c):
+    """A slow inertia drives a light one through a shaft; to the ground it has a damper, whose rate c/J holds explicit steps."""
+    rig = gb.Drivetrain("light")
+    rig.chain(
+        rig.add("source", gb.Torque(tau=1.0)), rig.add("slow", gb.Inertia(J=0.5)), rig.add("shaft", gb.Shaft(k=k)),
+        rig.add("light", gb.Inertia(J=J)), rig.add("damper", gb.Damper(c=c)), rig.add("wall", gb.Fixed()),
+    )  # fmt: skip
+    A = np.zeros((4, 4))  # twist, slow.w, light.w, 1
+    A[0] = [0, -1, 1, 0]
+    A[1] = [k / 0.5, 0, 0, 2]
+    A[2] = [-k / J, 0, -c / J, 0]
+    t = np.linspace(0.0, 0.5, 201)
+    step, y = expm(A * t[1]), [np.array([0.0, 0.0, 0.0, 1.0])]
+    for _ in t[1:]:
+        y.append(step @ y[-1])
+    right = np.array(y)
+    for rtol in (1e-4, 1e-6, 1e-8):
+        run = gb.simulate(rig, t=t, rtol=rtol, method=method)
+        for name, values in (("shaft.twist", right[:, 0]), ("slow.w", right[:, 1]), ("light.w", right[:, 2])):
+            assert np.max(abs(run[name] - values)) < 10 * rtol * np.max(abs(values)), (rtol, name)
+
+
+def test_the_automatic_gearbox_is_right_with_every_method():
+    path = Path(__file__).parents[3] / "models" / "automatic_gearbox.py"
+    spec = importlib.util.spec_from_file_location("automatic_gearbox_reach", path)
+    shipped = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(shipped)
+    model = gb.build(shipped.build())
+    t = np.linspace(0.0, 60.0, 3001)
+    right = gb.simulate(model, t=t, rtol=1e-12, method="rodas")
+    for method in ("auto", "dp5", "dp8", "rodas"):
+        for rtol in (1e-4, 1e-6, 1e-8):
+            run = gb.simulate(model, t=t, rtol=rtol, method=method)
+            for name in ("half_shafts.torque", "crank.w", "ring.w", "turbine.w", "car.v", "wheels.w"):
+                error = np.max(abs(run[name] - right[name])) / np.max(abs(right[name]))
+                # 12 with auto: the polynomial of the implicit method inside a step is of order 4
+                bound = 12 if method == "auto" else 10
+                assert error < bound * rtol, (method, rtol, name, error / rtol)
