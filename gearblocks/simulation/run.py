@@ -141,10 +141,10 @@ class _Run:
             raise SimulationError(float(result.t[-1]), result.energy.culprit, words, "give a smaller rtol", result)
         if complete and not result.energy.residual <= RESIDUAL:
             culprit = result.energy.culprit
+            where = f", most of it is missing in '{culprit}'" if culprit else ""
             warnings.warn(
                 f"run of '{self.model.program.name}': its energy is balanced to {result.energy.residual:.2g} of the turnover "
-                f"only{f", most of it is missing in '{culprit}'" if culprit else ''}: "
-                f"{'a shorter step' if options.step else 'a smaller rtol'} makes it better; residual={RESIDUAL:g} makes "
+                f"only{where}: {'a shorter step' if options.step else 'a smaller rtol'} makes it better; residual={RESIDUAL:g} makes "
                 "it an error",
                 GearblocksWarning,
                 stacklevel=4,

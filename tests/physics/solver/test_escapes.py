@@ -106,7 +106,9 @@ def test_what_grows_far_but_ends_or_grows_as_a_power_of_time_runs_to_its_end():
 def test_a_record_of_steps_without_end_stops_at_its_room(monkeypatch):
     monkeypatch.setattr(running, "memory_limit", lambda _: 1 << 20)
     rig = _pair()
-    with pytest.raises(gb.SimulationError, match=r"the record of \d+ steps .* fills the memory .* give times t") as caught:
+    with pytest.raises(
+        gb.SimulationError, match=r"the record of \d+ steps .* fills the memory .* give times t"
+    ) as caught:
         gb.simulate(rig, t_end=100.0)
     assert len(caught.value.trajectory.t) > 100
     assert len(gb.simulate(rig, t=np.linspace(0, 0.05, 5)).t) == 5

@@ -215,7 +215,9 @@ def test_the_record_of_a_run_is_bounded(ball: gb.Model, monkeypatch: pytest.Monk
     from gearblocks.simulation import run
 
     monkeypatch.setattr(run, "memory_limit", lambda _: 5_000_000)
-    with pytest.raises(gb.SimulationError, match=r"'gap': the record of \d+ steps and \d+ events .* give times t") as caught:
+    with pytest.raises(
+        gb.SimulationError, match=r"'gap': the record of \d+ steps and \d+ events .* give times t"
+    ) as caught:
         gb.simulate(ball, t_end=100.0)
     assert 1e-6 < caught.value.time < 1e-4
     assert caught.value.trajectory is not None
