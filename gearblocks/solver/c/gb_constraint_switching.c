@@ -9,8 +9,6 @@
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_vector.h"
-#include <stdio.h>  /*DBG*/
-#include <stdlib.h> /*DBG*/
 
 /* Mode for the events: 0 stuck, 1 forward, -1 backward, 2 free; of a stop 1 closed, 0 open. */
 static double shown_mode(const gb_sim *sim, int i) {
