@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
@@ -55,14 +56,18 @@ def reduced(train: Train, verdict: dict[str, Any], package: str | None) -> tuple
             return worker.judge(job)
 
         try:
-            return _shrink(train, verdict, judge)
+            return shrunk(train, verdict, judge, lambda text: print(text, file=sys.stderr, flush=True))
         finally:
             worker.close()
 
 
-def _shrink(
-    train: Train, verdict: dict[str, Any], judge: Callable[[Train], dict[str, Any]]
+def shrunk(
+    train: Train,
+    verdict: dict[str, Any],
+    judge: Callable[[Train], dict[str, Any]],
+    tell: Callable[[str], None] = lambda _: None,
 ) -> tuple[Train, dict[str, Any]]:
+    """The smallest train to which every step smaller than it is right, or fails in another way."""
     again = True
     while again:
         again = False
@@ -75,6 +80,7 @@ def _shrink(
                         continue
                     found = judge(candidate)
                     if alike(found, verdict):
+                        tell(f"{len(candidate.parts)} parts")
                         train, verdict, moved, again = candidate, found, True, True
                         break
     return train, verdict

@@ -14,7 +14,7 @@ if str(ROOT) not in sys.path:
 
 from tests.random.description import GROUND, Part, Train, script  # noqa: E402
 from tests.random.families import FAMILIES, draw  # noqa: E402
-from tests.random.reduce import from_plain, to_plain  # noqa: E402
+from tests.random.reduce import from_plain, shrunk, to_plain  # noqa: E402
 from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
 
 
@@ -81,3 +81,18 @@ def test_the_reference_says_where_it_has_no_law():
     body = Part("j", "Inertia", (("J", 1.0),), (("a", "j"),))
     with pytest.raises(NoEvidenceError, match="TorqueConverter"):
         reference_motion(_train(body, Part("c", "TorqueConverter", (), ())), T)
+
+
+def test_the_reducer_keeps_what_fails_and_little_else():
+    train = draw("mixed", 3)
+
+    def judge(candidate):
+        wrong = any(p.block == "Clutch" for p in candidate.parts) and any(
+            p.block == "LossyGear" for p in candidate.parts
+        )
+        return {"kind": "wrong" if wrong else "right", "message": ""}
+
+    assert judge(train)["kind"] == "wrong"
+    small, verdict = shrunk(train, judge(train), judge)
+    assert verdict["kind"] == "wrong"
+    assert len(small.parts) <= 6 < len(train.parts)  # two elements, the bodies at their ends

@@ -9,8 +9,6 @@
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_vector.h"
-#include <stdio.h>  /*DBG*/
-#include <stdlib.h> /*DBG*/
 
 /* Flips that a look ahead stands for, where the force of a lossy gear has just come to zero. */
 static const double SIGN_AHEAD = 8.0;

@@ -134,7 +134,7 @@ class Modes:
     ) -> tuple[Array, Array] | None:
         """The projected state and its accelerations, if the modes that are asked for hold for that long."""
         self.set(modes)
-        y = self.project(t, y)
+        y = self.project(y)
         first = self.d(t, y)
         acceleration = first[self.d.cut[1] : self.d.cut[2]]
         size = max(self.force(t, y), 1e-300)
@@ -217,12 +217,16 @@ class Modes:
         _, v, _, given = self.d.coordinates(t, y)
         return float(np.abs(given).max(initial=0.0)) + float(np.abs(self.s.C @ v).max(initial=0.0))
 
-    def project(self, t: float, y: Array) -> Array:
-        """Speeds without slip along what is active, and gaps of closed stops at 0."""
-        s = self.s
+    def project(self, y: Array) -> Array:
+        """Speeds without slip along what is active, and without that of rounding along what begins to slide."""
+        s, small = self.s, self.small()
         q, v = self.qv(y)
         losses = [self.d._losses(g, float(g.ra @ v)) for g in s.lossy]
         G, _, _ = self.d.active(q, v, losses)
+        begins = [d.row for d in s.dry if abs(d.mode) == 1 and abs(float(d.row @ v)) <= small]
+        begins += [g.ra for g in s.lossy if g.mode[0] and abs(float(g.ra @ v)) <= small]
+        if begins:
+            G = np.vstack([G, *begins])
         if not len(G):
             return y
         slip = G @ v
