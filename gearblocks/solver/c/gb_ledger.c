@@ -14,6 +14,9 @@ static const double SHARE = 0.3;
  */
 static const double LITTLE = 1e-3;
 
+/* Kept from the tolerance at the end of a step, as log2. */
+static const double SAFETY = 2.0;
+
 /* Steps between two looks where the states set the step; log2 of an error that is looked at again at once. */
 enum { BETWEEN = 64, NEAR = -1 };
 
@@ -184,12 +187,12 @@ static double estimate(gb_sim *sim, double h) {
         const gb_errors found =
             implicit ? implicit_errors(one / size, two / size) : explicit_errors(method, one / size, two / size);
         head->ledger.log_dense = found.inside - tolerance;
-        if (found.end <= tolerance) {
-            return found.end - tolerance;
+        if (found.end + SAFETY <= tolerance) {
+            return found.end + SAFETY - tolerance;
         }
         if (more == 1) {
             const double by_middle = implicit ? implicit_error_by_middle(bend_in_the_middle(sim, h) / size) : HUGE_VAL;
-            return gb_min(found.end, by_middle) - tolerance;
+            return gb_min(found.end, by_middle) + SAFETY - tolerance;
         }
         look_at_stored(sim);
         measure_noise(sim);
