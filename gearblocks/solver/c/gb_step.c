@@ -19,8 +19,9 @@
 /* log2 of the error of the states, in units of the tolerance, below which the ledger may need shorter steps. */
 static const double QUIET = -14.0;
 
-/* Growth of steps from which on the error inside a step is looked at, and how many tolerances it may have there. */
-static const double GROWN = 1.5, DENSE = 1.0;
+/* Growth of steps from which on the error inside a step is looked at, and how many tolerances it may have there; by
+ * how much more such a step is trusted at most. */
+static const double GROWN = 1.2, DENSE = 4.0, MOST_TRUSTED = 2.0;
 
 /* Another try with a shorter step, and how often in one step. */
 enum { AGAIN = 100, MOST_AGAIN = 8 };
@@ -144,6 +145,9 @@ static double log_defect(gb_sim *sim, double h) {
     if (error > 0.0) {
         head->front.h = 0.0;
         head->front.have_dense = 0;
+    } else { /* and up to where it would be too large, by its order */
+        const double room = gb_rough_exp2(-error / (double)sim->method->error_order);
+        head->control.h_trusted = h * gb_max(gb_min(0.9 * room, MOST_TRUSTED), 1.0);
     }
     return error;
 }
