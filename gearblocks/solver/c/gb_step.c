@@ -1,6 +1,7 @@
 #include "gb_step.h"
 #include "gb_angle_wrapping.h"
 #include "gb_constraint_state.h"
+#include "gb_defect.h"
 #include "gb_dense_output.h"
 #include "gb_error_control.h"
 #include "gb_evaluate.h"
@@ -18,9 +19,6 @@
 #include "gb_runge_kutta.h"
 #include "gb_stage_modes.h"
 #include "gb_vector.h"
-
-/* Growth of steps from which on the error inside a step is looked at, and how many tolerances it may have there. */
-static const double GROWN = 1.5, DENSE = 1.0;
 
 /* Another try with a shorter step, and how often in one step. */
 enum { AGAIN = 100, MOST_AGAIN = 8, MOST_DOUBTS = 3 };
@@ -126,33 +124,6 @@ static int jump(gb_sim *sim, double limit) {
     return GB_DONE;
 }
 
-/* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial. */
-static double log_defect(gb_sim *sim, double h) {
-    gb_head *head = sim->head;
-    const double theta = sim->method->defect[0], factor = sim->method->defect[1] / DENSE;
-    double worst = 0.0, *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)sim->model->n_total,
-           *slope = sim->events.defect;
-    if (!(factor > 0.0)) {
-        return -100.0;
-    }
-    head->front.t0 = head->front.t1;
-    head->front.h = h;
-    if (gb_dense_complete(sim) == GB_DONE && gb_time_terms_at(sim, head->front.t0 + theta * h) == GB_DONE) {
-        gb_dense_rates(sim, theta, sim->z2, slope);
-        sim->model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
-        head->counts.rhs_calls++;
-        for (int i = 0; i < sim->model->n; i++) {
-            worst = gb_max(worst, fabs(slope[i] - h * rate[i]) * sim->control.error_weight[i]);
-        }
-    }
-    const double error = gb_rough_log2(factor * worst + 1e-30);
-    if (error > 0.0) {
-        head->front.h = 0.0;
-        head->front.have_dense = 0;
-    }
-    return error;
-}
-
 /* The error of the step just computed, as log2 in units of the tolerance; NaN when a rate or the new state is not
  * finite. */
 static double judge(gb_sim *sim, double h) {
@@ -195,8 +166,8 @@ static double judge(gb_sim *sim, double h) {
         if (error <= 0.0 && !(head->options.step > 0.0)) {
             error = gb_max(error, gb_log_reach(sim, h));
         }
-        if (error <= 0.0 && !(head->options.step > 0.0) && h > GROWN * head->control.h_trusted) {
-            error = gb_max(error, log_defect(sim, h));
+        if (error <= 0.0 && !(head->options.step > 0.0) && gb_defect_is_due(sim, h)) {
+            error = gb_max(error, gb_log_defect(sim, h));
         }
     }
     return error;

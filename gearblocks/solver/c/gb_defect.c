@@ -1,0 +1,42 @@
+#include "gb_defect.h"
+#include "gb_dense_output.h"
+#include "gb_error_control.h"
+#include "gb_evaluate.h"
+#include "gb_vector.h"
+
+/* Growth of steps from which on the inside of a step is looked at, how many tolerances its error may have there, and by
+ * how much more such a step is trusted at most. */
+static const double GROWN = 1.2, DENSE = 4.0, MOST_TRUSTED = 2.0;
+
+int gb_defect_is_due(const gb_sim *sim, double h) {
+    return h > GROWN * sim->head->control.h_trusted;
+}
+
+double gb_log_defect(gb_sim *sim, double h) {
+    gb_head *head = sim->head;
+    const double theta = sim->method->defect[0], factor = sim->method->defect[1] / DENSE;
+    double worst = 0.0, *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)sim->model->n_total,
+           *slope = sim->events.defect;
+    if (!(factor > 0.0)) {
+        return -100.0;
+    }
+    head->front.t0 = head->front.t1;
+    head->front.h = h;
+    if (gb_dense_complete(sim) == GB_DONE && gb_time_terms_at(sim, head->front.t0 + theta * h) == GB_DONE) {
+        gb_dense_rates(sim, theta, sim->z2, slope);
+        sim->model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
+        head->counts.rhs_calls++;
+        for (int i = 0; i < sim->model->n; i++) {
+            worst = gb_max(worst, fabs(slope[i] - h * rate[i]) * sim->control.error_weight[i]);
+        }
+    }
+    const double error = gb_rough_log2(factor * worst + 1e-30);
+    if (error > 0.0) {
+        head->front.h = 0.0;
+        head->front.have_dense = 0;
+    } else { /* and up to where it would be too large, by its order */
+        const double room = gb_rough_exp2(-error / (double)sim->method->error_order);
+        head->control.h_trusted = h * gb_max(gb_min(0.9 * room, MOST_TRUSTED), 1.0);
+    }
+    return error;
+}

@@ -1,0 +1,15 @@
+/* The defect of the dense output, y'(th) - f(t, y(th)) at one point inside a step: it sees what a law does between the
+ * stages (Enright 1989). Asked for where a step has grown beyond those that were looked at.
+ * Knows nothing of events. */
+#ifndef GB_DEFECT_H
+#define GB_DEFECT_H
+
+#include "gb_internal.h"
+
+/* A step of size h is so much longer than those that were looked at that it is to be looked at itself. */
+int gb_defect_is_due(const gb_sim *sim, double h);
+
+/* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial. */
+double gb_log_defect(gb_sim *sim, double h);
+
+#endif
