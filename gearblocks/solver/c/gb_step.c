@@ -122,7 +122,8 @@ static int jump(gb_sim *sim, double limit) {
     return GB_DONE;
 }
 
-/* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial. */
+/* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial less its
+ * rounding (rows have coefficients of some hundreds). */
 static double log_defect(gb_sim *sim, double h) {
     gb_head *head = sim->head;
     const double theta = sim->method->defect[0], factor = sim->method->defect[1] / DENSE;
@@ -138,7 +139,8 @@ static double log_defect(gb_sim *sim, double h) {
         sim->model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
         head->counts.rhs_calls++;
         for (int i = 0; i < sim->model->n; i++) {
-            worst = gb_max(worst, fabs(slope[i] - h * rate[i]) * sim->control.error_weight[i]);
+            const double rounding = 2e3 * DBL_EPSILON * gb_max(fabs(slope[i]), h * fabs(sim->k1[i]));
+            worst = gb_max(worst, (fabs(slope[i] - h * rate[i]) - rounding) * sim->control.error_weight[i]);
         }
     }
     const double error = gb_rough_log2(factor * worst + 1e-30);
