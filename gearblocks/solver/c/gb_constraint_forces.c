@@ -43,6 +43,7 @@ static int cannot_hold(const gb_sim *sim, int i) {
 static void bounds_of(gb_sim *sim, int i, int p) {
     struct gb_constraints *c = &sim->constraints;
     const double *bounds = c->bounds + 5 * i, keep = 1.0 - c->shrink[i];
+    const int broken = c->broken[i];
     c->on[p] = -1;
     if (sim->model->constraints[i].kind == GB_LOSS) {
         const gb_loss_line forward = gb_loss_on_side(bounds, sim->lossy.forward[i]),
@@ -54,8 +55,8 @@ static void bounds_of(gb_sim *sim, int i, int p) {
         c->hi_slope[p] = -keep * backward.slope;
         return;
     }
-    c->lo[p] = bounds[0] <= -HUGE_VAL ? -HUGE_VAL : c->broken[i] ? gb_max(bounds[0], -bounds[2]) : keep * bounds[0];
-    c->hi[p] = bounds[1] >= HUGE_VAL ? HUGE_VAL : c->broken[i] ? gb_min(bounds[1], bounds[3]) : keep * bounds[1];
+    c->lo[p] = bounds[0] <= -HUGE_VAL ? -HUGE_VAL : broken ? gb_max(bounds[0], -bounds[2]) : keep * bounds[0];
+    c->hi[p] = bounds[1] >= HUGE_VAL ? HUGE_VAL : broken ? gb_min(bounds[1], bounds[3]) : keep * bounds[1];
     c->hi[p] = gb_max(c->hi[p], c->lo[p]);
 }
 

@@ -9,7 +9,7 @@
 static const double GROWN = 1.2, DENSE = 4.0, MOST_TRUSTED = 2.0;
 
 int gb_defect_is_due(const gb_sim *sim, double h) {
-    return h > GROWN * sim->head->control.h_trusted;
+    return sim->head->options.locate && h > GROWN * sim->head->control.h_trusted;
 }
 
 double gb_log_defect(gb_sim *sim, double h) {
@@ -27,7 +27,8 @@ double gb_log_defect(gb_sim *sim, double h) {
         sim->model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
         head->counts.rhs_calls++;
         for (int i = 0; i < sim->model->n; i++) {
-            worst = gb_max(worst, fabs(slope[i] - h * rate[i]) * sim->control.error_weight[i]);
+            const double rounding = 2e3 * DBL_EPSILON * gb_max(fabs(slope[i]), h * fabs(sim->k1[i]));
+            worst = gb_max(worst, (fabs(slope[i] - h * rate[i]) - rounding) * sim->control.error_weight[i]);
         }
     }
     const double error = gb_rough_log2(factor * worst + 1e-30);

@@ -9,7 +9,8 @@
 /* A step of size h is so much longer than those that were looked at that it is to be looked at itself. */
 int gb_defect_is_due(const gb_sim *sim, double h);
 
-/* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial. */
+/* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial less its
+ * rounding (rows have coefficients of some hundreds). */
 double gb_log_defect(gb_sim *sim, double h);
 
 #endif
