@@ -74,6 +74,8 @@ def run_model(
 
 RESIDUAL = 1e-2
 """The energy residual above which a finished run is warned about."""
+STILL = 1e-12
+"""Turnover [J] below which what moves is rounding: a train that stands still has no balance to warn about."""
 ROOM = 2 << 30
 """Bytes that the record of every step may take."""
 ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
@@ -138,7 +140,7 @@ class _Run:
         if self._lost(first):
             words = f"the energy residual is {result.energy.residual:.2g}, above the {self.residual:g} asked for,"
             raise SimulationError(float(result.t[-1]), "", words, "give a smaller rtol", result)
-        if complete and not result.energy.residual <= RESIDUAL:
+        if complete and result.energy.turnover > STILL and not result.energy.residual <= RESIDUAL:
             warnings.warn(
                 f"run of '{self.model.program.name}': its energy is balanced to {result.energy.residual:.2g} of the turnover "
                 f"only: {'a shorter step' if options.step else 'a smaller rtol'} makes it better; residual={RESIDUAL:g} makes "
