@@ -77,6 +77,8 @@ def run_model(
 
 RESIDUAL = 1e-2
 """The energy residual above which a finished run is warned about."""
+STILL = 1e-12
+"""Turnover [J] below which what moves is rounding: a train that stands still has no balance to warn about."""
 ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
 """The names that `run_model` takes."""
 
@@ -139,7 +141,7 @@ class _Run:
         if self.residual is not None and not result.energy.residual <= self.residual:
             words = f"the energy residual is {result.energy.residual:.2g}, above the {self.residual:g} asked for,"
             raise SimulationError(float(result.t[-1]), result.energy.culprit, words, "give a smaller rtol", result)
-        if complete and not result.energy.residual <= RESIDUAL:
+        if complete and result.energy.turnover > STILL and not result.energy.residual <= RESIDUAL:
             culprit = result.energy.culprit
             where = f", most of it is missing in '{culprit}'" if culprit else ""
             warnings.warn(
