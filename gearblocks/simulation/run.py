@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearblocks.codegen.program import Program
 from gearblocks.errors import (
     GearblocksError,
     GearblocksWarning,
@@ -35,6 +34,7 @@ from gearblocks.simulation.arguments import (
     start_state,
 )
 from gearblocks.simulation.element_balance import Rerun, element_imbalances
+from gearblocks.simulation.failures import component_of, reason
 from gearblocks.simulation.records import EnergyLedger, Event, FinalState, Stats
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.binding import Simulation
@@ -146,8 +146,8 @@ class _Run:
             where = f", most of it is missing in '{culprit}'" if culprit else ""
             warnings.warn(
                 f"run of '{self.model.program.name}': its energy is balanced to {result.energy.residual:.2g} of the turnover "
-                f"only{where}: {'a shorter step' if options.step else 'a smaller rtol'} makes it better; residual={RESIDUAL:g} makes "
-                "it an error",
+                f"only{where}: {'a shorter step' if options.step else 'a smaller rtol'} makes it better; "
+                f"residual={RESIDUAL:g} makes it an error",
                 GearblocksWarning,
                 stacklevel=4,
             )
@@ -282,28 +282,14 @@ class _Run:
     def _failure(self, code: Code, run: Trajectory | None) -> GearblocksError:
         """The error of a return code, with the name of the thing and the way out."""
         report, program = self.sim.report, self.model.program
-        name = _component_of(program, code, report.index)
-        cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
-        if code == Code.ERR_CHATTER and report.value >= _CROWD:
-            cause, remedy = f"{report.value:.0f} events in a row hardly bring the run on", _CROWDED
-        t = report.t
+        t, (name, cause, remedy) = report.t, reason(program, code, report, self.sim.parameters)
         if self.size > memory_limit(self.samples is not None):
             t = float(self.sim.counters.t)
             counts = Counter(np.concatenate(self.events)["index"].tolist()) if self.events else Counter()
-            name = _component_of(program, Code.ERR_CHATTER, max(counts, key=counts.__getitem__, default=-1))
+            name = component_of(program, Code.ERR_CHATTER, max(counts, key=counts.__getitem__, default=-1))
             steps = self.sim.counters.steps
             cause = f"the record of {steps} steps and {counts.total()} events fills the memory that it may take"
             remedy = "give times t or fewer outputs; look for what switches so often, or grows without bound"
-        massless = [
-            p.path
-            for p, v in zip(program.parameters, self.sim.parameters, strict=True)
-            if p.path.endswith((".J", ".m")) and v == 0
-        ]
-        if code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and massless:
-            remedy = (
-                f"{', '.join(massless[:3])} = 0: a shaft without inertia moves by what damps it, in every mode (teeth in their "
-                "gap damp nothing): give a spring beside it a c, contact_damping='always', or the shaft an inertia"
-            )
         return SimulationError(t, name, cause, remedy, run)
 
 
@@ -347,12 +333,6 @@ def _shown(low: float, high: float, mode: float) -> float:
     return {0.0: low, 1.0: high}.get(mode, mode)
 
 
-_CROWD = 1000
-"""Flips in the report of a switch without progress: more are events that follow on each other too closely (gb_run.c)."""
-
-_CROWDED = "what bounces or chatters there needs a loss, a compliance or a shorter run"
-
-
 def memory_limit(sampled: bool) -> int:
     """Bytes that the record of a run may take: half of the memory (4 GiB where that is not known) with sample times, whose
     number is known, and no more than 2 GiB with every step."""
@@ -361,56 +341,3 @@ def memory_limit(sampled: bool) -> int:
     except (AttributeError, ValueError, OSError):
         half = 1 << 32
     return half if sampled else min(half, 2 << 30)
-
-
-_CAUSES: dict[Code, tuple[str, str]] = {
-    Code.ERR_STEP: (
-        "the step size fell below rounding", "the train may be stiff there or have a discontinuity that no switch locates"
-    ),
-    Code.ERR_NAN_RATE: ("a derivative became NaN or infinite", "look at the law and the values of this component"),
-    Code.ERR_NAN_INPUT: ("the input became NaN or infinite", "the input must give a finite number at every time"),
-    Code.ERR_NAN_START: ("a start value or parameter is NaN or infinite", "give it a finite number"),
-    Code.ERR_CHATTER: (
-        "a switch goes back and forth without progress of time",
-        "the element sticks here (as dry friction does at rest) and this law cannot hold it",
-    ),
-    Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
-    Code.ERR_LOSS: (
-        "no motion agrees with its losses: it jams while it turns, as its friction grows faster than what slows it down",
-        "the load drives a self-locking gear (efficiency below 0) whose driving side has too little inertia; give that side "
-        "J > -efficiency J_b/ratio^2, put a compliant shaft beside, or raise the efficiency",
-    ),
-    Code.ERR_BEYOND: (
-        "the start values contradict it", "start between the limits of a stop, and beside a lossy gear as its ratio says"
-    ),
-    Code.ERR_UNSTABLE: (
-        "the fixed step is too long: outside the stability of its method, steps are wrong by as much as there is motion",
-        "give a shorter step=, or leave it out: without it a method finds its own steps",
-    ),
-    Code.ERR_ESCAPE: (
-        "the motion grows without bound",
-        "look for what feeds it: a torque that rises with its own speed or angle, a stiffness below zero, a resonance without "
-        "damping",
-    ),
-    Code.ERR_SINGULAR: (
-        "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
-    ),
-    Code.ERR_MEMORY: ("there is not enough memory", ""),
-    Code.ERR_CALLBACK: ("the input function raised an exception", "see the exception above"),
-}  # fmt: skip
-
-
-def _component_of(program: Program, code: Code, index: int) -> str:
-    """The component or input that a code's index means."""
-    if code in (Code.ERR_NAN_INPUT, Code.ERR_CALLBACK):
-        return program.inputs[index].name if 0 <= index < len(program.inputs) else ""
-    if code in (Code.ERR_CHATTER, Code.ERR_BRANCH, Code.ERR_LOSS, Code.ERR_BEYOND):
-        if not 0 <= index < len(program.switches):
-            return ""
-        switch = program.switches[index]
-        return switch.component.removesuffix(f".{switch.name}")
-    if 0 <= index < len(program.states):
-        return program.states[index].name.rsplit(".", 1)[0]
-    if code == Code.ERR_NAN_START and index >= program.n:
-        return program.parameters[index - program.n].path
-    return ""

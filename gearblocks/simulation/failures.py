@@ -1,0 +1,85 @@
+"""Why a run stopped, in words: the name of the element, the cause and the way out, from a code of the C core.
+
+Knows nothing of trajectories.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from gearblocks.codegen.program import Program
+from gearblocks.solver.structures import Array, Code
+
+
+def reason(program: Program, code: Code, report: Any, parameters: Array) -> tuple[str, str, str]:
+    """(component, cause, remedy) of a report of the solver."""
+    cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
+    if code == Code.ERR_CHATTER and report.value >= _CROWD:
+        cause, remedy = f"{report.value:.0f} events in a row hardly bring the run on", _CROWDED
+    massless = [
+        p.path for p, v in zip(program.parameters, parameters, strict=True) if p.path.endswith((".J", ".m")) and v == 0
+    ]
+    if code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and massless:
+        remedy = (
+            f"{', '.join(massless[:3])} = 0: a shaft without inertia moves by what damps it, in every mode (teeth in their "
+            "gap damp nothing): give a spring beside it a c, contact_damping='always', or the shaft an inertia"
+        )
+    return component_of(program, code, report.index), cause, remedy
+
+
+def component_of(program: Program, code: Code, index: int) -> str:
+    """The component or input that a code's index means."""
+    if code in (Code.ERR_NAN_INPUT, Code.ERR_CALLBACK):
+        return program.inputs[index].name if 0 <= index < len(program.inputs) else ""
+    if code in (Code.ERR_CHATTER, Code.ERR_BRANCH, Code.ERR_LOSS, Code.ERR_BEYOND):
+        if not 0 <= index < len(program.switches):
+            return ""
+        switch = program.switches[index]
+        return switch.component.removesuffix(f".{switch.name}")
+    if 0 <= index < len(program.states):
+        return program.states[index].name.rsplit(".", 1)[0]
+    if code == Code.ERR_NAN_START and index >= program.n:
+        return program.parameters[index - program.n].path
+    return ""
+
+
+_CROWD = 1000
+"""Flips in the report of a switch without progress: more are events that follow on each other too closely (gb_run.c)."""
+
+_CROWDED = "what bounces or chatters there needs a loss, a compliance or a shorter run"
+
+_CAUSES: dict[Code, tuple[str, str]] = {
+    Code.ERR_STEP: (
+        "the step size fell below rounding", "the train may be stiff there or have a discontinuity that no switch locates"
+    ),
+    Code.ERR_NAN_RATE: ("a derivative became NaN or infinite", "look at the law and the values of this component"),
+    Code.ERR_NAN_INPUT: ("the input became NaN or infinite", "the input must give a finite number at every time"),
+    Code.ERR_NAN_START: ("a start value or parameter is NaN or infinite", "give it a finite number"),
+    Code.ERR_CHATTER: (
+        "a switch goes back and forth without progress of time",
+        "the element sticks here (as dry friction does at rest) and this law cannot hold it",
+    ),
+    Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
+    Code.ERR_LOSS: (
+        "no motion agrees with its losses: it jams while it turns, as its friction grows faster than what slows it down",
+        "the load drives a self-locking gear (efficiency below 0) whose driving side has too little inertia; give that side "
+        "J > -efficiency J_b/ratio^2, put a compliant shaft beside, or raise the efficiency",
+    ),
+    Code.ERR_BEYOND: (
+        "the start values contradict it", "start between the limits of a stop, and beside a lossy gear as its ratio says"
+    ),
+    Code.ERR_UNSTABLE: (
+        "the fixed step is too long: outside the stability of its method, steps are wrong by as much as there is motion",
+        "give a shorter step=, or leave it out: without it a method finds its own steps",
+    ),
+    Code.ERR_ESCAPE: (
+        "the motion grows without bound",
+        "look for what feeds it: a torque that rises with its own speed or angle, a stiffness below zero, a resonance without "
+        "damping",
+    ),
+    Code.ERR_SINGULAR: (
+        "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
+    ),
+    Code.ERR_MEMORY: ("there is not enough memory", ""),
+    Code.ERR_CALLBACK: ("the input function raised an exception", "see the exception above"),
+}  # fmt: skip
