@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gearblocks.assembly.dependent_starts import dependent_angles
 from gearblocks.errors import GearblocksError, ModelError, by_name, check_arguments, did_you_mean
 from gearblocks.language.block import Block, Declared, start_fields
 from gearblocks.language.expression import as_expr
@@ -245,6 +244,8 @@ class Drivetrain:
 
     def _release_angles(self, compliant: Drivetrain) -> None:
         """Leaves out start angles that described deflections of a train which had them: they depend on others now."""
+        from gearblocks.assembly.dependent_starts import dependent_angles
+
         before, now = (dependent_angles(flatten(x.tree(), complete=False)) for x in (compliant, self))
         for path in sorted(set(now).difference(before), key=now.index):
             owner, name, _ = self._locate(path)

@@ -7,13 +7,10 @@ from collections.abc import Iterator
 from gearblocks.assembly.assemble import GROUND_GROUP, expand_rows
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator
-from gearblocks.codegen.program import LOSSY, DependentStart, PrescribedStart, Quantity, StartInfo
+from gearblocks.codegen.program import LOSSY, POWER_INTO_FLANGE, DependentStart, PrescribedStart, Quantity, StartInfo
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import flange_names, slider_names, unit_along, words_along
-
-POWER_INTO_FLANGE = "power from the block into the flange"
-"""Words of the outputs by which a block gives power."""
 
 
 def components_of(g: Generator, code: BatchCode) -> list[Component]:

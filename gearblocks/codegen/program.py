@@ -9,6 +9,9 @@ import pickle
 from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
+POWER_INTO_FLANGE = "power from the block into the flange"
+"""Words of the outputs by which a block gives power."""
+
 
 class Quantity(NamedTuple):
     """Name, SI unit and description of one number in a vector.

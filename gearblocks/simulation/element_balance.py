@@ -16,8 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.codegen.output_names import POWER_INTO_FLANGE
-from gearblocks.codegen.program import Program
+from gearblocks.codegen.program import POWER_INTO_FLANGE, Program
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.structures import EVENT, Array, Code, Options
 

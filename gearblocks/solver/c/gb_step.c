@@ -49,6 +49,22 @@ static double end_of_step(const gb_sim *sim, double h, double limit) {
     return t + 2.0 * h > limit ? t + 0.5 * (limit - t) : t + h;
 }
 
+/* The step that began at `from` and would have ended at `end` counts: scales, ledger, sizes. */
+static int count_step(gb_sim *sim, double from, double end) {
+    gb_head *head = sim->head;
+    gb_scales_grow(sim, sim->y);
+    gb_ledger_take(sim);
+    if (head->ledger.turnover > GB_BEYOND) {
+        return gb_name_growth(sim);
+    }
+    head->control.h_trusted = gb_max(0.9 * head->control.h_trusted, end - from);
+    head->control.h_largest = gb_max(head->control.h_largest, head->front.t1 - from);
+    head->counts.steps++;
+    head->counts.steps_by[head->method]++;
+    head->front.row_due |= head->front.t1 > from;
+    return GB_DONE;
+}
+
 /* Takes the step over: the front moves to its end or to the first event inside it. AGAIN: it was too long for that. */
 static int accept(gb_sim *sim, double end, int again) {
     const gb_model *model = sim->model;
@@ -99,17 +115,7 @@ static int accept(gb_sim *sim, double end, int again) {
         memset(sim->events.armed, 0, sizeof(double) * (size_t)model->n_event_functions);
         head->events.armed = 0;
     }
-    gb_scales_grow(sim, sim->y);
-    gb_ledger_take(sim);
-    if (head->ledger.turnover > GB_BEYOND) {
-        return gb_name_growth(sim);
-    }
-    head->control.h_trusted = gb_max(0.9 * head->control.h_trusted, end - from);
-    head->control.h_largest = gb_max(head->control.h_largest, head->front.t1 - from);
-    head->counts.steps++;
-    head->counts.steps_by[head->method]++;
-    head->front.row_due |= head->front.t1 > from;
-    return GB_DONE;
+    return count_step(sim, from, end);
 }
 
 /* A step too short to be told from rounding: the front jumps to the announced instant. */
@@ -267,6 +273,14 @@ static double part_kept(gb_sim *sim, double error, double size) {
     return asked ? gb_features_part(sim, size) : 1.0;
 }
 
+/* What size and method the step begins with. */
+static int prepare(gb_sim *sim, double limit) {
+    const gb_head *head = sim->head;
+    const int fresh = head->control.h_next == 0.0 || (!head->front.have_k1 && gb_is_at_rest(sim));
+    const int code = fresh && !(head->options.step > 0.0) ? prepare_first(sim) : GB_DONE;
+    return code == GB_DONE ? gb_choice_look(sim, limit) : code;
+}
+
 int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
@@ -278,11 +292,8 @@ int gb_step(gb_sim *sim, double stop) {
     if (code == GB_DONE && limit - head->front.t1 <= 4.0 * DBL_EPSILON * fabs(head->front.t1)) {
         return jump(sim, limit);
     }
-    if (code == GB_DONE && !fixed && (head->control.h_next == 0.0 || (!head->front.have_k1 && gb_is_at_rest(sim)))) {
-        code = prepare_first(sim);
-    }
     if (code == GB_DONE) {
-        code = gb_choice_look(sim, limit);
+        code = prepare(sim, limit);
     }
     double h = wanted_step(sim);
     while (code == GB_DONE) {
