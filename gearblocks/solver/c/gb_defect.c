@@ -4,13 +4,9 @@
 #include "gb_evaluate.h"
 #include "gb_vector.h"
 
-/* Growth of steps from which on the inside of a step is looked at, how many tolerances its error may have there, and by
- * how much more such a step is trusted at most. */
-static const double GROWN = 1.2, DENSE = 4.0, MOST_TRUSTED = 2.0;
-
-int gb_defect_is_due(const gb_sim *sim, double h) {
-    return sim->head->options.locate && h > GROWN * sim->head->control.h_trusted;
-}
+/* How many tolerances the error inside a step may have, and by how much more a step that was looked at is trusted at
+ * most. */
+static const double DENSE = 4.0, MOST_TRUSTED = 2.0;
 
 double gb_log_defect(gb_sim *sim, double h) {
     gb_head *head = sim->head;

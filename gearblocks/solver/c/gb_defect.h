@@ -6,8 +6,10 @@
 
 #include "gb_internal.h"
 
-/* A step of size h is so much longer than those that were looked at that it is to be looked at itself. */
-int gb_defect_is_due(const gb_sim *sim, double h);
+/* A step of size h is so much longer than those that were looked at (by a fifth) that it is to be looked at itself. */
+static inline int gb_defect_is_due(const gb_sim *sim, double h) {
+    return h > 1.2 * sim->head->control.h_trusted && sim->head->options.locate;
+}
 
 /* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial less its
  * rounding (rows have coefficients of some hundreds). */

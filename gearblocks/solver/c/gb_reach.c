@@ -2,8 +2,8 @@
 #include "gb_error_control.h"
 #include "gb_vector.h"
 
-/* Most steps from one look to the next. */
-enum { SELDOM = 64 };
+/* Most steps from one look to the next, and fewest where modes change all the time. */
+enum { SELDOM = 64, OFTEN = 12 };
 
 /* By how much a step may reach further than what a look along the iteration says, and the length of u in scales of the
  * states: differences of rates stand clear of rounding there, and the laws are straight. */
@@ -81,9 +81,12 @@ double gb_log_reach(gb_sim *sim, double h) {
         return -100.0;
     }
     const double rate = fastest_rate(sim), found = h * rate;
-    const int settled = fabs(rate - before) < 0.2 * before;
-    control->reach_rate = rate;
-    control->reach_gap = settled ? (2 * control->reach_gap < SELDOM ? 2 * control->reach_gap : SELDOM) : 1;
+    const int settled = fabs(rate - before) < 0.2 * before, other = control->reach_modes != sim->head->events.mode_hash;
+    control->reach_modes = sim->head->events.mode_hash;
+    control->reach_rate = other ? gb_max(rate, before) : rate;
+    control->reach_gap = settled ? (2 * control->reach_gap < SELDOM ? 2 * control->reach_gap : SELDOM)
+                         : other ? OFTEN
+                                 : 1;
     control->reach_at = sim->head->counts.steps + control->reach_gap;
     return found > SLACK * reach ? gb_rough_log2(found / reach) * (double)sim->method->error_order : -100.0;
 }
@@ -96,6 +99,7 @@ double gb_reach_step(const gb_sim *sim, double h) {
 void gb_reach_changed(gb_sim *sim) {
     struct gb_pace *control = &sim->head->control;
     if (control->h_next * control->reach_rate > 0.75 * sim->method->reach) {
-        control->reach_at = 0;
+        const long long soonest = control->reach_at - control->reach_gap + OFTEN;
+        control->reach_at = soonest < control->reach_at ? soonest : control->reach_at;
     }
 }
