@@ -117,11 +117,12 @@ static void measure_noise(gb_sim *sim) {
     sim->head->ledger.noise = gb_max(noise, sim->head->ledger.noise);
 }
 
-/* The largest energy that the train stored at a look. */
+/* The largest energy that the train stored at a look, at the front: where a step ends that reaches beyond an event, the
+ * laws hold no more. */
 static void look_at_stored(gb_sim *sim) {
     const gb_model *model = sim->model;
     double stored = 0.0;
-    model->energies(sim->par, sim->mode, sim->lanes.time_terms + sim->method->stages, sim->z, sim->scratch.energies);
+    model->energies(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->scratch.energies);
     for (int i = 0; i < model->n_energies; i++) {
         stored += fabs(sim->scratch.energies[i]);
     }
