@@ -200,17 +200,18 @@ def test_steps_of_the_age_of_the_world_and_beyond_come_back(h: float, tmp_path: 
 
 
 def test_a_motion_that_leaves_the_numbers_ends_by_name(tmp_path: Path, unpacker: Unpacker) -> None:
-    """phi = t^2: after 1e154 s it is no double, and shorter steps do not help."""
+    """phi = t^2: after 1e154 s it is no double, after 1e100 s its energy is beyond all bounds; shorter steps do not help."""
     unpacked = unpacker(fmu_export.export(_pushed(), tmp_path / "m.fmu"), tmp_path / "m")
+    for far in (1e300, 1e140):
+        with Instance(unpacked) as instance:
+            instance.start()
+            line = instance.refuses(lambda far=far: instance.step(0.0, far))
+            assert "the motion grows without bound" in line and "'body." in line and "?" not in line
     with Instance(unpacked) as instance:
         instance.start()
-        line = instance.refuses(lambda: instance.step(0.0, 1e300))
-        assert "body" in line and "?" not in line
-    with Instance(unpacked) as instance:
-        instance.start()
-        instance.step(0.0, 1e140)
+        instance.step(0.0, 1e90)
         phi, w = instance.get(refs_of(unpacked, "body.phi", "body.w"))
-        assert (phi, w) == (pytest.approx(1e280, rel=1e-6), pytest.approx(2e140, rel=1e-6))
+        assert (phi, w) == (pytest.approx(1e180, rel=1e-6), pytest.approx(2e90, rel=1e-6))
 
 
 def test_a_trial_step_that_is_not_finite_is_a_step_too_long(tmp_path: Path, unpacker: Unpacker) -> None:

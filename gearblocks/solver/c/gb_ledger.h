@@ -46,14 +46,11 @@ static inline double gb_ledger_log_error(gb_sim *sim, double h, double log_error
     return alone || (due && !head->choice.large_step) ? gb_ledger_look(sim, h) : -100.0;
 }
 
-/* The integrals of the ledger from y0 to theta, by points of Gauss along the polynomials of the states. */
-int gb_ledger_integrate(gb_sim *sim, double theta);
-
-/* After the front was moved back to theta inside the step: the integrals once more where the last look found those of
- * the polynomials of the step off by 2 tolerances. */
-static inline int gb_ledger_cut(gb_sim *sim, double theta) {
-    return sim->head->ledger.log_dense > 1.0 ? gb_ledger_integrate(sim, theta) : GB_DONE;
-}
+/* After the front was moved back to theta inside the step: the integrals once more, by points of Gauss along the
+ * polynomials of the states, where the last look found those of the polynomials of the step off by 2 tolerances of what
+ * is kept: the exchange beyond an event counts for nothing, laws do not hold there. Assumed: z is the end of the step.
+ */
+int gb_ledger_cut(gb_sim *sim, double theta);
 
 /* What the step exchanged counts as turnover. */
 static inline void gb_ledger_take(gb_sim *sim) {

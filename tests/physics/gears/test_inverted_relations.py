@@ -55,6 +55,33 @@ def test_a_pair_driven_at_gear_2(law, external):
     assert np.abs(np.abs(run["pair.torque"]) - np.abs(wanted))[smooth].max() < 1e-8 * np.abs(wanted).max()
 
 
+STEEP = gb.RatioLaw.segments(0.4, 0.3, np.radians(200))
+
+
+@pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
+@pytest.mark.parametrize("law", [LINE, STEEP, WAVES], ids=["line", "steep", "waves"])
+def test_the_work_of_a_motion_that_is_wholly_prescribed(law, method):
+    """No state sets the steps, and laws with joints tend to infinity beyond them: the drive gives what the bodies gain."""
+    rig = gb.Drivetrain("prescribed")
+    drive, body, more = rig.add("drive", gb.Speed(w=20.0)), rig.add("body", gb.Inertia(J=0.02)), gb.Inertia(J=0.07)
+    pair, again = (rig.add(name, gb.NonCircularGear(law=law, external=True, phase=0.4)) for name in ("pair", "again"))
+    more = rig.add("more", more)
+    rig.connect(drive.flange, pair.b)
+    rig.connect(pair.a, body.a)
+    rig.connect(body.b, again.b)
+    rig.connect(again.a, more.a)
+    one = law.inverse(law.F(0.4) - 20.0 * T)
+    two = law.inverse(law.F(0.4) - (one - 0.4))
+    w = -20.0 / law.m(one)
+    gained = np.ptp((0.01 * w**2 + 0.035 * (w / law.m(two)) ** 2)[[0, -1]])
+    model = gb.build(rig)
+    for rtol in (1e-4, 1e-6, 1e-9):
+        run = gb.simulate(model, t=T, rtol=rtol, method=method)
+        assert run.energy.residual <= 10 * rtol
+        assert abs(run.energy.supplied["drive"]) == pytest.approx(gained, abs=10 * rtol * run.energy.turnover)
+        assert run["more.w"][-1] == pytest.approx((-w / law.m(two))[-1], rel=1e-9)
+
+
 def test_a_pair_whose_gear_2_is_held_while_its_carrier_coasts():
     rig = gb.Drivetrain("held at b")
     carrier, body = rig.add("carrier", gb.Inertia(J=1.0, w0=10.0)), rig.add("body", gb.Inertia(J=0.2))

@@ -104,7 +104,7 @@ def test_what_grows_far_but_ends_or_grows_as_a_power_of_time_runs_to_its_end():
 
 
 def test_a_record_of_steps_without_end_stops_at_its_room(monkeypatch):
-    monkeypatch.setattr(running, "memory_limit", lambda _: 1 << 20)
+    monkeypatch.setattr(running, "memory_limit", lambda _: 1 << 23)
     rig = _pair()
     with pytest.raises(
         gb.SimulationError, match=r"the record of \d+ steps .* fills the memory .* give times t"
