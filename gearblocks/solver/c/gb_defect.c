@@ -11,8 +11,8 @@ static const double DENSE = 4.0, MOST_TRUSTED = 2.0;
 double gb_log_defect(gb_sim *sim, double h) {
     gb_head *head = sim->head;
     const double theta = sim->method->defect[0], factor = sim->method->defect[1] / DENSE;
-    double worst = 0.0, *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)sim->model->n_total,
-           *slope = sim->events.defect;
+    /* not in the last row of the stages: the dense output of the quadratures is still made from all of them */
+    double worst = 0.0, *slope = sim->events.defect, *rate = slope + sim->model->n_total;
     if (!(factor > 0.0)) {
         return -100.0;
     }

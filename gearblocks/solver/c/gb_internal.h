@@ -190,7 +190,7 @@ struct gb_events {
     double *pending, *next_mode;       /* pending != 0: it flips at the front, into next_mode */
     double *next_time;                 /* time switches: when they leave their mode (into next_mode) */
     double *flip_time, *flips;         /* the last flip, and how many without progress */
-    double *defect;                    /* of a dense polynomial, by state */
+    double *defect;                    /* slopes of a dense polynomial and rates there, by state */
     int *role;                         /* who decides about its mode */
     double *mode_before;               /* modes before an event */
     double *s0, *s, *slopes, *samples; /* event functions: at the start of a step, at an instant, along rows, sampled */

@@ -145,12 +145,13 @@ static void lay_panel(gb_sim *sim, char *base, size_t *at) {
 static size_t lay_scratch(gb_sim *sim, char *base) {
     const gb_model *m = sim->model;
     size_t at = 0;
-    double **const whole[] = {&sim->z, &sim->z2, &sim->zero, &sim->events.defect};
+    double **const whole[] = {&sim->z, &sim->z2, &sim->zero};
     gb_lanes *const lanes[] = {&sim->lanes, &sim->instant};
     sim->k = doubles(base, &at, (long)GB_STAGES * m->n_total);
     for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
         *whole[i] = doubles(base, &at, m->n_total);
     }
+    sim->events.defect = doubles(base, &at, 2L * m->n_total);
     sim->scratch.energies = doubles(base, &at, m->n_energies);
     sim->scratch.outputs = doubles(base, &at, m->n_outputs);
     sim->scratch.inputs = doubles(base, &at, m->n_inputs);
