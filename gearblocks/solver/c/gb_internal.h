@@ -84,6 +84,7 @@ struct gb_pace {
     double reach_rate;                  /* the fastest rate that the last look found: see gb_reach.h */
     long long reach_at, reach_gap;      /* when to look again, and how many steps later once more */
     long long noise_at, least_scale_at; /* when noise and least scales are to be renewed */
+    uint64_t noise_modes;               /* the modes in which the noise was measured */
     int unscaled;                       /* a state has no tolerance scale yet: weights follow the trial step */
 };
 
