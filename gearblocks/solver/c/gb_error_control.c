@@ -96,8 +96,11 @@ void gb_error_weights(gb_sim *sim, double h, const double *time_terms, const dou
     gb_head *head = sim->head;
     const int n = sim->model->n, speeds = n - sim->model->n_speeds;
     const int implicit = sim->method->gamma > 0.0;
-    if (head->counts.steps >= head->control.noise_at || (implicit && h > 4.0 * head->control.h_noise)) {
+    /* what begins to move has its rounding for a scale, and it had none in other modes */
+    const int moved = trial != NULL && head->control.noise_modes != head->events.mode_hash;
+    if (head->counts.steps >= head->control.noise_at || (implicit && (moved || h > 4.0 * head->control.h_noise))) {
         measure_noise(sim, time_terms);
+        head->control.noise_modes = head->events.mode_hash;
         head->control.h_noise = h;
         head->control.noise_at = 2 * head->counts.steps + 1;
     }

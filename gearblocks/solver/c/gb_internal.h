@@ -85,6 +85,7 @@ struct gb_pace {
     long long reach_at, reach_gap;      /* when to look again, and how many steps later once more */
     uint64_t reach_modes;               /* of the last look */
     long long noise_at, least_scale_at; /* when noise and least scales are to be renewed */
+    uint64_t noise_modes;               /* the modes in which the noise was measured */
     int unscaled;                       /* a state has no tolerance scale yet: weights follow the trial step */
 };
 
