@@ -50,9 +50,11 @@ static inline double gb_ledger_log_error(gb_sim *sim, double h, double log_error
 int gb_ledger_integrate(gb_sim *sim, double theta);
 
 /* After the front was moved back to theta inside the step: the integrals once more where the last look found those of
- * the polynomials of the step off by 2 tolerances. */
+ * the polynomials of the step off by 2 tolerances, or where the step as tried exchanged far more, so that its tolerance
+ * says nothing. */
 static inline int gb_ledger_cut(gb_sim *sim, double theta) {
-    return sim->head->ledger.log_dense > 1.0 ? gb_ledger_integrate(sim, theta) : GB_DONE;
+    const int off = sim->head->ledger.log_dense > 1.0 || gb_exchange(sim, sim->y) < 0.1 * gb_exchange(sim, sim->z);
+    return off ? gb_ledger_integrate(sim, theta) : GB_DONE;
 }
 
 /* What the step exchanged counts as turnover. */
