@@ -8,6 +8,12 @@ static const double WINDOW = 1e-3;
 /* Part of its rate at the end of the window that a speed may have at its start: rounding, of forces that cancel. */
 static const double SOFT = 0.1;
 
+/* Looks inside the window, each at half the time of the one before; how often it is halved at most. */
+enum { PARTS = 4, MOST_HALVINGS = 20 };
+
+/* Part of a rate that counts as rounding, of forces that cancel. */
+static const double ROUNDING = 1e-6;
+
 /* The first speed; where a model does not know its speeds, all states are like them. */
 static int first_speed(const gb_model *model) {
     return model->n_speeds > 0 ? model->n - model->n_speeds : 0;
@@ -48,18 +54,48 @@ static double drive(gb_sim *sim, int from, int to, double window, const double *
     return most;
 }
 
+/* The rates at the front's state after a time. */
+static int rates_after(gb_sim *sim, double time, double *rate) {
+    const int code = gb_time_terms_at(sim, sim->head->front.t1 + time);
+    if (code == GB_DONE) {
+        sim->model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, rate);
+        sim->head->counts.rhs_calls++;
+    }
+    return code == GB_DONE;
+}
+
+/* The rates at the end of the window; 1: earlier parts of it drive every speed the same way, but for rounding. */
+static int same_way(gb_sim *sim, double window, double *rate, double *early) {
+    const gb_model *model = sim->model;
+    int same = rates_after(sim, window, rate);
+    for (int part = 0; part < PARTS && same; part++) {
+        window *= 0.5;
+        same = rates_after(sim, window, early);
+        for (int i = first_speed(model); i < model->n && same; i++) {
+            same = !(rate[i] * early[i] < -ROUNDING * rate[i] * rate[i]);
+        }
+    }
+    return same;
+}
+
 int gb_scales_from_rest(gb_sim *sim) {
     const gb_model *model = sim->model;
     gb_head *head = sim->head;
     const int speeds = first_speed(model);
-    const double window = gb_min(WINDOW, head->events.t_break - head->front.t1);
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total, energy = 0.0;
-    if (!gb_is_at_rest(sim) || gb_time_terms_at(sim, head->front.t1 + window) != GB_DONE) {
+    double window = gb_min(WINDOW, head->events.t_break - head->front.t1);
+    int halvings = 0;
+    if (!gb_is_at_rest(sim)) {
         return 0;
     }
+    /* what turns round inside the window (a dip of a friction torque is over) never comes to the speed of its end */
+    while (!same_way(sim, window, rate, rate - model->n_total)) {
+        if (++halvings > MOST_HALVINGS) {
+            return 0;
+        }
+        window *= 0.5;
+    }
     memcpy(sim->z2, sim->y, sizeof(double) * (size_t)model->n_total);
-    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
-    head->counts.rhs_calls++;
     if (!is_soft(sim, rate) || !(drive(sim, speeds, model->n, window, rate) > 0.0)) {
         return 0;
     }
