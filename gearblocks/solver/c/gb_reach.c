@@ -48,7 +48,7 @@ static double larger_root(double uu, double uv, double vv, double uw, double vw)
 static double fastest_rate(gb_sim *sim) {
     const gb_model *model = sim->model;
     const size_t total = (size_t)model->n_total;
-    double *u = sim->control.fast, *v = sim->k + (size_t)(GB_STAGES - 1) * total, *w = v - total;
+    double *u = sim->control.fast, *v = sim->events.defect, *w = v + total;
     const double *end = sim->k + (size_t)sim->method->stages * total;
     double uu = product(sim, u, u);
     if (!(uu > 0.0 && uu < HUGE_VAL)) {

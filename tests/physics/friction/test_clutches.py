@@ -59,7 +59,7 @@ def test_a_stuck_clutch_does_not_creep_in_a_million_seconds():
         drive=gb.Torque(tau=tau), one=gb.Inertia(J=1.0, w0=2.0), clutch=gb.Clutch(capacity=5.0), two=gb.Inertia(J=2.0)
     )
     t = np.concatenate([np.linspace(0, 10, 101), np.linspace(20, 1e6, 50)])
-    run = gb.simulate(rig, t=t, rtol=1e-3)
+    run = gb.simulate(rig, t=t, rtol=1e-4)  # at 1e-3 steps of half a period leave a tenth of the energy unbalanced
     held = run["clutch.mode"] == 0.0
     assert held[t > 2].all()
     assert (run["clutch.w_rel"][held] == 0.0).all()
