@@ -53,13 +53,17 @@ def test_the_torque_of_a_clutch_is_that_on_its_second_flange():
     assert run["clutch.mode"][0] == -1.0
 
 
-def test_a_stuck_clutch_does_not_creep_in_a_million_seconds():
+@pytest.mark.parametrize(
+    "rtol",
+    [1e-4, pytest.param(1e-3, marks=pytest.mark.xfail(reason="0.12 of the energy is out of balance, which warns"))],
+)
+def test_a_stuck_clutch_does_not_creep_in_a_million_seconds(rtol):
     tau = 3.0 * gb.sin(0.7 * gb.time)
     rig = _chain(
         drive=gb.Torque(tau=tau), one=gb.Inertia(J=1.0, w0=2.0), clutch=gb.Clutch(capacity=5.0), two=gb.Inertia(J=2.0)
     )
     t = np.concatenate([np.linspace(0, 10, 101), np.linspace(20, 1e6, 50)])
-    run = gb.simulate(rig, t=t, rtol=1e-4)  # at 1e-3 steps of half a period leave a tenth of the energy unbalanced
+    run = gb.simulate(rig, t=t, rtol=rtol)
     held = run["clutch.mode"] == 0.0
     assert held[t > 2].all()
     assert (run["clutch.w_rel"][held] == 0.0).all()
