@@ -75,7 +75,7 @@ def value_at(xs: tuple[float, ...], ys: tuple[float, ...], kind: str, x: float) 
         return float(np.interp(x, xs, ys))
     from scipy.interpolate import CubicSpline
 
-    return float(CubicSpline(xs, ys, bc_type="clamped")(min(max(x, xs[0]), xs[-1])))
+    return float(CubicSpline(xs, ys)(min(max(x, xs[0]), xs[-1])))
 
 
 def clutch(s: System, p: Part) -> None:

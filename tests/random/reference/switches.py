@@ -77,7 +77,7 @@ class Switches:
 
 
 class Table1:
-    """A table with frozen segments: linear, cubic (flat ends, or periodic) or step; held outside, or repeated."""
+    """A table with frozen segments: linear, cubic (not-a-knot, or periodic) or step; held outside, or repeated."""
 
     def __init__(
         self, switches: Switches, x: tuple[float, ...], y: tuple[float, ...], kind: str, periodic: bool
@@ -87,7 +87,7 @@ class Table1:
         switches.jumps[self.low] = switches.jumps[self.high] = self.low
         self.c: Any = None
         if kind == "cubic":
-            self.c = CubicSpline(x, y, bc_type="periodic" if periodic else "clamped").c.T.tolist()
+            self.c = CubicSpline(x, y, bc_type="periodic" if periodic else "not-a-knot").c.T.tolist()
 
     def locate(self, x: float) -> tuple[int, float, float]:
         """Segment, its left end, and x; notes the distances from its edges."""
