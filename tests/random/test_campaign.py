@@ -18,6 +18,7 @@ from tests.random.reduce import from_plain, shrunk, to_plain  # noqa: E402
 from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
 
 
+@pytest.mark.long  # .ci/run has it as a step of its own
 def test_the_fixed_trains_of_every_family_are_right():
     command = [sys.executable, "-m", "tests.random", "--short", "--workers", "1"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
