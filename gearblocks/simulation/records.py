@@ -21,7 +21,10 @@ def frozen(values: ArrayLike) -> Array:
 
 
 class Event(NamedTuple):
-    """One change of mode at time `t` [s]; kind: "state", "time" or "impact"; before, after: the modes."""
+    """One change of mode at time `t` [s]; kind: "state", "time" or "impact"; before, after: the modes.
+
+    A mode half way between two is that of a condition whose both sides drive the motion back to it: it slides along.
+    """
 
     t: float
     component: str

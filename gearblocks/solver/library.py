@@ -38,11 +38,13 @@ _HOT = (
     "gb_features.c",
     "gb_ledger.c",
     "gb_locate_polynomial.c",
+    "gb_rates.c",
     "gb_rosenbrock.c",
     "gb_reach.c",
     "gb_runge_kutta.c",
     "gb_sparse_ldu.c",
     "gb_step.c",
+    "gb_time_terms.c",
 )
 """What every step runs through."""
 _COOL = ("-O2",)  # the rest of the core: a third quicker to compile

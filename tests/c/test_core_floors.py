@@ -9,10 +9,12 @@ CORE = Path(__file__).parents[2] / "gearblocks" / "solver" / "c"
 
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_sparse_ldu", "gb_report", "gb_stage_modes"),
+    ("gb_inputs",),
+    ("gb_time_terms",),
+    ("gb_rates",),
     (
         "gb_runge_kutta",
         "gb_rosenbrock",
-        "gb_inputs",
         "gb_modes",
         "gb_constraint_state",
         "gb_memory",
@@ -31,6 +33,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_rest",
     ),
     ("gb_dense_output", "gb_constraint_switching"),
+    ("gb_sliding", "gb_sliding_outputs"),
     ("gb_locate_sampled", "gb_event", "gb_panel", "gb_force_enclosure", "gb_ledger", "gb_features", "gb_defect"),
     ("gb_locate_enclosed",),
     ("gb_locate_polynomial", "gb_start"),

@@ -2,6 +2,7 @@
 #include "gb_double_double.h"
 #include "gb_evaluate.h"
 #include "gb_modes.h"
+#include "gb_rates.h"
 
 /* No step turns a wrapped angle by more than this: the digits of an angle inside a step are those of its size. */
 static const double most_turns = 1024.0;
@@ -105,7 +106,7 @@ static int wrap(gb_sim *sim, int c, int with_modes) {
             const int i = wrapped->switches[j];
             gb_set_mode(sim, i, sim->mode[i] - turns / wrapped->turns * wrapped->steps[j], 0);
         }
-        sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        gb_mode_limits(sim);
     }
     return GB_DONE;
 }

@@ -7,7 +7,9 @@
 #include "gb_impact.h"
 #include "gb_lossy_gear.h"
 #include "gb_modes.h"
+#include "gb_rates.h"
 #include "gb_report.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 /* Flips that a look ahead stands for, where the force of a lossy gear has just come to zero. */
@@ -314,7 +316,7 @@ int gb_switch_constraints(gb_sim *sim, int log) {
     gb_project_velocities(sim, sim->instant.time_terms);
     gb_rehash(sim);
     if (model->n_switches > 0) {
-        model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        gb_mode_limits(sim);
     }
     const int changes = log_changes(sim, log);
     return code == GB_DONE ? changes : code;

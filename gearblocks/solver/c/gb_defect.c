@@ -1,7 +1,8 @@
 #include "gb_defect.h"
 #include "gb_dense_output.h"
 #include "gb_error_control.h"
-#include "gb_evaluate.h"
+#include "gb_rates.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 /* How many tolerances the error inside a step may have, and by how much more a step that was looked at is trusted at
@@ -20,7 +21,7 @@ double gb_log_defect(gb_sim *sim, double h) {
     head->front.h = h;
     if (gb_dense_complete(sim) == GB_DONE && gb_time_terms_at(sim, head->front.t0 + theta * h) == GB_DONE) {
         gb_dense_rates(sim, theta, sim->z2, slope);
-        sim->model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
+        gb_rates(sim, 0, &sim->instant, 0, sim->z2, rate);
         head->counts.rhs_calls++;
         for (int i = 0; i < sim->model->n; i++) {
             const double rounding = 2e3 * DBL_EPSILON * gb_max(fabs(slope[i]), h * fabs(sim->k1[i]));

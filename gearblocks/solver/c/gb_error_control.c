@@ -1,4 +1,5 @@
 #include "gb_error_control.h"
+#include "gb_rates.h"
 #include "gb_rosenbrock.h"
 #include "gb_vector.h"
 
@@ -22,7 +23,7 @@ double gb_rough_log2(double x) {
 }
 
 /* How far rounding moves each rate: the response to a change of the states in their last bits, of alternating sign. */
-static void measure_noise(gb_sim *sim, const double *time_terms) {
+static void measure_noise(gb_sim *sim, const gb_lanes *at) {
     const gb_model *model = sim->model;
     const int implicit = sim->method->gamma > 0.0;
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
@@ -30,7 +31,7 @@ static void measure_noise(gb_sim *sim, const double *time_terms) {
         const double bit = 2.0 * DBL_EPSILON * sim->control.largest[i];
         sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
     }
-    model->rhs(sim->par, sim->mode, time_terms, sim->z2, rate);
+    gb_rates(sim, 0, at, 0, sim->z2, rate);
     sim->head->counts.rhs_calls++;
     for (int i = 0; i < model->n; i++) {
         rate[i] -= sim->k1[i];
@@ -92,14 +93,14 @@ static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
     return poor;
 }
 
-void gb_error_weights(gb_sim *sim, double h, const double *time_terms, const double *trial) {
+void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *trial) {
     gb_head *head = sim->head;
     const int n = sim->model->n, speeds = n - sim->model->n_speeds;
     const int implicit = sim->method->gamma > 0.0;
     /* what begins to move has its rounding for a scale, and it had none in other modes */
     const int moved = trial != NULL && head->control.noise_modes != head->events.mode_hash;
     if (head->counts.steps >= head->control.noise_at || (implicit && (moved || h > 4.0 * head->control.h_noise))) {
-        measure_noise(sim, time_terms);
+        measure_noise(sim, at);
         head->control.noise_modes = head->events.mode_hash;
         head->control.h_noise = h;
         head->control.noise_at = 2 * head->counts.steps + 1;
@@ -189,7 +190,7 @@ double gb_first_step(gb_sim *sim) {
     for (int i = 0; i < model->n_padded; i++) {
         sim->z2[i] = sim->y0[i] + h * sim->k[i];
     }
-    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
+    gb_rates(sim, 0, &sim->instant, 0, sim->z2, rate);
     sim->head->counts.rhs_calls++;
     const double second = sqrt(relative(sim, rate, sim->k) / h);
     const double pace = gb_max(first, second);

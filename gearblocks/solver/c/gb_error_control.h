@@ -15,7 +15,7 @@
  * scale where the train knows one, and before the first step what its rate gives; never less than a small part of the
  * largest of its kind (a front that runs along a chain is not followed into its last digit). `trial` counts too where a
  * state has no scale at all. */
-void gb_error_weights(gb_sim *sim, double h, const double *time_terms, const double *trial);
+void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *trial);
 
 /* Takes the front into the tolerance scales. The error weights of an implicit method are kept until a scale is by a
  * tenth beyond what they were made for: the tolerance lags behind on the safe side. */

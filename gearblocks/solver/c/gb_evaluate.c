@@ -1,28 +1,9 @@
 #include "gb_evaluate.h"
 #include "gb_inputs.h"
+#include "gb_rates.h"
 #include "gb_report.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
-
-int gb_time_terms(gb_sim *sim, int lanes, gb_lanes *at) {
-    for (int l = lanes; l < GB_LANES; l++) {
-        at->t[l] = at->t[lanes - 1];
-    }
-    if (sim->inputs.n_moving > 0) {
-        const int code = gb_input_lanes(sim, lanes, at->t, at->u);
-        if (code != GB_DONE) {
-            return code;
-        }
-    }
-    if (sim->model->n_time_terms > 0) {
-        sim->model->time_terms(sim->par, sim->mode, lanes, at->t, at->u, at->time_terms);
-    }
-    return GB_DONE;
-}
-
-int gb_time_terms_at(gb_sim *sim, double t) {
-    sim->instant.t[0] = t;
-    return gb_time_terms(sim, 1, &sim->instant);
-}
 
 int gb_point_time_terms(gb_sim *sim, const gb_point *at) {
     const gb_model *model = sim->model;
@@ -45,9 +26,9 @@ int gb_point_time_terms(gb_sim *sim, const gb_point *at) {
     return code;
 }
 
-int gb_first_derivative(gb_sim *sim, const double *time_terms) {
+int gb_first_derivative(gb_sim *sim, const gb_lanes *at) {
     const gb_model *model = sim->model;
-    model->rhs_full(sim->par, sim->mode, time_terms, sim->y, sim->k1);
+    gb_rates(sim, 1, at, 0, sim->y, sim->k1);
     sim->head->counts.rhs_calls++;
     if (!(gb_taint(sim->k1, model->n_total) == 0.0)) {
         return gb_check_finite(sim, GB_ERR_NAN_RATE, sim->k1, model->n_total, 0, sim->head->front.t1);

@@ -5,8 +5,11 @@
 #include "gb_inputs.h"
 #include "gb_limit_noise.h"
 #include "gb_modes.h"
+#include "gb_rates.h"
 #include "gb_reach.h"
 #include "gb_report.h"
+#include "gb_sliding.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 /* -1 or 1: event function i is beyond its lower or upper limit by more than rounding. */
@@ -31,7 +34,7 @@ int gb_settle_modes(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
     int last = -1, code = GB_DONE;
     if (model->n_switches > 0) {
-        model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        gb_mode_limits(sim);
     }
     for (int round = 0; round < GB_FLIPS && model->n_event_functions > 0; round++) {
         int changed = 0;
@@ -46,13 +49,13 @@ int gb_settle_modes(gb_sim *sim, int log) {
                 sim->events.armed[i] = 0.0;
                 last = i;
                 changed = 1;
-                code = gb_count_flip(sim, i);
+                code = gb_count_flip_or_slide(sim, i);
             }
         }
         if (!changed || code != GB_DONE) {
             return code;
         }
-        model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        gb_mode_limits(sim);
     }
     return last < 0 ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->front.t1, sim->events.s[last]);
 }
@@ -94,11 +97,13 @@ static int flip_pending(gb_sim *sim) {
             continue;
         }
         sim->events.pending[i] = 0.0;
-        if (fabs(pending) == 1.0) {
+        if (gb_slides(sim, i)) {
+            gb_leave_sliding(sim, i, sim->events.next_mode[i]);
+        } else if (fabs(pending) == 1.0) {
             gb_set_mode(sim, i, gb_far_side(sim, i, pending), sim->events.role[i] == GB_ORDINARY);
             sim->events.armed[i] = -pending;
             sim->head->events.armed = 1;
-            code = gb_count_flip(sim, i);
+            code = gb_count_flip_or_slide(sim, i);
         } else {
             gb_set_mode(sim, i, sim->events.next_mode[i], sim->events.role[i] == GB_ORDINARY);
         }
@@ -168,6 +173,9 @@ int gb_apply_event(gb_sim *sim) {
     }
     if (code == GB_DONE) {
         code = gb_balance_massless(sim, 0);
+    }
+    if (code == GB_DONE && head->events.n_sliding > 0) {
+        code = gb_settle_sliding(sim);
     }
     if (timed) {
         gb_refresh_breaks(sim, 0);

@@ -1,6 +1,6 @@
 #include "gb_features.h"
 #include "gb_dense_output.h"
-#include "gb_evaluate.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 /* How far G may move in one step, and how far a step that is chosen by it moves it; the least part of a step. */

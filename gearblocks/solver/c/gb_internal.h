@@ -19,6 +19,7 @@ enum {
     GB_EIGHTHS = 8,       /* interior samples of an event function */
     GB_PANEL_POINTS = 13, /* of polynomials of event functions' arguments: 9 that fit, 4 that check */
     GB_MEMORY = 64,       /* remembered step sizes */
+    GB_SLIDING = 4,       /* switches that slide along their limit at a time */
     GB_FLIPS = 20         /* flips of one switch without progress of time before the run stops */
 };
 
@@ -128,16 +129,17 @@ struct gb_choice {
 
 /* Events. */
 struct gb_event_state {
-    double t_break;     /* the next announced instant: time switches and tables */
-    int pending;        /* an event waits at the front */
-    int armed;          /* some switch has just flipped and is watched from its limit */
-    double flight;      /* how long a body that has just hit a stop is away (HUGE_VAL: none) */
-    double flight_end;  /* and until when that may still be so, friction changing its pace */
-    double piece;       /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
-    double entered;     /* the last event: the present modes began there */
-    long long crowd;    /* events when it was last asked whether they let time go on, */
-    double t_crowd;     /* and the time then */
-    uint64_t mode_hash; /* of all modes */
+    double t_break;    /* the next announced instant: time switches and tables */
+    int pending;       /* an event waits at the front */
+    int armed;         /* some switch has just flipped and is watched from its limit */
+    double flight;     /* how long a body that has just hit a stop is away (HUGE_VAL: none) */
+    double flight_end; /* and until when that may still be so, friction changing its pace */
+    double piece;      /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
+    double entered;    /* the last event: the present modes began there */
+    long long crowd;   /* events when it was last asked whether they let time go on, */
+    double t_crowd;    /* and the time then */
+    int n_sliding, sliding[GB_SLIDING]; /* see gb_sliding.h */
+    uint64_t mode_hash;                 /* of all modes */
     uint64_t remembered_modes[GB_MEMORY];
     double remembered_step[GB_MEMORY];
 };
@@ -207,6 +209,13 @@ struct gb_unlocated {
     double *mode; /* of the stage; behind them the active set */
     int lanes;    /* with time terms */
     int crossed;  /* a mode changed between two stages of the step */
+};
+
+/* Rates beside limits along which switches slide: modes and time terms there, rates below and above, a state beside,
+ * event functions and outputs below and above. */
+struct gb_sliding {
+    double *mode, *rates, *state, *functions, *outputs;
+    gb_lanes lanes;
 };
 
 /* Enclosures of event functions over a piece of a step. values: arguments at the points of a panel; bernstein, slack:
@@ -286,6 +295,7 @@ struct gb_sim {
     gb_lanes lanes, instant; /* of a step, of single instants */
     struct gb_events events;
     struct gb_unlocated unlocated;
+    struct gb_sliding sliding;
     struct gb_panel panel;
     struct gb_event_log log;
     struct gb_constraints constraints;

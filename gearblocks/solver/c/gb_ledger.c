@@ -1,7 +1,8 @@
 #include "gb_ledger.h"
 #include "gb_dense_output.h"
 #include "gb_error_control.h"
-#include "gb_evaluate.h"
+#include "gb_rates.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 /* Tolerance below which rounding would decide. */
@@ -74,7 +75,7 @@ static int powers_at(gb_sim *sim, double theta, double h, double *rate) {
     gb_dense_states(sim, theta, sim->z2);
     const int code = gb_time_terms_at(sim, from + theta * h);
     if (code == GB_DONE) {
-        sim->model->rhs_full(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
+        gb_rates(sim, 1, &sim->instant, 0, sim->z2, rate);
         sim->head->counts.rhs_calls++;
     }
     return code;
@@ -108,7 +109,7 @@ static void measure_noise(gb_sim *sim) {
         const double bit = 2.0 * DBL_EPSILON * sim->control.largest[i];
         sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
     }
-    model->rhs_full(sim->par, sim->mode, sim->lanes.time_terms, sim->z2, rate);
+    gb_rates(sim, 1, &sim->lanes, 0, sim->z2, rate);
     sim->head->counts.rhs_calls++;
     double noise = 0.0;
     for (int i = gb_first_energy(model); i < gb_end_energy(model); i++) {

@@ -1,7 +1,7 @@
 #include "gb_locate_sampled.h"
 #include "gb_dense_output.h"
-#include "gb_evaluate.h"
 #include "gb_modes.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 enum { CLOSEST = 7 };             /* halvings of a quarter of a step, in search of a dip of a constraint force */

@@ -1,5 +1,6 @@
 #include "gb_massless_error.h"
 #include "gb_error_control.h"
+#include "gb_rates.h"
 #include "gb_vector.h"
 
 /* A massless speed stands in the rate of state i. */
@@ -28,7 +29,7 @@ double gb_log_massless_error(gb_sim *sim, double h, double log_error) {
     for (int i = 0; i < model->n_padded; i++) {
         sim->z2[i] = sim->z[i] + part * sim->z2[i];
     }
-    model->rhs(sim->par, sim->mode, sim->lanes.time_terms + sim->method->stages, sim->z2, rate);
+    gb_rates(sim, 0, &sim->lanes, sim->method->stages, sim->z2, rate);
     sim->head->counts.rhs_calls++;
     for (int i = 0; i < model->n_kinematic; i++) {
         if (has_massless_rate(sim, i)) {

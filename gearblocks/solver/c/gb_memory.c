@@ -115,6 +115,10 @@ static void lay_events(gb_sim *sim, char *base, size_t *at) {
     e->mode_before = doubles(base, at, m->update_states ? m->n_switches : 0);
     e->samples = doubles(base, at, (m->n_event_functions > m->n_affine ? (long)GB_STAGES : 0) * m->n_event_functions);
     sim->unlocated.mode = doubles(base, at, m->n_switches + m->n_active_set);
+    sim->sliding.mode = doubles(base, at, m->n_switches + m->n_active_set);
+    sim->sliding.rates = doubles(base, at, m->n_event_functions > 0 ? (long)(1 + GB_SLIDING) * m->n_total : 0);
+    sim->sliding.functions = doubles(base, at, 2L * m->n_event_functions);
+    sim->sliding.outputs = doubles(base, at, m->n_event_functions > 0 ? 2L * m->n_outputs : 0);
     e->role = take(base, at, sizeof(int) * (size_t)(m->n_switches + 1));
     sim->log.capacity = 4L * m->n_switches + m->n_inputs + 64;
     sim->log.event = take(base, at, sizeof(gb_event) * (size_t)sim->log.capacity);
@@ -145,8 +149,8 @@ static void lay_panel(gb_sim *sim, char *base, size_t *at) {
 static size_t lay_scratch(gb_sim *sim, char *base) {
     const gb_model *m = sim->model;
     size_t at = 0;
-    double **const whole[] = {&sim->z, &sim->z2, &sim->zero};
-    gb_lanes *const lanes[] = {&sim->lanes, &sim->instant};
+    double **const whole[] = {&sim->z, &sim->z2, &sim->zero, &sim->sliding.state};
+    gb_lanes *const lanes[] = {&sim->lanes, &sim->instant, &sim->sliding.lanes};
     sim->k = doubles(base, &at, (long)GB_STAGES * m->n_total);
     for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
         *whole[i] = doubles(base, &at, m->n_total);

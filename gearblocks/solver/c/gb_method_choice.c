@@ -3,6 +3,7 @@
 #include "gb_memory.h"
 #include "gb_rosenbrock.h"
 #include "gb_sparse_ldu.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 enum { FIRST_LOOKS = 8, GAP = 16, LONGEST_GAP = 1024, TRIAL = 4, CALM = 256 };
@@ -177,7 +178,7 @@ int gb_choice_look(gb_sim *sim, double limit) {
     }
     int code = gb_time_terms_at(sim, head->front.t1);
     if (code == GB_DONE && !head->front.have_k1) {
-        code = gb_first_derivative(sim, sim->instant.time_terms);
+        code = gb_first_derivative(sim, &sim->instant);
     }
     if (code != GB_DONE) {
         return code;

@@ -1,7 +1,7 @@
 #include "gb_panel.h"
 #include "gb_dense_output.h"
 #include "gb_enclosure.h"
-#include "gb_evaluate.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 enum { DEGREE = 8, POINTS = GB_PANEL_POINTS };

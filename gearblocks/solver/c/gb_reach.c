@@ -1,5 +1,6 @@
 #include "gb_reach.h"
 #include "gb_error_control.h"
+#include "gb_rates.h"
 #include "gb_vector.h"
 
 /* Most steps from one look to the next, and fewest where modes change all the time. */
@@ -27,7 +28,7 @@ static void apply(gb_sim *sim, const double *u, double size, double *out) {
     for (int b = 0; b < model->n_padded; b += GB_PAD) {
         *(gb_block *)(void *)(sim->z2 + b) = *gb_block_at(sim->z + b) + scale * *gb_block_at(u + b);
     }
-    model->rhs(sim->par, sim->mode, sim->lanes.time_terms + sim->method->stages, sim->z2, out);
+    gb_rates(sim, 0, &sim->lanes, sim->method->stages, sim->z2, out);
     sim->head->counts.rhs_calls++;
     for (int b = 0; b < model->n_padded; b += GB_PAD) {
         *(gb_block *)(void *)(out + b) = inverse * (*gb_block_at(out + b) - *gb_block_at(end + b));

@@ -1,5 +1,6 @@
 #include "gb_rest.h"
-#include "gb_evaluate.h"
+#include "gb_rates.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 /* The window: short beside the motions of a drivetrain, long beside what rounding leaves of a soft rise. */
@@ -58,7 +59,7 @@ static double drive(gb_sim *sim, int from, int to, double window, const double *
 static int rates_after(gb_sim *sim, double time, double *rate) {
     const int code = gb_time_terms_at(sim, sim->head->front.t1 + time);
     if (code == GB_DONE) {
-        sim->model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, rate);
+        gb_rates(sim, 0, &sim->instant, 0, sim->y, rate);
         sim->head->counts.rhs_calls++;
     }
     return code == GB_DONE;
@@ -99,7 +100,7 @@ int gb_scales_from_rest(gb_sim *sim) {
     if (!is_soft(sim, rate) || !(drive(sim, speeds, model->n, window, rate) > 0.0)) {
         return 0;
     }
-    model->rhs_full(sim->par, sim->mode, sim->instant.time_terms, sim->z2, rate);
+    gb_rates(sim, 1, &sim->instant, 0, sim->z2, rate);
     head->counts.rhs_calls++;
     drive(sim, 0, speeds, window, rate);
     for (int i = model->n_padded + model->n_angles; i < model->n_padded + model->n_quadratures; i++) {

@@ -1,5 +1,6 @@
 #include "gb_rosenbrock.h"
 #include "gb_constraint_rows.h"
+#include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_sparse_ldu.h"
 #include "gb_stage_modes.h"
@@ -74,8 +75,8 @@ static void slope_in_time(gb_sim *sim, double h) {
     }
     const double one = sim->lanes.t[lane] - sim->lanes.t[0], two = sim->lanes.t[lane + 1] - sim->lanes.t[0];
     const double a = h * two / (one * (two - one)), b = h * one / (two * (two - one));
-    model->rhs(sim->par, sim->mode, sim->lanes.time_terms + lane, sim->y0, first);
-    model->rhs(sim->par, sim->mode, sim->lanes.time_terms + lane + 1, sim->y0, second);
+    gb_rates(sim, 0, &sim->lanes, lane, sim->y0, first);
+    gb_rates(sim, 0, &sim->lanes, lane + 1, sim->y0, second);
     sim->head->counts.rhs_calls += 2;
     for (int i = 0; i < model->n_padded; i++) {
         first[i] = a * (first[i] - sim->k1[i]) - b * (second[i] - sim->k1[i]);
@@ -275,7 +276,7 @@ int gb_rosenbrock_stages(gb_sim *sim, double h) {
         double *k = sim->k + (size_t)j * (size_t)total;
         sum_stages(sim, j, h);
         if (sim->head->options.locate) {
-            model->rhs(sim->par, sim->mode, sim->lanes.time_terms + j, sim->z, k);
+            gb_rates(sim, 0, &sim->lanes, j, sim->z, k);
         } else {
             gb_stage_rates(sim, j, 0, sim->z, k);
         }
@@ -305,7 +306,7 @@ void gb_rosenbrock_quadratures(gb_sim *sim, double h) {
         const int j = method->stages + 1 + i;
         double *k = sim->k + (size_t)j * (size_t)total;
         if (sim->head->options.locate) {
-            model->rhs_full(sim->par, sim->mode, sim->lanes.time_terms + j, node(sim, i), k);
+            gb_rates(sim, 1, &sim->lanes, j, node(sim, i), k);
         } else {
             gb_stage_rates(sim, j, 1, node(sim, i), k);
         }

@@ -1,13 +1,15 @@
 #include "gb_run.h"
 #include "gb_constraint_state.h"
 #include "gb_dense_output.h"
-#include "gb_evaluate.h"
 #include "gb_event.h"
 #include "gb_inputs.h"
+#include "gb_rates.h"
 #include "gb_report.h"
+#include "gb_sliding_outputs.h"
 #include "gb_stage_modes.h"
 #include "gb_start.h"
 #include "gb_step.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 #include <limits.h>
@@ -130,7 +132,11 @@ static int at_communication_point(gb_sim *sim, const double **mode) {
 int gb_outputs(gb_sim *sim, double *out) {
     const double *mode;
     const int code = at_communication_point(sim, &mode);
-    if (code == GB_DONE) {
+    if (code == GB_DONE && sim->head->events.n_sliding > 0) {
+        memcpy(sim->unlocated.mode, mode, sizeof(double) * (size_t)sim->model->n_switches);
+        gb_mode_with_shares(sim, &sim->instant, 0, sim->z, sim->unlocated.mode);
+        gb_outputs_with_shares(sim, sim->unlocated.mode, &sim->instant, 0, sim->z, out);
+    } else if (code == GB_DONE) {
         sim->model->outputs(sim->par, mode, sim->instant.time_terms, sim->z, sim->z2, out);
     }
     return code;
@@ -183,6 +189,10 @@ static int write_row(gb_sim *sim, gb_record *record, double t) {
     int code = modes_between(sim, t, row, &mode);
     row += m->n_total;
     memcpy(row, mode, sizeof(double) * (size_t)m->n_switches);
+    if (code == GB_DONE && sim->head->events.n_sliding > 0) {
+        code = gb_time_terms_at(sim, t);
+        gb_mode_with_shares(sim, &sim->instant, 0, row - m->n_total, row);
+    }
     if (code == GB_DONE) {
         code = gb_input_values(sim, t, row + m->n_switches);
     }
@@ -259,6 +269,18 @@ static int same_modes(const gb_model *m, const double *row, long left) {
     return count;
 }
 
+/* All outputs at a recorded row, in its modes; `full` are these with their active set. */
+static void outputs_of_row(gb_sim *sim, const double *mode, const double *full, int lane, const double *y) {
+    const gb_model *m = sim->model;
+    if (gb_has_shares(m, mode)) {
+        gb_outputs_with_shares(sim, mode, &sim->instant, lane, y, sim->scratch.outputs);
+        return;
+    }
+    const double *time_terms = sim->instant.time_terms + lane;
+    m->rhs_full(sim->par, full, time_terms, y, sim->z2);
+    m->outputs(sim->par, full, time_terms, y, sim->z2, sim->scratch.outputs);
+}
+
 int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, int n_pick, double *out,
                 double *energy) {
     const gb_model *m = sim->model;
@@ -284,8 +306,7 @@ int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, i
         for (int l = 0; l < count; l++, r++) {
             const double *y = rows + (size_t)r * length + 1, *time_terms = sim->instant.time_terms + l;
             if (n_pick > 0) {
-                m->rhs_full(sim->par, mode, time_terms, y, sim->z2);
-                m->outputs(sim->par, mode, time_terms, y, sim->z2, sim->scratch.outputs);
+                outputs_of_row(sim, row + 1 + m->n_total, mode, l, y);
                 for (int j = 0; j < n_pick; j++) {
                     out[(size_t)r * (size_t)n_pick + (size_t)j] = sim->scratch.outputs[pick[j]];
                 }

@@ -1,4 +1,5 @@
 #include "gb_runge_kutta.h"
+#include "gb_rates.h"
 #include "gb_stage_modes.h"
 #include "gb_vector.h"
 
@@ -8,8 +9,7 @@ void gb_run_stages(gb_sim *sim, double h) {
     const int total = model->n_total, padded = model->n_padded;
     for (int j = 1; j < method->stages; j++) {
         gb_combine(&method->a[j], sim->k, total, 0, padded, sim->y0, h, sim->z);
-        (method->full[j] ? model->rhs_full : model->rhs)(sim->par, sim->mode, sim->lanes.time_terms + j, sim->z,
-                                                         sim->k + (size_t)j * (size_t)total);
+        gb_rates(sim, method->full[j], &sim->lanes, j, sim->z, sim->k + (size_t)j * (size_t)total);
     }
     gb_combine(&method->a[method->stages], sim->k, total, 0, total, sim->y0, h, sim->z);
     sim->head->counts.rhs_calls += method->stages - 1;
@@ -20,8 +20,7 @@ void gb_run_extra_stages(gb_sim *sim, double h) {
     const gb_method *method = sim->method;
     for (int j = method->stages + 1; j < method->all_stages; j++) {
         gb_combine(&method->a[j], sim->k, model->n_total, 0, model->n_padded, sim->y0, h, sim->z2);
-        model->rhs_full(sim->par, sim->mode, sim->lanes.time_terms + j, sim->z2,
-                        sim->k + (size_t)j * (size_t)model->n_total);
+        gb_rates(sim, 1, &sim->lanes, j, sim->z2, sim->k + (size_t)j * (size_t)model->n_total);
         sim->head->counts.rhs_calls++;
     }
 }

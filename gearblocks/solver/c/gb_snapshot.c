@@ -45,6 +45,14 @@ static int options_fit(const gb_sim *sim, const gb_options *options) {
            options->t_stop == options->t_stop;
 }
 
+static int sliding_fits(const gb_sim *sim, const struct gb_event_state *events) {
+    int fits = events->n_sliding >= 0 && events->n_sliding <= GB_SLIDING;
+    for (int j = 0; fits && j < events->n_sliding; j++) {
+        fits = events->sliding[j] >= 0 && events->sliding[j] < sim->model->n_event_functions;
+    }
+    return fits;
+}
+
 /* What the solver takes for granted of its block: numbers that choose from tables, order of times, finite states. */
 static int head_fits(const gb_sim *sim, const gb_head *head) {
     const struct gb_front *front = &head->front;
@@ -57,7 +65,7 @@ static int head_fits(const gb_sim *sim, const gb_head *head) {
            front->t_comm <= front->t1 && front->t1 <= DBL_MAX && front->h >= 0.0 && front->h <= DBL_MAX &&
            front->sample >= 0 && head->control.h_next >= 0.0 && head->control.h_next <= DBL_MAX &&
            head->counts.steps >= 0 && head->counts.rejected >= 0 && head->counts.events >= 0 &&
-           head->events.t_break == head->events.t_break;
+           head->events.t_break == head->events.t_break && sliding_fits(sim, &head->events);
 }
 
 static int block_fits(const gb_sim *sim, const char *block) {

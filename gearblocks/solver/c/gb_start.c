@@ -12,6 +12,8 @@
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_rosenbrock.h"
+#include "gb_sliding.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 /* Derived parameters, natural scales and lanes of constants. */
@@ -66,7 +68,7 @@ static int start_on_limits(gb_sim *sim) {
     const gb_model *model = sim->model;
     int code = gb_time_terms_at(sim, sim->head->front.t1);
     if (code == GB_DONE) {
-        code = gb_first_derivative(sim, sim->instant.time_terms);
+        code = gb_first_derivative(sim, &sim->instant);
     }
     sim->head->front.have_k1 = 0;
     if (code != GB_DONE) {
@@ -222,5 +224,5 @@ int gb_apply_changes(gb_sim *sim) {
     if (code == GB_DONE && model->n_constraints > 0) {
         code = gb_switch_constraints(sim, 1);
     }
-    return code;
+    return code == GB_DONE && head->events.n_sliding > 0 ? gb_settle_sliding(sim) : code;
 }

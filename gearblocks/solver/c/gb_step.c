@@ -12,12 +12,15 @@
 #include "gb_massless_error.h"
 #include "gb_method_choice.h"
 #include "gb_modes.h"
+#include "gb_rates.h"
 #include "gb_reach.h"
 #include "gb_report.h"
 #include "gb_rest.h"
 #include "gb_rosenbrock.h"
 #include "gb_runge_kutta.h"
+#include "gb_sliding.h"
 #include "gb_stage_modes.h"
+#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 /* Another try with a shorter step, and how often in one step. */
@@ -31,7 +34,7 @@ static void last_derivative(gb_sim *sim) {
         gb_stage_rates(sim, last, 1, sim->z, k);
         return;
     }
-    sim->model->rhs_full(sim->par, sim->mode, sim->lanes.time_terms + last, sim->z, k);
+    gb_rates(sim, 1, &sim->lanes, last, sim->z, k);
 }
 
 /* Where a step of size h from the front ends: on the grid, at an announced instant, or where it likes. */
@@ -80,6 +83,9 @@ static int accept(gb_sim *sim, double end, int again) {
         const int code = gb_locate(sim, &theta);
         if (code != GB_DONE) {
             return code;
+        }
+        if (head->events.n_sliding > 0 && gb_sliding_end(sim, &theta) != GB_DONE) {
+            return head->report.code;
         }
         const int most = sim->events.undersampled ? MOST_AGAIN : sim->events.in_doubt ? MOST_DOUBTS : 0;
         if (again < most && !(head->options.step > 0.0)) {
@@ -148,8 +154,7 @@ static double judge(gb_sim *sim, double h) {
         const int old = implicit && head->front.t1 - head->front.t_start >
                                         2.0 * (head->control.t_weights - head->front.t_start) + h;
         if (head->control.h_weights == 0.0 || h > 2.0 * head->control.h_weights || head->control.unscaled || old) {
-            gb_error_weights(sim, h, sim->lanes.time_terms,
-                             head->control.unscaled || head->counts.steps == 0 ? sim->z : NULL);
+            gb_error_weights(sim, h, &sim->lanes, head->control.unscaled || head->counts.steps == 0 ? sim->z : NULL);
         }
         error = head->choice.large_step ? gb_large_step_error(sim, h) : gb_log_error(sim, h);
     }
@@ -214,7 +219,7 @@ static int try_step(gb_sim *sim, double end) {
     if (code != GB_DONE) {
         return code;
     }
-    if (!sim->head->front.have_k1 && gb_first_derivative(sim, sim->lanes.time_terms) != GB_DONE) {
+    if (!sim->head->front.have_k1 && gb_first_derivative(sim, &sim->lanes) != GB_DONE) {
         return sim->head->report.code;
     }
     if (implicit) {
@@ -234,7 +239,7 @@ static int try_step(gb_sim *sim, double end) {
 static int prepare_first(gb_sim *sim) {
     int code = gb_time_terms_at(sim, sim->head->front.t1);
     if (code == GB_DONE && !sim->head->front.have_k1) {
-        code = gb_first_derivative(sim, sim->instant.time_terms);
+        code = gb_first_derivative(sim, &sim->instant);
     }
     const int scaled = code == GB_DONE && gb_scales_from_rest(sim);
     if (code == GB_DONE && (scaled || sim->head->control.h_next == 0.0)) {

@@ -1,0 +1,177 @@
+#include "gb_rates.h"
+#include "gb_time_terms.h"
+#include "gb_vector.h"
+
+enum { POINTS = 4 };
+
+/* A difference of fourth order. */
+static const double point[POINTS] = {-2.0, -1.0, 1.0, 2.0};
+static const double weight[POINTS] = {1.0 / 12.0, -8.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0};
+static const double NEAR = 1e-3;  /* its points, in steps: it tells 1e-12 of what a step tells */
+static const double LEAST = 1e-9; /* share in a recorded mode, that shows as one */
+
+int gb_slides(const gb_sim *sim, int i) {
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        if (sim->head->events.sliding[j] == i) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+void gb_mode_limits(gb_sim *sim) {
+    sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        sim->events.lo[sim->head->events.sliding[j]] = -HUGE_VAL;
+        sim->events.hi[sim->head->events.sliding[j]] = HUGE_VAL;
+    }
+}
+
+void gb_set_above(gb_sim *sim, int j) {
+    const gb_model *model = sim->model;
+    memcpy(sim->sliding.mode, sim->mode, sizeof(double) * (size_t)(model->n_switches + model->n_active_set));
+    sim->sliding.mode[sim->head->events.sliding[j]] += 1.0;
+}
+
+const double *gb_terms_above(gb_sim *sim, const gb_lanes *at, int lane) {
+    const gb_model *model = sim->model;
+    gb_lanes *own = &sim->sliding.lanes;
+    if (model->n_time_terms == 0) {
+        return own->time_terms;
+    }
+    for (int l = 0; l < GB_LANES; l++) {
+        own->t[l] = at->t[lane];
+        for (int i = 0; i < model->n_inputs; i++) {
+            own->u[i * GB_LANES + l] = at->u[i * GB_LANES + lane];
+        }
+    }
+    model->time_terms(sim->par, sim->sliding.mode, 1, own->t, own->u, own->time_terms);
+    return own->time_terms;
+}
+
+/* The rates below all limits and above each. */
+static void rates_beside(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y) {
+    const gb_model *model = sim->model;
+    double *rates = sim->sliding.rates;
+    (full ? model->rhs_full : model->rhs)(sim->par, sim->mode, at->time_terms + lane, y, rates);
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        gb_set_above(sim, j);
+        const double *terms = gb_terms_above(sim, at, lane);
+        rates += model->n_total;
+        (full ? model->rhs_full : model->rhs)(sim->par, sim->sliding.mode, terms, y, rates);
+        sim->head->counts.rhs_calls++;
+    }
+}
+
+/* How fast the event functions of those that slide change along rates f. */
+static void speeds_along(gb_sim *sim, const double *f, const gb_lanes *at, int lane, const double *y, double *speed) {
+    const gb_model *model = sim->model;
+    const int n = sim->head->events.n_sliding, *sliding = sim->head->events.sliding;
+    double *s = sim->sliding.functions, *state = sim->sliding.state;
+    const double h = gb_min(sim->head->control.h_next, sim->head->options.max_step), step = h > 0.0 ? h : NEAR;
+    const double distance = NEAR * step;
+    gb_lanes *own = &sim->sliding.lanes;
+    int general = 0;
+    if (model->n_affine > 0) {
+        model->directions(sim->par, f, s);
+    }
+    for (int j = 0; j < n; j++) {
+        general |= sliding[j] >= model->n_affine;
+        speed[j] = sliding[j] < model->n_affine ? s[sliding[j]] : 0.0;
+    }
+    for (int p = 0; p < POINTS && general; p++) {
+        own->t[p] = at->t[lane] + point[p] * distance;
+        for (int i = 0; i < model->n_inputs; i++) { /* of those that move they are overwritten */
+            own->u[i * GB_LANES + p] = at->u[i * GB_LANES + lane];
+        }
+    }
+    if (!general || gb_time_terms(sim, POINTS, own) != GB_DONE) {
+        return;
+    }
+    for (int p = 0; p < POINTS; p++) {
+        for (int i = 0; i < model->n_padded; i++) {
+            state[i] = y[i] + (i < model->n ? point[p] * distance * f[i] : 0.0);
+        }
+        model->event_functions(sim->par, sim->mode, own->time_terms + p, state, s);
+        for (int j = 0; j < n; j++) {
+            speed[j] += sliding[j] < model->n_affine ? 0.0 : weight[p] / distance * s[sliding[j]];
+        }
+    }
+}
+
+/* Solves a x = b for n unknowns; 0: it has no single answer. */
+static int solve(int n, double a[GB_SLIDING][GB_SLIDING], double *b) {
+    for (int c = 0; c < n; c++) {
+        int best = c;
+        for (int r = c + 1; r < n; r++) {
+            best = fabs(a[r][c]) > fabs(a[best][c]) ? r : best;
+        }
+        if (!(fabs(a[best][c]) > 0.0)) {
+            return 0;
+        }
+        for (int k = 0; k < n; k++) {
+            const double other = a[c][k];
+            a[c][k] = a[best][k];
+            a[best][k] = other;
+        }
+        const double other = b[c];
+        b[c] = b[best];
+        b[best] = other;
+        for (int r = 0; r < n; r++) {
+            const double factor = r == c ? 0.0 : a[r][c] / a[c][c];
+            for (int k = c; k < n && r != c; k++) {
+                a[r][k] -= factor * a[c][k];
+            }
+            b[r] -= factor * b[c];
+        }
+    }
+    for (int c = 0; c < n; c++) {
+        b[c] /= a[c][c];
+    }
+    return 1;
+}
+
+int gb_find_shares(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y, double *share) {
+    const int n = sim->head->events.n_sliding;
+    double a[GB_SLIDING][GB_SLIDING], below[GB_SLIDING], above[GB_SLIDING];
+    int attracts = 1;
+    rates_beside(sim, full, at, lane, y);
+    speeds_along(sim, sim->sliding.rates, at, lane, y, below);
+    for (int j = 0; j < n; j++) {
+        speeds_along(sim, sim->sliding.rates + (size_t)(1 + j) * (size_t)sim->model->n_total, at, lane, y, above);
+        for (int i = 0; i < n; i++) {
+            a[i][j] = above[i] - below[i];
+        }
+        attracts = attracts && a[j][j] < 0.0;
+    }
+    for (int j = 0; j < n; j++) {
+        share[j] = -below[j];
+    }
+    const int solved = solve(n, a, share);
+    return solved ? 1 + attracts : 0;
+}
+
+void gb_sliding_rates(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y, double *dy) {
+    const gb_model *model = sim->model;
+    const int length = full ? model->n_total : model->n_padded;
+    const double *rates = sim->sliding.rates;
+    double share[GB_SLIDING];
+    if (!gb_find_shares(sim, full, at, lane, y, share)) {
+        share[0] = NAN; /* the step is too long */
+    }
+    for (int i = 0; i < length; i++) {
+        double sum = rates[i];
+        for (int j = 0; j < sim->head->events.n_sliding; j++) {
+            sum += share[j] * (rates[(size_t)(1 + j) * (size_t)model->n_total + (size_t)i] - rates[i]);
+        }
+        dy[i] = sum;
+    }
+}
+
+void gb_mode_with_shares(gb_sim *sim, const gb_lanes *at, int lane, const double *y, double *mode) {
+    double share[GB_SLIDING];
+    const int found = gb_find_shares(sim, 0, at, lane, y, share);
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        mode[sim->head->events.sliding[j]] += found ? gb_min(gb_max(share[j], LEAST), 1.0 - LEAST) : 0.5;
+    }
+}

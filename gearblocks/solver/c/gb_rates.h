@@ -1,0 +1,41 @@
+/* The rates in the present modes. Where switches slide along their limits (gb_sliding.h) they are a mean of those on
+ * both sides:
+ *     y' = f_a + sum_j share_j (f_j - f_a),   with shares so that every s_j' = 0
+ * f_a: the rates with every such switch below its limit, f_j: with the j-th above. A switch that slides keeps the mode
+ * below in `mode`; recorded rows hold that mode plus its share.
+ * Knows nothing of when a switch begins to slide, of methods and of steps. */
+#ifndef GB_RATES_H
+#define GB_RATES_H
+
+#include "gb_internal.h"
+
+void gb_sliding_rates(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y, double *dy);
+
+/* The rates (with `full` those of the quadratures too) in the present modes at lane `lane` of `at`. */
+static inline void gb_rates(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y, double *dy) {
+    if (sim->head->events.n_sliding > 0) {
+        gb_sliding_rates(sim, full, at, lane, y, dy);
+    } else {
+        (full ? sim->model->rhs_full : sim->model->rhs)(sim->par, sim->mode, at->time_terms + lane, y, dy);
+    }
+}
+
+/* Whether switch i slides. */
+int gb_slides(const gb_sim *sim, int i);
+
+/* Limits of all switches in their modes; none of one that slides. */
+void gb_mode_limits(gb_sim *sim);
+
+/* The shares for which no limit is left. 0: there are none; 1: a limit is no place to stay; 2: they all attract. */
+int gb_find_shares(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y, double *share);
+
+/* The present modes with the j-th of those that slide above its limit, into sliding.mode. */
+void gb_set_above(gb_sim *sim, int j);
+
+/* Time terms of one lane of `at` for the modes in sliding.mode. */
+const double *gb_terms_above(gb_sim *sim, const gb_lanes *at, int lane);
+
+/* Adds the shares at lane `lane` of `at` to the modes of those that slide. */
+void gb_mode_with_shares(gb_sim *sim, const gb_lanes *at, int lane, const double *y, double *mode);
+
+#endif

@@ -1,0 +1,176 @@
+#include "gb_sliding.h"
+#include "gb_dense_output.h"
+#include "gb_evaluate.h"
+#include "gb_modes.h"
+#include "gb_rates.h"
+#include "gb_report.h"
+#include "gb_time_terms.h"
+#include "gb_vector.h"
+
+enum { HALVINGS = 60, LOOKS = 4 };
+
+static const double BEYOND = 1e-9; /* a share this far beyond its end counts as there */
+
+/* Whether another switch asks for the torque that slides: a constraint, or a condition that is not in the same mode on
+ * both sides. */
+static int others_depend(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int n = model->n_event_functions;
+    double *below = sim->sliding.functions, *above = below + n;
+    model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->y, below);
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        gb_set_above(sim, j);
+        const double *terms = gb_terms_above(sim, &sim->instant, 0);
+        model->event_functions(sim->par, sim->sliding.mode, terms, sim->y, above);
+        for (int i = 0; i < n; i++) {
+            const int same = fabs(above[i] - below[i]) <= 1e-12 * (fabs(above[i]) + fabs(below[i]));
+            const int decided = sim->events.role[i] != GB_ORDINARY || gb_slides(sim, i);
+            if (!same && (decided || model->mode_at(sim->par, i, below[i]) != sim->mode[i] ||
+                          model->mode_at(sim->par, i, above[i]) != sim->mode[i])) {
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
+
+static void forget(gb_sim *sim, int i) {
+    int *sliding = sim->head->events.sliding, n = 0;
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        if (sliding[j] != i) {
+            sliding[n++] = sliding[j];
+        }
+    }
+    sim->head->events.n_sliding = n;
+}
+
+/* Every share lies between its ends, as far as that can be told. */
+static int shares_fit(int n, const double *share) {
+    for (int j = 0; j < n; j++) {
+        if (!(share[j] >= -BEYOND && share[j] <= 1.0 + BEYOND)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Switch i, which goes back and forth at the front, slides from here on if both sides drive it back. */
+static void try_to_slide(gb_sim *sim, int i) {
+    gb_head *head = sim->head;
+    double share[GB_SLIDING];
+    if (sim->events.role[i] != GB_ORDINARY || i >= sim->model->n_event_functions ||
+        head->events.n_sliding >= GB_SLIDING || gb_slides(sim, i) || !head->options.locate ||
+        gb_event_functions_now(sim) != GB_DONE || gb_time_terms_at(sim, head->front.t1) != GB_DONE) {
+        return;
+    }
+    gb_mode_limits(sim);
+    const double before = sim->mode[i], s = sim->events.s[i];
+    const double side = fabs(s - sim->events.lo[i]) < fabs(s - sim->events.hi[i]) ? -1.0 : 1.0;
+    const double far = gb_far_side(sim, i, side), below = gb_min(before, far);
+    if (fabs(far - before) != 1.0) {
+        return;
+    }
+    gb_set_mode(sim, i, below, 0);
+    head->events.sliding[head->events.n_sliding++] = i;
+    if (others_depend(sim) || gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2 ||
+        !shares_fit(head->events.n_sliding, share)) {
+        forget(sim, i);
+        gb_set_mode(sim, i, before, 0);
+        return;
+    }
+    gb_log(sim, i, 0, before, below + 0.5);
+    sim->events.armed[i] = sim->events.pending[i] = sim->events.flips[i] = 0.0;
+    gb_mode_limits(sim);
+}
+
+void gb_leave_sliding(gb_sim *sim, int i, double mode) {
+    const double below = sim->mode[i];
+    forget(sim, i);
+    gb_log(sim, i, 0, below + 0.5, mode);
+    gb_set_mode(sim, i, mode, 0);
+    sim->events.armed[i] = mode > below ? -1.0 : 1.0;
+    sim->events.flips[i] = 0.0;
+    sim->head->events.armed = 1;
+}
+
+int gb_settle_sliding(gb_sim *sim) {
+    double share[GB_SLIDING];
+    int code = sim->head->events.n_sliding > 0 ? gb_time_terms_at(sim, sim->head->front.t1) : GB_DONE;
+    while (code == GB_DONE && sim->head->events.n_sliding > 0) {
+        const int n = sim->head->events.n_sliding;
+        const int first = sim->head->events.sliding[0];
+        if (others_depend(sim) || gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2) {
+            return gb_fail(sim, GB_ERR_CHATTER, first, sim->head->front.t1, 0.0);
+        }
+        int worst = 0;
+        for (int j = 1; j < n; j++) {
+            worst = fabs(share[j] - 0.5) > fabs(share[worst] - 0.5) ? j : worst;
+        }
+        if (shares_fit(n, share)) {
+            break;
+        }
+        const int i = sim->head->events.sliding[worst];
+        gb_leave_sliding(sim, i, sim->mode[i] + (share[worst] > 0.5 ? 1.0 : 0.0));
+    }
+    gb_mode_limits(sim);
+    return code;
+}
+
+/* By how much the share nearest to its end is inside, at theta of the step; which one, and where it would go. */
+static int inside(gb_sim *sim, double theta, double *margin, int *which, double *mode) {
+    double share[GB_SLIDING], *y = sim->z2;
+    const int code = gb_time_terms_at(sim, sim->head->front.t0 + theta * sim->head->front.h);
+    *margin = -1.0;
+    if (code != GB_DONE) {
+        return code;
+    }
+    gb_dense_states(sim, theta, y);
+    if (!gb_find_shares(sim, 0, &sim->instant, 0, y, share)) {
+        return GB_DONE;
+    }
+    *margin = 1.0;
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        const double room = gb_min(share[j], 1.0 - share[j]);
+        if (room < *margin) {
+            *margin = room;
+            *which = sim->head->events.sliding[j];
+            *mode = sim->mode[*which] + (share[j] > 0.5 ? 1.0 : 0.0);
+        }
+    }
+    return GB_DONE;
+}
+
+int gb_sliding_end(gb_sim *sim, double *theta) {
+    double from = 0.0, to = 2.0, margin = 1.0, mode = 0.0;
+    int which = sim->head->events.sliding[0], code = gb_dense_complete(sim);
+    for (int l = 1; l <= LOOKS && code == GB_DONE && to > 1.0; l++) {
+        code = inside(sim, (double)l / LOOKS, &margin, &which, &mode);
+        if (margin < -BEYOND) {
+            to = (double)l / LOOKS;
+        } else {
+            from = (double)l / LOOKS;
+        }
+    }
+    for (int l = 0; l < HALVINGS && to <= 1.0 && code == GB_DONE && to - from > DBL_EPSILON; l++) {
+        const double middle = 0.5 * (from + to);
+        code = inside(sim, middle, &margin, &which, &mode);
+        from = margin < 0.0 ? from : middle;
+        to = margin < 0.0 ? middle : to;
+    }
+    if (code == GB_DONE && to <= 1.0 && to < *theta) {
+        code = inside(sim, to, &margin, &which, &mode);
+        memset(sim->events.pending, 0, sizeof(double) * (size_t)sim->model->n_switches);
+        sim->events.pending[which] = 4.0;
+        sim->events.next_mode[which] = mode;
+        *theta = to;
+    }
+    return code;
+}
+
+int gb_count_flip_or_slide(gb_sim *sim, int i) {
+    const int code = gb_count_flip(sim, i);
+    if (code == GB_DONE && sim->events.flips[i] > 2.0) {
+        try_to_slide(sim, i);
+    }
+    return code;
+}

@@ -1,0 +1,25 @@
+/* Sliding along the limit of a condition (Filippov 1960): where a law jumps against the motion, so that both of its
+ * modes drive the state back to the limit, the motion stays there, on the mean of both that gb_rates.h forms, as long
+ * as its shares lie in 0..1. A controller that goes on and off holds its speed so.
+ * Assumed: switched constraints and other conditions do not ask for the torque that slides (else the run stops, as it
+ * does where a limit is no place to stay).
+ * Knows nothing of methods and of how a limit is reached. */
+#ifndef GB_SLIDING_H
+#define GB_SLIDING_H
+
+#include "gb_internal.h"
+
+/* Switch i slides no longer, and goes on in a mode at its limit. */
+void gb_leave_sliding(gb_sim *sim, int i, double mode);
+
+/* Something has changed at the front: what no longer holds on its limit leaves it. */
+int gb_settle_sliding(gb_sim *sim);
+
+/* The first theta of the step just computed where a share leaves 0..1, if that is before `theta`; marks its switch. */
+int gb_sliding_end(gb_sim *sim, double *theta);
+
+/* Counts a flip of switch i; one that goes back and forth at the front slides from here on if both sides drive it
+ * back. */
+int gb_count_flip_or_slide(gb_sim *sim, int i);
+
+#endif
