@@ -50,7 +50,7 @@ def test_it_lets_go_when_its_torque_no_longer_suffices(method, rtol):
 
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
 def test_a_limit_that_moves_is_followed(method, rtol):
-    run = _run(gb.piecewise((5, W < gb.sin(2 * gb.time) + 1), (-5, True)), t_end=6.0, method=method, rtol=rtol)
+    run = _run(gb.piecewise((5, gb.sin(2 * gb.time) + 1 > W), (-5, True)), t_end=6.0, method=method, rtol=rtol)
     held = run.t > 1.0
     assert np.abs(run["body.w"] - np.sin(2 * run.t) - 1.0)[held].max() < 10 * rtol
     assert np.abs(run["drive.torque"] - 2 * np.cos(2 * run.t))[held].max() < 1e-6
