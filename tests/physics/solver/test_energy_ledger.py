@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy as sp
 from scipy.integrate import solve_ivp
 
 import gearblocks as gb
@@ -199,8 +200,39 @@ def test_a_run_that_goes_on_has_a_ledger_of_its_own():
         rig.add("drag", gb.SpeedLoad(coeffs=(1.0, 0, 0))),
     )
     first = gb.simulate(rig, t_end=1.0)
-    ledger = gb.simulate(rig, t_end=2.0, initial=first).energy
+    second = gb.simulate(rig, t_end=2.0, initial=first)
+    assert second["body.phi"][-1] == pytest.approx(2.0, rel=1e-6)
+    ledger = second.energy
     assert ledger.start == pytest.approx(0.5, rel=1e-6)  # 1 rad/s after 1 s, 1.5 rad further on after 2 s
     assert ledger.supplied == pytest.approx({"drive": 3.0}, rel=1e-6)
     assert ledger.dissipated == pytest.approx({"drag": 1.5}, rel=1e-6)
     assert ledger.exchanged == pytest.approx(4.5, rel=1e-6)
+
+
+class _Pendulum(gb.Block):
+    """A body that stores energy of its own: a pendulum; with a second body on a spring inside the block."""
+
+    a, b = gb.Flange("pivot"), gb.Flange("other body", spare=True)
+
+    def physics(self, s):
+        yield gb.Body(s.a, 2.0)
+        yield gb.Body(s.b, 0.5)
+        yield gb.Force(s.b.phi - s.a.phi, 30 * (s.b.phi - s.a.phi))
+        yield gb.Acts(s.a, -12 * sp.sin(s.a.phi))
+        yield gb.Energy(stored=15 * (s.b.phi - s.a.phi) ** 2 + 12 * (1 - sp.cos(s.a.phi)))
+
+
+def test_a_block_of_several_bodies_and_springs_stores_the_sum_of_their_energies():
+    rig = gb.Drivetrain("pendulum")
+    el = rig.add("el", _Pendulum())
+    rig.chain(rig.add("one", gb.Inertia(J=0.1, phi0=0.4)), el, rig.add("two", gb.Inertia(J=0.2, w0=3.0)))
+    run = gb.simulate(rig, t_end=2.0, rtol=1e-9)
+    phi, w = run["el.a.phi"], run["el.a.w"]
+    twist, other = run["el.b.phi"] - phi, run["el.b.w"]
+    own = w**2 + 0.25 * other**2 + 15 * twist**2 + 12 * (1 - np.cos(phi))
+    assert run.energy.stored["el"] == pytest.approx(own[-1], rel=1e-12)
+    whole = own + 0.05 * w**2 + 0.1 * other**2
+    assert np.allclose(whole, whole[0], rtol=1e-8)
+    assert run.energy.start == pytest.approx(whole[0], rel=1e-12) and run.energy.end == pytest.approx(
+        whole[0], rel=1e-8
+    )
