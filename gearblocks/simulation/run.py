@@ -320,7 +320,7 @@ def _net(events: list[Event]) -> list[Event]:
     found: list[Event] = []
     for e in events:
         last = found[-1] if found else None
-        if last and (last.t, last.component, last.kind, last.after) == (e.t, e.component, "state", e.before):
+        if e.kind == "state" and last and last[:3] + last[4:] == (*e[:3], e.before):
             found.pop()
             if last.before != e.after:
                 found.append(e._replace(before=last.before))

@@ -197,9 +197,26 @@ def _integrals(model, run, **arguments):
         if name.endswith(".power"):
             element = name.rsplit(".", 2)[0]
             found[element] = found.get(element, 0.0) + half @ (inner[name].reshape(-1, len(NODES)) @ WEIGHTS)
-    if "el.loss_power" in inner.names:
-        found["loss_power"] = half @ (inner["el.loss_power"].reshape(-1, len(NODES)) @ WEIGHTS)
+    for shown in ("loss_power", "electric_power"):
+        if f"el.{shown}" in inner.names:
+            found[shown] = half @ (inner[f"el.{shown}"].reshape(-1, len(NODES)) @ WEIGHTS)
     return found
+
+
+ON_FLANGE = {
+    "torque on flange b": ("b", 1), "torque on the flange": ("flange", 1), "reaction on the flange": ("flange", 1),
+    "braking torque, positive against forward rotation": ("a", -1), "torque that enters at flange a": ("a", -1),
+    "torque on the turbine": ("turbine", 1), "torque that the impeller takes": ("impeller", -1),
+}  # fmt: skip
+
+
+def _shown_torques(model, run):
+    """Every torque that the block shows is the one on that flange."""
+    for q in model.program.outputs:
+        if q.name.startswith("el.") and q.words in ON_FLANGE:
+            flange, sign = ON_FLANGE[q.words]
+            true = sign * run[f"el.{flange}.tau"]
+            assert np.abs(run[q.name] - true).max() <= 1e-9 * np.abs(true).max(), q.name
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.long) if n in MANY else n for n in CASES])
@@ -229,6 +246,9 @@ def test_stored_lost_and_supplied_energy_of_a_block_are_what_flows_through_it(na
             assert abs(at_end - at_start + gone - given + flows["el"]) < near
             if "out" in case.parts and case.shows:
                 assert abs(flows["loss_power"] - gone) < near
+            if "electric_power" in flows:
+                assert abs(flows["electric_power"] - given) < near
+            _shown_torques(model, run)
             worth[sign] = (gone, given, at_end)
         if name not in LOPSIDED:
             assert worth[-1.0] == pytest.approx(worth[1.0], abs=near)

@@ -233,3 +233,31 @@ def test_a_lash_that_stands_on_its_corner_and_leaves_it_holds_nothing():
     run = gb.simulate(rig, t_end=0.6, rtol=1e-10)
     assert run["body.w"][run["body.phi"] > -0.1 + 1e-9][-1] == pytest.approx(0.5, rel=1e-8)
     assert run["lash.loss_power"][0] == 0.0
+
+
+@pytest.mark.parametrize("pull", [300.0, 800.0])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_contact_that_is_torn_open_never_pulls(pull, sign, reference, distance):
+    """From the moment where damping would outweigh the spring the body is free, though it still lies in the contact."""
+    e, start = 0.5, B / W  # the moment of contact
+    rig, yank = _ball(e, w0=sign * W), start + 0.03
+    rig.connect(
+        rig.add("drive", gb.Torque(tau=gb.piecewise((0, gb.time < yank), (-sign * pull, True)))).flange,
+        FlangeHandle(rig, "ball", "a"),
+    )
+    t = np.linspace(0, yank + 0.02, 101)
+    run, chi = gb.simulate(rig, t=t, **TIGHT), restitution_damping(e) / W
+
+    def force(y):
+        return K * (y[0] - B) * (1 + chi * y[1])
+
+    def rates(time, y, modes):
+        touches, pushes, pulled = modes
+        return y[1], -(force(y) if touches > 0 and pushes > 0 else 0.0) - (pull if pulled > 0 else 0.0)
+
+    true = reference(rates, (0.0, W), t, lambda time, y: (y[0] - B, 1 + chi * y[1], time - yank))
+    inside = true[:, 0] > B
+    assert ((1 + chi * true[:, 1])[inside] < 0).any()
+    assert (sign * run["wall.force"] >= 0).all()
+    assert distance(sign * run["ball.w"], true[:, 1]) < 1e-8
+    assert run.energy.residual < 1e-9

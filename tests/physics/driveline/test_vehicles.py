@@ -85,3 +85,40 @@ def test_a_tyre_gives_no_more_than_its_grip():
     assert run["car.force"].max() > 0.99 * most
     assert run["car.force"][-1] < 0.8 * most  # shape 1.6 falls beyond the peak: sin(1.6 pi/2) = 0.59
     assert run["wheels.w"][-1] * 0.3 > 10 * run["car.v"][-1]
+
+
+@pytest.mark.parametrize(("grade", "v0"), [(0.3, 20.0), (-0.15, 20.0), (0.3, -20.0), (0.0, -20.0)])
+def test_rolling_resistance_on_a_slope_is_that_of_the_normal_force(grade, v0):
+    m, r, rolling, J, g = 1000.0, 0.25, 0.2, 5.0, 9.80665
+    car = gb.Vehicle(mass=m, wheel_radius=r, rolling=rolling, grade=grade)
+    run = gb.simulate(_chain(wheels=gb.Inertia(J=J, w0=v0 / r), car=car), t=np.linspace(0, 2, 21), rtol=1e-10)
+    against = m * g * rolling * np.cos(grade) * np.sign(v0)
+    speed = v0 - (m * g * np.sin(grade) + against) / (m + J / r**2) * run.t
+    assert (speed * v0 > 0).all()  # it does not come to rest
+    assert np.allclose(run["car.v"], speed, rtol=1e-10)
+    assert np.allclose(run["car.resistance"], against, rtol=1e-12)
+    way = run["car.s"][-1] - run["car.s"][0]
+    assert run.energy.dissipated["car"] == pytest.approx(against * way, rel=1e-9)
+    assert run.energy.supplied["car"] == pytest.approx(-m * g * np.sin(grade) * way, rel=1e-9, abs=1e-6)
+
+
+@pytest.mark.parametrize("grade", [0.1, -0.15])
+def test_what_rolling_resistance_holds_on_a_slope_is_shown(grade):
+    car = gb.Vehicle(mass=1000.0, wheel_radius=0.25, rolling=0.2, grade=grade)
+    run = gb.simulate(_chain(wheels=gb.Inertia(J=5.0), car=car), t=[0.0, 1.0])
+    assert (run["car.v"] == 0).all()
+    assert np.allclose(run["car.resistance"], -1000.0 * 9.80665 * np.sin(grade), rtol=1e-12)
+
+
+@pytest.mark.parametrize("shape", [1.3, 1.65, 2.0])
+def test_a_tyre_of_any_shape_has_the_stiffness_asked_for_and_the_curve_of_its_formula(shape):
+    m, stiffness, grip = 1200.0, 5e4, 0.8
+    tyre = gb.TyreSlip(stiffness=stiffness, grip=grip, low_speed=0.2, shape=shape)
+    car = gb.Vehicle(mass=m, wheel_radius=0.3, tyre=tyre)
+    rig = _chain(drive=gb.Torque(tau=2000.0 * gb.time), wheels=gb.Inertia(J=2.0, w0=20.0 / 0.3), car=car)
+    run = gb.simulate(rig, t=np.linspace(0, 1, 101), initial={"car.v": 20.0}, rtol=1e-9)
+    slip, force, most = run["car.slip"], run["car.force"], grip * m * 9.80665
+    little = (slip > 1e-6) & (stiffness * slip < 0.05 * most)
+    assert little.sum() > 5
+    assert np.allclose(force[little], stiffness * slip[little], rtol=3e-3)  # (0.05)^2 in the next term
+    assert np.allclose(force, most * np.sin(shape * np.arctan(stiffness * slip / (shape * most))), rtol=1e-9)

@@ -153,6 +153,21 @@ def test_a_moving_phase_does_work_that_is_counted(phase):
     assert run.energy.residual < 1e-9
 
 
+@pytest.mark.parametrize("cut", [300.0, 900.0])
+def test_the_rate_of_the_deflection_contains_that_of_a_filtered_phase(cut):
+    t = np.linspace(0.0, 0.03, 3001)
+    run = gb.simulate(
+        _rig(NORM, c=0.01, phase=gb.piecewise((0, gb.time < 0.01), (0.3, True)), filter=cut), t=t, rtol=1e-10
+    )
+    rate = np.gradient(run["mesh.deflection"], t)
+    # central differences over 10 us as above, but where the phase begins to move
+    off = np.abs(run["mesh.deflection_rate"] - rate)[1:-1]
+    assert off[np.abs(t[1:-1] - 0.01) > 2e-5].max() < 1e-3 * np.abs(rate).max()
+    moment = 400.0 * run["mesh.deflection"] + 0.01 * run["mesh.deflection_rate"]
+    assert np.allclose(run["mesh.moment"], moment, rtol=1e-12, atol=1e-12)
+    assert run.energy.residual < 1e-9
+
+
 def test_an_input_shifts_the_phase_of_a_compliant_pair():
     rig = _rig(ELLIPSE, c=0.01, phase=gb.Input("shift", start=0.4, unit="rad"))
     held = gb.simulate(rig, t=T, rtol=1e-10)

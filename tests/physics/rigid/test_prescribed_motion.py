@@ -169,6 +169,25 @@ def test_an_input_as_a_prescribed_motion_needs_a_filter() -> None:
             assert run[f"load.{signal}"][-1] == pytest.approx(3.0, rel=1e-9)
 
 
+@pytest.mark.parametrize("cut", [5.0, 40.0])
+def test_a_filtered_motion_answers_a_step_as_its_filter_does(cut: float) -> None:
+    wish, at = gb.piecewise((2.0, gb.time < 0.1), (3.0, True)), np.linspace(0, 0.5, 51)
+    later = cut * np.maximum(at - 0.1, 0)
+    answers = {
+        "w": 3 - np.exp(-later),
+        "phi": 3 - (1 + later) * np.exp(-later),
+    }  # of first order, and critically damped
+    for kind, signal in ((gb.Speed, "w"), (gb.Angle, "phi")):
+        rig = gb.Drivetrain("rig")
+        drive, load = rig.add("drive", kind(**{signal: wish}, filter=cut)), rig.add("load", gb.Inertia(J=1.0))
+        rig.connect(drive.flange, load.a)
+        run = gb.simulate(rig, t=at, rtol=1e-10)
+        assert np.abs(run[f"load.{signal}"] - answers[signal]).max() < 1e-8
+        if signal == "phi":
+            pull = np.where(later > 0, cut**2 * (1 - later) * np.exp(-later), 0.0)
+            assert np.abs(run["drive.torque"] - pull)[later != 0].max() < 1e-7 * cut**2
+
+
 def test_motions_that_no_torque_can_follow_are_refused() -> None:
     jump = sp.Piecewise((1.0, gb.time < 1), (2.0, True))
     step = gb.Table([0, 1, 2], [0, 1, 3], kind="step")

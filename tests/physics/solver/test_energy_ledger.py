@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy as sp
 from scipy.integrate import solve_ivp
 
 import gearblocks as gb
@@ -151,3 +152,87 @@ def test_a_run_that_loses_more_energy_than_is_asked_for_stops_and_says_so():
         gb.simulate(rig, t_end=100.0, residual=1e-12)  # seen at the end, however short the run
     with pytest.raises(gb.ParameterError, match="residual = 0"):
         gb.simulate(rig, t_end=1.0, residual=0.0)
+
+
+def test_what_is_exchanged_counts_every_amount_without_its_sign():
+    rig = gb.Drivetrain("two sources")
+    drive, brake = rig.add("drive", gb.Torque(tau=5.0)), rig.add("brake", gb.Torque(tau=-3.0))
+    rig.chain(drive, brake, rig.add("body", gb.Inertia(J=2.0, w0=1.0)))
+    for arguments in ({"t_end": 3.0}, {"t": np.linspace(0, 3, 7)}, {"t_end": 3.0, "method": "rodas", "max_step": 0.1}):
+        ledger = gb.simulate(rig, rtol=1e-8, **arguments).energy
+        way = 1.0 * 3.0 + 1.0 * 3.0**2 / 2  # alpha = 1 rad/s2
+        assert ledger.supplied == pytest.approx({"drive": 5 * way, "brake": -3 * way}, rel=1e-7)
+        assert ledger.exchanged == pytest.approx(8 * way, rel=1e-7)
+        assert ledger.largest_stored == pytest.approx(16.0, rel=1e-7)
+        assert ledger.turnover == pytest.approx(8 * way + 16.0, rel=1e-7)
+
+
+def test_the_largest_energy_is_that_of_the_whole_run():
+    rig = gb.Drivetrain("there and back")
+    rig.chain(
+        rig.add("drive", gb.Torque(tau=gb.piecewise((3, gb.time < 1), (-3, True)))), rig.add("body", gb.Inertia(J=2.0))
+    )
+    ledger = gb.simulate(rig, t_end=2.0, rtol=1e-8).energy
+    assert ledger.largest_stored == pytest.approx(2.25, rel=1e-7)  # 1.5 rad/s at t = 1
+    assert ledger.exchanged == pytest.approx(4.5, rel=1e-7)
+    assert ledger.end == pytest.approx(0.0, abs=1e-7)
+
+
+@pytest.mark.parametrize("method", ["dp8", "rodas"])
+def test_a_prescribed_speed_is_supplied_with_what_it_drives_through_a_stuck_clutch(method):
+    rig = gb.Drivetrain("driven")
+    speed, one = rig.add("speed", gb.Speed(w=10 + 5 * gb.sin(3 * gb.time))), rig.add("one", gb.Inertia(J=0.3))
+    clutch, two = rig.add("clutch", gb.Clutch(capacity=1e3)), rig.add("two", gb.Inertia(J=0.9, w0=10.0))
+    rig.chain(speed, one, clutch, two, rig.add("load", gb.Torque(tau=-2.0)))
+    for t_end in (0.5, 2.0):
+        run = gb.simulate(rig, t_end=t_end, rtol=1e-8, method=method)
+        w, way = 10 + 5 * np.sin(3 * t_end), 10 * t_end + 5 / 3 * (1 - np.cos(3 * t_end))
+        assert run["two.w"][-1] == pytest.approx(w, rel=1e-7)
+        assert run.energy.supplied["load"] == pytest.approx(-2 * way, rel=1e-6)
+        assert run.energy.supplied["speed"] == pytest.approx(0.6 * (w**2 - 100) + 2 * way, rel=1e-6)
+
+
+def test_a_run_that_goes_on_has_a_ledger_of_its_own():
+    rig = gb.Drivetrain("goes on")
+    rig.chain(
+        rig.add("drive", gb.Torque(tau=2.0)),
+        rig.add("body", gb.Inertia(J=1.0)),
+        rig.add("drag", gb.SpeedLoad(coeffs=(1.0, 0, 0))),
+    )
+    first = gb.simulate(rig, t_end=1.0)
+    second = gb.simulate(rig, t_end=2.0, initial=first)
+    assert second["body.phi"][-1] == pytest.approx(2.0, rel=1e-6)
+    ledger = second.energy
+    assert ledger.start == pytest.approx(0.5, rel=1e-6)  # 1 rad/s after 1 s, 1.5 rad further on after 2 s
+    assert ledger.supplied == pytest.approx({"drive": 3.0}, rel=1e-6)
+    assert ledger.dissipated == pytest.approx({"drag": 1.5}, rel=1e-6)
+    assert ledger.exchanged == pytest.approx(4.5, rel=1e-6)
+
+
+class _Pendulum(gb.Block):
+    """A body that stores energy of its own: a pendulum; with a second body on a spring inside the block."""
+
+    a, b = gb.Flange("pivot"), gb.Flange("other body", spare=True)
+
+    def physics(self, s):
+        yield gb.Body(s.a, 2.0)
+        yield gb.Body(s.b, 0.5)
+        yield gb.Force(s.b.phi - s.a.phi, 30 * (s.b.phi - s.a.phi))
+        yield gb.Acts(s.a, -12 * sp.sin(s.a.phi))
+        yield gb.Energy(stored=15 * (s.b.phi - s.a.phi) ** 2 + 12 * (1 - sp.cos(s.a.phi)))
+
+
+def test_a_block_of_several_bodies_and_springs_stores_the_sum_of_their_energies():
+    rig = gb.Drivetrain("pendulum")
+    el = rig.add("el", _Pendulum())
+    rig.chain(rig.add("one", gb.Inertia(J=0.1, phi0=0.4)), el, rig.add("two", gb.Inertia(J=0.2, w0=3.0)))
+    run = gb.simulate(rig, t_end=2.0, rtol=1e-9)
+    phi, w = run["el.a.phi"], run["el.a.w"]
+    twist, other = run["el.b.phi"] - phi, run["el.b.w"]
+    own = w**2 + 0.25 * other**2 + 15 * twist**2 + 12 * (1 - np.cos(phi))
+    assert run.energy.stored["el"] == pytest.approx(own[-1], rel=1e-12)
+    whole = own + 0.05 * w**2 + 0.1 * other**2
+    assert np.allclose(whole, whole[0], rtol=1e-8)
+    assert run.energy.start == pytest.approx(whole[0], rel=1e-12) and run.energy.end == pytest.approx(
+        whole[0], rel=1e-8
+    )
