@@ -13,6 +13,7 @@ if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
 from tests.random.description import GROUND, Part, Train, script  # noqa: E402
+from tests.random.expressions import TIME, either, sense  # noqa: E402
 from tests.random.families import FAMILIES, draw  # noqa: E402
 from tests.random.reduce import from_plain, shrunk, to_plain  # noqa: E402
 from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
@@ -75,6 +76,19 @@ def test_the_reference_loses_in_a_gear_what_its_efficiency_says():
     motion = reference_motion(_train(a, b, gear, braked), T)
     alpha = -2.0 / (1.0 + 1.0 * 0.8 / 9.0)  # b drives: 3/0.8 tau = a/3
     assert np.abs(motion.speeds[0] - 3 - alpha * T).max() < 1e-11
+
+
+@pytest.mark.parametrize("late", [0.4, 0.5, 0.7])
+def test_a_perturbed_reference_shows_errors_that_only_the_end_of_a_run_magnifies(late):
+    # x'' + 20 x' + 100 x = 0, and from `late` on = 500 x: errors before it have died out, those after it grow
+    body = Part("j", "Inertia", (("J", 1.0), ("phi0", 1.0)), (("a", "j"),))
+    shaft = Part("s", "Shaft", (("k", 100.0), ("c", 20.0)), (("a", "j"), ("b", GROUND)))
+    push = Part("t", "Torque", (("tau", either(500.0 * sense("j.phi"), late < TIME, 0.0)),), (("flange", "j"),))
+    true = reference_motion(_train(body, shaft, push), T)
+    other = reference_motion(_train(body, shaft, push), T, perturbation=1e-8)
+    growth = np.exp((np.sqrt(500.0) - 10.0) * (1.0 - late - 0.1))  # of a change at most a tenth of the run after it
+    assert np.abs(other.angles[0, -1] - true.angles[0, -1]) > 0.1 * 1e-8 * growth
+    assert np.abs(other.angles[0, -1] - true.angles[0, -1]) < 10 * 1e-8 * growth * np.exp(2.4)
 
 
 def test_the_reference_says_where_it_has_no_law():
