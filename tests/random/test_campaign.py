@@ -13,10 +13,12 @@ if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
 from tests.random.description import GROUND, Part, Train, script  # noqa: E402
-from tests.random.expressions import TIME, either, sense  # noqa: E402
+from tests.random.expressions import TIME, either, sense, thing  # noqa: E402
 from tests.random.families import FAMILIES, draw  # noqa: E402
 from tests.random.reduce import from_plain, shrunk, to_plain  # noqa: E402
 from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
+from tests.random.reference.dynamics import Dynamics  # noqa: E402
+from tests.random.reference.elements import system_of  # noqa: E402
 
 
 def test_the_fixed_trains_of_every_family_are_right():
@@ -89,6 +91,17 @@ def test_a_perturbed_reference_shows_errors_that_only_the_end_of_a_run_magnifies
     growth = np.exp((np.sqrt(500.0) - 10.0) * (1.0 - late - 0.1))  # of a change at most a tenth of the run after it
     assert np.abs(other.angles[0, -1] - true.angles[0, -1]) > 0.1 * 1e-8 * growth
     assert np.abs(other.angles[0, -1] - true.angles[0, -1]) < 10 * 1e-8 * growth * np.exp(2.4)
+
+
+@pytest.mark.parametrize("far", [1e155, 1e200, 1e300])
+@pytest.mark.parametrize("hunt", [None, thing("HuntCrossley", restitution=0.5)])
+def test_a_trial_state_of_the_reference_beyond_the_numbers_is_no_rate(far, hunt):
+    body = Part("j", "Inertia", (("J", 1.0),), (("a", "j"),))
+    more = () if hunt is None else (("contact_damping", hunt),)
+    lash = Part("l", "Lash", (("k", 1e3), ("half_gap", 0.1), *more), (("a", "j"), ("b", GROUND)))
+    dynamics = Dynamics(system_of(_train(body, lash)))
+    assert np.isnan(dynamics(0.0, np.array([far, 0.0]))).all()
+    assert dynamics(0.0, np.array([1.1, 0.0]))[1] == pytest.approx(-1e3)
 
 
 def test_the_reference_says_where_it_has_no_law():
