@@ -48,7 +48,8 @@ int gb_flipping(const gb_sim *sim) {
     const gb_head *head = sim->head;
     for (int i = 0; i < sim->model->n_event_functions; i++) {
         const double since = head->front.t1 - sim->events.flip_time[i];
-        if (sim->events.flips[i] >= MANY_FLIPS && since <= 10.0 * gb_rounding(head->front.t1, head->front.h)) {
+        const int many = sim->events.role[i] != GB_CONSTRAINED && sim->events.flips[i] >= MANY_FLIPS;
+        if (many && since <= 10.0 * gb_rounding(head->front.t1, head->front.h)) {
             return i;
         }
     }
