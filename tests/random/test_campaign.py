@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
 ROOT = Path(__file__).parents[2]
 if str(ROOT) not in sys.path:
@@ -91,6 +93,26 @@ def test_a_perturbed_reference_shows_errors_that_only_the_end_of_a_run_magnifies
     growth = np.exp((np.sqrt(500.0) - 10.0) * (1.0 - late - 0.1))  # of a change at most a tenth of the run after it
     assert np.abs(other.angles[0, -1] - true.angles[0, -1]) > 0.1 * 1e-8 * growth
     assert np.abs(other.angles[0, -1] - true.angles[0, -1]) < 10 * 1e-8 * growth * np.exp(2.4)
+
+
+@pytest.mark.parametrize("above", [1.02, 1.005, 1.2])
+def test_the_reference_sees_a_damping_that_an_impact_clips_for_less_than_a_look(above):
+    k, d, w, end = 100.0, 0.1, 2.0, 0.06  # phi = -u: a stop at u = d throws the body back into its contact at w
+    c = above * k * d / w
+    body = Part("j", "Inertia", (("J", 1.0), ("phi0", -1.001 * d), ("w0", w)), (("a", "j"),))
+    damped = (("k", k), ("half_gap", 0.0), ("c", c), ("contact_damping", "clipped"))
+    lash = Part("l", "Lash", damped, (("a", GROUND), ("b", "j")))
+    stop = Part("s", "HardStop", (("upper", -d), ("restitution", 1.0)), (("a", "j"),))
+    motion = reference_motion(_train(body, lash, stop, t_end=1.0), np.array([0.0, end, 1.0]))
+    # clipped it pushes with 2 k u until c u' = k u, then with k u + c u'
+    rate = np.sqrt(2 * k)
+    u = lambda t: d * np.cos(rate * t) + w / rate * np.sin(rate * t)  # noqa: E731
+    du = lambda t: w * np.cos(rate * t) - d * rate * np.sin(rate * t)  # noqa: E731
+    until = brentq(lambda t: c * du(t) - k * u(t), 0.0, 0.05, xtol=1e-15)
+    left = end - 0.001 * d / w - until
+    late, speed = expm(left * np.array([[0.0, 1.0], [-k, -c]])) @ [u(until), du(until)]
+    assert c * w > 1.001 * k * d and until < 0.02
+    assert (motion.angles[0, 1], motion.speeds[0, 1]) == pytest.approx((-late, -speed), rel=1e-9)
 
 
 @pytest.mark.parametrize("far", [1e155, 1e200, 1e300])

@@ -122,6 +122,10 @@ class Integration:
         rows = [self._margins(a, f(a))]
         if not len(rows[0]):
             return None, rows[0]
+        jumped = self._negative(rows[0])
+        jumped = jumped[jumped < len(self.d.s.sw.value)]
+        if jumped.size:  # an impact has moved speeds over the limits of laws, perhaps for less than one look
+            return (a, jumped.tolist()), None
         rows += [self._margins(float(x), f(x)) for x in times[1:]]
         for i in range(1, count + 1):
             low = self._negative(rows[i])
