@@ -57,7 +57,8 @@ _CAUSES: dict[Code, tuple[str, str]] = {
     Code.ERR_NAN_START: ("a start value or parameter is NaN or infinite", "give it a finite number"),
     Code.ERR_CHATTER: (
         "a switch goes back and forth without progress of time",
-        "the element sticks here (as dry friction does at rest) and this law cannot hold it",
+        "its law jumps against the motion on both sides, which would hold it there, and it cannot: take an element that sticks "
+        "(Brake, Clutch, BearingFriction), or give the jump a width (a steep line; a Vehicle with tyre: rolling_speed)",
     ),
     Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
     Code.ERR_LOSS: (

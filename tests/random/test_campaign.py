@@ -7,15 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
 ROOT = Path(__file__).parents[2]
 if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
 from tests.random.description import GROUND, Part, Train, script  # noqa: E402
+from tests.random.expressions import TIME, either, sense, thing  # noqa: E402
 from tests.random.families import FAMILIES, draw  # noqa: E402
 from tests.random.reduce import from_plain, shrunk, to_plain  # noqa: E402
 from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
+from tests.random.reference.dynamics import Dynamics  # noqa: E402
+from tests.random.reference.elements import system_of  # noqa: E402
 
 
 @pytest.mark.long  # .ci/run has it as a step of its own
@@ -76,6 +81,50 @@ def test_the_reference_loses_in_a_gear_what_its_efficiency_says():
     motion = reference_motion(_train(a, b, gear, braked), T)
     alpha = -2.0 / (1.0 + 1.0 * 0.8 / 9.0)  # b drives: 3/0.8 tau = a/3
     assert np.abs(motion.speeds[0] - 3 - alpha * T).max() < 1e-11
+
+
+@pytest.mark.parametrize("late", [0.4, 0.5, 0.7])
+def test_a_perturbed_reference_shows_errors_that_only_the_end_of_a_run_magnifies(late):
+    # x'' + 20 x' + 100 x = 0, and from `late` on = 500 x: errors before it have died out, those after it grow
+    body = Part("j", "Inertia", (("J", 1.0), ("phi0", 1.0)), (("a", "j"),))
+    shaft = Part("s", "Shaft", (("k", 100.0), ("c", 20.0)), (("a", "j"), ("b", GROUND)))
+    push = Part("t", "Torque", (("tau", either(500.0 * sense("j.phi"), late < TIME, 0.0)),), (("flange", "j"),))
+    true = reference_motion(_train(body, shaft, push), T)
+    other = reference_motion(_train(body, shaft, push), T, perturbation=1e-8)
+    growth = np.exp((np.sqrt(500.0) - 10.0) * (1.0 - late - 0.1))  # of a change at most a tenth of the run after it
+    assert np.abs(other.angles[0, -1] - true.angles[0, -1]) > 0.1 * 1e-8 * growth
+    assert np.abs(other.angles[0, -1] - true.angles[0, -1]) < 10 * 1e-8 * growth * np.exp(2.4)
+
+
+@pytest.mark.parametrize("above", [1.02, 1.005, 1.2])
+def test_the_reference_sees_a_damping_that_an_impact_clips_for_less_than_a_look(above):
+    k, d, w, end = 100.0, 0.1, 2.0, 0.06  # phi = -u: a stop at u = d throws the body back into its contact at w
+    c = above * k * d / w
+    body = Part("j", "Inertia", (("J", 1.0), ("phi0", -1.001 * d), ("w0", w)), (("a", "j"),))
+    damped = (("k", k), ("half_gap", 0.0), ("c", c), ("contact_damping", "clipped"))
+    lash = Part("l", "Lash", damped, (("a", GROUND), ("b", "j")))
+    stop = Part("s", "HardStop", (("upper", -d), ("restitution", 1.0)), (("a", "j"),))
+    motion = reference_motion(_train(body, lash, stop, t_end=1.0), np.array([0.0, end, 1.0]))
+    # clipped it pushes with 2 k u until c u' = k u, then with k u + c u'
+    rate = np.sqrt(2 * k)
+    u = lambda t: d * np.cos(rate * t) + w / rate * np.sin(rate * t)  # noqa: E731
+    du = lambda t: w * np.cos(rate * t) - d * rate * np.sin(rate * t)  # noqa: E731
+    until = brentq(lambda t: c * du(t) - k * u(t), 0.0, 0.05, xtol=1e-15)
+    left = end - 0.001 * d / w - until
+    late, speed = expm(left * np.array([[0.0, 1.0], [-k, -c]])) @ [u(until), du(until)]
+    assert c * w > 1.001 * k * d and until < 0.02
+    assert (motion.angles[0, 1], motion.speeds[0, 1]) == pytest.approx((-late, -speed), rel=1e-9)
+
+
+@pytest.mark.parametrize("far", [1e155, 1e200, 1e300])
+@pytest.mark.parametrize("hunt", [None, thing("HuntCrossley", restitution=0.5)])
+def test_a_trial_state_of_the_reference_beyond_the_numbers_is_no_rate(far, hunt):
+    body = Part("j", "Inertia", (("J", 1.0),), (("a", "j"),))
+    more = () if hunt is None else (("contact_damping", hunt),)
+    lash = Part("l", "Lash", (("k", 1e3), ("half_gap", 0.1), *more), (("a", "j"), ("b", GROUND)))
+    dynamics = Dynamics(system_of(_train(body, lash)))
+    assert np.isnan(dynamics(0.0, np.array([far, 0.0]))).all()
+    assert dynamics(0.0, np.array([1.1, 0.0]))[1] == pytest.approx(-1e3)
 
 
 def test_the_reference_says_where_it_has_no_law():

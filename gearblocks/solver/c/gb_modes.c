@@ -3,6 +3,9 @@
 #include "gb_stage_modes.h"
 #include "gb_vector.h"
 
+/* Flips of one switch at one instant that no impact and no change of a direction takes. */
+static const double MANY_FLIPS = 4.0;
+
 static uint64_t mix(uint64_t x) {
     x ^= x >> 31;
     x *= 0x9e3779b97f4a7c15u;
@@ -39,6 +42,18 @@ int gb_count_flip(gb_sim *sim, int i) {
     sim->events.flip_time[i] = head->front.t1;
     return sim->events.flips[i] > GB_FLIPS ? gb_fail(sim, GB_ERR_CHATTER, i, head->front.t1, sim->events.flips[i])
                                            : GB_DONE;
+}
+
+int gb_flipping(const gb_sim *sim) {
+    const gb_head *head = sim->head;
+    for (int i = 0; i < sim->model->n_event_functions; i++) {
+        const double since = head->front.t1 - sim->events.flip_time[i];
+        const int many = sim->events.role[i] != GB_CONSTRAINED && sim->events.flips[i] >= MANY_FLIPS;
+        if (many && since <= 10.0 * gb_rounding(head->front.t1, head->front.h)) {
+            return i;
+        }
+    }
+    return -1;
 }
 
 int gb_modes(const gb_sim *sim, double *mode) {

@@ -28,6 +28,10 @@ void gb_rehash(gb_sim *sim);
 /* A switch may flip again at once a few times, not for ever. */
 int gb_count_flip(gb_sim *sim, int i);
 
+/* The event function of no constraint whose switch goes back and forth at the front, or -1: its law jumps against the
+ * motion on both sides. */
+int gb_flipping(const gb_sim *sim);
+
 /* Mode of switch i on the far side of the limit that it leaves through. */
 double gb_far_side(const gb_sim *sim, int i, double side);
 

@@ -199,6 +199,10 @@ static int name_taint(gb_sim *sim) {
 
 /* No step is short enough: what the last try of size h said. finite: it only had too large an error. */
 static int give_up(gb_sim *sim, int code, int finite, double h) {
+    const int flips = gb_flipping(sim);
+    if (code == GB_DONE && flips >= 0) {
+        return gb_fail(sim, GB_ERR_CHATTER, flips, sim->head->front.t1, sim->events.flips[flips]);
+    }
     if (code != GB_DONE) {
         return code;
     }

@@ -17,12 +17,12 @@ RTOL = 1e-11
 
 
 def reference_motion(train: Train, t: NDArray[np.float64], perturbation: float = 0.0, rtol: float = RTOL) -> Any:
-    """The motion of a train at times t; start speeds perturbed relatively. NoEvidenceError where it does not know."""
+    """The motion of a train at times t; with a relative perturbation of its start speeds and, all along the run, its state."""
     from tests.random.judge import Motion
 
     with np.errstate(all="ignore"):
         dynamics = Dynamics(system_of(train))
-        integration = Integration(dynamics, rtol, float(t[-1]))
+        integration = Integration(dynamics, rtol, float(t[-1]), perturbation)
         angles, speeds = integration.run(dynamics.start(perturbation), t)
     return Motion(angles, speeds, np.array(integration.modes.jumps))
 

@@ -47,8 +47,11 @@ class Dynamics:
     # -- one evaluation -----------------------------------------------------------------------------------------------
 
     def __call__(self, t: float, y: Array) -> Array:
-        """y'."""
-        return self.evaluate(t, y)[0]
+        """y'; NaN where a trial state lies beyond the numbers, so that the step is tried again shorter."""
+        try:
+            return self.evaluate(t, y)[0]
+        except ArithmeticError:
+            return np.full(len(y), math.nan)
 
     def split(self, y: Array) -> list[Array]:
         """qr, q1, vr, p, s."""

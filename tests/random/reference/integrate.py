@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -17,15 +18,20 @@ from tests.random.reference.system import Array
 MOST_EVENTS = 4000
 MOST_STEPS = 12000
 PHASE = 0.12  # rad of a wave between two looks
+KICKS = 10  # of a perturbed run, besides that of its start
 
 
 class Integration:
     """One run of a system."""
 
-    def __init__(self, dynamics: Dynamics, rtol: float, span: float) -> None:
+    def __init__(self, dynamics: Dynamics, rtol: float, span: float, perturbation: float = 0.0) -> None:
         self.d, self.modes, self.rtol, self.span = dynamics, Modes(dynamics), rtol, span
         self.scale = np.zeros(0)
         self.steps = 0
+        self.perturbation = perturbation
+        self.kicks = [span * (i + 0.53) / KICKS for i in range(KICKS)] if perturbation else []
+        self.random = Random(f"kicks {dynamics.s.train.seed}")
+        self.largest = np.zeros(0)  # of every state so far
 
     def run(self, y: Array, t: Array) -> tuple[Array, Array]:
         """Angles and speeds at the times t of all bodies, shape (bodies, len(t))."""
@@ -37,10 +43,14 @@ class Integration:
         s.sw.fresh = False
         y = self.modes.decide(0.0, y, self.span)
         now, done, events, still = 0.0, 0, 0, 0
+        self.largest = np.abs(y)
         while done < len(t):
-            until = self.span
+            if self.kicks and now >= self.kicks[0]:
+                del self.kicks[0]
+                y = self._kicked(y)
+            until = self.kicks[0] if self.kicks else self.span
             if d.n1:  # stiff there: speeds follow from small differences, which the dense output does not keep
-                until = float(t[min(done + (t[done] <= now), len(t) - 1)])
+                until = min(until, float(t[min(done + (t[done] <= now), len(t) - 1)]))
             end, state, dense, which = self._phase(now, y, until)
             while done < len(t) and (t[done] < end or (t[done] <= end and which is None)):
                 at = float(t[done])
@@ -81,7 +91,18 @@ class Integration:
                 return at, f(at), dense, which
             dense.append((solver.t_old, solver.t, f))
             self.modes.note(solver.y)
+            self.largest = np.maximum(self.largest, np.abs(solver.y))
         return until, solver.y, dense, None
+
+    def _kicked(self, y: Array) -> Array:
+        """Angles and speeds changed at random, relative to their largest values, within what is stuck and closed."""
+        q, v = slice(0, self.d.cut[0]), slice(self.d.cut[1], self.d.cut[2])
+        change = self.perturbation * self.largest * np.array([self.random.uniform(-1, 1) for _ in y])
+        turned, kicked = y.copy(), y.copy()
+        turned[v] = change[q]  # a change of angles keeps the constraints as speeds do
+        kicked[q] += self.modes.project(turned)[v]
+        kicked[v] += change[v]
+        return self.modes.project(kicked)
 
     # -- events -------------------------------------------------------------------------------------------------------
 
@@ -101,6 +122,10 @@ class Integration:
         rows = [self._margins(a, f(a))]
         if not len(rows[0]):
             return None, rows[0]
+        jumped = self._negative(rows[0])
+        jumped = jumped[jumped < len(self.d.s.sw.value)]
+        if jumped.size:  # an impact has moved speeds over the limits of laws, perhaps for less than one look
+            return (a, jumped.tolist()), None
         rows += [self._margins(float(x), f(x)) for x in times[1:]]
         for i in range(1, count + 1):
             low = self._negative(rows[i])

@@ -1,0 +1,58 @@
+"""A law that jumps against the motion on both sides of a limit, so that the motion ought to stay there: a named error whose
+remedies work."""
+
+import pytest
+
+import gearblocks as gb
+
+TYRE = gb.TyreSlip(stiffness=1e5, grip=1.0, low_speed=0.1)
+
+
+def _pushed(torque, w0=0.0):
+    rig = gb.Drivetrain("two levels")
+    rig.chain(rig.add("push", gb.Torque(tau=torque)), rig.add("j", gb.Inertia(J=1.0, w0=w0)))
+    return rig
+
+
+def _car(torque, **more):
+    rig = gb.Drivetrain("car at rest")
+    car = gb.Vehicle(mass=1000.0, wheel_radius=0.3, rolling=0.01, tyre=TYRE, **more)
+    rig.chain(rig.add("push", gb.Torque(tau=torque)), rig.add("axle", gb.Inertia(J=1.0)), rig.add("car", car))
+    return rig
+
+
+W = gb.sense("j.w")
+
+
+@pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
+@pytest.mark.parametrize(
+    ("torque", "w0", "at"),
+    [
+        (gb.piecewise((2, W < 1), (-1, True)), 0.0, 0.5),
+        (gb.piecewise((3, W < 1), (-2, True)), 5.0, 2.0),
+        (gb.piecewise((4 + gb.time, gb.time + W < 2), (-4, True)), 0.0, -5.0 + 29.0**0.5),
+    ],
+)
+def test_a_torque_of_two_levels_that_would_hold_a_speed_is_named(torque, w0, at, method):
+    with pytest.raises(gb.SimulationError, match=r"'push': a switch goes back and forth.*give the jump a width") as e:
+        gb.simulate(_pushed(torque, w0), t_end=4.0, method=method)
+    assert e.value.time == pytest.approx(at, rel=1e-6)
+
+
+@pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
+def test_a_jump_with_a_width_holds_the_speed(method):
+    run = gb.simulate(_pushed(gb.Table([0.999, 1.001], [2.0, -1.0])(W)), t_end=2.0, method=method)
+    assert run["j.w"][-1] == pytest.approx(0.999 + 0.002 * 2 / 3, rel=1e-6)  # where the line is 0
+
+
+@pytest.mark.parametrize("torque", [0.0, 20.0, -20.0])
+def test_a_car_on_slipping_tyres_that_rolling_resistance_would_hold_is_named(torque):
+    with pytest.raises(gb.SimulationError, match=r"'car': a switch goes back and forth.*rolling_speed"):
+        gb.simulate(_car(torque), t_end=1.0)
+
+
+@pytest.mark.parametrize("torque", [20.0, -20.0, 25.0])
+def test_a_car_on_slipping_tyres_creeps_as_its_rolling_speed_says(torque):
+    run = gb.simulate(_car(torque, rolling_speed=1e-3), t_end=2.0)
+    share = torque / 0.3 / (0.01 * 1000.0 * 9.80665)  # F = rolling m g v/sqrt(v^2 + rolling_speed^2)
+    assert run["car.v"][-1] == pytest.approx(1e-3 * share / (1 - share**2) ** 0.5, rel=1e-4)
