@@ -6,10 +6,13 @@
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
-enum { FIRST_LOOKS = 8, GAP = 16, LONGEST_GAP = 1024, TRIAL = 4, CALM = 256 };
+enum { FIRST_LOOKS = 8, GAP = 16, LONGEST_GAP = 1024, TRIAL = 4, CALM = 256, IN_A_ROW = 8 };
 
 /* So many steps still to come at the present pace that a trial is worth its cost whatever the reason of the pace. */
 static const double MANY_STEPS = 2e4;
+
+/* Steps that could be so much longer, by their error, than what the explicit method reaches are held back by it. */
+static const double HELD_BACK = 2.0;
 
 /* So many that a large implicit step is tried; fastest rate times size of such a step, and from which product on a
  * vibration is stepped over. */
@@ -98,6 +101,7 @@ void gb_choice_start(gb_sim *sim) {
     head->choice.automatic = options->method == GB_AUTO && !(options->step > 0.0) && sim->model->pattern;
     head->choice.gap = head->choice.look_at = GAP;
     head->choice.t_look = head->front.t1;
+    head->choice.held_next = IN_A_ROW;
 }
 
 /* The end of a trial, between two tries of a step: h is the step size that the control wants next. */
@@ -107,12 +111,15 @@ static void decide(gb_sim *sim, double h) {
     if (h >= head->choice.h_pays) {
         head->choice.looks = 0;
         head->choice.gap = GAP;
+        head->choice.held_next = IN_A_ROW;
     } else {
         head->choice.n_switches--;
         head->choice.restless--;
         change_method(sim, head->choice.explicit_method, head->choice.h_explicit);
-        head->choice.looks += FIRST_LOOKS / 2;
-        look_later(head, 4);
+        if (!head->choice.early) {
+            head->choice.looks += FIRST_LOOKS / 2;
+            look_later(head, 4);
+        }
     }
 }
 
@@ -155,6 +162,7 @@ double gb_choice_rejected(gb_sim *sim, double h) {
         head->choice.restless--;
         change_method(sim, head->choice.explicit_method, head->choice.h_explicit);
         head->choice.look_at = head->counts.steps + 1;
+        head->choice.gap /= 2; /* this look and that one count as one */
         return head->control.h_next;
     }
     if (head->choice.trial > 1 && --head->choice.trial == 1) {
@@ -162,6 +170,22 @@ double gb_choice_rejected(gb_sim *sim, double h) {
         return sim->method->gamma > 0.0 ? h : head->control.h_next;
     }
     return h;
+}
+
+/* Steps have been held back for a while by what the explicit method reaches (gb_reach.h): a vibration that had to be
+ * followed has died away. Each time that implicit steps do not pay for all that, this takes twice as long. Near
+ * break-even it means nothing. */
+static int is_held_back(gb_sim *sim) {
+    gb_head *head = sim->head;
+    const double reach = sim->method->reach;
+    const int held = reach > 0.0 && head->choice.restless == 0 &&
+                     head->control.reach_rate * head->control.h_next > HELD_BACK * reach;
+    head->choice.held = held ? head->choice.held + 1 : 0;
+    if (head->choice.held < head->choice.held_next) {
+        return 0;
+    }
+    head->choice.held_next *= 2;
+    return 1;
 }
 
 int gb_choice_look(gb_sim *sim, double limit) {
@@ -172,8 +196,11 @@ int gb_choice_look(gb_sim *sim, double limit) {
     if (head->choice.trial > 1 && --head->choice.trial == 1) {
         decide(sim, head->control.h_next);
     }
-    if (!head->choice.automatic || head->counts.steps < head->choice.look_at || head->choice.trial > 0 ||
-        !(mean > 0.0)) {
+    if (!head->choice.automatic || head->choice.trial > 0 || !(mean > 0.0)) {
+        return GB_DONE;
+    }
+    head->choice.early = is_held_back(sim);
+    if (!head->choice.early && head->counts.steps < head->choice.look_at) {
         return GB_DONE;
     }
     int code = gb_time_terms_at(sim, head->front.t1);
@@ -185,7 +212,7 @@ int gb_choice_look(gb_sim *sim, double limit) {
     }
     const double rate = fastest_rate(sim, mean), cost = implicit_cost(sim);
     head->counts.jacobians += 3;
-    head->choice.looks++;
+    head->choice.looks += !head->choice.early;
     if (head->choice.restless > 0 && head->counts.steps >= head->choice.calm_at) {
         head->choice.restless--;
         head->choice.calm_at = head->counts.steps + CALM;
@@ -200,10 +227,13 @@ int gb_choice_look(gb_sim *sim, double limit) {
         }
         return GB_DONE;
     }
-    look_later(head, 2);
-    const double pace = mean * rate / stability(sim);
-    const int odd = pace > 0.15 || (pace < 0.02 && head->choice.looks > 1);
-    const int slow = head->choice.looks > FIRST_LOOKS && limit - head->front.t1 > MANY_STEPS * mean;
+    if (!head->choice.early) {
+        look_later(head, 2);
+    }
+    const double pace = mean * rate / stability(sim), to_come = (limit - head->front.t1) / mean;
+    const int odd = head->choice.early || pace > 0.15 || (pace < 0.02 && head->choice.looks > 1);
+    const int slow =
+        to_come > MANY_STEPS && (head->choice.looks > FIRST_LOOKS || (head->choice.looks > 1 && to_come > HOPELESS));
     if ((odd || slow) && limit - head->front.t1 > TRIAL * cost * mean) {
         head->choice.trial = TRIAL + 1;
         head->choice.h_pays = margin(head) * cost * mean;

@@ -5,9 +5,10 @@
  * few implicit steps are tried; if they get long enough to pay, the implicit method stays. It goes when explicit steps
  * at the limit of stability would be cheaper. What a change must pay grows with recent changes, so that near
  * break-even there are few of them. Where very many steps are still to come, a trial is made whatever the reason of
- * their size. Where that many steps are to come that the run would hardly end, one of them is a large implicit step
- * over vibrations whose energy is nothing beside that of the train. Every try that fails and every change back makes
- * the next look come later.
+ * their size, the sooner the more they are. It is made before its time where the error would let steps be longer by far
+ * than the explicit method reaches: what had to be followed has died away. Where that many steps are to come that the
+ * run would hardly end, one of them is a large implicit step over vibrations whose energy is nothing beside that of the
+ * train. Every try that fails and every change back makes the next look come later.
  *
  * Fastest rate: roots of  m s^2 + a s + b = 0  of single unknowns, from the diagonals of E - g dG/dx - g^2 dG/ds B at
  * three g. Stability limits: Hairer and Wanner 1996, IV.2; error of a large implicit step smoothed once more: IV.8.
