@@ -51,7 +51,9 @@ def _condition() -> tuple[gb.Drivetrain, Any, Any]:
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("train", [_load, _car, _condition])
-def test_forces_beside_a_held_speed_are_no_reversal(train: Callable[[], tuple[gb.Drivetrain, Any, Any]], method: str) -> None:
+def test_forces_beside_a_held_speed_are_no_reversal(
+    train: Callable[[], tuple[gb.Drivetrain, Any, Any]], method: str
+) -> None:
     rig, held, far = train()
     rig.connect(held.b, _swinging(rig, "one"), _swinging(rig, "two"))
     rig.connect(far.b, _swinging(rig, "three"), _swinging(rig, "four"))

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from random import Random
 
-import gearblocks as gb
 import pytest
+
+import gearblocks as gb
 
 UPPER = 0.02
 
@@ -58,7 +59,12 @@ def test_all_bodies_rest_at_the_stop(train: object) -> None:
     model, random = gb.build(train()), Random(1)  # type: ignore[operator]
     for _ in range(60):
         speed = random.uniform(5.0, 9.0)
-        values = {"one.J": random.uniform(0.01, 1.0), "two.J": random.uniform(0.01, 1.0), "one.w0": speed, "two.w0": speed}
+        values = {
+            "one.J": random.uniform(0.01, 1.0),
+            "two.J": random.uniform(0.01, 1.0),
+            "one.w0": speed,
+            "two.w0": speed,
+        }
         run = gb.simulate(model, t_end=0.05, parameters={**values, "load.tau": random.choice((0.03, -0.03))})
         assert run["one.phi"][-1] == pytest.approx(UPPER, rel=1e-9), values
         assert max(abs(run[f"{n}.w"][-1]) for n in ("one", "two", "three") if f"{n}.w" in run) == 0.0, values
