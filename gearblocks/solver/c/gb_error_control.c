@@ -22,13 +22,17 @@ double gb_rough_log2(double x) {
     return exponent + f * (1.4234 + f * (-0.5877 + f * 0.1643));
 }
 
-/* How far rounding moves each rate: the response to a change of the states in their last bits, of alternating sign. */
-static void measure_noise(gb_sim *sim, const gb_lanes *at) {
+/* How far rounding moves each rate: the response to a change of the states in their last bits, of alternating sign.
+ * What starts from rest has the bits of what a first step of h reaches: a slip that is held beside it is as noisy as
+ * that. */
+static void measure_noise(gb_sim *sim, double h, const gb_lanes *at) {
     const gb_model *model = sim->model;
     const int implicit = sim->method->gamma > 0.0;
+    const double first = sim->head->counts.steps == 0 ? h : 0.0;
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
     for (int i = 0; i < model->n_padded; i++) {
-        const double bit = 2.0 * DBL_EPSILON * sim->control.largest[i];
+        const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
+        const double bit = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
         sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
     }
     gb_rates(sim, 0, at, 0, sim->z2, rate);
@@ -99,8 +103,9 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     const int implicit = sim->method->gamma > 0.0;
     /* what begins to move has its rounding for a scale, and it had none in other modes */
     const int moved = trial != NULL && head->control.noise_modes != head->events.mode_hash;
-    if (head->counts.steps >= head->control.noise_at || (implicit && (moved || h > 4.0 * head->control.h_noise))) {
-        measure_noise(sim, at);
+    const int longer = h > 4.0 * head->control.h_noise && (implicit || head->control.unscaled);
+    if (head->counts.steps >= head->control.noise_at || (implicit && moved) || longer) {
+        measure_noise(sim, h, at);
         head->control.noise_modes = head->events.mode_hash;
         head->control.h_noise = h;
         head->control.noise_at = 2 * head->counts.steps + 1;

@@ -3,6 +3,7 @@
 #include "gb_limit_noise.h"
 #include "gb_modes.h"
 #include "gb_report.h"
+#include "gb_vector.h"
 
 /* Stops whose impacts follow on each other within what can be told apart, in time or in the height of the flight
  * between them (a quarter of its duration times its speed), come to rest: the end of a flight lower than the rounding
@@ -62,6 +63,17 @@ static void apply_impulses(gb_sim *sim, const double *impulse) {
     }
 }
 
+/* Slips after an impact. Their rounding is that of the speeds that it took: where all bodies come to rest at once, what
+ * is left of the speeds is nothing but that, and would tell directions of sliding. */
+static void slips_after(gb_sim *sim) {
+    const double speed = sim->constraints.slip_rounding[0] / sim->constraints.row_size[0];
+    gb_slips_now(sim);
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        sim->constraints.slip_rounding[i] =
+            gb_max(sim->constraints.slip_rounding[i], speed * sim->constraints.row_size[i]);
+    }
+}
+
 int gb_impact(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = model->n_constraints;
@@ -92,7 +104,7 @@ int gb_impact(gb_sim *sim) {
         whole[index[i]] = p[i];
     }
     apply_impulses(sim, whole);
-    gb_slips_now(sim);
+    slips_after(sim);
     for (int i = 0; i < n; i++) {
         const double rounding = sim->constraints.slip_rounding[i],
                      own = fabs(whole[i]) * sim->constraints.delassus[i * n + i];

@@ -316,14 +316,16 @@ class Dynamics:
             size = max(float(np.abs(v0).max()), 1.0)
             v0 = v0 + perturbation * size * free @ np.array([random.uniform(-1, 1) for _ in range(free.shape[1])])
         qr, vr = s.Ur.T @ q, s.Ur.T @ v0
-        return np.concatenate([qr, self._balanced(qr), vr, np.zeros(self.np), np.array(s.start)])
+        return np.concatenate([qr, self._balanced(qr, vr), vr, np.zeros(self.np), np.array(s.start)])
 
-    def _balanced(self, qr: Array) -> Array:
+    def _balanced(self, qr: Array, vr: Array) -> Array:
         """Start angles of nodes without inertia: nobody gives them, so they rest in balance with what is at rest."""
         s, c = self.s, self.s.context
         if not self.n1:
             return np.zeros(0)
-        c.t, Z = 0.0, np.hstack([s.Z1, s.Z2])
+        c.t, c.s, Z = 0.0, list(s.start), np.hstack([s.Z1, s.Z2])
+        wp = np.array([d(c) for d in self.drives])  # signals of other torques read speeds, and none of a massless node
+        c.X, c.V = (s.R @ (s.Ur @ qr)).tolist(), (s.R @ (s.Ur @ vr) + s.RP @ wp).tolist()
         push = s.torque_rows.T @ np.array([f(c) for _, f, _ in s.torques]) if s.torques else np.zeros(len(Z))
         stiffness = Z.T @ s.K @ Z
         if np.linalg.cond(stiffness) > 1e10:

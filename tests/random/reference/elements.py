@@ -180,12 +180,12 @@ def speed_load(s: System, p: Part) -> None:
 
 
 def square(s: System, row: Array, c2: float) -> None:
-    """-c2 w abs(w)."""
+    """-c2 w abs(w); a speed that friction holds is 0 but for rounding, and below 1e-9 rad/s there is nothing to tell."""
     i, k = s.law_row(row), s.sw.new()
 
     def law(c: Context, f: list[float]) -> None:
         w = c.V[i]
-        f[i] -= c2 * w * w if s.sw(k, w) else -c2 * w * w
+        f[i] -= c2 * w * w if s.sw(k, w if abs(w) > 1e-9 else 0.0) else -c2 * w * w
 
     s.laws.append(law)
 

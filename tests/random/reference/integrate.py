@@ -39,7 +39,7 @@ class Integration:
         bodies = [s.index[p.node("a")] for p in s.train.bodies]
         angles, speeds = np.empty((len(bodies), len(t))), np.empty((len(bodies), len(t)))
         for _ in range(3):  # signals that read what others compute
-            d.evaluate(0.0, y, margins=True)
+            self.modes.begin(0.0, y)
         s.sw.fresh = False
         y = self.modes.decide(0.0, y, self.span)
         now, done, events, still = 0.0, 0, 0, 0
@@ -138,13 +138,20 @@ class Integration:
         return None, rows[-1]
 
     def _negative(self, row: Array) -> Array:
-        bound = -1e-11 * self.scale
         s, gaps = self.d.s, len(row) - 4 * len(self.d.s.lossy)
+        bound = -1e-11 * np.maximum(self.scale, self._least(len(row)))
         if s.stops:  # gaps are exactly 0 after an impact, and the smallest bounces count
             bound[gaps - 2 * len(s.stops) : gaps : 2] = -2e-15 * np.maximum(
                 self.scale[gaps - 2 * len(s.stops) : gaps : 2], 1e-3
             )
         return np.flatnonzero(row < bound)
+
+    def _least(self, count: int) -> Array:
+        """What has been nothing but rounding so far has no scale of its own: parts of the largest force and speed."""
+        s, force, speed = self.d.s, 1e-2 * self.modes.most, 1e-4 * self.modes.speed
+        units = [speed, force, force] * len(s.dry) + [0.0, force] * len(s.stops)
+        units += [speed, force, force, force] * len(s.lossy)
+        return np.array([0.0] * (count - len(units)) + units)
 
     def _dip(self, times: Any, rows: list[Array], f: Any) -> tuple[float, list[int]] | None:
         """A margin that may fall below zero and rise again between three looks: the vertex of its parabola."""

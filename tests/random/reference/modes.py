@@ -26,6 +26,7 @@ class Modes:
         self.d, self.s = dynamics, dynamics.s
         self.speed = 0.0  # largest speed so far
         self.free = 0.0  # speed that the largest forces would give to what is free, within the run
+        self.most = 0.0  # largest force so far
         self.jumps: list[float] = []
         self.rebound: dict[int, float] = {}
 
@@ -56,6 +57,25 @@ class Modes:
         _, v = self.qv(y)
         self.speed = max(self.speed, float(np.abs(self.s.N @ v).max()))
 
+    def begin(self, t: float, y: Array) -> None:
+        """After a start or a jump of the speeds: directions of what slides, and sides of laws that are far off."""
+        self.note(y)
+        _, v = self.qv(y)
+        small, sw = self.small(), self.s.sw
+        for d in self.s.dry:
+            slip = float(d.row @ v)
+            d.mode = 0 if abs(slip) <= small else 1 if slip > 0 else -1
+        for g in self.s.lossy:
+            w = float(g.ra @ v)
+            g.mode = (0, 0) if abs(w) <= small else (1 if w > 0 else -1, g.mode[1])
+        for _ in range(60):
+            self.d.evaluate(t, y, margins=True)
+            low = [] if sw.fresh else [i for i, margin in enumerate(sw.margins()) if margin < -1e-9]
+            for i in low:
+                sw.flip(i)
+            if not low:
+                break
+
     # -- deciding -----------------------------------------------------------------------------------------------------
 
     def decide(self, t: float, y: Array, span: float) -> Array:
@@ -63,9 +83,14 @@ class Modes:
         if self.d.plain:
             return y
         self.note(y)
+        for part in (0.0, 0.01, 0.03, 0.1) if self.most == 0.0 else (0.0,):
+            self.force(t + part * span, y)
         self.free = max(self.free, self.force(t, y) * float(np.abs(np.diag(self.s.Minv)).max()) * span)
         self.d.evaluate(t, y)  # engagements as they are
+        hits = len(self.jumps)
         y = self.impact(t, y)
+        if len(self.jumps) > hits:
+            self.begin(t, y)
         _, v = self.qv(y)
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
@@ -181,7 +206,10 @@ class Modes:
         margins = self.d.evaluate(t, y, margins=True)[1]
         units = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :]
         a = self.s.Ur @ acceleration
-        rate = -1e-6 * max(float(np.abs(a).max(initial=0.0)), 1e-300)
+        mobile = float(
+            np.abs(np.diag(self.s.Minv)).max()
+        )  # where all break away at once, accelerations are rounding of forces
+        rate = -max(1e-6 * float(np.abs(a).max(initial=0.0)), 1e-12 * size * mobile, 1e-300)
         at = 0
         for asks, d in zip(asked, self.s.dry, strict=False):
             _, high, low = units[at : at + 3]
@@ -213,9 +241,11 @@ class Modes:
         )
 
     def force(self, t: float, y: Array) -> float:
-        """A size of the forces, for rounding."""
+        """A size of the forces, for rounding; where all of them vanish at once, that of those that there were."""
         _, v, _, given = self.d.coordinates(t, y)
-        return float(np.abs(given).max(initial=0.0)) + float(np.abs(self.s.C @ v).max(initial=0.0))
+        size = float(np.abs(given).max(initial=0.0)) + float(np.abs(self.s.C @ v).max(initial=0.0))
+        self.most = max(self.most, size)
+        return max(size, 1e-7 * self.most)
 
     def project(self, y: Array) -> Array:
         """Speeds without slip along what is active, and without that of rounding along what begins to slide."""
@@ -291,9 +321,9 @@ class Modes:
                     break
         if not hit:
             return y
-        if s.lossy:
-            raise NoEvidenceError("an impact beside a gear with losses")
-        both += [n.rate(q, v)[0] for n in s.nonlinear]
+        both += [n.rate(q, v)[0] for n in s.nonlinear] + [
+            g.ra - g.ratio * g.rb for g in s.lossy
+        ]  # no loss in an impact
         self.jumps.append(t)
         v = self._impulse(v, one, both)
         for row, target, i in one:
