@@ -188,6 +188,18 @@ static int is_held_back(gb_sim *sim) {
     return 1;
 }
 
+/* The matrix of implicit steps is that of one side of a limit: what slides along it is followed by explicit steps. */
+static int follows_slide(gb_sim *sim) {
+    gb_head *head = sim->head;
+    const int slides = head->events.n_sliding > 0, implicit = sim->method->gamma > 0.0;
+    if (!(head->options.step > 0.0) && (slides ? implicit : head->options.method == GB_RODAS && !implicit)) {
+        gb_set_method(sim, slides ? head->choice.explicit_method : GB_RODAS);
+        head->choice.trial = 0;
+        head->control.h_weights = 0.0;
+    }
+    return slides;
+}
+
 int gb_choice_look(gb_sim *sim, double limit) {
     gb_head *head = sim->head;
     const long long count = head->counts.steps + head->counts.rejected - head->choice.steps_look;
@@ -196,7 +208,7 @@ int gb_choice_look(gb_sim *sim, double limit) {
     if (head->choice.trial > 1 && --head->choice.trial == 1) {
         decide(sim, head->control.h_next);
     }
-    if (!head->choice.automatic || head->choice.trial > 0 || !(mean > 0.0)) {
+    if (follows_slide(sim) || !head->choice.automatic || head->choice.trial > 0 || !(mean > 0.0)) {
         return GB_DONE;
     }
     head->choice.early = is_held_back(sim);

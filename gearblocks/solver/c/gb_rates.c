@@ -7,7 +7,8 @@ enum { POINTS = 4 };
 /* A difference of fourth order. */
 static const double point[POINTS] = {-2.0, -1.0, 1.0, 2.0};
 static const double weight[POINTS] = {1.0 / 12.0, -8.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0};
-static const double NEAR = 1e-3;  /* its points, in steps: it tells 1e-12 of what a step tells */
+static const double NEAR = 1e-3; /* its points, in steps: it tells 1e-12 of what a step tells */
+static const double ROUNDING = 64.0 * DBL_EPSILON;
 static const double LEAST = 1e-9; /* share in a recorded mode, that shows as one */
 
 int gb_slides(const gb_sim *sim, int i) {
@@ -160,11 +161,13 @@ void gb_sliding_rates(gb_sim *sim, int full, const gb_lanes *at, int lane, const
         share[0] = NAN; /* the step is too long */
     }
     for (int i = 0; i < length; i++) {
-        double sum = rates[i];
+        double sum = rates[i], size = fabs(rates[i]);
         for (int j = 0; j < sim->head->events.n_sliding; j++) {
-            sum += share[j] * (rates[(size_t)(1 + j) * (size_t)model->n_total + (size_t)i] - rates[i]);
+            const double part = share[j] * (rates[(size_t)(1 + j) * (size_t)model->n_total + (size_t)i] - rates[i]);
+            sum += part;
+            size += fabs(part);
         }
-        dy[i] = sum;
+        dy[i] = fabs(sum) <= ROUNDING * size ? 0.0 : sum; /* what is held at rest is at rest */
     }
 }
 
