@@ -105,7 +105,7 @@ static int wrap(gb_sim *sim, int c, int with_modes) {
             const int i = wrapped->switches[j];
             gb_set_mode(sim, i, sim->mode[i] - turns / wrapped->turns * wrapped->steps[j], 0);
         }
-        sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        gb_mode_limits(sim);
     }
     return GB_DONE;
 }

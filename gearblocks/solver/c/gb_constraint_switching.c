@@ -314,7 +314,7 @@ int gb_switch_constraints(gb_sim *sim, int log) {
     gb_project_velocities(sim, sim->instant.time_terms);
     gb_rehash(sim);
     if (model->n_switches > 0) {
-        model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        gb_mode_limits(sim);
     }
     const int changes = log_changes(sim, log);
     return code == GB_DONE ? changes : code;

@@ -31,7 +31,7 @@ int gb_settle_modes(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
     int last = -1, code = GB_DONE;
     if (model->n_switches > 0) {
-        model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        gb_mode_limits(sim);
     }
     for (int round = 0; round < GB_FLIPS && model->n_event_functions > 0; round++) {
         int changed = 0;
@@ -52,7 +52,7 @@ int gb_settle_modes(gb_sim *sim, int log) {
         if (!changed || code != GB_DONE) {
             return code;
         }
-        model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+        gb_mode_limits(sim);
     }
     return last < 0 ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->front.t1, sim->events.s[last]);
 }

@@ -25,6 +25,16 @@ void gb_set_mode(gb_sim *sim, int i, double mode, int log) {
     sim->mode[i] = mode;
 }
 
+void gb_mode_limits(gb_sim *sim) {
+    sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+    for (int i = 0; i < sim->model->n_event_functions && sim->head->events.held_until < HUGE_VAL; i++) {
+        if (sim->events.held_side[i] != 0.0) {
+            *(sim->events.held_side[i] < 0.0 ? sim->events.lo + i : sim->events.hi + i) =
+                copysign(HUGE_VAL, sim->events.held_side[i]);
+        }
+    }
+}
+
 void gb_rehash(gb_sim *sim) {
     sim->head->events.mode_hash = 0;
     for (int i = 0; i < sim->model->n_switches; i++) {
@@ -39,6 +49,18 @@ int gb_count_flip(gb_sim *sim, int i) {
     sim->events.flip_time[i] = head->front.t1;
     return sim->events.flips[i] > GB_FLIPS ? gb_fail(sim, GB_ERR_CHATTER, i, head->front.t1, sim->events.flips[i])
                                            : GB_DONE;
+}
+
+int gb_flipped_just_now(const gb_sim *sim) {
+    const double t = sim->head->front.t1, since = t - 1e-6 * sim->head->control.h_largest;
+    int last = -1;
+    for (int i = 0; i < sim->model->n_event_functions; i++) {
+        if (sim->events.role[i] != GB_CONSTRAINED && sim->events.flip_time[i] >= since &&
+            t > sim->head->front.t_start && (last < 0 || sim->events.flip_time[i] > sim->events.flip_time[last])) {
+            last = i;
+        }
+    }
+    return last;
 }
 
 int gb_modes(const gb_sim *sim, double *mode) {
