@@ -8,6 +8,12 @@
 /* What a run may end with, in units of rtol times the turnover: less than the ledger promises. */
 static const double GOAL = 3.0;
 
+/* Part of that which must be there before anything is wrong: a transient tells nothing of the rest. */
+static const double ENOUGH = 0.25;
+
+/* Growth of the turnover from one look to the next up to which it is one that may be compared with. */
+static const double GROWTH = 1.25;
+
 /* Tolerance below which rounding would decide, and the strictest, as log2 of the part of the tolerance that is left;
  * from where on it must have helped. */
 static const double LEAST = 1e-11, STRICTEST = 8.0, MOST_AT_ONCE = 3.0, LESS = 0.25, USELESS = 4.0;
@@ -23,6 +29,9 @@ static int balance(gb_sim *sim, double *sum, double *stored) {
     *sum = *stored = 0.0;
     if (code != GB_DONE) {
         return code;
+    }
+    if (model->output_time_terms) {
+        model->output_time_terms(sim->par, sim->mode, 1, sim->instant.t, sim->instant.u, sim->instant.time_terms);
     }
     model->energies(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->scratch.energies);
     for (int i = 0; i < model->n_energies; i++) {
@@ -43,7 +52,9 @@ static int decide(gb_sim *sim, double turnover) {
     const double left = stop > t && stop < HUGE_VAL ? stop - t : t - sim->head->front.t_start;
     const double goal = GOAL * sim->head->options.rtol * turnover, now = fabs(drift->sum);
     const double rate = fabs(drift->sum - drift->chosen) / since, more = rate * left;
-    if (now + more <= goal) {
+    const int grows = turnover > GROWTH * drift->turnover;
+    drift->turnover = turnover;
+    if (now + more <= goal || now < ENOUGH * goal || grows) {
         drift->strictness = gb_max(0.0, drift->strictness - (4.0 * (now + more) < goal ? LESS : 0.0));
         return 4.0 * (now + more) > goal;
     }

@@ -105,6 +105,7 @@ struct gb_ledger {
 /* Drift of the energy balance, see gb_drift.h. */
 struct gb_drift {
     double sum, last;        /* so far; the balance at the last look */
+    double turnover;         /* at the last look */
     double chosen, t_chosen; /* what it was when strictness was chosen, and when that was */
     double rate, strictness; /* of the drift without strictness; what is added to the log2 of errors */
     int based, tries;        /* `last` is a balance; how often strictness was of no use */
