@@ -35,7 +35,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_dense_output", "gb_constraint_switching"),
     ("gb_sliding", "gb_sliding_outputs"),
     ("gb_locate_sampled", "gb_event", "gb_panel", "gb_force_enclosure", "gb_ledger", "gb_features", "gb_defect"),
-    ("gb_locate_enclosed",),
+    ("gb_locate_enclosed", "gb_departure", "gb_drift"),
     ("gb_locate_polynomial", "gb_start"),
     ("gb_step",),
     ("gb_run",),

@@ -2,7 +2,6 @@
 #include "gb_double_double.h"
 #include "gb_evaluate.h"
 #include "gb_modes.h"
-#include "gb_rates.h"
 
 /* No step turns a wrapped angle by more than this: the digits of an angle inside a step are those of its size. */
 static const double most_turns = 1024.0;

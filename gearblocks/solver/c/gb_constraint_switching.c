@@ -7,7 +7,6 @@
 #include "gb_impact.h"
 #include "gb_lossy_gear.h"
 #include "gb_modes.h"
-#include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"

@@ -103,6 +103,16 @@ struct gb_ledger {
     double h_known[GB_MEMORY];   /* a longer step in them is looked at */
 };
 
+/* Drift of the energy balance, see gb_drift.h. */
+struct gb_drift {
+    double sum, last;        /* so far; the balance at the last look */
+    double turnover;         /* at the last look */
+    double chosen, t_chosen; /* what it was when strictness was chosen, and when that was */
+    double rate, strictness; /* of the drift without strictness; what is added to the log2 of errors */
+    int based, tries;        /* `last` is a balance; how often strictness was of no use */
+    long long look_at, gap;  /* steps at the next look, and how many there are between */
+};
+
 /* Motion that grows without bound, see gb_growth.h. */
 struct gb_growth {
     int wrong; /* fixed steps with an error of the size of the motion, weighed against those without */
@@ -139,8 +149,11 @@ struct gb_event_state {
     double flight_end; /* and until when that may still be so, friction changing its pace */
     double piece;      /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
     double entered;    /* the last event: the present modes began there */
-    long long crowd;   /* events when it was last asked whether they let time go on, */
-    double t_crowd;    /* and the time then */
+    double held_until; /* the first limit that is not watched is so no more (HUGE_VAL: none) */
+    long long look_at,
+        look_gap;    /* events when what rests on a limit is looked at again, and how many there are between */
+    long long crowd; /* events when it was last asked whether they let time go on, */
+    double t_crowd;  /* and the time then */
     int n_sliding, sliding[GB_SLIDING]; /* see gb_sliding.h */
     uint64_t mode_hash;                 /* of all modes */
     uint64_t remembered_modes[GB_MEMORY];
@@ -159,6 +172,7 @@ typedef struct gb_head {
     struct gb_front front;
     struct gb_pace control;
     struct gb_ledger ledger;
+    struct gb_drift drift;
     struct gb_growth growth;
     struct gb_counts counts;
     struct gb_choice choice;
@@ -189,13 +203,14 @@ typedef struct gb_lanes {
     double *t, *u, *time_terms;
 } gb_lanes;
 
-/* Events, by switch. In the block: up to `flips`. */
+/* Events, by switch. In the block: up to `held_side`. */
 struct gb_events {
     double *lo, *hi;
     double *armed;                     /* -1 or 1: it has just flipped and is watched from its lower or upper limit */
     double *pending, *next_mode;       /* pending != 0: it flips at the front, into next_mode */
     double *next_time;                 /* time switches: when they leave their mode (into next_mode) */
     double *flip_time, *flips;         /* the last flip, and how many without progress */
+    double *held, *held_side;          /* until when a limit (-1 lower, 1 upper) is not watched: see gb_departure.h */
     double *defect;                    /* slopes of a dense polynomial and rates there, by state */
     int *role;                         /* who decides about its mode */
     double *mode_before;               /* modes before an event */

@@ -164,6 +164,7 @@ typedef struct gb_model {
                     double *out);
 
     /* Kinetic and stored energies, one per ledger entry. */
+    const signed char *energy_sign; /* of the integrals behind those of angles: 1 lost, -1 supplied */
     void (*energies)(const double *par, const double *mode, const double *time_terms, const double *y, double *energy);
 
     /* Switched constraints G v + g(t) = 0 (n_constraints 0: none). Behind the modes lie n_active_set doubles, the

@@ -3,9 +3,6 @@
 #include "gb_stage_modes.h"
 #include "gb_vector.h"
 
-/* Flips of one switch at one instant that no impact and no change of a direction takes. */
-static const double MANY_FLIPS = 4.0;
-
 static uint64_t mix(uint64_t x) {
     x ^= x >> 31;
     x *= 0x9e3779b97f4a7c15u;
@@ -28,6 +25,20 @@ void gb_set_mode(gb_sim *sim, int i, double mode, int log) {
     sim->mode[i] = mode;
 }
 
+void gb_mode_limits(gb_sim *sim) {
+    sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        sim->events.lo[sim->head->events.sliding[j]] = -HUGE_VAL;
+        sim->events.hi[sim->head->events.sliding[j]] = HUGE_VAL;
+    }
+    for (int i = 0; i < sim->model->n_event_functions && sim->head->events.held_until < HUGE_VAL; i++) {
+        if (sim->events.held_side[i] != 0.0) {
+            *(sim->events.held_side[i] < 0.0 ? sim->events.lo + i : sim->events.hi + i) =
+                copysign(HUGE_VAL, sim->events.held_side[i]);
+        }
+    }
+}
+
 void gb_rehash(gb_sim *sim) {
     sim->head->events.mode_hash = 0;
     for (int i = 0; i < sim->model->n_switches; i++) {
@@ -44,16 +55,16 @@ int gb_count_flip(gb_sim *sim, int i) {
                                            : GB_DONE;
 }
 
-int gb_flipping(const gb_sim *sim) {
-    const gb_head *head = sim->head;
+int gb_flipped_just_now(const gb_sim *sim) {
+    const double t = sim->head->front.t1, since = t - 1e-6 * sim->head->control.h_largest;
+    int last = -1;
     for (int i = 0; i < sim->model->n_event_functions; i++) {
-        const double since = head->front.t1 - sim->events.flip_time[i];
-        const int many = sim->events.role[i] != GB_CONSTRAINED && sim->events.flips[i] >= MANY_FLIPS;
-        if (many && since <= 10.0 * gb_rounding(head->front.t1, head->front.h)) {
-            return i;
+        if (sim->events.role[i] != GB_CONSTRAINED && sim->events.flip_time[i] >= since &&
+            t > sim->head->front.t_start && (last < 0 || sim->events.flip_time[i] > sim->events.flip_time[last])) {
+            last = i;
         }
     }
-    return -1;
+    return last;
 }
 
 int gb_modes(const gb_sim *sim, double *mode) {

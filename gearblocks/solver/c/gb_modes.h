@@ -22,15 +22,18 @@ static inline double gb_limit_rounding(const gb_sim *sim, int i, double limit) {
 /* Gives switch i its mode; with `log` that is an event. */
 void gb_set_mode(gb_sim *sim, int i, double mode, int log);
 
+/* The limits of all event functions in the present modes; those that are held or that slide have none.
+ */
+void gb_mode_limits(gb_sim *sim);
+
 /* The hash of all modes anew. */
 void gb_rehash(gb_sim *sim);
 
 /* A switch may flip again at once a few times, not for ever. */
 int gb_count_flip(gb_sim *sim, int i);
 
-/* The event function of no constraint whose switch goes back and forth at the front, or -1: its law jumps against the
- * motion on both sides. */
-int gb_flipping(const gb_sim *sim);
+/* The switch of the state that flipped last, if hardly any time has passed since then; else -1. */
+int gb_flipped_just_now(const gb_sim *sim);
 
 /* Mode of switch i on the far side of the limit that it leaves through. */
 double gb_far_side(const gb_sim *sim, int i, double side);

@@ -20,14 +20,6 @@ int gb_slides(const gb_sim *sim, int i) {
     return 0;
 }
 
-void gb_mode_limits(gb_sim *sim) {
-    sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
-    for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        sim->events.lo[sim->head->events.sliding[j]] = -HUGE_VAL;
-        sim->events.hi[sim->head->events.sliding[j]] = HUGE_VAL;
-    }
-}
-
 void gb_set_above(gb_sim *sim, int j) {
     const gb_model *model = sim->model;
     memcpy(sim->sliding.mode, sim->mode, sizeof(double) * (size_t)(model->n_switches + model->n_active_set));

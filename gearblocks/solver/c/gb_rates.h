@@ -23,9 +23,6 @@ static inline void gb_rates(gb_sim *sim, int full, const gb_lanes *at, int lane,
 /* Whether switch i slides. */
 int gb_slides(const gb_sim *sim, int i);
 
-/* Limits of all switches in their modes; none of one that slides. */
-void gb_mode_limits(gb_sim *sim);
-
 /* The shares for which no limit is left. 0: there are none; 1: a limit is no place to stay; 2: they all attract. */
 int gb_find_shares(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y, double *share);
 

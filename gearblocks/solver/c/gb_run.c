@@ -1,6 +1,7 @@
 #include "gb_run.h"
 #include "gb_constraint_state.h"
 #include "gb_dense_output.h"
+#include "gb_departure.h"
 #include "gb_event.h"
 #include "gb_inputs.h"
 #include "gb_rates.h"
@@ -48,13 +49,25 @@ static int check_progress(gb_sim *sim, double target) {
                : GB_DONE;
 }
 
+/* An event that is pending at the front. */
+static int event(gb_sim *sim, double target) {
+    const int timed = sim->head->front.t1 >= sim->head->events.t_break;
+    int code = gb_apply_event(sim);
+    if (code == GB_DONE) {
+        code = gb_depart(sim, 1, timed);
+    }
+    return code == GB_DONE ? check_progress(sim, target) : code;
+}
+
+/* A step from the front. */
+static int step(gb_sim *sim, double target) {
+    const int code = sim->head->front.t1 >= sim->head->events.held_until ? gb_departed(sim) : GB_DONE;
+    return code == GB_DONE ? gb_step(sim, gb_max(sim->head->options.t_stop, target)) : code;
+}
+
 /* The front moves on: what is pending there, or else a step. After an error the last good front stands. */
 static int move(gb_sim *sim, double target) {
-    const int pending = sim->head->events.pending;
-    int code = pending ? gb_apply_event(sim) : gb_step(sim, gb_max(sim->head->options.t_stop, target));
-    if (pending && code == GB_DONE) {
-        code = check_progress(sim, target);
-    }
+    const int code = sim->head->events.pending ? event(sim, target) : step(sim, target);
     if (code != GB_DONE) {
         sim->head->front.t0 = sim->head->front.t1;
         sim->head->front.h = 0.0;

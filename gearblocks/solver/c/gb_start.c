@@ -3,6 +3,7 @@
 #include "gb_constraint_state.h"
 #include "gb_constraint_switching.h"
 #include "gb_dense_output.h"
+#include "gb_departure.h"
 #include "gb_error_control.h"
 #include "gb_evaluate.h"
 #include "gb_event.h"
@@ -41,12 +42,13 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     const size_t switches = sizeof(double) * (size_t)m->n_switches, states = sizeof(double) * (size_t)m->n_padded;
     *head = fresh;
     head->front.t_start = head->front.t0 = head->front.t1 = head->front.t_comm = t0;
-    head->events.t_break = HUGE_VAL;
+    head->events.t_break = head->events.held_until = HUGE_VAL;
     head->front.row_due = 1;
     memset(sim->mode, 0, switches + sizeof(double) * (size_t)m->n_active_set);
     memset(sim->events.armed, 0, switches);
     memset(sim->events.pending, 0, switches);
     memset(sim->events.flips, 0, switches);
+    memset(sim->events.held_side, 0, switches);
     for (int i = 0; i < m->n_switches; i++) {
         sim->events.flip_time[i] = -HUGE_VAL;
     }
@@ -157,7 +159,10 @@ static int start_modes(gb_sim *sim, int fresh) {
     if (code == GB_DONE) {
         code = gb_balance_massless(sim, 1);
     }
-    return code == GB_DONE && model->n_affine > 0 ? start_on_limits(sim) : code;
+    if (code == GB_DONE && model->n_affine > 0) {
+        code = start_on_limits(sim);
+    }
+    return code == GB_DONE ? gb_depart(sim, 0, 1) : code;
 }
 
 int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0) {
@@ -212,6 +217,7 @@ int gb_apply_changes(gb_sim *sim) {
     head->front.t0 = head->front.t1 = head->front.t_comm;
     head->front.h = 0.0;
     head->front.have_dense = head->front.have_quadratures = head->front.have_k1 = head->changed = 0;
+    head->drift.based = 0;
     head->control.h_weights = 0.0;
     head->control.least_scale_at = 0;
     head->control.log_error = 0.0;

@@ -3,6 +3,7 @@
 #include "gb_constraint_state.h"
 #include "gb_defect.h"
 #include "gb_dense_output.h"
+#include "gb_drift.h"
 #include "gb_error_control.h"
 #include "gb_evaluate.h"
 #include "gb_features.h"
@@ -65,7 +66,7 @@ static int count_step(gb_sim *sim, double from, double end) {
     head->counts.steps++;
     head->counts.steps_by[head->method]++;
     head->front.row_due |= head->front.t1 > from;
-    return GB_DONE;
+    return gb_drift_is_due(sim) ? gb_drift_look(sim) : GB_DONE;
 }
 
 /* Takes the step over: the front moves to its end or to the first event inside it. AGAIN: it was too long for that. */
@@ -156,7 +157,7 @@ static double judge(gb_sim *sim, double h) {
         if (head->control.h_weights == 0.0 || h > 2.0 * head->control.h_weights || head->control.unscaled || old) {
             gb_error_weights(sim, h, &sim->lanes, head->control.unscaled || head->counts.steps == 0 ? sim->z : NULL);
         }
-        error = head->choice.large_step ? gb_large_step_error(sim, h) : gb_log_error(sim, h);
+        error = (head->choice.large_step ? gb_large_step_error(sim, h) : gb_log_error(sim, h)) + head->drift.strictness;
     }
     error += gb_taint(sim->z, implicit ? model->n_padded : model->n_total);
     if (error <= 0.0) {
@@ -199,12 +200,12 @@ static int name_taint(gb_sim *sim) {
 
 /* No step is short enough: what the last try of size h said. finite: it only had too large an error. */
 static int give_up(gb_sim *sim, int code, int finite, double h) {
-    const int flips = gb_flipping(sim);
-    if (code == GB_DONE && flips >= 0) {
-        return gb_fail(sim, GB_ERR_CHATTER, flips, sim->head->front.t1, sim->events.flips[flips]);
-    }
     if (code != GB_DONE) {
         return code;
+    }
+    const int chatters = finite ? gb_flipped_just_now(sim) : -1;
+    if (chatters >= 0) {
+        return gb_fail(sim, GB_ERR_CHATTER, chatters, sim->head->front.t1, sim->events.flips[chatters]);
     }
     return gb_name_escape(sim, finite ? gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), sim->head->front.t1, h)
                                       : name_taint(sim));
@@ -293,8 +294,8 @@ static int prepare(gb_sim *sim, double limit) {
 int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
-    const double limit = gb_min(head->events.t_break, stop);
     int rejected = 0, again = 0, code = sim->model->n_wrapped > 0 ? gb_wrap_angles(sim, 1) : GB_DONE;
+    const double limit = gb_min(gb_min(head->events.t_break, stop), head->events.held_until);
     gb_copy(sim->y0, sim->y, sim->model->n_total);
     head->front.have_dense = head->front.have_quadratures = 0;
     head->front.h = 0.0;

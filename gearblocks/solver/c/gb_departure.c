@@ -1,0 +1,265 @@
+#include "gb_departure.h"
+#include "gb_evaluate.h"
+#include "gb_event.h"
+#include "gb_modes.h"
+#include "gb_report.h"
+#include "gb_time_terms.h"
+#include "gb_vector.h"
+
+/* How far ahead is looked, and how much further each time; steps of a look, and the most where they do not agree. */
+static const double SHORTEST = 1e-7, LONGEST = 1.0, FURTHER = 4.0;
+enum { STEPS = 16, MOST_STEPS = 512, ROUNDS = 4, PATIENCE = 1024 };
+
+/* Distance from the limit that is plain, in units of sum |ds/dy_j| |y_j|: of rounding, and of the tolerance. */
+static const double OF_ROUNDING = 6.4e4 * DBL_EPSILON, OF_TOLERANCE = 1e-5;
+
+/* An event function on its limit, by its `side` (with the sign of that): to be decided, it stays, it leaves. */
+static const double MARKED = 1.0, STAYS = 2.0, LEAVES = 3.0;
+
+/* Scratch rows, behind the stages that dense output may still ask for. */
+enum { STATE = GB_STAGES - 4, STAGE, RATE, SUM };
+
+static double *row(const gb_sim *sim, int number) {
+    return sim->k + (size_t)number * (size_t)sim->model->n_total;
+}
+
+/* The side of the limit on which event function i stands: -1 lower, 1 upper, else 0. */
+static double stands_on(const gb_sim *sim, int i) {
+    const double s = sim->events.s[i], lo = sim->events.lo[i], hi = sim->events.hi[i];
+    const int below = lo > -HUGE_VAL && fabs(s - lo) <= 64.0 * DBL_EPSILON * fabs(lo) + DBL_MIN;
+    const int above = hi < HUGE_VAL && fabs(s - hi) <= 64.0 * DBL_EPSILON * fabs(hi) + DBL_MIN;
+    return below ? -1.0 : above ? 1.0 : 0.0;
+}
+
+/* Marks those that stand on a limit, without having come there and without a slope; how many. */
+static int mark(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    int count = 0, code = gb_event_functions_now(sim);
+    for (int i = 0; i < model->n_event_functions && code == GB_DONE; i++) {
+        const int free = sim->events.role[i] == GB_ORDINARY && sim->events.armed[i] == 0.0;
+        const double held = sim->events.held_side[i];
+        sim->events.side[i] = held != 0.0 ? held : free ? stands_on(sim, i) : 0.0;
+        count += sim->events.side[i] != 0.0;
+    }
+    if (code != GB_DONE || count == 0 || model->n_affine == 0) {
+        return code == GB_DONE ? count : 0;
+    }
+    if (gb_time_terms_at(sim, sim->head->front.t1) != GB_DONE) {
+        return 0;
+    }
+    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, row(sim, RATE));
+    model->directions(sim->par, row(sim, RATE), sim->events.slopes);
+    for (int i = 0; i < model->n_affine; i++) {
+        const int moves = sim->events.held_side[i] == 0.0 && sim->events.slopes[i] != 0.0;
+        count -= moves && sim->events.side[i] != 0.0;
+        sim->events.side[i] = moves ? 0.0 : sim->events.side[i];
+    }
+    return count;
+}
+
+/* rate = f(t, y) */
+static int rates(gb_sim *sim, double t, const double *y, double *rate) {
+    const int code = gb_time_terms_at(sim, t);
+    if (code == GB_DONE) {
+        sim->model->rhs(sim->par, sim->mode, sim->instant.time_terms, y, rate);
+        sim->head->counts.rhs_calls++;
+    }
+    return code;
+}
+
+/* The state after `time` by the classical method of order 4 in so many steps; the event functions there. */
+static int follow(gb_sim *sim, double time, int steps, double *s) {
+    static const double part[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+    const int n = sim->model->n;
+    const double h = time / steps, t = sim->head->front.t1;
+    double *state = row(sim, STATE), *stage = row(sim, STAGE), *rate = row(sim, RATE), *sum = row(sim, SUM);
+    int code = GB_DONE;
+    memcpy(state, sim->y, sizeof(double) * (size_t)sim->model->n_total);
+    memcpy(stage, state, sizeof(double) * (size_t)sim->model->n_total);
+    for (int step = 0; step < steps && code == GB_DONE; step++) {
+        memset(sum, 0, sizeof(double) * (size_t)n);
+        for (int k = 0; k < 4 && code == GB_DONE; k++) {
+            for (int j = 0; j < n; j++) {
+                stage[j] = state[j] + (k > 0 ? part[k] * h * rate[j] : 0.0);
+            }
+            code = rates(sim, t + (step + part[k]) * h, stage, rate);
+            for (int j = 0; j < n; j++) {
+                sum[j] += weight[k] * rate[j];
+            }
+        }
+        for (int j = 0; j < n; j++) {
+            state[j] += h * sum[j];
+        }
+    }
+    code = code == GB_DONE ? gb_time_terms_at(sim, t + time) : code;
+    if (code == GB_DONE) {
+        sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, state, s);
+    }
+    return code;
+}
+
+/* sum |ds/dy_j| |y_j| of all event functions at the state that was followed, where they are events.s, into `located`.
+ */
+static void sizes(gb_sim *sim) {
+    double *state = row(sim, STATE), *moved = sim->events.moved, *size = sim->events.located;
+    memset(size, 0, sizeof(double) * (size_t)sim->model->n_event_functions);
+    for (int j = 0; j < sim->model->n; j++) {
+        const double kept = state[j], change = 1e-6 * gb_max(fabs(kept), fabs(sim->y[j]));
+        if (change > 0.0) {
+            state[j] = kept + change;
+            sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, state, moved);
+            for (int i = 0; i < sim->model->n_event_functions; i++) {
+                size[i] += 1e6 * fabs(moved[i] - sim->events.s[i]);
+            }
+            state[j] = kept;
+        }
+    }
+}
+
+/* How far event function i, with the value s, is beyond its limit. */
+static double outward(const gb_sim *sim, int i, double s) {
+    const double side = sim->events.side[i];
+    return side * (s - (side < 0.0 ? sim->events.lo[i] : sim->events.hi[i]));
+}
+
+/* Looks `time` ahead and decides what is plain there, with so many steps that twice as many say the same; how much is
+ * left to decide. */
+static int look(gb_sim *sim, double time, int *left) {
+    const size_t all = sizeof(double) * (size_t)sim->model->n_event_functions;
+    const double unit = gb_max(OF_ROUNDING, OF_TOLERANCE * sim->head->options.rtol);
+    int code = follow(sim, time, STEPS, sim->events.s0), doubt = 1;
+    for (int steps = 2 * STEPS; steps <= MOST_STEPS && doubt && code == GB_DONE; steps *= 2) {
+        code = follow(sim, time, steps, sim->events.s);
+        if (code == GB_DONE) {
+            sizes(sim);
+        }
+        doubt = *left = 0;
+        for (int i = 0; i < sim->model->n_event_functions && code == GB_DONE; i++) {
+            if (fabs(sim->events.side[i]) != MARKED) {
+                continue;
+            }
+            const double before = outward(sim, i, sim->events.s0[i]), off = outward(sim, i, sim->events.s[i]);
+            const int plain = fabs(off) > unit * sim->events.located[i], sure = fabs(off - before) <= 0.3 * fabs(off);
+            doubt |= plain && !sure;
+            *left += !(plain && sure);
+            if (plain && sure) {
+                sim->events.side[i] *= off > 0.0 ? LEAVES : STAYS;
+                sim->events.held[i] = sim->head->front.t1 + time;
+            }
+        }
+        memcpy(sim->events.s0, sim->events.s, all);
+    }
+    return code;
+}
+
+/* Nothing that is marked moves at all. */
+static int rests(gb_sim *sim, double longest) {
+    int moves = follow(sim, longest, STEPS, sim->events.s) != GB_DONE;
+    for (int i = 0; i < sim->model->n_event_functions; i++) {
+        moves |= sim->events.side[i] != 0.0 && outward(sim, i, sim->events.s[i]) != 0.0;
+    }
+    return !moves;
+}
+
+/* Takes the modes behind the limits through which something leaves; how many. Limits of what stays are not watched. */
+static int take_modes(gb_sim *sim, int log) {
+    struct gb_event_state *events = &sim->head->events;
+    int flipped = 0;
+    events->held_until = HUGE_VAL;
+    for (int i = 0; i < sim->model->n_event_functions; i++) {
+        const double size = fabs(sim->events.side[i]), way = sim->events.side[i] < 0.0 ? -1.0 : 1.0;
+        sim->events.held_side[i] = size == STAYS ? way : 0.0;
+        if (size == LEAVES) {
+            gb_set_mode(sim, i, gb_far_side(sim, i, way), log);
+            flipped++;
+        } else if (size == STAYS) {
+            events->held_until = gb_min(events->held_until, sim->events.held[i]);
+        }
+    }
+    gb_mode_limits(sim);
+    return flipped;
+}
+
+/* Nothing is held any more. */
+static void release(gb_sim *sim) {
+    if (sim->head->events.held_until < HUGE_VAL) {
+        memset(sim->events.held_side, 0, sizeof(double) * (size_t)sim->model->n_switches);
+        sim->head->events.held_until = HUGE_VAL;
+        gb_mode_limits(sim);
+    }
+}
+
+/* One round: marks, looks ahead, takes modes; how many flipped. Where all that is marked rests, the next look waits. */
+static int decide(gb_sim *sim, int log, int *flipped) {
+    struct gb_event_state *events = &sim->head->events;
+    const double longest = gb_min(LONGEST, events->t_break - sim->head->front.t1);
+    int left = mark(sim), code = GB_DONE;
+    *flipped = 0;
+    release(sim);
+    if (left == 0 || !(longest > SHORTEST)) {
+        return GB_DONE;
+    }
+    if (rests(sim, longest)) {
+        events->look_gap = events->look_gap < PATIENCE ? 2 * events->look_gap + 1 : PATIENCE;
+        events->look_at = sim->head->counts.events + events->look_gap;
+        return GB_DONE;
+    }
+    events->look_gap = 0;
+    for (double time = SHORTEST; time <= longest && left > 0 && code == GB_DONE; time *= FURTHER) {
+        code = look(sim, time, &left);
+    }
+    if (code == GB_DONE) {
+        *flipped = take_modes(sim, log);
+    }
+    return code;
+}
+
+/* Every mode drives what has just flipped back: nothing moves on from there. */
+static int name_trapped(gb_sim *sim) {
+    int last = 0;
+    for (int i = 0; i < sim->model->n_event_functions; i++) {
+        last = fabs(sim->events.side[i]) == LEAVES ? i : last;
+    }
+    return gb_fail(sim, GB_ERR_CHATTER, last, sim->head->front.t1, ROUNDS);
+}
+
+int gb_depart(gb_sim *sim, int log, int timed) {
+    const gb_model *model = sim->model;
+    const struct gb_event_state *events = &sim->head->events;
+    const int held = events->held_until < HUGE_VAL, early = log && !timed && sim->head->counts.events < events->look_at;
+    int code = GB_DONE, flipped = 1;
+    if (!sim->head->options.locate || model->n_event_functions == 0 || (early && !held)) {
+        return GB_DONE;
+    }
+    for (int round = 0; round < ROUNDS && flipped > 0 && code == GB_DONE; round++) {
+        if (model->update_states != NULL) {
+            memcpy(sim->events.mode_before, sim->mode, sizeof(double) * (size_t)model->n_switches);
+        }
+        code = decide(sim, log, &flipped);
+        if (code == GB_DONE && flipped > 0) {
+            sim->head->front.have_k1 = 0;
+            code = gb_settle_all(sim, log);
+        }
+        if (code == GB_DONE && flipped > 0) {
+            code = gb_balance_massless(sim, !log);
+        }
+        if (code == GB_DONE && flipped > 0 && model->update_states != NULL) {
+            code = gb_update_states(sim);
+        }
+    }
+    return code == GB_DONE && flipped > 0 ? name_trapped(sim) : code;
+}
+
+int gb_departed(gb_sim *sim) {
+    struct gb_event_state *events = &sim->head->events;
+    const double now = sim->head->front.t1;
+    events->held_until = HUGE_VAL;
+    for (int i = 0; i < sim->model->n_event_functions; i++) {
+        if (sim->events.held_side[i] != 0.0 && sim->events.held[i] <= now) {
+            sim->events.held_side[i] = 0.0;
+        } else if (sim->events.held_side[i] != 0.0) {
+            events->held_until = gb_min(events->held_until, sim->events.held[i]);
+        }
+    }
+    return gb_settle_modes(sim, 1);
+}

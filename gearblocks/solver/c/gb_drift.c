@@ -1,0 +1,98 @@
+#include "gb_drift.h"
+#include "gb_ledger.h"
+#include "gb_time_terms.h"
+#include "gb_vector.h"
+
+#include <limits.h>
+
+/* What a run may end with, in units of rtol times the turnover: less than the ledger promises. */
+static const double GOAL = 3.0;
+
+/* Part of that which must be there before anything is wrong: a transient tells nothing of the rest. */
+static const double ENOUGH = 0.25;
+
+/* Growth of the turnover from one look to the next up to which it is one that may be compared with. */
+static const double GROWTH = 1.25;
+
+/* Tolerance below which rounding would decide, and the strictest, as log2 of the part of the tolerance that is left;
+ * from where on it must have helped. */
+static const double LEAST = 1e-11, STRICTEST = 8.0, MOST_AT_ONCE = 3.0, LESS = 0.25, USELESS = 4.0;
+
+/* Steps up to the first look, between two where something is wrong, and at most; how often strictness may be of no use.
+ */
+enum { FIRST = 12, SOON = 16, SELDOM = 512, TRIES = 4 };
+
+/* Stored and lost less supplied, at the front; *stored: the first alone. */
+static int balance(gb_sim *sim, double *sum, double *stored) {
+    const gb_model *model = sim->model;
+    const int code = gb_time_terms_at(sim, sim->head->front.t1), first = gb_first_energy(model);
+    *sum = *stored = 0.0;
+    if (code != GB_DONE) {
+        return code;
+    }
+    if (model->output_time_terms) {
+        model->output_time_terms(sim->par, sim->mode, 1, sim->instant.t, sim->instant.u, sim->instant.time_terms);
+    }
+    model->energies(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->scratch.energies);
+    for (int i = 0; i < model->n_energies; i++) {
+        *sum += sim->scratch.energies[i];
+        *stored += fabs(sim->scratch.energies[i]);
+    }
+    for (int i = first; i < gb_end_energy(model); i++) {
+        *sum += model->energy_sign[i - first] * sim->y[i];
+    }
+    return code;
+}
+
+/* Strictness for the rest of the run, at the mean rate at which the balance departs since it was chosen; whether
+ * something is wrong. */
+static int decide(gb_sim *sim, double turnover) {
+    struct gb_drift *drift = &sim->head->drift;
+    const double t = sim->head->front.t1, stop = sim->head->options.t_stop, since = t - drift->t_chosen;
+    const double left = stop > t && stop < HUGE_VAL ? stop - t : t - sim->head->front.t_start;
+    const double goal = GOAL * sim->head->options.rtol * turnover, now = fabs(drift->sum);
+    const double rate = fabs(drift->sum - drift->chosen) / since, more = rate * left;
+    const int grows = turnover > GROWTH * drift->turnover;
+    drift->turnover = turnover;
+    if (now + more <= goal || now < ENOUGH * goal || grows) {
+        drift->strictness = gb_max(0.0, drift->strictness - (4.0 * (now + more) < goal ? LESS : 0.0));
+        return 4.0 * (now + more) > goal;
+    }
+    if (drift->strictness <= 0.0) {
+        drift->rate = gb_max(drift->rate, rate);
+    }
+    drift->tries = drift->strictness > USELESS && rate > 0.5 * drift->rate ? drift->tries + 1 : 0;
+    drift->strictness += gb_max(0.0, gb_min(1.0 + log2(more / gb_max(goal - now, 0.2 * goal)), MOST_AT_ONCE));
+    drift->strictness = gb_min(drift->strictness, STRICTEST);
+    drift->chosen = drift->sum;
+    drift->t_chosen = t;
+    return 1;
+}
+
+int gb_drift_look(gb_sim *sim) {
+    gb_head *head = sim->head;
+    struct gb_drift *drift = &head->drift;
+    double sum, stored;
+    if (!sim->model->energy_sign || head->options.step > 0.0 || !(head->options.rtol >= LEAST)) {
+        drift->look_at = LLONG_MAX;
+        return GB_DONE;
+    }
+    const int code = balance(sim, &sum, &stored), first = drift->gap == 0;
+    int soon = 1;
+    head->ledger.stored = gb_max(head->ledger.stored, stored);
+    if (first) {
+        drift->t_chosen = head->front.t1;
+    } else if (drift->based) {
+        drift->sum += sum - drift->last;
+        soon = head->front.t1 > drift->t_chosen && decide(sim, head->ledger.turnover + head->ledger.stored);
+    }
+    drift->gap = first ? FIRST : soon ? SOON : drift->gap < SELDOM ? 2 * drift->gap : SELDOM;
+    drift->look_at = head->counts.steps + drift->gap;
+    drift->based = 1;
+    drift->last = sum;
+    if (drift->tries >= TRIES) { /* no error of steps: whatever it is, shorter ones do not help */
+        drift->strictness = 0.0;
+        drift->look_at = LLONG_MAX;
+    }
+    return code;
+}

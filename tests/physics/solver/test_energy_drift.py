@@ -1,0 +1,99 @@
+"""Trains that lose nothing keep their energy to what the ledger promises, however many steps they take."""
+
+import warnings
+
+import pytest
+import sympy as sp
+
+import gearblocks as gb
+
+
+def _noncircular():
+    rig = gb.Drivetrain("turns")
+    a, b = rig.add("a", gb.Inertia(J=0.108, w0=-18.6)), rig.add("b", gb.Inertia(J=0.0531))
+    pair = rig.add("pair", gb.NonCircularGear(law=gb.RatioLaw.ellipse(e=0.503), external=False))
+    rig.connect(a.a, pair.a)
+    rig.connect(pair.b, b.a)
+    return rig
+
+
+def _joint():
+    rig = gb.Drivetrain("joint")
+    a, b = rig.add("a", gb.Inertia(J=0.1, w0=40.0)), rig.add("b", gb.Inertia(J=0.3))
+    joint = rig.add("joint", gb.UniversalJoint(angle=0.9))
+    rig.connect(a.a, joint.a)
+    rig.connect(joint.b, b.a)
+    return rig
+
+
+def _oscillator():
+    rig = gb.Drivetrain("rings")
+    body, shaft = rig.add("a", gb.Inertia(J=0.5, w0=3.0)), rig.add("shaft", gb.Shaft(k=0.5 * 90.0**2))
+    rig.connect(body.a, shaft.a)
+    rig.connect(shaft.b, rig.add("ground", gb.Fixed()).flange)
+    return rig
+
+
+def _stiffening():
+    rig = gb.Drivetrain("stiffens")
+    body = rig.add("a", gb.Inertia(J=0.2, w0=30.0))
+    shaft = rig.add("shaft", gb.Shaft(torque=40.0 * gb.twist + 900.0 * gb.twist**3))
+    rig.connect(body.a, shaft.a)
+    rig.connect(shaft.b, rig.add("ground", gb.Fixed()).flange)
+    return rig
+
+
+def _detent():
+    rig = gb.Drivetrain("detent")
+    body = rig.add("a", gb.Inertia(J=0.2, w0=9.0))
+    rig.connect(body.a, rig.add("law", gb.Torque(tau=-5.0 * gb.sin(3 * gb.sense("a.phi")))).flange)
+    return rig
+
+
+TRAINS = {
+    "noncircular": _noncircular,
+    "joint": _joint,
+    "oscillator": _oscillator,
+    "stiffening": _stiffening,
+    "detent": _detent,
+}
+
+
+def _energy(name, run):
+    """Energy at the end over that at the start, in closed form."""
+    w, phi = run["a.w"][-1], run["a.phi"][-1]
+    if name in ("noncircular", "joint"):
+        first, second = (0.108, 0.0531) if name == "noncircular" else (0.1, 0.3)
+        start = first * run["a.w"][0] ** 2 + second * run["b.w"][0] ** 2
+        return (first * w**2 + second * run["b.w"][-1] ** 2) / start
+    if name == "oscillator":
+        return (w**2 + 90.0**2 * phi**2) / 9.0
+    if name == "stiffening":
+        return (0.1 * w**2 + 20.0 * phi**2 + 225.0 * phi**4) / 90.0
+    return (0.1 * w**2 - 5.0 / 3.0 * (float(sp.cos(3 * phi)) - 1)) / 8.1
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+@pytest.mark.parametrize("name", TRAINS)
+def test_what_loses_nothing_keeps_its_energy(name, method):
+    model = gb.build(TRAINS[name]())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for rtol in (1e-5, 1e-7):
+            run = gb.simulate(model, t_end=6.0, rtol=rtol, method=method)
+            assert run.energy.residual <= 10 * rtol
+            assert abs(_energy(name, run) - 1) <= 20 * rtol  # of a turnover that is at least the energy
+
+
+def test_what_is_no_error_of_steps_makes_no_run_longer():
+    """A callable that jumps unannounced costs energy that shorter steps do not bring back."""
+    rig = gb.Drivetrain("jumps")
+    body, shaft = rig.add("a", gb.Inertia(J=0.5)), rig.add("shaft", gb.Shaft(k=200.0, c=0.3))
+    rig.connect(body.a, shaft.a, rig.add("drive", gb.Torque(tau=gb.Input("u"))).flange)
+    rig.connect(shaft.b, rig.add("ground", gb.Fixed()).flange)
+    model = gb.build(rig)
+    run = gb.simulate(model, t_end=10.0, inputs={"u": lambda t: 1.0 if t % 0.5 < 0.25 else -1.0})
+    smooth = gb.simulate(
+        model, t_end=10.0, inputs={"u": gb.Table([0, 0.25, 0.5], [1, -1, 1], kind="step", periodic=True)}
+    )
+    assert run.stats.steps < 20 * smooth.stats.steps
