@@ -12,7 +12,8 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Node:
-    """One operation. op: time, twist, sense, input, parameter, table, object, law, + * / neg, < > and, or a function's name."""
+    """One operation. op: time, twist, sense, input, parameter, table, object, + * /, < >, both, one, not, either, cases, or a
+    function's name."""
 
     op: str
     args: tuple[Any, ...] = ()
@@ -62,6 +63,11 @@ def call(name: str, *args: Any) -> Node:
 def either(value: Any, condition: Node, other: Any) -> Node:
     """value where the condition holds, else other."""
     return Node("either", (value, condition, other))
+
+
+def cases(*pairs: tuple[Any, Any], other: Any) -> Node:
+    """The value of the first condition that holds, else other."""
+    return Node("cases", (*(x for pair in pairs for x in pair), other))
 
 
 def table(
@@ -134,8 +140,14 @@ def _operation(op: str, a: list[Any], gb: Any) -> Any:
         return a[0] < a[1]
     if op == ">":
         return a[0] > a[1]
-    if op == "either":
-        return gb.piecewise((a[0], a[1]), (a[2], True))
+    if op == "both":
+        return a[0] & a[1]
+    if op == "one":
+        return a[0] | a[1]
+    if op == "not":
+        return ~a[0]
+    if op in ("either", "cases"):
+        return gb.piecewise(*zip(a[:-1:2], a[1::2], strict=True), (a[-1], True))
     if op in ("sin", "cos"):
         return getattr(gb, op)(a[0])
     import sympy as sp
@@ -167,6 +179,11 @@ def to_text(x: Any) -> str:
     a = [to_text(v) for v in x.args]
     if x.op in ("+", "*", "/", "<", ">"):
         return f"({a[0]} {x.op} {a[1]})"
-    if x.op == "either":
-        return f"gb.piecewise(({a[0]}, {a[1]}), ({a[2]}, True))"
+    if x.op in ("both", "one"):
+        return f"({a[0]} {'&' if x.op == 'both' else '|'} {a[1]})"
+    if x.op == "not":
+        return f"~({a[0]})"
+    if x.op in ("either", "cases"):
+        pairs = ", ".join(f"({v}, {c})" for v, c in zip(a[:-1:2], a[1::2], strict=True))
+        return f"gb.piecewise({pairs}, ({a[-1]}, True))"
     return f"{'gb' if x.op in ('sin', 'cos') else 'sp'}.{x.op}({', '.join(a)})"

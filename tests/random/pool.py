@@ -51,8 +51,11 @@ class Worker:
         hangs = self.child.poll() is None and time.monotonic() >= end
         code = self.close()
         reason = f"no end within {WALL_LIMIT:g} s" if hangs else f"the process ended ({_ending(code)})"
+        kind = (
+            "crash" if not hangs else "none" if self.stage == "reference" else "hang"
+        )  # a slow reference is no finding
         return {
-            "family": job.get("family", ""), "seed": job.get("seed", 0), "kind": "hang" if hangs else "crash",
+            "family": job.get("family", ""), "seed": job.get("seed", 0), "kind": kind,
             "what": self.stage, "message": reason, "evidence": [], "notes": [], "seconds": WALL_LIMIT if hangs else 0.0,
         }  # fmt: skip
 

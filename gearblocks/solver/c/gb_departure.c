@@ -2,7 +2,9 @@
 #include "gb_evaluate.h"
 #include "gb_event.h"
 #include "gb_modes.h"
+#include "gb_rates.h"
 #include "gb_report.h"
+#include "gb_sliding.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
@@ -61,7 +63,7 @@ static int mark(gb_sim *sim) {
 static int rates(gb_sim *sim, double t, const double *y, double *rate) {
     const int code = gb_time_terms_at(sim, t);
     if (code == GB_DONE) {
-        sim->model->rhs(sim->par, sim->mode, sim->instant.time_terms, y, rate);
+        gb_rates(sim, 0, &sim->instant, 0, y, rate);
         sim->head->counts.rhs_calls++;
     }
     return code;
@@ -214,13 +216,13 @@ static int decide(gb_sim *sim, int log, int *flipped) {
     return code;
 }
 
-/* Every mode drives what has just flipped back: nothing moves on from there. */
-static int name_trapped(gb_sim *sim) {
+/* Every mode drives what has just flipped back: it slides there, or nothing moves on. */
+static int hold_trapped(gb_sim *sim) {
     int last = 0;
     for (int i = 0; i < sim->model->n_event_functions; i++) {
         last = fabs(sim->events.side[i]) == LEAVES ? i : last;
     }
-    return gb_fail(sim, GB_ERR_CHATTER, last, sim->head->front.t1, ROUNDS);
+    return gb_slide(sim, last) ? GB_DONE : gb_fail(sim, GB_ERR_CHATTER, last, sim->head->front.t1, ROUNDS);
 }
 
 int gb_depart(gb_sim *sim, int log, int timed) {
@@ -247,7 +249,7 @@ int gb_depart(gb_sim *sim, int log, int timed) {
             code = gb_update_states(sim);
         }
     }
-    return code == GB_DONE && flipped > 0 ? name_trapped(sim) : code;
+    return code == GB_DONE && flipped > 0 ? hold_trapped(sim) : code;
 }
 
 int gb_departed(gb_sim *sim) {

@@ -9,14 +9,14 @@
 static const double GOAL = 3.0;
 
 /* Part of that which must be there before anything is wrong: a transient tells nothing of the rest. */
-static const double ENOUGH = 0.25;
+static const double ENOUGH = 0.05;
 
 /* Growth of the turnover from one look to the next up to which it is one that may be compared with. */
 static const double GROWTH = 1.25;
 
 /* Tolerance below which rounding would decide, and the strictest, as log2 of the part of the tolerance that is left;
  * from where on it must have helped. */
-static const double LEAST = 1e-11, STRICTEST = 8.0, MOST_AT_ONCE = 3.0, LESS = 0.25, USELESS = 4.0;
+static const double LEAST = 1e-11, STRICTEST = 8.0, MOST_AT_ONCE = 3.0, LESS = 0.25, USELESS = 7.0;
 
 /* Steps up to the first look, between two where something is wrong, and at most; how often strictness may be of no use.
  */
@@ -54,15 +54,16 @@ static int decide(gb_sim *sim, double turnover) {
     const double rate = fabs(drift->sum - drift->chosen) / since, more = rate * left;
     const int grows = turnover > GROWTH * drift->turnover;
     drift->turnover = turnover;
-    if (now + more <= goal || now < ENOUGH * goal || grows) {
-        drift->strictness = gb_max(0.0, drift->strictness - (4.0 * (now + more) < goal ? LESS : 0.0));
-        return 4.0 * (now + more) > goal;
+    const double room = gb_max(goal - now, 0.2 * goal);
+    if (more <= room || now < ENOUGH * goal || grows) {
+        drift->strictness = gb_max(0.0, drift->strictness - (4.0 * more < room ? LESS : 0.0));
+        return 4.0 * more > room;
     }
     if (drift->strictness <= 0.0) {
         drift->rate = gb_max(drift->rate, rate);
     }
     drift->tries = drift->strictness > USELESS && rate > 0.5 * drift->rate ? drift->tries + 1 : 0;
-    drift->strictness += gb_max(0.0, gb_min(1.0 + log2(more / gb_max(goal - now, 0.2 * goal)), MOST_AT_ONCE));
+    drift->strictness += gb_max(0.0, gb_min(1.0 + log2(more / room), MOST_AT_ONCE));
     drift->strictness = gb_min(drift->strictness, STRICTEST);
     drift->chosen = drift->sum;
     drift->t_chosen = t;

@@ -54,21 +54,20 @@ static int shares_fit(int n, const double *share) {
     return 1;
 }
 
-/* Switch i, which goes back and forth at the front, slides from here on if both sides drive it back. */
-static void try_to_slide(gb_sim *sim, int i) {
+int gb_slide(gb_sim *sim, int i) {
     gb_head *head = sim->head;
     double share[GB_SLIDING];
     if (sim->events.role[i] != GB_ORDINARY || i >= sim->model->n_event_functions ||
         head->events.n_sliding >= GB_SLIDING || gb_slides(sim, i) || !head->options.locate ||
         gb_event_functions_now(sim) != GB_DONE || gb_time_terms_at(sim, head->front.t1) != GB_DONE) {
-        return;
+        return 0;
     }
     gb_mode_limits(sim);
     const double before = sim->mode[i], s = sim->events.s[i];
     const double side = fabs(s - sim->events.lo[i]) < fabs(s - sim->events.hi[i]) ? -1.0 : 1.0;
     const double far = gb_far_side(sim, i, side), below = gb_min(before, far);
     if (fabs(far - before) != 1.0) {
-        return;
+        return 0;
     }
     gb_set_mode(sim, i, below, 0);
     head->events.sliding[head->events.n_sliding++] = i;
@@ -76,11 +75,12 @@ static void try_to_slide(gb_sim *sim, int i) {
         !shares_fit(head->events.n_sliding, share)) {
         forget(sim, i);
         gb_set_mode(sim, i, before, 0);
-        return;
+        return 0;
     }
     gb_log(sim, i, 0, before, below + 0.5);
     sim->events.armed[i] = sim->events.pending[i] = sim->events.flips[i] = 0.0;
     gb_mode_limits(sim);
+    return 1;
 }
 
 void gb_leave_sliding(gb_sim *sim, int i, double mode) {
@@ -170,7 +170,7 @@ int gb_sliding_end(gb_sim *sim, double *theta) {
 int gb_count_flip_or_slide(gb_sim *sim, int i) {
     const int code = gb_count_flip(sim, i);
     if (code == GB_DONE && sim->events.flips[i] > 2.0) {
-        try_to_slide(sim, i);
+        gb_slide(sim, i);
     }
     return code;
 }

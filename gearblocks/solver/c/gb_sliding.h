@@ -9,6 +9,9 @@
 
 #include "gb_internal.h"
 
+/* Switch i, which goes back and forth at the front, slides from here on if both sides drive it back; else returns 0. */
+int gb_slide(gb_sim *sim, int i);
+
 /* Switch i slides no longer, and goes on in a mode at its limit. */
 void gb_leave_sliding(gb_sim *sim, int i, double mode);
 

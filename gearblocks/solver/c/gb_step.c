@@ -85,7 +85,7 @@ static int accept(gb_sim *sim, double end, int again) {
         if (code != GB_DONE) {
             return code;
         }
-        if (head->events.n_sliding > 0 && gb_sliding_end(sim, &theta) != GB_DONE) {
+        if (head->events.n_sliding > 0 && gb_sliding_end(sim, &theta) < 0) {
             return head->report.code;
         }
         const int most = sim->events.undersampled ? MOST_AGAIN : sim->events.in_doubt ? MOST_DOUBTS : 0;
@@ -239,8 +239,7 @@ static int try_step(gb_sim *sim, double end) {
     return GB_DONE;
 }
 
-/* Before the first step, and after an event: its size, once the derivative is known; scales of a motion that has none.
- */
+/* Before the first step, and after an event: its size, once the derivative is known; scales of what has none. */
 static int prepare_first(gb_sim *sim) {
     int code = gb_time_terms_at(sim, sim->head->front.t1);
     if (code == GB_DONE && !sim->head->front.have_k1) {

@@ -79,7 +79,7 @@ def test_what_loses_nothing_keeps_its_energy(name, method):
     model = gb.build(TRAINS[name]())
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        for rtol in (1e-5, 1e-7):
+        for rtol in (1e-6, 1e-8):
             run = gb.simulate(model, t_end=6.0, rtol=rtol, method=method)
             assert run.energy.residual <= 10 * rtol
             assert abs(_energy(name, run) - 1) <= 20 * rtol  # of a turnover that is at least the energy

@@ -1,4 +1,4 @@
-"""Six families of random trains; each is a function from a seed to a description."""
+"""Seven families of random trains; each is a function from a seed to a description."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from tests.random.families.friction import friction
 from tests.random.families.lossy import lossy
 from tests.random.families.mixed import mixed
 from tests.random.families.smooth import smooth
+from tests.random.families.wide import wide
 
 FAMILIES: dict[str, Callable[[int], Train]] = {
-    f.__name__: f for f in (smooth, contact, friction, lossy, control, mixed)
+    f.__name__: f for f in (smooth, contact, friction, lossy, control, mixed, wide)
 }
 
 

@@ -24,7 +24,8 @@ def reference_motion(train: Train, t: NDArray[np.float64], perturbation: float =
         dynamics = Dynamics(system_of(train))
         integration = Integration(dynamics, rtol, float(t[-1]), perturbation)
         angles, speeds = integration.run(dynamics.start(perturbation), t)
-    return Motion(angles, speeds, np.array(integration.modes.jumps))
+    own = len(train.bodies)  # composites bring along more
+    return Motion(angles[:own], speeds[:own], np.array(integration.modes.jumps))
 
 
 __all__ = ["NoEvidenceError", "reference_motion"]

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from tests.random.description import Part
 from tests.random.expressions import Node
+from tests.random.reference.further import tooth_friction
 from tests.random.reference.switches import Context, NoEvidenceError, Switches
 from tests.random.reference.system import Array, Stop, System
 
@@ -170,7 +171,7 @@ def mesh(s: System, p: Part) -> None:
     if p.field("k") is None and p.field("backlash") is None:
         s.ties.append(one + sign * teeth[1] / teeth[0] * two)
         return
-    r1, r2 = p.field("r_base")
+    r1, r2 = radii = _base_radii(p)
     if p.field("k") is None:
         hits(s, p, one + sign * r2 / r1 * two, dict(p.field("backlash").args[1])["half_gap"] / r1)
         return
@@ -181,6 +182,7 @@ def mesh(s: System, p: Part) -> None:
         _excitation(s, p.field("stiffness_variation"), i, z),
         _excitation(s, p.field("transmission_error"), i, z),
     )
+    rubs = tooth_friction(s, p, i, j, radii, sign)
 
     def law(c: Context, f: list[float]) -> None:
         v, v_phi, _ = vary(c)
@@ -190,8 +192,17 @@ def mesh(s: System, p: Part) -> None:
         N, G = force(x, rate, 1 + v)
         f[i] -= N * (r1 - e_phi) + (k * v_phi * G if v_phi else 0.0)
         f[j] -= N * sign * r2
+        if rubs is not None:
+            rubs(c, f, N)
 
     s.laws.append(law)
+
+
+def _base_radii(p: Part) -> tuple[float, float]:
+    if p.field("r_base") is not None:
+        return tuple(p.field("r_base"))  # type: ignore[return-value]
+    half = p.field("module") * math.cos(p.field("pressure_angle")) / 2
+    return half * p.field("teeth")[0], half * p.field("teeth")[1]
 
 
 def _excitation(s: System, effect: Any, i: int, z: int) -> Callable[[Context], tuple[float, float, float]]:
@@ -209,12 +220,12 @@ def _excitation(s: System, effect: Any, i: int, z: int) -> Callable[[Context], t
             return (2 * ripple * (1 - share) if upper else -2 * ripple * share), 0.0, 0.0
 
         return square
-    if "sin" in fields or "phase" in fields or name not in ("Fourier", "Harmonic"):
+    if "sin" in fields or name not in ("Fourier", "Harmonic"):
         raise NoEvidenceError(f"this {name}")
-    a = fields["cos"]
+    a, phase = fields["cos"], fields.get("phase", 0.0)
 
     def wave(c: Context) -> tuple[float, float, float]:
-        theta = z * c.X[i] if driven == "angle" else driven * c.t
+        theta = (z * c.X[i] if driven == "angle" else driven * c.t) + phase
         value = sum(x * math.cos(n * theta) for n, x in enumerate(a, 1))
         slope = -sum(n * x * math.sin(n * theta) for n, x in enumerate(a, 1))
         return (value, z * slope, 0.0) if driven == "angle" else (value, 0.0, driven * slope)

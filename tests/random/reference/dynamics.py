@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.random.reference.equilibrium import at_rest
 from tests.random.reference.rubbing import merge
 from tests.random.reference.sharing import Sharing
 from tests.random.reference.switches import NoEvidenceError, is_zero
@@ -30,11 +31,10 @@ class Dynamics:
             stop.row = stop.row @ s.N
         for gear in s.lossy:
             gear.ra, gear.rb = gear.ra @ s.N, gear.rb @ s.N
-        self.drives = [s.compile(signal) for signal, _ in s.prescribed.values()]
-        for signal, kind in s.prescribed.values():
-            if kind != "speed":
-                raise NoEvidenceError("a prescribed angle")
-            derivative(signal)  # must be smooth
+        speeds = [signal if kind == "speed" else derivative(signal) for signal, kind in s.prescribed.values()]
+        self.drives = [s.compile(signal) for signal in speeds]
+        self.pulls = [s.compile(derivative(signal)) for signal in speeds]
+        self.driven_from = [s.compile(signal if kind == "angle" else 0.0) for signal, kind in s.prescribed.values()]
         self.nr, self.n1, self.np = s.Ur.shape[1], s.Z1.shape[1], s.P.shape[1]
         self.cut = np.cumsum([self.nr, self.n1, self.nr, self.np, s.extra])
         self.cache: dict[Any, tuple[Array, Array, Array, Array | None]] = {}
@@ -91,6 +91,8 @@ class Dynamics:
         for law in s.laws:
             law(c, f)
         force = given - s.C @ v
+        if self.np:
+            force = force - s.MP @ np.array([a(c) for a in self.pulls])
         if len(s.R):
             force = force + self.RT @ np.array(f[: len(s.R)])
         vr = y[self.cut[1] : self.cut[2]]
@@ -316,7 +318,10 @@ class Dynamics:
             size = max(float(np.abs(v0).max()), 1.0)
             v0 = v0 + perturbation * size * free @ np.array([random.uniform(-1, 1) for _ in range(free.shape[1])])
         qr, vr = s.Ur.T @ q, s.Ur.T @ v0
-        return np.concatenate([qr, self._balanced(qr, vr), vr, np.zeros(self.np), np.array(s.start)])
+        s.context.t = 0.0
+        driven = np.array([x(s.context) for x in self.driven_from])
+        y = np.concatenate([qr, self._balanced(qr, vr), vr, driven, np.array(s.start)])
+        return y if s.train.initial is None else at_rest(self, y)
 
     def _balanced(self, qr: Array, vr: Array) -> Array:
         """Start angles of nodes without inertia: nobody gives them, so they rest in balance with what is at rest."""

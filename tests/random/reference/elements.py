@@ -10,15 +10,15 @@ import numpy as np
 
 from tests.random.description import GROUND, Part, Train
 from tests.random.expressions import Node, walk
-from tests.random.reference import contacts, rubbing
+from tests.random.reference import contacts, further, rubbing
+from tests.random.reference.composites import expanded
 from tests.random.reference.switches import Context, NoEvidenceError, Table2, ellipse
-from tests.random.reference.system import Array, System, Tie
+from tests.random.reference.system import Array, System, Tie, derivative
 
 
 def system_of(train: Train) -> System:
     """The system of a train; NoEvidenceError for what it has no law for."""
-    if train.initial is not None:
-        raise NoEvidenceError("a static start")
+    train = expanded(train)
     s = System(train)
     ordered = sorted(train.parts, key=lambda p: p.block not in ("Governor",))
     for part in ordered:
@@ -46,6 +46,9 @@ def body(s: System, p: Part) -> None:
 
 def gear(s: System, p: Part) -> None:
     """phi_a = ratio phi_b about the housing."""
+    if p.field("slip") is not None:
+        further.creep(s, p)
+        return
     teeth = p.field("teeth")
     ratio = p.field("ratio") if teeth is None else teeth[1] / teeth[0] * (-1 if p.field("external") else 1)
     s.ties.append(relative(s, p, "a", "housing") - ratio * relative(s, p, "b", "housing"))
@@ -107,15 +110,23 @@ def noncircular(s: System, p: Part) -> None:
     F, m, dm = ellipse(fields["e"], fields.get("order", 1))
     a, b = relative(s, p, "a", "carrier"), relative(s, p, "b", "carrier")
     sign = 1.0 if p.field("external") else -1.0
+    phase = p.field("phase", 0.0)
     if p.field("k") is None:
-        nonlinear_tie(s, a, b, m, dm, -sign)
+        if isinstance(phase, Node):
+            raise NoEvidenceError("a rigid pair with a phase that moves")
+        nonlinear_tie(s, a, b, lambda phi: m(phi + phase), lambda phi: dm(phi + phase), -sign)
         return
+    ahead, rate = s.compile(phase), s.compile(derivative(phase))
+    s.context.t = 0.0
+    at_start = F(ahead(s.context))
     i, j = s.law_row(a), s.law_row(b)
     force = contacts.contact_law(s, p, p.field("k"))
 
     def law_of(c: Context, f: list[float]) -> None:
-        slope = m(c.X[i])
-        M = force(F(c.X[i]) + sign * c.X[j], slope * c.V[i] + sign * c.V[j], 1.0)[0]
+        theta = c.X[i] + ahead(c)
+        slope = m(theta)
+        q = F(theta) - at_start + sign * c.X[j]
+        M = force(q, slope * (c.V[i] + rate(c)) + sign * c.V[j], 1.0)[0]
         f[i] -= slope * M
         f[j] -= sign * M
 
@@ -160,11 +171,11 @@ def torque(s: System, p: Part) -> None:
 
 
 def speed(s: System, p: Part) -> None:
-    """A prescribed speed of a node that nothing else prescribes."""
+    """A prescribed speed or angle of a node that nothing else prescribes."""
     node = p.node("flange")
     if p.node("housing") != GROUND or node in s.prescribed or p.field("filter") is not None:
         raise NoEvidenceError("this prescribed motion")
-    s.prescribed[node] = (p.field("w"), "speed")
+    s.prescribed[node] = (p.field("w"), "speed") if p.block == "Speed" else (p.field("phi"), "angle")
 
 
 def speed_load(s: System, p: Part) -> None:
@@ -191,9 +202,12 @@ def square(s: System, row: Array, c2: float) -> None:
 
 
 def vehicle(s: System, p: Part) -> None:
-    """Mass, drag, rolling resistance as dry friction, slope; without tyre."""
-    if p.field("tyre") is not None or p.field("rolling_speed") is not None:
-        raise NoEvidenceError("a tyre")
+    """Mass, drag, rolling resistance as dry friction, slope."""
+    if p.field("tyre") is not None:
+        further.tyre(s, p)
+        return
+    if p.field("rolling_speed") is not None:
+        raise NoEvidenceError("a rolling speed")
     r, m = p.field("wheel_radius"), p.field("mass")
     row, grade = s.node(p.node("flange")), p.field("grade", 0.0)
     s.J[s.index[p.node("flange")]] += m * r * r
@@ -282,10 +296,11 @@ def nothing(s: System, p: Part) -> None:
 ELEMENTS: dict[str, Any] = {
     "Inertia": body, "Mass": body, "IdealGear": gear, "BeltDrive": gear, "IdealPlanetary": planetary,
     "Differential": differential, "Rack": rack, "UniversalJoint": joint, "NonCircularGear": noncircular, "Shaft": shaft,
-    "Damper": damper, "Torque": torque, "Force": torque, "Speed": speed, "SpeedLoad": speed_load, "Vehicle": vehicle,
+    "Damper": damper, "Torque": torque, "Force": torque, "Speed": speed, "Angle": speed, "SpeedLoad": speed_load,
+    "Vehicle": vehicle,
     "EddyCurrentBrake": eddy, "DCMotor": motor, "Governor": governor, "Engine": engine, "HardStop": stop,
     "Lash": contacts.lash, "GearMesh": contacts.mesh, "SplineCoupling": contacts.spline, "Fixed": nothing,
     "Clutch": rubbing.clutch, "Brake": rubbing.brake, "OneWayClutch": rubbing.clutch, "Freewheel": rubbing.freewheel,
     "BearingFriction": rubbing.bearing, "DogClutch": rubbing.dog, "Synchronizer": rubbing.clutch,
-    "LossyGear": rubbing.lossy_gear, "Worm": rubbing.worm,
+    "TorqueConverter": further.converter, "LossyGear": rubbing.lossy_gear, "Worm": rubbing.worm,
 }  # fmt: skip

@@ -147,7 +147,9 @@ class Table2:
         return float(low * (1 - a) + high * a)
 
 
-FUNCTIONS = {"sin": math.sin, "cos": math.cos, "exp": math.exp, "tanh": math.tanh}
+FUNCTIONS = {
+    "sin": math.sin, "cos": math.cos, "exp": math.exp, "tanh": math.tanh, "atan": math.atan, "sqrt": math.sqrt,
+}  # fmt: skip
 
 
 class Compiler:
@@ -209,18 +211,26 @@ class Compiler:
         if op in FUNCTIONS:
             f = FUNCTIONS[op]
             return lambda c: f(a[0](c))
-        i = sw.new() if op != "either" else -1
+        if op == "both":
+            return lambda c: bool(a[0](c)) & bool(a[1](c))
+        if op == "one":
+            return lambda c: bool(a[0](c)) | bool(a[1](c))
+        if op == "not":
+            return lambda c: not a[0](c)
+        i = sw.new() if op not in ("either", "cases") else -1
         if op == "<":
             return lambda c: sw(i, a[1](c) - a[0](c))
         if op == ">":
             return lambda c: sw(i, a[0](c) - a[1](c))
-        if op == "either":
+        if op in ("either", "cases"):
 
             def choose(c: Context) -> float:
-                one, condition, other = a[0](c), a[1](c), a[2](c)
-                return one if condition else other
+                found = [x(c) for x in a]  # all of them, so that every switch is fresh
+                return next((v for v, holds in zip(found[:-1:2], found[1::2], strict=True) if holds), found[-1])
 
             return choose
+        if op == "Heaviside":
+            return lambda c: 1.0 if sw(i, a[0](c)) else 0.0
         if op == "Abs":
             return lambda c: (lambda v: v if sw(i, v) else -v)(a[0](c))
         if op == "sign":

@@ -147,6 +147,7 @@ class System:
         self._eliminate()
         n = self.N.shape[1]
         self.M = self.N.T @ (self.J[:, None] * self.N)
+        self.MP = self.N.T @ (self.J[:, None] * self.P)
         self.R = np.array(self.law_rows).reshape(-1, len(self.node_names)) @ self.N
         self.RP = np.array(self.law_rows).reshape(-1, len(self.node_names)) @ self.P
         self.K, self.C = np.zeros((n, n)), np.zeros((n, n))
