@@ -16,7 +16,7 @@ from gearblocks.solver import library
 from gearblocks.solver.cache import digest
 
 OBJECTS = Path(os.environ["GEARBLOCKS_CACHE"]) / "objects"
-SECONDS = 10.0
+SECONDS = 20.0
 """CPU time after which a test has a run that does not end: it takes a fraction of that."""
 
 compilers.FLAGS = library.FLAGS = tuple("-O1" if flag == "-O3" else flag for flag in library.FLAGS)
