@@ -50,12 +50,15 @@ static double largest_in(const double *restrict peak, const double *restrict tri
     double rest = 0.0;
     int i = from;
     for (; i + GB_PAD / 2 <= to; i += GB_PAD / 2) {
-        most = gb_half_max(gb_half_max(gb_half_abs(*gb_half_at(trial + i)), *gb_half_at(peak + i)), most);
+        gb_half size = *gb_half_at(trial + i);
+        gb_half_abs(&size);
+        gb_half_max(&size, gb_half_at(peak + i));
+        gb_half_max(&most, &size);
     }
     for (; i < to; i++) {
         rest = gb_max(rest, gb_max(peak[i], fabs(trial[i])));
     }
-    return gb_max(rest, gb_half_largest(most));
+    return gb_max(rest, gb_half_largest(&most));
 }
 
 /* What the error weights of a range of states are made of. least: a part of the largest of their kind; per_time: makes
@@ -125,9 +128,10 @@ void gb_scales_grow(gb_sim *sim, const double *y) {
     const double slack = sim->method->gamma > 0.0 ? sim->head->options.rtol / 1.1 : HUGE_VAL;
     gb_bits grown = {0};
     for (int i = 0; i < sim->model->n_padded; i += GB_PAD / 2) {
-        const gb_half size = gb_half_abs(*gb_half_at(y + i)), peak = *gb_half_at(sim->control.largest + i);
-        grown |= (size > peak) & ~(size * slack * *gb_half_at(sim->control.error_weight + i) <= 1.0);
-        *(gb_half *)(void *)(sim->control.largest + i) = gb_half_max(size, peak);
+        gb_half size = *gb_half_at(y + i), *peak = (gb_half *)(void *)(sim->control.largest + i);
+        gb_half_abs(&size);
+        grown |= (size > *peak) & ~(size * slack * *gb_half_at(sim->control.error_weight + i) <= 1.0);
+        gb_half_max(peak, &size);
     }
     if ((grown[0] | grown[1] | grown[2] | grown[3]) != 0) {
         sim->head->control.h_weights = 0.0;
@@ -199,11 +203,13 @@ static double error_norm(const gb_sim *sim, const gb_weights *e) {
         double error[GB_PAD];
         gb_combine(e, sim->k + b, sim->model->n_total, 0, GB_PAD, sim->zero, 1.0, error);
         for (int l = 0; l < GB_PAD; l += GB_PAD / 2) {
-            worst = gb_half_max(gb_half_abs(*gb_half_at(error + l)) * *gb_half_at(sim->control.error_weight + b + l),
-                                worst);
+            gb_half size = *gb_half_at(error + l);
+            gb_half_abs(&size);
+            size *= *gb_half_at(sim->control.error_weight + b + l);
+            gb_half_max(&worst, &size);
         }
     }
-    return gb_half_largest(worst);
+    return gb_half_largest(&worst);
 }
 
 /* The same where the estimate is the last stage. */
@@ -211,9 +217,12 @@ static double last_norm(const gb_sim *sim) {
     const double *k = sim->k + (size_t)(sim->method->stages - 1) * (size_t)sim->model->n_total;
     gb_half worst = {0.0};
     for (int i = 0; i < sim->model->n_padded; i += GB_PAD / 2) {
-        worst = gb_half_max(gb_half_abs(*gb_half_at(k + i)) * *gb_half_at(sim->control.error_weight + i), worst);
+        gb_half size = *gb_half_at(k + i);
+        gb_half_abs(&size);
+        size *= *gb_half_at(sim->control.error_weight + i);
+        gb_half_max(&worst, &size);
     }
-    return gb_half_largest(worst);
+    return gb_half_largest(&worst);
 }
 
 double gb_log_error(const gb_sim *sim, double h) {

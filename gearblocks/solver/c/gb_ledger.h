@@ -30,7 +30,9 @@ GB_INLINE double gb_exchange(const gb_sim *sim, const double *y) {
     gb_half sum = {0.0};
     for (int b = from - angles; b < end; b += GB_PAD, keep = kept + GB_PAD) {
         for (int l = 0; l < GB_PAD; l += GB_PAD / 2) {
-            sum += *gb_half_at(keep + l) * gb_half_abs(*gb_half_at(y + b + l) - *gb_half_at(sim->y0 + b + l));
+            gb_half change = *gb_half_at(y + b + l) - *gb_half_at(sim->y0 + b + l);
+            gb_half_abs(&change);
+            sum += *gb_half_at(keep + l) * change;
         }
     }
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);

@@ -16,7 +16,7 @@ static double product(const gb_sim *sim, const double *a, const double *b) {
         const gb_block weight = *gb_block_at(sim->control.error_weight + i);
         sum += (weight * *gb_block_at(a + i)) * (weight * *gb_block_at(b + i));
     }
-    return gb_block_sum(sum);
+    return gb_block_sum(&sum);
 }
 
 /* out = J u: the difference of the rates at the end of the step and beside it. size: u u. */

@@ -29,22 +29,22 @@ static inline const gb_half *gb_half_at(const double *x) {
     return (const gb_half *)(const void *)x;
 }
 
-GB_INLINE gb_half gb_half_abs(gb_half x) {
-    return (gb_half)((gb_bits)x & 0x7fffffffffffffffLL);
+GB_INLINE void gb_half_abs(gb_half *x) {
+    *x = (gb_half)((gb_bits)*x & 0x7fffffffffffffffLL);
 }
 
-/* a > b ? a : b in each entry. */
-GB_INLINE gb_half gb_half_max(gb_half a, gb_half b) {
-    const gb_bits above = a > b;
-    return (gb_half)(((gb_bits)a & above) | ((gb_bits)b & ~above));
+/* most = x > most ? x : most in each entry. */
+GB_INLINE void gb_half_max(gb_half *most, const gb_half *x) {
+    const gb_bits above = *x > *most;
+    *most = (gb_half)(((gb_bits)*x & above) | ((gb_bits)*most & ~above));
 }
 
-GB_INLINE double gb_half_largest(gb_half x) {
-    return gb_max(gb_max(x[0], x[1]), gb_max(x[2], x[3]));
+GB_INLINE double gb_half_largest(const gb_half *x) {
+    return gb_max(gb_max((*x)[0], (*x)[1]), gb_max((*x)[2], (*x)[3]));
 }
 
-GB_INLINE double gb_block_sum(gb_block x) {
-    return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
+GB_INLINE double gb_block_sum(const gb_block *x) {
+    return (((*x)[0] + (*x)[1]) + ((*x)[2] + (*x)[3])) + (((*x)[4] + (*x)[5]) + ((*x)[6] + (*x)[7]));
 }
 
 /* out = y + h sum_j w_j k_j in the entries [from, to), both multiples of GB_PAD. The last entry of w is the latest
@@ -101,7 +101,7 @@ static inline double gb_taint(const double *restrict x, int count) {
     for (int b = 0; b < count; b += GB_PAD) {
         sum += *gb_block_at(x + b) - *gb_block_at(x + b);
     }
-    return gb_block_sum(sum);
+    return gb_block_sum(&sum);
 }
 
 #endif
