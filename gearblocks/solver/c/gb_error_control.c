@@ -51,21 +51,19 @@ static void measure_noise(gb_sim *sim, double h, const gb_lanes *at) {
 
 /* The largest of peak and abs(trial) in [from, to). */
 static double largest_in(const double *restrict peak, const double *restrict trial, int from, int to) {
-    double most[GB_PAD] = {0.0};
+    gb_half most = {0.0};
+    double rest = 0.0;
     int i = from;
-    for (; i + GB_PAD <= to; i += GB_PAD) {
-        for (int l = 0; l < GB_PAD; l++) {
-            const double size = fabs(trial[i + l]), larger = size > peak[i + l] ? size : peak[i + l];
-            most[l] = larger > most[l] ? larger : most[l];
-        }
+    for (; i + GB_PAD / 2 <= to; i += GB_PAD / 2) {
+        gb_half size = *gb_half_at(trial + i);
+        gb_half_abs(&size);
+        gb_half_max(&size, gb_half_at(peak + i));
+        gb_half_max(&most, &size);
     }
     for (; i < to; i++) {
-        most[0] = gb_max(most[0], gb_max(peak[i], fabs(trial[i])));
+        rest = gb_max(rest, gb_max(peak[i], fabs(trial[i])));
     }
-    for (int l = 1; l < GB_PAD; l++) {
-        most[0] = gb_max(most[0], most[l]);
-    }
-    return most[0];
+    return gb_max(rest, gb_half_largest(&most));
 }
 
 /* What the error weights of a range of states are made of. least: a part of the largest of their kind; per_time: makes
@@ -122,8 +120,10 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     sizes.trusted = HUGE_VAL;
     sizes.least = 1e-10 * largest_in(sim->control.largest, sizes.trial, 0, speeds);
     head->control.unscaled = weigh(sim, &sizes, 0, speeds);
-    const double rest = largest_in(sim->control.natural_scale, sim->zero, speeds, n);
-    sizes.least = 1e-6 * gb_max(largest_in(sim->control.largest, sizes.trial, speeds, n), rest);
+    if (head->control.natural < 0.0) {
+        head->control.natural = largest_in(sim->control.natural_scale, sim->zero, speeds, n);
+    }
+    sizes.least = 1e-6 * gb_max(largest_in(sim->control.largest, sizes.trial, speeds, n), head->control.natural);
     sizes.trusted = DBL_MIN;
     head->control.unscaled |= weigh(sim, &sizes, speeds, n);
     head->control.h_weights = h;
@@ -132,15 +132,14 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
 
 void gb_scales_grow(gb_sim *sim, const double *y) {
     const double slack = sim->method->gamma > 0.0 ? sim->head->options.rtol / 1.1 : HUGE_VAL;
-    double grown = 0.0;
-    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
-        for (int l = b; l < b + GB_PAD; l++) {
-            const double size = fabs(y[l]), peak = sim->control.largest[l];
-            grown = size > peak && !(size * slack * sim->control.error_weight[l] <= 1.0) ? 1.0 : grown;
-            sim->control.largest[l] = size > peak ? size : peak;
-        }
+    gb_bits grown = {0};
+    for (int i = 0; i < sim->model->n_padded; i += GB_PAD / 2) {
+        gb_half size = *gb_half_at(y + i), *peak = (gb_half *)(void *)(sim->control.largest + i);
+        gb_half_abs(&size);
+        grown |= (size > *peak) & ~(size * slack * *gb_half_at(sim->control.error_weight + i) <= 1.0);
+        gb_half_max(peak, &size);
     }
-    if (grown != 0.0) {
+    if ((grown[0] | grown[1] | grown[2] | grown[3]) != 0) {
         sim->head->control.h_weights = 0.0;
     }
 }
@@ -203,40 +202,33 @@ double gb_first_step(gb_sim *sim) {
     return pace > 0.0 && pace < HUGE_VAL ? gb_min(small / pace, 1e3 * h) : h;
 }
 
-static double largest_of(double *worst) {
-    for (int half = GB_PAD / 2; half > 0; half /= 2) {
-        for (int l = 0; l < half; l++) {
-            worst[l] = gb_max(worst[l], worst[l + half]);
-        }
-    }
-    return worst[0];
-}
-
 /* max |sum_j e_j k_j| weight over the states, without the factor h. */
 static double error_norm(const gb_sim *sim, const gb_weights *e) {
-    double worst[GB_PAD] = {0.0};
+    gb_half worst = {0.0};
     for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
         double error[GB_PAD];
         gb_combine(e, sim->k + b, sim->model->n_total, 0, GB_PAD, sim->zero, 1.0, error);
-        for (int l = 0; l < GB_PAD; l++) {
-            const double ratio = fabs(error[l]) * sim->control.error_weight[b + l];
-            worst[l] = ratio > worst[l] ? ratio : worst[l];
+        for (int l = 0; l < GB_PAD; l += GB_PAD / 2) {
+            gb_half size = *gb_half_at(error + l);
+            gb_half_abs(&size);
+            size *= *gb_half_at(sim->control.error_weight + b + l);
+            gb_half_max(&worst, &size);
         }
     }
-    return largest_of(worst);
+    return gb_half_largest(&worst);
 }
 
 /* The same where the estimate is the last stage. */
 static double last_norm(const gb_sim *sim) {
     const double *k = sim->k + (size_t)(sim->method->stages - 1) * (size_t)sim->model->n_total;
-    double worst[GB_PAD] = {0.0};
-    for (int b = 0; b < sim->model->n_padded; b += GB_PAD) {
-        for (int l = 0; l < GB_PAD; l++) {
-            const double ratio = fabs(k[b + l]) * sim->control.error_weight[b + l];
-            worst[l] = ratio > worst[l] ? ratio : worst[l];
-        }
+    gb_half worst = {0.0};
+    for (int i = 0; i < sim->model->n_padded; i += GB_PAD / 2) {
+        gb_half size = *gb_half_at(k + i);
+        gb_half_abs(&size);
+        size *= *gb_half_at(sim->control.error_weight + i);
+        gb_half_max(&worst, &size);
     }
-    return largest_of(worst);
+    return gb_half_largest(&worst);
 }
 
 double gb_log_error(const gb_sim *sim, double h) {

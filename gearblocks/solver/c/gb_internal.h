@@ -87,6 +87,8 @@ struct gb_pace {
     uint64_t reach_modes;               /* of the last look */
     long long noise_at, least_scale_at; /* when noise and least scales are to be renewed */
     uint64_t noise_modes;               /* the modes in which the noise was measured */
+    double natural;                     /* the largest natural scale of a speed, -1: not known */
+    int moved;                          /* see gb_rest.h */
     int unscaled;                       /* a state has no tolerance scale yet: weights follow the trial step */
 };
 

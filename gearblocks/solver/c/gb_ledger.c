@@ -12,7 +12,7 @@ static const double LEAST = 1e-12;
 static const double SHARE = 0.3;
 
 /* Part of the turnover and of what is stored that counts in every step: a jump that no switch announces costs no more.
- */
+ * Of many steps, that of the mean: all of them together count the turnover once. */
 static const double LITTLE = 1e-3;
 
 /* Kept from the tolerance at the end of a step, as log2. */
@@ -23,7 +23,7 @@ enum { BETWEEN = 64, NEAR = -1 };
 
 /* By how much an estimate may fall from one step to the next, as log2, and from where on that is looked at: far below
  * rounding decides. */
-static const double FALL = 3.0, FAR = -12.0;
+static const double FALL = 2.0, FAR = -12.0;
 
 /* Points of Gauss and Legendre in [0, 1]. */
 typedef struct gauss_point {
@@ -134,7 +134,8 @@ static void look_at_stored(gb_sim *sim) {
  * parts of what was exchanged so far. */
 static double yardstick(const gb_sim *sim, double exchanged, double h, double so_far) {
     const struct gb_ledger *ledger = &sim->head->ledger;
-    return exchanged + (SHARE * h / so_far + LITTLE) * (ledger->turnover + ledger->stored);
+    const double little = gb_min(LITTLE, 1.0 / (double)(sim->head->counts.steps + 1));
+    return exchanged + (SHARE * h / so_far + little) * (ledger->turnover + ledger->stored);
 }
 
 /* log2 of the error at the end of a step and inside it, over the yardstick. */

@@ -17,7 +17,7 @@ static double product(const gb_sim *sim, const double *a, const double *b) {
         const gb_block weight = *gb_block_at(sim->control.error_weight + i);
         sum += (weight * *gb_block_at(a + i)) * (weight * *gb_block_at(b + i));
     }
-    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+    return gb_block_sum(&sum);
 }
 
 /* out = J u: the difference of the rates at the end of the step and beside it. size: u u. */
@@ -78,9 +78,6 @@ static double fastest_rate(gb_sim *sim) {
 double gb_log_reach(gb_sim *sim, double h) {
     struct gb_pace *control = &sim->head->control;
     const double reach = sim->method->reach, before = control->reach_rate;
-    if (!(reach > 0.0) || sim->head->counts.steps < control->reach_at) {
-        return -100.0;
-    }
     const double rate = fastest_rate(sim), found = h * rate;
     const int settled = fabs(rate - before) < 0.2 * before, other = control->reach_modes != sim->head->events.mode_hash;
     control->reach_modes = sim->head->events.mode_hash;
@@ -90,11 +87,6 @@ double gb_log_reach(gb_sim *sim, double h) {
                                  : 1;
     control->reach_at = sim->head->counts.steps + control->reach_gap;
     return found > SLACK * reach ? gb_rough_log2(found / reach) * (double)sim->method->error_order : -100.0;
-}
-
-double gb_reach_step(const gb_sim *sim, double h) {
-    const double rate = sim->head->control.reach_rate;
-    return rate * h > sim->method->reach && sim->method->reach > 0.0 ? sim->method->reach / rate : h;
 }
 
 void gb_reach_changed(gb_sim *sim) {

@@ -11,12 +11,19 @@
 
 #include "gb_internal.h"
 
-/* log2 of the error that would shorten a step of size h to what the method reaches; -100 where it is short enough or
- * where it is not time to look. */
+/* It is time to look. */
+static inline int gb_reach_is_due(const gb_sim *sim) {
+    return sim->head->counts.steps >= sim->head->control.reach_at && sim->method->reach > 0.0;
+}
+
+/* log2 of the error that would shorten a step of size h to what the method reaches; -100 where it is short enough. */
 double gb_log_reach(gb_sim *sim, double h);
 
 /* h, or less where the last look says so. */
-double gb_reach_step(const gb_sim *sim, double h);
+static inline double gb_reach_step(const gb_sim *sim, double h) {
+    const double rate = sim->head->control.reach_rate, reach = sim->method->reach;
+    return rate * h > reach && reach > 0.0 ? reach / rate : h;
+}
 
 /* Modes have changed: what was found is in doubt where it was close to deciding. */
 void gb_reach_changed(gb_sim *sim);

@@ -20,14 +20,14 @@ static int first_speed(const gb_model *model) {
     return model->n_speeds > 0 ? model->n - model->n_speeds : 0;
 }
 
-int gb_is_at_rest(const gb_sim *sim) {
+int gb_has_moved(const gb_sim *sim) {
     const gb_model *model = sim->model;
     for (int i = first_speed(model); i < model->n; i++) {
         if (sim->control.largest[i] > 0.0 || sim->control.natural_scale[i] > 0.0) {
-            return 0;
+            return 1;
         }
     }
-    return model->n > 0;
+    return model->n == 0;
 }
 
 /* Every speed that moves now does so much faster at the end of the window. */
@@ -44,6 +44,7 @@ static int is_soft(const gb_sim *sim, const double *later) {
  */
 static double drive(gb_sim *sim, int from, int to, double window, const double *rate) {
     double most = 0.0;
+    sim->head->control.natural = -1.0;
     for (int i = from; i < to; i++) {
         const double change = window * rate[i];
         if (fabs(change) < HUGE_VAL && sim->control.largest[i] == 0.0) {

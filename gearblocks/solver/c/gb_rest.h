@@ -8,8 +8,16 @@
 
 #include "gb_internal.h"
 
-/* No speed has been other than 0 so far, and none has a natural scale. */
-int gb_is_at_rest(const gb_sim *sim);
+/* A speed has been other than 0, or has a natural scale. */
+int gb_has_moved(const gb_sim *sim);
+
+/* None has so far. */
+static inline int gb_is_at_rest(gb_sim *sim) {
+    if (!sim->head->control.moved) {
+        sim->head->control.moved = gb_has_moved(sim);
+    }
+    return !sim->head->control.moved;
+}
 
 /* Gives states that rest a natural scale, where time alone drives them and their rates are 0 now. 1 where it did. */
 int gb_scales_from_rest(gb_sim *sim);

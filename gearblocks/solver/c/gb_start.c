@@ -27,6 +27,7 @@ static int take_values(gb_sim *sim, double t) {
     if (code == GB_DONE) {
         model->prepare(sim->par);
         model->scales(sim->par, sim->control.natural_scale);
+        sim->head->control.natural = -1.0;
         gb_size_rows(sim);
         gb_kinematic_links(sim);
         gb_input_broadcast(sim);

@@ -137,6 +137,24 @@ static int jump(gb_sim *sim, double limit) {
     return GB_DONE;
 }
 
+/* What the estimates of the states, of which `error` is the largest, do not see: the largest of all, likewise. */
+static double other_errors(gb_sim *sim, double h, double error) {
+    const gb_model *model = sim->model;
+    if (model->n_quadratures > model->n_angles) {
+        error = gb_max(error, gb_ledger_log_error(sim, h, error));
+    }
+    if (error <= 0.0 && model->n_massless > 0 && sim->method->gamma == 0.0) {
+        error = gb_max(error, gb_log_massless_error(sim, h, error));
+    }
+    if (error <= 0.0 && gb_reach_is_due(sim)) {
+        error = gb_max(error, gb_log_reach(sim, h));
+    }
+    if (error <= 0.0 && gb_defect_is_due(sim, h)) {
+        error = gb_max(error, gb_log_defect(sim, h));
+    }
+    return error;
+}
+
 /* The error of the step just computed, as log2 in units of the tolerance; NaN when a rate or the new state is not
  * finite. */
 static double judge(gb_sim *sim, double h) {
@@ -146,12 +164,12 @@ static double judge(gb_sim *sim, double h) {
     const gb_weights *e = &method->e[0];
     const int early = e->index[e->count - 1] == method->stages;
     const double *k_new = sim->k + (size_t)method->stages * (size_t)model->n_total;
-    const int implicit = method->gamma > 0.0;
+    const int implicit = method->gamma > 0.0, adaptive = !(head->options.step > 0.0);
     double error = -100.0;
     if (early) {
         last_derivative(sim);
     }
-    if (!(head->options.step > 0.0)) {
+    if (adaptive) {
         const int old = implicit && head->front.t1 - head->front.t_start >
                                         2.0 * (head->control.t_weights - head->front.t_start) + h;
         if (head->control.h_weights == 0.0 || h > 2.0 * head->control.h_weights || head->control.unscaled || old) {
@@ -169,20 +187,8 @@ static double judge(gb_sim *sim, double h) {
             gb_rosenbrock_quadratures(sim, h);
             error += gb_taint(sim->z + model->n_padded, model->n_total - model->n_padded);
         }
-        if (error <= 0.0 && !(head->options.step > 0.0) && model->n_quadratures > model->n_angles) {
-            error = gb_max(error, gb_ledger_log_error(sim, h, error));
-        }
-        if (error <= 0.0 && model->n_massless > 0 && !implicit && !(head->options.step > 0.0)) {
-            error = gb_max(error, gb_log_massless_error(sim, h, error));
-        }
-        if (error <= 0.0 && !(head->options.step > 0.0)) {
-            error = gb_max(error, gb_log_reach(sim, h));
-        }
-        if (error <= 0.0 && !(head->options.step > 0.0) && gb_defect_is_due(sim, h)) {
-            error = gb_max(error, gb_log_defect(sim, h));
-        }
     }
-    return error;
+    return error <= 0.0 && adaptive ? other_errors(sim, h, error) : error;
 }
 
 /* The index of what is not finite in the step just tried. */

@@ -20,6 +20,33 @@ static inline const gb_block *gb_block_at(const double *x) {
 
 #define GB_INLINE static inline __attribute__((always_inline))
 
+/* Half a block: what compilers compare and mask as one on most machines. The operations are exact, so that halves of
+ * any width give the same bits. */
+typedef double gb_half __attribute__((vector_size(GB_PAD / 2 * sizeof(double)), aligned(sizeof(double)), may_alias));
+typedef long long gb_bits __attribute__((vector_size(GB_PAD / 2 * sizeof(double)), aligned(sizeof(double)), may_alias));
+
+static inline const gb_half *gb_half_at(const double *x) {
+    return (const gb_half *)(const void *)x;
+}
+
+GB_INLINE void gb_half_abs(gb_half *x) {
+    *x = (gb_half)((gb_bits)*x & 0x7fffffffffffffffLL);
+}
+
+/* most = x > most ? x : most in each entry. */
+GB_INLINE void gb_half_max(gb_half *most, const gb_half *x) {
+    const gb_bits above = *x > *most;
+    *most = (gb_half)(((gb_bits)*x & above) | ((gb_bits)*most & ~above));
+}
+
+GB_INLINE double gb_half_largest(const gb_half *x) {
+    return gb_max(gb_max((*x)[0], (*x)[1]), gb_max((*x)[2], (*x)[3]));
+}
+
+GB_INLINE double gb_block_sum(const gb_block *x) {
+    return (((*x)[0] + (*x)[1]) + ((*x)[2] + (*x)[3])) + (((*x)[4] + (*x)[5]) + ((*x)[6] + (*x)[7]));
+}
+
 /* out = y + h sum_j w_j k_j in the entries [from, to), both multiples of GB_PAD. The last entry of w is the latest
  * stage, which everything waits for: it enters last and through one product. */
 GB_INLINE void gb_combine(const gb_weights *w, const double *k, int stride, int from, int to, const double *y, double h,
@@ -74,7 +101,7 @@ static inline double gb_taint(const double *restrict x, int count) {
     for (int b = 0; b < count; b += GB_PAD) {
         sum += *gb_block_at(x + b) - *gb_block_at(x + b);
     }
-    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+    return gb_block_sum(&sum);
 }
 
 #endif

@@ -231,3 +231,29 @@ def test_work_and_losses_where_slip_reverses_inside_a_long_step(name, source):
             run = gb.simulate(model, t_end=2.0, method=method, rtol=rtol)
             assert [e.component for e in run.events].count("coupling") >= 1
             _close(run, wanted, rtol)
+
+
+def _driven(tau, *load, **start):
+    rig = gb.Drivetrain("a long run")
+    parts = [rig.add(f"part{i}", part) for i, part in enumerate((gb.Inertia(J=1.0, **start), *load))]
+    rig.chain(rig.add("drive", gb.Torque(tau=tau)), *parts)
+    return rig
+
+
+@pytest.mark.filterwarnings("ignore:run of 'a long run'. its energy is balanced")  # above 1e-2, whatever rtol is
+@pytest.mark.parametrize(
+    ("rig", "rtol"),
+    [
+        (_driven(3 * gb.sin(0.7 * gb.time), w0=2.0), 1e-3),
+        (_driven(3 * gb.cos(0.7 * gb.time), w0=2.0), 1e-2),
+        (_driven(3 * gb.sin(0.7 * gb.time), gb.Shaft(k=0.02, c=0.01), gb.Fixed()), 1e-2),
+        (_driven(2 * gb.sin(0.5 * gb.time) + gb.sin(0.8 * gb.time), gb.Damper(c=0.1), gb.Fixed()), 1e-2),
+        (_driven(2 * gb.sin(0.5 * gb.time) + gb.sin(0.8 * gb.time), gb.IdealGear(ratio=2.0), gb.Inertia(J=0.5), w0=3.0), 1e-2),
+    ],
+    ids=["free", "free from the top", "on a soft shaft", "damped", "through a gear"],
+)  # fmt: skip
+def test_the_ledger_of_twenty_thousand_steps_closes_as_that_of_a_hundred(rig, rtol):
+    # a thousandth of what was exchanged so far is twenty times what one of so many steps exchanges
+    run = gb.simulate(rig, t=np.linspace(0.0, 1e5, 50), rtol=rtol, method="dp5")
+    assert run.stats.steps > 10_000
+    assert run.energy.residual < 10 * rtol
