@@ -2,8 +2,8 @@
  *     64 eps sum_j |ds/dy_j| |y_j|,   by differences.
  * A speed that an active constraint holds at the limit of a switch (that of a planetary's braked sun, say) differs from
  * the limit by this alone, and its sign tells nothing. Where the speed is a state itself, the noise is that of the
- * forces and has no such bound: what reads held slips alone cannot leave a limit that lies so close at all. Knows
- * nothing of modes. */
+ * forces and has no such bound: what reads held slips alone cannot leave a limit that lies so close at all.
+ * Knows nothing of modes. */
 #ifndef GB_LIMIT_NOISE_H
 #define GB_LIMIT_NOISE_H
 
