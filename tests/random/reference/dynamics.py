@@ -187,7 +187,7 @@ class Dynamics:
         W = W / np.outer(scale, scale)
         _, sizes, V = np.linalg.svd(W)
         free = sizes < 1e-10 * sizes.max()
-        if self.s.nonlinear or free.sum() > 4:
+        if free.sum() > 4:
             raise NoEvidenceError("locks that share a load")
         return G, MB, np.linalg.pinv(W, rcond=1e-10) / np.outer(scale, scale), (V[free] / scale).T
 

@@ -67,6 +67,7 @@ class Integration:
             events += 1
             if events > MOST_EVENTS or still > 30:
                 raise NoEvidenceError("events without end")
+            self.modes.still = still
             now, y = end, self._event(end, state, which)
         return angles, speeds
 
@@ -195,10 +196,23 @@ class Integration:
                     a += reach
                     break
             else:
-                return a
+                return self._leaves(a, b, f, i)
         if self._one(b, f, i) >= 0:
             return b
         return float(brentq(lambda x: self._one(float(x), f, i), a, b, xtol=1e-15 * self.span, rtol=8.9e-16))
+
+    def _leaves(self, a: float, b: float, f: Any, i: int) -> float:
+        """Where a margin that stays at 0 for a while (no load, nothing to hold) falls below; a where it does so at once."""
+        low, high = a, b
+        while high - low > 1e-14 * self.span:
+            middle = 0.5 * (low + high)
+            if not low < middle < high:
+                break
+            if i in self._negative(self._margins(middle, f(middle))):
+                high = middle
+            else:
+                low = middle
+        return low if low - a > 1e-9 * self.span else a
 
     def _one(self, t: float, f: Any, i: int) -> float:
         value = self._margins(t, f(t))[i]

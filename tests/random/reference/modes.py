@@ -27,6 +27,7 @@ class Modes:
         self.speed = 0.0  # largest speed so far
         self.free = 0.0  # speed that the largest forces would give to what is free, within the run
         self.most = 0.0  # largest force so far
+        self.still = 0  # events in a row at one instant
         self.jumps: list[float] = []
         self.rebound: dict[int, float] = {}
 
@@ -95,7 +96,8 @@ class Modes:
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
         alone = self.unique()
-        for reach in (1e-6 * span, 1e-8 * span, 1e-4 * span):
+        # what comes back at once is decided by forces that a short look cannot tell from rounding
+        for reach in np.array((1e-6, 1e-8, 1e-4) if self.still < 3 else (1e-4, 1e-3, 1e-5)) * span:
             total = math.prod(len(c) for c in choices)
             if total > MOST:
                 raise NoEvidenceError(f"{total} sets of modes")
