@@ -4,6 +4,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from tests.random.reduce import from_plain, shrunk, to_plain  # noqa: E402
 from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
 from tests.random.reference.dynamics import Dynamics  # noqa: E402
 from tests.random.reference.elements import system_of  # noqa: E402
+from tests.random.without import tied_pair  # noqa: E402
 
 
 @pytest.mark.long  # .ci/run has it as a step of its own
@@ -44,6 +46,15 @@ def test_a_description_survives_the_way_to_a_worker():
             train = draw(family, seed)
             assert from_plain(to_plain(train)) == train
             compile(script(train), "script", "exec")
+
+
+@pytest.mark.parametrize("family", ["contact", "mixed", "smooth"])
+def test_without_is_held_against_a_rigid_part_only_where_no_play_stays(family):
+    pairs = [(draw(family, seed), tied_pair(draw(family, seed), Random(seed))) for seed in range(60)]
+    parts = [(train, next(p for p in train.parts if p.name == pair[0])) for train, pair in pairs if pair is not None]
+    damping = {str(part.field("contact_damping")) for _, part in parts}
+    assert parts and not any("HuntCrossley" in text for text in damping)
+    assert family != "contact" or any(part.block in ("GearMesh", "Lash") for _, part in parts)
 
 
 T = np.linspace(0.0, 1.0, 11)

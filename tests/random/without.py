@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from random import Random
 
-from tests.random.description import FIXED, Part, Train
+from tests.random.description import FIXED, HITS, Part, Train
 
 
 def tied_pair(train: Train, random: Random) -> tuple[str, Train, Train] | None:
     """A compliant part's name, the train at rest, and the same with a rigid part in its place; None where there is none.
 
-    Only a part whose two ends nothing else ties: a loop of rigid parts could not move.
+    Only a part whose two ends nothing else ties: a loop of rigid parts could not move. Nor one with HuntCrossley: its rigid
+    sides keep their play and hit each other.
     """
     parts = {p.name: p for p in train.parts}
-    free = [n for n in train.drops if n in parts and not parts[n].field("hits") and _opens(train, parts[n])]
+    free = [n for n in train.drops if n in parts and not _keeps_play(parts[n]) and _opens(train, parts[n])]
     if not free or train.initial is not None:
         return None
     name = random.choice(free)
@@ -22,6 +23,10 @@ def tied_pair(train: Train, random: Random) -> tuple[str, Train, Train] | None:
     parts = {p.name: p for p in rested.parts}
     rigid = [_rigid(p) if p.name == name else p for p in rested.parts]
     return name, rested, rested.with_parts(rigid)
+
+
+def _keeps_play(part: Part) -> bool:
+    return bool(part.field(HITS)) or "HuntCrossley" in str(part.field("contact_damping"))
 
 
 def _opens(train: Train, part: Part) -> bool:
