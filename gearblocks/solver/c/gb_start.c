@@ -23,6 +23,7 @@ static int take_values(gb_sim *sim, double t) {
     }
     if (code == GB_DONE) {
         model->prepare(sim->par);
+        sim->panel.known = 0;
         model->scales(sim->par, sim->control.natural_scale);
         gb_size_rows(sim);
         gb_kinematic_links(sim);
