@@ -41,7 +41,8 @@ class SwitchedConstraint:
 @dataclass(slots=True)
 class SwitchedConstraints:
     """All switched constraints of a train. rows: G over the speeds that they reach (values count where gains do not change
-    with the position); speeds: by column. matrix0: offset of the Delassus matrix in par[], where it is constant."""
+    with the position); speeds: by column. matrix0: offset of the Delassus matrix in par[], where it is constant; pattern: of
+    its factors, where it is sparse and symmetric."""
 
     members: list[SwitchedConstraint] = field(default_factory=list)
     first: dict[tuple[int, str], int] = field(default_factory=dict)
@@ -51,13 +52,30 @@ class SwitchedConstraints:
     prescribed: bool = False
     lossy: bool = False
     matrix0: int = 0
+    pattern: Pattern | None = None
 
     @property
     def size(self) -> int:
-        """Doubles of the active set and its factors behind the modes: up to the end of the reduced rows, n of length m
-        (gb_active_reduced in gb_constraint_rows.h)."""
-        n, m = len(self.members), len(self.speeds)
-        return 1 + 3 * n + 2 * n * n + n * m if n else 0
+        """Doubles of the active set behind the modes (gb_active_saved in gb_constraint_rows.h)."""
+        return 1 + 2 * len(self.members) if self.members else 0
+
+    @property
+    def matrix_size(self) -> int:
+        """Doubles of the Delassus matrix (gb_delassus_size in gb_delassus.h)."""
+        n = len(self.members)
+        return n * n if self.pattern is None else n + len(self.pattern.row)
+
+    @property
+    def n_reduced(self) -> int:
+        """Most entries of the reduced rows besides their pivots: a row of two speeds stays one, whatever is taken off it."""
+        pairs = all(len(row) <= 2 for row in self.rows) and not self.dynamic
+        return len(self.rows) * (1 if pairs else max(len(self.speeds) - 1, 1))
+
+    @property
+    def n_factors(self) -> int:
+        """Most factors of the reduction, which slips with a bias need."""
+        n = len(self.members)
+        return n * (n - 1) // 2 if self.prescribed else 0
 
 
 MasslessRows = dict[int, dict[int, Exact]]

@@ -6,20 +6,25 @@ slip = G v; a constraint force lambda acts on the speeds as G' lambda. Knows not
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import accumulate, combinations
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.codegen.function import Column
+from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
 from gearblocks.codegen.operands import Assignment, Operand, Role, Statement
 from gearblocks.codegen.parts import VALUES, SwitchedConstraint, SwitchedConstraints
 from gearblocks.errors import ModelError
 from gearblocks.laws.rational import exact_value
+from gearblocks.train.disjoint_sets import DisjointSets
 
 if TYPE_CHECKING:
     from gearblocks.codegen.batch import BatchCode
     from gearblocks.codegen.function import Function
     from gearblocks.codegen.generator import Generator
     from gearblocks.laws.switched_constraints import ConstraintLaw
+
+_MOST_COUPLED = 64  # constraints that one acts on, on average, up to which the Delassus matrix is worth being sparse
 
 
 def lay_out_switched_constraints(g: Generator, at: int) -> int:
@@ -46,7 +51,28 @@ def lay_out_switched_constraints(g: Generator, at: int) -> int:
         constraints.rows = [dict.fromkeys(constraints.speeds, 0.0) for _ in constraints.rows]
         return at
     constraints.matrix0 = at
-    return at + len(constraints.members) ** 2
+    constraints.pattern = None if constraints.lossy else _sparse_pattern(g, constraints)
+    return at + constraints.matrix_size
+
+
+def _sparse_pattern(g: Generator, constraints: SwitchedConstraints) -> Pattern | None:
+    """The pattern of the factors of W = G M^-1 G': constraints are coupled that reach a speed, or a block of M, in common.
+    None where most are coupled with each other."""
+    blocks: DisjointSets[int] = DisjointSets()
+    if g.dependent is not None and not g.assembly.plain:
+        mass = g.dependent.pattern
+        for k, speed in enumerate(mass.order):
+            for place in range(mass.start[k], mass.start[k + 1]):
+                blocks.join(speed, mass.order[mass.row[place]])
+    reaching: dict[int, set[int]] = {}
+    for i, row in enumerate(constraints.rows):
+        for column in row:
+            reaching.setdefault(blocks.root(constraints.speeds[column]), set()).add(i)
+    n = len(constraints.members)
+    if sum(len(x) ** 2 for x in reaching.values()) > _MOST_COUPLED * n:
+        return None
+    pattern = eliminate(n, (pair for x in reaching.values() for pair in combinations(sorted(x), 2)))
+    return pattern if len(pattern.row) <= _MOST_COUPLED * n else None
 
 
 def _rows_of(g: Generator, number: int, constraint: ConstraintLaw) -> list[tuple[str, dict[int, float]]]:
@@ -162,3 +188,24 @@ def constraint_columns(constraints: SwitchedConstraints) -> dict[str, Column]:
         "value": Column("constraint_value", tuple(v for row in constraints.rows for v in row.values())),
         "speed": Column("constraint_speed", tuple(constraints.speeds)),
     }
+
+
+def delassus_columns(constraints: SwitchedConstraints) -> list[Column]:
+    """Tables of the pattern of the factors of the Delassus matrix, by columns and by rows (gb_symmetric_pattern)."""
+    pattern = constraints.pattern
+    if pattern is None:
+        return []
+    rows: list[list[tuple[int, int]]] = [[] for _ in pattern.order]
+    for k in range(len(pattern.order)):
+        for place in range(pattern.start[k], pattern.start[k + 1]):
+            rows[pattern.row[place]].append((k, place))
+    row_start = tuple(accumulate((len(row) for row in rows), initial=0))
+    return [
+        Column("delassus_order", pattern.order),
+        Column("delassus_step", pattern.steps),
+        Column("delassus_start", pattern.start),
+        Column("delassus_row", pattern.row),
+        Column("delassus_row_start", row_start),
+        Column("delassus_row_column", tuple(k for row in rows for k, _ in row)),
+        Column("delassus_row_place", tuple(place for row in rows for _, place in row)),
+    ]

@@ -15,7 +15,7 @@ from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.operands import Role
 from gearblocks.codegen.parts import GroupRows
 from gearblocks.codegen.reactions import reaction_tables
-from gearblocks.codegen.switched_constraints import constraint_columns
+from gearblocks.codegen.switched_constraints import constraint_columns, delassus_columns
 from gearblocks.laws.rational import Exact, over
 
 _FEW = 16  # loops that are written out
@@ -135,6 +135,7 @@ def _constraints(g: Generator) -> dict[str, Any]:
         "constraints": constraints.members,
         "constraint_tables": constraints,
         "constraint_columns": list(constraint_columns(constraints).values()),
+        "delassus_columns": delassus_columns(constraints),
         "constraint_groups": sparse("constraint_group", [member.row for member in constraints.members]),
     }
 

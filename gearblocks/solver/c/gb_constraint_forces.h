@@ -16,9 +16,7 @@ double gb_acceleration_rounding(const gb_sim *sim, int i, double size);
  * stay. */
 int gb_choose_active_set(gb_sim *sim);
 
-/* After gb_choose_active_set: the force of constraint i, and its slip acceleration with all of them; size: sum of its
- * terms. */
-double gb_constraint_force(const gb_sim *sim, int i);
+/* After gb_choose_active_set: the slip acceleration of constraint i with all forces; size: sum of its terms. */
 double gb_slip_acceleration(const gb_sim *sim, int i, double *size);
 
 #endif

@@ -1,42 +1,92 @@
-/* Switched velocity constraints:  G v + g(t) = 0  for the rows of the active set.
- *     slip acceleration = free acceleration + W lambda,   W = G M^-1 G' (Delassus matrix; lambda: constraint forces).
- * Active rows are reduced to echelon form, each solved for one speed (the largest coefficient that is left); a row
- * that follows from those before is redundant. lambda = -W_aa^-1 (free slip accelerations) for the independent ones;
- * redundant ones by the minimum-norm split within their bounds. The speeds solved for follow from the others exactly,
- * not by integration.
- * Assumed: the factors of lossy gears (columns of W less `skew` times that of the partner) leave W_aa regular.
- * Sources: echelon form by Gauss-Jordan elimination; forces as Pfeiffer and Glocker 1996.
- * Knows nothing of friction laws or of time.
+/* Rows G of switched velocity constraints  G v + g(t) = 0  and the reduction of those of the active set: one after the
+ * other by those before, each solved for one speed, its pivot (the largest coefficient that is left); a row that
+ * follows from those before is redundant. From the last row to the first the pivots follow from the other speeds.
+ * Source: Gaussian elimination row by row, without the way back: rows stay as short as they can.
+ * Knows nothing of forces.
  *
- * The active set lies behind the modes, as doubles: count, indices, redundancy, pivots, W_aa^-1, the steps of the
- * reduction, the reduced rows. */
+ * The active set lies behind the modes, as doubles: count, indices, redundancy. Behind it lies what follows from it,
+ * which is not saved with a state: reduced rows, factors of W (gb_delassus.h), room. */
 #ifndef GB_CONSTRAINT_ROWS_H
 #define GB_CONSTRAINT_ROWS_H
 
-#include "gb_loss.h"
+#include "gb_lcp.h"
 
-/* Rows: entries [start[i], start[i + 1]) lie in the columns column[]; column c is speed[c]. */
+/* Rows: entries [start[i], start[i + 1]) lie in the columns column[]; column c is speed[c]. Reduced rows have up to
+ * n_reduced entries besides their pivots; n_factors of the reduction are kept (0: no slip has a bias). */
 typedef struct gb_constraint_rows {
-    int n, n_columns;
+    int n, n_columns, n_speeds, n_reduced, n_factors;
     const int *start, *column, *speed;
+    const gb_symmetric_pattern *pattern;
 } gb_constraint_rows;
 
-/* Offsets in an active set of n constraints over m columns. */
+/* Offsets in the active set of n constraints, and its length. */
 enum { GB_ACTIVE_COUNT = 0, GB_ACTIVE_INDEX = 1 };
 static inline int gb_active_redundant(int n) {
     return 1 + n;
 }
-static inline int gb_active_pivot(int n) {
+static inline int gb_active_saved(int n) {
     return 1 + 2 * n;
 }
-static inline int gb_active_inverse(int n) {
-    return 1 + 3 * n;
+
+/* An active set in memory. Of n_rows reduced rows row r is that of constraint of[r], with the entries start[r] ..
+ * start[r
+ * + 1]; the factors of the rows before that were taken off it are factor_start[r] .. factor_start[r + 1], then it was
+ * multiplied with scale[r]. As ties (n_roots >= 0): root[q] and what follows it, speed tied[e] with tie_gain[e] from
+ * tie_start[q] to tie_start[q + 1], then n_held that are at rest; inverse inertias by speed. */
+typedef struct gb_active_set {
+    double *count, *index, *redundant;
+    double *value, *factor, *scale, *tie_gain, *inverse_mass, *inverse, *room, *matrix;
+    int *n_rows, *n_roots, *n_held, *of, *pivot, *start, *column, *factor_start, *factor_row, *root, *tie_start, *tied;
+} gb_active_set;
+
+static inline double *gb_active_take(double **at, long count) {
+    double *here = *at;
+    *at += count;
+    return here;
 }
-static inline int gb_active_steps(int n) {
-    return 1 + 3 * n + n * n;
+
+/* The active set that begins at `base`; returns its length with all that is behind it. `carried`: up to where a copy
+ * needs it. */
+static inline __attribute__((always_inline)) long gb_active_lay(const gb_constraint_rows *rows, double *base,
+                                                                gb_active_set *active, long *carried) {
+    const long n = rows->n, m = rows->n_speeds;
+    const long integers = (4 * n + 3 * m + 6 + rows->n_reduced + rows->n_factors + 1) / 2;
+    const long size = gb_delassus_size(rows->n, rows->pattern);
+    double *at = base;
+    active->count = gb_active_take(&at, 1);
+    active->index = gb_active_take(&at, n);
+    active->redundant = gb_active_take(&at, n);
+    active->n_rows = (int *)gb_active_take(&at, integers);
+    active->n_roots = active->n_rows + 1;
+    active->n_held = active->n_roots + 1;
+    active->root = active->n_held + 1;
+    active->tied = active->root + m;
+    active->tie_start = active->tied + m;
+    active->of = active->tie_start + m + 1;
+    active->pivot = active->of + n;
+    active->start = active->pivot + n;
+    active->factor_start = active->start + n + 1;
+    active->column = active->factor_start + n + 1;
+    active->factor_row = active->column + rows->n_reduced;
+    active->value = gb_active_take(&at, rows->n_reduced);
+    active->factor = gb_active_take(&at, rows->n_factors);
+    active->scale = gb_active_take(&at, n);
+    active->tie_gain = gb_active_take(&at, rows->n_speeds);
+    active->inverse_mass = gb_active_take(&at, rows->n_speeds);
+    active->inverse = gb_active_take(&at, size);
+    *carried = (rows->pattern ? at : active->inverse) - base;
+    active->room = gb_active_take(&at, size);
+    active->matrix = gb_active_take(&at, rows->pattern ? 0 : size);
+    return at - base;
 }
-static inline int gb_active_reduced(int n) {
-    return 1 + 3 * n + 2 * n * n;
+
+/* What lies behind the saved part may be written to, so `base` is not const behind the scenes. */
+static inline __attribute__((always_inline)) gb_active_set gb_active_at(const gb_constraint_rows *rows,
+                                                                        const double *base) {
+    gb_active_set active;
+    long carried;
+    gb_active_lay(rows, (double *)base, &active, &carried);
+    return active;
 }
 
 static inline double gb_row_dot(const gb_constraint_rows *rows, const double *value, int i, const double *x) {
@@ -53,270 +103,101 @@ static inline void gb_row_add(const gb_constraint_rows *rows, const double *valu
     }
 }
 
-/* Row r of the active set takes row i of the constraints and is reduced by the rows before; 0: it is redundant. */
-static inline int gb_active_take(const gb_constraint_rows *rows, const double *value, int i, int r, double *active) {
-    const int n = rows->n, m = rows->n_columns;
-    double *steps = active + gb_active_steps(n), *reduced = active + gb_active_reduced(n), size = 0.0, left = 0.0;
-    double *own = reduced + r * m, *own_steps = steps + r * n;
-    memset(own, 0, sizeof(double) * (size_t)m);
-    memset(own_steps, 0, sizeof(double) * (size_t)n);
+/* A row being reduced: coefficients by column, the columns that it has come to, which row has a column as its pivot. */
+typedef struct gb_reduction {
+    double *own;
+    int *touched, *is_touched, *row_of, n_touched;
+} gb_reduction;
+
+static inline void gb_reduction_add(gb_reduction *work, int column, double part) {
+    if (!work->is_touched[column]) {
+        work->is_touched[column] = 1;
+        work->touched[work->n_touched++] = column;
+        work->own[column] = 0.0;
+    }
+    work->own[column] += part;
+}
+
+/* The first of the rows before whose pivot the row has; -1: none. */
+static inline int gb_reduction_next(const gb_reduction *work) {
+    int next = -1;
+    for (int k = 0; k < work->n_touched; k++) {
+        const int c = work->touched[k], q = work->row_of[c];
+        next = q >= 0 && work->own[c] != 0.0 && (next < 0 || q < next) ? q : next;
+    }
+    return next;
+}
+
+/* The pivot of the row and its coefficient there: the largest, of equal ones that of the first column. */
+static inline double gb_reduction_pivot(const gb_reduction *work, int *pivot) {
+    double left = 0.0;
+    for (int k = 0; k < work->n_touched; k++) {
+        const int c = work->touched[k];
+        if (fabs(work->own[c]) > left || (fabs(work->own[c]) == left && left > 0.0 && c < *pivot)) {
+            left = fabs(work->own[c]);
+            *pivot = c;
+        }
+    }
+    return left;
+}
+
+/* The next row of the active set takes row i of the constraints and is reduced by the rows before, if more is left of
+ * it than `least` of its largest coefficient: else it is redundant. */
+static inline void gb_active_reduce(const gb_constraint_rows *rows, const double *value, int i, double least,
+                                    gb_reduction *work, gb_active_set *a) {
+    double size = 0.0;
+    int pivot = 0, r = *a->n_rows, at = a->start[r], factors = a->factor_start[r];
+    work->n_touched = 0;
     for (int j = rows->start[i]; j < rows->start[i + 1]; j++) {
-        own[rows->column[j]] += value[j];
+        gb_reduction_add(work, rows->column[j], value[j]);
         size = fmax(size, fabs(value[j]));
     }
-    own_steps[r] = 1.0;
-    for (int q = 0; q < r; q++) {
-        const double factor = own[(int)active[gb_active_pivot(n) + q]];
-        for (int c = 0; c < m && factor != 0.0; c++) {
-            own[c] -= factor * reduced[q * m + c];
+    for (int q = gb_reduction_next(work); q >= 0; q = gb_reduction_next(work)) {
+        const double factor = work->own[a->pivot[q]];
+        work->own[a->pivot[q]] = 0.0;
+        for (int e = a->start[q]; e < a->start[q + 1]; e++) {
+            gb_reduction_add(work, a->column[e], -factor * a->value[e]);
         }
-        for (int c = 0; c <= r && factor != 0.0; c++) {
-            own_steps[c] -= factor * steps[q * n + c];
+        if (rows->n_factors > 0) {
+            a->factor_row[factors] = q;
+            a->factor[factors++] = factor;
         }
     }
-    int pivot = 0;
+    const int independent = gb_reduction_pivot(work, &pivot) > least * size;
+    const double scale = independent ? 1.0 / work->own[pivot] : 0.0;
+    for (int k = 0; k < work->n_touched; k++) {
+        const int c = work->touched[k];
+        work->is_touched[c] = 0;
+        if (independent && c != pivot && work->own[c] != 0.0) {
+            a->column[at] = c;
+            a->value[at++] = work->own[c] * scale;
+        }
+    }
+    if (independent) {
+        work->row_of[pivot] = r;
+        a->of[r] = i;
+        a->pivot[r] = pivot;
+        a->scale[r] = scale;
+        a->start[r + 1] = at;
+        a->factor_start[r + 1] = factors;
+        *a->n_rows = r + 1;
+    }
+}
+
+/* Reduces the rows in `from` (of which there are `count`) in that order and keeps those that are independent. */
+static inline void gb_active_rows(const gb_constraint_rows *rows, const double *value, int count, const int *from,
+                                  double least, gb_active_set *a) {
+    const int m = rows->n_columns;
+    double own[m + 1];
+    int touched[m + 1], is_touched[m + 1], row_of[m + 1];
+    gb_reduction work = {own, touched, is_touched, row_of, 0};
     for (int c = 0; c < m; c++) {
-        if (fabs(own[c]) > left) {
-            left = fabs(own[c]);
-            pivot = c;
-        }
+        is_touched[c] = 0;
+        row_of[c] = -1;
     }
-    if (!(left > 1e-9 * size)) {
-        return 0;
-    }
-    const double scale = 1.0 / own[pivot];
-    for (int c = 0; c < m; c++) {
-        own[c] = c == pivot ? 1.0 : own[c] * scale;
-    }
-    for (int c = 0; c <= r; c++) {
-        own_steps[c] *= scale;
-    }
-    active[gb_active_pivot(n) + r] = pivot;
-    for (int q = 0; q < r; q++) {
-        const double factor = reduced[q * m + pivot];
-        for (int c = 0; c < m && factor != 0.0; c++) {
-            reduced[q * m + c] = c == pivot ? 0.0 : reduced[q * m + c] - factor * own[c];
-        }
-        for (int c = 0; c <= r && factor != 0.0; c++) {
-            steps[q * n + c] -= factor * own_steps[c];
-        }
-    }
-    return 1;
-}
-
-/* The Delassus matrix of the independent active rows, inverted. */
-static inline void gb_active_invert(int n, const double *matrix, double *active) {
-    const int k = (int)active[GB_ACTIVE_COUNT];
-    const double *index = active + GB_ACTIVE_INDEX;
-    double *inverse = active + gb_active_inverse(n), A[k * k + 1];
-    for (int i = 0; i < k; i++) {
-        for (int j = 0; j < k; j++) {
-            A[i * k + j] = matrix[(int)index[i] * n + (int)index[j]];
-            inverse[i * k + j] = i == j ? 1.0 : 0.0;
-        }
-    }
-    gb_gauss_jordan(k, k, A, k, inverse);
-}
-
-/* The active set: which of the constraints with is_active[i] are independent, in reduced form; `redundant` marks those
- * whose force the motion does not tell. */
-static inline void gb_active_choose(const gb_constraint_rows *rows, const double *value, const int *is_active,
-                                    const double *matrix, double *active) {
-    const int n = rows->n;
-    double *redundant = active + gb_active_redundant(n);
-    int k = 0;
-    for (int i = 0; i < n; i++) {
-        redundant[i] = 0.0;
-        if (is_active[i] && gb_active_take(rows, value, i, k, active)) {
-            active[GB_ACTIVE_INDEX + k++] = i;
-        }
-    }
-    active[GB_ACTIVE_COUNT] = k;
-    gb_active_invert(n, matrix, active);
-    for (int d = 0; d < n; d++) {
-        int independent = 0;
-        for (int j = 0; j < k; j++) {
-            independent = independent || (int)active[GB_ACTIVE_INDEX + j] == d;
-        }
-        if (!is_active[d] || independent) {
-            continue;
-        }
-        redundant[d] = 1.0;
-        for (int i = 0; i < k; i++) {
-            double share = 0.0, size = 0.0;
-            for (int j = 0; j < k; j++) {
-                const double part =
-                    active[gb_active_inverse(n) + i * k + j] * matrix[(int)active[GB_ACTIVE_INDEX + j] * n + d];
-                share += part;
-                size += fabs(part);
-            }
-            redundant[(int)active[GB_ACTIVE_INDEX + i]] =
-                fabs(share) > 1e-9 * size ? 1.0 : redundant[(int)active[GB_ACTIVE_INDEX + i]];
-        }
-    }
-}
-
-/* The same rows at another position, where their values change with it. */
-static inline void gb_active_renew(const gb_constraint_rows *rows, const double *value, const double *matrix,
-                                   double *active) {
-    const int k = (int)active[GB_ACTIVE_COUNT];
-    for (int r = 0; r < k; r++) {
-        gb_active_take(rows, value, (int)active[GB_ACTIVE_INDEX + r], r, active);
-    }
-    gb_active_invert(rows->n, matrix, active);
-}
-
-/* Constraint forces of the independent active rows, from the free slip accelerations; 0 for all others. */
-static inline void gb_active_forces(int n, const double *active, const double *bare, double *force) {
-    const int k = (int)active[GB_ACTIVE_COUNT];
-    for (int i = 0; i < n; i++) {
-        force[i] = 0.0;
-    }
-    for (int i = 0; i < k; i++) {
-        double sum = 0.0;
-        for (int j = 0; j < k; j++) {
-            sum -= active[gb_active_inverse(n) + i * k + j] * bare[(int)active[GB_ACTIVE_INDEX + j]];
-        }
-        force[(int)active[GB_ACTIVE_INDEX + i]] = sum;
-    }
-}
-
-/* Velocity projection (of accelerations too): the pivots follow from the other speeds, so that the slips of x vanish
- * exactly. bias: slips besides (NULL: none). */
-static inline void gb_active_project(const gb_constraint_rows *rows, const double *active, const double *bias,
-                                     double *x) {
-    const int n = rows->n, m = rows->n_columns, k = (int)active[GB_ACTIVE_COUNT];
-    for (int r = 0; r < k; r++) {
-        const double *own = active + gb_active_reduced(n) + r * m, *steps = active + gb_active_steps(n) + r * n;
-        const int pivot = (int)active[gb_active_pivot(n) + r];
-        double sum = 0.0;
-        for (int c = 0; c < m; c++) {
-            sum += c == pivot || own[c] == 0.0 ? 0.0 : own[c] * x[rows->speed[c]];
-        }
-        for (int j = 0; j < k && bias; j++) {
-            sum += steps[j] * bias[(int)active[GB_ACTIVE_INDEX + j]];
-        }
-        x[rows->speed[pivot]] = 0.0 - sum;
-    }
-}
-
-/* Columns of lossy gears in the Delassus matrix: of their force the partner takes the part skew[j] away again. */
-static inline void gb_delassus_skew(int n, const int *partner, const double *skew, double *matrix) {
-    for (int j = 0; j < n; j++) {
-        for (int i = 0; i < n && skew[j] != 0.0; i++) {
-            matrix[i * n + j] -= skew[j] * matrix[i * n + partner[j]];
-        }
-    }
-}
-
-/* A split of the load of redundant active constraints, numbered by index[]: force x of each within its bounds, those of
- * a lossy gear along its sides forward and backward, two numbers each. */
-static inline void gb_split_once(int n, int count, const int *index, const int *is_own, const double *A,
-                                 const double *b, const double *lower, const double *upper, const int *tie_of,
-                                 const double *losses, const int *sides, double *x, int *on) {
-    double lo[count + 1], hi[count + 1], lo_slope[count + 1], hi_slope[count + 1];
-    int position[n + 1];
-    for (int p = 0; p < count; p++) {
-        position[index[p]] = p;
-    }
-    for (int p = 0; p < count; p++) {
-        const int i = index[p], own = is_own[p];
-        on[p] = -1;
-        lo[p] = own ? -HUGE_VAL : lower[i];
-        hi[p] = own ? HUGE_VAL : fmax(lower[i], upper[i]);
-        if (tie_of && tie_of[i] >= 0 && !own) {
-            const gb_loss_line forward = gb_loss_on_side(losses + 5 * (long)i, sides[2 * p]),
-                               backward = gb_loss_on_side(losses + 5 * (long)i, sides[2 * p + 1]);
-            on[p] = position[tie_of[i]];
-            lo[p] = -forward.fixed;
-            lo_slope[p] = -forward.slope;
-            hi[p] = backward.fixed;
-            hi_slope[p] = -backward.slope;
-        }
-    }
-    const gb_coupled_bounds coupled = {on, lo_slope, hi_slope};
-    gb_lcp_solve(count, A, b, lo, hi, tie_of ? &coupled : NULL, x);
-}
-
-/* The same, with the sides of the forces that come out: Newton steps, all lossy gears at once, later one alone. */
-static inline void gb_split_by_sides(int n, int count, const int *index, const int *is_own, const double *A,
-                                     const double *b, const double *lower, const double *upper, const int *tie_of,
-                                     const double *losses, const double *force, double *x) {
-    int on[count + 1], sides[2 * count + 1], wrong = 1;
-    for (int p = 0; p < count && tie_of; p++) {
-        const double *of = losses + 5 * (long)index[p], tie = tie_of[index[p]] >= 0 ? force[tie_of[index[p]]] : 0.0;
-        sides[2 * p] = gb_loss_side(of, tie);
-        sides[2 * p + 1] = gb_loss_side(of, -tie);
-    }
-    for (int round = 0; wrong && round < 4 + count; round++) {
-        double largest = 0.0;
-        gb_split_once(n, count, index, is_own, A, b, lower, upper, tie_of, losses, sides, x, on);
-        for (int p = 0; p < count; p++) {
-            largest = fmax(largest, fabs(x[p]));
-        }
-        wrong = 0;
-        for (int p = 0; p < count && (round < 4 || !wrong); p++) {
-            const double *of = losses + 5 * (long)index[p];
-            if (on[p] >= 0 && !gb_loss_agrees(of, sides[2 * p], sides[2 * p + 1], x[on[p]], x[p], 1e-12 * largest)) {
-                sides[2 * p] = gb_loss_side(of, x[on[p]]);
-                sides[2 * p + 1] = gb_loss_side(of, -x[on[p]]);
-                wrong = 1;
-            }
-        }
-    }
-}
-
-/* Minimum-norm split: by how much the force of each active constraint exceeds its bounds, < 0 inside; -1 for all
- * others. Redundant constraints share by minimum norm within their bounds, and exceed them together once there is no
- * such split. tie_of: of the loss of a lossy gear its tie, -1 for all others (NULL: there is none); its losses are five
- * numbers further each. */
-static inline void gb_split_forces(int n, const double *active, const double *matrix, const int *is_active,
-                                   const double *lower, const double *upper, const int *tie_of, const double *losses,
-                                   double *force, double *violation) {
-    int index[n + 1], count = 0, redundant = 0;
-    for (int i = 0; i < n; i++) {
-        if (is_active[i]) {
-            index[count++] = i;
-            redundant = redundant || active[gb_active_redundant(n) + i] != 0.0;
-        }
-    }
-    if (redundant) {
-        double A[count * count + 1], b[count + 1], x[count + 1], worst = 0.0, size = 0.0;
-        int is_own[count + 1];
-        for (int p = 0; p < count; p++) {
-            const int i = index[p];
-            is_own[p] = active[gb_active_redundant(n) + i] == 0.0;
-            b[p] = 0.0;
-            for (int q = 0; q < count; q++) {
-                A[p * count + q] = matrix[i * n + index[q]];
-                b[p] -= A[p * count + q] * force[index[q]];
-            }
-        }
-        gb_split_by_sides(n, count, index, is_own, A, b, lower, upper, tie_of, losses, force, x);
-        for (int p = 0; p < count; p++) {
-            double left = b[p], terms = fabs(b[p]);
-            for (int q = 0; q < count; q++) {
-                left += A[p * count + q] * x[q];
-                terms += fabs(A[p * count + q] * x[q]);
-            }
-            worst = fmax(worst, active[gb_active_redundant(n) + index[p]] != 0.0 ? fabs(left) : 0.0);
-            size = fmax(size, terms);
-        }
-        for (int p = 0; p < count; p++) {
-            force[index[p]] = x[p];
-            violation[index[p]] =
-                worst - (tie_of ? 1e-8 : 1e-11) * size - DBL_MIN; /* coupled bounds keep what is lifted */
-        }
-    }
-    for (int i = 0; i < n; i++) {
-        if (!is_active[i]) {
-            violation[i] = -1.0;
-        } else if (active[gb_active_redundant(n) + i] == 0.0) {
-            const int lossy = tie_of && tie_of[i] >= 0;
-            const double over = lossy ? gb_loss_excess(losses + 5 * i, force[tie_of[i]], force[i])
-                                      : fmax(force[i] - upper[i], lower[i] - force[i]);
-            violation[i] = over > -HUGE_VAL ? over : -1.0;
-        }
+    *a->n_rows = a->start[0] = a->factor_start[0] = 0;
+    for (int i = 0; i < count; i++) {
+        gb_active_reduce(rows, value, from[i], least, &work, a);
     }
 }
 

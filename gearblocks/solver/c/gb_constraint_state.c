@@ -1,5 +1,4 @@
 #include "gb_constraint_state.h"
-#include "gb_constraint_rows.h"
 #include "gb_report.h"
 #include "gb_vector.h"
 
@@ -51,6 +50,8 @@ void gb_size_rows(gb_sim *sim) {
 }
 
 void gb_factor_active_set(gb_sim *sim, double *mode, const double *time_terms, const double *y) {
+    sim->panel.known = 0;
+    sim->head->events.forces_agreed = 0;
     if (sim->model->n_constraints > 0) {
         sim->model->factor_active_set(sim->par, mode, time_terms, y);
     }
@@ -97,39 +98,40 @@ void gb_slips_now(gb_sim *sim) {
     }
 }
 
-int gb_solve_problem(gb_sim *sim, int count, int coupled) {
-    const int n = sim->model->n_constraints, *index = sim->constraints.index;
-    for (int i = 0; i < count; i++) {
-        for (int j = 0; j < count; j++) {
-            sim->constraints.matrix[i * count + j] = sim->constraints.delassus[index[i] * n + index[j]];
-        }
-    }
+gb_delassus gb_delassus_of(const gb_sim *sim) {
+    const gb_delassus W = {sim->model->n_constraints, sim->model->constraint_rows->pattern, sim->constraints.delassus};
+    return W;
+}
+
+int gb_solve_problem(gb_sim *sim, int coupled) {
     const gb_coupled_bounds bounds = {sim->constraints.on, sim->constraints.lo_slope, sim->constraints.hi_slope};
-    if (!gb_lcp_solve(count, sim->constraints.matrix, sim->constraints.right, sim->constraints.lo, sim->constraints.hi,
-                      coupled ? &bounds : NULL, sim->constraints.force)) {
-        return gb_fail(sim, GB_ERR_BRANCH, sim->model->constraints[index[0]].slip, sim->head->front.t1,
-                       sim->constraints.right[0]);
+    const gb_lcp problem = {gb_delassus_of(sim), sim->constraints.in, coupled ? &bounds : NULL, sim->constraints.room};
+    if (!gb_lcp_solve(&problem, sim->constraints.right, sim->constraints.lo, sim->constraints.hi,
+                      sim->constraints.force)) {
+        int first = 0;
+        while (!sim->constraints.in[first]) {
+            first++;
+        }
+        return gb_fail(sim, GB_ERR_BRANCH, sim->model->constraints[first].slip, sim->head->front.t1,
+                       sim->constraints.right[first]);
     }
     return GB_DONE;
 }
 
-int gb_refuse_contradiction(gb_sim *sim, int count) {
-    const double *b = sim->constraints.right, *x = sim->constraints.force;
+int gb_refuse_contradiction(gb_sim *sim) {
+    const struct gb_constraints *c = &sim->constraints;
+    const gb_delassus W = gb_delassus_of(sim);
     double most = 0.0;
-    for (int i = 0; i < count; i++) {
-        most = gb_max(most, fabs(b[i]));
+    for (int i = 0; i < W.n; i++) {
+        most = c->in[i] ? gb_max(most, fabs(c->right[i])) : most;
     }
-    for (int i = 0; i < count; i++) {
-        double left = b[i], size = fabs(b[i]);
-        for (int j = 0; j < count; j++) {
-            const double part = sim->constraints.matrix[i * count + j] * x[j];
-            left += part;
-            size += fabs(part);
-        }
-        const int unbounded = sim->constraints.lo[i] <= -HUGE_VAL && sim->constraints.hi[i] >= HUGE_VAL;
-        if (unbounded && fabs(left) > 1e-4 * most + 1e-12 * size) {
-            const int constraint = sim->constraints.index[i];
-            return gb_fail(sim, GB_ERR_BRANCH, sim->model->constraints[constraint].slip, sim->head->front.t1, left);
+    for (int i = 0; i < W.n; i++) {
+        if (c->in[i] && c->lo[i] <= -HUGE_VAL && c->hi[i] >= HUGE_VAL) {
+            double size = fabs(c->right[i]);
+            const double left = c->right[i] + gb_delassus_product(&W, i, c->force, &size);
+            if (fabs(left) > 1e-4 * most + 1e-12 * size) {
+                return gb_fail(sim, GB_ERR_BRANCH, sim->model->constraints[i].slip, sim->head->front.t1, left);
+            }
         }
     }
     return GB_DONE;

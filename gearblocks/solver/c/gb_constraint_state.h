@@ -4,11 +4,15 @@
 #ifndef GB_CONSTRAINT_STATE_H
 #define GB_CONSTRAINT_STATE_H
 
+#include "gb_constraint_rows.h"
 #include "gb_internal.h"
 
-/* Forces (or impulses) x of `count` constraints, numbered by index[], with lo <= x <= hi and  W x + right complementary
- * to the bounds; W from `delassus`. coupled: bounds grow with other forces. */
-int gb_solve_problem(gb_sim *sim, int count, int coupled);
+/* W as it was made last. */
+gb_delassus gb_delassus_of(const gb_sim *sim);
+
+/* Forces (or impulses) x of the constraints with in[i] (0 for all others) with lo <= x <= hi and  W x + right
+ * complementary to the bounds. coupled: bounds grow with other forces. */
+int gb_solve_problem(gb_sim *sim, int coupled);
 
 /* Of constraint i: it is active; it is a stop; its force has no bounds. */
 int gb_is_active(const gb_sim *sim, int i);
@@ -44,6 +48,6 @@ void gb_slips_now(gb_sim *sim);
 /* Unbounded constraints must not be asked for slips that contradict each other (two of them between a shaft of
  * prescribed speed and the ground): after the forces x, or impulses, nothing may be left of the right side where x is
  * inside its bounds. */
-int gb_refuse_contradiction(gb_sim *sim, int count);
+int gb_refuse_contradiction(gb_sim *sim);
 
 #endif

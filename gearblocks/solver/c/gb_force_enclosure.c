@@ -3,7 +3,15 @@
 #include "gb_enclosure.h"
 #include "gb_vector.h"
 
-int gb_forces_prepare(gb_sim *sim) {
+/* What is known about the constraint forces in the present modes: they are no function of the torques; they are; and
+ * nothing else has a limit, nor are they functions of anything but time and states. */
+enum { UNKNOWN, NO_FUNCTION, FUNCTION, ALONE };
+
+/* Steps for which a box is made. */
+static const double AHEAD = 16.0;
+
+/* Fills in what they answer to torques. */
+static int is_function(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = model->n_constraints, m = model->n_groups;
     const double *active = sim->mode + model->n_switches;
@@ -24,14 +32,52 @@ int gb_forces_prepare(gb_sim *sim) {
     return 1;
 }
 
+static int is_alone(const gb_sim *sim) {
+    const gb_model *model = sim->model;
+    for (int i = 0; i < model->n_event_functions; i++) {
+        sim->panel.watched[i] = sim->events.lo[i] > -HUGE_VAL || sim->events.hi[i] < HUGE_VAL;
+    }
+    for (int i = 0; i < model->n_constraints; i++) {
+        sim->panel.watched[model->constraints[i].active] = 0;
+    }
+    for (int i = 0; i < model->n_event_functions; i++) {
+        if (sim->panel.watched[i]) {
+            return 0;
+        }
+    }
+    for (int k = 0; k < model->n_arguments_read; k++) {
+        if (model->arguments_read[k] >= 1 + model->n_inputs + model->n) {
+            return 0;
+        }
+    }
+    return sim->inputs.n_moving == 0;
+}
+
+static int what_is_known(gb_sim *sim) {
+    struct gb_panel *panel = &sim->panel;
+    if (panel->known == UNKNOWN || panel->known_modes != sim->head->events.mode_hash) {
+        panel->known = !is_function(sim) ? NO_FUNCTION : is_alone(sim) ? ALONE : FUNCTION;
+        panel->known_modes = sim->head->events.mode_hash;
+        panel->boxed = 0;
+    }
+    return panel->known;
+}
+
+int gb_forces_prepare(gb_sim *sim) {
+    sim->panel.boxed = 0;
+    return what_is_known(sim) >= FUNCTION;
+}
+
 /* lambda of constraint i. */
 static gb_enclosure constraint_force(const gb_sim *sim, int i) {
     const gb_model *model = sim->model;
     gb_enclosure sum = gb_enclosed_number(0.0);
     for (int g = 0; g < model->n_groups; g++) {
         const double gain = sim->panel.response[(size_t)g * (size_t)model->n_constraints + (size_t)i];
-        if (gain != 0.0) {
-            sum = gb_enclosed_add(sum, gb_enclosed_scale(sim->panel.torque[g], gain));
+        const gb_enclosure *torque = &sim->panel.torque[g];
+        const int is_zero = torque->lo == 0.0 && torque->hi == 0.0 && torque->down == 0.0 && torque->up == 0.0;
+        if (gain != 0.0 && !is_zero) {
+            sum = gb_enclosed_add(sum, gb_enclosed_scale(*torque, gain));
         }
     }
     return sum;
@@ -69,8 +115,9 @@ void gb_forces_enclose(gb_sim *sim) {
     }
 }
 
-int gb_forces_agree(const gb_sim *sim) {
+int gb_forces_agree(gb_sim *sim) {
     const gb_model *model = sim->model;
+    sim->head->events.forces_agreed = 0;
     for (int i = 0; i < model->n_constraints; i++) {
         const int at = model->constraints[i].active;
         const gb_enclosure *g = &sim->panel.enclosure[at];
@@ -79,5 +126,70 @@ int gb_forces_agree(const gb_sim *sim) {
             return 0;
         }
     }
+    sim->head->events.forces_agreed = 1;
     return 1;
+}
+
+/* State i over the step, coarsely: it moves from both ends by no more than the largest of the stages' rates would have
+ * it, as many times as said. */
+static gb_interval state_over_step(const gb_sim *sim, int i, double times) {
+    double rate = 0.0;
+    for (int l = 0; l <= sim->method->stages; l++) {
+        rate = gb_max(rate, fabs(sim->k[(size_t)l * (size_t)sim->model->n_total + (size_t)i]));
+    }
+    const double reach = times * sim->head->front.h * rate;
+    const gb_interval x = {gb_min(sim->y0[i], sim->z[i]) - reach, gb_max(sim->y0[i], sim->z[i]) + reach};
+    return x;
+}
+
+/* A box around all that forces and bounds are functions of, over this step and some that follow. */
+static void make_box(gb_sim *sim, double times) {
+    const gb_model *model = sim->model;
+    const struct gb_front *front = &sim->head->front;
+    const gb_enclosure time = {front->t0, front->t0 + times * front->h, 0.0, 0.0};
+    sim->panel.x[0] = time;
+    for (int k = 0; k < model->n_arguments_read; k++) {
+        const int j = model->arguments_read[k], i = j - 1 - model->n_inputs;
+        const gb_interval still = {0.0, 0.0};
+        if (i >= 0) {
+            sim->panel.x[j] = gb_enclosed(state_over_step(sim, i, times), still);
+        } else if (j > 0) {
+            sim->panel.x[j] = gb_enclosed_number(sim->inputs.value[j - 1]);
+        }
+    }
+}
+
+static int is_in_box(const gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const gb_enclosure *x = sim->panel.x;
+    const struct gb_front *front = &sim->head->front;
+    int inside = front->t0 >= x->lo && front->t0 + front->h <= x->hi;
+    for (int k = 0; k < model->n_arguments_read && inside; k++) {
+        const int j = model->arguments_read[k], i = j - 1 - model->n_inputs;
+        if (i >= 0) {
+            const gb_interval state = state_over_step(sim, i, 1.0);
+            inside = state.lo >= x[j].lo && state.hi <= x[j].hi;
+        } else if (j > 0) {
+            inside = sim->inputs.value[j - 1] == x[j].lo;
+        }
+    }
+    return inside;
+}
+
+int gb_forces_stay(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    if (model->n_constraints == 0 || !sim->head->events.forces_agreed || what_is_known(sim) != ALONE) {
+        return 0;
+    }
+    int stay = sim->panel.boxed && is_in_box(sim);
+    for (double times = AHEAD; !stay && times > 0.0; times = times > 1.0 ? 1.0 : 0.0) {
+        make_box(sim, times);
+        gb_forces_enclose(sim);
+        stay = 1;
+        for (int i = 0; i < model->n_constraints && stay; i++) {
+            stay = sim->panel.enclosure[model->constraints[i].active].hi < 0.0;
+        }
+        sim->panel.boxed = stay;
+    }
+    return stay;
 }

@@ -77,37 +77,33 @@ static void slips_after(gb_sim *sim) {
 int gb_impact(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = model->n_constraints;
-    int *index = sim->constraints.index, count = 0, struck = 0;
-    double *b = sim->constraints.right, *lo = sim->constraints.lo, *hi = sim->constraints.hi,
-           *p = sim->constraints.force;
+    int struck = 0;
+    double *b = sim->constraints.right, *lo = sim->constraints.lo, *hi = sim->constraints.hi;
     for (int i = 0; i < n; i++) {
-        if (takes_impulse(sim, i, &lo[count], &hi[count], &b[count])) {
+        sim->constraints.in[i] = takes_impulse(sim, i, &lo[i], &hi[i], &b[i]);
+        if (sim->constraints.in[i]) {
             const gb_constraint *constraint = &model->constraints[i];
             const int met = constraint->kind == GB_FRICTION &&
                             sim->events.pending[constraint->slip] != 0.0; /* its slip has just come to zero */
-            const double w = met ? 0.0 : b[count], rounding = sim->constraints.slip_rounding[i];
-            struck = struck || (w < -rounding && hi[count] > 0.0) || (w > rounding && lo[count] < 0.0);
-            index[count++] = i;
+            const double w = met ? 0.0 : b[i], rounding = sim->constraints.slip_rounding[i];
+            struck = struck || (w < -rounding && hi[i] > 0.0) || (w > rounding && lo[i] < 0.0);
         }
     }
     if (!struck) {
         return GB_DONE;
     }
     model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->y, 0, sim->constraints.delassus);
-    if (gb_solve_problem(sim, count, 0) != GB_DONE || gb_refuse_contradiction(sim, count) != GB_DONE) {
+    if (gb_solve_problem(sim, 0) != GB_DONE || gb_refuse_contradiction(sim) != GB_DONE) {
         return sim->head->report.code;
     }
+    const gb_delassus W = gb_delassus_of(sim);
     double *whole = sim->constraints.other, *before = sim->constraints.slip_before;
-    memset(whole, 0, sizeof(double) * (size_t)n);
+    memcpy(whole, sim->constraints.force, sizeof(double) * (size_t)n);
     memcpy(before, sim->constraints.slip, sizeof(double) * (size_t)n);
-    for (int i = 0; i < count; i++) {
-        whole[index[i]] = p[i];
-    }
     apply_impulses(sim, whole);
     slips_after(sim);
     for (int i = 0; i < n; i++) {
-        const double rounding = sim->constraints.slip_rounding[i],
-                     own = fabs(whole[i]) * sim->constraints.delassus[i * n + i];
+        const double rounding = sim->constraints.slip_rounding[i], own = fabs(whole[i]) * gb_delassus_diagonal(&W, i);
         const double lost = fabs(before[i]) > rounding && own > 1e-6 * fabs(before[i]) ? fabs(whole[i]) : 0.0;
         if (lost > 0.0 && (gb_is_stop(sim, i) || gb_is_unbounded(sim, i) || !gb_is_active(sim, i))) {
             note_impact(sim, i, whole[i], before[i], sim->constraints.slip[i]);

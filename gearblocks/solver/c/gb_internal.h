@@ -153,9 +153,10 @@ struct gb_event_state {
     double entered;    /* the last event: the present modes began there */
     double held_until; /* the first limit that is not watched is so no more (HUGE_VAL: none) */
     long long look_at,
-        look_gap;    /* events when what rests on a limit is looked at again, and how many there are between */
-    long long crowd; /* events when it was last asked whether they let time go on, */
-    double t_crowd;  /* and the time then */
+        look_gap;      /* events when what rests on a limit is looked at again, and how many there are between */
+    long long crowd;   /* events when it was last asked whether they let time go on, */
+    double t_crowd;    /* and the time then */
+    int forces_agreed; /* enclosed constraint forces were right at the start of a step since the modes changed */
     int n_sliding, sliding[GB_SLIDING]; /* see gb_sliding.h */
     uint64_t mode_hash;                 /* of all modes */
     uint64_t remembered_modes[GB_MEMORY];
@@ -217,7 +218,7 @@ struct gb_events {
     int *role;                         /* who decides about its mode */
     double *mode_before;               /* modes before an event */
     double *s0, *s, *slopes, *samples; /* event functions: at the start of a step, at an instant, along rows, sampled */
-    double *moved;                     /* and with one state moved */
+    double *moved, *until;             /* and with one state moved; just after the first constraint force that leaves */
     double *located, *side;            /* theta at which it leaves its mode, and the limit */
     double *slack;                     /* sign of the force of a lossy gear: how far beyond counts as on it; else -1 */
     int undersampled;                  /* samples of the last step do not tell what a constraint force does */
@@ -226,9 +227,10 @@ struct gb_events {
 
 /* Without location. */
 struct gb_unlocated {
-    double *mode; /* of the stage; behind them the active set */
-    int lanes;    /* with time terms */
-    int crossed;  /* a mode changed between two stages of the step */
+    double *mode;     /* of the stage; behind them the active set */
+    size_t n_carried; /* doubles of it that are those of the step */
+    int lanes;        /* with time terms */
+    int crossed;      /* a mode changed between two stages of the step */
 };
 
 /* Rates beside limits along which switches slide: modes and time terms there, rates below and above, a state beside,
@@ -247,6 +249,9 @@ struct gb_panel {
     double *values, *bernstein, *slack, *left, *right, *noise, *response, *unit;
     struct gb_enclosure *x, *enclosure, *torque, *bound;
     int *watched;
+    int known, boxed; /* about constraint forces in the modes known_modes, see gb_force_enclosure.h (0: nothing); x is a
+                         box in which they stay within their bounds */
+    uint64_t known_modes;
 };
 
 struct gb_event_log {
@@ -262,8 +267,8 @@ struct gb_implicit {
     int *colour, *link, n_colours; /* by unknown; by kinematic state and colour: the unknown in its rate, or -1 */
     double *gain;                  /* and one over its factor */
     double h;                      /* the step size it was made for */
-    double *row_response,
-        *row_inverse; /* its answers to forces along the active rows, and the inverse of their slips */
+    double *row_response, *row_inverse,
+        *row_room; /* its answers to forces along the active rows, inverse of their slips */
 };
 
 /* Switched constraints, by constraint; row_size in the block, all else scratch of an event. */
@@ -271,17 +276,17 @@ struct gb_constraints {
     double *row_size; /* sums of the sizes of the coefficients of G */
     double *row;      /* rows of G over the speeds */
     double *slip, *slip_rounding, *slip_before, *free_acceleration;
-    double *bounds;                           /* five numbers each, see gb_model.h */
-    double *delassus;                         /* W of all of them */
-    double *matrix, *right, *lo, *hi, *force; /* the complementarity problem of `count` of them, numbered by index[] */
-    int count, *index;
+    double *bounds;                  /* five numbers each, see gb_model.h */
+    double *delassus, *room;         /* W of all of them (see gb_delassus.h), and room for as much */
+    double *right, *lo, *hi, *force; /* the complementarity problem of those that are in it */
+    int *in;
     double *lo_slope, *hi_slope; /* what bounds grow by per force of another one, on[] (-1: they do not) */
     int *on;
     double *other, *force_before; /* forces or impulses of all; forces before the event */
     double *mode_before, *shrink, *full_mode;
     int *decision, *was_redundant, *released, *struck;
     int *was_broken, *broken; /* holds no more than what it carries while it slides: before and after the decision */
-    double *peak;             /* by number in index[]: what it holds before it breaks */
+    double *peak;             /* what it holds before it breaks */
     const double *y;          /* the state by which it is decided */
     double fastest;           /* of the accelerations with no constraint active */
 };
@@ -301,10 +306,11 @@ struct gb_sim {
     size_t block_bytes;
 
     /* In the block: */
-    double *par, *mode;
+    double *par;
     double *y0, *y;
     double *k1;   /* the derivative at the front */
-    double *rows; /* dense rows, each n_total long; the block ends here */
+    double *rows; /* dense rows, each n_total long */
+    double *mode; /* and behind them the active set; the block ends here */
 
     /* Outside the block. */
     double *k;             /* derivatives by stage, each n_total long */

@@ -5,13 +5,14 @@
  * none (friction in proportion to a force); A with such columns may have no solution, or several. Method: block
  * principal pivoting with a least index rule as a way out of cycles (Judice and Pires 1994); for a singular A proximal
  * steps,  (A + e I) x+ + b - e x  in place of  A x + b  (Rockafellar 1976). And  A x = b  by Gauss-Jordan elimination
- * with row exchanges. Knows nothing of slips, modes or time. */
+ * with row exchanges. A in either form of gb_delassus.h; of its unknowns those take part that are marked, the others
+ * are 0. Knows nothing of slips, modes or time. */
 #ifndef GB_LCP_H
 #define GB_LCP_H
 
+#include "gb_delassus.h"
+
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 /* Solves A x = b for n unknowns with row exchanges; A (row length `stride`) and b are overwritten. 0: singular. */
 static inline int gb_gauss_jordan(int n, int stride, double *A, int n_right, double *b) {
@@ -69,57 +70,117 @@ static inline double gb_lcp_shift(const gb_coupled_bounds *coupled, int i, int s
     return slope != 0.0 ? slope * x[coupled->on[i]] : 0.0;
 }
 
-/* The unknowns inside their bounds, from those at a bound: x of the `free` ones in inside[]; what bounds of others take
- * of them comes on top of x of the others. */
-static inline void gb_lcp_inside(int n, const double *A, const double *b, const gb_coupled_bounds *coupled,
-                                 const int *side, int free, const int *inside, double *x) {
-    double part[n * n + 1], right[n + 1];
+/* A, the unknowns that take part, their coupled bounds (NULL: there are none), and room for as many numbers as A has.
+ */
+typedef struct gb_lcp {
+    gb_delassus A;
+    const int *in;
+    const gb_coupled_bounds *coupled;
+    double *room;
+} gb_lcp;
+
+/* The matrix of the unknowns inside their bounds, numbered by inside[], and the solution with row exchanges: what
+ * bounds of others take of them comes on top. */
+static inline void gb_lcp_dense(const gb_lcp *lcp, double lift, const int *side, int free, const int *inside,
+                                double *x) {
+    const int n = lcp->A.n;
+    int column[n + 1], position[n + 1];
+    double value[n + 1], right[n + 1];
+    memset(lcp->room, 0, sizeof(double) * (size_t)free * (size_t)free);
+    for (int i = 0; i < n; i++) {
+        position[i] = -1;
+    }
     for (int p = 0; p < free; p++) {
-        right[p] = -b[inside[p]];
-        for (int j = 0; j < n; j++) {
-            right[p] -= side[j] ? A[inside[p] * n + j] * x[j] : 0.0;
-        }
-        for (int q = 0; q < free; q++) {
-            part[p * free + q] = A[inside[p] * n + inside[q]];
-            for (int j = 0; j < n && coupled; j++) {
-                part[p * free + q] += side[j] && coupled->on[j] == inside[q]
-                                          ? A[inside[p] * n + j] * gb_lcp_slope(coupled, j, side[j])
-                                          : 0.0;
+        position[inside[p]] = p;
+    }
+    for (int p = 0; p < free; p++) {
+        const int count = gb_delassus_row(&lcp->A, inside[p], column, value);
+        double *row = lcp->room + (long)p * free;
+        right[p] = x[inside[p]];
+        row[p] += lift;
+        for (int k = 0; k < count; k++) {
+            const int j = column[k];
+            if (!lcp->in[j]) {
+                continue;
+            }
+            if (!side[j]) {
+                row[position[j]] += value[k];
+            } else if (lcp->coupled && lcp->coupled->on[j] >= 0 && position[lcp->coupled->on[j]] >= 0) {
+                row[position[lcp->coupled->on[j]]] += value[k] * gb_lcp_slope(lcp->coupled, j, side[j]);
             }
         }
     }
-    gb_gauss_jordan(free, free, part, 1, right);
+    gb_gauss_jordan(free, free, lcp->room, 1, right);
     for (int p = 0; p < free; p++) {
         x[inside[p]] = right[p];
     }
-    for (int j = 0; j < n && coupled; j++) {
-        x[j] += side[j] ? gb_lcp_shift(coupled, j, side[j], x) : 0.0;
+}
+
+/* The unknowns inside their bounds, from those at a bound. */
+static inline void gb_lcp_inside(const gb_lcp *lcp, double lift, const double *b, const int *side, double *x) {
+    const int n = lcp->A.n;
+    int inside[n + 1], is_inside[n + 1], free = 0;
+    double right[n + 1], size = 0.0;
+    for (int i = 0; i < n; i++) {
+        is_inside[i] = lcp->in[i] && side[i] == 0;
+        if (is_inside[i]) {
+            inside[free++] = i;
+            x[i] = 0.0;
+        }
     }
+    for (int i = 0; i < n; i++) {
+        right[i] = is_inside[i] ? -b[i] - gb_delassus_product(&lcp->A, i, x, &size) : 0.0;
+    }
+    if (lcp->A.pattern) {
+        gb_delassus_factor(&lcp->A, is_inside, lift, lcp->room);
+        gb_delassus_solve(n, lcp->A.pattern, lcp->room, right);
+    } else {
+        gb_lcp_dense(lcp, lift, side, free, inside, right);
+    }
+    for (int i = 0; i < n; i++) {
+        x[i] = is_inside[i] ? right[i] : x[i];
+    }
+    for (int j = 0; j < n && lcp->coupled; j++) {
+        x[j] += lcp->in[j] && side[j] ? gb_lcp_shift(lcp->coupled, j, side[j], x) : 0.0;
+    }
+}
+
+/* y_i, or 0 where it is rounding: that of the largest unknown passes into all the others. */
+static inline double gb_lcp_left(const gb_lcp *lcp, double lift, const double *b, const double *x, double largest,
+                                 int i) {
+    const int n = lcp->A.n;
+    int column[n + 1];
+    double value[n + 1], y = b[i] + lift * x[i], size = fabs(b[i]) + lift * largest;
+    const int count = gb_delassus_row(&lcp->A, i, column, value);
+    for (int k = 0; k < count; k++) {
+        y += value[k] * x[column[k]];
+        size += lcp->in[column[k]] ? fabs(value[k]) * largest : 0.0;
+    }
+    return fabs(y) > 16.0 * DBL_EPSILON * size ? y : 0.0;
 }
 
 /* Where each unknown should be instead, -1, 0 or 1 as `side`; returns how many are elsewhere, the last of them in
  * *last. */
-static inline int gb_lcp_misplaced(int n, const double *A, const double *b, const double *lo, const double *hi,
-                                   const gb_coupled_bounds *coupled, const double *x, const int *side, int *want,
-                                   int *last) {
+static inline int gb_lcp_misplaced(const gb_lcp *lcp, double lift, const double *b, const double *lo, const double *hi,
+                                   const double *x, const int *side, int *want, int *last) {
+    const int n = lcp->A.n;
     int bad = 0;
-    double largest = 0.0; /* its rounding passes into all the others */
+    double largest = 0.0;
     for (int i = 0; i < n; i++) {
         largest = fmax(largest, fabs(x[i]));
     }
     for (int i = 0; i < n; i++) {
-        double w = b[i], size = fabs(b[i]);
-        for (int j = 0; j < n && side[i]; j++) {
-            w += A[i * n + j] * x[j];
-            size += fabs(A[i * n + j]) * largest;
-        }
-        const double rounding = 16.0 * DBL_EPSILON * size;
         want[i] = side[i];
+        if (!lcp->in[i]) {
+            continue;
+        }
         if (side[i] == 0) {
-            const double least = lo[i] + gb_lcp_shift(coupled, i, -1, x), most = hi[i] + gb_lcp_shift(coupled, i, 1, x);
+            const double least = lo[i] + gb_lcp_shift(lcp->coupled, i, -1, x),
+                         most = hi[i] + gb_lcp_shift(lcp->coupled, i, 1, x);
             want[i] = x[i] < least ? -1 : x[i] > most;
-        } else if (side[i] < 0 ? w < -rounding : w > rounding) {
-            want[i] = 0;
+        } else {
+            const double y = gb_lcp_left(lcp, lift, b, x, largest, i);
+            want[i] = (side[i] < 0 ? y < 0.0 : y > 0.0) ? 0 : side[i];
         }
         if (want[i] != side[i]) {
             *last = i;
@@ -129,25 +190,20 @@ static inline int gb_lcp_misplaced(int n, const double *A, const double *b, cons
     return bad;
 }
 
-/* Block principal pivoting. All that are misplaced change at once, after ten rounds without fewer of them the last one
- * alone (a least index rule, counted from behind). 0: not found. */
-static inline int gb_lcp_pivoting(int n, const double *A, const double *b, const double *lo, const double *hi,
-                                  const gb_coupled_bounds *coupled, double *x) {
-    int side[n + 1], inside[n + 1], want[n + 1], fewest = n + 1, patience = 10;
-    for (int i = 0; i < n; i++) {
-        side[i] = 0;
-    }
+/* Block principal pivoting for A + lift I. All that are misplaced change at once, after ten rounds without fewer of
+ * them the last one alone (a least index rule, counted from behind). 0: not found. */
+static inline int gb_lcp_pivoting(const gb_lcp *lcp, double lift, const double *b, const double *lo, const double *hi,
+                                  double *x) {
+    const int n = lcp->A.n;
+    int side[n + 1], want[n + 1], fewest = n + 1, patience = 10;
+    memset(side, 0, sizeof side);
     for (int round = 0; round < 60 + 20 * n; round++) {
-        int free = 0, last = -1;
+        int last = -1;
         for (int i = 0; i < n; i++) {
-            if (side[i] == 0) {
-                inside[free++] = i;
-            } else {
-                x[i] = side[i] < 0 ? lo[i] : hi[i];
-            }
+            x[i] = !lcp->in[i] || side[i] == 0 ? 0.0 : side[i] < 0 ? lo[i] : hi[i];
         }
-        gb_lcp_inside(n, A, b, coupled, side, free, inside, x);
-        const int bad = gb_lcp_misplaced(n, A, b, lo, hi, coupled, x, side, want, &last);
+        gb_lcp_inside(lcp, lift, b, side, x);
+        const int bad = gb_lcp_misplaced(lcp, lift, b, lo, hi, x, side, want, &last);
         if (bad == 0) {
             return 1;
         }
@@ -166,18 +222,18 @@ static inline int gb_lcp_pivoting(int n, const double *A, const double *b, const
 
 /* One proximal step as a correction of x: what is left of the equations is solved for, so that the rounding of a matrix
  * that is nearly singular does not stay in them. 2: by no more than rounding; 0: not found. */
-static inline int gb_lcp_correct(int n, const double *A, const double *lifted, const double *b, const double *lo,
-                                 const double *hi, const gb_coupled_bounds *coupled, double *x) {
-    double left[n + 1], least[n + 1], most[n + 1], step[n + 1];
+static inline int gb_lcp_correct(const gb_lcp *lcp, double lift, const double *b, const double *lo, const double *hi,
+                                 double *x) {
+    const int n = lcp->A.n;
+    double left[n + 1], least[n + 1], most[n + 1], step[n + 1], size = 0.0;
     for (int i = 0; i < n; i++) {
-        left[i] = b[i];
-        for (int j = 0; j < n; j++) {
-            left[i] += A[i * n + j] * x[j];
+        if (lcp->in[i]) {
+            left[i] = b[i] + gb_delassus_product(&lcp->A, i, x, &size);
+            least[i] = lo[i] + gb_lcp_shift(lcp->coupled, i, -1, x) - x[i];
+            most[i] = hi[i] + gb_lcp_shift(lcp->coupled, i, 1, x) - x[i];
         }
-        least[i] = lo[i] + gb_lcp_shift(coupled, i, -1, x) - x[i];
-        most[i] = hi[i] + gb_lcp_shift(coupled, i, 1, x) - x[i];
     }
-    if (!gb_lcp_pivoting(n, lifted, left, least, most, coupled, step)) {
+    if (!gb_lcp_pivoting(lcp, lift, left, least, most, step)) {
         return 0;
     }
     double moved = 0.0, largest = 0.0;
@@ -187,8 +243,8 @@ static inline int gb_lcp_correct(int n, const double *A, const double *lifted, c
         largest = fmax(largest, fabs(x[i]));
     }
     for (int i = 0; i < n; i++) { /* at a bound means exactly there */
-        for (int side = -1; side <= 1; side += 2) {
-            const double bound = (side < 0 ? lo[i] : hi[i]) + gb_lcp_shift(coupled, i, side, x);
+        for (int side = -1; side <= 1 && lcp->in[i]; side += 2) {
+            const double bound = (side < 0 ? lo[i] : hi[i]) + gb_lcp_shift(lcp->coupled, i, side, x);
             const int met = fabs(bound) < HUGE_VAL && fabs(x[i] - bound) <= 8.0 * DBL_EPSILON * fabs(bound);
             x[i] = met ? bound : x[i];
         }
@@ -198,24 +254,20 @@ static inline int gb_lcp_correct(int n, const double *A, const double *lifted, c
 
 /* The same for a matrix that may be singular: among the solutions about the smallest x, by steps of a proximal method.
  */
-static inline int gb_lcp_solve(int n, const double *A, const double *b, const double *lo, const double *hi,
-                               const gb_coupled_bounds *coupled, double *x) {
-    double lifted[n * n + 1], right[n + 1], most = 0.0;
+static inline int gb_lcp_solve(const gb_lcp *lcp, const double *b, const double *lo, const double *hi, double *x) {
+    const int n = lcp->A.n;
+    double right[n + 1], most = 0.0;
     for (int i = 0; i < n; i++) {
         x[i] = 0.0;
-        most = fmax(most, fabs(A[i * n + i]));
+        most = lcp->in[i] ? fmax(most, fabs(gb_delassus_diagonal(&lcp->A, i))) : most;
     }
     const double lift = most > 0.0 ? 1e-9 * most : 1.0;
-    memcpy(lifted, A, sizeof(double) * (size_t)(n * n));
-    for (int i = 0; i < n; i++) {
-        lifted[i * n + i] += lift;
-    }
     for (int round = 0; round < 4; round++) {
         for (int i = 0; i < n; i++) {
-            right[i] = b[i] - lift * x[i];
+            right[i] = lcp->in[i] ? b[i] - lift * x[i] : 0.0;
         }
-        const int found = coupled ? gb_lcp_correct(n, A, lifted, b, lo, hi, coupled, x)
-                                  : gb_lcp_pivoting(n, lifted, right, lo, hi, NULL, x);
+        const int found =
+            lcp->coupled ? gb_lcp_correct(lcp, lift, b, lo, hi, x) : gb_lcp_pivoting(lcp, lift, right, lo, hi, x);
         if (found != 1) {
             return found;
         }

@@ -1,6 +1,7 @@
 #include "gb_locate_polynomial.h"
 #include "gb_constraint_state.h"
 #include "gb_dense_output.h"
+#include "gb_force_enclosure.h"
 #include "gb_limit_noise.h"
 #include "gb_locate_enclosed.h"
 #include "gb_locate_sampled.h"
@@ -289,18 +290,38 @@ static double look_again(gb_sim *sim) {
     return first;
 }
 
+/* What forces of lossy gears may go beyond zero, as slip acceleration: what changes speeds by no more than their
+ * rounding within the step. Both sides of zero ask for the same motion there. */
+static void measure_slack(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    for (int i = 0; i < model->n_constraints; i++) {
+        if (model->constraints[i].kind == GB_TIE) {
+            double speed = 0.0;
+            for (int k = model->n - model->n_speeds; k < model->n; k++) {
+                speed = gb_max(speed, fabs(sim->y0[k]));
+            }
+            sim->events.slack[model->constraints[i].slip] =
+                64.0 * DBL_EPSILON * speed * sim->constraints.row_size[i] / sim->head->front.h;
+        }
+    }
+}
+
 int gb_locate(gb_sim *sim, double *theta) {
     const gb_model *model = sim->model;
     const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
     double first = 2.0;
     int code = GB_DONE;
     sim->events.undersampled = sim->events.in_doubt = 0;
+    if (!sim->head->events.armed && gb_forces_stay(sim)) {
+        *theta = first;
+        return GB_DONE;
+    }
     model->event_functions(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->events.s0);
     if (model->n_affine > 0) {
         code = watch_all_affine(sim, tolerance);
     }
     if (model->n_event_functions > model->n_affine) {
-        gb_measure_slack(sim);
+        measure_slack(sim);
     }
     if (code == GB_DONE && model->n_arguments > 0) {
         code = gb_locate_enclosed(sim);

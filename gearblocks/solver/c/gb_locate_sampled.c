@@ -19,20 +19,6 @@ int gb_event_functions_at(gb_sim *sim, double theta, double *s) {
     return code;
 }
 
-void gb_measure_slack(gb_sim *sim) {
-    const gb_model *model = sim->model;
-    for (int i = 0; i < model->n_constraints; i++) {
-        if (model->constraints[i].kind == GB_TIE) {
-            double speed = 0.0;
-            for (int k = model->n - model->n_speeds; k < model->n; k++) {
-                speed = gb_max(speed, fabs(sim->y0[k]));
-            }
-            sim->events.slack[model->constraints[i].slip] =
-                64.0 * DBL_EPSILON * speed * sim->constraints.row_size[i] / sim->head->front.h;
-        }
-    }
-}
-
 double gb_limit_distance(const gb_sim *sim, int i, double side, double s) {
     const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
     const double rounding = gb_limit_rounding(sim, i, limit);
@@ -189,17 +175,34 @@ static int look_at_force(gb_sim *sim, int i, double side, const double *f, doubl
     return GB_DONE;
 }
 
+/* Distances from the limit at the samples. */
+static void sampled_distances(const gb_sim *sim, int i, double side, double *f) {
+    const size_t n = (size_t)sim->model->n_event_functions;
+    for (int l = 0; l < POINTS; l++) {
+        f[l] = gb_limit_distance(sim, i, side, sim->events.samples[(size_t)l * n + (size_t)i]);
+    }
+}
+
+/* The force of an active constraint, which no later look takes for noise. */
+static int is_force(const gb_sim *sim, int i) {
+    return sim->events.role[i] == GB_CONSTRAINED && sim->events.lo[i] <= -HUGE_VAL && sim->events.slack[i] < 0.0;
+}
+
+/* Where one constraint force is known to leave, another one that leaves later is of no interest: no root of event
+ * function i is looked for that lies beyond `until`, where event functions are events.until. */
+static int is_later(const gb_sim *sim, int i, double side, double from, double until) {
+    return is_force(sim, i) && until <= 1.0 &&
+           (from >= until || gb_limit_distance(sim, i, side, sim->events.until[i]) >= 0.0);
+}
+
 /* When event function i leaves through its limit `side`, by its samples. */
-static int first_seen(gb_sim *sim, int i, double side, double tolerance, double *first) {
-    const int n = sim->model->n_event_functions;
+static int first_seen(gb_sim *sim, int i, double side, double until, double tolerance, double *first) {
     double f[POINTS];
     *first = 2.0;
     if (fabs(side < 0.0 ? sim->events.lo[i] : sim->events.hi[i]) >= HUGE_VAL) {
         return GB_DONE;
     }
-    for (int l = 0; l < POINTS; l++) {
-        f[l] = gb_limit_distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
-    }
+    sampled_distances(sim, i, side, f);
     const int armed = f[0] == 0.0;
     const double rounding = gb_limit_rounding(sim, i, 0.0);
     if (!armed) {
@@ -210,6 +213,10 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
     }
     for (int l = 1; l < POINTS; l++) {
         if (f[l] < (armed ? -rounding : 0.0)) {
+            if (is_later(sim, i, side, thetas[l - 1], until)) {
+                *first = until;
+                return GB_DONE;
+            }
             if (armed && l == 1) {
                 return return_root(sim, i, side, thetas[l], f[l], tolerance, first);
             }
@@ -225,23 +232,22 @@ static int first_seen(gb_sim *sim, int i, double side, double tolerance, double 
             }
         }
     }
-    return end_dip(sim, i, side, 1.0, thetas[POINTS - 2], f[POINTS - 1], f[POINTS - 2], tolerance, first);
+    return until <= thetas[POINTS - 2] && is_force(sim, i)
+               ? GB_DONE
+               : end_dip(sim, i, side, 1.0, thetas[POINTS - 2], f[POINTS - 1], f[POINTS - 2], tolerance, first);
 }
 
 /* The same; of a constraint force also between samples. */
-static int first_through(gb_sim *sim, int i, double side, double tolerance, double *first) {
-    const int n = sim->model->n_event_functions;
+static int first_through(gb_sim *sim, int i, double side, double until, double tolerance, double *first) {
     double f[POINTS];
-    const int code = first_seen(sim, i, side, tolerance, first);
+    const int code = first_seen(sim, i, side, until, tolerance, first);
     const double limit = side < 0.0 && sim->events.slack[i] < 0.0 ? -HUGE_VAL
                          : side < 0.0                             ? sim->events.lo[i]
                                                                   : sim->events.hi[i];
     if (code != GB_DONE || sim->events.role[i] != GB_CONSTRAINED || fabs(limit) >= HUGE_VAL) {
         return code;
     }
-    for (int l = 0; l < POINTS; l++) {
-        f[l] = gb_limit_distance(sim, i, side, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
-    }
+    sampled_distances(sim, i, side, f);
     return f[0] > 0.0 ? look_at_force(sim, i, side, f, tolerance, first) : code;
 }
 
@@ -249,10 +255,9 @@ static int first_through(gb_sim *sim, int i, double side, double tolerance, doub
  * reach its bound: what bends between samples is no small part of what changes at all. A train at rest has no other
  * reason for its steps. */
 static int is_untold(const gb_sim *sim, int i) {
-    const int n = sim->model->n_event_functions;
     double least = HUGE_VAL, most = -HUGE_VAL, bend = 0.0, f[POINTS];
+    sampled_distances(sim, i, 1.0, f);
     for (int l = 0; l < POINTS; l++) {
-        f[l] = gb_limit_distance(sim, i, 1.0, sim->events.samples[(size_t)l * (size_t)n + (size_t)i]);
         least = gb_min(least, f[l]);
         most = gb_max(most, f[l]);
     }
@@ -270,10 +275,50 @@ static int is_sampled(const gb_sim *sim, int i) {
     return !enclosed && (sim->events.lo[i] > -HUGE_VAL || sim->events.hi[i] < HUGE_VAL);
 }
 
+/* The constraint force that leaves first, by chords between its samples; -1: none does. */
+static int first_force(const gb_sim *sim) {
+    double f[POINTS], soonest = 2.0;
+    int first = -1;
+    for (int i = sim->model->n_affine; i < sim->model->n_event_functions; i++) {
+        int l = 1;
+        if (is_sampled(sim, i) && is_force(sim, i)) {
+            sampled_distances(sim, i, 1.0, f);
+            while (l < POINTS && f[l] >= 0.0) {
+                l++;
+            }
+            const double part = l < POINTS && f[l - 1] > 0.0 ? f[l - 1] / (f[l - 1] - f[l]) : 0.0;
+            const double at = l < POINTS ? thetas[l - 1] + part * (thetas[l] - thetas[l - 1]) : 2.0;
+            first = at < soonest ? i : first;
+            soonest = gb_min(soonest, at);
+        }
+    }
+    return first;
+}
+
+/* When event function i leaves its mode; `until`: a little after the first constraint force that does. */
+static int locate_one(gb_sim *sim, int i, double tolerance, double *until) {
+    double low = 2.0, high = 2.0;
+    int code = first_through(sim, i, -1.0, *until, tolerance, &low);
+    if (code == GB_DONE) {
+        code = first_through(sim, i, 1.0, *until, tolerance, &high);
+    }
+    sim->events.located[i] = gb_min(low, high) < *until ? gb_min(low, high) : 2.0;
+    sim->events.side[i] = low < high ? -1.0 : 1.0;
+    sim->events.undersampled =
+        sim->events.undersampled || (is_force(sim, i) && sim->events.hi[i] == 0.0 && is_untold(sim, i));
+    if (code == GB_DONE && is_force(sim, i) && sim->events.located[i] <= 1.0 &&
+        sim->events.located[i] + tolerance < *until) {
+        *until = sim->events.located[i] + tolerance;
+        code = gb_event_functions_at(sim, *until, sim->events.until);
+    }
+    return code;
+}
+
 int gb_locate_sampled(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = model->n_event_functions;
     const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
+    double until = 2.0;
     int code = GB_DONE, any = 0;
     for (int i = model->n_affine; i < n; i++) {
         any = any || is_sampled(sim, i);
@@ -287,20 +332,12 @@ int gb_locate_sampled(gb_sim *sim) {
     for (int l = 1; l < POINTS && code == GB_DONE; l++) {
         code = gb_event_functions_at(sim, thetas[l], sim->events.samples + (size_t)l * (size_t)n);
     }
+    const int first = code == GB_DONE ? first_force(sim) : -1;
+    code = first >= 0 ? locate_one(sim, first, tolerance, &until) : code;
     for (int i = model->n_affine; i < n && code == GB_DONE; i++) {
-        double low = 2.0, high = 2.0;
-        if (!is_sampled(sim, i)) {
-            continue;
+        if (i != first && is_sampled(sim, i)) {
+            code = locate_one(sim, i, tolerance, &until);
         }
-        code = first_through(sim, i, -1.0, tolerance, &low);
-        if (code == GB_DONE) {
-            code = first_through(sim, i, 1.0, tolerance, &high);
-        }
-        sim->events.located[i] = gb_min(low, high);
-        sim->events.side[i] = low < high ? -1.0 : 1.0;
-        sim->events.undersampled =
-            sim->events.undersampled || (sim->events.role[i] == GB_CONSTRAINED && sim->events.hi[i] == 0.0 &&
-                                         sim->events.slack[i] < 0.0 && is_untold(sim, i));
     }
     return code;
 }

@@ -11,10 +11,6 @@
 /* All event functions at theta, into s. */
 int gb_event_functions_at(gb_sim *sim, double theta, double *s);
 
-/* What forces of lossy gears may go beyond zero, as slip acceleration: what changes speeds by no more than their
- * rounding within the step. Both sides of zero ask for the same motion there. */
-void gb_measure_slack(gb_sim *sim);
-
 /* Distance of event function i to its limit `side`; from its start value where it is armed there. */
 double gb_limit_distance(const gb_sim *sim, int i, double side, double s);
 

@@ -1,7 +1,8 @@
 #include "gb_lossy_gear.h"
 #include "gb_constraint_forces.h"
-#include "gb_constraint_rows.h"
+#include "gb_constraint_state.h"
 #include "gb_constraints.h"
+#include "gb_loss.h"
 #include "gb_report.h"
 #include "gb_vector.h"
 
@@ -94,7 +95,7 @@ static int solve(gb_sim *sim) {
  * rounding; at rest the loss is in its range. */
 static int holds_true(gb_sim *sim, int i) {
     const int j = sim->model->constraints[i].partner;
-    const double *losses = losses_of(sim, i), tie = gb_constraint_force(sim, j), force = gb_constraint_force(sim, i);
+    const double *losses = losses_of(sim, i), tie = sim->constraints.force[j], force = sim->constraints.force[i];
     const double direction = sim->mode[sim->model->constraints[i].slip];
     if (sim->constraints.decision[i] == GB_CANDIDATE) {
         return gb_loss_excess(losses, tie, force) <= 1e-10 * (fabs(force) + fabs(tie));
@@ -102,7 +103,8 @@ static int holds_true(gb_sim *sim, int i) {
     double size;
     gb_slip_acceleration(sim, j, &size);
     const int side = direction > 0.0 ? sim->lossy.forward[i] : sim->lossy.backward[i];
-    const double response = fabs(sim->constraints.delassus[j * sim->model->n_constraints + j]);
+    const gb_delassus W = gb_delassus_of(sim);
+    const double response = fabs(gb_delassus_diagonal(&W, j));
     return gb_loss_margin(losses, side, direction * tie) * response >= -gb_acceleration_rounding(sim, j, size);
 }
 
@@ -111,7 +113,7 @@ static int take_sides(gb_sim *sim, int all) {
     int wrong = 0;
     for (int i = 0; i < sim->model->n_constraints; i++) {
         if (is_loss(sim, i) && !holds_true(sim, i)) {
-            const double tie = gb_constraint_force(sim, sim->model->constraints[i].partner);
+            const double tie = sim->constraints.force[sim->model->constraints[i].partner];
             if (all || wrong == 0) {
                 sim->lossy.forward[i] = gb_loss_side(losses_of(sim, i), tie);
                 sim->lossy.backward[i] = gb_loss_side(losses_of(sim, i), -tie);

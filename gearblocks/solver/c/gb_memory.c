@@ -1,4 +1,5 @@
 #include "gb_memory.h"
+#include "gb_active_set.h"
 #include "gb_enclosure.h"
 #include "gb_methods.h"
 #include "gb_sparse_ldu.h"
@@ -44,7 +45,6 @@ static size_t lay_block(gb_sim *sim, char *base) {
         *by_input[i] = doubles(base, &at, m->n_inputs);
     }
     sim->constraints.row_size = doubles(base, &at, m->n_constraints);
-    sim->mode = doubles(base, &at, m->n_switches + m->n_active_set);
     for (size_t i = 0; i < sizeof by_switch / sizeof by_switch[0]; i++) {
         *by_switch[i] = doubles(base, &at, m->n_switches);
     }
@@ -55,7 +55,18 @@ static size_t lay_block(gb_sim *sim, char *base) {
         *whole[i] = doubles(base, &at, m->n_total);
     }
     sim->rows = doubles(base, &at, (long)GB_ROWS * m->n_total);
-    return at;
+    const size_t modes = sizeof(double) * (size_t)(m->n_switches + m->n_active_set + 1);
+    sim->mode = take(base, &at, 0); /* what follows from the active set lies behind it, and is not saved */
+    return at + modes;
+}
+
+/* Doubles behind the modes: the active set and what follows from it. `carried`: without what is made anew at each use.
+ */
+static long active_set_size(const gb_model *m, long *carried) {
+    gb_active_set active;
+    double none = 0.0;
+    *carried = 0;
+    return m->n_constraints > 0 ? gb_active_lay(m->constraint_rows, &none, &active, carried) : 0;
 }
 
 /* What events need to decide about switched constraints. */
@@ -68,21 +79,25 @@ static void lay_constraints(gb_sim *sim, char *base, size_t *at) {
                                       &c->hi,          &c->lo_slope,      &c->hi_slope,    &c->force,
                                       &c->other,       &c->force_before,  &c->slip_before, &c->free_acceleration,
                                       &c->mode_before, &c->shrink,        &c->peak,        &lossy->base_mode};
-    double **const by_pair[] = {&c->delassus, &c->matrix, &sim->implicit.row_inverse};
+    double **const by_pair[] = {&sim->implicit.row_inverse, &sim->implicit.row_room};
     int **const marks[] = {
-        &c->index,      &c->decision, &c->was_redundant,     &c->released,    &c->struck,       &c->broken,
+        &c->in,         &c->decision, &c->was_redundant,     &c->released,    &c->struck,       &c->broken,
         &c->was_broken, &c->on,       &lossy->base_decision, &lossy->forward, &lossy->backward, &lossy->option};
     for (size_t i = 0; i < sizeof by_constraint / sizeof by_constraint[0]; i++) {
         *by_constraint[i] = doubles(base, at, n);
     }
     for (size_t i = 0; i < sizeof by_pair / sizeof by_pair[0]; i++) {
-        *by_pair[i] = doubles(base, at, n * n);
+        *by_pair[i] = doubles(base, at, m->pattern ? n * n : 0);
     }
     for (size_t i = 0; i < sizeof marks / sizeof marks[0]; i++) {
         *marks[i] = take(base, at, sizeof(int) * (size_t)(n + 1));
     }
     c->bounds = doubles(base, at, 5 * n);
-    c->full_mode = doubles(base, at, n > 0 ? m->n_switches + m->n_active_set : 0);
+    const long size = n > 0 ? gb_delassus_size(m->n_constraints, m->constraint_rows->pattern) : 0;
+    long carried;
+    c->delassus = doubles(base, at, size);
+    c->room = doubles(base, at, size);
+    c->full_mode = doubles(base, at, n > 0 ? m->n_switches + active_set_size(m, &carried) : 0);
     c->row = doubles(base, at, n * m->n_speeds);
     sim->implicit.row_response = doubles(base, at, n > 0 && m->pattern ? n * m->pattern->n : 0);
 }
@@ -108,15 +123,17 @@ static void lay_implicit(gb_sim *sim, char *base, size_t *at) {
 static void lay_events(gb_sim *sim, char *base, size_t *at) {
     const gb_model *m = sim->model;
     struct gb_events *e = &sim->events;
-    double **const by_surface[] = {&e->s0, &e->s, &e->located, &e->side, &e->moved, &e->slack};
+    double **const by_surface[] = {&e->s0, &e->s, &e->located, &e->side, &e->moved, &e->slack, &e->until};
     for (size_t i = 0; i < sizeof by_surface / sizeof by_surface[0]; i++) {
         *by_surface[i] = doubles(base, at, m->n_event_functions);
     }
     e->slopes = doubles(base, at, (long)GB_ROWS * m->n_affine);
     e->mode_before = doubles(base, at, m->update_states ? m->n_switches : 0);
     e->samples = doubles(base, at, (m->n_event_functions > m->n_affine ? (long)GB_STAGES : 0) * m->n_event_functions);
-    sim->unlocated.mode = doubles(base, at, m->n_switches + m->n_active_set);
-    sim->sliding.mode = doubles(base, at, m->n_switches + m->n_active_set);
+    long carried;
+    sim->unlocated.mode = doubles(base, at, m->n_switches + active_set_size(m, &carried));
+    sim->unlocated.n_carried = (size_t)(m->n_switches + carried);
+    sim->sliding.mode = doubles(base, at, m->n_switches + active_set_size(m, &carried));
     sim->sliding.rates = doubles(base, at, m->n_event_functions > 0 ? (long)(1 + GB_SLIDING) * m->n_total : 0);
     sim->sliding.functions = doubles(base, at, 2L * m->n_event_functions);
     sim->sliding.outputs = doubles(base, at, m->n_event_functions > 0 ? 2L * m->n_outputs : 0);
@@ -192,8 +209,11 @@ gb_sim *gb_open(const gb_model *model) {
     }
     sim->model = model;
     sim->method = &gb_method_table[GB_DP8];
+    long carried;
+    const size_t behind = sizeof(double) * (size_t)active_set_size(model, &carried);
     const size_t block = lay_block(sim, NULL), scratch = lay_scratch(sim, NULL);
-    sim->memory = calloc(1, block + scratch + LINE);
+    const size_t begin = (block + behind + LINE - 1) / LINE * LINE;
+    sim->memory = calloc(1, begin + scratch + LINE);
     if (!sim->memory) {
         free(sim);
         return NULL;
@@ -201,7 +221,7 @@ gb_sim *gb_open(const gb_model *model) {
     char *base = sim->memory;
     base += LINE - (uintptr_t)base % LINE;
     sim->block_bytes = lay_block(sim, base);
-    lay_scratch(sim, base + block);
+    lay_scratch(sim, base + begin);
     sim->head->key = hash_text(model->key);
     sim->head->bytes = block;
     for (int i = 0; i < model->n_switches; i++) {

@@ -168,13 +168,14 @@ typedef struct gb_model {
     void (*energies)(const double *par, const double *mode, const double *time_terms, const double *y, double *energy);
 
     /* Switched constraints G v + g(t) = 0 (n_constraints 0: none). Behind the modes lie n_active_set doubles, the
-     * active set with its factors (see gb_constraint_rows.h), which factor_active_set fills from the modes and which
-     * every function with `mode` reads. slips: G v + g of all, with dy its rates; delassus: W = G M^-1 G',
-     * n_constraints x n_constraints (with `lossy`: with what lossy gears lose of the force); constraint_row: row i over
-     * the speeds (with `force`: what its force does to them); apply_impulses: adds to the speeds of y what impulses
-     * along the rows do; project_velocities: removes slips of active constraints; force_bounds: five numbers per
-     * constraint (least and largest constraint force, sizes of the force against forward and backward slip, engagement;
-     * of a stop the third is its restitution); constraint_forces: these, and by how much they exceed their bounds. */
+     * active set, and behind them what follows from it (see gb_constraint_rows.h). factor_active_set fills both from
+     * the modes, renew_active_set the second part from the first; every function with `mode` reads them. slips: G v + g
+     * of all, with dy its rates; delassus: W = G M^-1 G' as in gb_delassus.h (with `lossy`: with what lossy gears lose
+     * of the force); constraint_row: row i over the speeds (with `force`: what its force does to them);
+     * apply_impulses: adds to the speeds of y what impulses along the rows do; project_velocities: removes slips of
+     * active constraints; force_bounds: five numbers per constraint (least and largest constraint force, sizes of the
+     * force against forward and backward slip, engagement; of a stop the third is its restitution); constraint_forces:
+     * these, and by how much they exceed their bounds. */
     int n_constraints, n_active_set;
     int constant_rows; /* they do not change with the position, and time moves none of them */
     const gb_constraint *constraints;
@@ -188,6 +189,7 @@ typedef struct gb_model {
     void (*constraint_row)(const double *par, const double *mode, const double *time_terms, const double *y, int i,
                            int force, double *row);
     void (*factor_active_set)(const double *par, double *mode, const double *time_terms, const double *y);
+    void (*renew_active_set)(const double *par, double *mode);
     void (*project_velocities)(const double *par, const double *mode, const double *time_terms, double *y);
     void (*force_bounds)(const double *par, const double *mode, const double *time_terms, const double *y,
                          double *bounds);

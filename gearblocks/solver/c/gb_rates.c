@@ -21,8 +21,7 @@ int gb_slides(const gb_sim *sim, int i) {
 }
 
 void gb_set_above(gb_sim *sim, int j) {
-    const gb_model *model = sim->model;
-    memcpy(sim->sliding.mode, sim->mode, sizeof(double) * (size_t)(model->n_switches + model->n_active_set));
+    memcpy(sim->sliding.mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
     sim->sliding.mode[sim->head->events.sliding[j]] += 1.0;
 }
 

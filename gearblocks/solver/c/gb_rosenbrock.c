@@ -1,5 +1,5 @@
 #include "gb_rosenbrock.h"
-#include "gb_constraint_rows.h"
+#include "gb_active_set.h"
 #include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_sparse_ldu.h"
@@ -118,12 +118,12 @@ static void factor_constraints(gb_sim *sim) {
     }
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
-            sim->constraints.matrix[i * n + j] =
+            sim->implicit.row_room[i * n + j] =
                 along(sim, i, sim->implicit.row_response + (size_t)j * (size_t)size + first);
             sim->implicit.row_inverse[i * n + j] = i == j ? 1.0 : 0.0;
         }
     }
-    gb_gauss_jordan(n, n, sim->constraints.matrix, n, sim->implicit.row_inverse);
+    gb_gauss_jordan(n, n, sim->implicit.row_room, n, sim->implicit.row_inverse);
 }
 
 /* Adds the constraint forces, so that the speeds of x slip as `right` says. */
@@ -144,7 +144,8 @@ static void apply_constraints(gb_sim *sim, double *x) {
         }
     }
     if (n > 0 && model->constant_rows) {
-        gb_active_project(model->constraint_rows, sim->mode + model->n_switches, NULL, speeds);
+        const gb_active_set active = gb_active_at(model->constraint_rows, sim->mode + model->n_switches);
+        gb_active_project(model->constraint_rows, &active, NULL, speeds);
     }
 }
 

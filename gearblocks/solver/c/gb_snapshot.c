@@ -1,4 +1,5 @@
 #include "gb_snapshot.h"
+#include "gb_constraint_state.h"
 #include "gb_inputs.h"
 #include "gb_memory.h"
 #include "gb_report.h"
@@ -68,14 +69,34 @@ static int head_fits(const gb_sim *sim, const gb_head *head) {
            head->events.t_break == head->events.t_break && sliding_fits(sim, &head->events);
 }
 
+/* The active set in a block: constraints in ascending order. */
+static int active_set_fits(const gb_sim *sim, const char *block) {
+    const int n = sim->model->n_constraints;
+    const char *at = block + ((const char *)(sim->mode + sim->model->n_switches) - (const char *)sim->head);
+    double count = 0.0, last = -1.0;
+    if (n > 0) {
+        memcpy(&count, at + sizeof count * GB_ACTIVE_COUNT, sizeof count);
+    }
+    for (int i = 0; count > 0.0 && i < n && i < count; i++) {
+        double index;
+        memcpy(&index, at + sizeof index * (size_t)(GB_ACTIVE_INDEX + i), sizeof index);
+        if (!(index > last && index < n && index == floor(index))) {
+            return 0;
+        }
+        last = index;
+    }
+    return count >= 0.0 && count <= n && count == floor(count);
+}
+
 static int block_fits(const gb_sim *sim, const char *block) {
     const gb_model *model = sim->model;
     gb_head head;
     memcpy(&head, block, sizeof head);
     return head.key == sim->head->key && head.bytes == sim->head->bytes &&
            head.checksum == checksum_of(block, sim->block_bytes) &&
-           (!head.started || (head_fits(sim, &head) && finite_in(sim, block, sim->y, model->n_total) &&
-                              finite_in(sim, block, sim->mode, model->n_switches + model->n_active_set)));
+           (!head.started ||
+            (head_fits(sim, &head) && finite_in(sim, block, sim->y, model->n_total) &&
+             finite_in(sim, block, sim->mode, model->n_switches + model->n_active_set) && active_set_fits(sim, block)));
 }
 
 size_t gb_snapshot_size(const gb_sim *sim) {
@@ -99,6 +120,10 @@ int gb_restore(gb_sim *sim, const void *block) {
     }
     memcpy(sim->head, block, sim->block_bytes);
     gb_set_method(sim, sim->head->method);
+    sim->panel.known = 0;
+    if (gb_some_active(sim)) {
+        sim->model->renew_active_set(sim->par, sim->mode);
+    }
     sim->log.count = sim->log.flushed = 0;
     gb_kinematic_links(sim);
     gb_input_broadcast(sim);

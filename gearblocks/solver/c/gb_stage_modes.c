@@ -3,8 +3,7 @@
 void gb_stage_modes_begin(gb_sim *sim, int lanes) {
     sim->unlocated.crossed = 0;
     sim->unlocated.lanes = lanes;
-    memcpy(sim->unlocated.mode, sim->mode,
-           sizeof(double) * (size_t)(sim->model->n_switches + sim->model->n_active_set));
+    memcpy(sim->unlocated.mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
 }
 
 int gb_stage_modes(gb_sim *sim, const gb_lanes *at, int lanes, int lane, const double *y) {

@@ -26,6 +26,7 @@ static int take_values(gb_sim *sim, double t) {
     }
     if (code == GB_DONE) {
         model->prepare(sim->par);
+        sim->panel.known = 0;
         model->scales(sim->par, sim->control.natural_scale);
         sim->head->control.natural = -1.0;
         gb_size_rows(sim);

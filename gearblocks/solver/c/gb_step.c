@@ -7,6 +7,7 @@
 #include "gb_error_control.h"
 #include "gb_evaluate.h"
 #include "gb_features.h"
+#include "gb_give_up.h"
 #include "gb_growth.h"
 #include "gb_ledger.h"
 #include "gb_locate_polynomial.h"
@@ -15,7 +16,6 @@
 #include "gb_modes.h"
 #include "gb_rates.h"
 #include "gb_reach.h"
-#include "gb_report.h"
 #include "gb_rest.h"
 #include "gb_rosenbrock.h"
 #include "gb_runge_kutta.h"
@@ -191,32 +191,6 @@ static double judge(gb_sim *sim, double h) {
     return error <= 0.0 && adaptive ? other_errors(sim, h, error) : error;
 }
 
-/* The index of what is not finite in the step just tried. */
-static int name_taint(gb_sim *sim) {
-    const int total = sim->model->n_total;
-    for (int j = 0; j <= sim->method->stages; j++) {
-        const int full = sim->method->full[j] ? total : sim->model->n_padded;
-        if (gb_check_finite(sim, GB_ERR_NAN_RATE, sim->k + (size_t)j * (size_t)total, full, 0, sim->lanes.t[j]) !=
-            GB_DONE) {
-            return sim->head->report.code;
-        }
-    }
-    return gb_check_finite(sim, GB_ERR_NAN_RATE, sim->z, total, 0, sim->lanes.t[sim->method->stages]);
-}
-
-/* No step is short enough: what the last try of size h said. finite: it only had too large an error. */
-static int give_up(gb_sim *sim, int code, int finite, double h) {
-    if (code != GB_DONE) {
-        return code;
-    }
-    const int chatters = finite ? gb_flipped_just_now(sim) : -1;
-    if (chatters >= 0) {
-        return gb_fail(sim, GB_ERR_CHATTER, chatters, sim->head->front.t1, sim->events.flips[chatters]);
-    }
-    return gb_name_escape(sim, finite ? gb_fail(sim, GB_ERR_STEP, gb_worst_state(sim), sim->head->front.t1, h)
-                                      : name_taint(sim));
-}
-
 /* Time terms, the derivative at the front and all stages of a step that ends at `end`. */
 static int try_step(gb_sim *sim, double end) {
     const gb_method *method = sim->method;
@@ -315,7 +289,7 @@ int gb_step(gb_sim *sim, double stop) {
         const double end = end_of_step(sim, h, limit);
         const double size = end - head->front.t1;
         if (!(size > 0.0)) { /* lost in the rounding of the time */
-            return give_up(sim, GB_DONE, 1, h);
+            return gb_give_up(sim, GB_DONE, 1, h);
         }
         code = try_step(sim, end);
         if (code != GB_DONE && code != GB_ERR_SINGULAR) {
@@ -347,7 +321,7 @@ int gb_step(gb_sim *sim, double stop) {
         const int finite = error > 0.0;
         h = fixed ? 0.0 : gb_choice_rejected(sim, size * (finite ? gb_step_factor(sim, error, 0) : 0.1));
         if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->front.t1), head->control.h_largest) || h < 1e-200) {
-            code = give_up(sim, code, finite, h);
+            code = gb_give_up(sim, code, finite, h);
         } else {
             code = sim->head->report.code = GB_DONE;
         }
