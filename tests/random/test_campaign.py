@@ -72,6 +72,20 @@ def test_the_reference_stops_a_braked_wheel_when_momentum_says():
     assert abs(motion.angles[0, -1] - 0.9) < 1e-12
 
 
+@pytest.mark.parametrize("capacity", [0.289, 0.301, 0.1 + 0.2, 1 / 3, 0.71])
+@pytest.mark.parametrize("J", [0.0257, 0.3])
+def test_the_reference_breaks_away_where_loads_cancel_but_for_rounding(J, capacity):
+    wheel = Part("j", "Inertia", (("J", J),), (("a", "j"),))
+    held = [
+        Part(n, "Brake", (("capacity", c * capacity),), (("a", "j"), ("housing", GROUND)))
+        for n, c in (("b", 0.3), ("c", 0.7))
+    ]
+    pull = Part("t", "Torque", (("tau", -1.09 * TIME),), (("flange", "j"),))
+    motion = reference_motion(_train(wheel, *held, pull), T)
+    late = np.maximum(T - capacity / 1.09, 0.0)
+    assert np.abs(motion.speeds[0] + 1.09 / J * late**2 / 2).max() < 1e-9 / J
+
+
 def test_the_reference_bounces_as_newton_says():
     body = Part("j", "Inertia", (("J", 1.0), ("w0", 2.0)), (("a", "j"),))
     stop = Part("s", "HardStop", (("upper", 1.0), ("restitution", 0.5)), (("a", "j"),))

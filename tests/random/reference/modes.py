@@ -208,10 +208,8 @@ class Modes:
         margins = self.d.evaluate(t, y, margins=True)[1]
         units = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :]
         a = self.s.Ur @ acceleration
-        mobile = float(
-            np.abs(np.diag(self.s.Minv)).max()
-        )  # where all break away at once, accelerations are rounding of forces
-        rate = -max(1e-6 * float(np.abs(a).max(initial=0.0)), 1e-12 * size * mobile, 1e-300)
+        pull = size * float(np.abs(np.diag(self.s.Minv)).max(initial=0.0))  # loads that cancel leave rounding of it
+        rate = -max(1e-6 * float(np.abs(a).max(initial=0.0)), 1e-10 * pull, 1e-300)
         at = 0
         for asks, d in zip(asked, self.s.dry, strict=False):
             _, high, low = units[at : at + 3]
