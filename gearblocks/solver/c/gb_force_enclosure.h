@@ -2,9 +2,9 @@
  *
  *     lambda = -W_aa^-1 G_a M^-1 tau = L tau,   excess over the bounds = max(lambda - upper, lower - lambda),
  *
- * L found column by column once in each mode, tau and the bounds enclosed. What does not follow from the torques so (sets
- * with redundant rows, large sets) is left to samples; so is a step at whose start the two differ.
- * Knows nothing of how crossings are located. */
+ * L found column by column once in each mode, tau and the bounds enclosed. What does not follow from the torques so
+ * (sets with redundant rows, large sets) is left to samples; so is a step at whose start the two differ. Knows nothing
+ * of how crossings are located. */
 #ifndef GB_FORCE_ENCLOSURE_H
 #define GB_FORCE_ENCLOSURE_H
 
