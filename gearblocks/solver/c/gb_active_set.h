@@ -140,6 +140,23 @@ static inline int gb_active_follow(const gb_constraint_rows *rows, const gb_acti
     return 1;
 }
 
+/* Accelerations per torque on each of a few speeds, where all gains are powers of two, so that slips are zero to the
+ * last bit. */
+static inline void gb_active_answer(const gb_constraint_rows *rows, const int *root, const double *gain,
+                                    gb_active_set *a) {
+    const int m = rows->n_speeds;
+    *a->has_answer = m <= GB_PAD;
+    for (int i = 0; i < m; i++) {
+        *a->has_answer = *a->has_answer && (root[i] < 0 || gb_is_power_of_two(gain[i]));
+    }
+    for (int j = 0; j < m && *a->has_answer; j++) {
+        for (int i = 0; i < GB_PAD; i++) {
+            const int together = i < m && root[j] >= 0 && root[i] == root[j];
+            a->answer[j * GB_PAD + i] = together ? gain[i] * gain[j] * a->inverse_mass[root[j]] : 0.0;
+        }
+    }
+}
+
 /* The active set as ties, where it is like them; with a diagonal mass matrix. */
 static inline void gb_active_tie(const gb_constraint_rows *rows, const double *mass, const double *inverse_mass,
                                  gb_active_set *a) {
@@ -147,7 +164,7 @@ static inline void gb_active_tie(const gb_constraint_rows *rows, const double *m
     double gain[m + 1], sum[m + 1];
     int root[m + 1], count[m + 1], at = 0;
     memset(count, 0, sizeof count);
-    *a->n_roots = *a->n_held = 0;
+    *a->n_roots = *a->n_held = *a->has_answer = 0;
     if (!gb_active_follow(rows, a, root, gain)) {
         *a->n_roots = -1;
         return;
@@ -179,6 +196,7 @@ static inline void gb_active_tie(const gb_constraint_rows *rows, const double *m
             a->inverse_mass[root[i]] = 1.0 / sum[root[i]];
         }
     }
+    gb_active_answer(rows, root, gain, a);
 }
 
 /* Velocity projection (of accelerations too): the pivots follow from the other speeds, so that the slips of x vanish
@@ -200,6 +218,18 @@ static inline void gb_active_project(const gb_constraint_rows *rows, const gb_ac
             sum += a->value[e] * x[rows->speed[a->column[e]]];
         }
         x[rows->speed[a->pivot[r]]] = 0.0 - (bias ? sum + own_bias[r] : sum);
+    }
+}
+
+/* Accelerations from torques on a few speeds. */
+static inline __attribute__((always_inline)) void gb_active_respond(const gb_constraint_rows *rows,
+                                                                    const gb_active_set *a, double *x) {
+    gb_block sum = {0.0};
+    for (int j = 0; j < rows->n_speeds; j++) {
+        sum += *(const gb_block *)(const void *)(a->answer + j * GB_PAD) * x[j];
+    }
+    for (int i = 0; i < rows->n_speeds; i++) {
+        x[i] = sum[i];
     }
 }
 

@@ -74,7 +74,8 @@ typedef struct gb_sizes {
     const double *first, *trial;
 } gb_sizes;
 
-/* The error weights in [from, to); whether a state there has no scale yet, for which the trial counts. */
+/* The error weights in [from, to); whether a state there has no scale yet, for which the trial counts, or has never
+ * moved, in the trial neither. */
 static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
     const double *restrict peak = sim->control.largest, *restrict scale = sim->control.natural_scale,
                            *restrict noise = sim->control.noise;
@@ -89,10 +90,18 @@ static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
         const double own = gb_max(known, fabs(h * first[i]));
         const double size = peak[i] <= least && scale[i] < trusted ? gb_max(own, fabs(trial[i])) : own;
         const double weight = rtol * size + h * noise[i];
-        poor |= peak[i] <= least;
+        poor |= peak[i] > least ? 0 : peak[i] == 0.0 && trial[i] == 0.0 ? GB_AT_REST : GB_SMALL;
         out[i] = weight > 0.0 ? 1.0 / weight : 0.0;
     }
     return poor;
+}
+
+int gb_weights_follow_trial(const gb_sim *sim) {
+    int follow = sim->head->control.unscaled & GB_SMALL;
+    for (int i = 0; i < sim->model->n && sim->head->control.unscaled && !follow; i++) {
+        follow = sim->control.largest[i] == 0.0 && sim->z[i] != 0.0;
+    }
+    return follow;
 }
 
 void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *trial) {

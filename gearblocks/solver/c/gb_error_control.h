@@ -17,6 +17,10 @@
  * state has no scale at all. */
 void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *trial);
 
+/* Whether weights are to follow the trial step: a state has moved without coming to a scale, or begins to move in it.
+ */
+int gb_weights_follow_trial(const gb_sim *sim);
+
 /* Takes the front into the tolerance scales. The error weights of an implicit method are kept until a scale is by a
  * tenth beyond what they were made for: the tolerance lags behind on the safe side. */
 void gb_scales_grow(gb_sim *sim, const double *y);

@@ -50,7 +50,7 @@ static int is_alone(const gb_sim *sim) {
             return 0;
         }
     }
-    return sim->inputs.n_moving == 0;
+    return 1;
 }
 
 static int what_is_known(gb_sim *sim) {
@@ -178,7 +178,8 @@ static int is_in_box(const gb_sim *sim) {
 
 int gb_forces_stay(gb_sim *sim) {
     const gb_model *model = sim->model;
-    if (model->n_constraints == 0 || !sim->head->events.forces_agreed || what_is_known(sim) != ALONE) {
+    if (model->n_constraints == 0 || !sim->head->events.forces_agreed || sim->inputs.n_moving > 0 ||
+        what_is_known(sim) != ALONE) {
         return 0;
     }
     int stay = sim->panel.boxed && is_in_box(sim);

@@ -72,6 +72,9 @@ struct gb_front {
     int have_quadratures; /* and in the quadratures */
 };
 
+/* States without a tolerance scale: so small, or never other than 0, in the trial step neither. */
+enum { GB_SMALL = 1, GB_AT_REST = 2 };
+
 /* Step control. */
 struct gb_pace {
     double h_next;                      /* proposed */
@@ -89,7 +92,7 @@ struct gb_pace {
     uint64_t noise_modes;               /* the modes in which the noise was measured */
     double natural;                     /* the largest natural scale of a speed, -1: not known */
     int moved;                          /* see gb_rest.h */
-    int unscaled;                       /* a state has no tolerance scale yet: weights follow the trial step */
+    int unscaled;                       /* states without a tolerance scale yet: GB_SMALL, GB_AT_REST */
 };
 
 /* Energies that steps exchange, and what the last look at their error found. */

@@ -55,9 +55,9 @@ static size_t lay_block(gb_sim *sim, char *base) {
         *whole[i] = doubles(base, &at, m->n_total);
     }
     sim->rows = doubles(base, &at, (long)GB_ROWS * m->n_total);
-    const size_t modes = sizeof(double) * (size_t)(m->n_switches + m->n_active_set + 1);
+    const int modes = m->n_switches + m->n_active_set;
     sim->mode = take(base, &at, 0); /* what follows from the active set lies behind it, and is not saved */
-    return at + modes;
+    return at + sizeof(double) * (size_t)(modes > 0 ? modes : 1);
 }
 
 /* Doubles behind the modes: the active set and what follows from it. `carried`: without what is made anew at each use.

@@ -172,7 +172,8 @@ static double judge(gb_sim *sim, double h) {
     if (adaptive) {
         const int old = implicit && head->front.t1 - head->front.t_start >
                                         2.0 * (head->control.t_weights - head->front.t_start) + h;
-        if (head->control.h_weights == 0.0 || h > 2.0 * head->control.h_weights || head->control.unscaled || old) {
+        if (head->control.h_weights == 0.0 || h > 2.0 * head->control.h_weights || old ||
+            gb_weights_follow_trial(sim)) {
             gb_error_weights(sim, h, &sim->lanes, head->control.unscaled || head->counts.steps == 0 ? sim->z : NULL);
         }
         error = (head->choice.large_step ? gb_large_step_error(sim, h) : gb_log_error(sim, h)) + head->drift.strictness;
