@@ -304,10 +304,10 @@ class Dynamics:
                     kept.append(row)
                     values.append(value)
         n = s.N.shape[1]
-        if s.nonlinear and any(angles):
-            raise NoEvidenceError("a start off zero beside a nonlinear tie")
         tied = [g.ra - g.ratio * g.rb for g in s.lossy]
         q = _fit(rows + tied, angles + [0.0] * len(tied), n)
+        if any(tie.turned(q) > 0 for tie in s.nonlinear):
+            raise NoEvidenceError("a nonlinear tie that starts off zero")
         v0 = _fit(sped + tied + [x.rate(q, np.zeros(n))[0] for x in s.nonlinear],
                   speeds + [0.0] * (len(tied) + len(s.nonlinear)), n)  # fmt: skip
         if perturbation:
