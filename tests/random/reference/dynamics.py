@@ -26,6 +26,9 @@ class Dynamics:
 
     def __init__(self, system: System) -> None:
         self.s = s = system
+        units = [d.row for d in s.dry] + [x.row for x in s.stops] + [r for g in s.lossy for r in (g.ra, g.rb)]
+        if not all(is_zero(row @ s.P) for row in units):
+            raise NoEvidenceError("friction, a stop or a gear with losses on a prescribed motion")
         merge(s)
         for stop in s.stops:
             stop.row = stop.row @ s.N
