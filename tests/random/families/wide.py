@@ -63,7 +63,7 @@ def _extend(g: Growth, bodies: list[str], still: bool) -> None:
 
 def _special(g: Growth, bodies: list[str], still: bool) -> None:
     d, a = g.d, g.d.choice(bodies)
-    at_rest = (segments, planetary_gear, worm)
+    at_rest = (segments, planetary_gear)
     moving = (
         converter,
         belt,
