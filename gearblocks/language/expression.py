@@ -7,7 +7,6 @@ expression of these leaves is taken as well.
 from __future__ import annotations
 
 import math
-import operator
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
@@ -35,6 +34,8 @@ class Expr:
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
         """Arithmetic with numpy scalars, and np.sin(expression) and its like."""
+        from gearblocks.language.numpy_calls import numpy_call
+
         return numpy_call(ufunc, method, inputs)
 
     def __init__(self, op: str, *args: Any) -> None:
@@ -101,8 +102,19 @@ class Expr:
     def __ge__(self, other: Any) -> Any:
         return _binary(">=", self, other)
 
+    def __and__(self, other: Any) -> Any:
+        return _binary("And", self, other)
+
+    def __or__(self, other: Any) -> Any:
+        return _binary("Or", self, other)
+
+    def __invert__(self) -> Expr:
+        return Expr("Not", self)
+
+    __rand__, __ror__ = __and__, __or__
+
     def __bool__(self) -> bool:
-        if self.op in _RELATIONS:
+        if self.op in (*_RELATIONS, "And", "Or", "Not"):
             raise GearblocksError(
                 f"'{self}' is a condition, not a truth: put it into gb.piecewise((value, condition), ...)"
             )
@@ -183,31 +195,6 @@ def _binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | None = 
     return Expr(op, a, b)
 
 
-_NUMPY_OPERATORS: dict[str, Callable[..., Any]] = {
-    "add": operator.add, "subtract": operator.sub, "multiply": operator.mul, "divide": operator.truediv,
-    "power": operator.pow, "float_power": operator.pow, "negative": operator.neg, "positive": operator.pos,
-    "less": operator.lt, "less_equal": operator.le, "greater": operator.gt, "greater_equal": operator.ge,
-}  # fmt: skip
-_NUMPY_FUNCTIONS = {
-    "arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2", "absolute": "Abs", "fabs": "Abs",
-    "minimum": "Min", "maximum": "Max",
-}  # fmt: skip
-
-
-def numpy_call(ufunc: Any, method: str, inputs: tuple[Any, ...]) -> Any:
-    """The expression that a numpy function of expressions and numbers means; ParameterError for arrays, other functions."""
-    name = ufunc.__name__
-    arguments = [as_expr(x) for x in inputs]
-    if method == "__call__" and name in _NUMPY_OPERATORS:
-        return _NUMPY_OPERATORS[name](*arguments)
-    name = _NUMPY_FUNCTIONS.get(name, name)
-    if method == "__call__" and name in FUNCTIONS:
-        return Expr(name, *arguments)
-    raise ParameterError(
-        f"np.{ufunc.__name__} takes no expression such as '{arguments[0]}'; there are {', '.join(FUNCTIONS)}"
-    )
-
-
 def _sympy_binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | None) -> Any:
     import sympy as sp
 
@@ -216,6 +203,7 @@ def _sympy_binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | N
     operations: dict[str, Callable[[], Any]] = {
         "+": lambda: a + b, "*": lambda: a * b, "**": lambda: a**b,
         "<": lambda: a < b, "<=": lambda: a <= b, ">": lambda: a > b, ">=": lambda: a >= b,
+        "And": lambda: sp.And(a, b), "Or": lambda: sp.Or(a, b),
     }  # fmt: skip
     return operations[op]()
 

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.errors import GearblocksError, ParameterError
-from gearblocks.language.expression import Expr, as_expr, evaluate, finite_number, numpy_call
+from gearblocks.language.expression import Expr, as_expr, evaluate, finite_number
+from gearblocks.language.numpy_calls import numpy_call
 
 time = Expr("time")  # time in s, for expressions
 twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft

@@ -16,7 +16,7 @@ if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
 from tests.random.description import GROUND, Part, Train, script  # noqa: E402
-from tests.random.expressions import TIME, either, sense, thing  # noqa: E402
+from tests.random.expressions import TIME, TWIST, Node, either, sense, thing  # noqa: E402  # noqa: E402
 from tests.random.families import FAMILIES, draw  # noqa: E402
 from tests.random.reduce import from_plain, shrunk, to_plain  # noqa: E402
 from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
@@ -154,8 +154,45 @@ def test_a_trial_state_of_the_reference_beyond_the_numbers_is_no_rate(far, hunt)
 
 def test_the_reference_says_where_it_has_no_law():
     body = Part("j", "Inertia", (("J", 1.0),), (("a", "j"),))
-    with pytest.raises(NoEvidenceError, match="TorqueConverter"):
-        reference_motion(_train(body, Part("c", "TorqueConverter", (), ())), T)
+    with pytest.raises(NoEvidenceError, match="Windmill"):
+        reference_motion(_train(body, Part("c", "Windmill", (), ())), T)
+
+
+def test_the_reference_slows_a_pump_before_a_held_turbine():
+    capacity = Node("table", ((0.0, 1.0), (0.01, 0.0), "linear", False, None))
+    ratio = Node("table", ((0.0, 1.0), (2.0, 1.0), "linear", False, None))
+    pump = Part("i", "Inertia", (("J", 1.0), ("w0", 10.0)), (("a", "i"),))
+    wheel = Part("t", "Inertia", (("J", 1e9),), (("a", "t"),))  # as good as held: w' = -c w^2
+    fluid = Part(
+        "c", "TorqueConverter", (("capacity", capacity), ("ratio", ratio)), (("impeller", "i"), ("turbine", "t"))
+    )
+    motion = reference_motion(_train(pump, wheel, fluid), T)
+    assert np.abs(motion.speeds[0] - 10.0 / (1 + 0.1 * T)).max() < 1e-7
+
+
+def test_the_reference_carries_a_planetary_gear_to_its_ratio():
+    law = Node("object", ("MeshLaw", (("k", 1e7), ("c", 3e3))))
+    fields = {"z_sun": 24, "z_planet": 18, "z_ring": 60, "planets": 3, "module": 0.004, "pressure_angle": 0.35,
+              "planet_inertia": 1e-3, "sun_mesh": law, "ring_mesh": law}  # fmt: skip
+    gear = Part("g", "PlanetaryGear", tuple(fields.items()), (("sun", "s"), ("ring", GROUND), ("carrier", "c")))
+    sun, carrier = (Part(n, "Inertia", (("J", J),), (("a", n),)) for n, J in (("s", 0.2), ("c", 0.7)))
+    push = Part("p", "Torque", (("tau", 6.0),), (("flange", "s"),))
+    motion = reference_motion(_train(sun, carrier, gear, push), T)
+    i, planet = 1 + 60 / 24, (60 / 18 - 1) / (1 + 60 / 24)  # w_s/w_c, and the planets' speed over that of the sun
+    alpha = 6.0 / (0.2 + 0.7 / i**2 + 3 * 1e-3 * planet**2)
+    assert motion.speeds[0, -1] == pytest.approx(alpha, rel=1e-3)
+    assert motion.speeds[1, -1] == pytest.approx(alpha / i, rel=1e-3)
+
+
+def test_the_reference_starts_at_rest_where_springs_balance():
+    body = Part("j", "Inertia", (("J", 2.0),), (("a", "j"),))
+    spring = Part(
+        "k", "Shaft", (("torque", 100.0 * TWIST + 50.0 * TWIST * TWIST * TWIST),), (("a", "j"), ("b", GROUND))
+    )
+    drive = Part("t", "Torque", (("tau", 150.0),), (("flange", "j"),))
+    still = replace(_train(body, spring, drive), initial="static")
+    motion = reference_motion(still, T)
+    assert np.abs(motion.angles[0] - 1.0).max() < 1e-9  # 100 x + 50 x^3 = 150
 
 
 def test_the_reducer_keeps_what_fails_and_little_else():

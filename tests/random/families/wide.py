@@ -63,7 +63,7 @@ def _extend(g: Growth, bodies: list[str], still: bool) -> None:
 
 def _special(g: Growth, bodies: list[str], still: bool) -> None:
     d, a = g.d, g.d.choice(bodies)
-    at_rest = (segments, planetary_gear, worm)
+    at_rest = (segments, planetary_gear)
     moving = (
         converter,
         belt,
@@ -286,7 +286,7 @@ def law(g: Growth, node: str) -> Any:
         lambda: -1.0 * gain * call("Max", call("Abs", w) + -1.0 * w1, 0.0) * call("tanh", 4.0 * w),
         lambda: call("Min", call("Abs", gain * w), size) * -1.0 * call("atan", 2.0 * w),
         lambda: size * call("sqrt", 1.0 + wave * wave) * beat,
-        lambda: Node("parameter", ("level", size)) * wave,
+        lambda: Node("parameter", (g.name("level"), size)) * wave,
         lambda: given_input(g, size) * call("cos", phi),
         lambda: either(gain * (w1 + -1.0 * w), Node("both", (Node("<", (w, w1)), beat > -0.5)), 0.0),
         lambda: size * wave * table((0.0, digits(0.3 * g.t_end), g.t_end), (0.0, 1.0, 0.2)),

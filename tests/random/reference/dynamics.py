@@ -26,6 +26,9 @@ class Dynamics:
 
     def __init__(self, system: System) -> None:
         self.s = s = system
+        units = [d.row for d in s.dry] + [x.row for x in s.stops] + [r for g in s.lossy for r in (g.ra, g.rb)]
+        if not all(is_zero(row @ s.P) for row in units):
+            raise NoEvidenceError("friction, a stop or a gear with losses on a prescribed motion")
         merge(s)
         for stop in s.stops:
             stop.row = stop.row @ s.N
@@ -307,10 +310,10 @@ class Dynamics:
                     kept.append(row)
                     values.append(value)
         n = s.N.shape[1]
-        if s.nonlinear and any(angles):
-            raise NoEvidenceError("a start off zero beside a nonlinear tie")
         tied = [g.ra - g.ratio * g.rb for g in s.lossy]
         q = _fit(rows + tied, angles + [0.0] * len(tied), n)
+        if any(tie.turned(q) > 0 for tie in s.nonlinear):
+            raise NoEvidenceError("a nonlinear tie that starts off zero")
         v0 = _fit(sped + tied + [x.rate(q, np.zeros(n))[0] for x in s.nonlinear],
                   speeds + [0.0] * (len(tied) + len(s.nonlinear)), n)  # fmt: skip
         if perturbation:

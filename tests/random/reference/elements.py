@@ -98,7 +98,7 @@ def nonlinear_tie(
         phi, w = float(ra @ q), float(ra @ v)
         return rb - sign * m(phi) * ra, -sign * dm(phi) * w * w
 
-    s.nonlinear.append(Tie(rate))
+    s.nonlinear.append(Tie(rate, lambda q: max(abs(float(a @ s.N @ q)), abs(float(b @ s.N @ q)))))
 
 
 def noncircular(s: System, p: Part) -> None:

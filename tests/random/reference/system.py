@@ -72,9 +72,10 @@ class Lossy:
 
 @dataclass
 class Tie:
-    """A nonlinear tie: rate(q) -> (row, row' v)."""
+    """A nonlinear tie: rate(q) -> (row, row' v); turned: the largest of both angles."""
 
     rate: Callable[[Array, Array], tuple[Array, float]]
+    turned: Callable[[Array], float]
 
 
 class System:
