@@ -276,12 +276,39 @@ static int comes_back_early(const gb_sim *sim, int i) {
            sim->events.located[i] < eighths[0] && sim->events.armed[i] == sim->events.side[i];
 }
 
-/* The first theta of all that was located, less what is noise; and whether it is in doubt. */
+/* What was located in [from, to) and is noise is no event: its limit is not watched in this step. The search of other
+ * functions ends at the first event that is known, so that noise has to go first. Returns how many there were. */
+static int drop_noise(gb_sim *sim, int from, int to) {
+    int dropped = 0;
+    for (int i = from; i < to; i++) {
+        if (sim->events.located[i] <= 1.0 && has_stayed(sim, i)) {
+            sim->events.located[i] = 2.0;
+            *(sim->events.side[i] < 0.0 ? &sim->events.lo[i] : &sim->events.hi[i]) = sim->events.side[i] * HUGE_VAL;
+            dropped++;
+        }
+    }
+    return dropped;
+}
+
+/* The event functions that are not affine, once more where the search ended at noise. */
+static int watch_others(gb_sim *sim, int *noisy) {
+    const gb_model *model = sim->model;
+    int code = GB_DONE, dropped = 1;
+    gb_measure_slack(sim);
+    while (code == GB_DONE && dropped > 0) {
+        code = model->n_arguments > 0 ? gb_locate_enclosed(sim) : GB_DONE;
+        code = code == GB_DONE ? gb_locate_sampled(sim) : code;
+        dropped = code == GB_DONE ? drop_noise(sim, model->n_affine, model->n_event_functions) : 0;
+        *noisy += dropped;
+    }
+    return code;
+}
+
+/* The first theta of all that was located; and whether it is in doubt. */
 static double look_again(gb_sim *sim) {
     double first = 2.0;
     for (int i = 0; i < sim->model->n_event_functions; i++) {
         if (sim->events.located[i] <= 1.0) {
-            sim->events.located[i] = has_stayed(sim, i) ? 2.0 : sim->events.located[i];
             sim->events.in_doubt |= comes_back_early(sim, i);
             first = gb_min(first, sim->events.located[i]);
         }
@@ -293,20 +320,18 @@ int gb_locate(gb_sim *sim, double *theta) {
     const gb_model *model = sim->model;
     const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
     double first = 2.0;
-    int code = GB_DONE;
+    int code = GB_DONE, noisy = 0;
     sim->events.undersampled = sim->events.in_doubt = 0;
     model->event_functions(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->events.s0);
     if (model->n_affine > 0) {
         code = watch_all_affine(sim, tolerance);
-    }
-    if (model->n_event_functions > model->n_affine) {
-        gb_measure_slack(sim);
-    }
-    if (code == GB_DONE && model->n_arguments > 0) {
-        code = gb_locate_enclosed(sim);
+        noisy = drop_noise(sim, 0, code == GB_DONE ? model->n_affine : 0);
     }
     if (code == GB_DONE && model->n_event_functions > model->n_affine) {
-        code = gb_locate_sampled(sim);
+        code = watch_others(sim, &noisy);
+    }
+    if (noisy > 0) { /* with those that were not watched */
+        model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
     }
     for (int i = 0; i < model->n_event_functions; i++) {
         first = gb_min(first, sim->events.located[i]);
