@@ -37,6 +37,7 @@ _HOT = (
     "gb_evaluate.c",
     "gb_features.c",
     "gb_ledger.c",
+    "gb_locate.c",
     "gb_locate_polynomial.c",
     "gb_rates.c",
     "gb_rosenbrock.c",

@@ -38,6 +38,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_locate_sampled", "gb_event", "gb_panel", "gb_force_enclosure", "gb_ledger", "gb_features", "gb_defect"),
     ("gb_locate_enclosed", "gb_departure", "gb_drift"),
     ("gb_locate_polynomial", "gb_start"),
+    ("gb_locate",),
     ("gb_step",),
     ("gb_run",),
 )

@@ -1,10 +1,5 @@
 #include "gb_locate_polynomial.h"
-#include "gb_constraint_state.h"
 #include "gb_dense_output.h"
-#include "gb_force_enclosure.h"
-#include "gb_limit_noise.h"
-#include "gb_locate_enclosed.h"
-#include "gb_locate_sampled.h"
 #include "gb_modes.h"
 #include "gb_vector.h"
 
@@ -231,8 +226,7 @@ static void directions_along(gb_sim *sim, int from, int to) {
     }
 }
 
-/* The affine event functions; fills located and side. */
-static int watch_all_affine(gb_sim *sim, double tolerance) {
+int gb_locate_affine(gb_sim *sim, double tolerance) {
     const int n = sim->model->n_affine;
     int complete = 0;
     gb_dense_hermite(sim);
@@ -252,94 +246,4 @@ static int watch_all_affine(gb_sim *sim, double tolerance) {
         watch_affine(sim, i, tolerance);
     }
     return GB_DONE;
-}
-
-/* Switch i, located in this step, has not left its limit from the start to the end but for noise. */
-static int has_stayed(gb_sim *sim, int i) {
-    const gb_model *model = sim->model;
-    const double *time_terms = sim->lanes.time_terms + sim->method->stages;
-    const double limit = sim->events.side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
-    if (sim->events.role[i] == GB_CONSTRAINED || !gb_some_active(sim) ||
-        !gb_is_noise(sim, i, sim->events.s0[i] - limit, time_terms, sim->z, sim->y0)) {
-        return 0;
-    }
-    model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
-    return gb_is_noise(sim, i, sim->events.s[i] - limit, time_terms, sim->z, sim->y0);
-}
-
-/* A slip that has just let go in the direction of its acceleration, or a switch that flips for the second time without
- * progress, and yet comes back in the first eighth of the step: the error of the polynomial may do that, a shorter step
- * tells, as long as it can be told from rounding. */
-static int comes_back_early(const gb_sim *sim, int i) {
-    const double h = sim->head->front.h;
-    return h > 1e6 * gb_rounding(sim->head->front.t0, h) &&
-           (sim->events.role[i] == GB_CONSTRAINED || sim->events.flips[i] > 1.0) &&
-           sim->events.located[i] < eighths[0] && sim->events.armed[i] == sim->events.side[i];
-}
-
-/* The first theta of all that was located, less what is noise; and whether it is in doubt. */
-static double look_again(gb_sim *sim) {
-    double first = 2.0;
-    for (int i = 0; i < sim->model->n_event_functions; i++) {
-        if (sim->events.located[i] <= 1.0) {
-            sim->events.located[i] = has_stayed(sim, i) ? 2.0 : sim->events.located[i];
-            sim->events.in_doubt |= comes_back_early(sim, i);
-            first = gb_min(first, sim->events.located[i]);
-        }
-    }
-    return first;
-}
-
-/* What forces of lossy gears may go beyond zero, as slip acceleration: what changes speeds by no more than their
- * rounding within the step. Both sides of zero ask for the same motion there. */
-static void measure_slack(gb_sim *sim) {
-    const gb_model *model = sim->model;
-    for (int i = 0; i < model->n_constraints; i++) {
-        if (model->constraints[i].kind == GB_TIE) {
-            double speed = 0.0;
-            for (int k = model->n - model->n_speeds; k < model->n; k++) {
-                speed = gb_max(speed, fabs(sim->y0[k]));
-            }
-            sim->events.slack[model->constraints[i].slip] =
-                64.0 * DBL_EPSILON * speed * sim->constraints.row_size[i] / sim->head->front.h;
-        }
-    }
-}
-
-int gb_locate(gb_sim *sim, double *theta) {
-    const gb_model *model = sim->model;
-    const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
-    double first = 2.0;
-    int code = GB_DONE;
-    sim->events.undersampled = sim->events.in_doubt = 0;
-    if (!sim->head->events.armed && gb_forces_stay(sim)) {
-        *theta = first;
-        return GB_DONE;
-    }
-    model->event_functions(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->events.s0);
-    if (model->n_affine > 0) {
-        code = watch_all_affine(sim, tolerance);
-    }
-    if (model->n_event_functions > model->n_affine) {
-        measure_slack(sim);
-    }
-    if (code == GB_DONE && model->n_arguments > 0) {
-        code = gb_locate_enclosed(sim);
-    }
-    if (code == GB_DONE && model->n_event_functions > model->n_affine) {
-        code = gb_locate_sampled(sim);
-    }
-    for (int i = 0; i < model->n_event_functions; i++) {
-        first = gb_min(first, sim->events.located[i]);
-    }
-    if (code == GB_DONE && first <= 1.0) {
-        first = look_again(sim);
-    }
-    if (code == GB_DONE && first <= 1.0) {
-        for (int i = 0; i < model->n_event_functions; i++) {
-            sim->events.pending[i] = sim->events.located[i] <= first + tolerance ? sim->events.side[i] : 0.0;
-        }
-    }
-    *theta = first;
-    return code;
 }

@@ -10,7 +10,7 @@
 #include "gb_give_up.h"
 #include "gb_growth.h"
 #include "gb_ledger.h"
-#include "gb_locate_polynomial.h"
+#include "gb_locate.h"
 #include "gb_massless_error.h"
 #include "gb_method_choice.h"
 #include "gb_modes.h"

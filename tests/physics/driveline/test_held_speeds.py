@@ -71,3 +71,17 @@ def _swinging(rig: gb.Drivetrain, name: str) -> Any:
     shaft = rig.add(f"{name}_shaft", gb.Shaft(k=k))
     rig.connect(rig.add(name, gb.Inertia(J=J, w0=w0)).a, shaft.b)
     return shaft.a
+
+
+@pytest.mark.parametrize("train", [_load, _car, _condition])
+def test_no_event_is_lost_beside_the_noise_of_a_held_speed(train: Callable[[], tuple[gb.Drivetrain, Any, Any]]) -> None:
+    """A brake on a free body lets go whenever its capacity falls to zero, at t = pi/rate, 3 pi/rate, ..."""
+    rate = 9.57
+    rig, held, far = train()
+    rig.connect(held.b, _swinging(rig, "one"), _swinging(rig, "two"))
+    rig.connect(far.b, _swinging(rig, "three"), _swinging(rig, "four"))
+    free = rig.add("free", gb.Inertia(J=1.0, w0=50.0))
+    rig.connect(free.a, rig.add("pulsing", gb.Brake(capacity=1.04 * gb.sin(rate * gb.time))).a)
+    run = gb.simulate(rig, t_end=3.0, method="rodas", rtol=1e-7)
+    times = [e.t for e in run.events if e.component.startswith("pulsing") and e.after == 2.0]
+    assert times == pytest.approx([k * np.pi / rate for k in (1, 3, 5, 7, 9)], abs=1e-9)

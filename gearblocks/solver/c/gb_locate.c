@@ -1,0 +1,124 @@
+#include "gb_locate.h"
+#include "gb_constraint_state.h"
+#include "gb_force_enclosure.h"
+#include "gb_limit_noise.h"
+#include "gb_locate_enclosed.h"
+#include "gb_locate_polynomial.h"
+#include "gb_locate_sampled.h"
+#include "gb_modes.h"
+#include "gb_vector.h"
+
+/* Switch i, located in this step, has not left its limit from the start to the end but for noise. */
+static int has_stayed(gb_sim *sim, int i) {
+    const gb_model *model = sim->model;
+    const double *time_terms = sim->lanes.time_terms + sim->method->stages;
+    const double limit = sim->events.side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
+    if (sim->events.role[i] == GB_CONSTRAINED || !gb_some_active(sim) ||
+        !gb_is_noise(sim, i, sim->events.s0[i] - limit, time_terms, sim->z, sim->y0)) {
+        return 0;
+    }
+    model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
+    return gb_is_noise(sim, i, sim->events.s[i] - limit, time_terms, sim->z, sim->y0);
+}
+
+/* A slip that has just let go in the direction of its acceleration, or a switch that flips for the second time without
+ * progress, and yet comes back in the first eighth of the step: the error of the polynomial may do that, a shorter step
+ * tells, as long as it can be told from rounding. */
+static int comes_back_early(const gb_sim *sim, int i) {
+    const double h = sim->head->front.h;
+    return h > 1e6 * gb_rounding(sim->head->front.t0, h) &&
+           (sim->events.role[i] == GB_CONSTRAINED || sim->events.flips[i] > 1.0) && sim->events.located[i] < 0.125 &&
+           sim->events.armed[i] == sim->events.side[i];
+}
+
+/* What was located in [from, to) and is noise is no event: its limit is not watched in this step. The search of other
+ * functions ends at the first event that is known, so that noise has to go first. Returns how many there were. */
+static int drop_noise(gb_sim *sim, int from, int to) {
+    int dropped = 0;
+    for (int i = from; i < to; i++) {
+        if (sim->events.located[i] <= 1.0 && has_stayed(sim, i)) {
+            sim->events.located[i] = 2.0;
+            *(sim->events.side[i] < 0.0 ? &sim->events.lo[i] : &sim->events.hi[i]) = sim->events.side[i] * HUGE_VAL;
+            dropped++;
+        }
+    }
+    return dropped;
+}
+
+/* What forces of lossy gears may go beyond zero, as slip acceleration: what changes speeds by no more than their
+ * rounding within the step. Both sides of zero ask for the same motion there. */
+static void measure_slack(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    for (int i = 0; i < model->n_constraints; i++) {
+        if (model->constraints[i].kind == GB_TIE) {
+            double speed = 0.0;
+            for (int k = model->n - model->n_speeds; k < model->n; k++) {
+                speed = gb_max(speed, fabs(sim->y0[k]));
+            }
+            sim->events.slack[model->constraints[i].slip] =
+                64.0 * DBL_EPSILON * speed * sim->constraints.row_size[i] / sim->head->front.h;
+        }
+    }
+}
+
+/* The event functions that are not affine, once more where the search ended at noise. */
+static int watch_others(gb_sim *sim, int *noisy) {
+    const gb_model *model = sim->model;
+    int code = GB_DONE, dropped = 1;
+    measure_slack(sim);
+    while (code == GB_DONE && dropped > 0) {
+        code = model->n_arguments > 0 ? gb_locate_enclosed(sim) : GB_DONE;
+        code = code == GB_DONE ? gb_locate_sampled(sim) : code;
+        dropped = code == GB_DONE ? drop_noise(sim, model->n_affine, model->n_event_functions) : 0;
+        *noisy += dropped;
+    }
+    return code;
+}
+
+/* The first theta of all that was located; and whether it is in doubt. */
+static double look_again(gb_sim *sim) {
+    double first = 2.0;
+    for (int i = 0; i < sim->model->n_event_functions; i++) {
+        if (sim->events.located[i] <= 1.0) {
+            sim->events.in_doubt |= comes_back_early(sim, i);
+            first = gb_min(first, sim->events.located[i]);
+        }
+    }
+    return first;
+}
+
+int gb_locate(gb_sim *sim, double *theta) {
+    const gb_model *model = sim->model;
+    const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
+    double first = 2.0;
+    int code = GB_DONE, noisy = 0;
+    sim->events.undersampled = sim->events.in_doubt = 0;
+    if (!sim->head->events.armed && gb_forces_stay(sim)) {
+        *theta = first;
+        return GB_DONE;
+    }
+    model->event_functions(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->events.s0);
+    if (model->n_affine > 0) {
+        code = gb_locate_affine(sim, tolerance);
+        noisy = drop_noise(sim, 0, code == GB_DONE ? model->n_affine : 0);
+    }
+    if (code == GB_DONE && model->n_event_functions > model->n_affine) {
+        code = watch_others(sim, &noisy);
+    }
+    if (noisy > 0) { /* with those that were not watched */
+        gb_mode_limits(sim);
+    }
+    for (int i = 0; i < model->n_event_functions; i++) {
+        first = gb_min(first, sim->events.located[i]);
+    }
+    if (code == GB_DONE && first <= 1.0) {
+        first = look_again(sim);
+    }
+    if (code == GB_DONE && first <= 1.0) {
+        for (int i = 0; i < model->n_event_functions; i++) {
+            sim->events.pending[i] = sim->events.located[i] <= first + tolerance ? sim->events.side[i] : 0.0;
+        }
+    }
+    *theta = first;
+    return code;
+}
