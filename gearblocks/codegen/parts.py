@@ -212,8 +212,8 @@ class FeedbackSignal:
 
 @dataclass(slots=True)
 class Prediction:
-    """Prediction of the crossings of a switch of time: the C function of gb_table.h, its constant arguments, the first
-    switch."""
+    """Prediction of the crossings of a switch of time: the C function of gb_table.h or gb_timed_crossing.h, its constant
+    arguments, the first switch."""
 
     names: Names
     predictor: str

@@ -70,8 +70,10 @@ static inline gb_interval gb_interval_wave(gb_interval x, int peak) {
     const double a = peak ? gb_sin(x.lo) : gb_cos(x.lo), b = peak ? gb_sin(x.hi) : gb_cos(x.hi);
     const int has_most = floor(0.25 * to) >= ceil(0.25 * from);
     const int has_least = floor(0.25 * (to - 2.0)) >= ceil(0.25 * (from - 2.0));
-    all.lo = has_least ? -1.0 : fmin(a, b) - 4.0 * DBL_EPSILON;
-    all.hi = has_most ? 1.0 : fmax(a, b) + 4.0 * DBL_EPSILON;
+    /* within a few units in the last place, so that its sign near 0 is told however close; far out absolutely */
+    const double from_zero = fmax(fabs(x.lo), fabs(x.hi)) < 1e9 ? 0.0 : 1.0;
+    all.lo = has_least ? -1.0 : fmin(a, b) - 4.0 * DBL_EPSILON * fmax(fabs(fmin(a, b)), from_zero);
+    all.hi = has_most ? 1.0 : fmax(a, b) + 4.0 * DBL_EPSILON * fmax(fabs(fmax(a, b)), from_zero);
     return all;
 }
 

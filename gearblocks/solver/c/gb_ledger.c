@@ -206,8 +206,8 @@ static double estimate(gb_sim *sim, double h) {
  * in the same modes, beside what the step size explains. */
 static double against_chance(const gb_sim *sim, double h, double found) {
     const struct gb_ledger *ledger = &sim->head->ledger;
-    if (sim->head->counts.steps != ledger->found_at + 1 || sim->head->events.mode_hash != ledger->found_modes ||
-        ledger->found < FAR) {
+    const int follows = sim->head->counts.steps == ledger->found_at + 1 && ledger->h_found > 0.0;
+    if (!follows || sim->head->events.mode_hash != ledger->found_modes || ledger->found < FAR) {
         return found;
     }
     const double power = (double)(sim->method->order + 1);

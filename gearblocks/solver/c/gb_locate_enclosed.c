@@ -1,6 +1,6 @@
 #include "gb_locate_enclosed.h"
 #include "gb_dense_output.h"
-#include "gb_enclosure.h"
+#include "gb_enclosed_limit.h"
 #include "gb_force_enclosure.h"
 #include "gb_locate_sampled.h"
 #include "gb_modes.h"
@@ -22,69 +22,33 @@ typedef struct search {
     int with_forces;           /* constraint forces are enclosed too */
 } search;
 
-/* An event function and one of its limits, by number; side 0: not to be watched. */
-typedef struct limit {
-    int i;
-    double side;
-} limit;
-
-static limit limit_at(const gb_sim *sim, int number) {
-    const int i = sim->model->n_affine + number / 2;
-    const double side = number % 2 ? 1.0 : -1.0, at = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
-    const limit found = {i, sim->panel.watched[i] && fabs(at) < HUGE_VAL ? side : 0.0};
-    return found;
-}
-
-static int limits(const gb_model *model) {
-    return 2 * (model->n_event_functions - model->n_affine);
-}
-
-/* f over the piece. */
-static gb_interval margin(const gb_sim *sim, limit at) {
-    const gb_enclosure *g = &sim->panel.enclosure[at.i];
-    const gb_interval f = {gb_limit_distance(sim, at.i, at.side, at.side < 0.0 ? g->lo : g->hi),
-                           gb_limit_distance(sim, at.i, at.side, at.side < 0.0 ? g->hi : g->lo)};
-    return f;
-}
-
-/* df/dth over it. */
-static gb_interval margin_rate(const gb_sim *sim, limit at) {
-    const gb_enclosure *g = &sim->panel.enclosure[at.i];
-    const gb_interval rate = {at.side < 0.0 ? g->down : -g->up, at.side < 0.0 ? g->up : -g->down};
-    return rate;
-}
-
-/* It starts on its limit. */
-static int is_armed(const gb_sim *sim, limit at) {
-    return gb_limit_distance(sim, at.i, at.side, sim->events.s0[at.i]) == 0.0;
-}
-
 /* f has left its mode: a touch has not. */
-static int is_beyond(const gb_sim *sim, limit at, double f) {
-    return f < (is_armed(sim, at) ? -gb_limit_rounding(sim, at.i, 0.0) : 0.0);
+static int is_beyond(const gb_sim *sim, gb_limit at, double f) {
+    const double rounding = gb_starts_on_limit(sim, at) ? gb_limit_rounding(sim, at.i, 0.0) : 0.0;
+    return f < -rounding - sim->panel.noise[at.i];
 }
 
 /* Its values alone tell that it is free. */
-static int is_clear(const gb_sim *sim, limit at) {
-    return at.side == 0.0 || margin(sim, at).lo >= -gb_limit_rounding(sim, at.i, 0.0);
+static int is_clear(const gb_sim *sim, gb_limit at) {
+    return at.side == 0.0 || gb_margin(sim, at).lo >= -gb_limit_rounding(sim, at.i, 0.0);
 }
 
 /* Rates over a piece so long tell nothing: its ends are not worth a look. */
-static int is_hopeless(const gb_sim *sim, const search *s, limit at) {
-    const gb_interval f = margin(sim, at), rate = margin_rate(sim, at);
+static int is_hopeless(const gb_sim *sim, const search *s, gb_limit at) {
+    const gb_interval f = gb_margin(sim, at), rate = gb_margin_rate(sim, at);
     return !(gb_min(-rate.lo, rate.hi) * (s->b - s->a) <= 2.0 * (f.hi - f.lo));
 }
 
 /* What the piece is by its ends and rates. */
-static int verdict(const gb_sim *sim, const search *s, limit at) {
+static int verdict(const gb_sim *sim, const search *s, gb_limit at) {
     const double fa = gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]);
     const double fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]);
     const double enough = -gb_limit_rounding(sim, at.i, 0.0) - sim->panel.noise[at.i];
-    const gb_interval rate = margin_rate(sim, at);
+    const gb_interval rate = gb_margin_rate(sim, at);
     if (is_beyond(sim, at, fb)) {
         return rate.hi <= 0.0 || s->by_ends ? ROOT : OPEN;
     }
-    if (rate.hi <= 0.0 || rate.lo >= 0.0 || s->by_ends || margin(sim, at).lo >= enough) {
+    if (rate.hi <= 0.0 || rate.lo >= 0.0 || s->by_ends || gb_margin(sim, at).lo >= enough) {
         return FREE;
     }
     /* where the steepest fall from a meets the steepest rise to b */
@@ -94,9 +58,9 @@ static int verdict(const gb_sim *sim, const search *s, limit at) {
 
 /* The root of f in [a, b], which falls from fa >= 0 to fb < 0 with the given rates: secants, kept in the bracket that
  * each value gives with the rates (interval Newton). */
-static int falling_root(gb_sim *sim, limit at, double a, double b, double fa, double fb, double tolerance,
+static int falling_root(gb_sim *sim, gb_limit at, double a, double b, double fa, double fb, double tolerance,
                         double *root) {
-    const gb_interval rate = margin_rate(sim, at);
+    const gb_interval rate = gb_margin_rate(sim, at);
     double x0 = a, f0 = fa, x1 = b, f1 = fb;
     int code = GB_DONE;
     for (int count = 0; count < 100 && b - a > tolerance && code == GB_DONE; count++) {
@@ -117,8 +81,17 @@ static int falling_root(gb_sim *sim, limit at, double a, double b, double fa, do
     return code;
 }
 
+/* It leaves its mode at the root. */
+static void leave(gb_sim *sim, search *s, gb_limit at, double root) {
+    if (root < sim->events.located[at.i]) {
+        sim->events.located[at.i] = root;
+        sim->events.side[at.i] = at.side;
+    }
+    s->until = gb_min(s->until, root);
+}
+
 /* The only root in the piece, if it is no later than what is found already. */
-static int take_root(gb_sim *sim, search *s, limit at) {
+static int take_root(gb_sim *sim, search *s, gb_limit at) {
     const double fa = gb_max(gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]), 0.0);
     double end = s->b, fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]), root = 0.0;
     int code = GB_DONE;
@@ -130,24 +103,20 @@ static int take_root(gb_sim *sim, search *s, limit at) {
     if (code != GB_DONE || !is_beyond(sim, at, fb)) {
         return code;
     }
-    if (s->a > 0.0 || !is_armed(sim, at)) {
+    if (s->a > 0.0 || !gb_starts_on_limit(sim, at)) {
         code = falling_root(sim, at, s->a, end, fa, fb, s->tolerance, &root);
     }
-    if (root < sim->events.located[at.i]) {
-        sim->events.located[at.i] = root;
-        sim->events.side[at.i] = at.side;
-    }
-    s->until = gb_min(s->until, root);
+    leave(sim, s, at, root);
     return code;
 }
 
 /* The roots in the piece up to the first: the one that the chords put first, then those that are as early. */
 static int take_roots(gb_sim *sim, search *s) {
-    const int n = limits(sim->model);
+    const int n = gb_limits(sim->model);
     double soonest = HUGE_VAL;
     int first = 0, code = GB_DONE;
     for (int k = 0; k < n; k++) {
-        const limit at = limit_at(sim, k);
+        const gb_limit at = gb_limit_at(sim, k);
         if (!is_clear(sim, at) && verdict(sim, s, at) == ROOT) {
             const double fa = gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]);
             const double fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]);
@@ -155,9 +124,9 @@ static int take_roots(gb_sim *sim, search *s) {
             soonest = gb_min(soonest, fa / (fa - fb));
         }
     }
-    code = take_root(sim, s, limit_at(sim, first));
+    code = take_root(sim, s, gb_limit_at(sim, first));
     for (int k = 0; k < n && code == GB_DONE; k++) {
-        const limit at = limit_at(sim, k);
+        const gb_limit at = gb_limit_at(sim, k);
         if (k != first && !is_clear(sim, at) && verdict(sim, s, at) == ROOT) {
             code = take_root(sim, s, at);
         }
@@ -177,13 +146,18 @@ static int look_at_ends(gb_sim *sim, search *s) {
 
 /* What the piece is by all that is enclosed: open where it is for one of them, then free where it is for all. */
 static int judge_piece(gb_sim *sim, search *s, int *found) {
-    const int n = limits(sim->model);
+    const int n = gb_limits(sim->model);
     int clear = 1;
     *found = FREE;
     for (int k = 0; k < n; k++) {
-        const limit at = limit_at(sim, k);
+        const gb_limit at = gb_limit_at(sim, k);
         if (!is_clear(sim, at)) {
             clear = 0;
+            if (s->a == 0.0 && gb_leaves_corner(sim, s->with_forces, at, s->b, s->tolerance)) {
+                leave(sim, s, at, 0.0);
+                *found = ROOT;
+                return GB_DONE;
+            }
             if (!s->by_ends && is_hopeless(sim, s, at)) {
                 *found = OPEN;
                 return GB_DONE;
@@ -192,25 +166,16 @@ static int judge_piece(gb_sim *sim, search *s, int *found) {
     }
     int code = clear ? GB_DONE : look_at_ends(sim, s);
     for (int k = 0; !clear && k < n && *found != OPEN; k++) {
-        const limit at = limit_at(sim, k);
+        const gb_limit at = gb_limit_at(sim, k);
         const int one = is_clear(sim, at) ? FREE : verdict(sim, s, at);
         *found = one == FREE ? *found : one;
     }
     return code == GB_DONE && *found == ROOT ? take_roots(sim, s) : code;
 }
 
-/* with_forces: those of constraint forces too. */
-static void enclose(gb_sim *sim, int with_forces, double a, double b) {
-    gb_panel_piece(sim, a, b);
-    sim->model->enclosures(sim->par, sim->mode, sim->panel.x, sim->panel.enclosure);
-    if (with_forces) {
-        gb_forces_enclose(sim);
-    }
-}
-
 /* How finely event functions are told at all, after many open pieces: their width over hardly any time. */
 static void measure_noise(gb_sim *sim, const search *s) {
-    enclose(sim, s->with_forces, s->a, gb_min(s->a + s->tolerance, sim->panel.to));
+    gb_enclose(sim, s->with_forces, s->a, gb_min(s->a + s->tolerance, sim->panel.to));
     for (int i = sim->model->n_affine; i < sim->model->n_event_functions; i++) {
         const gb_enclosure *g = &sim->panel.enclosure[i];
         const int bounded = g->up - g->down < HUGE_VAL;
@@ -261,8 +226,8 @@ static int begin(gb_sim *sim, search *s) {
     }
     s->with_forces = gb_forces_prepare(sim);
     watch_forces(sim, s->with_forces);
-    for (int k = 0; k < limits(model); k++) {
-        any = any || limit_at(sim, k).side != 0.0;
+    for (int k = 0; k < gb_limits(model); k++) {
+        any = any || gb_limit_at(sim, k).side != 0.0;
     }
     s->a = any ? 0.0 : 1.0;
     if (any) {
@@ -270,12 +235,26 @@ static int begin(gb_sim *sim, search *s) {
         code = code == GB_DONE ? next_panel(sim, 0.0, 1.0) : code;
     }
     if (code == GB_DONE && any && s->with_forces) {
-        enclose(sim, 1, 0.0, s->tolerance);
+        gb_enclose(sim, 1, 0.0, s->tolerance);
         s->with_forces = gb_forces_agree(sim);
         watch_forces(sim, s->with_forces);
     }
     for (int i = model->n_affine; i < model->n_event_functions; i++) {
         sim->events.located[i] = 2.0;
+    }
+    return code;
+}
+
+/* Roots where a corner at the start is told from it at last: it has been left there. */
+static int look_back(gb_sim *sim, const search *s) {
+    int code = GB_DONE, never = 0;
+    for (int k = 0; k < gb_limits(sim->model) && code == GB_DONE; k++) {
+        const gb_limit at = gb_limit_at(sim, k);
+        const double root = at.side != 0.0 && sim->events.side[at.i] == at.side ? sim->events.located[at.i] : 0.0;
+        if (root > 0.0 && root <= s->until + s->tolerance) {
+            code = gb_never_inside(sim, at, root, &never);
+            sim->events.located[at.i] = never ? 0.0 : root;
+        }
     }
     return code;
 }
@@ -294,7 +273,7 @@ int gb_locate_enclosed(gb_sim *sim) {
         s.have_right = 0;
         s.by_ends = s.b - s.a <= s.tolerance || s.open > MOST_PIECES;
         if (code == GB_DONE) {
-            enclose(sim, s.with_forces, s.a, s.b);
+            gb_enclose(sim, s.with_forces, s.a, s.b);
             code = judge_piece(sim, &s, &found);
         }
         width = found == OPEN ? 0.5 * (s.b - s.a) : 2.0 * (s.b - s.a);
@@ -307,5 +286,5 @@ int gb_locate_enclosed(gb_sim *sim) {
         }
     }
     sim->events.undersampled = s.open > MOST_PIECES;
-    return code;
+    return code == GB_DONE && found == ROOT ? look_back(sim, &s) : code;
 }

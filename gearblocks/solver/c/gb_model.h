@@ -153,7 +153,8 @@ typedef struct gb_model {
     const int *bounded_feature;
     void (*features)(const double *par, const double *mode, const double *time_terms, const double *y, double *feature);
 
-    /* Event function of time switch i (in [n_event_functions, n_switches)) at t, its modes as everywhere above. */
+    /* Event function of time switch i (in [n_event_functions, n_switches)) at t, or a number on its side just after t;
+     * its modes as everywhere above. */
     double (*time_function)(const double *par, int i, double t);
 
     /* The next instant > t at which time switch i leaves its mode (or HUGE_VAL), and the mode after it. */

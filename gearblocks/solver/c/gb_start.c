@@ -43,7 +43,7 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     const gb_head fresh = {.key = head->key, .bytes = head->bytes, .options = *options};
     const size_t switches = sizeof(double) * (size_t)m->n_switches, states = sizeof(double) * (size_t)m->n_padded;
     *head = fresh;
-    head->front.t_start = head->front.t0 = head->front.t1 = head->front.t_comm = t0;
+    head->front.t_start = head->front.t0 = head->front.t1 = head->front.t_comm = head->events.entered = t0;
     head->events.t_break = head->events.held_until = HUGE_VAL;
     head->front.row_due = 1;
     memset(sim->mode, 0, switches + sizeof(double) * (size_t)m->n_active_set);

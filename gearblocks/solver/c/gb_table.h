@@ -147,30 +147,4 @@ static inline double gb_table_next(const gb_table *table, double rate, double of
     return rate != 0.0 && next > t ? next : HUGE_VAL;
 }
 
-/* Next instant > t at which rate * t + offset changes to the other sign than `mode` names. */
-static inline double gb_line_next(double rate, double offset, double mode, double t, double *after) {
-    const double next = -offset / rate;
-    *after = 1.0 - mode;
-    return (mode > 0.5 ? rate < 0.0 : rate > 0.0) && next > t ? next : HUGE_VAL;
-}
-
-/* Next instant > t at which size cos(rate t + phase) + offset changes to the other sign than `mode` names. */
-static inline double gb_wave_next(double size, double rate, double phase, double offset, double mode, double t,
-                                  double *after) {
-    const double turn = 6.283185307179586476925;
-    *after = 1.0 - mode;
-    if (rate == 0.0 || fabs(offset) >= fabs(size))
-        return HUGE_VAL;
-    /* size cos falls through -offset at +acos (size > 0, rising phase), rises at -acos */
-    double root = acos(-offset / size);
-    if ((mode > 0.5) != ((size > 0.0) == (rate > 0.0)))
-        root = -root;
-    const double period = turn / fabs(rate);
-    double next = (root - phase) / rate;
-    next += period * ceil((t - next) / period);
-    while (next <= t)
-        next += period;
-    return next;
-}
-
 #endif
