@@ -13,6 +13,7 @@ from functools import lru_cache
 from typing import Any
 
 from gearblocks.errors import GearblocksError, ParameterError
+from gearblocks.language.numpy_calls import numpy_call
 
 FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "Abs", "sign",
@@ -34,9 +35,7 @@ class Expr:
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
         """Arithmetic with numpy scalars, and np.sin(expression) and its like."""
-        from gearblocks.language.numpy_calls import numpy_call
-
-        return numpy_call(ufunc, method, inputs)
+        return numpy_call(as_expr, FUNCTIONS, ufunc, method, inputs)
 
     def __init__(self, op: str, *args: Any) -> None:
         object.__setattr__(self, "op", op)

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any
 
 from gearblocks.errors import ParameterError
-from gearblocks.language.expression import FUNCTIONS, Expr, as_expr
 
 _NUMPY_OPERATORS: dict[str, Callable[..., Any]] = {
     "add": operator.add, "subtract": operator.sub, "multiply": operator.mul, "divide": operator.truediv,
@@ -20,15 +19,17 @@ _NUMPY_FUNCTIONS = {
 }  # fmt: skip
 
 
-def numpy_call(ufunc: Any, method: str, inputs: tuple[Any, ...]) -> Any:
+def numpy_call(
+    as_expr: Callable[[Any], Any], functions: tuple[str, ...], ufunc: Any, method: str, inputs: tuple[Any, ...]
+) -> Any:
     """The expression that a numpy function of expressions and numbers means; ParameterError for arrays, other functions."""
     name = ufunc.__name__
     arguments = [as_expr(x) for x in inputs]
     if method == "__call__" and name in _NUMPY_OPERATORS:
         return _NUMPY_OPERATORS[name](*arguments)
     name = _NUMPY_FUNCTIONS.get(name, name)
-    if method == "__call__" and name in FUNCTIONS:
-        return Expr(name, *arguments)
+    if method == "__call__" and name in functions:
+        return type(arguments[0])(name, *arguments)
     raise ParameterError(
-        f"np.{ufunc.__name__} takes no expression such as '{arguments[0]}'; there are {', '.join(FUNCTIONS)}"
+        f"np.{ufunc.__name__} takes no expression such as '{arguments[0]}'; there are {', '.join(functions)}"
     )

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.errors import GearblocksError, ParameterError
-from gearblocks.language.expression import Expr, as_expr, evaluate, finite_number
+from gearblocks.language.expression import FUNCTIONS, Expr, as_expr, evaluate, finite_number
 from gearblocks.language.numpy_calls import numpy_call
 
 time = Expr("time")  # time in s, for expressions
@@ -35,7 +35,7 @@ class _Leaf:
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
         """Arithmetic with numpy scalars, and np.sin(signal) and its like."""
-        return numpy_call(ufunc, method, inputs)
+        return numpy_call(as_expr, FUNCTIONS, ufunc, method, inputs)
 
     def __float__(self) -> float:
         return float(self._expr_())
