@@ -299,6 +299,8 @@ class _Search:
         border = vstack([-(self.L @ (kin.M @ kin.N)), csc_array((self.n_z + rest_rows, kin.N.shape[1]))])
         along = csc_array(block_diag([self.D, eye_array(self.n_z)]))
         full = csc_array(hstack([(matrix + added) @ along, border]))
+        if full.shape[0] == 0:  # everything is stuck where it stands
+            return np.zeros(along.shape[0]), np.zeros(self.n_q)
         scale = np.asarray(abs(full).max(axis=1).todense()).ravel()
         scale[scale == 0] = 1.0
         scaled = csc_array(diags_array(1 / scale) @ full)

@@ -140,3 +140,24 @@ def test_a_rigid_train_that_a_brake_cannot_hold_is_named():
     rig.chain(rig.add("load", gb.Torque(tau=5.0)), one, rig.add("brake", gb.Brake(capacity=3.0)))
     with pytest.raises(gb.SimulationError, match=r"'brake'.*carry 5 .*holds 3"):
         gb.simulate(rig, t_end=1.0, initial="static")
+
+
+@pytest.mark.parametrize("torque", [1.0, -1.0, 20.0])
+def test_where_all_is_stuck_everything_stays_where_it_stands(torque):
+    rig = gb.Drivetrain("hoist")
+    shaft, a = rig.add("shaft", gb.Shaft(k=10.0)), rig.add("a", gb.Inertia(J=1.0))
+    worm, b = rig.add("worm", gb.Worm(ratio=10.0, lead_angle=0.1, friction=0.2)), rig.add("b", gb.Inertia(J=1.0))
+    rig.chain(rig.add("ground", gb.Fixed()), shaft, a, worm, b, rig.add("load", gb.Torque(tau=torque)))
+    run = gb.simulate(rig, t_end=1.0, initial="static")
+    assert abs(run["b.phi"]).max() == 0.0
+    assert abs(run["shaft.torque"]).max() == 0.0
+
+
+def test_a_brake_on_a_single_body_has_nothing_to_solve():
+    rig = gb.Drivetrain("block")
+    rig.chain(
+        rig.add("load", gb.Torque(tau=1.0)), rig.add("a", gb.Inertia(J=1.0)), rig.add("brake", gb.Brake(capacity=2.0))
+    )
+    run = gb.simulate(rig, t_end=1.0, initial="static")
+    assert abs(run["a.phi"]).max() == 0.0
+    assert abs(run["brake.torque"] - 1.0).max() < 1e-12
