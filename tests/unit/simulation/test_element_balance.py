@@ -62,16 +62,10 @@ def test_the_element_whose_energy_jumps_is_named(more):
     assert sampled.energy.culprit == "jumpy"
 
 
-def test_what_the_elements_miss_is_what_the_whole_misses():
-    rig = gb.Drivetrain("drift")
-    rig.chain(
-        rig.add("body", gb.Inertia(J=1.0, phi0=1.0)), rig.add("shaft", gb.Shaft(k=1.0)), rig.add("wall", gb.Fixed())
-    )
-    with pytest.warns(GearblocksWarning, match=r"run of 'drift': its energy is balanced to 0\.01\d? of the turnover"):
-        run = gb.simulate(rig, t_end=1000.0, rtol=1e-4, method="dp5")
-    assert run.energy.residual > 1e-3 and run.stats.steps < 2000
+@pytest.mark.parametrize("more", [3.0, -0.25, 1e-4])
+def test_what_the_elements_miss_is_what_the_whole_misses(more):
+    run = _told(lambda: gb.simulate(_rig(more), t_end=0.5), "'jumpy'")
     assert sum(run.energy.unbalanced.values()) == pytest.approx(run.energy.imbalance, rel=1e-2)
-    assert set(run.energy.unbalanced) == {"body", "shaft"}
 
 
 def test_nothing_is_named_where_the_ledger_closes_or_promises_nothing():
