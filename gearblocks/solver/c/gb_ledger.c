@@ -134,7 +134,9 @@ static void look_at_stored(gb_sim *sim) {
  * parts of what was exchanged so far. */
 static double yardstick(const gb_sim *sim, double exchanged, double h, double so_far) {
     const struct gb_ledger *ledger = &sim->head->ledger;
-    const double little = gb_min(LITTLE, 1.0 / (double)(sim->head->counts.steps + 1));
+    /* corners that are not located are jumps that no switch announces */
+    const double mean = sim->head->options.locate ? 1.0 / (double)(sim->head->counts.steps + 1) : LITTLE;
+    const double little = gb_min(LITTLE, mean);
     return exchanged + (SHARE * h / so_far + little) * (ledger->turnover + ledger->stored);
 }
 

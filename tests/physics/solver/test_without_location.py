@@ -63,7 +63,7 @@ LONG = [1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8, 1e-8]
 @pytest.mark.parametrize("tolerances", [LONG[:4], pytest.param(LONG, marks=pytest.mark.long)], ids=["few", "all"])
 def test_p1_is_as_right_as_by_dop853_for_the_same_number_of_right_hand_sides(tolerances):
     """Both errors scatter by a factor of two or three from one tolerance to the next, since it is chance where in a step a
-    corner falls: hence the curve of errors through those of DOP853."""
+    corner falls: hence the curve of errors through those of DOP853, and the median over neighbours of each tolerance."""
     model = gb.build(_p1())
     true = _twists(gb.simulate(model, t=T, rtol=1e-12, method="dp8"))
     calls, errors = [], []
@@ -73,10 +73,12 @@ def test_p1_is_as_right_as_by_dop853_for_the_same_number_of_right_hand_sides(tol
         errors.append(np.log(_p1_error(run.y[:3].T, true)))
     curve = np.polyfit(calls, errors, 1 if len(tolerances) < 6 else 2)
     for rtol in tolerances:
-        run = gb.simulate(model, t=T, rtol=rtol, method="dp8", locate=False)
-        allowed = 2 * np.exp(np.polyval(curve, np.log(run.stats.rhs_calls)))
-        assert _p1_error(_twists(run), true) < allowed, (rtol, run.stats.rhs_calls)
-        assert run.energy.residual < 10 * rtol
+        ratios = []
+        for near in np.linspace(0.96, 1.04, 9):
+            run = gb.simulate(model, t=T, rtol=near * rtol, method="dp8", locate=False)
+            ratios.append(_p1_error(_twists(run), true) / np.exp(np.polyval(curve, np.log(run.stats.rhs_calls))))
+            assert run.energy.residual < 10 * rtol
+        assert np.median(ratios) < 2, (rtol, ratios)
 
 
 def _wall():
