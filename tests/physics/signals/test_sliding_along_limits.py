@@ -150,5 +150,5 @@ def test_where_a_stuck_clutch_reads_the_torque_the_run_stops_by_name():
     rig.connect(a.a, drive.flange)
     rig.connect(a.b, clutch.a)
     rig.connect(clutch.b, b.a)
-    with pytest.raises(gb.SimulationError, match="'drive': (a switch goes back and forth|[0-9]* events in a row)"):
+    with pytest.raises(gb.SimulationError, match=r"'drive': (a switch goes back and forth|[0-9]* events in a row)"):
         gb.simulate(rig, t_end=3.0)
