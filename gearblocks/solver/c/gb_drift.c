@@ -74,7 +74,8 @@ int gb_drift_look(gb_sim *sim) {
     gb_head *head = sim->head;
     struct gb_drift *drift = &head->drift;
     double sum, stored;
-    if (!sim->model->energy_sign || head->options.step > 0.0 || !head->options.locate || !(head->options.rtol >= LEAST)) {
+    if (!sim->model->energy_sign || head->options.step > 0.0 || !head->options.locate ||
+        !(head->options.rtol >= LEAST)) {
         drift->look_at = LLONG_MAX;
         return GB_DONE;
     }
