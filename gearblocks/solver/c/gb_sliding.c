@@ -120,7 +120,9 @@ int gb_settle_sliding(gb_sim *sim) {
 static int inside(gb_sim *sim, double theta, double *margin, int *which, double *mode) {
     double share[GB_SLIDING], *y = sim->z2;
     const int code = gb_time_terms_at(sim, sim->head->front.t0 + theta * sim->head->front.h);
-    *margin = -1.0;
+    *margin = -1.0; /* where there are no shares the switch goes on below its limit */
+    *which = sim->head->events.sliding[0];
+    *mode = sim->mode[*which];
     if (code != GB_DONE) {
         return code;
     }
@@ -142,7 +144,7 @@ static int inside(gb_sim *sim, double theta, double *margin, int *which, double 
 
 int gb_sliding_end(gb_sim *sim, double *theta) {
     double from = 0.0, to = 2.0, margin = 1.0, mode = 0.0;
-    int which = sim->head->events.sliding[0], code = gb_dense_complete(sim);
+    int which = 0, code = gb_dense_complete(sim);
     for (int l = 1; l <= LOOKS && code == GB_DONE && to > 1.0; l++) {
         code = inside(sim, (double)l / LOOKS, &margin, &which, &mode);
         if (margin < -BEYOND) {
