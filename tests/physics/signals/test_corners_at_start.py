@@ -18,6 +18,8 @@ SETTINGS = [
     {"method": "rodas"},
     {"method": "auto"},
 ]
+QUICK = [SETTINGS[0], *(pytest.param(x, marks=pytest.mark.long) for x in SETTINGS[1:])]
+"""The first of them; the others are in the long tier."""
 
 
 def _train(tau, w0=0.0, phi0=0.0):
@@ -46,7 +48,7 @@ OVER_TIME = {
 }
 
 
-@pytest.mark.parametrize("settings", SETTINGS, ids=str)
+@pytest.mark.parametrize("settings", QUICK, ids=str)
 @pytest.mark.parametrize("law", OVER_TIME)
 def test_a_corner_over_time_takes_the_side_ahead(law, settings):
     tau, true = OVER_TIME[law]
