@@ -35,7 +35,16 @@ def _stiff() -> gb.Drivetrain:
     return rig
 
 
-@pytest.fixture(scope="module", params=["oscillator", "started from a state", "braked", "stiff"])
+def _held() -> gb.Drivetrain:
+    """A controller that goes on and off and slides along its limit from 0.1 s on."""
+    rig = gb.Drivetrain("held")
+    body, tau = rig.add("body", gb.Inertia(J=1.0)), gb.piecewise((10, gb.sense("body.w") < 1), (-4, True))
+    rig.connect(body.a, rig.add("drive", gb.Torque(tau=tau)).flange)
+    rig.connect(body.b, rig.add("load", gb.Torque(tau=6.0 * gb.sin(5.0 * gb.time))).flange)
+    return rig
+
+
+@pytest.fixture(scope="module", params=["oscillator", "started from a state", "braked", "held", "stiff"])
 def fmu(
     request: pytest.FixtureRequest, model: Model, tmp_path_factory: pytest.TempPathFactory, unpacker: Unpacker
 ) -> Unpacked:
@@ -43,6 +52,7 @@ def fmu(
         "oscillator": lambda: (model, {}),
         "started from a state": lambda: (model, {"initial": np.array([1e-3, 0.5] + 14 * [0.0])}),
         "braked": lambda: (_braked(), {}),
+        "held": lambda: (_held(), {}),
         "stiff": lambda: (_stiff(), {"method": "rodas"}),
     }
     train, options = made[request.param]()

@@ -26,21 +26,18 @@ def _joint():
     return rig
 
 
-def _oscillator():
+def _on_a_shaft(body, shaft):
     rig = gb.Drivetrain("rings")
-    body, shaft = rig.add("a", gb.Inertia(J=0.5, w0=3.0)), rig.add("shaft", gb.Shaft(k=0.5 * 90.0**2))
-    rig.connect(body.a, shaft.a)
-    rig.connect(shaft.b, rig.add("ground", gb.Fixed()).flange)
+    rig.chain(rig.add("a", body), rig.add("shaft", shaft), rig.add("ground", gb.Fixed()))
     return rig
+
+
+def _oscillator():
+    return _on_a_shaft(gb.Inertia(J=0.5, w0=3.0), gb.Shaft(k=0.5 * 90.0**2))
 
 
 def _stiffening():
-    rig = gb.Drivetrain("stiffens")
-    body = rig.add("a", gb.Inertia(J=0.2, w0=30.0))
-    shaft = rig.add("shaft", gb.Shaft(torque=40.0 * gb.twist + 900.0 * gb.twist**3))
-    rig.connect(body.a, shaft.a)
-    rig.connect(shaft.b, rig.add("ground", gb.Fixed()).flange)
-    return rig
+    return _on_a_shaft(gb.Inertia(J=0.2, w0=30.0), gb.Shaft(torque=40.0 * gb.twist + 900.0 * gb.twist**3))
 
 
 def _detent():
