@@ -115,9 +115,13 @@ on_processors() {
 # Whether the C compiler knows an architecture.
 compiles_for() { echo 'int main(void) { return 0; }' | cc "-march=$1" -x c - -o "$work/probe" 2>/dev/null; }
 
-# The last words: what pytest said, what was left out.
+# How many tests pytest's closing lines count as `$1`.
+counted() { printf '%s\n' "${closing[@]}" | { grep -oE "[0-9]+ $1\b" || true; } | awk '{ sum += $1 } END { print sum + 0 }'; }
+
+# The last words: what pytest said, what was left out, and all tests in one plain line.
 finish() {
     step "all passed"
     printf '%s\n' "${closing[@]}"
     if [ ${#missing[@]} -gt 0 ]; then printf 'left out: %s\n' "${missing[@]}"; fi
+    echo "tests: $(counted passed) passed, $(counted failed) failed, $(counted "(skipped|xfailed)") skipped"
 }
