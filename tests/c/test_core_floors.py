@@ -21,7 +21,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_limit_noise",
         "gb_growth",
     ),
-    ("gb_error_control", "gb_evaluate", "gb_constraint_forces", "gb_impact", "gb_snapshot"),
+    ("gb_error_control", "gb_evaluate", "gb_constraint_forces", "gb_impact", "gb_snapshot", "gb_follow"),
     (
         "gb_angle_wrapping",
         "gb_lossy_gear",

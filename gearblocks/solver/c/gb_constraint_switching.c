@@ -3,6 +3,7 @@
 #include "gb_constraint_state.h"
 #include "gb_constraints.h"
 #include "gb_evaluate.h"
+#include "gb_follow.h"
 #include "gb_impact.h"
 #include "gb_loss.h"
 #include "gb_lossy_gear.h"
@@ -13,6 +14,9 @@
 
 /* Flips that a look ahead stands for, where the force of a lossy gear has just come to zero. */
 static const double SIGN_AHEAD = 8.0;
+
+/* Steps of a look ahead: four times as many links of a train carry a load on. */
+enum { LOOK_STEPS = 8 };
 
 /* Mode for the events: 0 stuck, 1 forward, -1 backward, 2 free; of a stop 1 closed, 0 open. */
 static double shown_mode(const gb_sim *sim, int i) {
@@ -186,19 +190,13 @@ static int look_ahead(gb_sim *sim) {
         }
     }
     sim->constraints.y = sim->y;
-    if (flips == 0.0) {
+    const double told = head->events.look_ahead;
+    if (flips == 0.0 && told == 0.0) {
         return GB_DONE;
     }
-    const double ahead = ldexp(gb_rounding(head->front.t1, head->front.h), 2 * (int)flips);
-    const int code = gb_time_terms_at(sim, head->front.t1 + ahead);
-    if (code == GB_DONE) {
-        model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2);
-        memcpy(sim->z, sim->y, sizeof(double) * (size_t)model->n_total);
-        for (int i = 0; i < model->n; i++) {
-            sim->z[i] += ahead * sim->z2[i];
-        }
-        sim->constraints.y = sim->z;
-    }
+    const double ahead = told > 0.0 ? told : ldexp(gb_rounding(head->front.t1, head->front.h), 2 * (int)flips);
+    const int code = gb_follow(sim, ahead, LOOK_STEPS, sim->z);
+    sim->constraints.y = code == GB_DONE ? sim->z : sim->y;
     return code;
 }
 

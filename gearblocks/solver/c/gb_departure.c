@@ -1,8 +1,9 @@
 #include "gb_departure.h"
+#include "gb_constraint_state.h"
 #include "gb_evaluate.h"
 #include "gb_event.h"
+#include "gb_follow.h"
 #include "gb_modes.h"
-#include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_sliding.h"
 #include "gb_time_terms.h"
@@ -19,7 +20,7 @@ static const double OF_ROUNDING = 6.4e4 * DBL_EPSILON, OF_TOLERANCE = 1e-5;
 static const double MARKED = 1.0, STAYS = 2.0, LEAVES = 3.0;
 
 /* Scratch rows, behind the stages that dense output may still ask for. */
-enum { STATE = GB_STAGES - 4, STAGE, RATE, SUM };
+enum { STATE = GB_STAGES - 4, RATE };
 
 static double *row(const gb_sim *sim, int number) {
     return sim->k + (size_t)number * (size_t)sim->model->n_total;
@@ -33,6 +34,21 @@ static double stands_on(const gb_sim *sim, int i) {
     return below ? -1.0 : above ? 1.0 : 0.0;
 }
 
+/* Marks lossy gears at rest and closed stops of which nothing is asked yet: any force lets the gear slide, and its sign
+ * tells which way; the stop holds against one sign and opens by the other. */
+static int mark_forces(gb_sim *sim) {
+    int count = 0;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        const gb_constraint *constraint = &sim->model->constraints[i];
+        const int asked = constraint->kind == GB_LOSS || constraint->kind == GB_STOP;
+        if (asked && gb_is_active(sim, i) && sim->events.held_side[constraint->active] == 0.0) {
+            sim->events.side[constraint->active] = stands_on(sim, constraint->active);
+            count += sim->events.side[constraint->active] != 0.0;
+        }
+    }
+    return count;
+}
+
 /* Marks those that stand on a limit, without having come there and without a slope; how many. */
 static int mark(gb_sim *sim) {
     const gb_model *model = sim->model;
@@ -43,6 +59,7 @@ static int mark(gb_sim *sim) {
         sim->events.side[i] = held != 0.0 ? held : free ? stands_on(sim, i) : 0.0;
         count += sim->events.side[i] != 0.0;
     }
+    count += code == GB_DONE ? mark_forces(sim) : 0;
     if (code != GB_DONE || count == 0 || model->n_affine == 0) {
         return code == GB_DONE ? count : 0;
     }
@@ -59,43 +76,11 @@ static int mark(gb_sim *sim) {
     return count;
 }
 
-/* rate = f(t, y) */
-static int rates(gb_sim *sim, double t, const double *y, double *rate) {
-    const int code = gb_time_terms_at(sim, t);
-    if (code == GB_DONE) {
-        gb_rates(sim, 0, &sim->instant, 0, y, rate);
-        sim->head->counts.rhs_calls++;
-    }
-    return code;
-}
-
-/* The state after `time` by the classical method of order 4 in so many steps; the event functions there. */
+/* The motion so far ahead, and the event functions there. */
 static int follow(gb_sim *sim, double time, int steps, double *s) {
-    static const double part[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
-    const int n = sim->model->n;
-    const double h = time / steps, t = sim->head->front.t1;
-    double *state = row(sim, STATE), *stage = row(sim, STAGE), *rate = row(sim, RATE), *sum = row(sim, SUM);
-    int code = GB_DONE;
-    memcpy(state, sim->y, sizeof(double) * (size_t)sim->model->n_total);
-    memcpy(stage, state, sizeof(double) * (size_t)sim->model->n_total);
-    for (int step = 0; step < steps && code == GB_DONE; step++) {
-        memset(sum, 0, sizeof(double) * (size_t)n);
-        for (int k = 0; k < 4 && code == GB_DONE; k++) {
-            for (int j = 0; j < n; j++) {
-                stage[j] = state[j] + (k > 0 ? part[k] * h * rate[j] : 0.0);
-            }
-            code = rates(sim, t + (step + part[k]) * h, stage, rate);
-            for (int j = 0; j < n; j++) {
-                sum[j] += weight[k] * rate[j];
-            }
-        }
-        for (int j = 0; j < n; j++) {
-            state[j] += h * sum[j];
-        }
-    }
-    code = code == GB_DONE ? gb_time_terms_at(sim, t + time) : code;
+    const int code = gb_follow(sim, time, steps, row(sim, STATE));
     if (code == GB_DONE) {
-        sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, state, s);
+        sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, row(sim, STATE), s);
     }
     return code;
 }
@@ -163,23 +148,66 @@ static int rests(gb_sim *sim, double longest) {
     return !moves;
 }
 
-/* Takes the modes behind the limits through which something leaves; how many. Limits of what stays are not watched. */
+/* Limit `side` of event function i is not watched until `time`. */
+static void hold(gb_sim *sim, int i, double side, double time) {
+    sim->events.held_side[i] = side;
+    sim->events.held[i] = time;
+    sim->head->events.held_until = gb_min(sim->head->events.held_until, time);
+}
+
+/* Takes the modes behind the limits through which something leaves; how many. Limits of what stays are not watched.
+ * What constraints do is decided by all of them together, by the motion so far ahead. */
 static int take_modes(gb_sim *sim, int log) {
     struct gb_event_state *events = &sim->head->events;
     int flipped = 0;
     events->held_until = HUGE_VAL;
+    events->look_ahead = 0.0;
     for (int i = 0; i < sim->model->n_event_functions; i++) {
         const double size = fabs(sim->events.side[i]), way = sim->events.side[i] < 0.0 ? -1.0 : 1.0;
-        sim->events.held_side[i] = size == STAYS ? way : 0.0;
-        if (size == LEAVES) {
+        sim->events.held_side[i] = 0.0;
+        flipped += size == LEAVES;
+        if (size == LEAVES && sim->events.role[i] == GB_CONSTRAINED) {
+            sim->events.pending[i] = way;
+            events->look_ahead = gb_max(events->look_ahead, sim->events.held[i] - sim->head->front.t1);
+        } else if (size == LEAVES) {
             gb_set_mode(sim, i, gb_far_side(sim, i, way), log);
-            flipped++;
         } else if (size == STAYS) {
-            events->held_until = gb_min(events->held_until, sim->events.held[i]);
+            hold(sim, i, way, sim->events.held[i]);
         }
     }
     gb_mode_limits(sim);
     return flipped;
+}
+
+/* A force that should let go is still held: beside those of other parts, which the decision weighs too, it is rounding
+ * so far. Where that is so, how far is to be looked next. */
+static double further(const gb_sim *sim) {
+    double time = 0.0;
+    for (int i = 0; i < sim->model->n_constraints && sim->head->events.look_ahead > 0.0; i++) {
+        const int left = fabs(sim->events.side[sim->model->constraints[i].active]) == LEAVES;
+        time = left && gb_is_active(sim, i) ? FURTHER * sim->head->events.look_ahead : time;
+    }
+    return time;
+}
+
+/* What has begun to slide or has opened: its direction and the side of its force stay those that were found as far
+ * ahead as it took. */
+static void hold_begun(gb_sim *sim) {
+    const double time = sim->head->front.t1 + sim->head->events.look_ahead;
+    for (int i = 0; i < sim->model->n_constraints && sim->head->events.look_ahead > 0.0; i++) {
+        const gb_constraint *constraint = &sim->model->constraints[i];
+        const int left = fabs(sim->events.side[constraint->active]) == LEAVES && !gb_is_active(sim, i);
+        const int slip = constraint->slip;
+        const int sign = constraint->kind == GB_LOSS ? sim->model->constraints[constraint->partner].slip : slip;
+        if (left && constraint->kind == GB_STOP) {
+            hold(sim, slip, -1.0, time);
+        } else if (left && constraint->kind == GB_LOSS) {
+            hold(sim, slip, -sim->mode[slip], time);
+            hold(sim, sign, -sim->mode[sign], time);
+        }
+    }
+    sim->head->events.look_ahead = 0.0;
+    gb_mode_limits(sim);
 }
 
 /* Nothing is held any more. */
@@ -191,14 +219,15 @@ static void release(gb_sim *sim) {
     }
 }
 
-/* One round: marks, looks ahead, takes modes; how many flipped. Where all that is marked rests, the next look waits. */
-static int decide(gb_sim *sim, int log, int *flipped) {
+/* One round: marks, looks ahead from `shortest` on, takes modes; how many flipped. Where all that is marked rests, the
+ * next look waits. */
+static int decide(gb_sim *sim, int log, double shortest, int *flipped) {
     struct gb_event_state *events = &sim->head->events;
     const double longest = gb_min(LONGEST, events->t_break - sim->head->front.t1);
     int left = mark(sim), code = GB_DONE;
     *flipped = 0;
     release(sim);
-    if (left == 0 || !(longest > SHORTEST)) {
+    if (left == 0 || !(longest > shortest)) {
         return GB_DONE;
     }
     if (rests(sim, longest)) {
@@ -207,7 +236,7 @@ static int decide(gb_sim *sim, int log, int *flipped) {
         return GB_DONE;
     }
     events->look_gap = 0;
-    for (double time = SHORTEST; time <= longest && left > 0 && code == GB_DONE; time *= FURTHER) {
+    for (double time = shortest; time <= longest && left > 0 && code == GB_DONE; time *= FURTHER) {
         code = look(sim, time, &left);
     }
     if (code == GB_DONE) {
@@ -222,6 +251,9 @@ static int hold_trapped(gb_sim *sim) {
     for (int i = 0; i < sim->model->n_event_functions; i++) {
         last = fabs(sim->events.side[i]) == LEAVES ? i : last;
     }
+    if (sim->events.role[last] == GB_CONSTRAINED) { /* constraints have a limit of flips of their own */
+        return GB_DONE;
+    }
     return gb_slide(sim, last) ? GB_DONE : gb_fail(sim, GB_ERR_CHATTER, last, sim->head->front.t1, ROUNDS);
 }
 
@@ -230,6 +262,7 @@ int gb_depart(gb_sim *sim, int log, int timed) {
     const struct gb_event_state *events = &sim->head->events;
     const int held = events->held_until < HUGE_VAL, early = log && !timed && sim->head->counts.events < events->look_at;
     int code = GB_DONE, flipped = 1;
+    double shortest = SHORTEST;
     if (!sim->head->options.locate || model->n_event_functions == 0 || (early && !held)) {
         return GB_DONE;
     }
@@ -237,10 +270,14 @@ int gb_depart(gb_sim *sim, int log, int timed) {
         if (model->update_states != NULL) {
             memcpy(sim->events.mode_before, sim->mode, sizeof(double) * (size_t)model->n_switches);
         }
-        code = decide(sim, log, &flipped);
+        code = decide(sim, log, shortest, &flipped);
         if (code == GB_DONE && flipped > 0) {
             sim->head->front.have_k1 = 0;
             code = gb_settle_all(sim, log);
+            shortest = further(sim);
+            round -= shortest > 0.0;
+            shortest = gb_max(shortest, SHORTEST);
+            hold_begun(sim);
         }
         if (code == GB_DONE && flipped > 0) {
             code = gb_balance_massless(sim, !log);

@@ -126,12 +126,14 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
                       .per_time = implicit ? 1.0 / (head->front.t1 - head->front.t_start + h) : 0.0,
                       .first = head->counts.steps == 0 ? sim->k1 : sim->zero,
                       .trial = trial ? trial : sim->zero};
-    sizes.trusted = HUGE_VAL;
-    sizes.least = 1e-10 * largest_in(sim->control.largest, sizes.trial, 0, speeds);
-    head->control.unscaled = weigh(sim, &sizes, 0, speeds);
     if (head->control.natural < 0.0) {
+        head->control.natural_coordinate = largest_in(sim->control.natural_scale, sim->zero, 0, speeds);
         head->control.natural = largest_in(sim->control.natural_scale, sim->zero, speeds, n);
     }
+    sizes.trusted = HUGE_VAL;
+    sizes.least =
+        1e-10 * gb_max(largest_in(sim->control.largest, sizes.trial, 0, speeds), head->control.natural_coordinate);
+    head->control.unscaled = weigh(sim, &sizes, 0, speeds);
     sizes.least = 1e-6 * gb_max(largest_in(sim->control.largest, sizes.trial, speeds, n), head->control.natural);
     sizes.trusted = DBL_MIN;
     head->control.unscaled |= weigh(sim, &sizes, speeds, n);

@@ -90,7 +90,7 @@ struct gb_pace {
     uint64_t reach_modes;               /* of the last look */
     long long noise_at, least_scale_at; /* when noise and least scales are to be renewed */
     uint64_t noise_modes;               /* the modes in which the noise was measured */
-    double natural;                     /* the largest natural scale of a speed, -1: not known */
+    double natural, natural_coordinate; /* the largest natural scale of a speed (-1: not known) and of a coordinate */
     int moved;                          /* see gb_rest.h */
     int unscaled;                       /* states without a tolerance scale yet: GB_SMALL, GB_AT_REST */
 };
@@ -155,6 +155,7 @@ struct gb_event_state {
     double piece;      /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
     double entered;    /* the last event: the present modes began there */
     double held_until; /* the first limit that is not watched is so no more (HUGE_VAL: none) */
+    double look_ahead; /* > 0: how far ahead the motion tells what constraints do from here */
     long long look_at,
         look_gap;      /* events when what rests on a limit is looked at again, and how many there are between */
     long long crowd;   /* events when it was last asked whether they let time go on, */

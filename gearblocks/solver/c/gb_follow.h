@@ -1,0 +1,13 @@
+/* The motion a little ahead in the present modes, by the classical method of order 4 (Kutta 1901): what no event function
+ * at the present state tells, since it leaves its limit like a high power of time, is told by the state to come. As
+ * many links as there are stages carry a load on; one step of Euler carries it through a single one.
+ * Knows nothing of tolerances, of modes that end meanwhile and of what is decided by the state. */
+#ifndef GB_FOLLOW_H
+#define GB_FOLLOW_H
+
+#include "gb_internal.h"
+
+/* The state after `time` in so many steps, from the front; `instant` holds its time terms afterwards. */
+int gb_follow(gb_sim *sim, double time, int steps, double *state);
+
+#endif

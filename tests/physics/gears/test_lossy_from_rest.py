@@ -1,0 +1,81 @@
+"""Lossy gears at rest with nothing to carry, several springs from the load: which way they begin to slide is in no force yet.
+
+The evidence is linear: a gear that drives throughout is an inertia J/(ratio^2 eta) on its shaft a, and the chain is integrated
+in numpy, from the corner of the load on.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import gearblocks as gb
+
+T_END, RATIO, ETA, DRIVEN = 0.12, 0.5, 0.89, 0.278
+LOADS = {  # of gearblocks, the same in numpy, and where it begins
+    "constant": (-5.0, lambda t: -5.0, 0.0),
+    "ramp": (-50.0 * gb.time, lambda t: -50.0 * t, 0.0),
+    "soft": (5.0 * (1.0 - gb.cos(20.0 * gb.time)), lambda t: 10.0 * np.sin(10.0 * t) ** 2, 0.0),
+    "later": (gb.Table([0, 0.05, 1], [0, 0, -19.0]), lambda t: -20.0 * max(t - 0.05, 0.0), 0.05),
+}
+METHODS = (("auto", 1e-6), ("dp5", 1e-9), ("dp8", 1e-10), ("rodas", 1e-8))
+
+
+def _chain(springs, tau, last, stop=None):
+    rig = gb.Drivetrain("train")
+    bodies = [rig.add(f"j{i}", gb.Inertia(J=0.2 if i == 0 else 0.02)) for i in range(springs + 1)]
+    for i, (left, right) in enumerate(pairwise(bodies)):
+        rig.chain(left, rig.add(f"s{i}", gb.Shaft(k=290.0, c=0.25)), right)
+    rig.connect(rig.add("motor", gb.Torque(tau=tau)).flange, bodies[0].a)
+    driven = rig.add("driven", gb.Inertia(J=DRIVEN))
+    rig.chain(bodies[-1], rig.add("gear", last), driven)
+    if stop:
+        rig.connect(rig.add("stop", stop).a, driven.b)
+    return rig
+
+
+def _in_numpy(springs, tau, begins, eta):
+    inertia = np.array([0.2] + springs * [0.02])
+    inertia[-1] += DRIVEN / (RATIO**2 * eta)
+    n = len(inertia)
+
+    def rates(t, y):
+        torque = 290.0 * np.diff(y[:n]) + 0.25 * np.diff(y[n:])
+        return np.concatenate([y[n:], (np.concatenate([torque, [0]]) - np.concatenate([[-tau(t)], torque])) / inertia])
+
+    run = solve_ivp(rates, (begins, T_END), np.zeros(2 * n), method="DOP853", rtol=1e-12, atol=1e-18)
+    return run.y[-1, -1] / RATIO
+
+
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("springs", [1, 2, pytest.param(3, marks=pytest.mark.long), 5])
+def test_a_gear_begins_to_slide_the_way_that_the_load_comes(springs, load):
+    tau, same, begins = LOADS[load]
+    rig = _chain(springs, tau, gb.LossyGear(ratio=RATIO, efficiency=(ETA, 0.76)))
+    true = _in_numpy(springs, same, begins, ETA)
+    for method, rtol in METHODS:
+        run = gb.simulate(rig, t_end=T_END, method=method, rtol=rtol)
+        assert abs(run["driven.w"][-1] / true - 1.0) < 20.0 * rtol, method
+        first = [event for event in run.events if event.t == begins and event.component == "gear"]
+        assert len(first) <= (begins > 0.0), method
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("limits", [{"upper": 0.0, "lower": -3.0}, {"upper": 3.0, "lower": 0.0}])
+def test_a_stop_beside_it_opens_or_holds(sign, limits):
+    gear, stop = gb.LossyGear(ratio=RATIO, efficiency=(ETA, 0.76)), gb.HardStop(restitution=0.0, **limits)
+    rig = _chain(2, 5.0 * sign, gear, stop)
+    opens = sign > 0.0 if limits["upper"] > 0.0 else sign < 0.0
+    true = _in_numpy(2, lambda t: 5.0 * sign, 0.0, ETA) if opens else 0.0
+    for method, rtol in METHODS:
+        run = gb.simulate(rig, t_end=T_END, method=method, rtol=rtol)
+        assert abs(run["driven.w"][-1] - true) <= 20.0 * rtol * abs(true), method
+
+
+@pytest.mark.parametrize("springs", [2, 3, 4])
+@pytest.mark.parametrize(("method", "rtol"), METHODS)
+def test_without_losses_a_ramp_later_on_is_no_matter_of_step_sizes(springs, method, rtol):
+    tau, same, begins = LOADS["later"]
+    run = gb.simulate(_chain(springs, tau, gb.IdealGear(ratio=RATIO)), t_end=T_END, method=method, rtol=rtol)
+    assert abs(run["driven.w"][-1] / _in_numpy(springs, same, begins, 1.0) - 1.0) < 20.0 * rtol
