@@ -1,6 +1,6 @@
-/* The motion a little ahead in the present modes, by the classical method of order 4 (Kutta 1901): what no event function
- * at the present state tells, since it leaves its limit like a high power of time, is told by the state to come. As
- * many links as there are stages carry a load on; one step of Euler carries it through a single one.
+/* The motion a little ahead in the present modes, by the classical method of order 4 (Kutta 1901): what no event
+ * function at the present state tells, since it leaves its limit like a high power of time, is told by the state to
+ * come. A load is carried on by as many links as there are stages; a step of Euler carries it through one.
  * Knows nothing of tolerances, of modes that end meanwhile and of what is decided by the state. */
 #ifndef GB_FOLLOW_H
 #define GB_FOLLOW_H
