@@ -50,6 +50,7 @@ typedef struct gb_method {
     double stage[GB_STAGES][2][GB_STAGES];  /* of the stages before: in the state, in the right side */
     double points[1 + GB_NODES][GB_STAGES]; /* of the stages: the new state, the states at the nodes */
     double inside[GB_NODES + 2][GB_STAGES]; /* dense rows in full */
+    double angles[GB_NODES + 2][GB_STAGES]; /* dense rows of angles over the stages of their speeds */
     gb_weights quadratures[GB_ROWS];        /* dense rows of the quadratures */
 } gb_method;
 
