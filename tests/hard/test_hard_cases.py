@@ -11,8 +11,6 @@ from gearblocks.hard import suite
 
 # slow: 1e7 steps (H31), 500 periods by a reference solver in Python (H42), 1e5 bodies built (S58)
 LONG = ("H31", "H42", "S58")
-# S45: by the losses on its flanges (decision 24) this worm has one motion, which the case holds for none or two
-OPEN = ("S45",)
 
 
 @pytest.mark.parametrize(
@@ -21,7 +19,7 @@ OPEN = ("S45",)
         pytest.param(
             case,
             id=case.id,
-            marks=[pytest.mark.long] * (case.id in LONG) + [pytest.mark.xfail(strict=True)] * (case.id in OPEN),
+            marks=[pytest.mark.long] * (case.id in LONG),
         )
         for case in suite.cases()
     ],
