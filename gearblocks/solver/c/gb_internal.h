@@ -116,7 +116,10 @@ struct gb_drift {
     double chosen, t_chosen; /* what it was when strictness was chosen, and when that was */
     double rate, strictness; /* of the drift without strictness; what is added to the log2 of errors */
     int based, tries;        /* `last` is a balance; how often strictness was of no use */
-    long long look_at, gap;  /* steps at the next look, and how many there are between */
+    int imbalanced;          /* a try of the present step was out of balance: by how much as log2, and its size */
+    double imbalance, h_imbalance;
+    long long balance_at, balance_gap; /* steps when tries are looked at again, and how many were left out before */
+    long long look_at, gap;            /* steps at the next look, and how many there are between */
 };
 
 /* Motion that grows without bound, see gb_growth.h. */

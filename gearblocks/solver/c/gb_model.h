@@ -71,6 +71,7 @@ typedef struct gb_model {
     int n_speeds;           /* the last of these are speeds (0: not known) */
     int n_padded;           /* n rounded up; the quadratures start here */
     int n_quadratures;      /* counts, angles and ledger integrals */
+    int varying_inertia;    /* gains between shafts change with the position, and the inertias that they carry over */
     int prescribed_motion;  /* time alone moves shafts: the states do not tell how long a step may be */
     int n_angles;           /* the first quadratures that are angles or wrap counts; the others are energies */
     const int *angle_speed; /* by angle among them: the state that is its rate, -1: none; NULL: they are wrap counts */
