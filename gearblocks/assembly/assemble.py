@@ -131,7 +131,9 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
         g: [root for s in f.sources for root in (expanded[s].groups if s in expanded else (s,))]
         for g, f in dependent_groups.items() if f.prescribed is not None and not f.prescribed.by_speed
     }  # fmt: skip
-    coordinates = Coordinates(given)
+    massless = assembly.n_speeds + assembly.n_massless
+    prescribed = massless + assembly.n_prescribed
+    coordinates = Coordinates(given, range(assembly.n_speeds, massless), range(massless, prescribed))
     batches: dict[Any, Batch] = {}
     facts: dict[int, tuple[tuple[bool, ...], bool]] = {}
     for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):

@@ -8,7 +8,7 @@ determines. Knows nothing of what acts along a form.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Container, Mapping
 
 from gearblocks.assembly.elimination import Combination, Elimination, Row
 from gearblocks.train.disjoint_sets import DisjointSets
@@ -21,10 +21,15 @@ class Coordinates:
 
     given: groups with a prescribed angle, with those that they depend on: they are never
     eliminated, and none of these is defined by them. rows: the forms that are coordinates.
+    first, last: groups that are eliminated before all others (their angle follows from others more exactly than from their
+    speed: massless ones), and after all others (their speed is prescribed).
     """
 
-    def __init__(self, given: Mapping[int, Collection[int]] | None = None) -> None:
+    def __init__(
+        self, given: Mapping[int, Collection[int]] | None = None, first: Container[int] = (), last: Container[int] = ()
+    ) -> None:
         self.given = given or {}
+        self._first, self._last = first, last
         self.rows: list[Row] = []
         self._elimination = Elimination(_ROUNDING)
         self._met = DisjointSets[int]()  # groups that stand in one form, directly or through others
@@ -44,12 +49,18 @@ class Coordinates:
             return whole
         apart = self._join(list(form.groups))
         raw = [g for g in form.groups if g in free and g not in self.definitions] if apart else []
-        base = form if raw else self._elimination.reduced(form)
+        pivot = raw[-1] if raw else next(g for g in left if g in free)
+        for g in (*reversed(raw), *(g for g in left if g in free)):
+            pivot = g if self._rank(g) < self._rank(pivot) else pivot
+        base = form if pivot in raw else self._elimination.reduced(form)
         number = len(self.rows)
         minus_itself = Combination(base.groups, {number: -1, **base.coordinates}, base.offsets)
-        self._elimination.solve(minus_itself, raw[-1] if raw else next(g for g in left if g in free))
+        self._elimination.solve(minus_itself, pivot)
         self.rows.append(dict(form.groups))
         return number
+
+    def _rank(self, group: int) -> int:
+        return 0 if group in self._first else 2 if group in self._last else 1
 
     def _upstream(self, prescribed: list[int]) -> set[int]:
         """The groups, not eliminated, that the angles of prescribed groups depend on."""

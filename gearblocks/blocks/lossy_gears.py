@@ -29,7 +29,8 @@ class LossyGear(Block):
     between what both directions would ask for; there nothing starts to move that can stay at rest. Both sides need inertia.
     mode: 0 stuck, else the sign of w_a.
     Raises SimulationError where the losses admit no acceleration: a self-locking gear that b drives while it turns jams,
-    as the friction grows faster than what slows it down, where J_a ratio^2 < -eta2 J_b.
+    as the friction grows faster than what slows it down, where J_a ratio^2 < -eta2 J_b. A run that begins with such a gear
+    turning against its load is refused too: there it has two accelerations.
     """
 
     a, b = Flange("driving side"), Flange("driven side")

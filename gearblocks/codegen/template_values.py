@@ -34,12 +34,14 @@ class Sparse:
 
 @dataclass(frozen=True, slots=True)
 class WrappedAngle:
-    """A wrapped angle: its state and group, the turns taken off at a time, the switches whose mode falls by `steps` then.
+    """A wrapped angle: its state, that of its speed (-1: none) and its group, the turns taken off at a time, the switches
+    whose mode falls by `steps` then.
 
     starts: (group, a, b) of every group with a start value, which turns a/b times as far.
     """
 
     state: int
+    speed: int
     group: int
     turns: int
     switches: list[int]
@@ -108,6 +110,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "w_gains": [repr(float(over(1, s.w0_gain))) for s in assembly.starts],
         "flanges": _turned(FlangeRow, _flanges(g)),
         "wrapped": _wrapped(g),
+        "angle_speeds": [_speed_state(g, group) for group in assembly.angles],
         "turned": sparse("turned", _wrap_counts(g)),
         "reactions": reaction_tables(g, _flange_numbers(g)),
         "n_flange_outputs": sum(code.n * len(code.batch.flanges) for code in g.codes),
@@ -153,9 +156,15 @@ def _wrapped(g: Generator) -> list[WrappedAngle]:
         rows = [(group, r) for group, r in rows if group < len(g.assembly.starts)]
         switches = [g.codes[b].offsets.switches[i] + e for b, i, e, _ in item.steps]
         starts = [(group, *_parts(r)) for group, r in rows]
-        found.append(WrappedAngle(g.lay.angle0 + item.number, g.assembly.angles[item.number], item.turns, switches,
+        group = g.assembly.angles[item.number]
+        found.append(WrappedAngle(g.lay.angle0 + item.number, _speed_state(g, group), group, item.turns, switches,
                                  [step for *_, step in item.steps], starts))  # fmt: skip
     return found
+
+
+def _speed_state(g: Generator, group: int) -> int:
+    """Where the speed of a group lies among the states; -1: it follows from others."""
+    return g.lay.v0 + group if group < g.assembly.n_speeds else -1
 
 
 def _parts(r: Fraction) -> tuple[float, float]:

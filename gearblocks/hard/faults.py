@@ -11,7 +11,7 @@ import numpy as np
 
 import gearblocks as gb
 from gearblocks.errors import SimulationError
-from gearblocks.hard.judging import Check, Meter, fact, refusal
+from gearblocks.hard.judging import RTOL, Check, Meter, below, fact, largest, refusal
 from gearblocks.hard.parts import driven, line
 
 
@@ -84,22 +84,35 @@ def _with(make: Callable[[], Any]) -> gb.Model:
 
 
 def self_locking_worm(meter: Meter) -> Iterator[Check]:
-    """A worm that its wheel cannot drive, turning: J2 + ratio^2 J1/eta2 = -4 < 0.
+    """A worm that its wheel cannot drive, turning: J2 + ratio^2 J1/eta2 = -4 with a screw of 1e-3 kg m2, 0.455 with 1e-5.
 
-    A load along the motion has no acceleration, one against it has two, load/(J2 + ratio^2 J1 eta1) and load/-4 (Painleve);
-    both are refused where they begin, in either direction.
+    By Coulomb friction on its flanks (decision 24) the first has one acceleration: along the motion the load presses on the
+    flank that brakes, load/-4, against it load/(J2 + ratio^2 J1 eta1). The second has none with a load along the motion (it
+    jams) and two with one against it (Painleve): both are refused where they begin. In either direction.
     """
     for direction in (1.0, -1.0):
+        for words, load, effective in (("pushed on", direction, -4.0), ("held back", -direction, 0.77)):
+            run = meter.simulate(_worm(1e-3, direction, load), t_end=0.1)
+            off = largest(run["wheel.alpha"] * effective / load - 1)
+            yield below(f"w = {direction:+g}, {words}: off load/{effective:g} by", off, 1e-9)
+            yield fact(
+                "loses power, books no more than that",
+                bool((run["worm.loss_power"] > 0).all()) and run.energy.residual < RTOL,
+            )
         for words, load in (("no acceleration", direction), ("two accelerations", -direction)):
-            rig = line(
-                "worm",
-                ("screw", gb.Inertia(J=1e-3)), ("worm", gb.LossyGear(ratio=30.0, efficiency=(0.3, -0.2))),
-                ("wheel", gb.Inertia(J=0.5, w0=direction)), ("load", gb.Torque(tau=load)),
-            )  # fmt: skip
-            case = f"w = {direction:+g}, load {load:+g}, {words}"
+            case = f"w = {direction:+g}, light screw, {words}"
             try:
-                run = meter.simulate(rig, t_end=0.1)
+                run = meter.simulate(_worm(1e-5, direction, load), t_end=0.1)
             except SimulationError as error:
                 yield fact(f"{case}: refused: {error}", error.component == "worm" and error.time == 0.0)
             else:
                 yield fact(f"{case}: goes on with {run['wheel.alpha'][0]:.4g} rad/s2", False)
+
+
+def _worm(screw: float, direction: float, load: float) -> gb.Drivetrain:
+    """The worm between a screw of that inertia and a wheel that turns in a direction at 1 rad/s, under a load."""
+    return line(
+        "worm",
+        ("screw", gb.Inertia(J=screw)), ("worm", gb.LossyGear(ratio=30.0, efficiency=(0.3, -0.2))),
+        ("wheel", gb.Inertia(J=0.5, w0=direction)), ("load", gb.Torque(tau=load)),
+    )  # fmt: skip

@@ -16,6 +16,8 @@ def reason(program: Program, code: Code, report: Any, parameters: Array) -> tupl
     cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
     if code == Code.ERR_CHATTER and report.value >= _CROWD:
         cause, remedy = f"{report.value:.0f} events in a row hardly bring the run on", _CROWDED
+    if code == Code.ERR_LOSS and report.value > 0:
+        cause = _SEVERAL
     massless = [
         p.path for p, v in zip(program.parameters, parameters, strict=True) if p.path.endswith((".J", ".m")) and v == 0
     ]
@@ -48,6 +50,12 @@ _CROWD = 1000
 
 _CROWDED = "what bounces or chatters there needs a loss, a compliance or a shorter run"
 
+_SEVERAL = (
+    "two motions agree with its losses: it drives, or it jams while it turns, as its friction grows faster than what it slows "
+    "down, and nothing before the start tells which"
+)
+"""Beside the cause of ERR_LOSS."""
+
 _CAUSES: dict[Code, tuple[str, str]] = {
     Code.ERR_STEP: (
         "the step size fell below rounding", "the train may be stiff there or have a discontinuity that no switch locates"
@@ -63,8 +71,8 @@ _CAUSES: dict[Code, tuple[str, str]] = {
     Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
     Code.ERR_LOSS: (
         "no motion agrees with its losses: it jams while it turns, as its friction grows faster than what slows it down",
-        "the load drives a self-locking gear (efficiency below 0) whose driving side has too little inertia; give that side "
-        "J > -efficiency J_b/ratio^2, put a compliant shaft beside, or raise the efficiency",
+        "a load at b of a self-locking gear (efficiency below 0) whose driving side has too little inertia; give that side "
+        "J > -efficiency J_b/ratio^2, start it at rest, put a compliant shaft beside, or raise the efficiency",
     ),
     Code.ERR_BEYOND: (
         "the start values contradict it", "start between the limits of a stop, and beside a lossy gear as its ratio says"

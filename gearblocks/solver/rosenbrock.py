@@ -121,6 +121,25 @@ class Rosenbrock:
                 row[column] = value
         return tuple(map(tuple, out))
 
+    def angle_weights(self) -> tuple[Weights, ...]:
+        """The rows R_m / h, without the speed w0 in the first one, of an angle with rate w, as weights over h K_j of the
+        state w. An angle that were a state itself would have the stages K_i = gamma (w0 + h sum_j a_ij K_j(w) + sum_j
+        coupling_ij K_j) + gamma h K_i(w), and its own weight of w0 is 1 in the first row and 0 in the others."""
+        stages: list[Weights] = []
+        for i, (a, coupling) in enumerate(zip(self.a, self.coupling, strict=True)):
+            before = [math.fsum((c * row[j] for c, row in zip(coupling, stages, strict=True))) for j in range(i)]
+            stages.append(
+                (
+                    *(self.gamma * (x + y) for x, y in zip(a, before, strict=True)),
+                    self.gamma,
+                    *(0.0,) * (self.stages - i - 1),
+                )
+            )
+        return tuple(
+            tuple(math.fsum(x * row[j] for x, row in zip(weights, stages, strict=True)) for j in range(self.stages))
+            for weights in (_widen(row, self.stages) for row in (self.b, *self.dense))
+        )
+
     def _shape_problems(self) -> list[str]:
         s = self.stages
         rows = (self.a, self.coupling)
@@ -187,6 +206,10 @@ class Rosenbrock:
     def _order_problems(self) -> list[str]:
         worst = max(self.residuals(), key=lambda item: abs(item[1]))
         return [] if abs(worst[1]) <= 1e-12 else [f"the condition of tree {worst[0]} is missed by {worst[1]:.1e}"]
+
+
+def _widen(row: Weights, length: int) -> Weights:
+    return (*row, *(0.0,) * (length - len(row)))
 
 
 def _integral_of_basis(points: Weights, i: int) -> list[float]:

@@ -11,9 +11,6 @@ from gearblocks.hard import suite
 
 # slow: 1e7 steps (H31), 500 periods by a reference solver in Python (H42), 1e5 bodies built (S58)
 LONG = ("H31", "H42", "S58")
-# S45: by the losses on its flanges (decision 24) this worm has one motion, which the case holds for none or two
-# S51: angles that no law reads depend on the order of parts by 1e-9, since events cut their integrals
-OPEN = ("S45", "S51")
 
 
 @pytest.mark.parametrize(
@@ -22,7 +19,7 @@ OPEN = ("S45", "S51")
         pytest.param(
             case,
             id=case.id,
-            marks=[pytest.mark.long] * (case.id in LONG) + [pytest.mark.xfail(strict=True)] * (case.id in OPEN),
+            marks=[pytest.mark.long] * (case.id in LONG),
         )
         for case in suite.cases()
     ],

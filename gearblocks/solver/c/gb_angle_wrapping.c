@@ -1,29 +1,35 @@
 #include "gb_angle_wrapping.h"
 #include "gb_double_double.h"
 #include "gb_evaluate.h"
+#include "gb_implicit_angles.h"
 #include "gb_modes.h"
 
 /* No step turns a wrapped angle by more than this: the digits of an angle inside a step are those of its size. */
 static const double most_turns = 1024.0;
 
-/* h sum w (k - k1) in entry i: exactly zero at constant speed. */
-static double departure(const gb_sim *sim, const gb_weights *w, int i, double h) {
+/* The weights of the rates in row `row` of a step (the first: in its end). An angle of an implicit step whose speed is
+ * no state follows from the rates at the nodes of its quadratures (gb_rosenbrock_quadratures puts the first one in
+ * place): its stages are no rates. */
+static const gb_weights *weights_of(const gb_method *method, int row) {
+    if (method->gamma > 0.0) {
+        return &method->quadratures[row];
+    }
+    return row < 3 ? &method->a[method->stages] : &method->d[row];
+}
+
+/* h sum w (k - k1): exactly zero at constant speed. */
+static double departure(const gb_sim *sim, const gb_wrapped *wrapped, int row, double h) {
+    const gb_weights *w = weights_of(sim->method, row);
+    const int i = wrapped->state;
+    if (sim->method->gamma > 0.0 && wrapped->speed >= 0) {
+        return gb_angle_bend(sim, row, wrapped->speed, h);
+    }
     const size_t total = (size_t)sim->model->n_total;
     double sum = 0.0;
     for (int j = 0; j < w->count; j++) {
         sum += w->value[j] * (sim->k[(size_t)w->index[j] * total + (size_t)i] - sim->k[i]);
     }
     return h * sum;
-}
-
-/* The weights of the rates in row `row` of a step (the first: in its end). The angles of an implicit step follow from
- * the rates at the nodes of its quadratures (gb_rosenbrock_quadratures puts the first one in place): its stages are no
- * rates. */
-static const gb_weights *weights_of(const gb_method *method, int row) {
-    if (method->gamma > 0.0) {
-        return &method->quadratures[row];
-    }
-    return row < 3 ? &method->a[method->stages] : &method->d[row];
 }
 
 double gb_wrapping_step(const gb_sim *sim, double h) {
@@ -43,7 +49,7 @@ void gb_wrapping_advance(gb_sim *sim) {
         double hi = sim->y0[i], lo = sim->y0[quadrature + 1], product, rest;
         gb_multiply_two(sim->head->front.h, sim->k[i], &product, &rest);
         gb_add_two(&hi, &lo, product);
-        gb_add_two(&hi, &lo, departure(sim, weights_of(sim->method, 0), i, sim->head->front.h));
+        gb_add_two(&hi, &lo, departure(sim, &model->wrapped[c], 0, sim->head->front.h));
         lo += rest;
         gb_settle_two(&hi, &lo);
         sim->y[i] = hi;
@@ -60,7 +66,7 @@ void gb_wrapping_rows(gb_sim *sim, int from, int to) {
         const int i = model->wrapped[c].state;
         double *row = sim->rows + i;
         for (int m = from; m < to; m++) {
-            const double bend = departure(sim, weights_of(method, m), i, h);
+            const double bend = departure(sim, &model->wrapped[c], m, h);
             if (method->gamma > 0.0) {
                 row[(size_t)m * total] = m == 0 ? h * sim->k[i] + bend : bend;
                 continue;

@@ -266,7 +266,7 @@ static int look_at_front(gb_sim *sim, int log) {
 }
 
 /* Impacts, then forces: what each constraint does from here. */
-static int decide(gb_sim *sim) {
+static int decide(gb_sim *sim, int starting) {
     const gb_model *model = sim->model;
     look_back(sim);
     double *force = sim->constraints.force_before;
@@ -289,7 +289,7 @@ static int decide(gb_sim *sim) {
     memcpy(sim->constraints.other, force, sizeof(double) * (size_t)model->n_constraints);
     release_pending(sim);
     if (code == GB_DONE) {
-        code = gb_has_lossy(sim) ? gb_choose_lossy(sim) : gb_choose_active_set(sim);
+        code = gb_has_lossy(sim) ? gb_choose_lossy(sim, starting) : gb_choose_active_set(sim);
     }
     return code;
 }
@@ -303,7 +303,7 @@ int gb_switch_constraints(gb_sim *sim, int log) {
     if (code != GB_DONE) {
         return code;
     }
-    code = decide(sim);
+    code = decide(sim, !log);
     if (sim->constraints.y != sim->y && code == GB_DONE) {
         code = gb_time_terms_at(sim, sim->head->front.t1);
     }

@@ -37,7 +37,7 @@ enum {
     GB_ERR_CALLBACK = -9,  /* the input callback asked to stop; index: input */
     GB_ERR_SINGULAR = -10, /* the step matrix has no inverse; index: state (from n on: massless speed) */
     GB_ERR_METHOD = -11,   /* the model has no Jacobian for this method; index: method */
-    GB_ERR_LOSS = -12,     /* a lossy gear has no motion that fits its losses; index: switch */
+    GB_ERR_LOSS = -12,     /* no motion fits the losses of a lossy gear, or (value) 2 at the start; index: switch */
     GB_ERR_BEYOND = -13,   /* the start lies beyond a stop, or breaks a lossy gear; index: switch */
     GB_ERR_UNSTABLE = -14, /* fixed steps (value) outside the stability of the method; index: state */
     GB_ERR_ESCAPE = -15    /* motion that grows without bound; index: the state that grows quickest, or -1 */

@@ -1,5 +1,6 @@
 #include "gb_dense_output.h"
 #include "gb_angle_wrapping.h"
+#include "gb_implicit_angles.h"
 #include "gb_report.h"
 #include "gb_runge_kutta.h"
 #include "gb_vector.h"
@@ -100,6 +101,7 @@ int gb_dense_quadratures(gb_sim *sim) {
     }
     if (sim->method->gamma > 0.0) {
         summed_rows_of_quadratures(sim);
+        gb_implicit_angle_rows(sim);
     } else {
         hermite_rows(sim, sim->model->n_padded, sim->model->n_total);
         further_rows(sim, sim->model->n_padded, sim->model->n_total);
@@ -179,5 +181,8 @@ void gb_dense_cut(gb_sim *sim, double theta) {
     }
     gb_combine(&weights, sim->k, model->n_total, model->n_padded, model->n_total, sim->y0, theta * sim->head->front.h,
                sim->y);
+    if (method->gamma > 0.0) {
+        gb_implicit_angles(sim, theta, sim->head->front.h, sim->y);
+    }
     sim->head->front.t1 = theta > 0.0 ? sim->head->front.t0 + theta * sim->head->front.h : sim->head->front.t0;
 }

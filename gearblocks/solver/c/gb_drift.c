@@ -1,4 +1,5 @@
 #include "gb_drift.h"
+#include "gb_error_control.h"
 #include "gb_ledger.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
@@ -17,6 +18,11 @@ static const double GROWTH = 1.25;
 /* Tolerance below which rounding would decide, and the strictest, as log2 of the part of the tolerance that is left;
  * from where on it must have helped. */
 static const double LEAST = 1e-11, STRICTEST = 8.0, MOST_AT_ONCE = 3.0, LESS = 0.25, USELESS = 7.0;
+
+/* Tolerances that one step may add; the power of the step size by which a shorter try of it must add less, else what is
+ * out of balance is no error of steps, and that many steps, then twice as many, are not looked at. */
+static const double MOST_OF_A_STEP = 1.0, LEAST_POWER = 2.5;
+enum { LEFT_OUT = 16 };
 
 /* Steps up to the first look, between two where something is wrong, and at most; how often strictness may be of no use.
  */
@@ -42,6 +48,52 @@ static int balance(gb_sim *sim, double *sum, double *stored) {
         *sum += model->energy_sign[i - first] * sim->y[i];
     }
     return code;
+}
+
+/* Stored and lost less supplied at lane `lane` of the step, where the state is y; *stored: the first alone. */
+static double balance_at(gb_sim *sim, int lane, const double *y, double *stored) {
+    const gb_model *model = sim->model;
+    const int first = gb_first_energy(model);
+    double sum = 0.0;
+    model->energies(sim->par, sim->mode, sim->lanes.time_terms + lane, y, sim->scratch.energies);
+    *stored = 0.0;
+    for (int i = 0; i < model->n_energies; i++) {
+        sum += sim->scratch.energies[i];
+        *stored += fabs(sim->scratch.energies[i]);
+    }
+    for (int i = first; i < gb_end_energy(model); i++) {
+        sum += model->energy_sign[i - first] * (y[i] - sim->y0[i]);
+    }
+    return sum;
+}
+
+double gb_log_imbalance(gb_sim *sim, double h) {
+    const gb_method *method = sim->method;
+    gb_head *head = sim->head;
+    struct gb_drift *drift = &head->drift;
+    double before, after;
+    if (head->counts.steps < drift->balance_at) {
+        return -100.0;
+    }
+    if (sim->model->output_time_terms) {
+        sim->model->output_time_terms(sim->par, sim->mode, method->all_stages, sim->lanes.t, sim->lanes.u,
+                                      sim->lanes.time_terms);
+    }
+    const double added = fabs(balance_at(sim, method->stages, sim->z, &after) - balance_at(sim, 0, sim->y0, &before));
+    const double size = gb_max(head->ledger.stored, gb_max(before, after)) + head->ledger.turnover;
+    const double tolerance = MOST_OF_A_STEP * gb_max(head->options.rtol, LEAST) * size;
+    const double error = tolerance > 0.0 ? gb_rough_log2(added / tolerance + 1e-30) : -100.0;
+    if (error > 0.0) {
+        if (drift->imbalanced && error > drift->imbalance + LEAST_POWER * gb_rough_log2(h / drift->h_imbalance)) {
+            drift->balance_gap = 2 * drift->balance_gap + LEFT_OUT;
+            drift->balance_at = head->counts.steps + drift->balance_gap;
+            return -100.0;
+        }
+        drift->imbalanced = 1;
+        drift->imbalance = error;
+        drift->h_imbalance = h;
+    }
+    return error;
 }
 
 /* Strictness for the rest of the run, at the mean rate at which the balance departs since it was chosen; whether

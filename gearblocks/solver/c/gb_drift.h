@@ -6,6 +6,17 @@
 
 #include "gb_internal.h"
 
+/* log2 of what the step of size h just computed adds to the balance, in units of its tolerance. Where gains change with
+ * the position few states move much at once, and an embedded estimate passes zero by chance; -100 in all other trains,
+ * and for a while where a shorter try of a step did not help. Assumed: the stages and the end of the step, in lanes and
+ * z. */
+double gb_log_imbalance(gb_sim *sim, double h);
+
+static inline int gb_imbalance_is_due(const gb_sim *sim) {
+    return sim->model->varying_inertia && sim->model->energy_sign && sim->head->options.locate &&
+           !sim->head->choice.large_step;
+}
+
 /* After a step that was accepted, when it is time to look. */
 int gb_drift_look(gb_sim *sim);
 

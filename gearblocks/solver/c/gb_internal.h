@@ -50,6 +50,7 @@ typedef struct gb_method {
     double stage[GB_STAGES][2][GB_STAGES];  /* of the stages before: in the state, in the right side */
     double points[1 + GB_NODES][GB_STAGES]; /* of the stages: the new state, the states at the nodes */
     double inside[GB_NODES + 2][GB_STAGES]; /* dense rows in full */
+    double angles[GB_NODES + 2][GB_STAGES]; /* dense rows of angles over the stages of their speeds */
     gb_weights quadratures[GB_ROWS];        /* dense rows of the quadratures */
 } gb_method;
 
@@ -115,7 +116,10 @@ struct gb_drift {
     double chosen, t_chosen; /* what it was when strictness was chosen, and when that was */
     double rate, strictness; /* of the drift without strictness; what is added to the log2 of errors */
     int based, tries;        /* `last` is a balance; how often strictness was of no use */
-    long long look_at, gap;  /* steps at the next look, and how many there are between */
+    int imbalanced;          /* a try of the present step was out of balance: by how much as log2, and its size */
+    double imbalance, h_imbalance;
+    long long balance_at, balance_gap; /* steps when tries are looked at again, and how many were left out before */
+    long long look_at, gap;            /* steps at the next look, and how many there are between */
 };
 
 /* Motion that grows without bound, see gb_growth.h. */

@@ -9,6 +9,10 @@
 /* Most steps over the sides, and how many of them all at once without fewer that disagree; most combinations. */
 enum { STEPS = 60, PATIENCE = 3, COMBINATIONS = 20000 };
 
+/* Most combinations that are looked at for a second motion; accelerations are others where they differ by this part. */
+enum { LOOKS = 729 };
+static const double OTHER = 1e-6;
+
 /* Sides forward and backward of a gear at rest, by the force that leaves it: above all rests, below, between; between
  * the rests where nothing enters. */
 enum { OPTIONS = 5 };
@@ -153,31 +157,90 @@ static int next_combination(gb_sim *sim) {
     return 0;
 }
 
-static int try_every_combination(gb_sim *sim) {
-    int last = 0;
-    for (int i = 0; i < sim->model->n_constraints; i++) {
+/* A gear that b cannot drive (eta2 < 0) and that turns. */
+static int locks_while_it_slides(const gb_sim *sim, int i) {
+    return losses_of(sim, i)[2] < -1.0 && sim->lossy.base_decision[i] == GB_SLIDES;
+}
+
+/* The first combination; returns the first gear that is self-locking and slides, or the last lossy gear. */
+static int first_combination(gb_sim *sim) {
+    int last = 0, locking = -1;
+    for (int i = sim->model->n_constraints - 1; i >= 0; i--) {
         if (is_loss(sim, i)) {
             take_option(sim, i, 0);
-            last = i;
+            last = i > last ? i : last;
+            locking = locks_while_it_slides(sim, i) ? i : locking;
         }
     }
+    return locking >= 0 ? locking : last;
+}
+
+/* The sides that are assumed now are those of a motion. */
+static int is_a_motion(gb_sim *sim) {
+    int holds = solve(sim) == GB_DONE;
+    forgive(sim);
+    for (int i = 0; i < sim->model->n_constraints && holds; i++) {
+        holds = !is_loss(sim, i) || holds_true(sim, i);
+    }
+    return holds;
+}
+
+static int try_every_combination(gb_sim *sim) {
+    const int culprit = first_combination(sim);
     for (int count = 0; count < COMBINATIONS; count++) {
-        int wrong = solve(sim) != GB_DONE;
-        forgive(sim);
-        for (int i = 0; i < sim->model->n_constraints && !wrong; i++) {
-            wrong = is_loss(sim, i) && !holds_true(sim, i);
-        }
-        if (!wrong) {
+        if (is_a_motion(sim)) {
             return GB_DONE;
         }
         if (!next_combination(sim)) {
             break;
         }
     }
-    return gb_fail(sim, GB_ERR_LOSS, sim->model->constraints[last].slip, sim->head->front.t1, 0.0);
+    return gb_fail(sim, GB_ERR_LOSS, sim->model->constraints[culprit].slip, sim->head->front.t1, 0.0);
 }
 
-int gb_choose_lossy(gb_sim *sim) {
+/* The sides now assumed give other accelerations of lossy gears than those in `rate`. */
+static int is_another(gb_sim *sim, const double *rate) {
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        double size;
+        const double now = gb_slip_acceleration(sim, i, &size), before = rate[i];
+        if (is_loss(sim, i) &&
+            fabs(now - before) > OTHER * (fabs(now) + fabs(before)) + gb_acceleration_rounding(sim, i, size)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* The motion found is the only one. */
+static int refuse_a_second(gb_sim *sim) {
+    const int n = sim->model->n_constraints;
+    double rate[n + 1], size;
+    int forward[n + 1], backward[n + 1], locking = 0;
+    for (int i = 0; i < n; i++) {
+        locking = locking || (is_loss(sim, i) && locks_while_it_slides(sim, i));
+        rate[i] = gb_slip_acceleration(sim, i, &size);
+        forward[i] = sim->lossy.forward[i];
+        backward[i] = sim->lossy.backward[i];
+    }
+    if (!locking) {
+        return GB_DONE;
+    }
+    const int culprit = first_combination(sim);
+    for (int count = 0; count < LOOKS; count++) {
+        if (is_a_motion(sim) && is_another(sim, rate)) {
+            return gb_fail(sim, GB_ERR_LOSS, sim->model->constraints[culprit].slip, sim->head->front.t1, 2.0);
+        }
+        if (!next_combination(sim)) {
+            break;
+        }
+    }
+    memcpy(sim->lossy.forward, forward, sizeof(int) * (size_t)n);
+    memcpy(sim->lossy.backward, backward, sizeof(int) * (size_t)n);
+    return solve(sim);
+}
+
+/* As gb_choose_lossy, whatever other motions there are. */
+static int choose(gb_sim *sim) {
     int fewest = sim->model->n_constraints + 1, patience = PATIENCE;
     begin(sim);
     for (int step = 0; step < STEPS; step++) {
@@ -193,4 +256,9 @@ int gb_choose_lossy(gb_sim *sim) {
         fewest = wrong < fewest ? wrong : fewest;
     }
     return try_every_combination(sim);
+}
+
+int gb_choose_lossy(gb_sim *sim, int starting) {
+    const int code = choose(sim);
+    return code == GB_DONE && starting ? refuse_a_second(sim) : code;
 }

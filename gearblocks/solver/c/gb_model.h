@@ -42,6 +42,7 @@ typedef struct gb_pattern {
  * falls by steps[j]. */
 typedef struct gb_wrapped {
     int state, n_switches;
+    int speed; /* the state that is its rate, -1: none */
     double turns;
     const int *switches;
     const double *steps;
@@ -66,15 +67,17 @@ typedef struct gb_model {
     const char *name;
     const char *key; /* hash of the canonical content */
 
-    int n;                 /* states under error control */
-    int n_speeds;          /* the last of these are speeds (0: not known) */
-    int n_padded;          /* n rounded up; the quadratures start here */
-    int n_quadratures;     /* counts, angles and ledger integrals */
-    int prescribed_motion; /* time alone moves shafts: the states do not tell how long a step may be */
-    int n_angles;          /* the first quadratures that are angles or wrap counts; the others are energies */
-    int n_total;           /* n_padded + n_quadratures, rounded up: length of y */
-    int n_parameters;      /* tunable values: par[0 .. n_parameters) */
-    int n_par;             /* with the values derived from them: length of par */
+    int n;                  /* states under error control */
+    int n_speeds;           /* the last of these are speeds (0: not known) */
+    int n_padded;           /* n rounded up; the quadratures start here */
+    int n_quadratures;      /* counts, angles and ledger integrals */
+    int varying_inertia;    /* gains between shafts change with the position, and the inertias that they carry over */
+    int prescribed_motion;  /* time alone moves shafts: the states do not tell how long a step may be */
+    int n_angles;           /* the first quadratures that are angles or wrap counts; the others are energies */
+    const int *angle_speed; /* by angle among them: the state that is its rate, -1: none; NULL: they are wrap counts */
+    int n_total;            /* n_padded + n_quadratures, rounded up: length of y */
+    int n_parameters;       /* tunable values: par[0 .. n_parameters) */
+    int n_par;              /* with the values derived from them: length of par */
     int n_inputs;
     int n_time_terms;
 

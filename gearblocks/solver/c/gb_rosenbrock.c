@@ -1,5 +1,6 @@
 #include "gb_rosenbrock.h"
 #include "gb_active_set.h"
+#include "gb_implicit_angles.h"
 #include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_sparse_ldu.h"
@@ -314,6 +315,7 @@ void gb_rosenbrock_quadratures(gb_sim *sim, double h) {
         sim->head->counts.rhs_calls++;
     }
     gb_combine(&method->quadratures[0], sim->k, total, padded, total, sim->y0, h, sim->z);
+    gb_implicit_angles(sim, 1.0, h, sim->z);
 }
 
 void gb_rosenbrock_response(gb_sim *sim, double *change) {

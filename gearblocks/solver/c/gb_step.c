@@ -63,6 +63,7 @@ static int count_step(gb_sim *sim, double from, double end) {
     }
     head->control.h_trusted = gb_max(0.9 * head->control.h_trusted, end - from);
     head->control.h_largest = gb_max(head->control.h_largest, head->front.t1 - from);
+    head->drift.imbalanced = 0;
     head->counts.steps++;
     head->counts.steps_by[head->method]++;
     head->front.row_due |= head->front.t1 > from;
@@ -149,8 +150,11 @@ static double other_errors(gb_sim *sim, double h, double error) {
     if (error <= 0.0 && gb_reach_is_due(sim)) {
         error = gb_max(error, gb_log_reach(sim, h));
     }
+    if (error <= 0.0 && gb_imbalance_is_due(sim)) {
+        error = gb_max(error, gb_log_imbalance(sim, h));
+    }
     if (error <= 0.0 && gb_defect_is_due(sim, h)) {
-        error = gb_max(error, gb_log_defect(sim, h));
+        error = gb_max(error, gb_log_defect(sim, h)); /* last: its rows stay where the step is good */
     }
     return error;
 }

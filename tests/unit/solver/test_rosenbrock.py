@@ -36,6 +36,17 @@ def test_the_quadrature_of_the_tail_is_exact_for_cubics_inside_a_step_and_of_ord
             assert value == pytest.approx(theta ** (power + 1) / (power + 1), abs=1e-14)
 
 
+def test_an_angle_over_the_stages_of_its_speed_is_what_it_would_be_as_a_state() -> None:
+    """w' = 1 from w = 0: K_i = gamma (1 + sum_j coupling_ij K_j), and the angle is theta^2 / 2 inside the step too."""
+    k: list[float] = []
+    for coupling in RODAS.coupling:
+        k.append(RODAS.gamma * (1.0 + math.fsum(c * x for c, x in zip(coupling, k, strict=True))))
+    r1, r2, r3, r4 = (math.fsum(x * y for x, y in zip(row, k, strict=True)) for row in RODAS.angle_weights())
+    for theta in (0.0, 0.3, 0.7, 1.0):
+        value = theta * (r1 + (1 - theta) * (r2 + theta * (r3 + (1 - theta) * r4)))
+        assert value == pytest.approx(theta**2 / 2, abs=1e-13)
+
+
 def test_a_wrong_coefficient_of_an_implicit_method_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match=r"'Rodas5P 5\(4\)': row 1 of beta sums to"):
         dataclasses.replace(RODAS, d=(*RODAS.d[:1], 0.1, *RODAS.d[2:]))
