@@ -5,28 +5,50 @@
 #include "gb_report.h"
 #include "gb_vector.h"
 
-/* Stops whose impacts follow on each other within what can be told apart, in time or in the height of the flight
- * between them (a quarter of its duration times its speed), come to rest: the end of a flight lower than the rounding
- * of its gap is located no better than that, and would give back the speed that the impact took. */
-static double restitution(gb_sim *sim, int i) {
+enum { ROUNDS = 10000 };
+
+/* A flight of such a duration and height cannot be told from rest: its end lies within the rounding of time, or is
+ * located no better than the rounding of the gap and would give back the speed that the impact took. */
+static int is_nothing(gb_sim *sim, int i, double duration, double height) {
     const gb_head *head = sim->head;
-    const int gap = sim->model->constraints[i].slip;
-    const double pause = head->front.t1 - sim->events.flip_time[gap];
-    const double height = 0.25 * pause * fabs(sim->constraints.slip[i]);
-    if (pause <= 64.0 * gb_rounding(head->front.t1, head->front.h) ||
-        (height < HUGE_VAL && gb_is_noise(sim, gap, height, sim->instant.time_terms, sim->y, sim->y))) {
-        return 0.0;
-    }
-    return sim->constraints.bounds[5 * i + 2];
+    return duration <= 64.0 * gb_rounding(head->front.t1, head->front.h) ||
+           (height < HUGE_VAL &&
+            gb_is_noise(sim, sim->model->constraints[i].slip, height, sim->instant.time_terms, sim->y, sim->y));
 }
 
-/* Bounds of the impulse of constraint i and the slip that it must undo; 0: it takes no part. */
+/* Whether what presses stop i brings it back, after an impact at this restitution, from nothing but such a flight: a
+ * short flight may have ended at a body that came its way, and the next one, of both together, be long. */
+static int is_pressed(gb_sim *sim, int i, double restitution) {
+    const gb_model *model = sim->model;
+    const double speed = restitution * fabs(sim->constraints.slip[i]);
+    double *rate = sim->constraints.free_acceleration;
+    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2);
+    sim->head->counts.rhs_calls++;
+    model->slips(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2, rate);
+    const double push = -rate[i];
+    return push > 0.0 && is_nothing(sim, i, 2.0 * speed / push, 0.5 * speed * speed / push);
+}
+
+/* Stops whose impacts follow on each other within what can be told apart, in time or in the height of the flight
+ * between them (a quarter of its duration times its speed), come to rest. */
+static double restitution(gb_sim *sim, int i) {
+    const double pause = sim->head->front.t1 - sim->events.flip_time[sim->model->constraints[i].slip];
+    const double given = sim->constraints.bounds[5 * i + 2], height = 0.25 * pause * fabs(sim->constraints.slip[i]);
+    return given > 0.0 && is_nothing(sim, i, pause, height) && is_pressed(sim, i, given) ? 0.0 : given;
+}
+
+/* Bounds of the impulse of constraint i and the slip that it must undo; 0: it takes no part. What opens just now does
+ * not close: an impulse along it would do work on what leaves (lambda v- > 0) and give a train energy from nowhere. */
 static int takes_impulse(gb_sim *sim, int i, double *lo, double *hi, double *undo) {
     const double slip = sim->constraints.slip[i], *bounds = sim->constraints.bounds + 5 * i;
     *lo = bounds[0] <= -HUGE_VAL ? -HUGE_VAL : 0.0;
     *hi = bounds[1] >= HUGE_VAL ? HUGE_VAL : 0.0;
     *undo = slip;
     if (!gb_is_engaged(sim, i) || sim->model->constraints[i].kind == GB_LOSS || (*lo == 0.0 && *hi == 0.0)) {
+        return 0;
+    }
+    if ((*lo == 0.0 && slip > sim->constraints.slip_rounding[i]) ||
+        (*hi == 0.0 && slip < -sim->constraints.slip_rounding[i])) {
         return 0;
     }
     if (gb_is_stop(sim, i)) {
@@ -74,41 +96,64 @@ static void slips_after(gb_sim *sim) {
     }
 }
 
-int gb_impact(gb_sim *sim) {
-    const gb_model *model = sim->model;
-    const int n = model->n_constraints;
-    int struck = 0;
-    double *b = sim->constraints.right, *lo = sim->constraints.lo, *hi = sim->constraints.hi;
-    for (int i = 0; i < n; i++) {
+/* What the impulses of a round did: which constraints were struck, and the largest slip at which they were. */
+static void note_round(gb_sim *sim, const double *impulse, const double *before) {
+    const gb_delassus W = gb_delassus_of(sim);
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        const double rounding = sim->constraints.slip_rounding[i], own = fabs(impulse[i]) * gb_delassus_diagonal(&W, i);
+        if (!(fabs(before[i]) > rounding && own > 1e-6 * fabs(before[i]) && fabs(impulse[i]) > 0.0)) {
+            continue;
+        }
+        if (gb_is_stop(sim, i) || gb_is_unbounded(sim, i) || !gb_is_active(sim, i)) {
+            note_impact(sim, i, impulse[i], before[i], sim->constraints.slip[i]);
+        }
+        const double earlier = sim->constraints.struck[i] ? sim->constraints.slip_before[i] : 0.0;
+        sim->constraints.slip_before[i] = gb_max(earlier, fabs(before[i]));
+        sim->constraints.struck[i] = 1;
+    }
+}
+
+/* Which constraints take part in the next round of an impact, and the one that is hit hardest, or -1 where none is.
+ * What took part in the round before is right but for rounding. */
+static int find_hit(gb_sim *sim, int round) {
+    double *b = sim->constraints.right, *lo = sim->constraints.lo, *hi = sim->constraints.hi, most = 0.0;
+    int hit = -1;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        const int was_in = round > 0 && sim->constraints.in[i];
         sim->constraints.in[i] = takes_impulse(sim, i, &lo[i], &hi[i], &b[i]);
-        if (sim->constraints.in[i]) {
-            const gb_constraint *constraint = &model->constraints[i];
+        if (sim->constraints.in[i] && !was_in) {
+            const gb_constraint *constraint = &sim->model->constraints[i];
             const int met = constraint->kind == GB_FRICTION &&
                             sim->events.pending[constraint->slip] != 0.0; /* its slip has just come to zero */
             const double w = met ? 0.0 : b[i], rounding = sim->constraints.slip_rounding[i];
-            struck = struck || (w < -rounding && hi[i] > 0.0) || (w > rounding && lo[i] < 0.0);
+            if (((w < -rounding && hi[i] > 0.0) || (w > rounding && lo[i] < 0.0)) && fabs(w) > most) {
+                most = fabs(w);
+                hit = i;
+            }
         }
     }
-    if (!struck) {
-        return GB_DONE;
-    }
-    model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->y, 0, sim->constraints.delassus);
-    if (gb_solve_problem(sim, 0) != GB_DONE || gb_refuse_contradiction(sim) != GB_DONE) {
-        return sim->head->report.code;
-    }
-    const gb_delassus W = gb_delassus_of(sim);
-    double *whole = sim->constraints.other, *before = sim->constraints.slip_before;
-    memcpy(whole, sim->constraints.force, sizeof(double) * (size_t)n);
-    memcpy(before, sim->constraints.slip, sizeof(double) * (size_t)n);
-    apply_impulses(sim, whole);
-    slips_after(sim);
-    for (int i = 0; i < n; i++) {
-        const double rounding = sim->constraints.slip_rounding[i], own = fabs(whole[i]) * gb_delassus_diagonal(&W, i);
-        const double lost = fabs(before[i]) > rounding && own > 1e-6 * fabs(before[i]) ? fabs(whole[i]) : 0.0;
-        if (lost > 0.0 && (gb_is_stop(sim, i) || gb_is_unbounded(sim, i) || !gb_is_active(sim, i))) {
-            note_impact(sim, i, whole[i], before[i], sim->constraints.slip[i]);
+    return hit;
+}
+
+int gb_impact(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const size_t size = sizeof(double) * (size_t)model->n_constraints;
+    double *impulse = sim->constraints.other, *before = sim->constraints.free_acceleration;
+    int hit = find_hit(sim, 0);
+    for (int round = 0; hit >= 0; round++) {
+        if (round == ROUNDS) {
+            return gb_fail(sim, GB_ERR_CHATTER, model->constraints[hit].slip, sim->head->front.t1, 0.0);
         }
-        sim->constraints.struck[i] = lost > 0.0;
+        model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->y, 0, sim->constraints.delassus);
+        if (gb_solve_problem(sim, 0) != GB_DONE || gb_refuse_contradiction(sim) != GB_DONE) {
+            return sim->head->report.code;
+        }
+        memcpy(impulse, sim->constraints.force, size);
+        memcpy(before, sim->constraints.slip, size);
+        apply_impulses(sim, impulse);
+        slips_after(sim);
+        note_round(sim, impulse, before);
+        hit = find_hit(sim, round + 1);
     }
     return GB_DONE;
 }

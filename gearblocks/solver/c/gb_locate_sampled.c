@@ -1,5 +1,6 @@
 #include "gb_locate_sampled.h"
 #include "gb_dense_output.h"
+#include "gb_limit_noise.h"
 #include "gb_modes.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
@@ -254,7 +255,7 @@ static int first_through(gb_sim *sim, int i, double side, double until, double t
 /* The step is so long that the samples do not tell what the force of an active constraint does (switch i), which could
  * reach its bound: what bends between samples is no small part of what changes at all. A train at rest has no other
  * reason for its steps. */
-static int is_untold(const gb_sim *sim, int i) {
+static int is_untold(gb_sim *sim, int i) {
     double least = HUGE_VAL, most = -HUGE_VAL, bend = 0.0, f[POINTS];
     sampled_distances(sim, i, 1.0, f);
     for (int l = 0; l < POINTS; l++) {
@@ -266,7 +267,8 @@ static int is_untold(const gb_sim *sim, int i) {
     }
     const double start = fabs(f[1] - (21.0 * f[0] + 14.0 * f[2] - 3.0 * f[3]) / 32.0);
     const double range = gb_max(most - least, start);
-    return least < 2.0 * range && gb_max(bend, 4.0 * start) > 0.3 * range;
+    return least < 2.0 * range && gb_max(bend, 4.0 * start) > 0.3 * range &&
+           range > gb_force_noise(sim, i, sim->lanes.time_terms + sim->method->stages, sim->z);
 }
 
 /* It has a limit, and no enclosure. */

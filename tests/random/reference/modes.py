@@ -17,6 +17,7 @@ from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
 
 MOST = 3000  # sets of modes
+ROUNDS = 1000  # of impacts at one instant
 
 
 class Modes:
@@ -88,10 +89,7 @@ class Modes:
             self.force(t + part * span, y)
         self.free = max(self.free, self.force(t, y) * float(np.abs(np.diag(self.s.Minv)).max()) * span)
         self.d.evaluate(t, y)  # engagements as they are
-        hits = len(self.jumps)
-        y = self.impact(t, y)
-        if len(self.jumps) > hits:
-            self.begin(t, y)
+        y = self.impacts(t, y)
         _, v = self.qv(y)
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
@@ -291,6 +289,19 @@ class Modes:
         return len(self.held(modes))
 
     # -- impacts ------------------------------------------------------------------------------------------------------
+
+    def impacts(self, t: float, y: Array) -> Array:
+        """Impacts until no one-way lock turns backwards that was ahead before: a stop tells by its gap, a lock does not."""
+        for _ in range(ROUNDS):
+            hits, (_, v) = len(self.jumps), self.qv(y)
+            y = self.impact(t, y)
+            if len(self.jumps) > hits:
+                self.begin(t, y)
+            ahead = [m.scale * d.row for d in self.s.dry for m in d.members if m.on and m.one_way]
+            _, w = self.qv(y)
+            if not any(float(row @ v) > self.small() and float(row @ w) < -self.small() for row in ahead):
+                return y
+        raise NoEvidenceError("impacts without end")
 
     def impact(self, t: float, y: Array) -> Array:
         """Newton's law at stops that close, plastic locks; several at once as one complementarity problem.
