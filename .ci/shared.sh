@@ -105,7 +105,7 @@ on_processors() {
         # shellcheck disable=SC2086
         set -- $level
         if processor_has "${@:2}" && command -v cc >/dev/null && compiles_for "$1"; then
-            "$each" "C for $1" env CC="cc -march=$1"
+            "$each" "C for $1" env CC="cc -march=$1 -O3"
         else
             left_out "C for $1"
         fi

@@ -1,7 +1,7 @@
 """The C compiler: the one named in CC, else `cc` on PATH, else the zig that comes as a Python package.
 
 CC may hold flags: with one of -march= or -mcpu= ("cc -march=x86-64-v3") the C is made for that processor, else for the one at
-hand.
+hand; a level of optimisation ("cc -O0") is that of generated laws: compiled sooner, slower to run, the same bits.
 """
 
 from __future__ import annotations
@@ -56,6 +56,11 @@ class Compiler:
     identity: str
     native: tuple[str, ...]
     is_zig: bool
+
+    @property
+    def generated_flags(self) -> tuple[str, ...]:
+        """The flags of generated laws, behind FLAGS."""
+        return (*GENERATED_FLAGS, *[word for word in self.command[1:] if word.startswith("-O")])
 
     def run(self, arguments: Sequence[str], directory: Path) -> None:
         """Calls the compiler in `directory`, which also takes its temporary files. Raises CompileError."""
@@ -182,10 +187,12 @@ def _tried(command: tuple[str, ...]) -> str:
 
 
 def _identity(program: str, command: tuple[str, ...]) -> str:
-    """What tells one compiler from another without starting it: file, size, date of change, arguments."""
+    """What tells one compiler from another without starting it: file, size, date of change, arguments but for a level of
+    optimisation, which the core does not heed."""
     real = os.path.realpath(program)
     status = os.stat(real)
-    return digest(real, str(status.st_size), str(status.st_mtime_ns), *command[1:])
+    arguments = [word for word in command[1:] if not word.startswith("-O")]
+    return digest(real, str(status.st_size), str(status.st_mtime_ns), *arguments)
 
 
 def _run(command: Sequence[str], directory: Path, is_zig: bool) -> None:

@@ -21,7 +21,7 @@ from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError, GearblocksError
 from gearblocks.solver.binding import Simulation, open_shared
 from gearblocks.solver.cache import digest, user_cache
-from gearblocks.solver.compiler import FLAGS, GENERATED_FLAGS, SHARED_SUFFIX, Compiler, cpu_identity, find_compiler
+from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, cpu_identity, find_compiler
 from gearblocks.solver.structures import Array
 
 SOURCES = Path(__file__).parent / "c"
@@ -90,7 +90,7 @@ def compile_program(program: Program) -> Library:
     """The library of a program, from the cache where it was compiled before. Raises CompileError."""
     compiler = find_compiler()
     cache, core = user_cache(), _core_key(compiler)
-    key = digest(core, *GENERATED_FLAGS, _EXPORTS, program.source)
+    key = digest(core, *compiler.generated_flags, _EXPORTS, program.source)
     path = cache.find("models", key, SHARED_SUFFIX)
     if path is None:
         objects = _core_objects(compiler, core).result()
@@ -192,7 +192,7 @@ def _linked(compiler: Compiler, source: str, objects: Sequence[Path]) -> bytes:
     files.update({f"core{number}.o": path.read_bytes() for number, path in enumerate(objects)})
     cores = [f"core{number}.o" for number in range(len(objects))]
     product = "model" + SHARED_SUFFIX
-    flags = (*FLAGS, *GENERATED_FLAGS, *compiler.native, "-include", "exports.h")
+    flags = (*FLAGS, *compiler.generated_flags, *compiler.native, "-include", "exports.h")
     return produced(compiler, files, (*flags, "-shared", "model.c", *cores, "-o", product, "-lm"), product)
 
 

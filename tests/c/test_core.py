@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -20,8 +21,8 @@ FAST = ("-O3", "-fno-math-errno", "-fno-trapping-math")
 
 
 def _compiler() -> list[str]:
-    found = os.environ.get("CC") or shutil.which("cc")
-    return [found] if found else [sys.executable, "-m", "ziglang", "cc"]
+    found = shlex.split(os.environ.get("CC", "")) or [shutil.which("cc") or ""]
+    return found if found[0] else [sys.executable, "-m", "ziglang", "cc"]
 
 
 def _build_and_run(folder: Path, *flags: str) -> subprocess.CompletedProcess[str]:

@@ -96,9 +96,9 @@ static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
     return poor;
 }
 
-int gb_weights_follow_trial(const gb_sim *sim) {
+int gb_begins_to_move(const gb_sim *sim) {
     int follow = sim->head->control.unscaled & GB_SMALL;
-    for (int i = 0; i < sim->model->n && sim->head->control.unscaled && !follow; i++) {
+    for (int i = 0; i < sim->model->n && !follow; i++) {
         follow = sim->control.largest[i] == 0.0 && sim->z[i] != 0.0;
     }
     return follow;

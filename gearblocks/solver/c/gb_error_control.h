@@ -17,9 +17,14 @@
  * state has no scale at all. */
 void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *trial);
 
-/* Whether weights are to follow the trial step: a state has moved without coming to a scale, or begins to move in it.
- */
-int gb_weights_follow_trial(const gb_sim *sim);
+/* Of a train with states that have no scale: one has moved without coming to a scale, or begins to move in the trial
+ * step. */
+int gb_begins_to_move(const gb_sim *sim);
+
+/* Whether weights are to follow the trial step. */
+static inline int gb_weights_follow_trial(const gb_sim *sim) {
+    return sim->head->control.unscaled && gb_begins_to_move(sim);
+}
 
 /* Takes the front into the tolerance scales. The error weights of an implicit method are kept until a scale is by a
  * tenth beyond what they were made for: the tolerance lags behind on the safe side. */

@@ -178,8 +178,7 @@ static int is_in_box(const gb_sim *sim) {
 
 int gb_forces_stay(gb_sim *sim) {
     const gb_model *model = sim->model;
-    if (model->n_constraints == 0 || !sim->head->events.forces_agreed || sim->inputs.n_moving > 0 ||
-        what_is_known(sim) != ALONE) {
+    if (!sim->head->events.forces_agreed || sim->inputs.n_moving > 0 || what_is_known(sim) != ALONE) {
         return 0;
     }
     int stay = sim->panel.boxed && is_in_box(sim);

@@ -11,12 +11,18 @@
 
 void gb_sliding_rates(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y, double *dy);
 
-/* The rates (with `full` those of the quadratures too) in the present modes at lane `lane` of `at`. */
+/* The rates (with `full` those of the quadratures too) in the present modes at lane `lane` of `at`, where nothing
+ * slides. */
+static inline void gb_mode_rates(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y, double *dy) {
+    (full ? sim->model->rhs_full : sim->model->rhs)(sim->par, sim->mode, at->time_terms + lane, y, dy);
+}
+
+/* The same, whatever slides. */
 static inline void gb_rates(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y, double *dy) {
     if (sim->head->events.n_sliding > 0) {
         gb_sliding_rates(sim, full, at, lane, y, dy);
     } else {
-        (full ? sim->model->rhs_full : sim->model->rhs)(sim->par, sim->mode, at->time_terms + lane, y, dy);
+        gb_mode_rates(sim, full, at, lane, y, dy);
     }
 }
 

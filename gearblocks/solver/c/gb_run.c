@@ -66,7 +66,7 @@ static int step(gb_sim *sim, double target) {
 }
 
 /* The front moves on: what is pending there, or else a step. After an error the last good front stands. */
-static int move(gb_sim *sim, double target) {
+GB_INLINE int move(gb_sim *sim, double target) {
     const int code = sim->head->events.pending ? event(sim, target) : step(sim, target);
     if (code != GB_DONE) {
         sim->head->front.t0 = sim->head->front.t1;

@@ -55,6 +55,7 @@ def test_a_rising_torque_breaks_the_first_of_two_hundred_equal_clutches_when_its
     assert run["b0.w"][-1] == pytest.approx(25.0 * t**2 / 201 + 25.0 * (1.0 - t**2) - 10.0 * (1.0 - t), rel=1e-8)
 
 
+@pytest.mark.long
 def test_rows_that_meet_in_any_order_of_their_clutches_give_the_same():
     """Elimination takes the clutches in the order of their names in the train: the motion does not know it."""
     count, order = 60, np.random.default_rng(5).permutation(60)

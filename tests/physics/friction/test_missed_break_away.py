@@ -35,7 +35,10 @@ def slides_from(excess, capacity, tau, guess, end):
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize(("at", "sharp", "load"), [(0.3552, 160.5, 0.37), (0.5671, 45.8, 0.2), (0.8123, 900.0, 0.05)])
+@pytest.mark.parametrize(
+    ("at", "sharp", "load"),
+    [(0.3552, 160.5, 0.37), pytest.param(0.5671, 45.8, 0.2, marks=pytest.mark.long), (0.8123, 900.0, 0.05)],
+)
 def test_a_short_dip_of_the_capacity_lets_the_shaft_go(method, at, sharp, load):
     t = sp.sympify(gb.time)
     model = braked(1.5 - 1.49 * sp.exp(-((sharp * (t - at)) ** 2)), load)

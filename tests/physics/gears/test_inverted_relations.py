@@ -11,7 +11,14 @@ WAVES = gb.RatioLaw.from_function(1 + 0.3 * gb.sin(gb.driver_angle) + 0.1 * gb.c
 T = np.linspace(0.0, 0.5, 101)
 
 
-@pytest.mark.parametrize("law", [ELLIPSE, LINE, WAVES], ids=["ellipse", "line", "waves"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        pytest.param(ELLIPSE, id="ellipse"),
+        pytest.param(LINE, id="line", marks=pytest.mark.long),
+        pytest.param(WAVES, id="waves", marks=pytest.mark.long),
+    ],
+)
 def test_two_rows_on_a_driven_carrier_whose_suns_are_both_gear_1(law):
     """Sun 1 at rest, planets of two rows, sun 2 the output: chi = F^-1(F(beta) - planet against carrier)."""
     beta, w = np.radians(90), 20.0
@@ -33,8 +40,15 @@ def test_two_rows_on_a_driven_carrier_whose_suns_are_both_gear_1(law):
     assert np.abs(run["out.w"] - w * (1 - law.m(-carrier) / law.m(chi))).max() < 1e-10 * w
 
 
-@pytest.mark.parametrize("external", [True, False])
-@pytest.mark.parametrize("law", [LINE, WAVES], ids=["line", "waves"])
+@pytest.mark.parametrize(
+    ("law", "external"),
+    [
+        pytest.param(LINE, True, id="line-external"),
+        pytest.param(LINE, False, id="line-internal", marks=pytest.mark.long),
+        pytest.param(WAVES, True, id="waves-external", marks=pytest.mark.long),
+        pytest.param(WAVES, False, id="waves-internal"),
+    ],
+)
 def test_a_pair_driven_at_gear_2(law, external):
     sign = 1 if external else -1
     rig = gb.Drivetrain("driven at b")
@@ -131,7 +145,7 @@ def test_a_motion_that_is_prescribed_at_both_gears_is_refused_by_name():
         gb.build(rig)
 
 
-@pytest.mark.parametrize("gone", [["shaft_0"], ["shaft_0", "shaft_1", "shaft_2"]])
+@pytest.mark.parametrize("gone", [pytest.param(["shaft_0"], marks=pytest.mark.long), ["shaft_0", "shaft_1", "shaft_2"]])
 def test_start_angles_behind_a_rigid_shaft_follow_the_motion_that_drives_it(gone):
     from models import noncircular_cvt
 

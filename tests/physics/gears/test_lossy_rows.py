@@ -164,7 +164,10 @@ ROWS = {
 AT = np.linspace(0.0, 1.2, 61)
 
 
-@pytest.mark.parametrize("name", ROWS)
+LONG = ("bearing that sticks beside b", "no losses")
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.long] * (name in LONG)) for name in ROWS])
 def test_a_row_of_lossy_gears_turns_back_as_its_losses_say_with_every_method(name: str) -> None:
     row = ROWS[name]
     rig, (true, changes) = row.train(), row.speeds(AT)
@@ -187,6 +190,7 @@ def test_a_lossy_gear_beside_a_stuck_bearing_is_stuck_as_long_as_it(place: int) 
     assert max(np.unique([e.t for e in run.events], return_counts=True)[1]) == 2
 
 
+@pytest.mark.long
 def test_eight_lossy_gears_in_a_row_turn_back_together() -> None:
     losses = [(0.9, 0.8, 0.02, 0.02), (0.8, 0.7, 0.0, 0.0), (1.0, 1.0, 0.0, 0.0), (0.95, 0.9, 0.02, 0.05)]
     gears = tuple(Gear(ratio, ((0.0, *losses[i % 4]),)) for i, ratio in enumerate((2, -0.5, 3, -1, 0.3, 1.5, -2, 0.7)))

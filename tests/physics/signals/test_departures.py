@@ -65,7 +65,7 @@ def _last_angle(springs, tau, name, damping):
     return y[n - 1]
 
 
-@pytest.mark.parametrize("springs", [2, 3, 5])
+@pytest.mark.parametrize("springs", [2, pytest.param(3, marks=pytest.mark.long), 5])
 @pytest.mark.parametrize("name", LAWS)
 def test_a_law_far_from_the_load_begins_on_the_side_to_which_it_moves(name, springs):
     for tau in (4.0, -4.0):

@@ -218,8 +218,17 @@ COUPLINGS = {
 }
 
 
-@pytest.mark.parametrize("name", COUPLINGS)
-@pytest.mark.parametrize("source", ["pieces", "table"])
+QUICK = {("pieces", "clutch"), ("table", "small clutch"), ("pieces", "freewheel"), ("table", "one way")}
+
+
+@pytest.mark.parametrize(
+    ("source", "name"),
+    [
+        pytest.param(source, name, marks=[pytest.mark.long] * ((source, name) not in QUICK))
+        for source in ("pieces", "table")
+        for name in COUPLINGS
+    ],
+)
 def test_work_and_losses_where_slip_reverses_inside_a_long_step(name, source):
     block, law = COUPLINGS[name]
     model = gb.build(

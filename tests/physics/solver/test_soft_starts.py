@@ -81,7 +81,9 @@ def test_a_bearing_breaks_away_just_below_its_load(excess):
             assert run.stats.steps < 500, (method, rtol)
 
 
-@pytest.mark.parametrize("kink", [0.2, 0.25, 0.3])
+@pytest.mark.parametrize(
+    "kink", [pytest.param(0.2, marks=pytest.mark.long), 0.25, pytest.param(0.3, marks=pytest.mark.long)]
+)
 def test_a_brake_breaks_away_just_before_the_kink_of_its_capacity(kink):
     """Capacity 20 abs(t - kink) + 0.99999 against 1 N m: it slips for 0.5 us before the kink, as long after it, and is
     stopped again after 0.207 us more: (1 + sqrt 2) 0.5 us in all."""

@@ -32,8 +32,14 @@ SOURCES = {
 }
 
 
-@pytest.mark.parametrize("forward", [True, False], ids=["forward", "backward"])
-@pytest.mark.parametrize("name", SOURCES)
+@pytest.mark.parametrize(
+    ("name", "forward"),
+    [(name, True) for name in SOURCES]
+    + [
+        pytest.param(name, False, marks=[pytest.mark.long] * (name not in ("a governor", "a window")))
+        for name in SOURCES
+    ],
+)
 def test_the_work_of_a_source_with_conditions_is_the_energy_that_its_body_gains(name, forward):
     tau, start, end = SOURCES[name]
     rig = _body(tau, w0=start)

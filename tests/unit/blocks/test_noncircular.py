@@ -24,7 +24,7 @@ def _rig(law, **mesh):
         pytest.param("three lobes", marks=pytest.mark.long),
         pytest.param("waves", marks=pytest.mark.long),
         pytest.param("fitted", marks=pytest.mark.long),
-        "table",
+        pytest.param("table", marks=pytest.mark.long),
     ],
 )
 def test_a_train_with_a_ratio_law_survives_its_file(ratio_laws, name, tmp_path):

@@ -55,7 +55,9 @@ def test_the_mesh_force_at_the_entry_of_a_pair_does_not_depend_on_rounding(backl
                 assert run["mesh.force"][0] == pytest.approx(wanted, rel=near)
 
 
-@pytest.mark.parametrize("shaft", [True, False], ids=["rigid", "compliant"])
+@pytest.mark.parametrize(
+    "shaft", [pytest.param(True, id="rigid"), pytest.param(False, id="compliant", marks=pytest.mark.long)]
+)
 def test_a_pair_behind_a_rigid_shaft_starts_at_the_entry_of_a_pair(shaft):
     rig = gb.Drivetrain("whine")
     pinion, wheel = (

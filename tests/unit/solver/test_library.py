@@ -3,6 +3,7 @@
 import math
 import os
 import pickle
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,11 +11,13 @@ from pathlib import Path
 
 import pytest
 
+import gearblocks as gb
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError, GearblocksWarning
 from gearblocks.solver import library as stage
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler, zig_compiler
 from gearblocks.solver.library import Library, compile_program, core_files, start_core_build
+from models import modelica_examples, spline_coupling
 
 
 def test_the_same_program_is_compiled_once(
@@ -26,6 +29,34 @@ def test_the_same_program_is_compiled_once(
 
 def test_another_text_is_another_library(program: Callable[..., Program], oscillator: Library) -> None:
     assert compile_program(program("/* another */\n")).path != oscillator.path
+
+
+@pytest.mark.numeric
+@pytest.mark.skipif(not shutil.which("cc"), reason="a level of optimisation is part of a command in CC")
+@pytest.mark.parametrize(
+    "train",
+    [
+        spline_coupling.steel,
+        modelica_examples.build,
+        pytest.param(modelica_examples.coupled_clutches, marks=pytest.mark.long),
+    ],
+)
+def test_a_level_of_optimisation_changes_no_bit(
+    train: Callable[[], gb.Drivetrain], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Tests of the quick tier run generated laws as they are written, users run them optimised."""
+    command = [word for word in os.environ.get("CC", "cc").split() if not word.startswith("-O")]
+    paths, bits = [], []
+    for level in ("-O0", "-O3"):
+        monkeypatch.setenv("CC", " ".join([*command, level]))
+        model = gb.build(train())
+        paths.append(model.library.path)
+        for method in ("dp8", "rodas"):
+            run = gb.simulate(model, t_end=2e-3, method=method)
+            assert run.final_state is not None
+            bits.append((level, method, run.stats.steps, run.final_state.y.tobytes()))
+    assert paths[0] != paths[1]
+    assert [part[1:] for part in bits[:2]] == [part[1:] for part in bits[2:]]
 
 
 def test_a_damaged_library_is_compiled_again(
