@@ -39,9 +39,13 @@ class Dynamics:
         self.pulls = [s.compile(derivative(signal)) for signal in speeds]
         self.driven_from = [s.compile(signal if kind == "angle" else 0.0) for signal, kind in s.prescribed.values()]
         self.nr, self.n1, self.np = s.Ur.shape[1], s.Z1.shape[1], s.P.shape[1]
-        self.cut = np.cumsum([self.nr, self.n1, self.nr, self.np, s.extra])
+        self.cut = np.cumsum([self.nr, self.n1, self.nr, self.np, s.extra]).tolist()
         self.cache: dict[Any, tuple[Array, Array, Array, Array | None]] = {}
-        self.RT = s.R.T
+        self.regular: set[Any] = set()
+        self.RT = np.vstack([s.R, s.torque_rows]).T
+        self.KC = np.hstack([s.K, s.C])
+        self.RR = np.ascontiguousarray(s.R.T)
+        self.signals = [signal for _, signal, _ in s.torques]
         self.constant = not s.nonlinear
         self.varying = [i for i, g in enumerate(s.lossy) if g.values(0.0) != g.values(1e3)]
         self.teeth = {id(m): k for m, k in getattr(s, "synchronizers", [])}
@@ -58,58 +62,95 @@ class Dynamics:
 
     def split(self, y: Array) -> list[Array]:
         """qr, q1, vr, p, s."""
-        return np.split(y, self.cut[:-1])
+        a, b, c, d, _ = self.cut
+        return [y[:a], y[a:b], y[b:c], y[c:d], y[d:]]
 
     def coordinates(self, t: float, y: Array) -> tuple[Array, Array, Array, Array]:
         """q, v (without the part of Z2), rates of q1, and forces of springs and given torques."""
         s, c = self.s, self.s.context
+        if not s.has_massless:
+            q, v, force = self._read(t, y)
+            values = [signal(c) for signal in self.signals]
+            return q, v, np.zeros(0), force + s.C @ v + (s.torque_rows.T @ np.array(values) if values else 0.0)
         qr, q1, vr, p, extra = self.split(y)
         c.t, c.s = t, extra.tolist()
         q, v = s.Ur @ qr, s.Ur @ vr
         wp = np.array([d(c) for d in self.drives])
-        if s.has_massless:
-            c.X, c.V = (s.R @ q + s.RP @ p).tolist(), (s.R @ v + s.RP @ wp).tolist()
-            push = s.torque_rows.T @ np.array([f(c) for _, f, _ in s.torques]) if s.torques else np.zeros(len(q))
-            q = q + s.Z1 @ q1
-            if s.Z2.shape[1]:
-                q = q + s.Z2 @ (s.K22 @ (s.Z2.T @ (push - s.K @ q - s.KP @ p)))
-            elastic = push - s.K @ q - s.KP @ p
-            if self.n1:
-                v1 = s.C11 @ (s.Z1.T @ (elastic - s.C @ v - s.CP @ wp))
-                return q, v + s.Z1 @ v1, v1, elastic - s.CP @ wp
-            return q, v, np.zeros(0), elastic - s.CP @ wp
         c.X, c.V = (s.R @ q + s.RP @ p).tolist(), (s.R @ v + s.RP @ wp).tolist()
-        given = -(s.K @ q)
+        for command in s.commands:
+            command(c)
+        push = s.torque_rows.T @ np.array([f(c) for f in self.signals]) if s.torques else np.zeros(len(q))
+        q = q + s.Z1 @ q1
+        if s.Z2.shape[1]:
+            q = q + s.Z2 @ (s.K22 @ (s.Z2.T @ (push - s.K @ q - s.KP @ p)))
+        elastic = push - s.K @ q - s.KP @ p
+        if self.n1:
+            v1 = s.C11 @ (s.Z1.T @ (elastic - s.C @ v - s.CP @ wp))
+            return q, v + s.Z1 @ v1, v1, elastic - s.CP @ wp
+        return q, v, np.zeros(0), elastic - s.CP @ wp
+
+    def _read(self, t: float, y: Array) -> tuple[Array, Array, Array]:
+        """q, v and the forces of springs and dampers where every direction has inertia; signals read this state from now on."""
+        s, c, n = self.s, self.s.context, self.nr
+        c.t, both = t, y[: 2 * n]
+        q, v, XV = both[:n], both[n:], both.reshape(2, n) @ self.RR
+        force = -(self.KC @ both)
+        if s.extra:
+            c.s = y[self.cut[3] :].tolist()
         if self.np:
-            given = given - s.KP @ p - s.CP @ wp
-        for (_, f, _), row in zip(s.torques, s.torque_rows, strict=True):
-            given = given + f(c) * row
-        return q, v, np.zeros(0), given
+            p, wp = y[self.cut[2] : self.cut[3]], np.array([d(c) for d in self.drives])
+            XV = XV + np.array([s.RP @ p, s.RP @ wp])
+            force = force - s.KP @ p - s.CP @ wp
+        c.X, c.V = XV.tolist()
+        for command in s.commands:
+            command(c)
+        return q, v, force
 
     def evaluate(self, t: float, y: Array, margins: bool = False) -> tuple[Array, list[float]]:
         """y' and, where asked, the margins."""
-        s, c = self.s, self.s.context
-        q, v, v1, given = self.coordinates(t, y)
-        f = [0.0] * (len(s.R) + s.extra)
+        s, c, rows = self.s, self.s.context, len(self.s.R)
+        f = [0.0] * (self.RT.shape[1] + s.extra)
+        if s.has_massless:
+            q, v, v1, given = self.coordinates(t, y)
+            force = given - s.C @ v
+        else:
+            q, v, force = self._read(t, y)
+            for i, signal in enumerate(self.signals, rows):
+                f[i] = signal(c)
         for law in s.laws:
             law(c, f)
-        force = given - s.C @ v
         if self.np:
             force = force - s.MP @ np.array([a(c) for a in self.pulls])
-        if len(s.R):
-            force = force + self.RT @ np.array(f[: len(s.R)])
-        vr = y[self.cut[1] : self.cut[2]]
+        if self.RT.shape[1]:
+            force = force + self.RT @ np.array(f[: self.RT.shape[1]])
         if self.plain:
             a, values = s.Minv @ force, []
         else:
             a, values = self._constrained(force, q, v, margins)
-        if s.has_massless:
-            a = s.Ur.T @ a
-        rates = [vr, v1, a, np.array([d(c) for d in self.drives]), np.array([f[-1 - i] for i in range(s.extra)])]
+        rates = [v, a] if not s.has_massless else [y[self.cut[1] : self.cut[2]], v1, s.Ur.T @ a]
+        if self.np:
+            rates.append(np.array([d(c) for d in self.drives]))
+        if s.extra:
+            rates.append(np.array(f[: -1 - s.extra : -1]))
         dy = np.concatenate(rates)
         if not margins:
             return dy, values
         return dy, s.sw.margins() + [m for u in s.iwan for m in u.margins()] + values
+
+    def margins(self, t: float, y: Array) -> list[float]:
+        """The margins alone: where switches are all there is, no acceleration is needed."""
+        s = self.s
+        if not self.plain or s.has_massless:
+            return self.evaluate(t, y, margins=True)[1]
+        self._read(t, y)
+        for signal in self.signals:
+            signal(s.context)
+        f = [0.0] * (self.RT.shape[1] + s.extra)
+        for law in s.laws:
+            law(s.context, f)
+        for pull in self.pulls:
+            pull(s.context)
+        return s.sw.margins() + [m for u in s.iwan for m in u.margins()]
 
     # -- constraints --------------------------------------------------------------------------------------------------
 
@@ -124,16 +165,12 @@ class Dynamics:
         for g, loss in zip(s.lossy, losses, strict=True):
             if g.mode[0]:
                 f = f - g.ratio * loss[1] * g.rb
-        key = None
-        if self.constant and not self.varying:
-            key = (tuple(d.mode for d in s.dry), tuple(x.mode for x in s.stops), tuple(g.mode for g in s.lossy))
-        found = self.cache.get(key) if key is not None else None
+        key = (tuple([d.mode for d in s.dry]), tuple([x.mode for x in s.stops]), tuple([g.mode for g in s.lossy]))
+        found = self.cache.get(key) if self.constant and not self.varying else None
         gamma = None
         if found is None:
             G, B, gamma = self.active(q, v, losses)
-            found = self._solver(G, B)
-            if key is not None:
-                self.cache[key] = found
+            found = self._solver(G, B, key)
         G, MB, W, null = found
         a = s.Minv @ f
         if len(G):
@@ -176,9 +213,17 @@ class Dynamics:
         n = len(q)
         return np.array(G).reshape(-1, n), np.array(B).reshape(-1, n), np.array(gamma)
 
-    def _solver(self, G: Array, B: Array) -> tuple[Array, Array, Array, Array | None]:
+    def _solver(self, G: Array, B: Array, key: Any) -> tuple[Array, Array, Array, Array | None]:
         MB = self.s.Minv @ B.T
         W = G @ MB
+        if key in self.regular:  # since the last event; rows that turn with the angles hardly change that
+            return G, MB, np.linalg.inv(W), None
+        found = self.cache[key] = self._looked_at(G, MB, W)
+        if found[3] is None:
+            self.regular.add(key)
+        return found
+
+    def _looked_at(self, G: Array, MB: Array, W: Array) -> tuple[Array, Array, Array, Array | None]:
         if not len(G):
             return G, MB, W, None
         high = np.abs(W).max(axis=1)

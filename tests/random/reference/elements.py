@@ -257,18 +257,23 @@ def governor(s: System, p: Part) -> None:
     integral = s.state() if Ki is not None else None
     actuator = s.state() if T is not None else None
     at_low, at_high = s.sw.new(), s.sw.new()
+    now = {"error": 0.0, "wanted": 0.0, "held": 0.0}
 
-    def law(c: Context, f: list[float]) -> None:
+    def command(c: Context) -> None:  # before all torques: they read it at the same instant
         error = target(c) - c.V[i]
         wanted = bias + gain * error + (0.0 if integral is None else c.s[integral])
         above, below = s.sw(at_low, wanted - lower), s.sw(at_high, upper - wanted)
         held = wanted if above and below else (upper if above else lower)
-        if integral is not None:
-            f[-1 - integral] = Ki * (error + (held - wanted) / gain)
-        if actuator is not None:
-            f[-1 - actuator] = (held - c.s[actuator]) / T
+        now.update(error=error, wanted=wanted, held=held)
         c.aux[out] = held if actuator is None else c.s[actuator]
 
+    def law(c: Context, f: list[float]) -> None:
+        if integral is not None:
+            f[-1 - integral] = Ki * (now["error"] + (now["held"] - now["wanted"]) / gain)
+        if actuator is not None:
+            f[-1 - actuator] = (now["held"] - c.s[actuator]) / T
+
+    s.commands.append(command)
     s.laws.append(law)
 
 

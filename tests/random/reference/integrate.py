@@ -7,11 +7,11 @@ from random import Random
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from tests.random.reference.dynamics import Dynamics
 from tests.random.reference.modes import Modes
+from tests.random.reference.steps import Piece, StepError, Steps
 from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
 
@@ -73,27 +73,34 @@ class Integration:
 
     def _phase(self, now: float, y: Array, until: float) -> tuple[float, Array, list[Any], list[int] | None]:
         """Integrates until an event or the end."""
-        size = np.maximum(np.abs(y), 1e-3)
         dense: list[Any] = []
-        solver = DOP853(self.d, now, y, until, rtol=self.rtol, atol=1e-3 * self.rtol * size, max_step=self.span / 100)
-        before = self.d.evaluate(now, y, margins=True)[1]
-        while solver.status == "running":
-            failed = solver.step()
+        solver = Steps(self.d, now, y, until, self.span / 100, self._allowed)
+        before = None
+        while solver.t < until:
+            try:
+                f = solver.step()
+            except StepError:
+                raise NoEvidenceError("the reference's step size fell to nothing") from None
             self.steps += 1
-            if failed is not None and solver.status == "failed":
-                raise NoEvidenceError("the reference's step size fell to nothing")
             if self.steps > MOST_STEPS:
                 raise NoEvidenceError("too many steps")
-            f = solver.dense_output()
-            found, before = self._search(solver.t_old, solver.t, f, before)
+            found, before = self._search(f, before)
             if found is not None:
                 at, which = found
-                dense.append((solver.t_old, at, f))
+                dense.append((f.t_old, at, f))
                 return at, f(at), dense, which
-            dense.append((solver.t_old, solver.t, f))
+            dense.append((f.t_old, f.t, f))
             self.modes.note(solver.y)
             self.largest = np.maximum(self.largest, np.abs(solver.y))
         return until, solver.y, dense, None
+
+    def _allowed(self, y: Array) -> Array:
+        """Error of a step: a part of each state, and at its zeros of what angles, speeds and every other state have reached."""
+        size, cut = np.maximum(self.largest, 1e-3), self.d.cut
+        for i, j in ((0, cut[1]), (cut[1], cut[2])):
+            if j > i:
+                size[i:j] = size[i:j].max()
+        return np.asarray(self.rtol * np.maximum(np.abs(y), 1e-2 * size))
 
     def _kicked(self, y: Array) -> Array:
         """Angles and speeds changed at random, relative to their largest values, within what is stuck and closed."""
@@ -108,26 +115,35 @@ class Integration:
     # -- events -------------------------------------------------------------------------------------------------------
 
     def _margins(self, t: float, y: Array) -> Array:
-        values = np.array(self.d.evaluate(t, y, margins=True)[1])
-        if len(self.scale) != len(values):
-            self.scale = np.zeros(len(values))
-        finite = np.isfinite(values)
-        self.scale[finite] = np.maximum(self.scale[finite], np.abs(values[finite]))
+        values = np.array(self.d.margins(t, y))
+        self._noted(values)
         return values
 
-    def _search(self, a: float, b: float, f: Any, first: Any) -> tuple[tuple[float, list[int]] | None, Any]:
-        """The first event of a step, and the margins at its end."""
+    def _noted(self, values: Array) -> None:
+        """Keeps the largest value of every margin, for its rounding."""
+        if len(self.scale) != len(values):
+            self.scale = np.zeros(len(values))
+        size = np.abs(values)
+        size[~np.isfinite(size)] = 0.0
+        self.scale = np.maximum(self.scale, size)
+
+    def _search(self, f: Piece, first: Any) -> tuple[tuple[float, list[int]] | None, Any]:
+        """The first event of a step, and the margins at its end; first: those at its begin, where they are known."""
+        a, b = f.t_old, f.t
         rate = sum(k * (1.0 if row < 0 else abs(self.d.s.context.V[row])) for row, k in self.d.s.sw.phases)
         count = int(min(200, max(6, math.ceil((b - a) * rate / PHASE))))
         times = np.linspace(a, b, count + 1)
-        rows = [self._margins(a, f(a))]
-        if not len(rows[0]):
-            return None, rows[0]
-        jumped = self._negative(rows[0])
-        jumped = jumped[jumped < len(self.d.s.sw.value)]
-        if jumped.size:  # an impact has moved speeds over the limits of laws, perhaps for less than one look
-            return (a, jumped.tolist()), None
-        rows += [self._margins(float(x), f(x)) for x in times[1:]]
+        if first is None:
+            first = self._margins(a, f.y_old)
+            jumped = self._negative(first)
+            jumped = jumped[jumped < len(self.d.s.sw.value)]
+            if jumped.size:  # an impact has moved speeds over the limits of laws, perhaps for less than one look
+                return (a, jumped.tolist()), None
+        if not len(first):
+            return None, first
+        rows = [first]
+        for at, y in zip(times[1:].tolist(), f.many(times[1:]), strict=True):
+            rows.append(self._margins(at, y))
         for i in range(1, count + 1):
             low = self._negative(rows[i])
             if low.size:

@@ -83,6 +83,7 @@ class Modes:
         """Sets the modes for what follows t; the state, after impacts and without slip where something is stuck."""
         if self.d.plain:
             return y
+        self.d.regular.clear()
         self.note(y)
         for part in (0.0, 0.01, 0.03, 0.1) if self.most == 0.0 else (0.0,):
             self.force(t + part * span, y)

@@ -90,6 +90,7 @@ class System:
         self.ties: list[Array] = []
         self.prescribed: dict[str, tuple[Any, str]] = {}  # node -> (signal, "speed" or "angle")
         self.laws: list[Law] = []
+        self.commands: list[Callable[[Context], None]] = []  # what signals of other parts read, before all else
         self.law_rows: list[Array] = []  # over nodes, until `reduce`
         self.springs: list[tuple[Array, float]] = []
         self.dampers: list[tuple[Array, float]] = []
