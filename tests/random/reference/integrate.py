@@ -155,13 +155,17 @@ class Integration:
         return None, rows[-1]
 
     def _negative(self, row: Array) -> Array:
-        s, gaps = self.d.s, len(row) - 4 * len(self.d.s.lossy)
-        bound = -1e-11 * np.maximum(self.scale, self._least(len(row)))
+        return np.flatnonzero(row < -self._rounding(len(row)))
+
+    def _rounding(self, count: int) -> Array:
+        """What a margin may differ from 0 by rounding."""
+        s, gaps = self.d.s, count - 4 * len(self.d.s.lossy)
+        size = 1e-11 * np.maximum(self.scale, self._least(count))
         if s.stops:  # gaps are exactly 0 after an impact, and the smallest bounces count
-            bound[gaps - 2 * len(s.stops) : gaps : 2] = -2e-15 * np.maximum(
-                self.scale[gaps - 2 * len(s.stops) : gaps : 2], 1e-3
-            )
-        return np.flatnonzero(row < bound)
+            places = slice(gaps - 2 * len(s.stops), gaps, 2)
+            turned = self.modes.reach(self.largest)
+            size[places] = 2e-15 * np.maximum(self.scale[places], 1e-3) + 2e-16 * turned
+        return np.asarray(size)
 
     def _least(self, count: int) -> Array:
         """What has been nothing but rounding so far has no scale of its own: parts of the largest force and speed."""
@@ -204,15 +208,17 @@ class Integration:
         return b, [i for i, at in roots.items() if at <= b + 1e-13 * self.span]
 
     def _zero(self, a: float, b: float, f: Any, i: int, before: float) -> float:
-        if not before > 0:  # it begins on its surface: it may leave it for a short while
+        tiny = float(self._rounding(len(self.scale))[i])
+        if not before > tiny:  # it begins on its surface: it may leave it for a short while
             reach = b - a
             for _ in range(40):
                 reach /= 2
-                if self._one(a + reach, f, i) > 0:
+                if self._one(a + reach, f, i) > tiny:
                     a += reach
                     break
             else:
-                return self._leaves(a, b, f, i)
+                if not before > 0:
+                    return self._leaves(a, b, f, i)
         if self._one(b, f, i) >= 0:
             return b
         return float(brentq(lambda x: self._one(float(x), f, i), a, b, xtol=1e-15 * self.span, rtol=8.9e-16))

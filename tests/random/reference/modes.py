@@ -53,6 +53,11 @@ class Modes:
         """A speed that counts as none."""
         return 1e-9 * max(self.speed, 1e-6 * self.free)
 
+    def reach(self, largest: Array) -> Array:
+        """The largest angles that the gap of every stop is the difference of."""
+        q = np.abs(self.s.Ur) @ largest[: self.d.cut[0]]
+        return np.array([float(np.abs(x.row) @ q) for x in self.s.stops])
+
     def note(self, y: Array) -> None:
         """Keeps the largest speed."""
         _, v = self.qv(y)
@@ -209,8 +214,8 @@ class Modes:
         margins = self.d.evaluate(t, y, margins=True)[1]
         units = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :]
         a = self.s.Ur @ acceleration
-        pull = size * float(np.abs(np.diag(self.s.Minv)).max(initial=0.0))  # loads that cancel leave rounding of it
-        rate = -max(1e-6 * float(np.abs(a).max(initial=0.0)), 1e-10 * pull, 1e-300)
+        light = float(np.abs(np.diag(self.s.Minv)).max(initial=0.0))  # loads that cancel, and those of before, leave rounding
+        rate = -max(1e-6 * float(np.abs(a).max(initial=0.0)), max(1e-10 * size, 1e-13 * self.most) * light, 1e-300)
         at = 0
         for asks, d in zip(asked, self.s.dry, strict=False):
             _, high, low = units[at : at + 3]
