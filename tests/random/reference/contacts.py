@@ -105,7 +105,8 @@ def _teeth(sw: Switches, gaps: tuple[float, ...]) -> Callable[[float], tuple[flo
 def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
     """N = k g (1 + d x'/v), v the speed at which the contact began; d from the restitution; never pulling.
 
-    A half wave of m x'' = -k x (1 + d x'/v) from v to -e v: d (1 + e) = ln((1 + d)/(1 - d e)).
+    A half wave of m x'' = -k x (1 + d x'/v) from v to -e v: d (1 + e) = ln((1 + d)/(1 - d e)). A contact that begins at no speed
+    is not damped.
     """
     if not hasattr(zone, "switches"):
         raise NoEvidenceError("Hunt and Crossley without corners")
@@ -113,7 +114,6 @@ def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
     if e < 1:
         d = brentq(lambda d: d * (1 + e) - math.log((1 + d) / (1 - d * e)), 0.1 * (1 - e), (1 - 1e-14) / e, xtol=1e-15)
     held = {"slowness": None}
-    last = {"inward": 0.0}
     pushes = s.sw.new()
     for i in zone.switches:
         s.sw.on_flip[i] = lambda: held.__setitem__("slowness", None)
@@ -124,8 +124,7 @@ def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
         if side == 0:
             held["slowness"] = None
         elif held["slowness"] is None and not s.sw.fresh:
-            held["slowness"] = 1.0 / inward if inward > 0 else 0.0
-        last["inward"] = inward
+            held["slowness"] = 1.0 / inward if inward > s.context.small else 0.0
         damped = 1 + d * (held["slowness"] or 0.0) * inward
         on = s.sw(pushes, damped if side else 1.0)
         return (k * factor * g * damped if on else 0.0), G

@@ -267,9 +267,8 @@ class Dynamics:
         if not places:
             return values
         room = sharing.room()
-        for place in places:
-            values[place] = NONE
-        values[places[0]] = room
+        for place in places:  # of all of them, as some may have no other mode
+            values[place] = room
         return values
 
     def _rub(self, d: Dry, f: Array, v: Array) -> tuple[Array, float]:

@@ -130,7 +130,8 @@ class Integration:
     def _search(self, f: Piece, first: Any) -> tuple[tuple[float, list[int]] | None, Any]:
         """The first event of a step, and the margins at its end; first: those at its begin, where they are known."""
         a, b = f.t_old, f.t
-        rate = sum(k * (1.0 if row < 0 else abs(self.d.s.context.V[row])) for row, k in self.d.s.sw.phases)
+        waves = set(self.d.s.sw.phases)
+        rate = sum(k * (1.0 if row < 0 else abs(self.d.s.context.V[row])) for row, k in waves)
         count = int(min(200, max(6, math.ceil((b - a) * rate / PHASE))))
         times = np.linspace(a, b, count + 1)
         if first is None:
@@ -141,10 +142,9 @@ class Integration:
                 return (a, jumped.tolist()), None
         if not len(first):
             return None, first
-        rows = [first]
-        for at, y in zip(times[1:].tolist(), f.many(times[1:]), strict=True):
-            rows.append(self._margins(at, y))
+        rows, looks = [first], f.many(times)
         for i in range(1, count + 1):
+            rows.append(self._margins(float(times[i]), looks[i]))
             low = self._negative(rows[i])
             if low.size:
                 return self._locate(float(times[i - 1]), float(times[i]), f, rows[i - 1], low), None

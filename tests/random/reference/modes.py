@@ -61,7 +61,8 @@ class Modes:
     def note(self, y: Array) -> None:
         """Keeps the largest speed."""
         _, v = self.qv(y)
-        self.speed = max(self.speed, float(np.abs(self.s.N @ v).max()))
+        self.speed = max(self.speed, float(np.abs(self.s.N @ v).max(initial=0.0)))
+        self.s.context.small = self.small()
 
     def begin(self, t: float, y: Array) -> None:
         """After a start or a jump of the speeds: directions of what slides, and sides of laws that are far off."""
@@ -86,13 +87,13 @@ class Modes:
 
     def decide(self, t: float, y: Array, span: float) -> Array:
         """Sets the modes for what follows t; the state, after impacts and without slip where something is stuck."""
+        for part in (0.01, 0.03, 0.1) if self.most == 0.0 else ():
+            self.force(t + part * span, y)
+        self.free = max(self.free, self.force(t, y) * float(np.abs(np.diag(self.s.Minv)).max(initial=0.0)) * span)
+        self.note(y)
         if self.d.plain:
             return y
         self.d.regular.clear()
-        self.note(y)
-        for part in (0.0, 0.01, 0.03, 0.1) if self.most == 0.0 else (0.0,):
-            self.force(t + part * span, y)
-        self.free = max(self.free, self.force(t, y) * float(np.abs(np.diag(self.s.Minv)).max()) * span)
         self.d.evaluate(t, y)  # engagements as they are
         hits = len(self.jumps)
         y = self.impact(t, y)
@@ -326,7 +327,7 @@ class Modes:
                     hit = hit or m.scale * slip < -small
                     break
         if not hit:
-            return y
+            return self._settled(t, y) if self.still > 1 else y
         both += [n.rate(q, v)[0] for n in s.nonlinear] + [
             g.ra - g.ratio * g.rb for g in s.lossy
         ]  # no loss in an impact
@@ -335,20 +336,32 @@ class Modes:
         for row, target, i in one:
             if i >= 0 and target > 0:
                 fast = self.rebound[i] = max(self.rebound.get(i, 0.0), target)
-                if self._dies(t, self.with_v(y, v), row, float(row @ v), i) and target < 1e-3 * fast:
+                flat = 1e-13 if target < 1e-3 * fast else 1e-16
+                if self._dies(t, self.with_v(y, v), row, float(row @ v), i, flat):
                     v = self._impulse(v, [(row, 0.0, -1)], [row, *both])
         y = self.onto(self.with_v(y, v), [s.stops[i] for _, target, i in one if i >= 0 and target > 0])
         self.note(y)
         return y
 
-    def _dies(self, t: float, y: Array, row: Array, speed: float, i: int) -> bool:
-        """Whether a body comes back to its stop so soon that only rounding would be seen of its flight."""
+    def _dies(self, t: float, y: Array, row: Array, speed: float, i: int, flat: float) -> bool:
+        """Whether a body comes back to its stop so soon that only rounding would be seen of its flight, or nothing at all."""
         stop = self.s.stops[i]
-        if stop.restitution >= 1:
+        if stop.restitution >= 1 and flat > 1e-14:
             return False
         stop.mode = 1
         rate = float(row @ self.s.Ur @ self.d(t, y)[self.d.cut[1] : self.d.cut[2]])
-        return speed * speed < -2e-13 * rate * max(abs(stop.bound), 1e-3)
+        turned = float(np.abs(row) @ np.abs(self.qv(y)[0]))
+        return speed * speed < -2 * flat * rate * max(abs(stop.bound), turned if flat < 1e-13 else 0.0, 1e-3)
+
+    def _settled(self, t: float, y: Array) -> Array:
+        """Without the flights that are lower than the rounding of their gap: nothing would be seen of them but that time stands."""
+        q, v = self.qv(y)
+        rows = []
+        for i, stop in enumerate(self.s.stops):
+            gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
+            if abs(gap) <= 1e-10 * max(1.0, abs(stop.bound)) and rate > self.small() and self._dies(t, y, stop.row, rate, i, 1e-15):
+                rows.append(stop.row)
+        return self.with_v(y, self._impulse(v, [], rows)) if rows else y
 
     def onto(self, y: Array, stops: list[Any]) -> Array:
         """Gaps of rounding become 0, so that the smallest bounces leave their stop."""

@@ -22,9 +22,10 @@ class NoEvidenceError(Exception):
 
 
 class Context:
-    """What signals read: time, the values X and rates V of all rows, further states s, computed values aux."""
+    """What signals read: time, the values X and rates V of all rows, further states s, computed values aux; small: a speed
+    that counts as none."""
 
-    __slots__ = ("V", "X", "aux", "s", "t")
+    __slots__ = ("V", "X", "aux", "s", "small", "t")
 
     def __init__(self) -> None:
         self.t = 0.0
@@ -32,6 +33,7 @@ class Context:
         self.V: Any = ()
         self.s: Any = ()
         self.aux: list[float] = []
+        self.small = 0.0
 
 
 Signal = Callable[[Context], float]
