@@ -139,6 +139,7 @@ def lash(s: System, p: Part) -> None:
         hits(s, p, row, p.field("half_gap"))
         return
     i, force = s.law_row(row), contact_law(s, p, p.field("k"))
+    s.elastic.append(row)
 
     def law(c: Context, f: list[float]) -> None:
         f[i] -= force(c.X[i], c.V[i], 1.0)[0]
@@ -155,6 +156,7 @@ def spline(s: System, p: Part) -> None:
     if p.field("stiffness_variation") is not None:
         raise NoEvidenceError("a spline with a varying stiffness")
     i, force = s.law_row(row), contact_law(s, p, p.field("k"))
+    s.elastic.append(row)
 
     def law(c: Context, f: list[float]) -> None:
         f[i] -= r * force(r * c.X[i], r * c.V[i], 1.0)[0]
@@ -176,6 +178,7 @@ def mesh(s: System, p: Part) -> None:
         return
     i, j = s.law_row(one), s.law_row(two)
     k, z = p.field("k"), teeth[0]
+    s.elastic.append(r1 * one + sign * r2 * two)
     force = contact_law(s, p, k)
     vary, error = (
         _excitation(s, p.field("stiffness_variation"), i, z),

@@ -26,9 +26,6 @@ class Dynamics:
 
     def __init__(self, system: System) -> None:
         self.s = s = system
-        units = [d.row for d in s.dry] + [x.row for x in s.stops] + [r for g in s.lossy for r in (g.ra, g.rb)]
-        if not all(is_zero(row @ s.P) for row in units):
-            raise NoEvidenceError("friction, a stop or a gear with losses on a prescribed motion")
         merge(s)
         for stop in s.stops:
             stop.row = stop.row @ s.N
@@ -199,17 +196,17 @@ class Dynamics:
         for g, loss in zip(s.lossy, losses, strict=True):
             if g.mode[0]:
                 G.append(g.ra - g.ratio * g.rb)
-                B.append(-g.ra + g.ratio * (1 - loss[0]) * g.rb)
+                B.append(g.ratio * g.rb if g.mode[1] == 2 else -g.ra + g.ratio * (1 - loss[0]) * g.rb)
                 gamma.append(0.0)
             else:  # both sides stand: what enters at a, and what leaves at b without the ratio
                 G += [g.ra, g.ratio * g.rb]
                 B += [-g.ra, g.ratio * g.rb]
                 gamma += [0.0, 0.0]
         for n in s.nonlinear:
-            row, bias = n.rate(q, v)
+            row, _, pull = n.rate(q, v, s.context)
             G.append(row)
             B.append(row)
-            gamma.append(-bias)
+            gamma.append(pull)
         n = len(q)
         return np.array(G).reshape(-1, n), np.array(B).reshape(-1, n), np.array(gamma)
 
@@ -305,6 +302,8 @@ class Dynamics:
     def _losses(self, g: Lossy, w: float) -> tuple[float, float]:
         """loss = first tau_a + second, in the gear's mode."""
         one, two, tau1, tau2 = g.values(abs(w) if g.mode[0] else 0.0)
+        if g.mode[1] == 2:
+            return 0.0, 0.0
         return (1 - one, g.mode[0] * tau1) if g.mode[1] else (1 - 1 / two, g.mode[0] * tau2)
 
     def _margins(
@@ -328,15 +327,33 @@ class Dynamics:
             tau = numbers[at]
             at += 1
             if g.mode[0]:
-                out += [g.mode[0] * float(g.ra @ v), (1 if g.mode[1] else -1) * g.mode[0] * tau, NONE, NONE]
+                w = float(g.ra @ v)
+                out += [g.mode[0] * w, *self._side(g, w, tau)]
             else:
-                loss = tau - numbers[at]
+                high, low = self._rests(g, tau, numbers[at])
                 at += 1
-                one, two, tau1, tau2 = g.values(0.0)
-                high = (1 - one) * tau + tau1 if tau >= 0 else (1 - 1 / two) * tau + tau2
-                low = (1 - one) * tau - tau1 if tau <= 0 else (1 - 1 / two) * tau - tau2
-                out += [NONE, NONE, high - loss, loss - low]
+                out += [NONE, NONE, high, low]
         return out
+
+    def _side(self, g: Lossy, w: float, force: float) -> list[float]:
+        """Whether the side that is assumed to drive does; of a self-locking gear that b pushes on, a is pushed on as well."""
+        sign, side = g.mode
+        _, two, tau1, tau2 = g.values(abs(w))
+        if side == 2:  # what leaves, between both bearing torques
+            return [tau2 + sign * force, -tau1 - sign * force, NONE]
+        return [sign * force if side else -math.copysign(1.0, two) * sign * force, NONE, NONE]
+
+    def _rests(self, g: Lossy, tau: float, out: float) -> tuple[float, float]:
+        """Room of a gear at rest before it turns forward, and before it turns backward: friction by what leaves."""
+        one, two, tau1, tau2 = g.values(0.0)
+        if two < 0:
+            ahead = (out + tau1) / one if out + tau1 >= 0 else two * (out + tau2)
+            back = (out - tau1) / one if out - tau1 <= 0 else two * (out - tau2)
+            return ahead - tau, tau - back
+        loss = tau - out
+        high = (1 - one) * tau + tau1 if tau >= 0 else (1 - 1 / two) * tau + tau2
+        low = (1 - one) * tau - tau1 if tau <= 0 else (1 - 1 / two) * tau - tau2
+        return high - loss, loss - low
 
     # -- start and results --------------------------------------------------------------------------------------------
 
@@ -354,14 +371,18 @@ class Dynamics:
                     kept.append(row)
                     values.append(value)
         n = s.N.shape[1]
+        s.context.t = 0.0
         tied = [g.ra - g.ratio * g.rb for g in s.lossy]
+        for turned, angle in (tie.starts for tie in s.nonlinear if tie.starts is not None):
+            rows.append(turned @ s.N)
+            angles.append(angle(s.context))
         q = _fit(rows + tied, angles + [0.0] * len(tied), n)
         if any(tie.turned(q) > 0 for tie in s.nonlinear):
             raise NoEvidenceError("a nonlinear tie that starts off zero")
-        v0 = _fit(sped + tied + [x.rate(q, np.zeros(n))[0] for x in s.nonlinear],
-                  speeds + [0.0] * (len(tied) + len(s.nonlinear)), n)  # fmt: skip
+        guided = [x.rate(q, np.zeros(n), s.context) for x in s.nonlinear]
+        v0 = _fit(sped + tied + [x[0] for x in guided], speeds + [0.0] * len(tied) + [x[1] for x in guided], n)
         if perturbation:
-            free = _free(tied + [x.rate(q, np.zeros(n))[0] for x in s.nonlinear], n)
+            free = _free(tied + [x[0] for x in guided], n)
             size = max(float(np.abs(v0).max()), 1.0)
             v0 = v0 + perturbation * size * free @ np.array([random.uniform(-1, 1) for _ in range(free.shape[1])])
         qr, vr = s.Ur.T @ q, s.Ur.T @ v0

@@ -108,7 +108,7 @@ class Integration:
         change = self.perturbation * self.largest * np.array([self.random.uniform(-1, 1) for _ in y])
         turned, kicked = y.copy(), y.copy()
         turned[v] = change[q]  # a change of angles keeps the constraints as speeds do
-        kicked[q] += self.modes.project(turned)[v]
+        kicked[q] += self.modes.project(turned, moved=False)[v]
         kicked[v] += change[v]
         return self.modes.project(kicked)
 

@@ -100,6 +100,7 @@ class Modes:
         if len(self.jumps) > hits:
             self.begin(t, y)
         _, v = self.qv(y)
+        kept = self.kept(t, y) if len(self.jumps) == hits else None
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
         alone = self.unique()
@@ -118,7 +119,7 @@ class Modes:
                 break
         if not fits:
             raise NoEvidenceError("no set of modes fits")
-        modes, y, _ = self.chosen(fits)
+        modes, y, _ = self.chosen(fits, kept)
         self.set(modes)
         self.lock()
         return y
@@ -145,10 +146,12 @@ class Modes:
             out.append([0, 1] if touching else [1])
         for g in s.lossy:
             w = float(g.ra @ v)
+            _, _, tau1, tau2 = g.values(abs(w))
+            sides = (1, 0, 2) if tau1 < tau2 else (1, 0)
             if abs(w) <= small:
-                out.append([(0, 0), (1, 1), (1, 0), (-1, 1), (-1, 0)])
+                out.append([(0, 0), *((sign, side) for sign in (1, -1) for side in sides)])
             else:
-                out.append([(1, 1), (1, 0)] if w > 0 else [(-1, 1), (-1, 0)])
+                out.append([(1 if w > 0 else -1, side) for side in sides])
         return out
 
     def set(self, modes: tuple[Any, ...]) -> None:
@@ -168,6 +171,7 @@ class Modes:
     ) -> tuple[Array, Array] | None:
         """The projected state and its accelerations, if the modes that are asked for hold for that long."""
         self.set(modes)
+        self.s.context.t = t
         y = self.project(y)
         first = self.d(t, y)
         acceleration = first[self.d.cut[1] : self.d.cut[2]]
@@ -206,7 +210,7 @@ class Modes:
                 continue
             if g.mode[0] == 0 and min(high, low) < -1e-9 * size:
                 return None
-            if g.mode[0] and (turn <= 1e-15 * self.speed or drive < -1e-9 * size):
+            if g.mode[0] and (turn <= 1e-15 * self.speed or min(drive, high) < -1e-9 * size):
                 return None
         return y, acceleration
 
@@ -254,8 +258,11 @@ class Modes:
         self.most = max(self.most, size)
         return max(size, 1e-7 * self.most)
 
-    def project(self, y: Array) -> Array:
-        """Speeds without slip along what is active, and without that of rounding along what begins to slide."""
+    def project(self, y: Array, moved: bool = True) -> Array:
+        """Speeds without slip along what is active, and without that of rounding along what begins to slide.
+
+        moved: what ties ask for over time counts.
+        """
         s, small = self.s, self.small()
         q, v = self.qv(y)
         losses = [self.d._losses(g, float(g.ra @ v)) for g in s.lossy]
@@ -266,7 +273,9 @@ class Modes:
             G = np.vstack([G, *begins])
         if not len(G):
             return y
-        slip = G @ v
+        slip, first = G @ v, len(G) - len(begins) - len(s.nonlinear)
+        for i, n in enumerate(s.nonlinear if moved else (), first):
+            slip[i] -= n.rate(q, v, s.context)[1]
         if not np.abs(slip).max() > 0:
             return y
         MG = s.Minv @ G.T
@@ -275,16 +284,40 @@ class Modes:
         except np.linalg.LinAlgError:
             raise NoEvidenceError("locks that share a load") from None
 
-    def chosen(self, fits: list[tuple[Any, Array, Array]]) -> tuple[Any, Array, Array]:
-        """The set that counts."""
+    def kept(self, t: float, y: Array) -> list[Any]:
+        """Of every unit the mode that it has and that it has not come to the end of; None for others."""
+        margins = self.d.evaluate(t, y, margins=True)[1]
+        units = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :]
+        size, at, out = self.force(t, y), 0, []
+        for d in self.s.dry:
+            out.append(0 if d.mode == 0 and min(units[at + 1 : at + 3]) > 1e-7 * size else None)
+            at += 3
+        at += 2 * len(self.s.stops)
+        out += [None] * len(self.s.stops)
+        for g in self.s.lossy:
+            out.append(g.mode if min(units[at + 1 : at + 4]) > 1e-7 * size else None)
+            at += 4
+        return out
+
+    def chosen(self, fits: list[tuple[Any, Array, Array]], kept: list[Any] | None) -> tuple[Any, Array, Array]:
+        """The set that counts: of several, that which sticks most, and where that is not clear, that which keeps what need not end."""
+        found = self._most(fits)
+        if found is None and kept is not None:
+            found = self._most([x for x in fits if all(k in (None, mode) for k, mode in zip(kept, x[0], strict=True))])
+        if found is None:
+            raise NoEvidenceError("several sets of modes fit")
+        return found
+
+    def _most(self, fits: list[tuple[Any, Array, Array]]) -> tuple[Any, Array, Array] | None:
+        if not fits:
+            return None
         best = max(fits, key=lambda x: self.stuck(x[0]))
         size = max(float(np.abs(best[2]).max(initial=0.0)), 1e-300)
         for other in fits:
             if np.abs(other[2] - best[2]).max(initial=0.0) <= 1e-7 * size:
                 continue
-            held = set(self.held(best[0]))
-            if not set(self.held(other[0])) < held:
-                raise NoEvidenceError("several sets of modes fit")
+            if not set(self.held(other[0])) < set(self.held(best[0])):
+                return None
         return best
 
     def held(self, modes: tuple[Any, ...]) -> list[int]:
@@ -307,7 +340,7 @@ class Modes:
         s, small = self.s, self.small()
         q, v = self.qv(y)
         one: list[tuple[Array, float, int]] = []
-        both: list[Array] = []
+        both: list[tuple[Array, float]] = []
         hit = False
         for i, stop in enumerate(s.stops):
             gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
@@ -319,7 +352,7 @@ class Modes:
             slip = float(d.row @ v)
             on = [m for m in d.members if m.on]
             if any(m.dog or m.locked for m in on):
-                both.append(d.row)
+                both.append((d.row, 0.0))
                 hit = hit or abs(slip) > small
             for m in on:
                 if m.one_way and m.scale * slip <= small:
@@ -328,9 +361,8 @@ class Modes:
                     break
         if not hit:
             return self._settled(t, y) if self.still > 1 else y
-        both += [n.rate(q, v)[0] for n in s.nonlinear] + [
-            g.ra - g.ratio * g.rb for g in s.lossy
-        ]  # no loss in an impact
+        both += [n.rate(q, v, s.context)[:2] for n in s.nonlinear]
+        both += [(g.ra - g.ratio * g.rb, 0.0) for g in s.lossy]  # no loss in an impact
         self.jumps.append(t)
         v = self._impulse(v, one, both)
         for row, target, i in one:
@@ -338,7 +370,7 @@ class Modes:
                 fast = self.rebound[i] = max(self.rebound.get(i, 0.0), target)
                 flat = 1e-13 if target < 1e-3 * fast else 1e-16
                 if self._dies(t, self.with_v(y, v), row, float(row @ v), i, flat):
-                    v = self._impulse(v, [(row, 0.0, -1)], [row, *both])
+                    v = self._impulse(v, [(row, 0.0, -1)], [(row, 0.0), *both])
         y = self.onto(self.with_v(y, v), [s.stops[i] for _, target, i in one if i >= 0 and target > 0])
         self.note(y)
         return y
@@ -360,7 +392,8 @@ class Modes:
         for i, stop in enumerate(self.s.stops):
             gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
             if abs(gap) <= 1e-10 * max(1.0, abs(stop.bound)) and rate > self.small() and self._dies(t, y, stop.row, rate, i, 1e-15):
-                rows.append(stop.row)
+                rows.append((stop.row, 0.0))
+        rows += [n.rate(q, v, self.s.context)[:2] for n in self.s.nonlinear] if rows else []
         return self.with_v(y, self._impulse(v, [], rows)) if rows else y
 
     def onto(self, y: Array, stops: list[Any]) -> Array:
@@ -373,14 +406,14 @@ class Modes:
         y[: self.d.cut[0]] = self.s.Ur.T @ q
         return y
 
-    def _impulse(self, v: Array, one: list[tuple[Array, float, int]], both: list[Array]) -> Array:
+    def _impulse(self, v: Array, one: list[tuple[Array, float, int]], both: list[tuple[Array, float]]) -> Array:
         if len(one) > 8:
             raise NoEvidenceError("too many contacts at once")
         size = self.speed
         found = []
         for active in itertools.product((False, True), repeat=len(one)):
-            rows = [*both, *(o[0] for o, a in zip(one, active, strict=True) if a)]
-            target = np.array([0.0] * len(both) + [o[1] for o, a in zip(one, active, strict=True) if a])
+            rows = [*(row for row, _ in both), *(o[0] for o, a in zip(one, active, strict=True) if a)]
+            target = np.array([x for _, x in both] + [o[1] for o, a in zip(one, active, strict=True) if a])
             new, P = v, np.zeros(0)
             if rows:
                 G = np.array(rows)

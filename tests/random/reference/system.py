@@ -61,7 +61,10 @@ class Stop:
 
 @dataclass
 class Lossy:
-    """A lossy gear: tau_b = -ratio (tau_a - loss). mode: (0, 0) stuck, else (sign of w_a, 1 drives or 0 coasts)."""
+    """A lossy gear: tau_b = -ratio (tau_a - loss).
+
+    mode: (0, 0) stuck, else (sign of w_a, 1: a drives, 0: b drives, 2: nothing enters at a).
+    """
 
     ra: Array
     rb: Array
@@ -72,17 +75,21 @@ class Lossy:
 
 @dataclass
 class Tie:
-    """A nonlinear tie: rate(q) -> (row, row' v); turned: the largest of both angles."""
+    """A nonlinear tie, or a motion that is prescribed: rate(q, v, context) -> (row, row v as asked, row a as asked).
 
-    rate: Callable[[Array, Array], tuple[Array, float]]
+    turned: the largest of both angles; starts: of a prescribed node its row over nodes and its angle at the start.
+    """
+
+    rate: Callable[[Array, Array, Context], tuple[Array, float, float]]
     turned: Callable[[Array], float]
+    starts: tuple[Array, Signal] | None = None
 
 
 class System:
     """Everything the integration needs; filled by `elements`."""
 
-    def __init__(self, train: Train) -> None:
-        self.train = train
+    def __init__(self, train: Train, held: bool = False) -> None:
+        self.train, self.held = train, held  # held: prescribed nodes are bodies that a tie moves
         self.sw = Switches()
         self.node_names = list(train.nodes())
         self.index = {n: i for i, n in enumerate(self.node_names)}
@@ -100,6 +107,7 @@ class System:
         self.lossy: list[Lossy] = []
         self.nonlinear: list[Tie] = []
         self.iwan: list[Any] = []
+        self.elastic: list[Array] = []  # deformations that a force answers, over nodes
         self.extra = 0  # number of further states
         self.start: list[float] = []  # their start values
         self.context = Context()
