@@ -357,8 +357,8 @@ class Dynamics:
 
     # -- start and results --------------------------------------------------------------------------------------------
 
-    def start(self, perturbation: float) -> Array:
-        """Start values that agree with the given ones and the ties."""
+    def start(self, perturbation: float, given: Array | None = None) -> Array:
+        """Start values that agree with the given ones and the ties. given: angles at which a run starts at rest."""
         from random import Random
 
         s, random = self.s, Random(f"reference {self.s.train.seed}")
@@ -389,7 +389,7 @@ class Dynamics:
         s.context.t = 0.0
         driven = np.array([x(s.context) for x in self.driven_from])
         y = np.concatenate([qr, self._balanced(qr, vr), vr, driven, np.array(s.start)])
-        return y if s.train.initial is None else at_rest(self, y)
+        return y if s.train.initial is None else at_rest(self, y, given)
 
     def _balanced(self, qr: Array, vr: Array) -> Array:
         """Start angles of nodes without inertia: nobody gives them, so they rest in balance with what is at rest."""

@@ -139,6 +139,9 @@ class Integration:
             jumped = self._negative(first)
             jumped = jumped[jumped < len(self.d.s.sw.value)]
             if jumped.size:  # an impact has moved speeds over the limits of laws, perhaps for less than one look
+                soon = a + min(1e-10 * self.span, 1e-3 * (b - a))  # what was located has left its surface by then
+                jumped = np.intersect1d(jumped, self._negative(self._margins(soon, f(soon))))
+            if jumped.size:
                 return (a, jumped.tolist()), None
         if not len(first):
             return None, first
