@@ -95,7 +95,13 @@ def joint(s: System, p: Part) -> None:
 
 
 def nonlinear_tie(
-    s: System, a: Array, b: Array, m: Callable[[float], float], dm: Callable[[float], float], sign: float, phase: Any = 0.0
+    s: System,
+    a: Array,
+    b: Array,
+    m: Callable[[float], float],
+    dm: Callable[[float], float],
+    sign: float,
+    phase: Any = 0.0,
 ) -> None:
     """w_b = sign m(phi_a + phase) (w_a + phase'), until `reduce` over nodes."""
 

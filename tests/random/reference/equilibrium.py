@@ -10,14 +10,13 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.optimize import root
+from scipy.optimize import least_squares, root
 
 from tests.random.expressions import walk
 from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
 
 NEAR = 1e-8  # of the largest angle: how far balance may move a start
-STEPS = 40
 
 
 def at_rest(dynamics: Any, y: Array, given: Array | None) -> Array:
@@ -72,16 +71,19 @@ def _balanced(dynamics: Any, rates: Callable[[Array], Array], given: Array, size
         x = x - between @ np.linalg.lstsq(elastic @ between, elastic @ x, rcond=1e-10)[0]
     least = size * float(np.abs(s.M).max())
     for moves in (between, np.eye(len(x))):  # first what no body shows; then everything, by hardly anything
-        for _ in range(STEPS if moves.size else 0):
-            off = force(x)
-            if np.abs(off).max() <= 1e-13 * least:
-                break
-            slope = np.array([(force(x + 1e-7 * h) - force(x - 1e-7 * h)) / 2e-7 for h in moves.T]).T
-            x = x - moves @ np.linalg.lstsq(slope, off, rcond=1e-9)[0]
+        if moves.size and np.abs(force(x)).max() > 1e-13 * least:
+            x = _least(force, x, moves)
     moved = np.abs(bodies @ x - given).max()
     if not np.abs(force(x)).max() <= 1e-9 * least or not moved <= NEAR * max(float(np.abs(given).max()), 1e-3):
         raise NoEvidenceError("a static start that is not the run's")
     return np.asarray(x)
+
+
+def _least(force: Callable[[Array], Array], x: Array, moves: Array) -> Array:
+    """The angles of least forces in some directions; gaps that close on the way ask for small steps."""
+    z = np.zeros(moves.shape[1])
+    found = least_squares(lambda z: force(x + moves @ z), z, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    return np.asarray(x + moves @ found.x)
 
 
 def _open(rows: Array) -> Array:

@@ -219,7 +219,9 @@ class Modes:
         margins = self.d.evaluate(t, y, margins=True)[1]
         units = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :]
         a = self.s.Ur @ acceleration
-        light = float(np.abs(np.diag(self.s.Minv)).max(initial=0.0))  # loads that cancel, and those of before, leave rounding
+        light = float(
+            np.abs(np.diag(self.s.Minv)).max(initial=0.0)
+        )  # loads that cancel, and those of before, leave rounding
         rate = -max(1e-6 * float(np.abs(a).max(initial=0.0)), max(1e-10 * size, 1e-13 * self.most) * light, 1e-300)
         at = 0
         for asks, d in zip(asked, self.s.dry, strict=False):
@@ -391,7 +393,11 @@ class Modes:
         rows = []
         for i, stop in enumerate(self.s.stops):
             gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
-            if abs(gap) <= 1e-10 * max(1.0, abs(stop.bound)) and rate > self.small() and self._dies(t, y, stop.row, rate, i, 1e-15):
+            if (
+                abs(gap) <= 1e-10 * max(1.0, abs(stop.bound))
+                and rate > self.small()
+                and self._dies(t, y, stop.row, rate, i, 1e-15)
+            ):
                 rows.append((stop.row, 0.0))
         rows += [n.rate(q, v, self.s.context)[:2] for n in self.s.nonlinear] if rows else []
         return self.with_v(y, self._impulse(v, [], rows)) if rows else y
