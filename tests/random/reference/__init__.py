@@ -11,6 +11,7 @@ from tests.random.description import Train
 from tests.random.reference.dynamics import Dynamics
 from tests.random.reference.elements import system_of
 from tests.random.reference.integrate import Integration
+from tests.random.reference.starts import start
 from tests.random.reference.switches import NoEvidenceError
 
 RTOL = 1e-11
@@ -33,7 +34,7 @@ def reference_motion(
     with np.errstate(all="ignore"):
         dynamics = Dynamics(system_of(train))
         integration = Integration(dynamics, rtol, float(t[-1]), perturbation)
-        angles, speeds = integration.run(dynamics.start(perturbation, given), t)
+        angles, speeds = integration.run(start(dynamics, perturbation, given), t)
     own = len(train.bodies)  # composites bring along more
     return Motion(angles[:own], speeds[:own], np.array(integration.modes.jumps))
 

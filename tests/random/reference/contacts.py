@@ -105,8 +105,8 @@ def _teeth(sw: Switches, gaps: tuple[float, ...]) -> Callable[[float], tuple[flo
 def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
     """N = k g (1 + d x'/v), v the speed at which the contact began; d from the restitution; never pulling.
 
-    A half wave of m x'' = -k x (1 + d x'/v) from v to -e v: d (1 + e) = ln((1 + d)/(1 - d e)). A contact that begins at no speed
-    is not damped.
+    A half wave of m x'' = -k x (1 + d x'/v) from v to -e v: d (1 + e) = ln((1 + d)/(1 - d e)). A contact that begins
+    at no speed is not damped.
     """
     if not hasattr(zone, "switches"):
         raise NoEvidenceError("Hunt and Crossley without corners")

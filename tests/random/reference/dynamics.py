@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from tests.random.reference.equilibrium import at_rest
 from tests.random.reference.rubbing import merge
 from tests.random.reference.sharing import Sharing
 from tests.random.reference.switches import NoEvidenceError, is_zero
@@ -355,55 +354,7 @@ class Dynamics:
         low = (1 - one) * tau - tau1 if tau <= 0 else (1 - 1 / two) * tau - tau2
         return high - loss, loss - low
 
-    # -- start and results --------------------------------------------------------------------------------------------
-
-    def start(self, perturbation: float, given: Array | None = None) -> Array:
-        """Start values that agree with the given ones and the ties. given: angles at which a run starts at rest."""
-        from random import Random
-
-        s, random = self.s, Random(f"reference {self.s.train.seed}")
-        rows, angles, speeds, sped = [], [], [], []
-        for p in s.train.bodies:
-            row = s.N[s.index[p.node("a")]]
-            for name, values, kept in ((("phi0", "s0"), angles, rows), (("w0", "v0"), speeds, sped)):
-                value = p.field(name[0], p.field(name[1]))
-                if value is not None:
-                    kept.append(row)
-                    values.append(value)
-        n = s.N.shape[1]
-        s.context.t = 0.0
-        tied = [g.ra - g.ratio * g.rb for g in s.lossy]
-        for turned, angle in (tie.starts for tie in s.nonlinear if tie.starts is not None):
-            rows.append(turned @ s.N)
-            angles.append(angle(s.context))
-        q = _fit(rows + tied, angles + [0.0] * len(tied), n)
-        if any(tie.turned(q) > 0 for tie in s.nonlinear):
-            raise NoEvidenceError("a nonlinear tie that starts off zero")
-        guided = [x.rate(q, np.zeros(n), s.context) for x in s.nonlinear]
-        v0 = _fit(sped + tied + [x[0] for x in guided], speeds + [0.0] * len(tied) + [x[1] for x in guided], n)
-        if perturbation:
-            free = _free(tied + [x[0] for x in guided], n)
-            size = max(float(np.abs(v0).max()), 1.0)
-            v0 = v0 + perturbation * size * free @ np.array([random.uniform(-1, 1) for _ in range(free.shape[1])])
-        qr, vr = s.Ur.T @ q, s.Ur.T @ v0
-        s.context.t = 0.0
-        driven = np.array([x(s.context) for x in self.driven_from])
-        y = np.concatenate([qr, self._balanced(qr, vr), vr, driven, np.array(s.start)])
-        return y if s.train.initial is None else at_rest(self, y, given)
-
-    def _balanced(self, qr: Array, vr: Array) -> Array:
-        """Start angles of nodes without inertia: nobody gives them, so they rest in balance with what is at rest."""
-        s, c = self.s, self.s.context
-        if not self.n1:
-            return np.zeros(0)
-        c.t, c.s, Z = 0.0, list(s.start), np.hstack([s.Z1, s.Z2])
-        wp = np.array([d(c) for d in self.drives])  # signals of other torques read speeds, and none of a massless node
-        c.X, c.V = (s.R @ (s.Ur @ qr)).tolist(), (s.R @ (s.Ur @ vr) + s.RP @ wp).tolist()
-        push = s.torque_rows.T @ np.array([f(c) for _, f, _ in s.torques]) if s.torques else np.zeros(len(Z))
-        stiffness = Z.T @ s.K @ Z
-        if np.linalg.cond(stiffness) > 1e10:
-            raise NoEvidenceError("a massless node that only dampers hold")
-        return np.asarray(np.linalg.solve(stiffness, Z.T @ (push - s.K @ (s.Ur @ qr)))[: self.n1])
+    # -- results ----------------------------------------------------------------------------------------------------------
 
     def motion(self, t: float, y: Array, bodies: list[int]) -> tuple[Array, Array]:
         """Angles and speeds of nodes; NaN for a speed that only its rate of balance would give."""
@@ -416,25 +367,6 @@ class Dynamics:
             if s.Z2.shape[1] and not is_zero(s.N[i] @ s.Z2):
                 speeds[i] = math.nan
         return angles[bodies], speeds[bodies]
-
-
-def _fit(rows: list[Array], values: list[float], n: int) -> Array:
-    if not rows:
-        return np.zeros(n)
-    A, b = np.array(rows), np.array(values)
-    x = np.linalg.lstsq(A, b, rcond=1e-12)[0]
-    if np.abs(A @ x - b).max() > 1e-9 * max(1.0, np.abs(b).max()):
-        raise NoEvidenceError("start values that contradict each other")
-    return np.asarray(x)
-
-
-def _free(rows: list[Array], n: int) -> Array:
-    """Directions that the rows leave open."""
-    if not rows:
-        return np.eye(n)
-    _, size, V = np.linalg.svd(np.array(rows).reshape(-1, n))
-    rank = int((size > 1e-10 * size.max()).sum())
-    return np.asarray(V[rank:].T)
 
 
 __all__ = ["NONE", "Dynamics", "Stop"]

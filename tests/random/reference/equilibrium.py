@@ -53,7 +53,7 @@ def _slope(rates: Callable[[Array], Array], x: Array) -> Array:
 
 
 def _balanced(dynamics: Any, rates: Callable[[Array], Array], given: Array, size: float) -> Array:
-    """All angles for those of the bodies; NoEvidenceError where these are not in balance, but for rotations that nothing answers."""
+    """All angles for those of the bodies, which must be in balance but for rotations that nothing answers."""
     s = dynamics.s
     elastic = np.array(s.elastic).reshape(-1, len(s.node_names)) @ s.N
     own = [s.index[p.node("a")] for p in s.train.bodies][: len(given)]

@@ -12,57 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from tests.random.reference.dynamics import Dynamics
+from tests.random.reference.impacts import Impacts
 from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
 
 MOST = 3000  # sets of modes
 
 
-class Modes:
-    """Decides modes and impacts of a system."""
-
-    def __init__(self, dynamics: Dynamics) -> None:
-        self.d, self.s = dynamics, dynamics.s
-        self.speed = 0.0  # largest speed so far
-        self.free = 0.0  # speed that the largest forces would give to what is free, within the run
-        self.most = 0.0  # largest force so far
-        self.still = 0  # events in a row at one instant
-        self.jumps: list[float] = []
-        self.rebound: dict[int, float] = {}
-
-    # -- state --------------------------------------------------------------------------------------------------------
-
-    def qv(self, y: Array) -> tuple[Array, Array]:
-        """q and v of units."""
-        qr, _, vr, _, _ = self.d.split(y)
-        return self.s.Ur @ qr, self.s.Ur @ vr
-
-    def with_v(self, y: Array, v: Array) -> Array:
-        """y with other speeds."""
-        y = y.copy()
-        y[self.d.cut[1] : self.d.cut[2]] = self.s.Ur.T @ v
-        return y
-
-    def rows(self) -> list[Array]:
-        """Rows of all units."""
-        s = self.s
-        return [d.row for d in s.dry] + [x.row for x in s.stops] + [g.ra for g in s.lossy]
-
-    def small(self) -> float:
-        """A speed that counts as none."""
-        return 1e-9 * max(self.speed, 1e-6 * self.free)
-
-    def reach(self, largest: Array) -> Array:
-        """The largest angles that the gap of every stop is the difference of."""
-        q = np.abs(self.s.Ur) @ largest[: self.d.cut[0]]
-        return np.array([float(np.abs(x.row) @ q) for x in self.s.stops])
-
-    def note(self, y: Array) -> None:
-        """Keeps the largest speed."""
-        _, v = self.qv(y)
-        self.speed = max(self.speed, float(np.abs(self.s.N @ v).max(initial=0.0)))
-        self.s.context.small = self.small()
+class Modes(Impacts):
+    """Decides modes of a system."""
 
     def begin(self, t: float, y: Array) -> None:
         """After a start or a jump of the speeds: directions of what slides, and sides of laws that are far off."""
@@ -89,7 +47,8 @@ class Modes:
         """Sets the modes for what follows t; the state, after impacts and without slip where something is stuck."""
         for part in (0.01, 0.03, 0.1) if self.most == 0.0 else ():
             self.force(t + part * span, y)
-        self.free = max(self.free, self.force(t, y) * float(np.abs(np.diag(self.s.Minv)).max(initial=0.0)) * span)
+        self.force(t, y)
+        self.free = self.most * float(np.abs(np.diag(self.s.Minv)).max(initial=0.0)) * span
         self.note(y)
         if self.d.plain:
             return y
@@ -302,7 +261,7 @@ class Modes:
         return out
 
     def chosen(self, fits: list[tuple[Any, Array, Array]], kept: list[Any] | None) -> tuple[Any, Array, Array]:
-        """The set that counts: of several, that which sticks most, and where that is not clear, that which keeps what need not end."""
+        """Of several sets that which sticks most; where that is not clear, of those that keep what need not end."""
         found = self._most(fits)
         if found is None and kept is not None:
             found = self._most([x for x in fits if all(k in (None, mode) for k, mode in zip(kept, x[0], strict=True))])
@@ -331,109 +290,3 @@ class Modes:
     def stuck(self, modes: tuple[Any, ...]) -> int:
         """How many stick."""
         return len(self.held(modes))
-
-    # -- impacts ------------------------------------------------------------------------------------------------------
-
-    def impact(self, t: float, y: Array) -> Array:
-        """Newton's law at stops that close, plastic locks; several at once as one complementarity problem.
-
-        v+ = v + M^-1 G' P,  P >= 0,  G v+ >= target,  P (G v+ - target) = 0; locks without limit: G v+ = 0.
-        """
-        s, small = self.s, self.small()
-        q, v = self.qv(y)
-        one: list[tuple[Array, float, int]] = []
-        both: list[tuple[Array, float]] = []
-        hit = False
-        for i, stop in enumerate(s.stops):
-            gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
-            if gap <= 1e-10 * max(1.0, abs(stop.bound)) and rate <= small:
-                closing = rate < -small
-                hit = hit or closing
-                one.append((stop.row, -stop.restitution * rate if closing else 0.0, i))
-        for d in s.dry:
-            slip = float(d.row @ v)
-            on = [m for m in d.members if m.on]
-            if any(m.dog or m.locked for m in on):
-                both.append((d.row, 0.0))
-                hit = hit or abs(slip) > small
-            for m in on:
-                if m.one_way and m.scale * slip <= small:
-                    one.append((math.copysign(1.0, m.scale) * d.row, 0.0, -1))
-                    hit = hit or m.scale * slip < -small
-                    break
-        if not hit:
-            return self._settled(t, y) if self.still > 1 else y
-        both += [n.rate(q, v, s.context)[:2] for n in s.nonlinear]
-        both += [(g.ra - g.ratio * g.rb, 0.0) for g in s.lossy]  # no loss in an impact
-        self.jumps.append(t)
-        v = self._impulse(v, one, both)
-        for row, target, i in one:
-            if i >= 0 and target > 0:
-                fast = self.rebound[i] = max(self.rebound.get(i, 0.0), target)
-                flat = 1e-13 if target < 1e-3 * fast else 1e-16
-                if self._dies(t, self.with_v(y, v), row, float(row @ v), i, flat):
-                    v = self._impulse(v, [(row, 0.0, -1)], [(row, 0.0), *both])
-        y = self.onto(self.with_v(y, v), [s.stops[i] for _, target, i in one if i >= 0 and target > 0])
-        self.note(y)
-        return y
-
-    def _dies(self, t: float, y: Array, row: Array, speed: float, i: int, flat: float) -> bool:
-        """Whether a body comes back to its stop so soon that only rounding would be seen of its flight, or nothing at all."""
-        stop = self.s.stops[i]
-        if stop.restitution >= 1 and flat > 1e-14:
-            return False
-        stop.mode = 1
-        rate = float(row @ self.s.Ur @ self.d(t, y)[self.d.cut[1] : self.d.cut[2]])
-        turned = float(np.abs(row) @ np.abs(self.qv(y)[0]))
-        return speed * speed < -2 * flat * rate * max(abs(stop.bound), turned if flat < 1e-13 else 0.0, 1e-3)
-
-    def _settled(self, t: float, y: Array) -> Array:
-        """Without the flights that are lower than the rounding of their gap: nothing would be seen of them but that time stands."""
-        q, v = self.qv(y)
-        rows = []
-        for i, stop in enumerate(self.s.stops):
-            gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
-            if (
-                abs(gap) <= 1e-10 * max(1.0, abs(stop.bound))
-                and rate > self.small()
-                and self._dies(t, y, stop.row, rate, i, 1e-15)
-            ):
-                rows.append((stop.row, 0.0))
-        rows += [n.rate(q, v, self.s.context)[:2] for n in self.s.nonlinear] if rows else []
-        return self.with_v(y, self._impulse(v, [], rows)) if rows else y
-
-    def onto(self, y: Array, stops: list[Any]) -> Array:
-        """Gaps of rounding become 0, so that the smallest bounces leave their stop."""
-        q, _ = self.qv(y)
-        y = y.copy()
-        for stop in stops:
-            push = self.s.Minv @ stop.row
-            q = q - push * (float(stop.row @ q) - stop.bound) / float(stop.row @ push)
-        y[: self.d.cut[0]] = self.s.Ur.T @ q
-        return y
-
-    def _impulse(self, v: Array, one: list[tuple[Array, float, int]], both: list[tuple[Array, float]]) -> Array:
-        if len(one) > 8:
-            raise NoEvidenceError("too many contacts at once")
-        size = self.speed
-        found = []
-        for active in itertools.product((False, True), repeat=len(one)):
-            rows = [*(row for row, _ in both), *(o[0] for o, a in zip(one, active, strict=True) if a)]
-            target = np.array([x for _, x in both] + [o[1] for o, a in zip(one, active, strict=True) if a])
-            new, P = v, np.zeros(0)
-            if rows:
-                G = np.array(rows)
-                MG = self.s.Minv @ G.T
-                W = G @ MG
-                if np.linalg.cond(W) > 1e11:
-                    continue
-                P = np.linalg.solve(W, target - G @ v)
-                new = v + MG @ P
-            scale = 1e-10 * size
-            if (P[len(both) :] >= 0).all() and all(float(r @ new) >= x - scale for r, x, _ in one):
-                found.append(new)
-        if not found:
-            raise NoEvidenceError("no impulse fits")
-        if any(np.abs(f - found[0]).max() > 1e-7 * max(size, 1e-300) for f in found):
-            raise NoEvidenceError("several impulses fit")
-        return found[0]
