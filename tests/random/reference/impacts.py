@@ -81,18 +81,21 @@ class Impacts:
                     hit = hit or m.scale * slip < -small
                     break
         if not hit:
-            return self._settled(t, y) if self.still > 1 else y
+            return self._settled(t, y, 1e-15) if self.still > 1 else y
         both += [n.rate(q, v, s.context)[:2] for n in s.nonlinear]
         both += [(g.ra - g.ratio * g.rb, 0.0) for g in s.lossy]  # no loss in an impact
         self.jumps.append(t)
         v = self._impulse(v, one, both)
+        died = False
         for row, target, i in one:
             if i >= 0 and target > 0:
                 fast = self.rebound[i] = max(self.rebound.get(i, 0.0), target)
                 flat = 1e-13 if target < 1e-3 * fast else 1e-16
                 if self._dies(t, self.with_v(y, v), row, float(row @ v), i, flat):
                     v = self._impulse(v, [(row, 0.0, -1)], [(row, 0.0), *both])
+                    died = True
         y = self.onto(self.with_v(y, v), [s.stops[i] for _, target, i in one if i >= 0 and target > 0])
+        y = self._settled(t, y, 1e-13) if died else y  # what its end throws off its stop
         self.note(y)
         return y
 
@@ -106,20 +109,26 @@ class Impacts:
         turned = float(np.abs(row) @ np.abs(self.qv(y)[0]))
         return speed * speed < -2 * flat * rate * max(abs(stop.bound), turned if flat < 1e-13 else 0.0, 1e-3)
 
-    def _settled(self, t: float, y: Array) -> Array:
+    def _settled(self, t: float, y: Array, flat: float) -> Array:
         """Without flights that are lower than the rounding of their gap: nothing is seen of them but that time stands."""
         q, v = self.qv(y)
-        rows = []
+        rows, flies = [], False
         for i, stop in enumerate(self.s.stops):
             gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
-            if (
-                abs(gap) <= 1e-10 * max(1.0, abs(stop.bound))
-                and rate > self.small()
-                and self._dies(t, y, stop.row, rate, i, 1e-15)
-            ):
+            if abs(gap) > 1e-10 * max(1.0, abs(stop.bound)):
+                continue
+            if rate > self.small() and self._dies(t, y, stop.row, rate, i, flat):
                 rows.append((stop.row, 0.0))
-        rows += [n.rate(q, v, self.s.context)[:2] for n in self.s.nonlinear] if rows else []
-        return self.with_v(y, self._impulse(v, [], rows)) if rows else y
+                flies = True
+            elif abs(rate) <= self.small():
+                rows.append((stop.row, 0.0))
+        if not flies:
+            return y
+        rows += [n.rate(q, v, self.s.context)[:2] for n in self.s.nonlinear]
+        rows += [(g.ra - g.ratio * g.rb, 0.0) for g in self.s.lossy]
+        G, asked = np.array([row for row, _ in rows]), np.array([x for _, x in rows])
+        MG = self.s.Minv @ G.T
+        return self.with_v(y, v - MG @ np.linalg.lstsq(G @ MG, G @ v - asked, rcond=1e-11)[0])
 
     def onto(self, y: Array, stops: list[Any]) -> Array:
         """Gaps of rounding become 0, so that the smallest bounces leave their stop."""
