@@ -225,6 +225,8 @@ def _excitation(s: System, effect: Any, i: int, z: int) -> Callable[[Context], t
     if "sin" in fields or name not in ("Fourier", "Harmonic"):
         raise NoEvidenceError(f"this {name}")
     a, phase = fields["cos"], fields.get("phase", 0.0)
+    if len(a) == 1:
+        return _one_wave(a[0], phase, driven, i, z)
 
     def wave(c: Context) -> tuple[float, float, float]:
         theta = (z * c.X[i] if driven == "angle" else driven * c.t) + phase
@@ -233,6 +235,22 @@ def _excitation(s: System, effect: Any, i: int, z: int) -> Callable[[Context], t
         return (value, z * slope, 0.0) if driven == "angle" else (value, 0.0, driven * slope)
 
     return wave
+
+
+def _one_wave(a: float, phase: float, driven: Any, i: int, z: int) -> Callable[[Context], tuple[float, float, float]]:
+    if driven == "angle":
+
+        def over_angle(c: Context) -> tuple[float, float, float]:
+            theta = z * c.X[i] + phase
+            return a * math.cos(theta), -z * a * math.sin(theta), 0.0
+
+        return over_angle
+
+    def over_time(c: Context) -> tuple[float, float, float]:
+        theta = driven * c.t + phase
+        return a * math.cos(theta), 0.0, -driven * a * math.sin(theta)
+
+    return over_time
 
 
 def hits(s: System, p: Part, row: Array, half_gap: float) -> None:

@@ -85,6 +85,15 @@ class Dynamics:
             return q, v + s.Z1 @ v1, v1, elastic - s.CP @ wp
         return q, v, np.zeros(0), elastic - s.CP @ wp
 
+    def load(self, t: float, y: Array) -> float:
+        """A size of the forces of springs, dampers, given torques and laws, for rounding."""
+        _, v, _, given = self.coordinates(t, y)
+        f = [0.0] * (self.RT.shape[1] + self.s.extra)
+        for law in self.s.laws:
+            law(self.s.context, f)
+        laws = self.s.R.T @ np.array(f[: len(self.s.R)]) if len(self.s.R) else np.zeros(1)
+        return sum(float(np.abs(x).max(initial=0.0)) for x in (given, self.s.C @ v, laws))
+
     def _read(self, t: float, y: Array) -> tuple[Array, Array, Array]:
         """q, v and the forces of springs and dampers where every direction has inertia; signals read this state from now on."""
         s, c, n = self.s, self.s.context, self.nr

@@ -17,7 +17,9 @@ from tests.random.reference.system import Array
 
 MOST_EVENTS = 4000
 MOST_STEPS = 12000
+LOOKS = 6  # of a step at least, where a margin may come near 0
 PHASE = 0.12  # rad of a wave between two looks
+BEND = 5.0  # a margin this many times as large as what it bends by within a step does not reach 0
 KICKS = 10  # of a perturbed run, besides that of its start
 
 
@@ -132,7 +134,7 @@ class Integration:
         a, b = f.t_old, f.t
         waves = set(self.d.s.sw.phases)
         rate = sum(k * (1.0 if row < 0 else abs(self.d.s.context.V[row])) for row, k in waves)
-        count = int(min(200, max(6, math.ceil((b - a) * rate / PHASE))))
+        count = int(min(200, max(LOOKS, math.ceil((b - a) * rate / PHASE))))
         times = np.linspace(a, b, count + 1)
         if first is None:
             first = self._margins(a, f.y_old)
@@ -145,6 +147,10 @@ class Integration:
                 return (a, jumped.tolist()), None
         if not len(first):
             return None, first
+        if count == LOOKS:
+            end = self._far(f, first)
+            if end is not None:
+                return None, end
         rows, looks = [first], f.many(times)
         for i in range(1, count + 1):
             rows.append(self._margins(float(times[i]), looks[i]))
@@ -156,6 +162,17 @@ class Integration:
                 if dip is not None:
                     return dip, None
         return None, rows[-1]
+
+    def _far(self, f: Piece, first: Array) -> Array | None:
+        """The margins at the end of a step along which all of them stay far from 0, by how much they bend; else None."""
+        middle = self._margins(0.5 * (f.t_old + f.t), f.middle())
+        end = self._margins(f.t, f.y)
+        known = np.isfinite(first) & np.isfinite(middle) & np.isfinite(end)
+        if not (known | (first == middle) & (middle == end)).all():
+            return None
+        low = np.minimum(np.minimum(first[known], middle[known]), end[known])
+        bend = np.abs(first[known] - 2 * middle[known] + end[known])
+        return end if bool((low > BEND * bend + 1e-6 * self.scale[known]).all()) else None
 
     def _negative(self, row: Array) -> Array:
         return np.flatnonzero(row < -self._rounding(len(row)))

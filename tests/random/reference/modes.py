@@ -169,7 +169,10 @@ class Modes(Impacts):
                 continue
             if g.mode[0] == 0 and min(high, low) < -1e-9 * size:
                 return None
-            if g.mode[0] and (turn <= 1e-15 * self.speed or min(drive, high) < -1e-9 * size):
+            if g.mode[0] and min(drive, high) < -1e-9 * size:
+                return None
+            begins = abs(float(g.ra @ self.qv(y)[1])) <= self.small()  # what turns may come to rest within that time
+            if g.mode[0] and begins and turn <= 1e-15 * self.speed:
                 return None
         return y, acceleration
 
@@ -214,8 +217,7 @@ class Modes(Impacts):
 
     def force(self, t: float, y: Array) -> float:
         """A size of the forces, for rounding; where all of them vanish at once, that of those that there were."""
-        _, v, _, given = self.d.coordinates(t, y)
-        size = float(np.abs(given).max(initial=0.0)) + float(np.abs(self.s.C @ v).max(initial=0.0))
+        size = self.d.load(t, y)
         self.most = max(self.most, size)
         return max(size, 1e-7 * self.most)
 

@@ -26,10 +26,11 @@ class StepError(Exception):
 
 
 class Piece:
-    """One step and its dense output."""
+    """One step and its dense output, whose three stages are computed where somebody asks."""
 
-    def __init__(self, t_old: float, t: float, y_old: Array, F: Array) -> None:
-        self.t_old, self.t, self.y_old, self.F = t_old, t, y_old, F
+    def __init__(self, rhs: Rhs, t_old: float, t: float, y_old: Array, y: Array, K: Array) -> None:
+        self.rhs, self.t_old, self.t, self.y_old, self.y, self.K = rhs, t_old, t, y_old, y, K
+        self.F: Any = None
 
     def __call__(self, t: float) -> Array:
         return self._at((t - self.t_old) / (self.t - self.t_old))
@@ -39,11 +40,27 @@ class Piece:
         return self._at(((t - self.t_old) / (self.t - self.t_old))[:, None])
 
     def _at(self, x: Any) -> Array:
+        if self.F is None:
+            self.F = self._dense()
         factors = (x, 1 - x)
         y = self.F[6] * x
         for i in range(1, 7):
             y = (y + self.F[6 - i]) * factors[i % 2]
         return np.asarray(self.y_old + y)
+
+    def middle(self) -> Array:
+        """The state halfway, by the cubic of both ends."""
+        h = self.t - self.t_old
+        return np.asarray(0.5 * (self.y_old + self.y) + h / 8 * (self.K[0] - self.K[STAGES]))
+
+    def _dense(self) -> Array:
+        K, h = self.K, self.t - self.t_old
+        for i, row in enumerate(MORE, STAGES + 1):
+            K[i] = self.rhs(self.t_old + MORE_C[i - STAGES - 1] * h, self.y_old + (row @ K[:i]) * h)
+        F, delta = np.empty((7, len(self.y))), self.y - self.y_old
+        F[0], F[1], F[2] = delta, h * K[0] - delta, 2 * delta - h * (K[STAGES] + K[0])
+        F[3:] = h * (D @ K)
+        return F
 
 
 class Steps:
@@ -91,13 +108,8 @@ class Steps:
                 self.h = h * (min(1.0, factor) if tried else factor)
                 break
             self.h, tried = h * (max(0.2, 0.9 * error**-0.125) if error > 0 and math.isfinite(error) else 0.2), True
-        for i, row in enumerate(MORE):
-            K[STAGES + 1 + i] = self.rhs(t + MORE_C[i] * h, y + (row @ K[: STAGES + 1 + i]) * h)
-        F, delta = np.empty((7, len(y))), y_new - y
-        F[0], F[1], F[2] = delta, h * f - delta, 2 * delta - h * (f_new + f)
-        F[3:] = h * (D @ K)
         self.t, self.y, self.f = new, y_new, f_new
-        return Piece(t, new, y, F)
+        return Piece(self.rhs, t, new, y, y_new, K.copy())
 
     def _error(self, h: float, scale: Array) -> float:
         n = len(scale)

@@ -254,14 +254,26 @@ def derivative(x: Any) -> Any:
     if x.op == "time":
         return 1.0
     if x.op == "+":
-        return Node("+", (derivative(x.args[0]), derivative(x.args[1])))
+        return _sum(derivative(x.args[0]), derivative(x.args[1]))
     if x.op == "*":
         a, b = x.args
-        return Node("+", (Node("*", (derivative(a), b)), Node("*", (a, derivative(b)))))
+        return _sum(_product(derivative(a), b), _product(a, derivative(b)))
     if x.op == "sin":
-        return Node("*", (Node("cos", x.args), derivative(x.args[0])))
+        return _product(Node("cos", x.args), derivative(x.args[0]))
     if x.op == "cos":
-        return Node("*", (-1.0, Node("*", (Node("sin", x.args), derivative(x.args[0])))))
+        return _product(-1.0, _product(Node("sin", x.args), derivative(x.args[0])))
     if x.op == "exp":
-        return Node("*", (x, derivative(x.args[0])))
+        return _product(x, derivative(x.args[0]))
     raise NoEvidenceError(f"the rate of {x.op}")
+
+
+def _sum(a: Any, b: Any) -> Any:
+    if not isinstance(a, Node) and not isinstance(b, Node):
+        return a + b
+    return b if a == 0.0 else a if b == 0.0 else Node("+", (a, b))
+
+
+def _product(a: Any, b: Any) -> Any:
+    if not isinstance(a, Node) and not isinstance(b, Node):
+        return a * b
+    return 0.0 if a == 0.0 or b == 0.0 else b if a == 1.0 else a if b == 1.0 else Node("*", (a, b))
