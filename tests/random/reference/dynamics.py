@@ -179,11 +179,15 @@ class Dynamics:
         G, MB, W, null = found
         a = s.Minv @ f
         if len(G):
-            bias = 0.0 if gamma is None else gamma
-            numbers = (W @ (bias - G @ a)).tolist()
+            wanted = -(G @ a) if gamma is None else gamma - G @ a
+            numbers = (W @ wanted).tolist()
             a = a + MB @ np.array(numbers)
         if not margins:
             return a, []
+        if null is not None and gamma is not None and np.abs(G @ a - gamma).max() > 1e-8 * np.abs(wanted).max():
+            return a, [-math.inf] * (
+                3 * len(s.dry) + 2 * len(s.stops) + 4 * len(s.lossy)
+            )  # no motion keeps all of them
         values = self._margins(q, v, numbers, sliding, losses, c)
         return a, values if null is None else self._shared(values, np.array(numbers), null)
 

@@ -16,7 +16,7 @@ from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
 
 MOST_EVENTS = 4000
-MOST_STEPS = 12000
+MOST_STEPS = 60000
 LOOKS = 6  # of a step at least, where a margin may come near 0
 PHASE = 0.12  # rad of a wave between two looks
 BEND = 5.0  # a margin this many times as large as what it bends by within a step does not reach 0

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.random.description import senses
 from tests.random.reference.equilibrium import at_rest
 from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
@@ -36,8 +37,8 @@ def start(d: Any, perturbation: float, given: Array | None = None) -> Array:
     v0 = _fit(sped + tied + [x[0] for x in guided], speeds + [0.0] * len(tied) + [x[1] for x in guided], n)
     if perturbation:
         free = _free(tied + [x[0] for x in guided], n)
-        size = max(float(np.abs(v0).max()), 1.0)
-        v0 = v0 + perturbation * size * free @ np.array([random.uniform(-1, 1) for _ in range(free.shape[1])])
+        change = free @ np.array([random.uniform(-1, 1) for _ in range(free.shape[1])])
+        v0 = v0 + perturbation * _speeds(s, v0) * change
     qr, vr = s.Ur.T @ q, s.Ur.T @ v0
     s.context.t = 0.0
     driven = np.array([x(s.context) for x in d.driven_from])
@@ -58,6 +59,20 @@ def _balanced(d: Any, qr: Array, vr: Array) -> Array:
     if np.linalg.cond(stiffness) > 1e10:
         raise NoEvidenceError("a massless node that only dampers hold")
     return np.asarray(np.linalg.solve(stiffness, Z.T @ (push - s.K @ (s.Ur @ qr)))[: d.n1])
+
+
+def _speeds(s: Any, v0: Array) -> Array:
+    """For every coordinate the largest start speed of those that hang together with it, at least 1."""
+    group = {name: {name} for name in s.node_names}
+    for part in s.train.parts:
+        names = [n for _, n in part.at if n in group] + [p.node("a") for p in s.train.bodies if p.name in senses(part)]
+        joined = set().union(*(group[n] for n in names))
+        group |= dict.fromkeys(joined, joined)
+    out = np.empty(len(v0))
+    for i in range(len(v0)):
+        near = s.N[[s.index[n] for n in group[s.node_names[int(np.argmax(np.abs(s.N[:, i])))]]]]
+        out[i] = max(float(np.abs(v0[np.abs(near).max(axis=0) > 0]).max()), 1.0)
+    return out
 
 
 def _fit(rows: list[Array], values: list[float], n: int) -> Array:
