@@ -11,19 +11,30 @@ from tests.random.description import Train
 from tests.random.reference.dynamics import Dynamics
 from tests.random.reference.elements import system_of
 from tests.random.reference.integrate import Integration
+from tests.random.reference.starts import start
 from tests.random.reference.switches import NoEvidenceError
 
 RTOL = 1e-11
 
 
-def reference_motion(train: Train, t: NDArray[np.float64], perturbation: float = 0.0, rtol: float = RTOL) -> Any:
-    """The motion of a train at times t; with a relative perturbation of its start speeds and, all along the run, its state."""
+def reference_motion(
+    train: Train,
+    t: NDArray[np.float64],
+    perturbation: float = 0.0,
+    rtol: float = RTOL,
+    given: NDArray[np.float64] | None = None,
+) -> Any:
+    """The motion of a train at times t; with a relative perturbation of its start speeds and, all along the run, its state.
+
+    given: angles of the bodies at the start of a run, of which it is asked whether they are in balance where balance leaves a
+    static start open.
+    """
     from tests.random.judge import Motion
 
     with np.errstate(all="ignore"):
         dynamics = Dynamics(system_of(train))
         integration = Integration(dynamics, rtol, float(t[-1]), perturbation)
-        angles, speeds = integration.run(dynamics.start(perturbation), t)
+        angles, speeds = integration.run(start(dynamics, perturbation, given), t)
     own = len(train.bodies)  # composites bring along more
     return Motion(angles[:own], speeds[:own], np.array(integration.modes.jumps))
 

@@ -105,7 +105,8 @@ def _teeth(sw: Switches, gaps: tuple[float, ...]) -> Callable[[float], tuple[flo
 def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
     """N = k g (1 + d x'/v), v the speed at which the contact began; d from the restitution; never pulling.
 
-    A half wave of m x'' = -k x (1 + d x'/v) from v to -e v: d (1 + e) = ln((1 + d)/(1 - d e)).
+    A half wave of m x'' = -k x (1 + d x'/v) from v to -e v: d (1 + e) = ln((1 + d)/(1 - d e)). A contact that begins
+    at no speed is not damped.
     """
     if not hasattr(zone, "switches"):
         raise NoEvidenceError("Hunt and Crossley without corners")
@@ -113,7 +114,6 @@ def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
     if e < 1:
         d = brentq(lambda d: d * (1 + e) - math.log((1 + d) / (1 - d * e)), 0.1 * (1 - e), (1 - 1e-14) / e, xtol=1e-15)
     held = {"slowness": None}
-    last = {"inward": 0.0}
     pushes = s.sw.new()
     for i in zone.switches:
         s.sw.on_flip[i] = lambda: held.__setitem__("slowness", None)
@@ -124,8 +124,7 @@ def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
         if side == 0:
             held["slowness"] = None
         elif held["slowness"] is None and not s.sw.fresh:
-            held["slowness"] = 1.0 / inward if inward > 0 else 0.0
-        last["inward"] = inward
+            held["slowness"] = 1.0 / inward if inward > s.context.small else 0.0
         damped = 1 + d * (held["slowness"] or 0.0) * inward
         on = s.sw(pushes, damped if side else 1.0)
         return (k * factor * g * damped if on else 0.0), G
@@ -140,6 +139,7 @@ def lash(s: System, p: Part) -> None:
         hits(s, p, row, p.field("half_gap"))
         return
     i, force = s.law_row(row), contact_law(s, p, p.field("k"))
+    s.elastic.append(row)
 
     def law(c: Context, f: list[float]) -> None:
         f[i] -= force(c.X[i], c.V[i], 1.0)[0]
@@ -156,6 +156,7 @@ def spline(s: System, p: Part) -> None:
     if p.field("stiffness_variation") is not None:
         raise NoEvidenceError("a spline with a varying stiffness")
     i, force = s.law_row(row), contact_law(s, p, p.field("k"))
+    s.elastic.append(row)
 
     def law(c: Context, f: list[float]) -> None:
         f[i] -= r * force(r * c.X[i], r * c.V[i], 1.0)[0]
@@ -177,6 +178,7 @@ def mesh(s: System, p: Part) -> None:
         return
     i, j = s.law_row(one), s.law_row(two)
     k, z = p.field("k"), teeth[0]
+    s.elastic.append(r1 * one + sign * r2 * two)
     force = contact_law(s, p, k)
     vary, error = (
         _excitation(s, p.field("stiffness_variation"), i, z),
@@ -223,6 +225,8 @@ def _excitation(s: System, effect: Any, i: int, z: int) -> Callable[[Context], t
     if "sin" in fields or name not in ("Fourier", "Harmonic"):
         raise NoEvidenceError(f"this {name}")
     a, phase = fields["cos"], fields.get("phase", 0.0)
+    if len(a) == 1:
+        return _one_wave(a[0], phase, driven, i, z)
 
     def wave(c: Context) -> tuple[float, float, float]:
         theta = (z * c.X[i] if driven == "angle" else driven * c.t) + phase
@@ -231,6 +235,22 @@ def _excitation(s: System, effect: Any, i: int, z: int) -> Callable[[Context], t
         return (value, z * slope, 0.0) if driven == "angle" else (value, 0.0, driven * slope)
 
     return wave
+
+
+def _one_wave(a: float, phase: float, driven: Any, i: int, z: int) -> Callable[[Context], tuple[float, float, float]]:
+    if driven == "angle":
+
+        def over_angle(c: Context) -> tuple[float, float, float]:
+            theta = z * c.X[i] + phase
+            return a * math.cos(theta), -z * a * math.sin(theta), 0.0
+
+        return over_angle
+
+    def over_time(c: Context) -> tuple[float, float, float]:
+        theta = driven * c.t + phase
+        return a * math.cos(theta), 0.0, -driven * a * math.sin(theta)
+
+    return over_time
 
 
 def hits(s: System, p: Part, row: Array, half_gap: float) -> None:

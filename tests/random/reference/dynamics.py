@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from tests.random.reference.equilibrium import at_rest
 from tests.random.reference.rubbing import merge
 from tests.random.reference.sharing import Sharing
 from tests.random.reference.switches import NoEvidenceError, is_zero
@@ -26,9 +25,6 @@ class Dynamics:
 
     def __init__(self, system: System) -> None:
         self.s = s = system
-        units = [d.row for d in s.dry] + [x.row for x in s.stops] + [r for g in s.lossy for r in (g.ra, g.rb)]
-        if not all(is_zero(row @ s.P) for row in units):
-            raise NoEvidenceError("friction, a stop or a gear with losses on a prescribed motion")
         merge(s)
         for stop in s.stops:
             stop.row = stop.row @ s.N
@@ -39,9 +35,13 @@ class Dynamics:
         self.pulls = [s.compile(derivative(signal)) for signal in speeds]
         self.driven_from = [s.compile(signal if kind == "angle" else 0.0) for signal, kind in s.prescribed.values()]
         self.nr, self.n1, self.np = s.Ur.shape[1], s.Z1.shape[1], s.P.shape[1]
-        self.cut = np.cumsum([self.nr, self.n1, self.nr, self.np, s.extra])
+        self.cut = np.cumsum([self.nr, self.n1, self.nr, self.np, s.extra]).tolist()
         self.cache: dict[Any, tuple[Array, Array, Array, Array | None]] = {}
-        self.RT = s.R.T
+        self.regular: set[Any] = set()
+        self.RT = np.vstack([s.R, s.torque_rows]).T
+        self.KC = np.hstack([s.K, s.C])
+        self.RR = np.ascontiguousarray(s.R.T)
+        self.signals = [signal for _, signal, _ in s.torques]
         self.constant = not s.nonlinear
         self.varying = [i for i, g in enumerate(s.lossy) if g.values(0.0) != g.values(1e3)]
         self.teeth = {id(m): k for m, k in getattr(s, "synchronizers", [])}
@@ -58,58 +58,104 @@ class Dynamics:
 
     def split(self, y: Array) -> list[Array]:
         """qr, q1, vr, p, s."""
-        return np.split(y, self.cut[:-1])
+        a, b, c, d, _ = self.cut
+        return [y[:a], y[a:b], y[b:c], y[c:d], y[d:]]
 
     def coordinates(self, t: float, y: Array) -> tuple[Array, Array, Array, Array]:
         """q, v (without the part of Z2), rates of q1, and forces of springs and given torques."""
         s, c = self.s, self.s.context
+        if not s.has_massless:
+            q, v, force = self._read(t, y)
+            values = [signal(c) for signal in self.signals]
+            return q, v, np.zeros(0), force + s.C @ v + (s.torque_rows.T @ np.array(values) if values else 0.0)
         qr, q1, vr, p, extra = self.split(y)
         c.t, c.s = t, extra.tolist()
         q, v = s.Ur @ qr, s.Ur @ vr
         wp = np.array([d(c) for d in self.drives])
-        if s.has_massless:
-            c.X, c.V = (s.R @ q + s.RP @ p).tolist(), (s.R @ v + s.RP @ wp).tolist()
-            push = s.torque_rows.T @ np.array([f(c) for _, f, _ in s.torques]) if s.torques else np.zeros(len(q))
-            q = q + s.Z1 @ q1
-            if s.Z2.shape[1]:
-                q = q + s.Z2 @ (s.K22 @ (s.Z2.T @ (push - s.K @ q - s.KP @ p)))
-            elastic = push - s.K @ q - s.KP @ p
-            if self.n1:
-                v1 = s.C11 @ (s.Z1.T @ (elastic - s.C @ v - s.CP @ wp))
-                return q, v + s.Z1 @ v1, v1, elastic - s.CP @ wp
-            return q, v, np.zeros(0), elastic - s.CP @ wp
         c.X, c.V = (s.R @ q + s.RP @ p).tolist(), (s.R @ v + s.RP @ wp).tolist()
-        given = -(s.K @ q)
+        for command in s.commands:
+            command(c)
+        push = s.torque_rows.T @ np.array([f(c) for f in self.signals]) if s.torques else np.zeros(len(q))
+        q = q + s.Z1 @ q1
+        if s.Z2.shape[1]:
+            q = q + s.Z2 @ (s.K22 @ (s.Z2.T @ (push - s.K @ q - s.KP @ p)))
+        elastic = push - s.K @ q - s.KP @ p
+        if self.n1:
+            v1 = s.C11 @ (s.Z1.T @ (elastic - s.C @ v - s.CP @ wp))
+            return q, v + s.Z1 @ v1, v1, elastic - s.CP @ wp
+        return q, v, np.zeros(0), elastic - s.CP @ wp
+
+    def load(self, t: float, y: Array) -> float:
+        """A size of the forces of springs, dampers, given torques and laws, for rounding."""
+        _, v, _, given = self.coordinates(t, y)
+        f = [0.0] * (self.RT.shape[1] + self.s.extra)
+        for law in self.s.laws:
+            law(self.s.context, f)
+        laws = self.s.R.T @ np.array(f[: len(self.s.R)]) if len(self.s.R) else np.zeros(1)
+        return sum(float(np.abs(x).max(initial=0.0)) for x in (given, self.s.C @ v, laws))
+
+    def _read(self, t: float, y: Array) -> tuple[Array, Array, Array]:
+        """q, v and the forces of springs and dampers where every direction has inertia; signals read this state from now on."""
+        s, c, n = self.s, self.s.context, self.nr
+        c.t, both = t, y[: 2 * n]
+        q, v, XV = both[:n], both[n:], both.reshape(2, n) @ self.RR
+        force = -(self.KC @ both)
+        if s.extra:
+            c.s = y[self.cut[3] :].tolist()
         if self.np:
-            given = given - s.KP @ p - s.CP @ wp
-        for (_, f, _), row in zip(s.torques, s.torque_rows, strict=True):
-            given = given + f(c) * row
-        return q, v, np.zeros(0), given
+            p, wp = y[self.cut[2] : self.cut[3]], np.array([d(c) for d in self.drives])
+            XV = XV + np.array([s.RP @ p, s.RP @ wp])
+            force = force - s.KP @ p - s.CP @ wp
+        c.X, c.V = XV.tolist()
+        for command in s.commands:
+            command(c)
+        return q, v, force
 
     def evaluate(self, t: float, y: Array, margins: bool = False) -> tuple[Array, list[float]]:
         """y' and, where asked, the margins."""
-        s, c = self.s, self.s.context
-        q, v, v1, given = self.coordinates(t, y)
-        f = [0.0] * (len(s.R) + s.extra)
+        s, c, rows = self.s, self.s.context, len(self.s.R)
+        f = [0.0] * (self.RT.shape[1] + s.extra)
+        if s.has_massless:
+            q, v, v1, given = self.coordinates(t, y)
+            force = given - s.C @ v
+        else:
+            q, v, force = self._read(t, y)
+            for i, signal in enumerate(self.signals, rows):
+                f[i] = signal(c)
         for law in s.laws:
             law(c, f)
-        force = given - s.C @ v
         if self.np:
             force = force - s.MP @ np.array([a(c) for a in self.pulls])
-        if len(s.R):
-            force = force + self.RT @ np.array(f[: len(s.R)])
-        vr = y[self.cut[1] : self.cut[2]]
+        if self.RT.shape[1]:
+            force = force + self.RT @ np.array(f[: self.RT.shape[1]])
         if self.plain:
             a, values = s.Minv @ force, []
         else:
             a, values = self._constrained(force, q, v, margins)
-        if s.has_massless:
-            a = s.Ur.T @ a
-        rates = [vr, v1, a, np.array([d(c) for d in self.drives]), np.array([f[-1 - i] for i in range(s.extra)])]
+        rates = [v, a] if not s.has_massless else [y[self.cut[1] : self.cut[2]], v1, s.Ur.T @ a]
+        if self.np:
+            rates.append(np.array([d(c) for d in self.drives]))
+        if s.extra:
+            rates.append(np.array(f[: -1 - s.extra : -1]))
         dy = np.concatenate(rates)
         if not margins:
             return dy, values
         return dy, s.sw.margins() + [m for u in s.iwan for m in u.margins()] + values
+
+    def margins(self, t: float, y: Array) -> list[float]:
+        """The margins alone: where switches are all there is, no acceleration is needed."""
+        s = self.s
+        if not self.plain or s.has_massless:
+            return self.evaluate(t, y, margins=True)[1]
+        self._read(t, y)
+        for signal in self.signals:
+            signal(s.context)
+        f = [0.0] * (self.RT.shape[1] + s.extra)
+        for law in s.laws:
+            law(s.context, f)
+        for pull in self.pulls:
+            pull(s.context)
+        return s.sw.margins() + [m for u in s.iwan for m in u.margins()]
 
     # -- constraints --------------------------------------------------------------------------------------------------
 
@@ -124,24 +170,24 @@ class Dynamics:
         for g, loss in zip(s.lossy, losses, strict=True):
             if g.mode[0]:
                 f = f - g.ratio * loss[1] * g.rb
-        key = None
-        if self.constant and not self.varying:
-            key = (tuple(d.mode for d in s.dry), tuple(x.mode for x in s.stops), tuple(g.mode for g in s.lossy))
-        found = self.cache.get(key) if key is not None else None
+        key = (tuple([d.mode for d in s.dry]), tuple([x.mode for x in s.stops]), tuple([g.mode for g in s.lossy]))
+        found = self.cache.get(key) if self.constant and not self.varying else None
         gamma = None
         if found is None:
             G, B, gamma = self.active(q, v, losses)
-            found = self._solver(G, B)
-            if key is not None:
-                self.cache[key] = found
+            found = self._solver(G, B, key)
         G, MB, W, null = found
         a = s.Minv @ f
         if len(G):
-            bias = 0.0 if gamma is None else gamma
-            numbers = (W @ (bias - G @ a)).tolist()
+            wanted = -(G @ a) if gamma is None else gamma - G @ a
+            numbers = (W @ wanted).tolist()
             a = a + MB @ np.array(numbers)
         if not margins:
             return a, []
+        if null is not None and gamma is not None and np.abs(G @ a - gamma).max() > 1e-8 * np.abs(wanted).max():
+            return a, [-math.inf] * (
+                3 * len(s.dry) + 2 * len(s.stops) + 4 * len(s.lossy)
+            )  # no motion keeps all of them
         values = self._margins(q, v, numbers, sliding, losses, c)
         return a, values if null is None else self._shared(values, np.array(numbers), null)
 
@@ -162,23 +208,31 @@ class Dynamics:
         for g, loss in zip(s.lossy, losses, strict=True):
             if g.mode[0]:
                 G.append(g.ra - g.ratio * g.rb)
-                B.append(-g.ra + g.ratio * (1 - loss[0]) * g.rb)
+                B.append(g.ratio * g.rb if g.mode[1] == 2 else -g.ra + g.ratio * (1 - loss[0]) * g.rb)
                 gamma.append(0.0)
             else:  # both sides stand: what enters at a, and what leaves at b without the ratio
                 G += [g.ra, g.ratio * g.rb]
                 B += [-g.ra, g.ratio * g.rb]
                 gamma += [0.0, 0.0]
         for n in s.nonlinear:
-            row, bias = n.rate(q, v)
+            row, _, pull = n.rate(q, v, s.context)
             G.append(row)
             B.append(row)
-            gamma.append(-bias)
+            gamma.append(pull)
         n = len(q)
         return np.array(G).reshape(-1, n), np.array(B).reshape(-1, n), np.array(gamma)
 
-    def _solver(self, G: Array, B: Array) -> tuple[Array, Array, Array, Array | None]:
+    def _solver(self, G: Array, B: Array, key: Any) -> tuple[Array, Array, Array, Array | None]:
         MB = self.s.Minv @ B.T
         W = G @ MB
+        if key in self.regular:  # since the last event; rows that turn with the angles hardly change that
+            return G, MB, np.linalg.inv(W), None
+        found = self.cache[key] = self._looked_at(G, MB, W)
+        if found[3] is None:
+            self.regular.add(key)
+        return found
+
+    def _looked_at(self, G: Array, MB: Array, W: Array) -> tuple[Array, Array, Array, Array | None]:
         if not len(G):
             return G, MB, W, None
         high = np.abs(W).max(axis=1)
@@ -222,9 +276,8 @@ class Dynamics:
         if not places:
             return values
         room = sharing.room()
-        for place in places:
-            values[place] = NONE
-        values[places[0]] = room
+        for place in places:  # of all of them, as some may have no other mode
+            values[place] = room
         return values
 
     def _rub(self, d: Dry, f: Array, v: Array) -> tuple[Array, float]:
@@ -261,6 +314,8 @@ class Dynamics:
     def _losses(self, g: Lossy, w: float) -> tuple[float, float]:
         """loss = first tau_a + second, in the gear's mode."""
         one, two, tau1, tau2 = g.values(abs(w) if g.mode[0] else 0.0)
+        if g.mode[1] == 2:
+            return 0.0, 0.0
         return (1 - one, g.mode[0] * tau1) if g.mode[1] else (1 - 1 / two, g.mode[0] * tau2)
 
     def _margins(
@@ -284,61 +339,35 @@ class Dynamics:
             tau = numbers[at]
             at += 1
             if g.mode[0]:
-                out += [g.mode[0] * float(g.ra @ v), (1 if g.mode[1] else -1) * g.mode[0] * tau, NONE, NONE]
+                w = float(g.ra @ v)
+                out += [g.mode[0] * w, *self._side(g, w, tau)]
             else:
-                loss = tau - numbers[at]
+                high, low = self._rests(g, tau, numbers[at])
                 at += 1
-                one, two, tau1, tau2 = g.values(0.0)
-                high = (1 - one) * tau + tau1 if tau >= 0 else (1 - 1 / two) * tau + tau2
-                low = (1 - one) * tau - tau1 if tau <= 0 else (1 - 1 / two) * tau - tau2
-                out += [NONE, NONE, high - loss, loss - low]
+                out += [NONE, NONE, high, low]
         return out
 
-    # -- start and results --------------------------------------------------------------------------------------------
+    def _side(self, g: Lossy, w: float, force: float) -> list[float]:
+        """Whether the side that is assumed to drive does; of a self-locking gear that b pushes on, a is pushed on as well."""
+        sign, side = g.mode
+        _, two, tau1, tau2 = g.values(abs(w))
+        if side == 2:  # what leaves, between both bearing torques
+            return [tau2 + sign * force, -tau1 - sign * force, NONE]
+        return [sign * force if side else -math.copysign(1.0, two) * sign * force, NONE, NONE]
 
-    def start(self, perturbation: float) -> Array:
-        """Start values that agree with the given ones and the ties."""
-        from random import Random
+    def _rests(self, g: Lossy, tau: float, out: float) -> tuple[float, float]:
+        """Room of a gear at rest before it turns forward, and before it turns backward: friction by what leaves."""
+        one, two, tau1, tau2 = g.values(0.0)
+        if two < 0:
+            ahead = (out + tau1) / one if out + tau1 >= 0 else two * (out + tau2)
+            back = (out - tau1) / one if out - tau1 <= 0 else two * (out - tau2)
+            return ahead - tau, tau - back
+        loss = tau - out
+        high = (1 - one) * tau + tau1 if tau >= 0 else (1 - 1 / two) * tau + tau2
+        low = (1 - one) * tau - tau1 if tau <= 0 else (1 - 1 / two) * tau - tau2
+        return high - loss, loss - low
 
-        s, random = self.s, Random(f"reference {self.s.train.seed}")
-        rows, angles, speeds, sped = [], [], [], []
-        for p in s.train.bodies:
-            row = s.N[s.index[p.node("a")]]
-            for name, values, kept in ((("phi0", "s0"), angles, rows), (("w0", "v0"), speeds, sped)):
-                value = p.field(name[0], p.field(name[1]))
-                if value is not None:
-                    kept.append(row)
-                    values.append(value)
-        n = s.N.shape[1]
-        tied = [g.ra - g.ratio * g.rb for g in s.lossy]
-        q = _fit(rows + tied, angles + [0.0] * len(tied), n)
-        if any(tie.turned(q) > 0 for tie in s.nonlinear):
-            raise NoEvidenceError("a nonlinear tie that starts off zero")
-        v0 = _fit(sped + tied + [x.rate(q, np.zeros(n))[0] for x in s.nonlinear],
-                  speeds + [0.0] * (len(tied) + len(s.nonlinear)), n)  # fmt: skip
-        if perturbation:
-            free = _free(tied + [x.rate(q, np.zeros(n))[0] for x in s.nonlinear], n)
-            size = max(float(np.abs(v0).max()), 1.0)
-            v0 = v0 + perturbation * size * free @ np.array([random.uniform(-1, 1) for _ in range(free.shape[1])])
-        qr, vr = s.Ur.T @ q, s.Ur.T @ v0
-        s.context.t = 0.0
-        driven = np.array([x(s.context) for x in self.driven_from])
-        y = np.concatenate([qr, self._balanced(qr, vr), vr, driven, np.array(s.start)])
-        return y if s.train.initial is None else at_rest(self, y)
-
-    def _balanced(self, qr: Array, vr: Array) -> Array:
-        """Start angles of nodes without inertia: nobody gives them, so they rest in balance with what is at rest."""
-        s, c = self.s, self.s.context
-        if not self.n1:
-            return np.zeros(0)
-        c.t, c.s, Z = 0.0, list(s.start), np.hstack([s.Z1, s.Z2])
-        wp = np.array([d(c) for d in self.drives])  # signals of other torques read speeds, and none of a massless node
-        c.X, c.V = (s.R @ (s.Ur @ qr)).tolist(), (s.R @ (s.Ur @ vr) + s.RP @ wp).tolist()
-        push = s.torque_rows.T @ np.array([f(c) for _, f, _ in s.torques]) if s.torques else np.zeros(len(Z))
-        stiffness = Z.T @ s.K @ Z
-        if np.linalg.cond(stiffness) > 1e10:
-            raise NoEvidenceError("a massless node that only dampers hold")
-        return np.asarray(np.linalg.solve(stiffness, Z.T @ (push - s.K @ (s.Ur @ qr)))[: self.n1])
+    # -- results ----------------------------------------------------------------------------------------------------------
 
     def motion(self, t: float, y: Array, bodies: list[int]) -> tuple[Array, Array]:
         """Angles and speeds of nodes; NaN for a speed that only its rate of balance would give."""
@@ -351,25 +380,6 @@ class Dynamics:
             if s.Z2.shape[1] and not is_zero(s.N[i] @ s.Z2):
                 speeds[i] = math.nan
         return angles[bodies], speeds[bodies]
-
-
-def _fit(rows: list[Array], values: list[float], n: int) -> Array:
-    if not rows:
-        return np.zeros(n)
-    A, b = np.array(rows), np.array(values)
-    x = np.linalg.lstsq(A, b, rcond=1e-12)[0]
-    if np.abs(A @ x - b).max() > 1e-9 * max(1.0, np.abs(b).max()):
-        raise NoEvidenceError("start values that contradict each other")
-    return np.asarray(x)
-
-
-def _free(rows: list[Array], n: int) -> Array:
-    """Directions that the rows leave open."""
-    if not rows:
-        return np.eye(n)
-    _, size, V = np.linalg.svd(np.array(rows).reshape(-1, n))
-    rank = int((size > 1e-10 * size.max()).sum())
-    return np.asarray(V[rank:].T)
 
 
 __all__ = ["NONE", "Dynamics", "Stop"]

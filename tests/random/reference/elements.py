@@ -12,14 +12,22 @@ from tests.random.description import GROUND, Part, Train
 from tests.random.expressions import Node, walk
 from tests.random.reference import contacts, further, rubbing
 from tests.random.reference.composites import expanded
-from tests.random.reference.switches import Context, NoEvidenceError, Table2, ellipse
+from tests.random.reference.switches import Context, NoEvidenceError, Table2, ellipse, is_zero
 from tests.random.reference.system import Array, System, Tie, derivative
 
 
 def system_of(train: Train) -> System:
     """The system of a train; NoEvidenceError for what it has no law for."""
     train = expanded(train)
-    s = System(train)
+    s = _composed(train, held=False)
+    units = [d.row for d in s.dry] + [x.row for x in s.stops] + [r for g in s.lossy for r in (g.ra, g.rb)]
+    if all(is_zero(row @ s.P) for row in units):
+        return s
+    return _composed(train, held=True)  # friction, a stop or a gear with losses on a prescribed motion
+
+
+def _composed(train: Train, held: bool) -> System:
+    s = System(train, held)
     ordered = sorted(train.parts, key=lambda p: p.block not in ("Governor",))
     for part in ordered:
         add = ELEMENTS.get(part.block)
@@ -87,16 +95,25 @@ def joint(s: System, p: Part) -> None:
 
 
 def nonlinear_tie(
-    s: System, a: Array, b: Array, m: Callable[[float], float], dm: Callable[[float], float], sign: float
+    s: System,
+    a: Array,
+    b: Array,
+    m: Callable[[float], float],
+    dm: Callable[[float], float],
+    sign: float,
+    phase: Any = 0.0,
 ) -> None:
-    """w_b = sign m(phi_a) w_a, until `reduce` over nodes."""
+    """w_b = sign m(phi_a + phase) (w_a + phase'), until `reduce` over nodes."""
 
-    def rate(q: Array, v: Array) -> tuple[Array, float]:
+    ahead, rate_of, pull_of = (s.compile(x) for x in (phase, derivative(phase), derivative(derivative(phase))))
+
+    def rate(q: Array, v: Array, c: Context) -> tuple[Array, float, float]:
         ra, rb = a @ s.N, b @ s.N
         if np.abs([*(a @ s.P), *(b @ s.P)]).max(initial=0.0) > 0:
             raise NoEvidenceError("a nonlinear tie beside a prescribed motion")
-        phi, w = float(ra @ q), float(ra @ v)
-        return rb - sign * m(phi) * ra, -sign * dm(phi) * w * w
+        phi, extra = float(ra @ q) + ahead(c), rate_of(c)
+        w, slope = float(ra @ v) + extra, m(phi)
+        return rb - sign * slope * ra, sign * slope * extra, sign * (dm(phi) * w * w + slope * pull_of(c))
 
     s.nonlinear.append(Tie(rate, lambda q: max(abs(float(a @ s.N @ q)), abs(float(b @ s.N @ q)))))
 
@@ -112,14 +129,13 @@ def noncircular(s: System, p: Part) -> None:
     sign = 1.0 if p.field("external") else -1.0
     phase = p.field("phase", 0.0)
     if p.field("k") is None:
-        if isinstance(phase, Node):
-            raise NoEvidenceError("a rigid pair with a phase that moves")
-        nonlinear_tie(s, a, b, lambda phi: m(phi + phase), lambda phi: dm(phi + phase), -sign)
+        nonlinear_tie(s, a, b, m, dm, -sign, phase)
         return
     ahead, rate = s.compile(phase), s.compile(derivative(phase))
     s.context.t = 0.0
     at_start = F(ahead(s.context))
     i, j = s.law_row(a), s.law_row(b)
+    s.elastic += [a, b]
     force = contacts.contact_law(s, p, p.field("k"))
 
     def law_of(c: Context, f: list[float]) -> None:
@@ -144,8 +160,10 @@ def shaft(s: System, p: Part) -> None:
         return
     if p.field("k") is not None:
         s.springs.append((row, p.field("k")))
+        s.elastic.append(row)
     else:
         i = s.law_row(row)
+        s.elastic.append(row)
         torque = s.compile(p.field("torque"), lambda c: c.X[i])
 
         def law(c: Context, f: list[float]) -> None:
@@ -175,7 +193,18 @@ def speed(s: System, p: Part) -> None:
     node = p.node("flange")
     if p.node("housing") != GROUND or node in s.prescribed or p.field("filter") is not None:
         raise NoEvidenceError("this prescribed motion")
-    s.prescribed[node] = (p.field("w"), "speed") if p.block == "Speed" else (p.field("phi"), "angle")
+    turned = p.block == "Angle"
+    motion = p.field("phi" if turned else "w")
+    if not s.held:
+        s.prescribed[node] = (motion, "angle" if turned else "speed")
+        return
+    if any(float(t.starts[0] @ s.node(node)) for t in s.nonlinear if t.starts is not None):
+        raise NoEvidenceError("this prescribed motion")
+    row, rate = s.node(node), derivative(motion) if turned else motion
+    s.J[s.index[node]] += 1.0  # any: its tie gives what it needs
+    asked, pull = s.compile(rate), s.compile(derivative(rate))
+    start = s.compile(motion if turned else 0.0)
+    s.nonlinear.append(Tie(lambda q, v, c: (row @ s.N, asked(c), pull(c)), lambda q: 0.0, (row, start)))
 
 
 def speed_load(s: System, p: Part) -> None:
@@ -257,18 +286,23 @@ def governor(s: System, p: Part) -> None:
     integral = s.state() if Ki is not None else None
     actuator = s.state() if T is not None else None
     at_low, at_high = s.sw.new(), s.sw.new()
+    now = {"error": 0.0, "wanted": 0.0, "held": 0.0}
 
-    def law(c: Context, f: list[float]) -> None:
+    def command(c: Context) -> None:  # before all torques: they read it at the same instant
         error = target(c) - c.V[i]
         wanted = bias + gain * error + (0.0 if integral is None else c.s[integral])
         above, below = s.sw(at_low, wanted - lower), s.sw(at_high, upper - wanted)
         held = wanted if above and below else (upper if above else lower)
-        if integral is not None:
-            f[-1 - integral] = Ki * (error + (held - wanted) / gain)
-        if actuator is not None:
-            f[-1 - actuator] = (held - c.s[actuator]) / T
+        now.update(error=error, wanted=wanted, held=held)
         c.aux[out] = held if actuator is None else c.s[actuator]
 
+    def law(c: Context, f: list[float]) -> None:
+        if integral is not None:
+            f[-1 - integral] = Ki * (now["error"] + (now["held"] - now["wanted"]) / gain)
+        if actuator is not None:
+            f[-1 - actuator] = (now["held"] - c.s[actuator]) / T
+
+    s.commands.append(command)
     s.laws.append(law)
 
 

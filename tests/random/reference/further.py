@@ -14,17 +14,21 @@ REST = 1e-12  # rad2/s2
 
 
 def converter(s: System, p: Part) -> None:
-    """T_i = capacity(nu) w_i abs(w_i), T_t = ratio(nu) T_i, nu = w_t w_i/(w_i^2 + REST)."""
+    """T_i = capacity(nu) w_i abs(w_i), T_t = ratio(nu) T_i, nu = w_t w_i/(w_i^2 + REST).
+
+    nu runs through a whole table while w_i passes 0 by 1e-12: edges are located by nu (w_i^2 + REST), which is smooth there.
+    """
     i, t = s.law_row(s.node(p.node("impeller"))), s.law_row(s.node(p.node("turbine")))
     capacity, ratio = (Table1(s.sw, *p.field(name).args[:4]) for name in ("capacity", "ratio"))
     forward = s.sw.new()
 
     def law(c: Context, f: list[float]) -> None:
         w_i, w_t = c.V[i], c.V[t]
-        nu = w_t * w_i / (w_i * w_i + REST)
-        taken = capacity(nu) * w_i * w_i * (1 if s.sw(forward, w_i) else -1)
+        weight = w_i * w_i + REST
+        nu = w_t * w_i / weight
+        taken = capacity(nu, weight) * w_i * w_i * (1 if s.sw(forward, w_i) else -1)
         f[i] -= taken
-        f[t] += ratio(nu) * taken
+        f[t] += ratio(nu, weight) * taken
 
     s.laws.append(law)
 

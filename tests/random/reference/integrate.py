@@ -7,17 +7,19 @@ from random import Random
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from tests.random.reference.dynamics import Dynamics
 from tests.random.reference.modes import Modes
+from tests.random.reference.steps import Piece, StepError, Steps
 from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
 
 MOST_EVENTS = 4000
-MOST_STEPS = 12000
+MOST_STEPS = 60000
+LOOKS = 6  # of a step at least, where a margin may come near 0
 PHASE = 0.12  # rad of a wave between two looks
+BEND = 5.0  # a margin this many times as large as what it bends by within a step does not reach 0
 KICKS = 10  # of a perturbed run, besides that of its start
 
 
@@ -73,27 +75,34 @@ class Integration:
 
     def _phase(self, now: float, y: Array, until: float) -> tuple[float, Array, list[Any], list[int] | None]:
         """Integrates until an event or the end."""
-        size = np.maximum(np.abs(y), 1e-3)
         dense: list[Any] = []
-        solver = DOP853(self.d, now, y, until, rtol=self.rtol, atol=1e-3 * self.rtol * size, max_step=self.span / 100)
-        before = self.d.evaluate(now, y, margins=True)[1]
-        while solver.status == "running":
-            failed = solver.step()
+        solver = Steps(self.d, now, y, until, self.span / 100, self._allowed)
+        before = None
+        while solver.t < until:
+            try:
+                f = solver.step()
+            except StepError:
+                raise NoEvidenceError("the reference's step size fell to nothing") from None
             self.steps += 1
-            if failed is not None and solver.status == "failed":
-                raise NoEvidenceError("the reference's step size fell to nothing")
             if self.steps > MOST_STEPS:
                 raise NoEvidenceError("too many steps")
-            f = solver.dense_output()
-            found, before = self._search(solver.t_old, solver.t, f, before)
+            found, before = self._search(f, before)
             if found is not None:
                 at, which = found
-                dense.append((solver.t_old, at, f))
+                dense.append((f.t_old, at, f))
                 return at, f(at), dense, which
-            dense.append((solver.t_old, solver.t, f))
+            dense.append((f.t_old, f.t, f))
             self.modes.note(solver.y)
             self.largest = np.maximum(self.largest, np.abs(solver.y))
         return until, solver.y, dense, None
+
+    def _allowed(self, y: Array) -> Array:
+        """Error of a step: a part of each state, and at its zeros of what angles, speeds and every other state have reached."""
+        size, cut = np.maximum(self.largest, 1e-3), self.d.cut
+        for i, j in ((0, cut[1]), (cut[1], cut[2])):
+            if j > i:
+                size[i:j] = size[i:j].max()
+        return np.asarray(self.rtol * np.maximum(np.abs(y), 1e-2 * size))
 
     def _kicked(self, y: Array) -> Array:
         """Angles and speeds changed at random, relative to their largest values, within what is stuck and closed."""
@@ -101,34 +110,50 @@ class Integration:
         change = self.perturbation * self.largest * np.array([self.random.uniform(-1, 1) for _ in y])
         turned, kicked = y.copy(), y.copy()
         turned[v] = change[q]  # a change of angles keeps the constraints as speeds do
-        kicked[q] += self.modes.project(turned)[v]
+        kicked[q] += self.modes.project(turned, moved=False)[v]
         kicked[v] += change[v]
         return self.modes.project(kicked)
 
     # -- events -------------------------------------------------------------------------------------------------------
 
     def _margins(self, t: float, y: Array) -> Array:
-        values = np.array(self.d.evaluate(t, y, margins=True)[1])
-        if len(self.scale) != len(values):
-            self.scale = np.zeros(len(values))
-        finite = np.isfinite(values)
-        self.scale[finite] = np.maximum(self.scale[finite], np.abs(values[finite]))
+        values = np.array(self.d.margins(t, y))
+        self._noted(values)
         return values
 
-    def _search(self, a: float, b: float, f: Any, first: Any) -> tuple[tuple[float, list[int]] | None, Any]:
-        """The first event of a step, and the margins at its end."""
-        rate = sum(k * (1.0 if row < 0 else abs(self.d.s.context.V[row])) for row, k in self.d.s.sw.phases)
-        count = int(min(200, max(6, math.ceil((b - a) * rate / PHASE))))
+    def _noted(self, values: Array) -> None:
+        """Keeps the largest value of every margin, for its rounding."""
+        if len(self.scale) != len(values):
+            self.scale = np.zeros(len(values))
+        size = np.abs(values)
+        size[~np.isfinite(size)] = 0.0
+        self.scale = np.maximum(self.scale, size)
+
+    def _search(self, f: Piece, first: Any) -> tuple[tuple[float, list[int]] | None, Any]:
+        """The first event of a step, and the margins at its end; first: those at its begin, where they are known."""
+        a, b = f.t_old, f.t
+        waves = set(self.d.s.sw.phases)
+        rate = sum(k * (1.0 if row < 0 else abs(self.d.s.context.V[row])) for row, k in waves)
+        count = int(min(200, max(LOOKS, math.ceil((b - a) * rate / PHASE))))
         times = np.linspace(a, b, count + 1)
-        rows = [self._margins(a, f(a))]
-        if not len(rows[0]):
-            return None, rows[0]
-        jumped = self._negative(rows[0])
-        jumped = jumped[jumped < len(self.d.s.sw.value)]
-        if jumped.size:  # an impact has moved speeds over the limits of laws, perhaps for less than one look
-            return (a, jumped.tolist()), None
-        rows += [self._margins(float(x), f(x)) for x in times[1:]]
+        if first is None:
+            first = self._margins(a, f.y_old)
+            jumped = self._negative(first)
+            jumped = jumped[jumped < len(self.d.s.sw.value)]
+            if jumped.size:  # an impact has moved speeds over the limits of laws, perhaps for less than one look
+                soon = a + min(1e-10 * self.span, 1e-3 * (b - a))  # what was located has left its surface by then
+                jumped = np.intersect1d(jumped, self._negative(self._margins(soon, f(soon))))
+            if jumped.size:
+                return (a, jumped.tolist()), None
+        if not len(first):
+            return None, first
+        if count == LOOKS:
+            end = self._far(f, first)
+            if end is not None:
+                return None, end
+        rows, looks = [first], f.many(times)
         for i in range(1, count + 1):
+            rows.append(self._margins(float(times[i]), looks[i]))
             low = self._negative(rows[i])
             if low.size:
                 return self._locate(float(times[i - 1]), float(times[i]), f, rows[i - 1], low), None
@@ -138,14 +163,29 @@ class Integration:
                     return dip, None
         return None, rows[-1]
 
+    def _far(self, f: Piece, first: Array) -> Array | None:
+        """The margins at the end of a step along which all of them stay far from 0, by how much they bend; else None."""
+        middle = self._margins(0.5 * (f.t_old + f.t), f.middle())
+        end = self._margins(f.t, f.y)
+        known = np.isfinite(first) & np.isfinite(middle) & np.isfinite(end)
+        if not (known | (first == middle) & (middle == end)).all():
+            return None
+        low = np.minimum(np.minimum(first[known], middle[known]), end[known])
+        bend = np.abs(first[known] - 2 * middle[known] + end[known])
+        return end if bool((low > BEND * bend + 1e-6 * self.scale[known]).all()) else None
+
     def _negative(self, row: Array) -> Array:
-        s, gaps = self.d.s, len(row) - 4 * len(self.d.s.lossy)
-        bound = -1e-11 * np.maximum(self.scale, self._least(len(row)))
+        return np.flatnonzero(row < -self._rounding(len(row)))
+
+    def _rounding(self, count: int) -> Array:
+        """What a margin may differ from 0 by rounding."""
+        s, gaps = self.d.s, count - 4 * len(self.d.s.lossy)
+        size = 1e-11 * np.maximum(self.scale, self._least(count))
         if s.stops:  # gaps are exactly 0 after an impact, and the smallest bounces count
-            bound[gaps - 2 * len(s.stops) : gaps : 2] = -2e-15 * np.maximum(
-                self.scale[gaps - 2 * len(s.stops) : gaps : 2], 1e-3
-            )
-        return np.flatnonzero(row < bound)
+            places = slice(gaps - 2 * len(s.stops), gaps, 2)
+            turned = self.modes.reach(self.largest)
+            size[places] = 2e-15 * np.maximum(self.scale[places], 1e-3) + 2e-16 * turned
+        return np.asarray(size)
 
     def _least(self, count: int) -> Array:
         """What has been nothing but rounding so far has no scale of its own: parts of the largest force and speed."""
@@ -188,15 +228,17 @@ class Integration:
         return b, [i for i, at in roots.items() if at <= b + 1e-13 * self.span]
 
     def _zero(self, a: float, b: float, f: Any, i: int, before: float) -> float:
-        if not before > 0:  # it begins on its surface: it may leave it for a short while
+        tiny = float(self._rounding(len(self.scale))[i])
+        if not before > tiny:  # it begins on its surface: it may leave it for a short while
             reach = b - a
             for _ in range(40):
                 reach /= 2
-                if self._one(a + reach, f, i) > 0:
+                if self._one(a + reach, f, i) > tiny:
                     a += reach
                     break
             else:
-                return self._leaves(a, b, f, i)
+                if not before > 0:
+                    return self._leaves(a, b, f, i)
         if self._one(b, f, i) >= 0:
             return b
         return float(brentq(lambda x: self._one(float(x), f, i), a, b, xtol=1e-15 * self.span, rtol=8.9e-16))

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.random.reference.dynamics import Dynamics
+from tests.random.reference.impacts import Impacts
 from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
 
@@ -20,44 +20,8 @@ MOST = 3000  # sets of modes
 ROUNDS = 1000  # of impacts at one instant
 
 
-class Modes:
-    """Decides modes and impacts of a system."""
-
-    def __init__(self, dynamics: Dynamics) -> None:
-        self.d, self.s = dynamics, dynamics.s
-        self.speed = 0.0  # largest speed so far
-        self.free = 0.0  # speed that the largest forces would give to what is free, within the run
-        self.most = 0.0  # largest force so far
-        self.still = 0  # events in a row at one instant
-        self.jumps: list[float] = []
-        self.rebound: dict[int, float] = {}
-
-    # -- state --------------------------------------------------------------------------------------------------------
-
-    def qv(self, y: Array) -> tuple[Array, Array]:
-        """q and v of units."""
-        qr, _, vr, _, _ = self.d.split(y)
-        return self.s.Ur @ qr, self.s.Ur @ vr
-
-    def with_v(self, y: Array, v: Array) -> Array:
-        """y with other speeds."""
-        y = y.copy()
-        y[self.d.cut[1] : self.d.cut[2]] = self.s.Ur.T @ v
-        return y
-
-    def rows(self) -> list[Array]:
-        """Rows of all units."""
-        s = self.s
-        return [d.row for d in s.dry] + [x.row for x in s.stops] + [g.ra for g in s.lossy]
-
-    def small(self) -> float:
-        """A speed that counts as none."""
-        return 1e-9 * max(self.speed, 1e-6 * self.free)
-
-    def note(self, y: Array) -> None:
-        """Keeps the largest speed."""
-        _, v = self.qv(y)
-        self.speed = max(self.speed, float(np.abs(self.s.N @ v).max()))
+class Modes(Impacts):
+    """Decides modes of a system."""
 
     def begin(self, t: float, y: Array) -> None:
         """After a start or a jump of the speeds: directions of what slides, and sides of laws that are far off."""
@@ -80,17 +44,34 @@ class Modes:
 
     # -- deciding -----------------------------------------------------------------------------------------------------
 
+    def impacts(self, t: float, y: Array) -> Array:
+        """Impacts until no one-way lock turns backwards that was ahead before: a stop tells by its gap, a lock does not."""
+        for _ in range(ROUNDS):
+            hits, (_, v) = len(self.jumps), self.qv(y)
+            y = self.impact(t, y)
+            if len(self.jumps) > hits:
+                self.begin(t, y)
+            ahead = [m.scale * d.row for d in self.s.dry for m in d.members if m.on and m.one_way]
+            _, w = self.qv(y)
+            if not any(float(row @ v) > self.small() and float(row @ w) < -self.small() for row in ahead):
+                return y
+        raise NoEvidenceError("impacts without end")
+
     def decide(self, t: float, y: Array, span: float) -> Array:
         """Sets the modes for what follows t; the state, after impacts and without slip where something is stuck."""
+        for part in (0.01, 0.03, 0.1) if self.most == 0.0 else ():
+            self.force(t + part * span, y)
+        self.force(t, y)
+        self.free = self.most * float(np.abs(np.diag(self.s.Minv)).max(initial=0.0)) * span
+        self.note(y)
         if self.d.plain:
             return y
-        self.note(y)
-        for part in (0.0, 0.01, 0.03, 0.1) if self.most == 0.0 else (0.0,):
-            self.force(t + part * span, y)
-        self.free = max(self.free, self.force(t, y) * float(np.abs(np.diag(self.s.Minv)).max()) * span)
+        self.d.regular.clear()
         self.d.evaluate(t, y)  # engagements as they are
+        hits = len(self.jumps)
         y = self.impacts(t, y)
         _, v = self.qv(y)
+        kept = self.kept(t, y) if len(self.jumps) == hits else None
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
         alone = self.unique()
@@ -109,7 +90,7 @@ class Modes:
                 break
         if not fits:
             raise NoEvidenceError("no set of modes fits")
-        modes, y, _ = self.chosen(fits)
+        modes, y, _ = self.chosen(fits, kept)
         self.set(modes)
         self.lock()
         return y
@@ -136,10 +117,12 @@ class Modes:
             out.append([0, 1] if touching else [1])
         for g in s.lossy:
             w = float(g.ra @ v)
+            _, _, tau1, tau2 = g.values(abs(w))
+            sides = (1, 0, 2) if tau1 < tau2 else (1, 0)
             if abs(w) <= small:
-                out.append([(0, 0), (1, 1), (1, 0), (-1, 1), (-1, 0)])
+                out.append([(0, 0), *((sign, side) for sign in (1, -1) for side in sides)])
             else:
-                out.append([(1, 1), (1, 0)] if w > 0 else [(-1, 1), (-1, 0)])
+                out.append([(1 if w > 0 else -1, side) for side in sides])
         return out
 
     def set(self, modes: tuple[Any, ...]) -> None:
@@ -159,6 +142,7 @@ class Modes:
     ) -> tuple[Array, Array] | None:
         """The projected state and its accelerations, if the modes that are asked for hold for that long."""
         self.set(modes)
+        self.s.context.t = t
         y = self.project(y)
         first = self.d(t, y)
         acceleration = first[self.d.cut[1] : self.d.cut[2]]
@@ -197,7 +181,10 @@ class Modes:
                 continue
             if g.mode[0] == 0 and min(high, low) < -1e-9 * size:
                 return None
-            if g.mode[0] and (turn <= 1e-15 * self.speed or drive < -1e-9 * size):
+            if g.mode[0] and min(drive, high) < -1e-9 * size:
+                return None
+            begins = abs(float(g.ra @ self.qv(y)[1])) <= self.small()  # what turns may come to rest within that time
+            if g.mode[0] and begins and turn <= 1e-15 * self.speed:
                 return None
         return y, acceleration
 
@@ -206,8 +193,10 @@ class Modes:
         margins = self.d.evaluate(t, y, margins=True)[1]
         units = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :]
         a = self.s.Ur @ acceleration
-        pull = size * float(np.abs(np.diag(self.s.Minv)).max(initial=0.0))  # loads that cancel leave rounding of it
-        rate = -max(1e-6 * float(np.abs(a).max(initial=0.0)), 1e-10 * pull, 1e-300)
+        light = float(
+            np.abs(np.diag(self.s.Minv)).max(initial=0.0)
+        )  # loads that cancel, and those of before, leave rounding
+        rate = -max(1e-6 * float(np.abs(a).max(initial=0.0)), max(1e-10 * size, 1e-13 * self.most) * light, 1e-300)
         at = 0
         for asks, d in zip(asked, self.s.dry, strict=False):
             _, high, low = units[at : at + 3]
@@ -240,13 +229,15 @@ class Modes:
 
     def force(self, t: float, y: Array) -> float:
         """A size of the forces, for rounding; where all of them vanish at once, that of those that there were."""
-        _, v, _, given = self.d.coordinates(t, y)
-        size = float(np.abs(given).max(initial=0.0)) + float(np.abs(self.s.C @ v).max(initial=0.0))
+        size = self.d.load(t, y)
         self.most = max(self.most, size)
         return max(size, 1e-7 * self.most)
 
-    def project(self, y: Array) -> Array:
-        """Speeds without slip along what is active, and without that of rounding along what begins to slide."""
+    def project(self, y: Array, moved: bool = True) -> Array:
+        """Speeds without slip along what is active, and without that of rounding along what begins to slide.
+
+        moved: what ties ask for over time counts.
+        """
         s, small = self.s, self.small()
         q, v = self.qv(y)
         losses = [self.d._losses(g, float(g.ra @ v)) for g in s.lossy]
@@ -257,7 +248,9 @@ class Modes:
             G = np.vstack([G, *begins])
         if not len(G):
             return y
-        slip = G @ v
+        slip, first = G @ v, len(G) - len(begins) - len(s.nonlinear)
+        for i, n in enumerate(s.nonlinear if moved else (), first):
+            slip[i] -= n.rate(q, v, s.context)[1]
         if not np.abs(slip).max() > 0:
             return y
         MG = s.Minv @ G.T
@@ -266,16 +259,40 @@ class Modes:
         except np.linalg.LinAlgError:
             raise NoEvidenceError("locks that share a load") from None
 
-    def chosen(self, fits: list[tuple[Any, Array, Array]]) -> tuple[Any, Array, Array]:
-        """The set that counts."""
+    def kept(self, t: float, y: Array) -> list[Any]:
+        """Of every unit the mode that it has and that it has not come to the end of; None for others."""
+        margins = self.d.evaluate(t, y, margins=True)[1]
+        units = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :]
+        size, at, out = self.force(t, y), 0, []
+        for d in self.s.dry:
+            out.append(0 if d.mode == 0 and min(units[at + 1 : at + 3]) > 1e-7 * size else None)
+            at += 3
+        at += 2 * len(self.s.stops)
+        out += [None] * len(self.s.stops)
+        for g in self.s.lossy:
+            out.append(g.mode if min(units[at + 1 : at + 4]) > 1e-7 * size else None)
+            at += 4
+        return out
+
+    def chosen(self, fits: list[tuple[Any, Array, Array]], kept: list[Any] | None) -> tuple[Any, Array, Array]:
+        """Of several sets that which sticks most; where that is not clear, of those that keep what need not end."""
+        found = self._most(fits)
+        if found is None and kept is not None:
+            found = self._most([x for x in fits if all(k in (None, mode) for k, mode in zip(kept, x[0], strict=True))])
+        if found is None:
+            raise NoEvidenceError("several sets of modes fit")
+        return found
+
+    def _most(self, fits: list[tuple[Any, Array, Array]]) -> tuple[Any, Array, Array] | None:
+        if not fits:
+            return None
         best = max(fits, key=lambda x: self.stuck(x[0]))
         size = max(float(np.abs(best[2]).max(initial=0.0)), 1e-300)
         for other in fits:
             if np.abs(other[2] - best[2]).max(initial=0.0) <= 1e-7 * size:
                 continue
-            held = set(self.held(best[0]))
-            if not set(self.held(other[0])) < held:
-                raise NoEvidenceError("several sets of modes fit")
+            if not set(self.held(other[0])) < set(self.held(best[0])):
+                return None
         return best
 
     def held(self, modes: tuple[Any, ...]) -> list[int]:
@@ -287,106 +304,3 @@ class Modes:
     def stuck(self, modes: tuple[Any, ...]) -> int:
         """How many stick."""
         return len(self.held(modes))
-
-    # -- impacts ------------------------------------------------------------------------------------------------------
-
-    def impacts(self, t: float, y: Array) -> Array:
-        """Impacts until no one-way lock turns backwards that was ahead before: a stop tells by its gap, a lock does not."""
-        for _ in range(ROUNDS):
-            hits, (_, v) = len(self.jumps), self.qv(y)
-            y = self.impact(t, y)
-            if len(self.jumps) > hits:
-                self.begin(t, y)
-            ahead = [m.scale * d.row for d in self.s.dry for m in d.members if m.on and m.one_way]
-            _, w = self.qv(y)
-            if not any(float(row @ v) > self.small() and float(row @ w) < -self.small() for row in ahead):
-                return y
-        raise NoEvidenceError("impacts without end")
-
-    def impact(self, t: float, y: Array) -> Array:
-        """Newton's law at stops that close, plastic locks; several at once as one complementarity problem.
-
-        v+ = v + M^-1 G' P,  P >= 0,  G v+ >= target,  P (G v+ - target) = 0; locks without limit: G v+ = 0.
-        """
-        s, small = self.s, self.small()
-        q, v = self.qv(y)
-        one: list[tuple[Array, float, int]] = []
-        both: list[Array] = []
-        hit = False
-        for i, stop in enumerate(s.stops):
-            gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
-            if gap <= 1e-10 * max(1.0, abs(stop.bound)) and rate <= small:
-                closing = rate < -small
-                hit = hit or closing
-                one.append((stop.row, -stop.restitution * rate if closing else 0.0, i))
-        for d in s.dry:
-            slip = float(d.row @ v)
-            on = [m for m in d.members if m.on]
-            if any(m.dog or m.locked for m in on):
-                both.append(d.row)
-                hit = hit or abs(slip) > small
-            for m in on:
-                if m.one_way and m.scale * slip <= small:
-                    one.append((math.copysign(1.0, m.scale) * d.row, 0.0, -1))
-                    hit = hit or m.scale * slip < -small
-                    break
-        if not hit:
-            return y
-        both += [n.rate(q, v)[0] for n in s.nonlinear] + [
-            g.ra - g.ratio * g.rb for g in s.lossy
-        ]  # no loss in an impact
-        self.jumps.append(t)
-        v = self._impulse(v, one, both)
-        for row, target, i in one:
-            if i >= 0 and target > 0:
-                fast = self.rebound[i] = max(self.rebound.get(i, 0.0), target)
-                if self._dies(t, self.with_v(y, v), row, float(row @ v), i) and target < 1e-3 * fast:
-                    v = self._impulse(v, [(row, 0.0, -1)], [row, *both])
-        y = self.onto(self.with_v(y, v), [s.stops[i] for _, target, i in one if i >= 0 and target > 0])
-        self.note(y)
-        return y
-
-    def _dies(self, t: float, y: Array, row: Array, speed: float, i: int) -> bool:
-        """Whether a body comes back to its stop so soon that only rounding would be seen of its flight."""
-        stop = self.s.stops[i]
-        if stop.restitution >= 1:
-            return False
-        stop.mode = 1
-        rate = float(row @ self.s.Ur @ self.d(t, y)[self.d.cut[1] : self.d.cut[2]])
-        return speed * speed < -2e-13 * rate * max(abs(stop.bound), 1e-3)
-
-    def onto(self, y: Array, stops: list[Any]) -> Array:
-        """Gaps of rounding become 0, so that the smallest bounces leave their stop."""
-        q, _ = self.qv(y)
-        y = y.copy()
-        for stop in stops:
-            push = self.s.Minv @ stop.row
-            q = q - push * (float(stop.row @ q) - stop.bound) / float(stop.row @ push)
-        y[: self.d.cut[0]] = self.s.Ur.T @ q
-        return y
-
-    def _impulse(self, v: Array, one: list[tuple[Array, float, int]], both: list[Array]) -> Array:
-        if len(one) > 8:
-            raise NoEvidenceError("too many contacts at once")
-        size = self.speed
-        found = []
-        for active in itertools.product((False, True), repeat=len(one)):
-            rows = [*both, *(o[0] for o, a in zip(one, active, strict=True) if a)]
-            target = np.array([0.0] * len(both) + [o[1] for o, a in zip(one, active, strict=True) if a])
-            new, P = v, np.zeros(0)
-            if rows:
-                G = np.array(rows)
-                MG = self.s.Minv @ G.T
-                W = G @ MG
-                if np.linalg.cond(W) > 1e11:
-                    continue
-                P = np.linalg.solve(W, target - G @ v)
-                new = v + MG @ P
-            scale = 1e-10 * size
-            if (P[len(both) :] >= 0).all() and all(float(r @ new) >= x - scale for r, x, _ in one):
-                found.append(new)
-        if not found:
-            raise NoEvidenceError("no impulse fits")
-        if any(np.abs(f - found[0]).max() > 1e-7 * max(size, 1e-300) for f in found):
-            raise NoEvidenceError("several impulses fit")
-        return found[0]

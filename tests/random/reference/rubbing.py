@@ -214,8 +214,8 @@ def worm(s: System, p: Part) -> None:
         p.field("friction"),
     )
     one, two = (c - mu * t) / (c + mu / t), (c - mu / t) / (c + mu * t)
-    if two <= 0:
-        raise NoEvidenceError("a worm that locks itself")
+    if two == 0:
+        raise NoEvidenceError("a worm between free and self-locking")
     a = s.node(p.node("a")) - s.node(p.node("housing"))
     b = s.node(p.node("b")) - s.node(p.node("housing"))
     s.lossy.append(Lossy(a, b, p.field("ratio"), lambda w: (one, two, 0.0, 0.0)))

@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from tests.random.reference.switches import NoEvidenceError
+
 Array = NDArray[np.float64]
 
 
@@ -42,6 +44,9 @@ class Sharing:
         if not self._free(i, i + 1):
             return False
         n, t, o = self.null, self.l0[i], self.l0[i + 1]
+        if eta2 < 0:
+            self.gears.append([_locking(n[i], t, n[i + 1], o, sign, eta1, eta2, tau1, tau2) for sign in (1, -1)])
+            return True
         loss, lost = n[i] - n[i + 1], t - o
         cases = []
         for sign in (1, -1):
@@ -60,6 +65,16 @@ class Sharing:
             lines = self.lines + [line for case in choice for line in case]
             best = max(best, _largest(np.array([a for a, _ in lines]), np.array([b for _, b in lines])))
         return float(best)
+
+
+def _locking(
+    n: Array, t: float, m: Array, o: float, sign: int, eta1: float, eta2: float, tau1: float, tau2: float
+) -> list[tuple[Array, float]]:
+    """Lines of a self-locking gear, which holds by what leaves, m x + o, of one sign (without bearing torques between both)."""
+    if tau1 or tau2:
+        raise NoEvidenceError("a self-locking gear with bearing torques that shares a load")
+    up, down = (1 / eta1, eta2) if sign > 0 else (eta2, 1 / eta1)
+    return [(sign * m, sign * o), (up * m - n, up * o - t), (n - down * m, t - down * o)]
 
 
 def _largest(a: Array, b: Array) -> float:

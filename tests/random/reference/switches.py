@@ -22,9 +22,10 @@ class NoEvidenceError(Exception):
 
 
 class Context:
-    """What signals read: time, the values X and rates V of all rows, further states s, computed values aux."""
+    """What signals read: time, the values X and rates V of all rows, further states s, computed values aux; small: a speed
+    that counts as none."""
 
-    __slots__ = ("V", "X", "aux", "s", "t")
+    __slots__ = ("V", "X", "aux", "s", "small", "t")
 
     def __init__(self) -> None:
         self.t = 0.0
@@ -32,6 +33,7 @@ class Context:
         self.V: Any = ()
         self.s: Any = ()
         self.aux: list[float] = []
+        self.small = 0.0
 
 
 Signal = Callable[[Context], float]
@@ -89,8 +91,8 @@ class Table1:
         if kind == "cubic":
             self.c = CubicSpline(x, y, bc_type="periodic" if periodic else "not-a-knot").c.T.tolist()
 
-    def locate(self, x: float) -> tuple[int, float, float]:
-        """Segment, its left end, and x; notes the distances from its edges."""
+    def locate(self, x: float, weight: float = 1.0) -> tuple[int, float, float]:
+        """Segment, its left end, and x; notes the distances from its edges, times a weight > 0."""
         sw, n = self.sw, len(self.x) - 1
         period = self.x[-1] - self.x[0]
         if sw.fresh:
@@ -104,12 +106,12 @@ class Table1:
             i = segment
             left = self.x[i] if i >= 0 else -math.inf
             right = self.x[i + 1] if i < n else math.inf
-        sw.value[self.low] = x - left if left > -math.inf else 1.0
-        sw.value[self.high] = right - x if right < math.inf else 1.0
+        sw.value[self.low] = (x - left) * weight if left > -math.inf else 1.0
+        sw.value[self.high] = (right - x) * weight if right < math.inf else 1.0
         return i, left, x
 
-    def __call__(self, x: float) -> float:
-        i, left, x = self.locate(x)
+    def __call__(self, x: float, weight: float = 1.0) -> float:
+        i, left, x = self.locate(x, weight)
         if i < 0:
             return self.y[0]
         if i >= len(self.x) - 1 or self.kind == "step":

@@ -61,7 +61,10 @@ class Stop:
 
 @dataclass
 class Lossy:
-    """A lossy gear: tau_b = -ratio (tau_a - loss). mode: (0, 0) stuck, else (sign of w_a, 1 drives or 0 coasts)."""
+    """A lossy gear: tau_b = -ratio (tau_a - loss).
+
+    mode: (0, 0) stuck, else (sign of w_a, 1: a drives, 0: b drives, 2: nothing enters at a).
+    """
 
     ra: Array
     rb: Array
@@ -72,17 +75,21 @@ class Lossy:
 
 @dataclass
 class Tie:
-    """A nonlinear tie: rate(q) -> (row, row' v); turned: the largest of both angles."""
+    """A nonlinear tie, or a motion that is prescribed: rate(q, v, context) -> (row, row v as asked, row a as asked).
 
-    rate: Callable[[Array, Array], tuple[Array, float]]
+    turned: the largest of both angles; starts: of a prescribed node its row over nodes and its angle at the start.
+    """
+
+    rate: Callable[[Array, Array, Context], tuple[Array, float, float]]
     turned: Callable[[Array], float]
+    starts: tuple[Array, Signal] | None = None
 
 
 class System:
     """Everything the integration needs; filled by `elements`."""
 
-    def __init__(self, train: Train) -> None:
-        self.train = train
+    def __init__(self, train: Train, held: bool = False) -> None:
+        self.train, self.held = train, held  # held: prescribed nodes are bodies that a tie moves
         self.sw = Switches()
         self.node_names = list(train.nodes())
         self.index = {n: i for i, n in enumerate(self.node_names)}
@@ -90,6 +97,7 @@ class System:
         self.ties: list[Array] = []
         self.prescribed: dict[str, tuple[Any, str]] = {}  # node -> (signal, "speed" or "angle")
         self.laws: list[Law] = []
+        self.commands: list[Callable[[Context], None]] = []  # what signals of other parts read, before all else
         self.law_rows: list[Array] = []  # over nodes, until `reduce`
         self.springs: list[tuple[Array, float]] = []
         self.dampers: list[tuple[Array, float]] = []
@@ -99,6 +107,7 @@ class System:
         self.lossy: list[Lossy] = []
         self.nonlinear: list[Tie] = []
         self.iwan: list[Any] = []
+        self.elastic: list[Array] = []  # deformations that a force answers, over nodes
         self.extra = 0  # number of further states
         self.start: list[float] = []  # their start values
         self.context = Context()
@@ -245,14 +254,26 @@ def derivative(x: Any) -> Any:
     if x.op == "time":
         return 1.0
     if x.op == "+":
-        return Node("+", (derivative(x.args[0]), derivative(x.args[1])))
+        return _sum(derivative(x.args[0]), derivative(x.args[1]))
     if x.op == "*":
         a, b = x.args
-        return Node("+", (Node("*", (derivative(a), b)), Node("*", (a, derivative(b)))))
+        return _sum(_product(derivative(a), b), _product(a, derivative(b)))
     if x.op == "sin":
-        return Node("*", (Node("cos", x.args), derivative(x.args[0])))
+        return _product(Node("cos", x.args), derivative(x.args[0]))
     if x.op == "cos":
-        return Node("*", (-1.0, Node("*", (Node("sin", x.args), derivative(x.args[0])))))
+        return _product(-1.0, _product(Node("sin", x.args), derivative(x.args[0])))
     if x.op == "exp":
-        return Node("*", (x, derivative(x.args[0])))
+        return _product(x, derivative(x.args[0]))
     raise NoEvidenceError(f"the rate of {x.op}")
+
+
+def _sum(a: Any, b: Any) -> Any:
+    if not isinstance(a, Node) and not isinstance(b, Node):
+        return a + b
+    return b if a == 0.0 else a if b == 0.0 else Node("+", (a, b))
+
+
+def _product(a: Any, b: Any) -> Any:
+    if not isinstance(a, Node) and not isinstance(b, Node):
+        return a * b
+    return 0.0 if a == 0.0 or b == 0.0 else b if a == 1.0 else a if b == 1.0 else Node("*", (a, b))

@@ -1,0 +1,167 @@
+"""Impacts of a system: Newton's law at stops that close, and locks that close at once."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+
+from tests.random.reference.dynamics import Dynamics
+from tests.random.reference.switches import NoEvidenceError
+from tests.random.reference.system import Array
+
+
+class Impacts:
+    """Speeds after impacts, and what is known of speeds and forces so far."""
+
+    def __init__(self, dynamics: Dynamics) -> None:
+        self.d, self.s = dynamics, dynamics.s
+        self.speed = 0.0  # largest speed so far
+        self.free = 0.0  # speed that the largest forces would give to what is free, within the run
+        self.most = 0.0  # largest force so far
+        self.still = 0  # events in a row at one instant
+        self.jumps: list[float] = []
+        self.rebound: dict[int, float] = {}
+
+    # -- state --------------------------------------------------------------------------------------------------------
+
+    def qv(self, y: Array) -> tuple[Array, Array]:
+        """q and v of units."""
+        qr, _, vr, _, _ = self.d.split(y)
+        return self.s.Ur @ qr, self.s.Ur @ vr
+
+    def with_v(self, y: Array, v: Array) -> Array:
+        """y with other speeds."""
+        y = y.copy()
+        y[self.d.cut[1] : self.d.cut[2]] = self.s.Ur.T @ v
+        return y
+
+    def small(self) -> float:
+        """A speed that counts as none."""
+        return 1e-9 * max(self.speed, 1e-6 * self.free)
+
+    def reach(self, largest: Array) -> Array:
+        """The largest angles that the gap of every stop is the difference of."""
+        q = np.abs(self.s.Ur) @ largest[: self.d.cut[0]]
+        return np.array([float(np.abs(x.row) @ q) for x in self.s.stops])
+
+    def note(self, y: Array) -> None:
+        """Keeps the largest speed."""
+        _, v = self.qv(y)
+        self.speed = max(self.speed, float(np.abs(self.s.N @ v).max(initial=0.0)))
+        self.s.context.small = self.small()
+
+    def impact(self, t: float, y: Array) -> Array:
+        """Newton's law at stops that close, plastic locks; several at once as one complementarity problem.
+
+        v+ = v + M^-1 G' P,  P >= 0,  G v+ >= target,  P (G v+ - target) = 0; locks without limit: G v+ = 0.
+        """
+        s, small = self.s, self.small()
+        q, v = self.qv(y)
+        one: list[tuple[Array, float, int]] = []
+        both: list[tuple[Array, float]] = []
+        hit = False
+        for i, stop in enumerate(s.stops):
+            gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
+            if gap <= 1e-10 * max(1.0, abs(stop.bound)) and rate <= small:
+                closing = rate < -small
+                hit = hit or closing
+                one.append((stop.row, -stop.restitution * rate if closing else 0.0, i))
+        for d in s.dry:
+            slip = float(d.row @ v)
+            on = [m for m in d.members if m.on]
+            if any(m.dog or m.locked for m in on):
+                both.append((d.row, 0.0))
+                hit = hit or abs(slip) > small
+            for m in on:
+                if m.one_way and m.scale * slip <= small:
+                    one.append((math.copysign(1.0, m.scale) * d.row, 0.0, -1))
+                    hit = hit or m.scale * slip < -small
+                    break
+        if not hit:
+            return self._settled(t, y, 1e-15) if self.still > 1 else y
+        both += [n.rate(q, v, s.context)[:2] for n in s.nonlinear]
+        both += [(g.ra - g.ratio * g.rb, 0.0) for g in s.lossy]  # no loss in an impact
+        self.jumps.append(t)
+        v = self._impulse(v, one, both)
+        died = False
+        for row, target, i in one:
+            if i >= 0 and target > 0:
+                fast = self.rebound[i] = max(self.rebound.get(i, 0.0), target)
+                flat = 1e-13 if target < 1e-3 * fast else 1e-16
+                if self._dies(t, self.with_v(y, v), row, float(row @ v), i, flat):
+                    v = self._impulse(v, [(row, 0.0, -1)], [(row, 0.0), *both])
+                    died = True
+        y = self.onto(self.with_v(y, v), [s.stops[i] for _, target, i in one if i >= 0 and target > 0])
+        y = self._settled(t, y, 1e-13) if died else y  # what its end throws off its stop
+        self.note(y)
+        return y
+
+    def _dies(self, t: float, y: Array, row: Array, speed: float, i: int, flat: float) -> bool:
+        """Whether a body comes back to its stop so soon that only rounding would be seen of its flight, or nothing at all."""
+        stop = self.s.stops[i]
+        if stop.restitution >= 1 and flat > 1e-14:
+            return False
+        stop.mode = 1
+        rate = float(row @ self.s.Ur @ self.d(t, y)[self.d.cut[1] : self.d.cut[2]])
+        turned = float(np.abs(row) @ np.abs(self.qv(y)[0]))
+        return speed * speed < -2 * flat * rate * max(abs(stop.bound), turned if flat < 1e-13 else 0.0, 1e-3)
+
+    def _settled(self, t: float, y: Array, flat: float) -> Array:
+        """Without flights that are lower than the rounding of their gap: nothing is seen of them but that time stands."""
+        q, v = self.qv(y)
+        rows, flies = [], False
+        for i, stop in enumerate(self.s.stops):
+            gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
+            if abs(gap) > 1e-10 * max(1.0, abs(stop.bound)):
+                continue
+            if rate > self.small() and self._dies(t, y, stop.row, rate, i, flat):
+                rows.append((stop.row, 0.0))
+                flies = True
+            elif abs(rate) <= self.small():
+                rows.append((stop.row, 0.0))
+        if not flies:
+            return y
+        rows += [n.rate(q, v, self.s.context)[:2] for n in self.s.nonlinear]
+        rows += [(g.ra - g.ratio * g.rb, 0.0) for g in self.s.lossy]
+        G, asked = np.array([row for row, _ in rows]), np.array([x for _, x in rows])
+        MG = self.s.Minv @ G.T
+        return self.with_v(y, v - MG @ np.linalg.lstsq(G @ MG, G @ v - asked, rcond=1e-11)[0])
+
+    def onto(self, y: Array, stops: list[Any]) -> Array:
+        """Gaps of rounding become 0, so that the smallest bounces leave their stop."""
+        q, _ = self.qv(y)
+        y = y.copy()
+        for stop in stops:
+            push = self.s.Minv @ stop.row
+            q = q - push * (float(stop.row @ q) - stop.bound) / float(stop.row @ push)
+        y[: self.d.cut[0]] = self.s.Ur.T @ q
+        return y
+
+    def _impulse(self, v: Array, one: list[tuple[Array, float, int]], both: list[tuple[Array, float]]) -> Array:
+        if len(one) > 8:
+            raise NoEvidenceError("too many contacts at once")
+        size = self.speed
+        found = []
+        for active in itertools.product((False, True), repeat=len(one)):
+            rows = [*(row for row, _ in both), *(o[0] for o, a in zip(one, active, strict=True) if a)]
+            target = np.array([x for _, x in both] + [o[1] for o, a in zip(one, active, strict=True) if a])
+            new, P = v, np.zeros(0)
+            if rows:
+                G = np.array(rows)
+                MG = self.s.Minv @ G.T
+                W = G @ MG
+                if np.linalg.cond(W) > 1e11:
+                    continue
+                P = np.linalg.solve(W, target - G @ v)
+                new = v + MG @ P
+            scale = 1e-10 * size
+            if (P[len(both) :] >= 0).all() and all(float(r @ new) >= x - scale for r, x, _ in one):
+                found.append(new)
+        if not found:
+            raise NoEvidenceError("no impulse fits")
+        if any(np.abs(f - found[0]).max() > 1e-7 * max(size, 1e-300) for f in found):
+            raise NoEvidenceError("several impulses fit")
+        return found[0]
