@@ -20,6 +20,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_memory",
         "gb_growth",
     ),
+    ("gb_limit_noise",),
     (
         "gb_error_control",
         "gb_evaluate",
@@ -27,7 +28,6 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_impact",
         "gb_snapshot",
         "gb_follow",
-        "gb_limit_noise",
     ),
     (
         "gb_angle_wrapping",
