@@ -8,17 +8,20 @@
 #include "gb_modes.h"
 #include "gb_vector.h"
 
-/* Switch i, located in this step, has not left its limit from the start to the end but for noise. */
+/* Switch i, located in this step, has not left its limit from the start to the end but for noise. Most are plainly off
+ * it at one of both. */
 static int has_stayed(gb_sim *sim, int i) {
     const gb_model *model = sim->model;
     const double *time_terms = sim->lanes.time_terms + sim->method->stages;
     const double limit = sim->events.side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
-    if (sim->events.role[i] == GB_CONSTRAINED || !gb_some_active(sim) ||
-        !gb_is_noise(sim, i, sim->events.s0[i] - limit, time_terms, sim->z, sim->y0)) {
+    const double start = sim->events.s0[i] - limit;
+    if (sim->events.role[i] == GB_CONSTRAINED || gb_is_far(sim, start, sim->z, sim->y0)) {
         return 0;
     }
     model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
-    return gb_is_noise(sim, i, sim->events.s[i] - limit, time_terms, sim->z, sim->y0);
+    const double end = sim->events.s[i] - limit;
+    return gb_is_noise(sim, i, end, time_terms, sim->z, sim->y0) &&
+           gb_is_noise(sim, i, start, time_terms, sim->z, sim->y0);
 }
 
 /* A slip that has just let go in the direction of its acceleration, or a switch that flips for the second time without
