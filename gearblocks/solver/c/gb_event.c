@@ -22,12 +22,11 @@ static int beyond(const gb_sim *sim, int i) {
     return sim->events.armed[i] != 1.0 && hi < HUGE_VAL && s > hi + unit * (fabs(s) + fabs(hi));
 }
 
-/* The same, and by more than the noise of what active constraints hold there. */
+/* The same, and by more than noise: that of the states, and of what active constraints hold there. */
 static int clearly_beyond(gb_sim *sim, int i) {
     const int side = beyond(sim, i);
     const double distance = side == 0 ? 0.0 : sim->events.s[i] - (side < 0 ? sim->events.lo[i] : sim->events.hi[i]);
-    return side != 0 &&
-           !(gb_some_active(sim) && gb_is_noise(sim, i, distance, sim->instant.time_terms, sim->y, sim->y));
+    return side != 0 && !gb_is_noise(sim, i, distance, sim->instant.time_terms, sim->y, sim->y);
 }
 
 int gb_settle_modes(gb_sim *sim, int log) {

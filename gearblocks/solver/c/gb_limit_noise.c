@@ -46,13 +46,18 @@ static int is_held(gb_sim *sim, int i, double distance, const double *time_terms
     return fabs(distance) <= ROUNDING * free && fabs(s[i] - here) < 1e-9 * free;
 }
 
-int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, const double *y, const double *other) {
-    const gb_model *model = sim->model;
-    double largest = 0.0, noise = 0.0, *s = sim->events.moved, *moved = sim->z2;
-    for (int j = 0; j < model->n; j++) {
+int gb_is_far(const gb_sim *sim, double distance, const double *y, const double *other) {
+    double largest = 0.0;
+    for (int j = 0; j < sim->model->n; j++) {
         largest = gb_max(largest, gb_max(fabs(y[j]), fabs(other[j])));
     }
-    if (fabs(distance) > 64.0 * DBL_EPSILON * STEEPEST * largest) {
+    return fabs(distance) > 64.0 * DBL_EPSILON * STEEPEST * largest;
+}
+
+int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, const double *y, const double *other) {
+    const gb_model *model = sim->model;
+    double noise = 0.0, *s = sim->events.moved, *moved = sim->z2;
+    if (gb_is_far(sim, distance, y, other)) {
         return 0;
     }
     model->event_functions(sim->par, sim->mode, time_terms, y, s);

@@ -1,17 +1,19 @@
 /* Noise of an event function: what the rounding of the states does to it,
  *     64 eps sum_j |ds/dy_j| |y_j|,   by differences.
- * A speed that an active constraint holds at the limit of a switch (that of a planetary's braked sun, say) differs from
- * the limit by this alone, and its sign tells nothing. Where the speed is a state itself, the noise is that of the
- * forces and has no such bound: what reads held slips alone cannot leave a limit that lies so close at all.
- * The force of an active constraint that nothing loads is what the forces of others leave of it,
- *     64 eps sum_j |W_ij lambda_j| / W_ii.
- * Knows nothing of modes. */
+ * An angle that is the difference of coordinates, and a speed that an active constraint holds at the limit of a switch
+ * (that of a planetary's braked sun, say) differ from the limit by this alone, and the sign tells nothing. Where the
+ * speed is a state itself, the noise is that of the forces and has no such bound: what reads held slips alone cannot
+ * leave a limit that lies so close at all. The force of an active constraint that nothing loads is what the forces of
+ * others leave of it, 64 eps sum_j |W_ij lambda_j| / W_ii. Knows nothing of modes. */
 #ifndef GB_LIMIT_NOISE_H
 #define GB_LIMIT_NOISE_H
 
 #include "gb_internal.h"
 
-/* Event function i is off its limit by no more than noise, `distance`, while constraints are active; the states are y
+/* `distance` is beyond all noise of an event function of such states, at first sight. */
+int gb_is_far(const gb_sim *sim, double distance, const double *y, const double *other);
+
+/* Event function i is off its limit by no more than noise, `distance`; the states are y
  * or, where these are larger, `other`. */
 int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, const double *y, const double *other);
 

@@ -8,17 +8,20 @@
 #include "gb_modes.h"
 #include "gb_vector.h"
 
-/* Switch i, located in this step, has not left its limit from the start to the end but for noise. */
+/* Switch i, located in this step, has not left its limit from the start to the end but for noise. Most are plainly off
+ * it at one of both. */
 static int has_stayed(gb_sim *sim, int i) {
     const gb_model *model = sim->model;
     const double *time_terms = sim->lanes.time_terms + sim->method->stages;
     const double limit = sim->events.side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
-    if (sim->events.role[i] == GB_CONSTRAINED ||
-        !gb_is_noise(sim, i, sim->events.s0[i] - limit, time_terms, sim->z, sim->y0)) {
+    const double start = sim->events.s0[i] - limit;
+    if (sim->events.role[i] == GB_CONSTRAINED || gb_is_far(sim, start, sim->z, sim->y0)) {
         return 0;
     }
     model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
-    return gb_is_noise(sim, i, sim->events.s[i] - limit, time_terms, sim->z, sim->y0);
+    const double end = sim->events.s[i] - limit;
+    return gb_is_noise(sim, i, end, time_terms, sim->z, sim->y0) &&
+           gb_is_noise(sim, i, start, time_terms, sim->z, sim->y0);
 }
 
 /* A slip that has just let go in the direction of its acceleration, or a switch that flips for the second time without
@@ -31,9 +34,8 @@ static int comes_back_early(const gb_sim *sim, int i) {
            sim->events.armed[i] == sim->events.side[i];
 }
 
-/* What was located in [from, to) and is noise of what active constraints hold is no event: its limit is not watched in
- * this step. The search of other functions ends at the first event that is known, so that noise has to go first.
- * Returns how many there were. Assumed: some constraint is active. */
+/* What was located in [from, to) and is noise is no event: its limit is not watched in this step. The search of other
+ * functions ends at the first event that is known, so that noise has to go first. Returns how many there were. */
 static int drop_noise(gb_sim *sim, int from, int to) {
     int dropped = 0;
     for (int i = from; i < to; i++) {
@@ -70,8 +72,7 @@ static int watch_others(gb_sim *sim, int *noisy) {
     while (code == GB_DONE && dropped > 0) {
         code = model->n_arguments > 0 ? gb_locate_enclosed(sim) : GB_DONE;
         code = code == GB_DONE ? gb_locate_sampled(sim) : code;
-        dropped =
-            code == GB_DONE && gb_some_active(sim) ? drop_noise(sim, model->n_affine, model->n_event_functions) : 0;
+        dropped = code == GB_DONE ? drop_noise(sim, model->n_affine, model->n_event_functions) : 0;
         *noisy += dropped;
     }
     return code;
@@ -102,7 +103,7 @@ int gb_locate(gb_sim *sim, double *theta) {
     model->event_functions(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, sim->events.s0);
     if (model->n_affine > 0) {
         code = gb_locate_affine(sim, tolerance);
-        noisy = code == GB_DONE && gb_some_active(sim) ? drop_noise(sim, 0, model->n_affine) : 0;
+        noisy = code == GB_DONE ? drop_noise(sim, 0, model->n_affine) : 0;
     }
     if (code == GB_DONE && model->n_event_functions > model->n_affine) {
         code = watch_others(sim, &noisy);

@@ -70,3 +70,35 @@ def test_a_soft_rise_is_as_good_as_any(torque, lock):
     run = gb.simulate(_rig(_ellipse, lock, torque), t_end=0.5)
     assert not np.any(run["near.w"]) and not np.any(run["beyond.w"])
     assert run.stats.steps < 200
+
+
+HELD = {
+    "brake": lambda: gb.Brake(capacity=80.0),
+    "bearing": lambda: gb.BearingFriction(coulomb=60.0),
+    "load": lambda: gb.SpeedLoad(coeffs=(70.0, 0.1, 0.0)),
+}
+
+
+def _hammered(held):
+    """A pendulum on a spring between the flanks of a gap, the other side of which frictions hold, or the ground (none)."""
+    rig = gb.Drivetrain("hammered")
+    swings = rig.add("swings", gb.Inertia(J=0.03, w0=2.0))
+    rig.chain(swings, rig.add("spring", gb.Shaft(k=50.0)), rig.add("ground", gb.Fixed()))
+    gap = rig.add("gap", gb.Lash(k=4e4, half_gap=1e-3, c=30.0, contact_damping="clipped"))
+    still = rig.add("still", gb.Inertia(J=0.02) if held else gb.Fixed())
+    rig.connect(swings.b, gap.a)
+    rig.connect(gap.b, still.a if held else still.flange)
+    for name in held:
+        friction = rig.add(name, HELD[name]())
+        rig.connect(still.b, friction.flange if name == "load" else friction.a)
+    return rig
+
+
+@pytest.mark.parametrize("held", [("brake", "bearing"), ("bearing", "load"), ("brake", "bearing", "load")])
+@pytest.mark.parametrize(("method", "rtol"), [("auto", 1e-6), ("dp5", 1e-8), ("rodas", 1e-8)])
+def test_what_several_frictions_hold_stays_when_its_contact_opens(held, method, rtol):
+    t = np.linspace(0.0, 0.5, 101)
+    run = gb.simulate(_hammered(held), t=t, method=method, rtol=rtol)
+    same = gb.simulate(_hammered(()), t=t, method="dp8", rtol=1e-11)
+    assert not np.any(run["still.w"])
+    assert run["swings.w"] == pytest.approx(same["swings.w"], abs=300 * rtol)

@@ -1,0 +1,82 @@
+"""A body at rest exactly on the corner of its contact, whose angle follows from coordinates that move: rounding is no impact.
+
+Closed form: nothing reaches the body until a gap beside it closes; with the damping of Hunt and Crossley, whose factor is
+one over the speed of approach, a speed of rounding would make a contact of infinite damping there.
+"""
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+HIT = gb.HuntCrossley(restitution=0.3)
+
+
+def _lash(rig, body):
+    rest = rig.add("rest", gb.Lash(k=1330.0, half_gap=0.0, contact_damping=HIT))
+    rig.connect(body.b, rest.a)
+    ground = rig.add("ground", gb.Fixed())
+    rig.connect(rest.b, ground.flange)
+    return ground.flange
+
+
+def _one_sided(rig, body):
+    """Two bodies that touch."""
+    rest, beyond = (
+        rig.add("rest", gb.Lash(k=900.0, half_gap=0.0, contact_damping=HIT)),
+        rig.add("beyond", gb.Inertia(J=3.0)),
+    )
+    rig.connect(body.b, rest.a)
+    rig.connect(rest.b, beyond.a)
+    return beyond.b
+
+
+def _spline(rig, body):
+    rest = rig.add(
+        "rest", gb.SplineCoupling(teeth=3, radius=0.1, k=1e6, backlash=gb.Backlash(half_gap=0.0), contact_damping=HIT)
+    )
+    rig.connect(body.b, rest.a)
+    ground = rig.add("ground", gb.Fixed())
+    rig.connect(rest.b, ground.flange)
+    return ground.flange
+
+
+def _rig(rest, ratio, w):
+    rig = gb.Drivetrain("corner")
+    body, moving = rig.add("body", gb.Inertia(J=0.09)), rig.add("moving", gb.Inertia(J=0.2, w0=w))
+    mesh = rig.add(
+        "mesh",
+        gb.GearMesh(
+            teeth=(23, round(23 * ratio)), r_base=(0.1, 0.1 * round(23 * ratio) / 23), k=2000.0, external=True,
+            backlash=gb.Backlash(half_gap=0.002), contact_damping=HIT,
+        ),
+    )  # fmt: skip
+    rig.connect(body.a, mesh.pinion)
+    far = rig.add("far", gb.Lash(k=10.0, half_gap=1.0))  # with it the deflection of `rest` closes a loop
+    rig.connect(moving.a, mesh.wheel, far.a)
+    beyond = rest(rig, body)
+    rig.connect(far.b, beyond)
+    return rig
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+@pytest.mark.parametrize("rest", [_lash, _one_sided, _spline])
+@pytest.mark.parametrize(("ratio", "w"), [(31 / 23, 1.49), (2.0, -0.37), (1.0, 7.3)])
+def test_what_nothing_reaches_stays_on_its_corner(rest, ratio, w, method):
+    meets = 0.002 / (0.1 * round(23 * ratio) / 23 * abs(w))
+    rig = _rig(rest, ratio, w)
+    run = gb.simulate(rig, t=np.linspace(0.0, 0.99 * meets, 7), method=method, rtol=1e-9)
+    assert not run.events
+    assert np.abs(run["body.phi"]).max() < 1e-15
+    assert np.abs(run["rest.a.tau"]).max() < 1e-10
+    assert run["moving.w"] == pytest.approx(np.full(7, w), rel=1e-14)
+
+
+@pytest.mark.parametrize("method", ["dp5", "rodas"])
+@pytest.mark.parametrize(("ratio", "w"), [(31 / 23, 1.49), (2.0, -0.37)])
+def test_the_impact_that_comes_is_that_of_a_body_at_rest(ratio, w, method):
+    """The first contact of the mesh alone: as without anything behind the body, as long as that is soft."""
+    meets = 0.002 / (0.1 * round(23 * ratio) / 23 * abs(w))
+    run = gb.simulate(_rig(_lash, ratio, w), t_end=1.01 * meets, method=method, rtol=1e-9)
+    assert [e.component for e in run.events][:1] == ["mesh"]
+    assert run.events[0].t == pytest.approx(meets, rel=1e-12)
