@@ -39,6 +39,7 @@ def packed(model: gb.Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return fmu_export.export(model, tmp_path_factory.mktemp("gearbox") / "gearbox.fmu", t_end=60.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("t_end", "steps"),
     [

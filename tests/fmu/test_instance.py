@@ -39,6 +39,7 @@ def rows_of(instance: Instance, refs: list[int], times: np.ndarray) -> np.ndarra
     return np.array(rows)
 
 
+@pytest.mark.long
 def test_every_check_passes(packed: Path) -> None:
     report = fmu_export.check(packed)
     assert report.ok, str(report)

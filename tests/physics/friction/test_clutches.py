@@ -186,6 +186,7 @@ def _row(kinds, numbers, order, flips):
     return rig
 
 
+@pytest.mark.long
 @examples(8)
 @given(
     st.tuples(*(st.sampled_from(["clutch", "mu", "dog"]) for _ in range(2))),

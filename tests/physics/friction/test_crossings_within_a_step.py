@@ -44,6 +44,7 @@ def test_a_brake_whose_hold_falls_below_the_load_for_a_moment_lets_go_in_that_mo
     assert run["body.w"][-1] == pytest.approx(gain, rel=1e-8)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("depth", [1e-1, 1e-2])
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-9])
 def test_a_brake_that_lets_go_once_a_second_does_so_every_time(depth, rtol):

@@ -58,6 +58,7 @@ def test_a_stop_from_which_the_load_turns_away_tangentially_opens_once(how: dict
     assert run["A.phi"][-1] == pytest.approx(away, rel=1e-5)  # the default tolerance is 1e-6
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("how", METHODS)
 def test_a_capacity_that_dips_to_the_held_torque_is_survived(how: dict[str, Any]) -> None:
     """The dip lasts 3e-5 s and lets through what rounding does."""

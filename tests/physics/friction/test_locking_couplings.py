@@ -45,6 +45,7 @@ def test_a_one_way_clutch_drives_forward_whatever_the_torque():
     assert run["clutch.w_rel"][0] == 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("engagement", [0.0, 0.8])
 def test_a_one_way_clutch_lets_b_ahead_beyond_its_break_away_torque(engagement):
     clutch = gb.OneWayClutch(mu=0.5, force_max=4.0, engagement=engagement, geometry=2.0, peak=1.5)

@@ -39,6 +39,7 @@ def test_the_first_of_a_thousand_clutches_slides_and_the_others_do_not():
     assert [run[f"c{i}.mode"][-1] for i in (0, 1, 999)] == [-1.0, 0.0, 0.0]
 
 
+@pytest.mark.long
 def test_a_weak_clutch_in_the_middle_parts_a_row_of_two_hundred():
     run = gb.simulate(_row(200, 100.0, lambda i: 5.0 if i == 99 else 1e3), t=[0.0, 1.0])
     assert run["b0.w"][-1] == run["b99.w"][-1] == pytest.approx((100.0 - 5.0) / 100, rel=EXACT)
@@ -74,6 +75,7 @@ def test_rows_that_meet_in_any_order_of_their_clutches_give_the_same():
     assert ends[1] == pytest.approx(ends[0], rel=EXACT)
 
 
+@pytest.mark.long
 def test_a_hundred_and_thirty_brakes_on_one_shaft_share_what_they_hold():
     """All act on each other, and all but one follow from it: the dense form of their matrix, and the split of a load."""
     rig = gb.Drivetrain("star")

@@ -65,6 +65,7 @@ def test_a_short_pulse_of_the_load_lets_the_shaft_go(method):
     assert abs(run["m.phi"][-1] - angle) < 1e-5 * angle
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_a_short_pull_backwards_lets_the_shaft_go(method):
     t = sp.sympify(gb.time)
@@ -100,6 +101,7 @@ def test_a_capacity_that_dips_below_the_load_just_before_both_vanish_is_seen(met
         assert abs(run.events[0].t - start) < 1e-10
 
 
+@pytest.mark.long
 def test_two_held_shafts_let_go_each_at_its_own_dip():
     t = sp.sympify(gb.time)
     rig = gb.Drivetrain("two")

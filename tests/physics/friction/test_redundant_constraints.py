@@ -45,6 +45,7 @@ def test_two_brakes_share_a_load_evenly_and_the_stronger_takes_what_the_weaker_c
         assert run[f"{name}.torque"] == pytest.approx(share, rel=1e-9)
 
 
+@pytest.mark.long
 def test_two_brakes_share_a_load_that_swings_without_an_event():
     t = np.linspace(0, 20, 201)
     run = gb.simulate(_two_brakes(5.7 * gb.sin(3 * gb.time), 4.0, 2.0), t=t)
@@ -53,6 +54,7 @@ def test_two_brakes_share_a_load_that_swings_without_an_event():
     assert np.abs(run["right.torque"]).max() <= 2.0 and (run["body.phi"] == 0.0).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("way", [1.0, pytest.param(-1.0, marks=pytest.mark.long)])
 def test_two_brakes_let_go_together_at_the_sum_of_what_they_hold(way):
     run = gb.simulate(_two_brakes(way * gb.time, 4.0, 2.0), t_end=8.0)
@@ -71,6 +73,7 @@ def test_three_clutches_that_lock_a_planetary_twice_over_turn_it_as_one_body():
     assert max(np.abs(run[f"{name}.torque"]).max() for name in ("one", "two", "three")) < 4.0
 
 
+@pytest.mark.long
 def test_clutches_of_gears_that_close_a_loop_hold_as_two_of_them_do():
     rig = gb.Drivetrain("loop")
     body = [rig.add(f"body{i}", gb.Inertia(J=J)) for i, J in enumerate((1.0, 2.0, 0.5))]

@@ -24,6 +24,7 @@ def _pair(load, capacity, peak, bearing, *, bearing_peak=1.0):
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_a_clutch_that_breaks_loose_leaves_the_bearing_behind_it_at_rest(method, sign):

@@ -28,6 +28,7 @@ def _modes(run, name):
     return [(e.t, e.after) for e in run.events if e.component == name]
 
 
+@pytest.mark.long
 @EVERY_METHOD
 def test_a_clutch_stuck_to_a_shaft_of_prescribed_speed_has_no_slip_and_does_not_creep(options):
     rig = _chain(
@@ -94,6 +95,7 @@ def _planetary(tau, **between):
     return rig
 
 
+@pytest.mark.long
 def test_the_lock_of_a_planetary_does_not_creep_by_a_bit_in_a_million_seconds():
     rig = _planetary(2.0 * gb.sin(0.3 * gb.time), lock=("sun", "ring"))
     run = gb.simulate(rig, t=np.linspace(0, 1e6, 101), rtol=1e-4)

@@ -63,6 +63,7 @@ def test_a_brake_and_a_clutch_take_tables_of_mu_from_slip_0(method):
         assert run["body.phi"][-1] == pytest.approx(_half_swings(2.5)[0], abs=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_a_step_table_that_begins_at_slip_0_is_constant_friction(method):
     table = gb.Table([0.0, 20.0], [1.0, 5.0], "step")

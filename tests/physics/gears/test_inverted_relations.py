@@ -121,6 +121,7 @@ def test_a_universal_joint_driven_at_its_second_fork():
     assert np.abs(np.cos(0.6) * np.sin(b) * np.cos(a) - np.sin(a) * np.cos(b)).max() < 1e-13
 
 
+@pytest.mark.long
 def test_two_universal_joints_back_to_back_undo_each_other():
     rig = gb.Drivetrain("joints")
     drive, middle, out = (

@@ -47,6 +47,7 @@ def test_a_lossy_gear_passes_on_what_its_efficiency_leaves(tau, eta, ratio, opti
     assert run.energy.residual < EXACT
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ratio", [2.0, pytest.param(0.5, marks=pytest.mark.long)])
 def test_implicit_steps_through_a_lossy_gear_keep_their_order(ratio):
     """A spring behind the gear: its torque stays above that of the drive's swing, so that one side drives."""

@@ -46,6 +46,7 @@ def test_a_sine_at_b_turns_the_torque_of_a_gear_that_turns_on(eta, ratio, method
     assert run.energy.residual < 2e-5 and run.events == ()
 
 
+@pytest.mark.long
 @METHODS
 @pytest.mark.parametrize("eta", [(0.9, 0.9), (1.0, 1.0)])
 def test_a_compliant_shaft_beside_turns_the_torque_many_times(eta, method):
@@ -80,6 +81,7 @@ def _gain(torque, start, end, driven, tau):
     return abs(end - start) / 2 * (factor * (start + end) / 2 + constant) if torque else 0.0
 
 
+@pytest.mark.long
 @METHODS
 def test_bearing_losses_that_are_larger_where_b_drives_leave_a_gap_in_which_nothing_enters(method):
     """-u between tau1 = 0.4 and tau2 = 1: one turns alone, and b with it, as J_a ratio^2/J_b of -tau says: 0.267, 0.667."""
@@ -100,6 +102,7 @@ def test_bearing_losses_that_are_larger_where_a_drives_keep_the_side_that_is_pre
     assert _ramp((-1, 1.0, 0.4), 4.0, method) == pytest.approx(50.0 + up, rel=1e-8)
 
 
+@pytest.mark.long
 @METHODS
 @pytest.mark.parametrize("ratio", [2.0, -2.0])
 def test_a_loaded_gear_turns_back_with_the_losses_of_each_direction(ratio, method):

@@ -101,6 +101,7 @@ def test_a_stiffness_driven_by_the_angle_comes_from_a_potential(reference, dista
     assert "mesh" not in run.energy.supplied
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("backlash", [None, gb.Backlash(half_gap=20e-6)], ids=["linear", "backlash"])
 def test_a_free_pair_on_a_turning_carrier_keeps_energy_and_angular_momentum(backlash, distance):
     rig = _pair(

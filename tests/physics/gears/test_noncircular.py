@@ -83,6 +83,7 @@ def test_a_free_pair_keeps_its_energy_though_its_stiffness_turns_with_the_driver
     assert run.energy.residual < 1e-9
 
 
+@pytest.mark.long
 def test_a_stiffness_from_points_moves_the_pair_as_its_function_does():
     at = np.linspace(0, TURN, 401)
     points = gb.Table(at, 400 + 100 * np.cos(at).round(14), kind="cubic", periodic=True)
@@ -92,6 +93,7 @@ def test_a_stiffness_from_points_moves_the_pair_as_its_function_does():
     assert np.abs(runs[0]["two.w"] - runs[1]["two.w"]).max() < 1e-4
 
 
+@pytest.mark.long
 def test_a_fitted_law_moves_the_pair_as_the_closed_form_does():
     runs = [gb.simulate(_rig(law, c=0.01), t=T, rtol=1e-11) for law in (ELLIPSE, FITTED)]
     for name in ("one.w", "two.w", "mesh.moment"):
@@ -211,6 +213,7 @@ def test_a_rigid_pair_turns_by_its_law_and_keeps_its_energy(law, external):
     assert run.energy.residual < 1e-8
 
 
+@pytest.mark.long
 @LAWS
 @SIDES
 def test_the_torques_of_a_rigid_pair_are_those_of_its_moment(law, external):
@@ -223,6 +226,7 @@ def test_the_torques_of_a_rigid_pair_are_those_of_its_moment(law, external):
     assert run.energy.residual < 1e-8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "law", [pytest.param(NORM, id="segments"), pytest.param(ELLIPSE, id="ellipse", marks=pytest.mark.long)]
 )
@@ -249,6 +253,7 @@ def test_a_moving_phase_turns_the_driven_gear():
     assert run.energy.residual < 1e-9
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("compliance", [{"k": None}, {"k": 400.0, "c": 0.01}], ids=["rigid", "compliant"])
 def test_a_filter_lets_an_input_move_the_phase(compliance):
     rig = _rig(ELLIPSE, phase=gb.Input("shift", start=0.4), filter=200.0, **compliance)

@@ -60,7 +60,9 @@ BLOCKS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("between", ["spring", "lash", pytest.param("damper", marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "between", ["spring", *(pytest.param(name, marks=pytest.mark.long) for name in ("lash", "damper"))]
+)
 def test_a_line_of_masses_moves_as_a_line_of_inertias_of_the_same_numbers(between: str) -> None:
     load = gb.SpeedLoad(coeffs=(0.0, 0.3, 0.2))
     line = _chain(

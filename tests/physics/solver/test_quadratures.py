@@ -71,6 +71,7 @@ def test_a_freewheel_that_opens_inside_a_long_step_leaves_the_ledger_right(metho
     _close(run, {("in", "p0"): given, ("out", "p2"): 0.0, ("out", "drag"): dragged}, rtol)
 
 
+@pytest.mark.long
 @WITH_METHODS
 @pytest.mark.parametrize("limit", [13.0, 24.0, 29.5])
 def test_a_source_that_an_angle_switches_off_inside_a_long_step(method, rtol, limit):
@@ -90,6 +91,7 @@ def test_a_source_that_an_angle_switches_off_inside_a_long_step(method, rtol, li
     _close(run, {("in", "drive"): given, ("out", "drag"): dragged}, rtol)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["linear", "cubic"])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 def test_work_of_a_table_over_time_does_not_get_worse_with_the_tolerance(kind, method):

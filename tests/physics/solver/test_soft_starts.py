@@ -56,6 +56,7 @@ def test_a_soft_start_goes_through_a_shaft(power):
                 assert np.max(abs(run[name] - values)) < 10 * rtol * np.max(abs(values)), (method, rtol, name)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("excess", [1e-2, 1e-3, 1e-4])
 def test_a_bearing_breaks_away_just_below_its_load(excess):
     """T sin 5t against a capacity C = T (1 - excess): slips from sin 5t = C/T until the area under T sin - C is 0."""

@@ -227,6 +227,7 @@ def test_states_of_blocks_settle_too():
     assert _at_rest(rig)["motor.i"] == pytest.approx((12 - 0.5 * 2.0) / 2.0, rel=EXACT)
 
 
+@pytest.mark.long
 def test_what_is_softer_or_stiffer_than_a_line_settles_too():
     for torque, twist in (
         (1e6 * gb.twist**3, 0.02),

@@ -83,6 +83,7 @@ def test_universal_joints_with_springs_and_without_any_between_them(check_whole)
     )
 
 
+@pytest.mark.long
 def test_two_non_circular_pairs_and_a_differential(check_whole):
     """Both side shafts of a differential through pairs with ratios that change, and springs across."""
     rig = gb.Drivetrain("two pairs")
@@ -135,6 +136,7 @@ def test_a_cam_beside_a_damped_shaft_without_inertia_and_a_mesh_over_the_angle(c
     assert check_whole(rig)[1] == 1
 
 
+@pytest.mark.long
 def test_a_pair_on_a_carrier_that_turns_with_a_phase_behind_a_filter(check_whole):
     rig = gb.Drivetrain("carrier")
     law = gb.RatioLaw.segments(0.0887, 0.8143, 4.19)
@@ -147,6 +149,7 @@ def test_a_pair_on_a_carrier_that_turns_with_a_phase_behind_a_filter(check_whole
     check_whole(rig)
 
 
+@pytest.mark.long
 def test_a_cam_beside_a_shaft_in_balance_between_springs_alone(check_whole):
     rig = in_a_row(Cam(), gb.Shaft(k=4.0))
     one, two = rig.add("one", gb.Shaft(k=6.0)), rig.add("two", gb.Shaft(k=5.0))
@@ -166,6 +169,7 @@ class Variator(gb.Block):
         yield gb.Tie(s.b.phi - s.u * s.a.phi)
 
 
+@pytest.mark.long
 def test_gains_that_change_with_time_and_many_joints(check_whole):
     joints = [link for i in range(9) for link in (gb.UniversalJoint(angle=0.2 + 0.03 * i), gb.Shaft(k=5.0 + i, c=0.1))]
     check_whole(in_a_row(gb.Shaft(k=5.0), Variator(u=2 + 0.3 * gb.sin(gb.time)), *joints))
