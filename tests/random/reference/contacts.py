@@ -14,6 +14,7 @@ from tests.random.reference.further import tooth_friction
 from tests.random.reference.switches import Context, NoEvidenceError, Switches
 from tests.random.reference.system import Array, Stop, System
 
+NOTHING = (0.0, 0.0, 0.0)
 Force = Callable[[float, float, float], tuple[float, float]]
 
 
@@ -31,7 +32,8 @@ def contact_law(s: System, p: Part, k: float) -> Force:
     if isinstance(choice, Node):
         return _hunt_crossley(s, zone, k, dict(choice.args[1])["restitution"])
     if gap is None:
-        choice = "always"
+        viscosity = 0.0 if c is None else c
+        return lambda x, rate, factor: (k * factor * x + viscosity * rate, x * x / 2)
     low, high, pushes = s.sw.new(), s.sw.new(), s.sw.new()
 
     def force(x: float, rate: float, factor: float) -> tuple[float, float]:
@@ -184,16 +186,17 @@ def mesh(s: System, p: Part) -> None:
         _excitation(s, p.field("stiffness_variation"), i, z),
         _excitation(s, p.field("transmission_error"), i, z),
     )
-    rubs = tooth_friction(s, p, i, j, radii, sign)
+    rubs, s2 = tooth_friction(s, p, i, j, radii, sign), sign * r2
+    varies, errs = p.field("stiffness_variation") is not None, p.field("transmission_error") is not None
 
     def law(c: Context, f: list[float]) -> None:
-        v, v_phi, _ = vary(c)
-        e, e_phi, e_rate = error(c)
-        x = r1 * c.X[i] + sign * r2 * c.X[j] - e
-        rate = (r1 - e_phi) * c.V[i] + sign * r2 * c.V[j] - e_rate
+        v, v_phi, _ = vary(c) if varies else NOTHING
+        e, e_phi, e_rate = error(c) if errs else NOTHING
+        x = r1 * c.X[i] + s2 * c.X[j] - e
+        rate = (r1 - e_phi) * c.V[i] + s2 * c.V[j] - e_rate
         N, G = force(x, rate, 1 + v)
         f[i] -= N * (r1 - e_phi) + (k * v_phi * G if v_phi else 0.0)
-        f[j] -= N * sign * r2
+        f[j] -= N * s2
         if rubs is not None:
             rubs(c, f, N)
 

@@ -1,0 +1,150 @@
+"""The laws that the reference was given later, each against a closed form."""
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+if str(ROOT) not in sys.path:
+    sys.path.insert(0, str(ROOT))
+
+from tests.random.description import GROUND, Part, Train  # noqa: E402
+from tests.random.expressions import TIME, call, sense, table, thing  # noqa: E402
+from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
+from tests.random.reference.steps import Steps  # noqa: E402
+
+T = np.linspace(0.0, 1.0, 11)
+
+
+def _train(*parts, t_end=1.0, initial=None):
+    return Train("closed form", 0, parts, t_end, initial)
+
+
+def _body(name, J=1.0, **fields):
+    return Part(name, "Inertia", (("J", J), *fields.items()), (("a", name),))
+
+
+def _push(node, tau):
+    return Part(f"push {node}", "Torque", (("tau", tau),), (("flange", node),))
+
+
+@pytest.mark.parametrize("rate", [-1.0, -3.0, 2.0])
+def test_steps_keep_what_an_exponential_says(rate):
+    steps = Steps(lambda t, y: rate * y, 0.0, np.array([1.0]), 1.0, 0.1, lambda y: 1e-12 * np.abs(y) + 1e-15)
+    while steps.t < 1.0:
+        piece = steps.step()
+        middle = 0.5 * (piece.t_old + piece.t)
+        assert piece(middle)[0] == pytest.approx(math.exp(rate * middle), rel=1e-9)
+        assert piece.middle()[0] == pytest.approx(math.exp(rate * middle), rel=1e-4)
+    assert steps.y[0] == pytest.approx(math.exp(rate), rel=1e-11)
+
+
+@pytest.mark.parametrize(("lag", "gain", "target"), [(0.1, 0.5, 4.0), (0.02, 0.2, -2.0), (0.5, 1.0, 1.0)])
+def test_a_torque_reads_the_command_of_its_own_instant(lag, gain, target):
+    # w' = u, u' = (gain (target - w) - u)/lag, inside the limits
+    fields = (("target", target), ("gain", gain), ("time_constant", lag), ("lower", -9.0), ("upper", 9.0))
+    governor = Part("g", "Governor", fields, (("flange", "j"),))
+    motion = reference_motion(_train(_body("j"), governor, _push("j", sense("g.command"))), T)
+    A = np.array([[0.0, 1.0], [-gain / lag, -1 / lag]])
+    size, modes = np.linalg.eig(A)
+    rest = np.array([target, 0.0])
+    exact = [(rest + (modes @ np.diag(np.exp(size * t)) @ np.linalg.solve(modes, -rest)).real)[0] for t in T]
+    assert np.abs(motion.speeds[0] - exact).max() < 1e-9
+
+
+@pytest.mark.parametrize("capacity", [0.5, 1.0, 1.7])
+def test_friction_on_a_prescribed_motion_carries_what_it_can(capacity):
+    # the drive turns with 4 t: J w' = capacity while that is less than 4 J
+    drive = Part("d", "Speed", (("w", 4.0 * TIME),), (("flange", "n"),))
+    clutch = Part("c", "Clutch", (("capacity", capacity),), (("a", "n"), ("b", "j")))
+    motion = reference_motion(_train(_body("j", J=0.3), drive, clutch), T)
+    assert np.abs(motion.speeds[0] - min(capacity / 0.3, 4.0) * T).max() < 1e-10
+
+
+@pytest.mark.parametrize(("amount", "w"), [(0.3, 2.0), (0.5, 5.0), (-0.2, 9.0)])
+def test_a_rigid_pair_follows_a_phase_that_moves(amount, w):
+    # phi_b = F(0) - F(phase) with the driving side held by a large inertia
+    e = 0.3
+    law = thing("RatioLaw.ellipse", e=e, order=1)
+    pair = Part("p", "NonCircularGear", (("law", law), ("external", True), ("phase", amount * call("sin", w * TIME))),
+                (("a", "a"), ("b", "b")))  # fmt: skip
+    motion = reference_motion(_train(_body("a", J=1e9, w0=0.0), _body("b", J=1e-3), pair), T)
+    K = (1 + e) / (1 - e)
+    turned = -2 * np.arctan(K * np.tan(amount * np.sin(w * T) / 2))
+    assert np.abs(motion.angles[1] - turned).max() < 1e-6
+
+
+@pytest.mark.parametrize(("mu", "lead", "ratio"), [(0.2, 0.1, 10.0), (0.25, 0.15, 5.0), (0.3, 0.08, -8.0)])
+def test_a_self_locking_worm_stays_and_is_driven_forward(mu, lead, ratio):
+    worm = Part("w", "Worm", (("ratio", ratio), ("lead_angle", lead), ("friction", mu)), (("a", "a"), ("b", "b")))
+    a, b = _body("a", J=0.5, w0=0.0), _body("b", J=0.4)
+    held = reference_motion(_train(a, b, worm, _push("b", 7.0)), T)
+    assert np.abs(held.speeds).max() < 1e-12
+    c, t = math.cos(0.3490658503988659), math.tan(lead)
+    eta = (c - mu * t) / (c + mu / t)
+    alpha = 2.0 / (0.5 + 0.4 / (ratio * ratio * eta))
+    driven = reference_motion(_train(a, b, worm, _push("a", 2.0)), T)
+    assert np.abs(driven.speeds[0] - alpha * T).max() < 1e-10
+
+
+@pytest.mark.parametrize(("load", "tau1", "tau2"), [(1.0, 0.2, 1.5), (0.6, 0.3, 0.8), (2.0, 1.0, 3.0)])
+def test_nothing_enters_a_gear_between_both_bearing_torques(load, tau1, tau2):
+    # b is pushed on by `load` between both: a keeps its speed but for the tie, all of the load is lost in the bearing
+    gear = Part("g", "LossyGear", (("ratio", 1.0), ("efficiency", (0.9, 0.8)), ("bearing", (tau1, tau2))),
+                (("a", "a"), ("b", "b")))  # fmt: skip
+    a, b = _body("a", J=1.0, w0=5.0), _body("b", J=1.0)
+    motion = reference_motion(_train(a, b, gear, _push("b", load)), T)
+    # tau_a = 0: a turns steadily, so b does, and what leaves at b is -load
+    assert np.abs(motion.speeds - 5.0).max() < 1e-10
+
+
+@pytest.mark.parametrize("order", [("x", "y"), ("y", "x")])
+@pytest.mark.parametrize(("first", "second"), [(1.0, 1.2), (0.5, 0.9), (2.0, 2.1)])
+def test_of_two_static_peaks_in_a_row_the_smaller_one_breaks(first, second, order):
+    # drive - clutch - body - brake - ground: the load rises until the weaker one slips, which then passes on half of its peak
+    peak = 2.0
+    clutch = Part(order[0], "Clutch", (("capacity", first / peak), ("peak", peak)), (("a", "j"), ("b", "k")))
+    brake = Part(order[1], "Brake", (("capacity", second / peak), ("peak", peak)), (("a", "k"), ("housing", GROUND)))
+    motion = reference_motion(_train(_body("j", w0=0.0), _body("k", w0=0.0), clutch, brake, _push("j", 3.0 * TIME)), T)
+    late = np.maximum(T - first / 3.0, 0.0)
+    alpha_late = (first - first / peak) * late + 3.0 * late**2 / 2
+    assert np.abs(motion.speeds[0] - alpha_late).max() < 1e-9
+    assert np.abs(motion.speeds[1]).max() < 1e-12
+
+
+@pytest.mark.parametrize("w_t", [8.0, -3.0, 20.0])
+def test_an_impeller_that_reverses_crosses_the_whole_table(w_t):
+    x = (0.0, 0.5, 1.0)
+    fields = (("capacity", table(x, (0.02, 0.015, 0.0))), ("ratio", table(x, (2.0, 1.4, 1.0))))
+    fluid = Part("c", "TorqueConverter", fields, (("impeller", "i"), ("turbine", "t")))
+    motion = reference_motion(_train(_body("i", w0=-2.0), _body("t", J=1e9, w0=w_t), fluid, _push("i", 5.0)), T)
+    assert motion.speeds[0, -1] > 0 > motion.speeds[0, 0]
+    assert np.isfinite(motion.speeds).all()
+
+
+@pytest.mark.parametrize("play", [0.01, 0.1])
+def test_a_static_start_inside_of_a_gap_is_looked_at_and_not_guessed(play):
+    body = _body("j")
+    gap = Part("l", "Lash", (("k", 100.0), ("half_gap", play)), (("a", GROUND), ("b", "j")))
+    still = _train(body, gap, initial="static")
+    with pytest.raises(NoEvidenceError, match="leaves open"):
+        reference_motion(still, T)
+    motion = reference_motion(still, T, given=np.array([0.5 * play]))
+    assert np.abs(motion.angles[0] - 0.5 * play).max() < 1e-12
+    with pytest.raises(NoEvidenceError, match="not the run's"):
+        reference_motion(still, T, given=np.array([3.0 * play]))
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.6, 0.75])
+def test_a_body_that_hammers_another_against_its_stop_comes_to_rest_with_it(restitution):
+    hits = thing("HuntCrossley", restitution=restitution)
+    fields = (("k", 1e3), ("half_gap", 0.1), ("contact_damping", hits), ("hits", True))
+    play = Part("l", "Lash", fields, (("a", "j"), ("b", "k")))
+    stop = Part("s", "HardStop", (("upper", 0.0), ("restitution", 0.0)), (("a", "k"),))
+    bodies = _body("j", w0=0.0), _body("k", J=0.3, w0=0.0)
+    motion = reference_motion(_train(*bodies, play, stop, _push("j", 20.0), t_end=2.0), 2.0 * T)
+    assert np.abs(motion.speeds[:, -1]).max() < 1e-12
+    assert np.abs(motion.angles[:, -1] - [0.1, 0.0]).max() < 1e-12
