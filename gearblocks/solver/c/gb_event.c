@@ -1,5 +1,4 @@
 #include "gb_event.h"
-#include "gb_constraint_state.h"
 #include "gb_constraint_switching.h"
 #include "gb_evaluate.h"
 #include "gb_inputs.h"

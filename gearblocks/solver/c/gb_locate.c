@@ -1,5 +1,4 @@
 #include "gb_locate.h"
-#include "gb_constraint_state.h"
 #include "gb_force_enclosure.h"
 #include "gb_limit_noise.h"
 #include "gb_locate_enclosed.h"
