@@ -229,3 +229,21 @@ double gb_slip_acceleration(const gb_sim *sim, int i, double *size) {
     *size = fabs(rate);
     return rate + gb_delassus_product(&W, i, sim->constraints.force, size);
 }
+
+double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y) {
+    const gb_model *model = sim->model;
+    const gb_delassus W = gb_delassus_of(sim);
+    int constraint = 0;
+    while (constraint < W.n && model->constraints[constraint].active != i) {
+        constraint++;
+    }
+    if (constraint == W.n || !gb_is_active(sim, constraint)) {
+        return 0.0;
+    }
+    double terms = 0.0;
+    model->constraint_forces(sim->par, sim->mode, time_terms, y, sim->constraints.other, sim->constraints.right);
+    model->delassus(sim->par, sim->mode, time_terms, y, 0, sim->constraints.delassus);
+    gb_delassus_product(&W, constraint, sim->constraints.other, &terms);
+    const double own = gb_delassus_diagonal(&W, constraint);
+    return own > 0.0 ? 64.0 * DBL_EPSILON * terms / own : 0.0;
+}

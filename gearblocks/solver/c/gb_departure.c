@@ -289,16 +289,42 @@ int gb_depart(gb_sim *sim, int log, int timed) {
     return code == GB_DONE && flipped > 0 ? hold_trapped(sim) : code;
 }
 
+/* Event function i, held, is no farther from its limit than the tolerance of a step leaves of it: of states that are
+ * small beside what counts as a size for them (from rest, or beside faster ones) only the look ahead knew the side. */
+static int cannot_be_told(gb_sim *sim, int i) {
+    const gb_model *model = sim->model;
+    const double here = sim->events.s[i];
+    const double off = here - (sim->events.held_side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i]);
+    double *moved = sim->events.moved, *y = sim->z2, tolerance = 0.0;
+    memcpy(y, sim->y, sizeof(double) * (size_t)model->n_total);
+    for (int j = 0; j < model->n; j++) {
+        const double weight = sim->control.error_weight[j];
+        if (weight > 0.0 && 2.0 * sim->control.largest[j] * sim->head->options.rtol * weight < 1.0) {
+            y[j] += 1.0 / weight;
+            model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, moved);
+            tolerance += fabs(moved[i] - here);
+            y[j] = sim->y[j];
+        }
+    }
+    return fabs(off) <= tolerance;
+}
+
 int gb_departed(gb_sim *sim) {
     struct gb_event_state *events = &sim->head->events;
     const double now = sim->head->front.t1;
+    const int code = gb_event_functions_now(sim), adaptive = !(sim->head->options.step > 0.0);
     events->held_until = HUGE_VAL;
-    for (int i = 0; i < sim->model->n_event_functions; i++) {
-        if (sim->events.held_side[i] != 0.0 && sim->events.held[i] <= now) {
+    sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
+    for (int i = 0; i < sim->model->n_event_functions && code == GB_DONE; i++) {
+        const int due = sim->events.held_side[i] != 0.0 && sim->events.held[i] <= now;
+        if (due && adaptive && cannot_be_told(sim, i)) {
+            sim->events.held[i] = now + FURTHER * sim->head->front.h;
+        } else if (due) {
             sim->events.held_side[i] = 0.0;
-        } else if (sim->events.held_side[i] != 0.0) {
+        }
+        if (sim->events.held_side[i] != 0.0) {
             events->held_until = gb_min(events->held_until, sim->events.held[i]);
         }
     }
-    return gb_settle_modes(sim, 1);
+    return code == GB_DONE ? gb_settle_modes(sim, 1) : code;
 }

@@ -1,5 +1,4 @@
 #include "gb_limit_noise.h"
-#include "gb_constraint_state.h"
 #include "gb_vector.h"
 
 /* Most of sum |ds/dy_j| over any event function: what is farther from its limit is not looked at closely. */
@@ -73,22 +72,4 @@ int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, c
         }
     }
     return fabs(distance) <= noise || is_held(sim, i, distance, time_terms, y);
-}
-
-double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y) {
-    const gb_model *model = sim->model;
-    const gb_delassus W = gb_delassus_of(sim);
-    int constraint = 0;
-    while (constraint < W.n && model->constraints[constraint].active != i) {
-        constraint++;
-    }
-    if (constraint == W.n || !gb_is_active(sim, constraint)) {
-        return 0.0;
-    }
-    double terms = 0.0;
-    model->constraint_forces(sim->par, sim->mode, time_terms, y, sim->constraints.other, sim->constraints.right);
-    model->delassus(sim->par, sim->mode, time_terms, y, 0, sim->constraints.delassus);
-    gb_delassus_product(&W, constraint, sim->constraints.other, &terms);
-    const double own = gb_delassus_diagonal(&W, constraint);
-    return own > 0.0 ? 64.0 * DBL_EPSILON * terms / own : 0.0;
 }

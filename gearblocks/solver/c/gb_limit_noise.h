@@ -3,8 +3,7 @@
  * An angle that is the difference of coordinates, and a speed that an active constraint holds at the limit of a switch
  * (that of a planetary's braked sun, say) differ from the limit by this alone, and the sign tells nothing. Where the
  * speed is a state itself, the noise is that of the forces and has no such bound: what reads held slips alone cannot
- * leave a limit that lies so close at all. The force of an active constraint that nothing loads is what the forces of
- * others leave of it, 64 eps sum_j |W_ij lambda_j| / W_ii. Knows nothing of modes. */
+ * leave a limit that lies so close at all. Knows nothing of modes. */
 #ifndef GB_LIMIT_NOISE_H
 #define GB_LIMIT_NOISE_H
 
@@ -16,9 +15,5 @@ int gb_is_far(const gb_sim *sim, double distance, const double *y, const double 
 /* Event function i is off its limit by no more than noise, `distance`; the states are y
  * or, where these are larger, `other`. */
 int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, const double *y, const double *other);
-
-/* What rounding leaves of the force whose excess event function i tells, beside the forces of all active constraints.
- */
-double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y);
 
 #endif

@@ -1,6 +1,6 @@
 #include "gb_locate_sampled.h"
+#include "gb_constraint_forces.h"
 #include "gb_dense_output.h"
-#include "gb_limit_noise.h"
 #include "gb_modes.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"

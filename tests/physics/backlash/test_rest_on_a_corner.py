@@ -80,3 +80,25 @@ def test_the_impact_that_comes_is_that_of_a_body_at_rest(ratio, w, method):
     run = gb.simulate(_rig(_lash, ratio, w), t_end=1.01 * meets, method=method, rtol=1e-9)
     assert [e.component for e in run.events][:1] == ["mesh"]
     assert run.events[0].t == pytest.approx(meets, rel=1e-12)
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
+@pytest.mark.parametrize("beside", [False, True])
+@pytest.mark.parametrize("power", [2, 3, 4])
+def test_a_soft_rise_leaves_a_corner_without_an_impact(power, beside, method):
+    """J phi'' = -c t^n - k phi from rest on the corner: damping begins once the sides have parted, so there is none."""
+    J, k, c, end = 0.1, 1330.0, 50.0, 0.02  # over before the motion turns
+    rig = gb.Drivetrain("soft rise")
+    body = rig.add("body", gb.Inertia(J=J))
+    _lash(rig, body)
+    rig.connect(rig.add("load", gb.Torque(tau=-c * gb.time**power)).flange, body.a)
+    if beside:  # what moves already gives slow speeds no scale
+        one, two = rig.add("one", gb.Inertia(J=1.0, w0=2.0)), rig.add("two", gb.Inertia(J=1.0))
+        rig.chain(one, rig.add("shaft", gb.Shaft(k=10.0)), two)
+    run = gb.simulate(rig, t=[0.0, end], method=method, rtol=1e-9)
+    w2, term, exact = k / J, -c / J * end ** (power + 2) / ((power + 1) * (power + 2)), 0.0
+    for i in range(30):  # the series of the solution
+        exact += term
+        term *= -w2 * end**2 / ((power + 2 * i + 3) * (power + 2 * i + 4))
+    assert run["body.phi"][-1] == pytest.approx(exact, rel=1e-6)
+    assert not run.events
