@@ -34,14 +34,13 @@ static double stands_on(const gb_sim *sim, int i) {
     return below ? -1.0 : above ? 1.0 : 0.0;
 }
 
-/* Marks lossy gears at rest and closed stops of which nothing is asked yet: any force lets the gear slide, and its sign
- * tells which way; the stop holds against one sign and opens by the other. */
+/* Marks lossy gears at rest, closed stops and locked freewheels of which nothing is asked yet: any force lets the gear
+ * slide, and its sign tells which way; the others hold against one sign and open by the other. */
 static int mark_forces(gb_sim *sim) {
     int count = 0;
     for (int i = 0; i < sim->model->n_constraints; i++) {
         const gb_constraint *constraint = &sim->model->constraints[i];
-        const int asked = constraint->kind == GB_LOSS || constraint->kind == GB_STOP;
-        if (asked && gb_is_active(sim, i) && sim->events.held_side[constraint->active] == 0.0) {
+        if (constraint->kind != GB_TIE && gb_is_active(sim, i) && sim->events.held_side[constraint->active] == 0.0) {
             sim->events.side[constraint->active] = stands_on(sim, constraint->active);
             count += sim->events.side[constraint->active] != 0.0;
         }
@@ -194,6 +193,12 @@ static double further(const gb_sim *sim) {
  * ahead as it took. */
 static void hold_begun(gb_sim *sim) {
     const double time = sim->head->front.t1 + sim->head->events.look_ahead;
+    for (int i = 0; i < sim->model->n_event_functions && sim->head->events.look_ahead > 0.0; i++) {
+        const int opened = sim->events.role[i] == GB_CONSTRAINED && fabs(sim->events.side[i]) == MARKED;
+        if (opened) { /* in a round before, and it moves only now */
+            hold(sim, i, sim->events.side[i], time);
+        }
+    }
     for (int i = 0; i < sim->model->n_constraints && sim->head->events.look_ahead > 0.0; i++) {
         const gb_constraint *constraint = &sim->model->constraints[i];
         const int left = fabs(sim->events.side[constraint->active]) == LEAVES && !gb_is_active(sim, i);
@@ -201,8 +206,10 @@ static void hold_begun(gb_sim *sim) {
         const int sign = constraint->kind == GB_LOSS ? sim->model->constraints[constraint->partner].slip : slip;
         if (left && constraint->kind == GB_STOP) {
             hold(sim, slip, -1.0, time);
-        } else if (left && constraint->kind == GB_LOSS) {
+        } else if (left) {
             hold(sim, slip, -sim->mode[slip], time);
+        }
+        if (left && constraint->kind == GB_LOSS) {
             hold(sim, sign, -sim->mode[sign], time);
         }
     }

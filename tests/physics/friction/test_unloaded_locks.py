@@ -73,9 +73,9 @@ def test_a_soft_rise_is_as_good_as_any(torque, lock):
 
 
 HELD = {
-    "brake": lambda: gb.Brake(capacity=80.0),
-    "bearing": lambda: gb.BearingFriction(coulomb=60.0),
-    "load": lambda: gb.SpeedLoad(coeffs=(70.0, 0.1, 0.0)),
+    "brake": lambda: gb.Brake(capacity=180.0),
+    "bearing": lambda: gb.BearingFriction(coulomb=160.0),
+    "load": lambda: gb.SpeedLoad(coeffs=(170.0, 0.1, 0.0)),
 }
 
 
@@ -84,10 +84,11 @@ def _hammered(held):
     rig = gb.Drivetrain("hammered")
     swings = rig.add("swings", gb.Inertia(J=0.03, w0=2.0))
     rig.chain(swings, rig.add("spring", gb.Shaft(k=50.0)), rig.add("ground", gb.Fixed()))
-    gap = rig.add("gap", gb.Lash(k=4e4, half_gap=1e-3, c=30.0, contact_damping="clipped"))
     still = rig.add("still", gb.Inertia(J=0.02) if held else gb.Fixed())
-    rig.connect(swings.b, gap.a)
-    rig.connect(gap.b, still.a if held else still.flange)
+    radii, play = (0.025, 0.05), gb.Backlash(half_gap=2e-4)
+    mesh = rig.add("mesh", gb.GearMesh(teeth=(20, 40), external=True, r_base=radii, k=5e6, c=100.0, backlash=play))
+    rig.connect(mesh.wheel, swings.b)
+    rig.connect(mesh.pinion, still.a if held else still.flange)
     for name in held:
         friction = rig.add(name, HELD[name]())
         rig.connect(still.b, friction.flange if name == "load" else friction.a)
@@ -97,8 +98,8 @@ def _hammered(held):
 @pytest.mark.parametrize("held", [("brake", "bearing"), ("bearing", "load"), ("brake", "bearing", "load")])
 @pytest.mark.parametrize(("method", "rtol"), [("auto", 1e-6), ("dp5", 1e-8), ("rodas", 1e-8)])
 def test_what_several_frictions_hold_stays_when_its_contact_opens(held, method, rtol):
-    t = np.linspace(0.0, 0.5, 101)
+    t = np.linspace(0.0, 0.1, 21)
     run = gb.simulate(_hammered(held), t=t, method=method, rtol=rtol)
     same = gb.simulate(_hammered(()), t=t, method="dp8", rtol=1e-11)
     assert not np.any(run["still.w"])
-    assert run["swings.w"] == pytest.approx(same["swings.w"], abs=300 * rtol)
+    assert run["swings.w"] == pytest.approx(same["swings.w"], abs=30 * rtol)

@@ -12,12 +12,12 @@ from scipy.integrate import solve_ivp
 
 import gearblocks as gb
 
-T_END, RATIO, ETA, DRIVEN = 0.12, 0.5, 0.89, 0.278
+T_END, RATIO, ETA, DRIVEN = 0.15, 0.5, 0.89, 0.278
 LOADS = {  # of gearblocks, the same in numpy, and where it begins
     "constant": (-5.0, lambda t: -5.0, 0.0),
     "ramp": (-50.0 * gb.time, lambda t: -50.0 * t, 0.0),
     "soft": (5.0 * (1.0 - gb.cos(20.0 * gb.time)), lambda t: 10.0 * np.sin(10.0 * t) ** 2, 0.0),
-    "later": (gb.Table([0, 0.05, 1], [0, 0, -19.0]), lambda t: -20.0 * max(t - 0.05, 0.0), 0.05),
+    "later": (gb.Table([0, 0.07, 1], [0, 0, -18.6]), lambda t: -20.0 * max(t - 0.07, 0.0), 0.07),
 }
 METHODS = (("auto", 1e-6), ("dp5", 1e-9), ("dp8", 1e-10), ("rodas", 1e-8))
 

@@ -175,8 +175,8 @@ def test_a_row_of_lossy_gears_turns_back_as_its_losses_say_with_every_method(nam
         run = gb.simulate(rig, t=AT, method=method, rtol=rtol)
         assert run["body0.w"] == pytest.approx(true, abs=20 * rtol * np.abs(true).max()), method
         assert run.energy.residual < 30 * rtol
-        times = sorted({round(e.t, 3) for e in run.events})
-        assert times == pytest.approx(sorted({round(t, 3) for t in changes}), abs=2e-3), method
+        times = sorted({round(e.t, 3) for e in run.events if e.t > 1e-6})  # how it begins is no change
+        assert times == pytest.approx(sorted({round(t, 3) for t in changes if t > 1e-6}), abs=2e-3), method
 
 
 @pytest.mark.parametrize("place", [0, 1])
