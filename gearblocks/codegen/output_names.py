@@ -7,7 +7,15 @@ from collections.abc import Iterator
 from gearblocks.assembly.assemble import GROUND_GROUP, expand_rows
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator
-from gearblocks.codegen.program import LOSSY, POWER_INTO_FLANGE, DependentStart, PrescribedStart, Quantity, StartInfo
+from gearblocks.codegen.program import (
+    LOSSY,
+    LOSSY_VARYING,
+    POWER_INTO_FLANGE,
+    DependentStart,
+    PrescribedStart,
+    Quantity,
+    StartInfo,
+)
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import flange_names, slider_names, unit_along, words_along
@@ -123,6 +131,10 @@ def lossy_starts(g: Generator) -> Iterator[DependentStart]:
             least = 1e-12 * max(map(abs, row.values()), default=0.0)  # both sides may have one start value
             factors = {offset: x for offset, x in factors.items() if abs(x) > least}
             yield DependentStart(f"{member.path}.tie", tuple(factors), tuple(factors.values()), LOSSY)
+        else:
+            gains = tuple(1.0 / float(start.w0_gain) for start in a.starts[: a.n_speeds])
+            offsets = tuple(lay.w0[source] for source in range(a.n_speeds))
+            yield DependentStart(f"{member.path}.tie", offsets, gains, LOSSY_VARYING)
 
 
 def prescribed_starts(g: Generator) -> Iterator[PrescribedStart]:

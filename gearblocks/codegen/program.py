@@ -93,12 +93,14 @@ class StartInfo(NamedTuple):
 
 
 LOSSY = "lossy"
+LOSSY_VARYING = "lossy, by gains that vary"
 
 
 class DependentStart(NamedTuple):
     """A start value that follows from others through rigid constraints: the sum of factors times the parameters at `offsets`.
 
-    of: "angle" or "speed"; LOSSY: the slip of a lossy tie, which must be 0.
+    of: "angle" or "speed"; LOSSY: the slip of a lossy tie, which must be 0; LOSSY_VARYING: the same where the gains follow from
+    the angles, with all independent speeds by their number.
     """
 
     name: str

@@ -15,7 +15,7 @@ from gearblocks.language.block import Declared
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Input, Parameter
 from gearblocks.model.cache_key import classes_digest, package_digest
-from gearblocks.model.start_values import contradictions, fit_prescribed, parameter_value, solve_dependent
+from gearblocks.model.start_values import contradictions, fit_lossy, fit_prescribed, parameter_value, solve_dependent
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.library import Model, compile_program, start_core_build
 from gearblocks.train.graph import GROUND, Train
@@ -55,6 +55,7 @@ def _build(train: Train) -> Model:
     start.setflags(write=False)
     model = Model(program, compile_program(program), start)
     fit_prescribed(model, train)
+    fit_lossy(model, train)
     return model
 
 

@@ -6,13 +6,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gearblocks.codegen.program import LOSSY, DependentStart, Program
+from gearblocks.codegen.program import LOSSY, LOSSY_VARYING, DependentStart, Program
 from gearblocks.errors import ModelError
 from gearblocks.language.block import Block, given_start, start_fields
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array, Options
+from gearblocks.solver.switched_constraints import ConstraintKind
 from gearblocks.train.graph import Train
 
 _START = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
@@ -57,7 +58,7 @@ def solve_dependent(program: Program, train: Train, values: dict[str, float]) ->
     `values`); yields contradictions (those of lossy ties a run says)."""
     blocks = {c.path: c.block for c in train.components}
     rows = []
-    for info in (x for x in program.dependent_starts if x.of != LOSSY):
+    for info in (x for x in program.dependent_starts if x.of in (ANGLE, SPEED)):
         path = info.name.rpartition(".")[0]
         value = start_of(blocks[path], info.of)
         if value is not None:
@@ -164,3 +165,41 @@ def _fitted(model: Model, names: list[str], asked: Array, found: Array, blocks: 
     model.values[free] = values[free]
     model.values.setflags(write=False)
     return fitted
+
+
+def fit_lossy(model: Model, train: Train) -> None:
+    """The same for lossy ties behind gains that vary with angles: with the gains at the start, open start speeds that are 0
+    are chosen so that no tie slips (into model.values). What is left a run says."""
+    varying = next((x for x in model.program.dependent_starts if x.of == LOSSY_VARYING), None)
+    if varying is None:
+        return
+    offsets = list(dict.fromkeys(varying.offsets))
+    rows = _tie_rows(model, offsets) if model.values[offsets].any() else None
+    if rows is None:
+        return
+    slips = np.zeros((len(rows), len(offsets)))  # per start value: both sides of a relation may have one
+    for column, i, gain in zip(rows.T, varying.offsets, varying.factors, strict=True):
+        slips[:, offsets.index(i)] += gain * column
+    blocks: dict[str, Block] = {c.path: c.block for c in train.components}
+    free = [k for k, i in enumerate(offsets) if model.values[i] == 0.0 and _is_open(model.program, blocks, i)]
+    free = [k for k in free if slips[:, k].any()]
+    if not free:
+        return
+    found = np.linalg.lstsq(slips[:, free], -slips @ model.values[offsets], rcond=None)[0]
+    model.values.setflags(write=True)
+    model.values[[offsets[k] for k in free]] = found
+    model.values.setflags(write=False)
+
+
+def _tie_rows(model: Model, offsets: list[int]) -> Array | None:
+    """Rows of all lossy ties over the independent speeds, at the angles of the start; None where even a start at rest fails."""
+    values = model.values.copy()
+    values[offsets] = 0.0
+    with model.library.open() as sim:
+        sim.parameters[:] = values
+        sim.inputs[:] = [x.start for x in model.program.inputs]
+        sim.changed()
+        if sim.start(_START, 0.0) < 0:
+            return None
+        ties = [x.kind is ConstraintKind.TIE for x in sim.constraints().constraints]
+        return sim.constraints_at(0.0, sim.state(), sim.modes()).rows[ties]

@@ -9,9 +9,10 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearblocks.codegen.program import LOSSY, Program
+from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError, UnknownNameError, by_name, did_you_mean
 from gearblocks.language.expression import finite_number
+from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Table
 from gearblocks.simulation.trajectory import Trajectory, matches
 from gearblocks.solver.binding import Simulation
@@ -163,7 +164,7 @@ def is_static(initial: Any) -> bool:
 
 def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> None:
     starts = {s.name: i for i, s in enumerate(program.starts)}
-    dependents = {f.name: f for f in program.dependent_starts if f.of != LOSSY}
+    dependents = {f.name: f for f in program.dependent_starts if f.of in (ANGLE, SPEED)}
     initial = dict(initial)
     asked = {dependents[name]: initial.pop(name) for name in [*initial] if name in dependents}
     given: dict[int, tuple[str, float]] = {}

@@ -79,3 +79,28 @@ def test_without_losses_a_ramp_later_on_is_no_matter_of_step_sizes(springs, meth
     tau, same, begins = LOADS["later"]
     run = gb.simulate(_chain(springs, tau, gb.IdealGear(ratio=RATIO)), t_end=T_END, method=method, rtol=rtol)
     assert abs(run["driven.w"][-1] / _in_numpy(springs, same, begins, 1.0) - 1.0) < 20.0 * rtol
+
+
+@pytest.mark.parametrize("first", ["pair", "joint"])
+@pytest.mark.parametrize("given", ["driving", "behind"])
+def test_start_speeds_follow_through_a_gear_behind_gains_that_vary(first, given):
+    rig = gb.Drivetrain("start")
+    blocks = {
+        "pair": gb.NonCircularGear(external=False, law=gb.RatioLaw.ellipse(0.25)),
+        "joint": gb.UniversalJoint(angle=0.4),
+    }
+    driving = rig.add("driving", gb.Inertia(J=0.8, phi0=0.3, **({"w0": 18.6} if given == "driving" else {})))
+    middle, last = rig.add("middle", gb.Inertia(J=0.1)), rig.add("last", gb.Inertia(J=0.3))
+    behind = rig.add("behind", gb.Inertia(J=0.2, **({"w0": -4.0} if given == "behind" else {})))
+    one, two = (
+        rig.add(name, gb.LossyGear(ratio=ratio, efficiency=(0.8, 0.7))) for name, ratio in (("one", 2.0), ("two", -0.5))
+    )
+    rig.chain(driving, rig.add("gain", blocks[first]), middle, one, last, two, behind)
+    run = gb.simulate(rig, t=[0.0, 1e-4])
+    w = {name: run[f"{name}.w"][0] for name in ("driving", "middle", "last", "behind")}
+    assert w[given] == pytest.approx({"driving": 18.6, "behind": -4.0}[given], rel=1e-12)
+    assert (w["middle"], w["last"]) == pytest.approx((2.0 * w["last"], -0.5 * w["behind"]), rel=1e-12)
+    turned = run["middle.phi"][1] - run["middle.phi"][0]  # the gain, by what a short time turns
+    assert turned / (run["driving.phi"][1] - run["driving.phi"][0]) == pytest.approx(
+        w["middle"] / w["driving"], rel=1e-3
+    )
