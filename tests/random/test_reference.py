@@ -101,6 +101,33 @@ def test_nothing_enters_a_gear_between_both_bearing_torques(load, tau1, tau2):
     assert np.abs(motion.speeds - 5.0).max() < 1e-10
 
 
+@pytest.mark.parametrize(
+    ("push", "load", "w0", "bearing"),
+    [(0.5, 2.0, 20.0, (2.5, 0.2)), (-0.3, -0.8, -9.0, (1.5, 0.0)), (2.0, 1.5, 0.0, (2.0, 0.3))],
+)
+def test_a_drives_first_where_both_sides_of_a_gear_hold(push, load, w0, bearing):
+    gear = Part("g", "LossyGear", (("ratio", 1.0), ("efficiency", (0.9, 0.8)), ("bearing", bearing)),
+                (("a", "a"), ("b", "b")))  # fmt: skip
+    bodies = _body("a", J=1.0, w0=w0), _body("b", J=0.5)
+    motion = reference_motion(_train(*bodies, gear, _push("a", push), _push("b", load)), T)
+    # what leaves, u = 0.5 alpha - load, lies between both bearing torques; 1.0 alpha = push - (u + tau1)/eta1
+    alpha = (push + (load - math.copysign(bearing[0], push)) / 0.9) / (1.0 + 0.5 / 0.9)
+    assert -bearing[0] <= math.copysign(1.0, push) * (0.5 * alpha - load) < -bearing[1]
+    assert np.abs(motion.speeds - w0 - alpha * T).max() < 1e-10
+
+
+def test_two_gears_that_a_cannot_both_drive_leave_a_start_open():
+    # pushed on from the far end so much that not both are driven by a: the first one still may be, or none of them
+    def gear(name, a, b, tau1):
+        fields = (("ratio", 1.0), ("efficiency", (0.95, 0.95)), ("bearing", (tau1, 0.0)))
+        return Part(name, "LossyGear", fields, (("a", a), ("b", b)))
+
+    bodies = _body("a", J=1.0, w0=50.0), _body("b", J=1.0), _body("c", J=1.0)
+    train = _train(*bodies, gear("g", "a", "b", 1.0), gear("h", "b", "c", 1.0), _push("c", 0.8))
+    with pytest.raises(NoEvidenceError, match="several"):
+        reference_motion(train, T)
+
+
 @pytest.mark.parametrize("order", [("x", "y"), ("y", "x")])
 @pytest.mark.parametrize(("first", "second"), [(1.0, 1.2), (0.5, 0.9), (2.0, 2.1)])
 def test_of_two_static_peaks_in_a_row_the_smaller_one_breaks(first, second, order):

@@ -119,3 +119,33 @@ def test_start_speeds_that_a_lossy_gear_does_not_allow_are_refused_by_name():
         gb.simulate(rig, t_end=1.0)
     run = gb.simulate(rig.set({"two.w0": 1.0}), t_end=0.01)
     assert (run["one.w"][0], run["two.w"][0]) == (2.0, 1.0)
+
+
+@EVERY_METHOD
+@pytest.mark.parametrize(
+    ("tau", "load", "ratio", "w0", "bearing"),
+    [
+        (0.5, 4.0, 3.0, 20.0, (2.0, 0.2)),
+        (0.2, 0.3, -0.5, 9.0, (1.5, 0.3)),
+        (0.3, -1.5, 3.0, -20.0, (1.0, 0.0)),
+        (2.5, 3.0, 2.0, 0.0, (2.0, 0.2)),
+        (-2.5, -3.0, 2.0, 0.0, (2.0, 0.2)),
+    ],
+)
+def test_a_drives_where_a_run_begins_between_both_bearing_torques(tau, load, ratio, w0, bearing, options):
+    """Both sides hold all along, with u = J_b alpha/ratio - load/ratio below -tau2 and not below -tau1."""
+    rig = _chain(
+        drive=gb.Torque(tau=tau), one=gb.Inertia(J=1.0),
+        gear=gb.LossyGear(ratio=ratio, efficiency=(ETA1, ETA2), bearing=bearing), two=gb.Inertia(J=0.5, w0=w0),
+        load=gb.Torque(tau=load),
+    )  # fmt: skip
+    run = gb.simulate(rig, t_end=1.0, **options)
+    sign = np.sign(ratio * w0) if w0 else np.sign(tau)
+    alpha, other = (
+        (tau + (load / ratio - sign * loss) / eta) / (ratio + 0.5 / (ratio * eta))
+        for loss, eta in zip(bearing, (ETA1, 1 / ETA2), strict=True)
+    )
+    for rate in (alpha, other):
+        assert -bearing[0] <= sign * (0.5 * rate - load) / ratio < -bearing[1]
+    assert run["two.w"][-1] == pytest.approx(w0 + alpha, rel=EXACT)
+    assert run.energy.residual < EXACT

@@ -43,7 +43,7 @@ class Integration:
         for _ in range(3):  # signals that read what others compute
             self.modes.begin(0.0, y)
         s.sw.fresh = False
-        y = self.modes.decide(0.0, y, self.span)
+        y = self.modes.decide(0.0, y, self.span, starting=True)
         now, done, events, still = 0.0, 0, 0, 0
         self.largest = np.abs(y)
         while done < len(t):

@@ -57,8 +57,11 @@ class Modes(Impacts):
                 return y
         raise NoEvidenceError("impacts without end")
 
-    def decide(self, t: float, y: Array, span: float) -> Array:
-        """Sets the modes for what follows t; the state, after impacts and without slip where something is stuck."""
+    def decide(self, t: float, y: Array, span: float, starting: bool = False) -> Array:
+        """Sets the modes for what follows t; the state, after impacts and without slip where something is stuck.
+
+        starting: there were none before that could go on.
+        """
         for part in (0.01, 0.03, 0.1) if self.most == 0.0 else ():
             self.force(t + part * span, y)
         self.force(t, y)
@@ -71,7 +74,8 @@ class Modes(Impacts):
         hits = len(self.jumps)
         y = self.impacts(t, y)
         _, v = self.qv(y)
-        kept = self.kept(t, y) if len(self.jumps) == hits else None
+        smooth = len(self.jumps) == hits
+        kept = self.kept(t, y) if smooth and not starting else None
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
         alone = self.unique()
@@ -90,7 +94,7 @@ class Modes(Impacts):
                 break
         if not fits:
             raise NoEvidenceError("no set of modes fits")
-        modes, y, _ = self.chosen(fits, kept)
+        modes, y, _ = self.chosen(self.driven(fits) if smooth and starting else fits, kept)
         self.set(modes)
         self.lock()
         return y
@@ -273,6 +277,17 @@ class Modes(Impacts):
             out.append(g.mode if min(units[at + 1 : at + 4]) > 1e-7 * size else None)
             at += 4
         return out
+
+    def driven(self, fits: list[tuple[Any, Array, Array]]) -> list[tuple[Any, Array, Array]]:
+        """At a start: a drives every gear of which both sides may hold, if that is a motion; else all that fit."""
+        gears = slice(len(self.s.dry) + len(self.s.stops), None)
+
+        def first(modes: tuple[Any, ...], y: Array) -> bool:
+            v = self.qv(y)[1]
+            losses = [g.values(abs(float(g.ra @ v))) for g in self.s.lossy]
+            return all(m in ((0, 0), (m[0], 1)) or x[2] <= x[3] for m, x in zip(modes[gears], losses, strict=True))
+
+        return [x for x in fits if first(x[0], x[1])] or fits
 
     def chosen(self, fits: list[tuple[Any, Array, Array]], kept: list[Any] | None) -> tuple[Any, Array, Array]:
         """Of several sets that which sticks most; where that is not clear, of those that keep what need not end."""
