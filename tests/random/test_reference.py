@@ -77,6 +77,38 @@ def test_a_rigid_pair_follows_a_phase_that_moves(amount, w):
     assert np.abs(motion.angles[1] - turned).max() < 1e-6
 
 
+@pytest.mark.parametrize("side", ["a", "b"])
+@pytest.mark.parametrize(("given", "phase"), [(0.4, 0.0), (-1.3, 0.7), (7.5, -0.2)])
+@pytest.mark.parametrize("block", ["NonCircularGear", "UniversalJoint"])
+def test_a_nonlinear_tie_that_starts_off_zero_holds_there(block, given, phase, side):
+    # tan(phi_b/2 + ..) = K tan(phi_a/2 + ..), the joint tan phi_b = tan phi_a/cos(angle); a or b turns steadily at 2 rad/s
+    law = thing("RatioLaw.ellipse", e=0.3, order=1)
+    K, n, fields = 1.3 / 0.7, 1, (("law", law), ("external", False), ("phase", phase))
+    if block == "UniversalJoint":
+        phase, K, n, fields = 0.0, 1 / math.cos(0.8), 2, (("angle", 0.8),)
+
+    def F(x, K):
+        s, c = np.sin(n * x / 2), np.cos(n * x / 2)
+        return x + 2 / n * np.arctan2((K - 1) * s * c, c * c + K * s * s)
+
+    steady = {"J": 1e9, "w0": 2.0, "phi0": given}
+    a, b = (_body(name, **(steady if name == side else {"J": 1e-3})) for name in "ab")
+    motion = reference_motion(_train(a, b, Part("p", block, fields, (("a", "a"), ("b", "b")))), T)
+    turned = given + 2.0 * T
+    other = F(turned + phase, K) - F(phase, K) if side == "a" else F(turned + F(phase, K), 1 / K) - phase
+    assert np.abs(motion.angles[1 if side == "a" else 0] - other).max() < 1e-8
+
+
+@pytest.mark.parametrize("given", [0.2, -0.5])
+def test_angles_that_nobody_gives_are_not_guessed_beside_a_nonlinear_tie(given):
+    # carrier given, left and right open: the tie at the right would have to be guessed
+    split = Part("d", "Differential", (), (("carrier", "c"), ("left", "l"), ("right", "r")))
+    joint = Part("p", "UniversalJoint", (("angle", 0.5),), (("a", "r"), ("b", "o")))
+    bodies = [_body("c", phi0=given), *map(_body, "lro")]
+    with pytest.raises(NoEvidenceError, match="nobody gives"):
+        reference_motion(_train(*bodies, split, joint), T)
+
+
 @pytest.mark.parametrize(("mu", "lead", "ratio"), [(0.2, 0.1, 10.0), (0.25, 0.15, 5.0), (0.3, 0.08, -8.0)])
 def test_a_self_locking_worm_stays_and_is_driven_forward(mu, lead, ratio):
     worm = Part("w", "Worm", (("ratio", ratio), ("lead_angle", lead), ("friction", mu)), (("a", "a"), ("b", "b")))

@@ -91,20 +91,22 @@ def joint(s: System, p: Part) -> None:
         up = -4 * q * math.sin(2 * phi)
         return up / d - 2 * q * (math.cos(2 * phi) - q) * 4 * q * math.sin(2 * phi) / d**2
 
-    nonlinear_tie(s, s.node(p.node("a")), s.node(p.node("b")), m, dm, 1.0)
+    def F(phi: float) -> float:
+        return phi + math.atan2(q * math.sin(2 * phi), 1 - q * math.cos(2 * phi))
+
+    nonlinear_tie(s, s.node(p.node("a")), s.node(p.node("b")), (F, m, dm), 1.0)
 
 
 def nonlinear_tie(
     s: System,
     a: Array,
     b: Array,
-    m: Callable[[float], float],
-    dm: Callable[[float], float],
+    law: tuple[Callable[[float], float], Callable[[float], float], Callable[[float], float]],
     sign: float,
     phase: Any = 0.0,
 ) -> None:
-    """w_b = sign m(phi_a + phase) (w_a + phase'), until `reduce` over nodes."""
-
+    """phi_b = sign (F(phi_a + phase) - F(phase at the start)) with F, F', F'' the law; until `reduce` over nodes."""
+    F, m, dm = law
     ahead, rate_of, pull_of = (s.compile(x) for x in (phase, derivative(phase), derivative(derivative(phase))))
 
     def rate(q: Array, v: Array, c: Context) -> tuple[Array, float, float]:
@@ -115,7 +117,10 @@ def nonlinear_tie(
         w, slope = float(ra @ v) + extra, m(phi)
         return rb - sign * slope * ra, sign * slope * extra, sign * (dm(phi) * w * w + slope * pull_of(c))
 
-    s.nonlinear.append(Tie(rate, lambda q: max(abs(float(a @ s.N @ q)), abs(float(b @ s.N @ q)))))
+    def apart(q: Array, c: Context) -> float:  # at the start: the phase is that of then
+        return float(b @ s.N @ q) - sign * (F(float(a @ s.N @ q) + ahead(c)) - F(ahead(c)))
+
+    s.nonlinear.append(Tie(rate, (a, b), apart))
 
 
 def noncircular(s: System, p: Part) -> None:
@@ -129,7 +134,7 @@ def noncircular(s: System, p: Part) -> None:
     sign = 1.0 if p.field("external") else -1.0
     phase = p.field("phase", 0.0)
     if p.field("k") is None:
-        nonlinear_tie(s, a, b, m, dm, -sign, phase)
+        nonlinear_tie(s, a, b, (F, m, dm), -sign, phase)
         return
     ahead, rate = s.compile(phase), s.compile(derivative(phase))
     s.context.t = 0.0
@@ -204,7 +209,7 @@ def speed(s: System, p: Part) -> None:
     s.J[s.index[node]] += 1.0  # any: its tie gives what it needs
     asked, pull = s.compile(rate), s.compile(derivative(rate))
     start = s.compile(motion if turned else 0.0)
-    s.nonlinear.append(Tie(lambda q, v, c: (row @ s.N, asked(c), pull(c)), lambda q: 0.0, (row, start)))
+    s.nonlinear.append(Tie(lambda q, v, c: (row @ s.N, asked(c), pull(c)), starts=(row, start)))
 
 
 def speed_load(s: System, p: Part) -> None:

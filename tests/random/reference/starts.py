@@ -9,7 +9,7 @@ import numpy as np
 
 from tests.random.description import senses
 from tests.random.reference.equilibrium import at_rest
-from tests.random.reference.switches import NoEvidenceError
+from tests.random.reference.switches import NoEvidenceError, is_zero
 from tests.random.reference.system import Array
 
 
@@ -30,9 +30,7 @@ def start(d: Any, perturbation: float, given: Array | None = None) -> Array:
     for turned, angle in (tie.starts for tie in s.nonlinear if tie.starts is not None):
         rows.append(turned @ s.N)
         angles.append(angle(s.context))
-    q = _fit(rows + tied, angles + [0.0] * len(tied), n)
-    if any(tie.turned(q) > 0 for tie in s.nonlinear):
-        raise NoEvidenceError("a nonlinear tie that starts off zero")
+    q = _met(s, rows + tied, _fit(rows + tied, angles + [0.0] * len(tied), n))
     guided = [x.rate(q, np.zeros(n), s.context) for x in s.nonlinear]
     v0 = _fit(sped + tied + [x[0] for x in guided], speeds + [0.0] * len(tied) + [x[1] for x in guided], n)
     if perturbation:
@@ -44,6 +42,25 @@ def start(d: Any, perturbation: float, given: Array | None = None) -> Array:
     driven = np.array([x(s.context) for x in d.driven_from])
     y = np.concatenate([qr, _balanced(d, qr, vr), vr, driven, np.array(s.start)])
     return y if s.train.initial is None else at_rest(d, y, given)
+
+
+def _met(s: Any, rows: list[Array], q: Array) -> Array:
+    """Start angles moved until nonlinear ties hold, by Newton's method from those that `rows` ask for, which stay."""
+    ties = [x for x in s.nonlinear if x.apart is not None]
+    if not any(float(side @ s.N @ q) != 0 for x in ties for side in x.sides):
+        return q  # all at zero, where each of them holds
+    for _ in range(60):
+        missed = [x.apart(q, s.context) for x in ties]
+        A = np.array([*rows, *(x.rate(q, np.zeros(len(q)), s.context)[0] for x in ties)])
+        if max(abs(x) for x in missed) <= 1e-14 * max(1.0, float(np.abs(q).max())):
+            break
+        q = q - np.linalg.lstsq(A, np.r_[np.zeros(len(rows)), missed], rcond=1e-12)[0]
+    else:
+        raise NoEvidenceError("start angles that a nonlinear tie does not meet")
+    free = _free(list(A), len(q))
+    if any(not is_zero(side @ s.N @ free) for x in ties for side in x.sides if float(side @ s.N @ q) != 0):
+        raise NoEvidenceError("a nonlinear tie off zero at angles that nobody gives")
+    return q
 
 
 def _balanced(d: Any, qr: Array, vr: Array) -> Array:

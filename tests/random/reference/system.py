@@ -77,11 +77,13 @@ class Lossy:
 class Tie:
     """A nonlinear tie, or a motion that is prescribed: rate(q, v, context) -> (row, row v as asked, row a as asked).
 
-    turned: the largest of both angles; starts: of a prescribed node its row over nodes and its angle at the start.
+    sides, apart: rows over nodes of both angles, and by how much they miss the tie; starts: of a prescribed node its row over
+    nodes and its angle at the start.
     """
 
     rate: Callable[[Array, Array, Context], tuple[Array, float, float]]
-    turned: Callable[[Array], float]
+    sides: tuple[Array, ...] = ()
+    apart: Callable[[Array, Context], float] | None = None
     starts: tuple[Array, Signal] | None = None
 
 
