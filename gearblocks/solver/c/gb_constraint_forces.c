@@ -5,6 +5,18 @@
 #include "gb_report.h"
 #include "gb_vector.h"
 
+void gb_free_rates(gb_sim *sim, const double *time_terms, const double *y, double *rates) {
+    const gb_model *model = sim->model;
+    double *mode = sim->sliding.mode;
+    memcpy(mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
+    for (int i = 0; i < model->n_constraints; i++) {
+        mode[model->constraints[i].active] = 0.0;
+    }
+    mode[model->n_switches] = 0.0;
+    model->rhs(sim->par, mode, time_terms, y, rates);
+    sim->head->counts.rhs_calls++;
+}
+
 /* Free slip accelerations: with the present modes and no constraint active. */
 static int free_accelerations(gb_sim *sim) {
     const gb_model *model = sim->model;

@@ -12,6 +12,9 @@
 /* What cannot be told from zero in a slip acceleration whose terms add up to `size`. */
 double gb_acceleration_rounding(const gb_sim *sim, int i, double size);
 
+/* The rates at a state in the present modes, with no constraint active. */
+void gb_free_rates(gb_sim *sim, const double *time_terms, const double *y, double *rates);
+
 /* Solves for the active set: candidates that no force within its bounds keeps from slipping slide, until all others
  * stay. */
 int gb_choose_active_set(gb_sim *sim);

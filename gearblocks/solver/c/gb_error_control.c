@@ -1,4 +1,6 @@
 #include "gb_error_control.h"
+#include "gb_constraint_forces.h"
+#include "gb_constraint_state.h"
 #include "gb_rates.h"
 #include "gb_rosenbrock.h"
 #include "gb_vector.h"
@@ -22,17 +24,35 @@ double gb_rough_log2(double x) {
     return exponent + f * (1.4234 + f * (-0.5877 + f * 0.1643));
 }
 
+/* Rounding of the acceleration of what locks hold, in parts of the one that it had without them. */
+static const double OF_LOCKS = 256.0 * DBL_EPSILON;
+
+/* What locks leave of the forces of the trial's end: where nothing else moves a speed, its whole rate. These
+ * accelerations lie in the row `left`; 1: some are beyond the noise that is known. */
+static int noise_of_locks(gb_sim *sim, const gb_lanes *at, double *left) {
+    const gb_model *model = sim->model;
+    int beyond = 0;
+    gb_free_rates(sim, at->time_terms + sim->method->stages, sim->z, left);
+    for (int i = 0; i < model->n; i++) {
+        const double noise = i < model->n - model->n_speeds ? 0.0 : OF_LOCKS * fabs(left[i]);
+        left[i] = noise < HUGE_VAL ? noise : 0.0;
+        beyond |= left[i] > sim->control.noise[i];
+    }
+    return beyond;
+}
+
 /* How far rounding moves each rate: the response to a change of the states in their last bits, of alternating sign.
  * What starts from rest has the bits of what a first step of h reaches: a slip that is held beside it is as noisy as
- * that. */
-static void measure_noise(gb_sim *sim, double h, const gb_lanes *at) {
+ * that. left: accelerations that are rounding (NULL: none are known), which reach further rates by their speeds. */
+static void measure_noise(gb_sim *sim, double h, const gb_lanes *at, const double *left) {
     const gb_model *model = sim->model;
     const int implicit = sim->method->gamma > 0.0;
     const double first = sim->head->counts.steps == 0 ? h : 0.0;
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
     for (int i = 0; i < model->n_padded; i++) {
         const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
-        const double bit = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
+        const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
+        const double bit = left != NULL && i < model->n ? gb_max(own, h * left[i]) : own;
         sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
     }
     gb_rates(sim, 0, at, 0, sim->z2, rate);
@@ -44,7 +64,7 @@ static void measure_noise(gb_sim *sim, double h, const gb_lanes *at) {
         gb_rosenbrock_response(sim, rate);
     }
     for (int i = 0; i < model->n; i++) {
-        const double noise = fabs(rate[i]);
+        const double noise = gb_max(fabs(rate[i]), left != NULL ? left[i] : 0.0);
         sim->control.noise[i] = noise > sim->control.noise[i] || implicit ? noise : sim->control.noise[i];
     }
 }
@@ -111,8 +131,12 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     /* what begins to move has its rounding for a scale, and it had none in other modes */
     const int moved = trial != NULL && head->control.noise_modes != head->events.mode_hash;
     const int longer = h > 4.0 * head->control.h_noise && (implicit || head->control.unscaled);
-    if (head->counts.steps >= head->control.noise_at || (implicit && moved) || longer) {
-        measure_noise(sim, h, at);
+    double *left = trial != NULL && !implicit && gb_some_active(sim)
+                       ? sim->k + (size_t)(GB_STAGES - 3) * (size_t)sim->model->n_total
+                       : NULL;
+    const int noisier = left != NULL && noise_of_locks(sim, at, left);
+    if (head->counts.steps >= head->control.noise_at || (implicit && moved) || longer || noisier) {
+        measure_noise(sim, h, at, left);
         head->control.noise_modes = head->events.mode_hash;
         head->control.h_noise = h;
         head->control.noise_at = 2 * head->counts.steps + 1;

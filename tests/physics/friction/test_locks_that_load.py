@@ -1,0 +1,75 @@
+"""A rising torque on what a friction holds, beside gears that nothing else moves: all that moves them is what rounding
+leaves of two forces that cancel. They have no scale but that rounding, and the step control must not resolve it."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+J1, J2, J3 = 1.0, 1.0, 0.2
+HELD = 1.0
+# What rises, the same as numbers, its integral, and when it is as large as the friction holds.
+RISES: dict[str, tuple[Any, Callable[[float], float], float]] = {
+    "linear": (20 * gb.time, lambda t: 10 * t**2, 0.05),
+    "late": (
+        gb.piecewise((30 * (gb.time - 0.03), gb.time > 0.03), (0.0, True)),
+        lambda t: 15 * max(t - 0.03, 0.0) ** 2,
+        0.03 + 1 / 30,
+    ),
+    "table": (gb.Table([0.0, 0.1], [0.0, 2.0]), lambda t: 10 * t**2, 0.05),
+}
+
+
+def differential(rig: gb.Drivetrain, first: Any, second: Any, third: Any) -> tuple[float, float]:
+    """w1 = 2 w2 - w3; what the other two add to J1, and w2 / w1."""
+    gears = rig.add("gears", gb.Differential(ratio=1))
+    rig.connect(first.a, gears.left)
+    rig.connect(second.a, gears.carrier)
+    rig.connect(third.a, gears.right)
+    return _share(1.0, -2.0, 1.0)
+
+
+def planetary(rig: gb.Drivetrain, first: Any, second: Any, third: Any) -> tuple[float, float]:
+    """w1 + 2 w3 = 3 w2."""
+    gears = rig.add("gears", gb.IdealPlanetary(ratio=2.0))
+    rig.connect(first.a, gears.sun)
+    rig.connect(second.a, gears.carrier)
+    rig.connect(third.a, gears.ring)
+    return _share(1.0, -3.0, 2.0)
+
+
+def _share(g1: float, g2: float, g3: float) -> tuple[float, float]:
+    """Of g1 w1 + g2 w2 + g3 w3 = 0 with inertias J2 and J3 that only its force moves."""
+    compliance = g2**2 / J2 + g3**2 / J3
+    return g1**2 / compliance, -g1 * g2 / J2 / compliance
+
+
+@pytest.mark.parametrize("method", ["auto", "dp5"])
+@pytest.mark.parametrize("gears", [differential, planetary])
+@pytest.mark.parametrize("rise", sorted(RISES))
+def test_gears_beside_a_friction_that_is_loaded(
+    rise: str,
+    gears: Callable[[gb.Drivetrain, Any, Any, Any], tuple[float, float]],
+    method: str,
+) -> None:
+    """All rests until the torque is what the friction holds; its excess moves all three, in closed form."""
+    torque, impulse, breaks = RISES[rise]
+    rig = gb.Drivetrain("a friction that is loaded")
+    first, second, third = (rig.add(f"j{i + 1}", gb.Inertia(J=J)) for i, J in enumerate((J1, J2, J3)))
+    added, ratio = gears(rig, first, second, third)
+    bearing = rig.add("bearing", gb.BearingFriction(coulomb=HELD))
+    motor = rig.add("motor", gb.Torque(tau=torque))
+    rig.connect(first.b, bearing.a, motor.flange)
+    end = 0.1
+    run = gb.simulate(rig, t_end=end, method=method)
+    held = np.asarray(run.t) < breaks - 1e-6
+    for body in ("j1", "j2", "j3"):
+        assert np.abs(np.asarray(run[f"{body}.w"])[held]).max() < 1e-12
+    speed = (impulse(end) - impulse(breaks) - HELD * (end - breaks)) / (J1 + added)
+    assert math.isclose(run["j1.w"][-1], speed, rel_tol=1e-5)
+    assert math.isclose(run["j2.w"][-1], ratio * speed, rel_tol=1e-5)
+    assert run.stats.steps < 300
