@@ -20,11 +20,10 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_memory",
         "gb_growth",
     ),
-    ("gb_limit_noise",),
+    ("gb_limit_noise", "gb_constraint_forces"),
     (
         "gb_error_control",
         "gb_evaluate",
-        "gb_constraint_forces",
         "gb_impact",
         "gb_snapshot",
         "gb_follow",
