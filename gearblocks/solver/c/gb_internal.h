@@ -87,7 +87,6 @@ struct gb_pace {
     double h_feature;                   /* see gb_features.h: limit of the next step, 0: none */
     double h_trusted;                   /* size up to which dense polynomials have proved right lately */
     double reach_rate;                  /* the fastest rate that the last look found: see gb_reach.h */
-    double h_reach;                     /* up to which size of a step that look tells */
     long long reach_at, reach_gap;      /* when to look again, and how many steps later once more */
     uint64_t reach_modes;               /* of the last look */
     long long noise_at, least_scale_at; /* when noise and least scales are to be renewed */

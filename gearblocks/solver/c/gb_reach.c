@@ -10,14 +10,6 @@ enum { SELDOM = 64, OFTEN = 12 };
  * states: differences of rates stand clear of rounding there, and the laws are straight. */
 static const double SLACK = 1.1, LENGTH = 1e-6;
 
-/* A look tells of steps up to this part of the reach, and of those longer by this factor than its own: a rate that has
- * grown since (a contact that is damped the more the deeper it is) counts where steps come near the reach. */
-static const double NEAR = 0.75, LONGER = 1.25;
-
-/* By how much the rate may have changed since the last look for the next one to come later: near the reach, and else.
- */
-static const double DRIFT = 0.05, ROUGH = 0.2;
-
 /* sum a b weight^2, of the states. */
 static double product(const gb_sim *sim, const double *a, const double *b) {
     gb_block sum = {0.0};
@@ -87,26 +79,14 @@ double gb_log_reach(gb_sim *sim, double h) {
     struct gb_pace *control = &sim->head->control;
     const double reach = sim->method->reach, before = control->reach_rate;
     const double rate = fastest_rate(sim), found = h * rate;
-    const double change = found > NEAR * reach ? DRIFT : ROUGH;
-    const int settled = fabs(rate - before) < change * before,
-              other = control->reach_modes != sim->head->events.mode_hash;
+    const int settled = fabs(rate - before) < 0.2 * before, other = control->reach_modes != sim->head->events.mode_hash;
     control->reach_modes = sim->head->events.mode_hash;
     control->reach_rate = other ? gb_max(rate, before) : rate;
     control->reach_gap = settled ? (2 * control->reach_gap < SELDOM ? 2 * control->reach_gap : SELDOM)
                          : other ? OFTEN
                                  : 1;
     control->reach_at = sim->head->counts.steps + control->reach_gap;
-    control->h_reach = gb_min(gb_max(LONGER * h, NEAR * reach / control->reach_rate), reach / control->reach_rate);
     return found > SLACK * reach ? gb_rough_log2(found / reach) * (double)sim->method->error_order : -100.0;
-}
-
-double gb_reach_further(gb_sim *sim, double h) {
-    struct gb_pace *control = &sim->head->control;
-    const double most = sim->method->reach / control->reach_rate;
-    if (control->h_reach < most && control->reach_at > sim->head->counts.steps) {
-        control->reach_at = sim->head->counts.steps;
-    }
-    return gb_min(h, most);
 }
 
 void gb_reach_changed(gb_sim *sim) {

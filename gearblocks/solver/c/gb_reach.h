@@ -19,12 +19,10 @@ static inline int gb_reach_is_due(const gb_sim *sim) {
 /* log2 of the error that would shorten a step of size h to what the method reaches; -100 where it is short enough. */
 double gb_log_reach(gb_sim *sim, double h);
 
-/* As gb_reach_step, of a step larger than those of which the last look tells. */
-double gb_reach_further(gb_sim *sim, double h);
-
 /* h, or less where the last look says so. */
-static inline double gb_reach_step(gb_sim *sim, double h) {
-    return h > sim->head->control.h_reach && sim->method->reach > 0.0 ? gb_reach_further(sim, h) : h;
+static inline double gb_reach_step(const gb_sim *sim, double h) {
+    const double rate = sim->head->control.reach_rate, reach = sim->method->reach;
+    return rate * h > reach && reach > 0.0 ? reach / rate : h;
 }
 
 /* Modes have changed: what was found is in doubt where it was close to deciding. */

@@ -251,7 +251,7 @@ static void propose(gb_sim *sim, double error, double size, double wanted, int r
 }
 
 /* The size that the control wants, within every limit of it. */
-static double wanted_step(gb_sim *sim) {
+static double wanted_step(const gb_sim *sim) {
     const gb_head *head = sim->head;
     double h = gb_reach_step(sim, gb_min(head->control.h_next, head->options.max_step));
     if (head->control.h_feature > 0.0) {

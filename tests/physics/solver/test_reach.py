@@ -54,23 +54,6 @@ def test_a_light_inertia_in_a_strong_damper_is_right_between_the_steps(method, J
             assert np.max(abs(run[name] - values)) < 10 * rtol * np.max(abs(values)), (rtol, name)
 
 
-@pytest.mark.parametrize(
-    ("first", "growth", "angle", "w"),
-    [(40.0, 40.0, False, 1.0), (60.0, 90.0, False, 1.5), (40.0, 40.0, True, 1.5), (150.0, 300.0, True, 1.0)],
-)
-def test_a_damping_that_grows_from_look_to_look_is_right_between_the_steps(first, growth, angle, w):
-    """speed' = rate (sin(w t) - speed) + w cos(w t) is solved by sin(w t); the rate grows with time or with the angle."""
-    J = 0.01
-    rate = first + growth * (gb.sense("body.phi") if angle else gb.time)
-    push = rate * (gb.sin(w * gb.time) - gb.sense("body.w")) + w * gb.cos(w * gb.time)
-    rig = gb.Drivetrain("grows")
-    rig.chain(rig.add("push", gb.Torque(tau=J * push)), rig.add("body", gb.Inertia(J=J, w0=0.0)))
-    model, t = gb.build(rig), np.linspace(0.0, 3.0, 601)
-    for rtol in 10.0 ** -np.arange(4.0, 9.1, 0.25):
-        run = gb.simulate(model, t=t, rtol=rtol, method="dp8")
-        assert np.abs(run["body.w"] - np.sin(w * t)).max() < 10 * rtol, rtol
-
-
 def test_the_automatic_gearbox_is_right_with_every_method():
     path = Path(__file__).parents[3] / "models" / "automatic_gearbox.py"
     spec = importlib.util.spec_from_file_location("automatic_gearbox_reach", path)
