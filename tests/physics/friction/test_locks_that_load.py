@@ -24,43 +24,31 @@ RISES: dict[str, tuple[Any, Callable[[float], float], float]] = {
 }
 
 
-def differential(rig: gb.Drivetrain, first: Any, second: Any, third: Any) -> tuple[float, float]:
-    """w1 = 2 w2 - w3; what the other two add to J1, and w2 / w1."""
-    gears = rig.add("gears", gb.Differential(ratio=1))
-    rig.connect(first.a, gears.left)
-    rig.connect(second.a, gears.carrier)
-    rig.connect(third.a, gears.right)
-    return _share(1.0, -2.0, 1.0)
-
-
-def planetary(rig: gb.Drivetrain, first: Any, second: Any, third: Any) -> tuple[float, float]:
-    """w1 + 2 w3 = 3 w2."""
-    gears = rig.add("gears", gb.IdealPlanetary(ratio=2.0))
-    rig.connect(first.a, gears.sun)
-    rig.connect(second.a, gears.carrier)
-    rig.connect(third.a, gears.ring)
-    return _share(1.0, -3.0, 2.0)
+# Gears that tie three shafts, their flanges, and g of g1 w1 + g2 w2 + g3 w3 = 0.
+GEARS: dict[str, tuple[gb.Block, tuple[str, str, str], tuple[float, float, float]]] = {
+    "differential": (gb.Differential(ratio=1), ("left", "carrier", "right"), (1.0, -2.0, 1.0)),
+    "planetary": (gb.IdealPlanetary(ratio=2.0), ("sun", "carrier", "ring"), (1.0, -3.0, 2.0)),
+}
 
 
 def _share(g1: float, g2: float, g3: float) -> tuple[float, float]:
-    """Of g1 w1 + g2 w2 + g3 w3 = 0 with inertias J2 and J3 that only its force moves."""
+    """What J2 and J3, which only the force of the gears moves, add to J1, and w2 / w1."""
     compliance = g2**2 / J2 + g3**2 / J3
     return g1**2 / compliance, -g1 * g2 / J2 / compliance
 
 
 @pytest.mark.parametrize("method", ["auto", "dp5"])
-@pytest.mark.parametrize("gears", [differential, planetary])
+@pytest.mark.parametrize("gears", sorted(GEARS))
 @pytest.mark.parametrize("rise", sorted(RISES))
-def test_gears_beside_a_friction_that_is_loaded(
-    rise: str,
-    gears: Callable[[gb.Drivetrain, Any, Any, Any], tuple[float, float]],
-    method: str,
-) -> None:
+def test_gears_beside_a_friction_that_is_loaded(rise: str, gears: str, method: str) -> None:
     """All rests until the torque is what the friction holds; its excess moves all three, in closed form."""
     torque, impulse, breaks = RISES[rise]
     rig = gb.Drivetrain("a friction that is loaded")
     first, second, third = (rig.add(f"j{i + 1}", gb.Inertia(J=J)) for i, J in enumerate((J1, J2, J3)))
-    added, ratio = gears(rig, first, second, third)
+    block, flanges, factors = GEARS[gears]
+    ties, (added, ratio) = rig.add("gears", block), _share(*factors)
+    for body, flange in zip((first, second, third), flanges, strict=True):
+        rig.connect(body.a, getattr(ties, flange))
     bearing = rig.add("bearing", gb.BearingFriction(coulomb=HELD))
     motor = rig.add("motor", gb.Torque(tau=torque))
     rig.connect(first.b, bearing.a, motor.flange)
