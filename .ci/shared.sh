@@ -31,7 +31,7 @@ tests() {
     local name=$1
     shift
     "$@" 2>&1 | tee "$work/tests.txt"
-    closing+=("$name: $(tail -n 1 "$work/tests.txt")")
+    closing+=("$name: $(tail -n 1 "$work/tests.txt" | sed 's/^=* *//; s/ *=*$//')")
 }
 
 # The kernels of OpenBLAS can be chosen where numpy and scipy bring one with several; the names that they answer say whether

@@ -78,6 +78,9 @@ int main(void) {
     check_state();
     check_hard();
     check_stiff();
-    printf("%s: %d failed\n", failures ? "FAILED" : "ok", failures);
+    if (failures)
+        printf("%d checks do not hold\n", failures);
+    else
+        printf("all checks hold\n");
     return failures != 0;
 }

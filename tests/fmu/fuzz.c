@@ -417,7 +417,7 @@ int main(int argc, char **argv) {
     }
     for (int i = 0; i < INSTANCES; i++)
         close_instance(&x[i]);
-    printf("%lld calls, %lld failures; status", all.calls, all.failures);
+    printf("%lld calls, %lld of them wrong; status", all.calls, all.failures);
     for (int i = 0; i < 6; i++)
         printf(" %lld", all.statuses[i]);
     printf("\n");
