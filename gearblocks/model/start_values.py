@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from gearblocks.errors import ModelError
 from gearblocks.language.block import Block, given_start, start_fields
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.fields import ANGLE, SPEED
+from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array, Options
 from gearblocks.solver.switched_constraints import ConstraintKind
@@ -137,11 +139,18 @@ def fit_prescribed(model: Model, train: Train) -> None:
 def _at_start(model: Model, names: list[str], values: Array) -> Array | None:
     """Outputs at t = 0 with these parameters; None where the start fails."""
     offsets = {q.name: i for i, q in enumerate(model.program.outputs)}
+    with _started(model, values) as sim:
+        return None if sim is None else sim.outputs()[[offsets[n] for n in names]]
+
+
+@contextmanager
+def _started(model: Model, values: Array) -> Iterator[Simulation | None]:
+    """A run at t = 0 with these parameters; None where the start fails."""
     with model.library.open() as sim:
         sim.parameters[:] = values
         sim.inputs[:] = [x.start for x in model.program.inputs]
         sim.changed()
-        return None if sim.start(_START, 0.0) < 0 else sim.outputs()[[offsets[n] for n in names]]
+        yield None if sim.start(_START, 0.0) < 0 else sim
 
 
 def _fitted(model: Model, names: list[str], asked: Array, found: Array, blocks: dict[str, Block]) -> Array:
@@ -195,11 +204,8 @@ def _tie_rows(model: Model, offsets: list[int]) -> Array | None:
     """Rows of all lossy ties over the independent speeds, at the angles of the start; None where even a start at rest fails."""
     values = model.values.copy()
     values[offsets] = 0.0
-    with model.library.open() as sim:
-        sim.parameters[:] = values
-        sim.inputs[:] = [x.start for x in model.program.inputs]
-        sim.changed()
-        if sim.start(_START, 0.0) < 0:
+    with _started(model, values) as sim:
+        if sim is None:
             return None
         ties = [x.kind is ConstraintKind.TIE for x in sim.constraints().constraints]
         return sim.constraints_at(0.0, sim.state(), sim.modes()).rows[ties]
