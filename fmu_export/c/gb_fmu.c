@@ -170,14 +170,20 @@ int gb_fmu_begin(gb_fmu *fmu) {
 }
 
 /* To t, or as far as the patience of the table goes. The clock is read between runs of steps alone: most calls end
- * within the first. */
+ * within the first. Where a run takes long, so may each of its steps, and the clock is read after every one. */
 static int advance(gb_fmu *fmu, double t) {
-    int code = gb_advance_within(fmu->sim, t, STEPS_BETWEEN_LOOKS);
+    const double patience = fmu->table->patience;
+    long moves = STEPS_BETWEEN_LOOKS;
+    int code = gb_advance_within(fmu->sim, t, moves);
     if (code != GB_PAUSE)
         return code;
-    const double until = gb_fmu_clock() + fmu->table->patience;
-    while (code == GB_PAUSE && gb_fmu_clock() < until)
-        code = gb_advance_within(fmu->sim, t, STEPS_BETWEEN_LOOKS);
+    double now = gb_fmu_clock();
+    for (const double until = now + patience; code == GB_PAUSE && now < until;) {
+        const double before = now;
+        code = gb_advance_within(fmu->sim, t, moves);
+        now = gb_fmu_clock();
+        moves = now - before > 0.1 * patience ? 1 : moves;
+    }
     return code;
 }
 

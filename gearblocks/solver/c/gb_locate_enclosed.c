@@ -173,12 +173,14 @@ static int judge_piece(gb_sim *sim, search *s, int *found) {
     return code == GB_DONE && *found == ROOT ? take_roots(sim, s) : code;
 }
 
-/* How finely event functions are told at all, after many open pieces: their width over hardly any time. */
+/* How finely event functions are told at all, after many open pieces: their width over hardly any time. One that has no
+ * bounds even there (its numbers overflow) is left to samples. */
 static void measure_noise(gb_sim *sim, const search *s) {
     gb_enclose(sim, s->with_forces, s->a, gb_min(s->a + s->tolerance, sim->panel.to));
     for (int i = sim->model->n_affine; i < sim->model->n_event_functions; i++) {
         const gb_enclosure *g = &sim->panel.enclosure[i];
         const int bounded = g->up - g->down < HUGE_VAL;
+        sim->panel.watched[i] = sim->panel.watched[i] && g->hi - g->lo < HUGE_VAL;
         sim->panel.noise[i] = sim->panel.watched[i] && bounded ? 2.0 * (g->hi - g->lo) : 0.0;
     }
 }
