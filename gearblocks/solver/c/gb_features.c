@@ -1,11 +1,9 @@
 #include "gb_features.h"
 #include "gb_dense_output.h"
-#include "gb_modes.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
-/* How far G may move in one step, and how far a step that is chosen by it moves it; the least part of a step. What passes
- * within the rounding of the time (a ratio of speeds where its divisor turns around) is not resolved. */
+/* How far G may move in one step, and how far a step that is chosen by it moves it; the least part of a step. */
 static const double MOST = 0.5, CHOSEN = 0.4, LEAST = 1e-3;
 
 static double bend(double x, int bounded) {
@@ -61,12 +59,11 @@ double gb_features_part(gb_sim *sim, double h) {
         }
         next = gb_min(next, 0.5 * h * reached(x2, x2 - x1, CHOSEN, bounded));
     }
-    part = gb_max(part, gb_rounding(sim->head->front.t1, h) / h);
     if (part < 1.0) {
         sim->head->front.h = 0.0;
         sim->head->front.have_dense = 0;
         return gb_max(part, LEAST);
     }
-    sim->head->control.h_feature = next < HUGE_VAL ? gb_max(next, gb_rounding(sim->head->front.t1, h)) : 0.0;
+    sim->head->control.h_feature = next < HUGE_VAL ? next : 0.0;
     return 1.0;
 }

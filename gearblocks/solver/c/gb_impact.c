@@ -8,33 +8,30 @@
 enum { ROUNDS = 10000 };
 
 /* A flight of such a duration and height cannot be told from rest: its end lies within the rounding of time, or is
- * located no better than the rounding of the gap and would give back the speed that the impact took. */
-static int is_nothing(gb_sim *sim, int i, double duration, double height) {
+ * located no better than the rounding of the gap and would give back the speed that the impact took. Where the search
+ * told the gap less finely, each flight ends as much lower, and impacts that lose little keep what that gives. */
+static int is_nothing(gb_sim *sim, int i, double duration, double height, double restitution) {
     const gb_head *head = sim->head;
-    return duration <= 64.0 * gb_rounding(head->front.t1, head->front.h) ||
-           (height < HUGE_VAL &&
-            gb_is_noise(sim, sim->model->constraints[i].slip, height, sim->instant.time_terms, sim->y, sim->y));
+    const int gap = sim->model->constraints[i].slip;
+    const double kept = gb_min(restitution * restitution, 0.999), noise = sim->panel.noise[gap];
+    return duration <= 64.0 * gb_rounding(head->front.t1, head->front.h) || height <= 2.0 * noise / (1.0 - kept) ||
+           gb_is_noise(sim, gap, height, sim->instant.time_terms, sim->y, sim->y);
 }
 
-/* Whether what presses stop i brings it back, after an impact at this restitution, from nothing but such a flight: a
- * short flight may have ended at a body that came its way, and the next one, of both together, be long. */
-static int is_pressed(gb_sim *sim, int i, double restitution) {
+/* The restitution of stop i. It comes to rest where what presses it brings it back from nothing but such a flight; how
+ * long the last flight was does not tell, it may have been the first or have ended at a body that came its way. */
+static double restitution(gb_sim *sim, int i) {
     const gb_model *model = sim->model;
-    const double speed = restitution * fabs(sim->constraints.slip[i]);
+    const double given = sim->constraints.bounds[5 * i + 2], speed = given * fabs(sim->constraints.slip[i]);
     double *rate = sim->constraints.free_acceleration;
+    if (!(given > 0.0)) {
+        return given;
+    }
     model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2);
     sim->head->counts.rhs_calls++;
     model->slips(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2, rate);
     const double push = -rate[i];
-    return push > 0.0 && is_nothing(sim, i, 2.0 * speed / push, 0.5 * speed * speed / push);
-}
-
-/* Stops whose impacts follow on each other within what can be told apart, in time or in the height of the flight
- * between them (a quarter of its duration times its speed), come to rest. */
-static double restitution(gb_sim *sim, int i) {
-    const double pause = sim->head->front.t1 - sim->events.flip_time[sim->model->constraints[i].slip];
-    const double given = sim->constraints.bounds[5 * i + 2], height = 0.25 * pause * fabs(sim->constraints.slip[i]);
-    return given > 0.0 && is_nothing(sim, i, pause, height) && is_pressed(sim, i, given) ? 0.0 : given;
+    return push > 0.0 && is_nothing(sim, i, 2.0 * speed / push, 0.5 * speed * speed / push, given) ? 0.0 : given;
 }
 
 /* Bounds of the impulse of constraint i and the slip that it must undo; 0: it takes no part. What opens just now does

@@ -2,6 +2,7 @@
 #include "gb_dense_output.h"
 #include "gb_enclosed_limit.h"
 #include "gb_force_enclosure.h"
+#include "gb_limit_noise.h"
 #include "gb_locate_sampled.h"
 #include "gb_modes.h"
 #include "gb_panel.h"
@@ -22,10 +23,17 @@ typedef struct search {
     int with_forces;           /* constraint forces are enclosed too */
 } search;
 
-/* f has left its mode: a touch has not. */
-static int is_beyond(const gb_sim *sim, gb_limit at, double f) {
+/* f has left its mode: a touch has not. Where the ends of a piece that can be no shorter decide, nor has what the
+ * rounding of the states does to it, and so it is for the rest of the step. */
+static int is_beyond(gb_sim *sim, const search *s, gb_limit at, double f) {
     const double rounding = gb_starts_on_limit(sim, at) ? gb_limit_rounding(sim, at.i, 0.0) : 0.0;
-    return f < -rounding - sim->panel.noise[at.i];
+    const double *time_terms = sim->lanes.time_terms + sim->method->stages;
+    const int beyond = f < -rounding - sim->panel.noise[at.i];
+    if (beyond && s->by_ends && gb_is_noise(sim, at.i, f, time_terms, sim->z, sim->y0)) {
+        sim->panel.noise[at.i] = -f;
+        return 0;
+    }
+    return beyond;
 }
 
 /* Its values alone tell that it is free. */
@@ -40,12 +48,12 @@ static int is_hopeless(const gb_sim *sim, const search *s, gb_limit at) {
 }
 
 /* What the piece is by its ends and rates. */
-static int verdict(const gb_sim *sim, const search *s, gb_limit at) {
+static int verdict(gb_sim *sim, const search *s, gb_limit at) {
     const double fa = gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]);
     const double fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]);
     const double enough = -gb_limit_rounding(sim, at.i, 0.0) - sim->panel.noise[at.i];
     const gb_interval rate = gb_margin_rate(sim, at);
-    if (is_beyond(sim, at, fb)) {
+    if (is_beyond(sim, s, at, fb)) {
         return rate.hi <= 0.0 || s->by_ends ? ROOT : OPEN;
     }
     if (rate.hi <= 0.0 || rate.lo >= 0.0 || s->by_ends || gb_margin(sim, at).lo >= enough) {
@@ -100,7 +108,7 @@ static int take_root(gb_sim *sim, search *s, gb_limit at) {
         code = gb_event_functions_at(sim, end, sim->events.s);
         fb = gb_limit_distance(sim, at.i, at.side, sim->events.s[at.i]);
     }
-    if (code != GB_DONE || !is_beyond(sim, at, fb)) {
+    if (code != GB_DONE || !is_beyond(sim, s, at, fb)) {
         return code;
     }
     if (s->a > 0.0 || !gb_starts_on_limit(sim, at)) {
