@@ -93,10 +93,16 @@ def _object(compiler: Compiler, headers: Mapping[str, bytes], name: str, source:
         arguments = ("-include", _BASELINE, *arguments)
     if name in GENERATED:
         return produced(compiler, files, arguments, "out.o")
+    return kept_object(compiler, files, arguments)
+
+
+def kept_object(compiler: Compiler, files: Mapping[str, bytes], arguments: Sequence[str]) -> bytes:
+    """The object out.o that the compiler makes of these files, from the user's cache where it was made before. Raises
+    CompileError."""
     cache = user_cache()
-    parts = [part for header in sorted(files) for part in (header, files[header])]
+    parts = [part for name in sorted(files) for part in (name, files[name])]
     key = digest(compiler.identity, *arguments, *parts)
     path = cache.find("fmu", key, ".o")
     if path is None:
-        path = cache.write("fmu", key, produced(compiler, files, arguments, "out.o"), ".o")
+        path = cache.write("fmu", key, produced(compiler, dict(files), arguments, "out.o"), ".o")
     return path.read_bytes()
