@@ -21,8 +21,10 @@ _OWN_FUNCTIONS = {
 class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
     """Expressions of a law in C; `names` gives the text of every symbol."""
 
+    math_macros: Mapping[Any, str] = {}  # none; as a setting sympy would make all of its own first
+
     def __init__(self, names: Mapping[Any, str]) -> None:
-        super().__init__({"user_functions": _OWN_FUNCTIONS, "math_macros": {}})
+        super().__init__({"user_functions": _OWN_FUNCTIONS})
         self._names = names
 
     def _print_Symbol(self, expr: Any) -> str:
