@@ -50,9 +50,15 @@ def test_a_train_with_friction_passes_every_check(make: Callable[[], gb.Drivetra
 
 
 @pytest.mark.parametrize(
-    "step", [1e-1, pytest.param(1e-2, marks=pytest.mark.long), pytest.param(1e-3, marks=pytest.mark.long), LOCK_UP / 4]
+    ("make", "step"),
+    [
+        pytest.param(
+            make, step, marks=[pytest.mark.long] * ((make, step) not in ((_busy, 1e-1), (_lock_up, LOCK_UP / 4)))
+        )
+        for make in (_lock_up, _busy)
+        for step in (1e-1, 1e-2, 1e-3, LOCK_UP / 4)
+    ],
 )
-@pytest.mark.parametrize("make", [_lock_up, _busy])
 def test_the_file_has_the_bits_of_the_run_at_every_communication_step(
     make: Callable[[], gb.Drivetrain], step: float, tmp_path: Path
 ) -> None:

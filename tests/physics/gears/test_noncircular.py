@@ -113,6 +113,7 @@ def test_circles_are_a_shaft_between_equal_turns():
     assert np.abs(gear["two.w"] - shaft["two.w"]).max() < 1e-8
 
 
+@pytest.mark.long
 def test_a_vanishing_gap_gives_the_pair_without_one():
     bare = gb.simulate(_rig(NORM, c=0.01), t=T, rtol=1e-10)
     gap = gb.simulate(

@@ -50,7 +50,9 @@ def _friction_by_hand(run, mu=MU, z2=Z[1], carrier=0.0):
     return clear, total, first, second, loss
 
 
-@pytest.mark.parametrize("external", [True, False], ids=["external", "internal"])
+@pytest.mark.parametrize(
+    "external", [pytest.param(True, id="external"), pytest.param(False, id="internal", marks=pytest.mark.long)]
+)
 @pytest.mark.parametrize(
     "turning", [pytest.param(False, id="grounded", marks=pytest.mark.long), pytest.param(True, id="turning")]
 )
@@ -72,7 +74,10 @@ def test_friction_acts_on_the_lever_arms_of_the_pairs_in_contact(external, turni
     assert np.abs(run["mesh.loss_power"] - loss - 2e3 * rate**2)[clear].max() < 1e-10 * size
 
 
-@pytest.mark.parametrize("gap", [None, gb.Backlash(half_gap=2e-5)], ids=["linear", "backlash"])
+@pytest.mark.parametrize(
+    "gap",
+    [pytest.param(None, id="linear", marks=pytest.mark.long), pytest.param(gb.Backlash(half_gap=2e-5), id="backlash")],
+)
 @pytest.mark.parametrize("choice", ["clipped", pytest.param("always", marks=pytest.mark.long)])
 @pytest.mark.parametrize("transition", [pytest.param(None, marks=pytest.mark.long), 0.02])
 def test_friction_only_takes_energy_and_the_ledger_closes(gap, choice, transition):
@@ -128,6 +133,7 @@ def test_friction_changes_sign_at_the_pitch_point():
     assert len(turns) == pytest.approx(run["pinion.phi"][-1] * Z[0] / (2 * np.pi), abs=1)
 
 
+@pytest.mark.long
 def test_the_coast_flank_turning_backwards_mirrors_the_drive_flank(distance):
     t = np.linspace(0, 0.02, 201)
     drive = gb.simulate(_rig(c=2e3, friction=gb.ToothFriction(mu=MU)), t=t, **TIGHT)

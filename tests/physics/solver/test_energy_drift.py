@@ -98,7 +98,7 @@ BENT = {
 }
 
 
-@pytest.mark.parametrize("name", BENT)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.long] * (n == "two joints")) for n in BENT])
 def test_no_step_over_a_gain_that_bends_adds_more_than_its_tolerance(name):
     """One state of speed: an embedded estimate passes zero by chance; the kinetic energy tells the error."""
     rig, inertias = BENT[name]()

@@ -103,7 +103,8 @@ def _number(expr, known):
 
 
 @pytest.mark.parametrize(
-    "name", ["meshes", "internal", pytest.param("teeth", marks=pytest.mark.long), "excited", "rigid"]
+    "name",
+    ["meshes", *(pytest.param(name, marks=pytest.mark.long) for name in ("internal", "teeth")), "excited", "rigid"],
 )
 def test_the_c_computes_what_the_equations_say(name):
     rig = _train(name)

@@ -74,6 +74,7 @@ def test_a_universal_joint_between_springs(check_whole):
     assert check_whole(rig)[0] > 0  # of the springs, only those beside the driven fork are no kinematic states
 
 
+@pytest.mark.long
 def test_universal_joints_with_springs_and_without_any_between_them(check_whole):
     joint = gb.UniversalJoint(angle=0.5)
     check_whole(
