@@ -9,6 +9,7 @@ import contextlib
 import ctypes
 import functools
 import os
+import random
 import re
 import tempfile
 import threading
@@ -179,23 +180,33 @@ def _usable(build: Future[tuple[Path, ...]]) -> bool:
 
 
 def _build_core(compiler: Compiler, key: str) -> tuple[Path, ...]:
-    """Compiles what is missing, file by file and side by side."""
+    """Compiles what is missing, file by file and side by side; processes that begin at once share the work."""
     cache = user_cache()
     names = list(_written("c"))
-    found = {name: cache.find("core", digest(key, name), ".o") for name in names}
+    keys = {name: digest(key, name) for name in names}
+    found = {name: cache.find("core", keys[name], ".o") for name in names}
     missing = [name for name in names if found[name] is None]
     if missing:
         files = core_files()
+        random.shuffle(missing)  # each process in an order of its own, past what others have compiled meanwhile
+
+        def made(name: str) -> Path:
+            path = cache.find("core", keys[name], ".o")
+            return path or cache.write("core", keys[name], _compiled(compiler, files, name), ".o")
+
         with ThreadPoolExecutor(max_workers=min(len(missing), os.cpu_count() or 1)) as workers:
-            products = workers.map(lambda name: _compiled(compiler, files, name), missing)
-            for name, data in zip(missing, products, strict=True):
-                found[name] = cache.write("core", digest(key, name), data, ".o")
+            found.update(zip(missing, workers.map(made, missing), strict=True))
     return tuple(path for path in found.values() if path is not None)
+
+
+def core_flags(name: str) -> tuple[str, ...]:
+    """Flags of a file that is not generated, behind FLAGS."""
+    return () if name in _HOT else _COOL
 
 
 def _compiled(compiler: Compiler, files: dict[str, bytes], name: str) -> bytes:
     """The object of one C file of the core."""
-    arguments = (*FLAGS, *(() if name in _HOT else _COOL), *compiler.native, "-c", name, "-o", "core.o")
+    arguments = (*FLAGS, *core_flags(name), *compiler.native, "-c", name, "-o", "core.o")
     return produced(compiler, files, arguments, "core.o")
 
 
