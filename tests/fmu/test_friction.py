@@ -72,6 +72,7 @@ def test_the_file_has_the_bits_of_the_run_at_every_communication_step(
         np.testing.assert_array_equal(result[name], run[name], err_msg=name)
 
 
+@pytest.mark.long
 def test_heat_of_a_lock_up_does_not_depend_on_the_communication_step(tmp_path: Path) -> None:
     path = fmu_export.export(_lock_up(), tmp_path / "rig.fmu")
     heat = 1e4 / 3  # 1/2 J1 J2/(J1 + J2) 100^2

@@ -73,7 +73,7 @@ def test_a_stop_beside_it_opens_or_holds(sign, limits):
         assert abs(run["driven.w"][-1] - true) <= 20.0 * rtol * abs(true), method
 
 
-@pytest.mark.parametrize("springs", [2, 3, 4])
+@pytest.mark.parametrize("springs", [2, pytest.param(3, marks=pytest.mark.long), 4])
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
 def test_without_losses_a_ramp_later_on_is_no_matter_of_step_sizes(springs, method, rtol):
     tau, same, begins = LOADS["later"]

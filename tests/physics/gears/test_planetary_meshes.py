@@ -122,6 +122,7 @@ def test_phases_driven_by_a_frequency_agree_with_those_of_the_angle():
             assert one[name][0] == pytest.approx(other[name][0], rel=1e-10), name
 
 
+@pytest.mark.long
 def test_a_free_set_keeps_energy_and_angular_momentum():
     law = gb.MeshLaw(k=2e7, stiffness_variation=gb.Fourier(cos=(0.3,)), backlash=gb.Backlash(half_gap=1e-5))
     rig = _rig(_gear(z=(25, 14, 53), law=law, planet_mass=0.1), free=True)

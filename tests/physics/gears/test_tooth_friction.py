@@ -89,6 +89,7 @@ def test_friction_only_takes_energy_and_the_ledger_closes(gap, choice, transitio
     assert run.energy.residual < 1e-8  # 10 rtol
 
 
+@pytest.mark.long
 def test_a_free_pair_with_friction_and_no_other_loss_comes_to_less_and_less_energy():
     rig = _rig(free=True, friction=gb.ToothFriction(mu=0.2))
     run = gb.simulate(rig, t=np.linspace(0, 0.05, 2001), rtol=1e-10, initial={"pinion.w": W + 0.5})
@@ -145,6 +146,7 @@ def test_the_coast_flank_turning_backwards_mirrors_the_drive_flank(distance):
     assert distance(-coast["mesh.force"], drive["mesh.force"]) < 1e-8
 
 
+@pytest.mark.long
 def test_a_square_wave_scales_the_mesh_force_on_both_bodies(reference, distance):
     w = 2000.0
     friction = gb.ToothFriction(mu=0.2, direction="square_wave", wave=sp.sign(sp.sin(w * gb.time)))

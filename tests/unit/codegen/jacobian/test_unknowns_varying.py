@@ -59,6 +59,7 @@ def test_a_cam_alone(check_whole):
     check_whole(rig)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "external", [pytest.param(False, id="internal", marks=pytest.mark.long), pytest.param(True, id="external")]
 )
