@@ -86,7 +86,7 @@ def test_heat_of_a_lock_up_does_not_depend_on_the_communication_step(tmp_path: P
     assert run.energy.dissipated["clutch"] == pytest.approx(heat, rel=1e-9)
 
 
-@pytest.mark.parametrize(("make", "at"), [(_lock_up, 1.32), (_busy, 0.31)])
+@pytest.mark.parametrize(("make", "at"), [(_lock_up, 1.32), pytest.param(_busy, 0.31, marks=pytest.mark.long)])
 def test_a_state_that_is_saved_before_a_lock_up_gives_the_same_bits_again(
     make: Callable[[], gb.Drivetrain], at: float, tmp_path: Path, unpacker: Callable[[Path, Path], Unpacked]
 ) -> None:

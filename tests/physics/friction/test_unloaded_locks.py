@@ -57,7 +57,7 @@ def _rig(pair, lock, torque):
         pytest.param(_ellipse, _one_way_clutch, marks=pytest.mark.long),
         (_ellipse, _stop),
         pytest.param(_joint, _freewheel, marks=pytest.mark.long),
-        (_joint, _one_way_clutch),
+        pytest.param(_joint, _one_way_clutch, marks=pytest.mark.long),
         pytest.param(_joint, _stop, marks=pytest.mark.long),
     ],
 )

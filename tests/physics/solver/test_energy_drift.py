@@ -71,7 +71,7 @@ def _energy(name, run):
     return (0.1 * w**2 - 5.0 / 3.0 * (float(sp.cos(3 * phi)) - 1)) / 8.1
 
 
-@pytest.mark.parametrize("name", TRAINS)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.long] * (n == "joint")) for n in TRAINS])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 def test_what_loses_nothing_keeps_its_energy(name, method):
     model = gb.build(TRAINS[name]())

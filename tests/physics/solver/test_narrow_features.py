@@ -71,7 +71,7 @@ def bump_in_every_turn(t, p, w):
     return 30 * np.exp(300 * (np.cos(p) - 1)) - 1
 
 
-QUICK = (drop, regularised_sign, pulse_in_time, bump_in_every_turn)
+QUICK = (drop, pulse_in_time, bump_in_every_turn)
 # start speed, duration, largest step of the reference
 USERS = {
     drop: (50.0, 35.0, 0.01), hump: (50.0, 35.0, 0.02), regularised_sign: (50.0, 30.0, 0.002), resonance: (50.0, 35.0, 0.02),

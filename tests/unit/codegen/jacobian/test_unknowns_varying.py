@@ -125,6 +125,7 @@ def test_a_motion_that_is_nonlinear_in_a_state(check_whole):
     check_whole(rig)
 
 
+@pytest.mark.long
 def test_a_cam_beside_a_damped_shaft_without_inertia_and_a_mesh_over_the_angle(check_whole):
     mesh = gb.GearMesh(
         teeth=(3, 4), external=True, r_base=(0.3, 0.4), k=80.0, c=1.0, stiffness_variation=gb.Fourier(cos=(0.2,)),
