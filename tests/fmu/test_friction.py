@@ -42,6 +42,7 @@ def _references(path: Path, *names: str) -> list[int]:
     return [known[n] for n in (names or outputs)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("make", [pytest.param(_lock_up, marks=pytest.mark.long), _busy])
 def test_a_train_with_friction_passes_every_check(make: Callable[[], gb.Drivetrain], tmp_path: Path) -> None:
     report = fmu_export.check(fmu_export.export(make(), tmp_path / "rig.fmu", t_end=2.0))

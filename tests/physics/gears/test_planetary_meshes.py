@@ -82,6 +82,7 @@ def test_phases_follow_from_the_tooth_counts():
     assert sun == pytest.approx([0.0, -ZS * 26 / 78 % 1, -ZS * 53 / 78 % 1], abs=1e-12)
 
 
+@pytest.mark.long
 def test_the_meshes_of_later_planets_pass_through_their_cycle_in_the_order_of_their_places():
     """The tooth of the sun that is at planet 1 now comes to planet 2 when the sun has turned by psi_2 about the carrier."""
     law = LAW.changed(stiffness_variation=gb.Fourier(cos=(0.2,), sin=(0.1,)))
