@@ -11,7 +11,7 @@ from fmu_export.templates import C_FOLDER, VERSION_FOLDERS
 from gearblocks.errors import ParameterError
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler
-from gearblocks.solver.library import core_files, produced
+from gearblocks.solver.library import core_files, core_flags, produced
 
 SHARED_GLUE = (*("gb_fmu.c", "gb_fmu.h", "gb_fmu_clock.c", "gb_fmu_failure.c", "gb_fmu_internal.h", "gb_fmu_values.c"),)
 """Life cycle and variables: the same for every FMI version."""
@@ -81,7 +81,7 @@ def _object(compiler: Compiler, headers: Mapping[str, bytes], name: str, source:
     files = {**headers, name: source}
     arguments: tuple[str, ...] = (
         *FLAGS,
-        *(compiler.generated_flags if name in GENERATED else ()),
+        *(compiler.generated_flags if name in GENERATED else core_flags(name)),
         "-DGB_API=",
         "-c",
         name,
@@ -93,10 +93,16 @@ def _object(compiler: Compiler, headers: Mapping[str, bytes], name: str, source:
         arguments = ("-include", _BASELINE, *arguments)
     if name in GENERATED:
         return produced(compiler, files, arguments, "out.o")
+    return kept_object(compiler, files, arguments)
+
+
+def kept_object(compiler: Compiler, files: Mapping[str, bytes], arguments: Sequence[str]) -> bytes:
+    """The object out.o that the compiler makes of these files, from the user's cache where it was made before. Raises
+    CompileError."""
     cache = user_cache()
-    parts = [part for header in sorted(files) for part in (header, files[header])]
+    parts = [part for name in sorted(files) for part in (name, files[name])]
     key = digest(compiler.identity, *arguments, *parts)
     path = cache.find("fmu", key, ".o")
     if path is None:
-        path = cache.write("fmu", key, produced(compiler, files, arguments, "out.o"), ".o")
+        path = cache.write("fmu", key, produced(compiler, dict(files), arguments, "out.o"), ".o")
     return path.read_bytes()

@@ -62,6 +62,10 @@ class Argument(NamedTuple):
     column: Column
 
 
+_PLACES = {role: place for place, role in enumerate(Role)}
+"""The order of signatures."""
+
+
 @dataclass(slots=True)
 class Names:
     """C of symbols, the arguments and constants that it needs, and the roles that it reads.
@@ -153,7 +157,7 @@ class Function:
     def roles(self) -> list[Role]:
         """All that it reads and writes but the instance, in the order of signatures."""
         found = self.read | self.written | NONE.union(*(s.read for s in self.body))
-        return [role for role in Role if role in found and role is not Role.INSTANCE]
+        return sorted(found - {Role.INSTANCE}, key=_PLACES.__getitem__)
 
     @property
     def signature(self) -> str:

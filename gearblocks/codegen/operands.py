@@ -69,6 +69,8 @@ class Role(Enum):
     LANE = "i"
     INSTANCE = "e"
 
+    __hash__ = object.__hash__  # there is one object of each; that of Enum is many times as slow before Python 3.12
+
     def declaration(self, *, written: bool) -> str:
         """Its C in a signature."""
         if self in _KINDS:

@@ -6,6 +6,8 @@ Knows nothing of statements, nor of what a symbol stands for.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
+from functools import cache
 from typing import Any
 
 import sympy as sp
@@ -21,9 +23,17 @@ _OWN_FUNCTIONS = {
 class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
     """Expressions of a law in C; `names` gives the text of every symbol."""
 
-    def __init__(self, names: Mapping[Any, str]) -> None:
-        super().__init__({"user_functions": _OWN_FUNCTIONS, "math_macros": {}})
-        self._names = names
+    math_macros: Mapping[Any, str] = {}  # none; as a setting sympy would make all of its own first
+
+    def __init__(self) -> None:
+        super().__init__({"user_functions": _OWN_FUNCTIONS})
+        self._names: Mapping[Any, str] = {}
+
+    def knowing(self, names: Mapping[Any, str]) -> _CPrinter:
+        """This printer with these names; one from scratch takes longer than most expressions."""
+        printer = copy(self)
+        printer._names = names
+        return printer
 
     def _print_Symbol(self, expr: Any) -> str:
         return self._names[expr]
@@ -87,7 +97,12 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
 
 def c_text(expr: Any, names: Mapping[Any, str]) -> str:
     """C for an expression over doubles."""
-    return str(_CPrinter(names).doprint(sp.sympify(expr)))
+    return str(_c_printer().knowing(names).doprint(sp.sympify(expr)))
+
+
+@cache
+def _c_printer() -> _CPrinter:
+    return _CPrinter()
 
 
 def latex_text(expr: Any, names: Mapping[Any, str] | None = None) -> str:

@@ -9,9 +9,11 @@ import contextlib
 import ctypes
 import functools
 import os
+import random
+import re
 import tempfile
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,6 +51,7 @@ _HOT = (
 )
 """What every step runs through."""
 _COOL = ("-O2",)  # the rest of the core: a third quicker to compile
+_INCLUDE = re.compile(rb'^#include "(\w+\.h)"', re.MULTILINE)
 _builds: dict[tuple[int, str], Future[tuple[Path, ...]]] = {}
 _lock = threading.Lock()
 
@@ -138,6 +141,17 @@ def _written(ending: str) -> dict[str, bytes]:
     return {name: data for name, data in _core_snapshot().items() if name.endswith("." + ending)}
 
 
+def _headers_of(source: bytes) -> dict[str, bytes]:
+    """The headers of the core that a C text includes, and those that they include."""
+    headers, found = _written("h"), dict[str, bytes]()
+    texts = [source]
+    while texts:
+        for name in _INCLUDE.findall(texts.pop()):
+            if (header := name.decode()) in headers and header not in found:
+                texts.append(found.setdefault(header, headers[header]))
+    return found
+
+
 def core_digest(sources: dict[str, bytes]) -> str:
     """Digest of everything the core is made of, the tables as the program that renders them."""
     return digest(*(part for item in sources.items() for part in item))
@@ -166,45 +180,67 @@ def _usable(build: Future[tuple[Path, ...]]) -> bool:
 
 
 def _build_core(compiler: Compiler, key: str) -> tuple[Path, ...]:
-    """Compiles what is missing, file by file and side by side."""
+    """Compiles what is missing, file by file and side by side; processes that begin at once share the work."""
     cache = user_cache()
     names = list(_written("c"))
-    found = {name: cache.find("core", digest(key, name), ".o") for name in names}
+    keys = {name: digest(key, name) for name in names}
+    found = {name: cache.find("core", keys[name], ".o") for name in names}
     missing = [name for name in names if found[name] is None]
     if missing:
         files = core_files()
+        random.shuffle(missing)  # each process in an order of its own, past what others have compiled meanwhile
+
+        def made(name: str) -> Path:
+            path = cache.find("core", keys[name], ".o")
+            return path or cache.write("core", keys[name], _compiled(compiler, files, name), ".o")
+
         with ThreadPoolExecutor(max_workers=min(len(missing), os.cpu_count() or 1)) as workers:
-            products = workers.map(lambda name: _compiled(compiler, files, name), missing)
-            for name, data in zip(missing, products, strict=True):
-                found[name] = cache.write("core", digest(key, name), data, ".o")
+            found.update(zip(missing, workers.map(made, missing), strict=True))
     return tuple(path for path in found.values() if path is not None)
+
+
+def core_flags(name: str) -> tuple[str, ...]:
+    """Flags of a file that is not generated, behind FLAGS."""
+    return () if name in _HOT else _COOL
 
 
 def _compiled(compiler: Compiler, files: dict[str, bytes], name: str) -> bytes:
     """The object of one C file of the core."""
-    arguments = (*FLAGS, *(() if name in _HOT else _COOL), *compiler.native, "-c", name, "-o", "core.o")
+    arguments = (*FLAGS, *core_flags(name), *compiler.native, "-c", name, "-o", "core.o")
     return produced(compiler, files, arguments, "core.o")
 
 
 def _linked(compiler: Compiler, source: str, objects: Sequence[Path]) -> bytes:
     """The shared object of a model: its C text and the objects of the core."""
-    files = {**_written("h"), "exports.h": _EXPORTS.encode(), "model.c": source.encode()}
-    files.update({f"core{number}.o": path.read_bytes() for number, path in enumerate(objects)})
+    own = {"exports.h": _EXPORTS.encode(), "model.c": source.encode()}
+    files: dict[str, bytes | Path] = {**_headers_of(b"".join(own.values())), **own}
+    files.update({f"core{number}.o": path for number, path in enumerate(objects)})
     cores = [f"core{number}.o" for number in range(len(objects))]
     product = "model" + SHARED_SUFFIX
     flags = (*FLAGS, *compiler.generated_flags, *compiler.native, "-include", "exports.h")
     return produced(compiler, files, (*flags, "-shared", "model.c", *cores, "-o", product, "-lm"), product)
 
 
-def produced(compiler: Compiler, files: dict[str, bytes], arguments: Sequence[str], product: str) -> bytes:
+def produced(compiler: Compiler, files: Mapping[str, bytes | Path], arguments: Sequence[str], product: str) -> bytes:
     """Runs the compiler in a fresh folder that holds these files, under plain names whatever the user's paths are."""
     try:
         with tempfile.TemporaryDirectory(prefix="gearblocks-", ignore_cleanup_errors=True) as place:
             directory = Path(place)
-            for name, data in files.items():
-                (directory / name).write_bytes(data)
+            for name, content in files.items():
+                if isinstance(content, Path):
+                    _lay_out(directory / name, content)
+                else:
+                    (directory / name).write_bytes(content)
             compiler.run(arguments, directory)
             return (directory / product).read_bytes()
     except OSError as error:
         place = tempfile.gettempdir()
         raise CompileError(f"the model cannot be compiled in {place}: {error.strerror or error}") from error
+
+
+def _lay_out(place: Path, file: Path) -> None:
+    """Puts a file there: as a link, or as a copy where the system has none."""
+    try:
+        place.symlink_to(file)
+    except OSError:
+        place.write_bytes(file.read_bytes())

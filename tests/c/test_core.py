@@ -41,7 +41,12 @@ def _build_and_run(folder: Path, *flags: str) -> subprocess.CompletedProcess[str
 
 
 @pytest.mark.parametrize(
-    "flags", [pytest.param(FAST, id="fast"), pytest.param(("-O2",), id="plain", marks=pytest.mark.long)]
+    "flags",
+    [
+        pytest.param(("-O0",), id="unoptimized"),
+        pytest.param(FAST, id="fast", marks=pytest.mark.long),
+        pytest.param(("-O2",), id="plain", marks=pytest.mark.long),
+    ],
 )
 def test_the_core_passes_its_checks(tmp_path: Path, flags: tuple[str, ...]) -> None:
     ran = _build_and_run(tmp_path, *flags)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shutil
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -158,6 +159,26 @@ def test_the_name_may_be_any_text(make_model: MODELS, tmp_path: Path) -> None:
 def test_sources_compile_in_an_empty_folder_without_a_warning(unpacked: Unpacked) -> None:
     item = check_sources(unpacked)
     assert item.ok, item.words
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    [
+        ("gb_start.c", lambda text: text + "static int unused;\n", "unused"),
+        ("gb_model.h", lambda text: text + "int 2nd;\n", "gb_model.h"),
+        ("model.c", lambda text: text + "static int unused;\n", "unused"),
+    ],
+    ids=["warning", "error in a header", "warning in the model"],
+)
+def test_sources_that_differ_from_those_that_compiled_are_compiled_again(
+    unpacked: Unpacked, tmp_path: Path, name: str, change: Callable[[str], str], words: str
+) -> None:
+    assert check_sources(unpacked).ok
+    folder = shutil.copytree(unpacked.folder, tmp_path / "changed")
+    file = folder / "sources" / name
+    file.write_text(change(file.read_text()))
+    item = check_sources(replace(unpacked, folder=folder))
+    assert item.ok is False and words in item.words
 
 
 @pytest.mark.parametrize(

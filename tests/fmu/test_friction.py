@@ -42,6 +42,7 @@ def _references(path: Path, *names: str) -> list[int]:
     return [known[n] for n in (names or outputs)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("make", [pytest.param(_lock_up, marks=pytest.mark.long), _busy])
 def test_a_train_with_friction_passes_every_check(make: Callable[[], gb.Drivetrain], tmp_path: Path) -> None:
     report = fmu_export.check(fmu_export.export(make(), tmp_path / "rig.fmu", t_end=2.0))
@@ -50,9 +51,15 @@ def test_a_train_with_friction_passes_every_check(make: Callable[[], gb.Drivetra
 
 
 @pytest.mark.parametrize(
-    "step", [1e-1, pytest.param(1e-2, marks=pytest.mark.long), pytest.param(1e-3, marks=pytest.mark.long), LOCK_UP / 4]
+    ("make", "step"),
+    [
+        pytest.param(
+            make, step, marks=[pytest.mark.long] * ((make, step) not in ((_busy, 1e-1), (_lock_up, LOCK_UP / 4)))
+        )
+        for make in (_lock_up, _busy)
+        for step in (1e-1, 1e-2, 1e-3, LOCK_UP / 4)
+    ],
 )
-@pytest.mark.parametrize("make", [_lock_up, _busy])
 def test_the_file_has_the_bits_of_the_run_at_every_communication_step(
     make: Callable[[], gb.Drivetrain], step: float, tmp_path: Path
 ) -> None:
@@ -66,6 +73,7 @@ def test_the_file_has_the_bits_of_the_run_at_every_communication_step(
         np.testing.assert_array_equal(result[name], run[name], err_msg=name)
 
 
+@pytest.mark.long
 def test_heat_of_a_lock_up_does_not_depend_on_the_communication_step(tmp_path: Path) -> None:
     path = fmu_export.export(_lock_up(), tmp_path / "rig.fmu")
     heat = 1e4 / 3  # 1/2 J1 J2/(J1 + J2) 100^2
@@ -79,7 +87,7 @@ def test_heat_of_a_lock_up_does_not_depend_on_the_communication_step(tmp_path: P
     assert run.energy.dissipated["clutch"] == pytest.approx(heat, rel=1e-9)
 
 
-@pytest.mark.parametrize(("make", "at"), [(_lock_up, 1.32), (_busy, 0.31)])
+@pytest.mark.parametrize(("make", "at"), [(_lock_up, 1.32), pytest.param(_busy, 0.31, marks=pytest.mark.long)])
 def test_a_state_that_is_saved_before_a_lock_up_gives_the_same_bits_again(
     make: Callable[[], gb.Drivetrain], at: float, tmp_path: Path, unpacker: Callable[[Path, Path], Unpacked]
 ) -> None:

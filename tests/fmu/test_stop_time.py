@@ -71,7 +71,7 @@ GAIN = {"pushed": 2.0, "geared": 0.5, "sprung": 2.0}
 
 
 @pytest.mark.parametrize("make", [_pushed, _geared, pytest.param(_sprung, marks=pytest.mark.long)])
-@pytest.mark.parametrize("stop", [None, 10.0])
+@pytest.mark.parametrize("stop", [pytest.param(None, marks=pytest.mark.long), 10.0])
 def test_inputs_written_at_every_step_let_no_step_run_away(
     make: Callable[[], gb.Drivetrain], stop: float | None, tmp_path: Path, unpacker: Unpacker
 ) -> None:
@@ -189,7 +189,7 @@ def test_a_step_of_any_length_is_bounded_work_and_goes_on_where_it_is_asked_agai
             assert instance.refuses(lambda i=instance: i.step(0.0, 2 * end))  # what is done is not asked again
 
 
-@pytest.mark.parametrize("h", [1e3, 1e12, 1e300])
+@pytest.mark.parametrize("h", [*(pytest.param(h, marks=pytest.mark.long) for h in (1e3, 1e12)), 1e300])
 def test_steps_of_the_age_of_the_world_and_beyond_come_back(h: float, tmp_path: Path, unpacker: Unpacker) -> None:
     unpacked = unpacker(fmu_export.export(_governed(), tmp_path / "m.fmu", patience=0.0), tmp_path / "m")
     with Instance(unpacked) as instance:

@@ -98,7 +98,9 @@ def test_a_run_goes_on_inside_the_fmu(rig: gb.Drivetrain, tmp_path: Path) -> Non
 CUBIC = gb.Table(np.linspace(0, 1, 7), (0.0, 0.2, 0.1, -0.1, -0.2, 0.05, 0.0), kind="cubic", periodic=True)
 
 
-@pytest.mark.parametrize("variation", [gb.Fourier(cos=(0.2,)), gb.Profile(table=CUBIC)])
+@pytest.mark.parametrize(
+    "variation", [pytest.param(gb.Fourier(cos=(0.2,)), marks=pytest.mark.long), gb.Profile(table=CUBIC)]
+)
 def test_turns_that_are_counted_apart_survive_saving_and_restoring(
     tmp_path: Path, variation: Any, unpacker: Callable[[Path, Path], Unpacked]
 ) -> None:

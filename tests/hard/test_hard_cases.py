@@ -9,8 +9,8 @@ import pytest
 from gearblocks.cli.main import main
 from gearblocks.hard import suite
 
-# slow: 1e7 steps (H31), 500 periods by a reference solver in Python (H42), 1e5 bodies built (S58)
-LONG = ("H31", "H42", "S58")
+# slow: 1e7 steps (H31), 500 periods by a reference solver in Python (H42), 1e5 bodies built (S58); around a second: the rest
+LONG = ("H31", "H42", "S58", "H26", "S46", "S51", "S52")
 
 
 @pytest.mark.parametrize(

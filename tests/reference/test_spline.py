@@ -74,7 +74,8 @@ def test_set_s_answers_with_the_regimes_of_the_paper(model, rpm, period):
     assert str(label) == ("not periodic" if period is None else f"period {period}")
 
 
-@pytest.mark.parametrize("rpm", [*(pytest.param(rpm, marks=pytest.mark.long) for rpm in (300, 348, 360)), 1080])
+@pytest.mark.long
+@pytest.mark.parametrize("rpm", [300, 348, 360, 1080])
 def test_the_steel_set_answers_with_period_one(rpm):
     # 20 periods leave a start-up motion of 1e-5 of the swing, 60 leave none
     label = gb.classify(

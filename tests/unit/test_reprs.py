@@ -58,7 +58,10 @@ def _answers(model: gb.Model, load: str) -> Iterator[Any]:
     yield gb.frequency_response(model, load, output, [1.0, 2.0], at=None)
 
 
-@pytest.mark.parametrize(("module", "load"), [("automatic_gearbox", "wheels.J"), ("stiff_chain", "disc0.J")])
+@pytest.mark.parametrize(
+    ("module", "load"),
+    [("automatic_gearbox", "wheels.J"), pytest.param("stiff_chain", "disc0.J", marks=pytest.mark.long)],
+)
 def test_the_repr_of_a_long_train_fits_a_screen(module: str, load: str) -> None:
     train = _built(module)
     model = gb.build(train)

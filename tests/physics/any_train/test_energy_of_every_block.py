@@ -155,6 +155,13 @@ CASES = {
     ),
 }  # fmt: skip
 MANY = {
+    "slider",
+    "one way",
+    "lossy table",
+    "ratio law, compliant",
+    "vehicle on a slope",
+    "speed",
+    "shaft of third power",
     "mesh over time",
     "shaft over time",
     "lash clipped_force",

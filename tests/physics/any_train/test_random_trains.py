@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
@@ -341,6 +342,7 @@ def test_the_angular_momentum_of_a_free_train_follows_the_torque(plan):
     assert np.abs(momentum - momentum[0] - impulse).max() <= 1e-9 * max(1.0, np.abs(momentum).max(), size / w)
 
 
+@pytest.mark.long
 @given(plans(kinds=("shaft", "lash", "mesh")), st.integers(0, 10))
 @examples(8)
 def test_a_shaft_in_two_halves_tends_to_the_whole_one(plan, which):

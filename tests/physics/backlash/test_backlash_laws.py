@@ -111,6 +111,7 @@ def test_a_smooth_gap_with_clipped_damping_never_pulls_and_closes_its_ledger():
     assert set(run.energy.supplied) == {"drive"}
 
 
+@pytest.mark.long
 def test_equal_gaps_of_all_teeth_are_one_backlash(distance):
     for choice in ("always", "clipped", "clipped_force"):
         one = gb.simulate(_rig(gb.Backlash(half_gap=B), choice), t=T, **TIGHT)

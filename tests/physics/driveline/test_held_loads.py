@@ -56,7 +56,7 @@ def test_a_load_on_a_sun_that_comes_loose_and_is_caught_again_turns_each_way_onc
     rig, sun = _planetary(capacity)
     rig.connect(rig.add("load", gb.SpeedLoad(coeffs=(0.0, 0.75, 0.125))).flange, sun.a)
     run = gb.simulate(rig, t_end=5.0, method=method, rtol=1e-8)
-    fine = gb.simulate(rig, t_end=5.0, method="dp8", rtol=1e-10, max_step=1e-3)
+    fine = gb.simulate(rig, t_end=5.0, method="dp8", rtol=1e-10, max_step=1e-2)
     assert run["carrier.w"][-1] == pytest.approx(fine["carrier.w"][-1], rel=1e-5)
     turns = [e for e in run.events if e.component.startswith("load")]
     free = (fine.t > 1) & (fine.t < 2.5)

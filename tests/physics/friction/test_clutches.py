@@ -53,7 +53,7 @@ def test_the_torque_of_a_clutch_is_that_on_its_second_flange():
     assert run["clutch.mode"][0] == -1.0
 
 
-@pytest.mark.parametrize("rtol", [1e-4, 1e-3])
+@pytest.mark.parametrize("rtol", [pytest.param(1e-4, marks=pytest.mark.long), 1e-3])
 def test_a_stuck_clutch_does_not_creep_in_a_million_seconds(rtol):
     tau = 3.0 * gb.sin(0.7 * gb.time)
     rig = _chain(
@@ -120,7 +120,7 @@ def test_friction_over_slip_stops_as_its_differential_equation_says():
     assert run.energy.dissipated["clutch"] == pytest.approx(J * w0**2 / 2, rel=1e-9)
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("way", [pytest.param(1.0, marks=pytest.mark.long), -1.0])
 def test_a_stuck_clutch_lets_go_at_its_peak_and_slips_with_less(way):
     mu = gb.Table([0.0, 1.0], [0.4, 0.4])
     clutch = gb.Clutch(mu=mu, force_max=10.0, engagement=0.5, geometry=1.5, peak=1.25)

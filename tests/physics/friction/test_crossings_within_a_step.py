@@ -31,7 +31,7 @@ def test_a_body_that_would_turn_back_for_a_moment_sticks_in_that_moment(depth):
     assert run["body.w"][-1] == pytest.approx(4.0, rel=1e-9)
 
 
-@pytest.mark.parametrize("depth", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("depth", [1e-2, pytest.param(1e-4, marks=pytest.mark.long), 1e-6])
 @pytest.mark.parametrize("end", [1.9, 2.3])
 def test_a_brake_whose_hold_falls_below_the_load_for_a_moment_lets_go_in_that_moment(depth, end):
     """It holds 5 - depth + (t - 1)^2, and slides with 4/5 of that: the load of 5 takes the body along for good."""

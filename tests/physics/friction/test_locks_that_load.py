@@ -39,7 +39,9 @@ def _share(g1: float, g2: float, g3: float) -> tuple[float, float]:
 
 @pytest.mark.parametrize("method", ["auto", "dp5"])
 @pytest.mark.parametrize("gears", sorted(GEARS))
-@pytest.mark.parametrize("rise", sorted(RISES))
+@pytest.mark.parametrize(
+    "rise", [pytest.param(name, marks=[pytest.mark.long] * (name == "linear")) for name in sorted(RISES)]
+)
 def test_gears_beside_a_friction_that_is_loaded(rise: str, gears: str, method: str) -> None:
     """All rests until the torque is what the friction holds; its excess moves all three, in closed form."""
     torque, impulse, breaks = RISES[rise]

@@ -168,7 +168,9 @@ class OneSided(gb.Block):
         yield gb.Stick("", s.a.w, (-3.0, 5.0), sliding=(2.0, 4.0))
 
 
-@pytest.mark.parametrize(("way", "most", "slides"), [(1.0, 3.0, 2.0), (-1.0, 5.0, 4.0)])
+@pytest.mark.parametrize(
+    ("way", "most", "slides"), [pytest.param(1.0, 3.0, 2.0, marks=pytest.mark.long), (-1.0, 5.0, 4.0)]
+)
 def test_friction_that_differs_forward_and_backward_breaks_away_and_slides_as_it_says(way, most, slides):
     rig = _chain(drive=gb.Torque(tau=way * gb.time), body=gb.Inertia(J=1.0), pad=OneSided())
     run = gb.simulate(rig, t_end=6.0)

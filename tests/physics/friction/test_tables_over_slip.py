@@ -39,8 +39,12 @@ def _half_swings(t, level=1.0, rise=0.1, k=100.0):
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
     "joints",
-    [[0.0, 12.0], [-1.0, 12.0], [-3.0, 0.0, 12.0], [-2.0, -1.0, 0.0, 5.0, 12.0]],
-    ids=["from 0", "from -1", "joint at 0", "joints below"],
+    [
+        pytest.param([0.0, 12.0], id="from 0"),
+        pytest.param([-1.0, 12.0], id="from -1", marks=pytest.mark.long),
+        pytest.param([-3.0, 0.0, 12.0], id="joint at 0", marks=pytest.mark.long),
+        pytest.param([-2.0, -1.0, 0.0, 5.0, 12.0], id="joints below"),
+    ],
 )
 def test_a_bearing_swings_out_whatever_its_table_says_below_slip_0(method, joints):
     table = gb.Table(joints, 1 + 0.1 * np.array(joints))

@@ -50,8 +50,17 @@ def _rig(pair, lock, torque):
 
 
 @pytest.mark.parametrize("method", ["dp5", "rodas", "auto"])
-@pytest.mark.parametrize("lock", [_freewheel, _one_way_clutch, _stop])
-@pytest.mark.parametrize("pair", [_ellipse, _joint])
+@pytest.mark.parametrize(
+    ("pair", "lock"),
+    [
+        (_ellipse, _freewheel),
+        pytest.param(_ellipse, _one_way_clutch, marks=pytest.mark.long),
+        (_ellipse, _stop),
+        pytest.param(_joint, _freewheel, marks=pytest.mark.long),
+        pytest.param(_joint, _one_way_clutch, marks=pytest.mark.long),
+        pytest.param(_joint, _stop, marks=pytest.mark.long),
+    ],
+)
 def test_what_nothing_loads_stays_at_rest_until_the_load_turns(pair, lock, method):
     turns = 0.4
     rig = _rig(pair, lock, gb.sin(math.pi / turns * gb.time))
@@ -65,7 +74,9 @@ def test_what_nothing_loads_stays_at_rest_until_the_load_turns(pair, lock, metho
 
 
 @pytest.mark.parametrize("lock", [_freewheel, _stop])
-@pytest.mark.parametrize("torque", [0.1 * gb.time, 40 * gb.time**4, 1 - gb.cos(3 * gb.time)])
+@pytest.mark.parametrize(
+    "torque", [0.1 * gb.time, pytest.param(40 * gb.time**4, marks=pytest.mark.long), 1 - gb.cos(3 * gb.time)]
+)
 def test_a_soft_rise_is_as_good_as_any(torque, lock):
     run = gb.simulate(_rig(_ellipse, lock, torque), t_end=0.5)
     assert not np.any(run["near.w"]) and not np.any(run["beyond.w"])

@@ -11,6 +11,7 @@ WAVES = gb.RatioLaw.from_function(1 + 0.3 * gb.sin(gb.driver_angle) + 0.1 * gb.c
 T = np.linspace(0.0, 0.5, 101)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "law",
     [

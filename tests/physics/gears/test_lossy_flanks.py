@@ -71,7 +71,7 @@ WORMS = {
 }
 
 
-@pytest.mark.parametrize("name", WORMS)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.long] * (n == "of few starts")) for n in WORMS])
 @pytest.mark.parametrize("load", [1.0, -1.0])
 def test_a_heavy_screw_has_the_one_motion_of_its_flanks(name, load):
     """J1 i^2 > -eta2 J2: also where the wheel pushes on, and J2 + i^2 J1/eta2 is below zero."""

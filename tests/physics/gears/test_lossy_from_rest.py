@@ -49,7 +49,7 @@ def _in_numpy(springs, tau, begins, eta):
 
 
 @pytest.mark.parametrize("load", LOADS)
-@pytest.mark.parametrize("springs", [1, 2, pytest.param(3, marks=pytest.mark.long), 5])
+@pytest.mark.parametrize("springs", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (2, 3)), 5])
 def test_a_gear_begins_to_slide_the_way_that_the_load_comes(springs, load):
     tau, same, begins = LOADS[load]
     rig = _chain(springs, tau, gb.LossyGear(ratio=RATIO, efficiency=(ETA, 0.76)))
@@ -73,7 +73,7 @@ def test_a_stop_beside_it_opens_or_holds(sign, limits):
         assert abs(run["driven.w"][-1] - true) <= 20.0 * rtol * abs(true), method
 
 
-@pytest.mark.parametrize("springs", [2, 3, 4])
+@pytest.mark.parametrize("springs", [2, pytest.param(3, marks=pytest.mark.long), 4])
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
 def test_without_losses_a_ramp_later_on_is_no_matter_of_step_sizes(springs, method, rtol):
     tau, same, begins = LOADS["later"]
@@ -81,8 +81,15 @@ def test_without_losses_a_ramp_later_on_is_no_matter_of_step_sizes(springs, meth
     assert abs(run["driven.w"][-1] / _in_numpy(springs, same, begins, 1.0) - 1.0) < 20.0 * rtol
 
 
-@pytest.mark.parametrize("first", ["pair", "joint"])
-@pytest.mark.parametrize("given", ["driving", "behind"])
+@pytest.mark.parametrize(
+    ("given", "first"),
+    [
+        ("driving", "pair"),
+        pytest.param("driving", "joint", marks=pytest.mark.long),
+        ("behind", "pair"),
+        pytest.param("behind", "joint", marks=pytest.mark.long),
+    ],
+)
 def test_start_speeds_follow_through_a_gear_behind_gains_that_vary(first, given):
     rig = gb.Drivetrain("start")
     blocks = {

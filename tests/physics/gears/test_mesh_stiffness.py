@@ -30,7 +30,7 @@ def _rig(external=True, turning=False, load=20.0, free=False, **fields):
 
 @pytest.mark.parametrize("fields", [
     {},
-    {"helix_angle": np.deg2rad(18)},
+    pytest.param({"helix_angle": np.deg2rad(18)}, marks=pytest.mark.long),
     {"profile_shift": (0.3, 0.1)},
     {"profile_shift": (0.2, -0.1), "addendum": 1.1, "helix_angle": np.deg2rad(-10)},
 ])  # fmt: skip

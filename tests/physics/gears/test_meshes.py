@@ -46,10 +46,18 @@ def _by_hand(external, turning, force):
 
 
 T = np.linspace(0, 4e-3, 161)
+PLACES = pytest.mark.parametrize(
+    ("external", "turning"),
+    [
+        pytest.param(True, False, id="external-grounded", marks=pytest.mark.long),
+        pytest.param(True, True, id="external-turning"),
+        pytest.param(False, False, id="internal-grounded"),
+        pytest.param(False, True, id="internal-turning", marks=pytest.mark.long),
+    ],
+)
 
 
-@pytest.mark.parametrize("turning", [False, True], ids=["grounded", "turning"])
-@pytest.mark.parametrize("external", [True, False], ids=["external", "internal"])
+@PLACES
 def test_a_linear_mesh_moves_as_derived_by_hand(external, turning, reference, distance):
     run = gb.simulate(_mesh(external, turning, c=C), t=T, initial={"pinion.w": 0.3}, **TIGHT)
     rates, deflection = _by_hand(external, turning, lambda x, v, _: K * x + C * v)
@@ -63,8 +71,7 @@ def test_a_linear_mesh_moves_as_derived_by_hand(external, turning, reference, di
     assert distance(run["mesh.force"], (20 + 10 * np.sin(9e3 * T) - J1 * force) / R1) < NEAR
 
 
-@pytest.mark.parametrize("turning", [False, True], ids=["grounded", "turning"])
-@pytest.mark.parametrize("external", [True, False], ids=["external", "internal"])
+@PLACES
 def test_a_mesh_with_backlash_moves_as_derived_by_hand(external, turning, reference, distance):
     b = 30e-6
     rig = _mesh(external, turning, backlash=gb.Backlash(half_gap=b))
@@ -145,7 +152,7 @@ def _drag(choice, x, v, side, b=0.1, k=400.0, c=3.0):
     return (max(total, 0.0) if side > 0 else min(total, 0.0)) - elastic
 
 
-@pytest.mark.parametrize("choice", ["clipped", "clipped_force", "always"])
+@pytest.mark.parametrize("choice", ["clipped", pytest.param("clipped_force", marks=pytest.mark.long), "always"])
 def test_damping_in_the_gap_acts_as_its_name_says(choice, reference, distance):
     b, k, c = 0.1, 400.0, 3.0
 

@@ -13,6 +13,7 @@ ELLIPSE = gb.RatioLaw.ellipse(0.3)
 E = 0.3
 FITTED = gb.RatioLaw.from_function((1 - E**2) / (1 + E**2 - 2 * E * gb.cos(gb.driver_angle)))
 WAVES = gb.RatioLaw.from_function(1 + 0.3 * gb.cos(gb.driver_angle) + 0.1 * gb.sin(2 * gb.driver_angle))
+QUICK = (("segments", "internal"), ("fitted", "external"))
 LAWS = pytest.mark.parametrize(
     "law",
     [
@@ -23,6 +24,14 @@ LAWS = pytest.mark.parametrize(
     ],
 )
 SIDES = pytest.mark.parametrize("external", [False, True], ids=["internal", "external"])
+LAWS_AND_SIDES = pytest.mark.parametrize(
+    ("external", "law"),
+    [
+        pytest.param(external, law, id=f"{side}-{name}", marks=[pytest.mark.long] * ((name, side) not in QUICK))
+        for side, external in (("internal", False), ("external", True))
+        for name, law in (("segments", NORM), ("ellipse", ELLIPSE), ("fitted", FITTED), ("waves", WAVES))
+    ],
+)
 T = np.linspace(0.0, 0.3, 301)
 
 
@@ -43,8 +52,7 @@ def _rig(law, *, external=False, carrier=None, load=-0.2, **mesh):
     return rig
 
 
-@LAWS
-@SIDES
+@LAWS_AND_SIDES
 def test_generated_code_evaluates_the_law_as_numpy_does(law, external):
     run = gb.simulate(_rig(law, external=external), t=T, rtol=1e-8)
     theta = run["mesh.driver_angle"]
@@ -55,8 +63,7 @@ def test_generated_code_evaluates_the_law_as_numpy_does(law, external):
     assert np.abs(run["mesh.deflection"] - lead).max() < 1e-13  # 30 rad are known to 4e-15
 
 
-@LAWS
-@SIDES
+@LAWS_AND_SIDES
 def test_the_torques_of_a_pair_balance_about_the_axis_and_lose_no_power(law, external):
     run = gb.simulate(_rig(law, external=external, carrier=gb.Inertia(J=1e-3, w0=20.0)), t=T, rtol=1e-9)
     m, moment = run["mesh.ratio"], run["mesh.moment"]
@@ -113,6 +120,7 @@ def test_circles_are_a_shaft_between_equal_turns():
     assert np.abs(gear["two.w"] - shaft["two.w"]).max() < 1e-8
 
 
+@pytest.mark.long
 def test_a_vanishing_gap_gives_the_pair_without_one():
     bare = gb.simulate(_rig(NORM, c=0.01), t=T, rtol=1e-10)
     gap = gb.simulate(
@@ -201,8 +209,7 @@ def test_a_damping_ratio_is_that_of_the_linear_pair():
 # -- rigid ------------------------------------------------------------------------------------------------------------
 
 
-@LAWS
-@SIDES
+@LAWS_AND_SIDES
 def test_a_rigid_pair_turns_by_its_law_and_keeps_its_energy(law, external):
     run = gb.simulate(_rig(law, external=external, k=None), t=T, rtol=1e-10)
     sign = -1 if external else 1

@@ -20,7 +20,7 @@ def _pair(**effects: object) -> gb.Drivetrain:
     return rig
 
 
-@pytest.mark.parametrize("drive", ["angle", 5000.0])
+@pytest.mark.parametrize("drive", ["angle", pytest.param(5000.0, marks=pytest.mark.long)])
 def test_a_table_of_a_cosine_moves_the_mesh_as_the_cosine_does(drive: object) -> None:
     # a spline through 200 points a cycle is a cosine to (pi/100)^4/384 = 3e-9 of its size
     table = gb.simulate(_pair(stiffness_variation=gb.Profile(table=WAVE, driven_by=drive)), t=T, rtol=1e-10)

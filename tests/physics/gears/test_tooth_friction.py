@@ -50,7 +50,9 @@ def _friction_by_hand(run, mu=MU, z2=Z[1], carrier=0.0):
     return clear, total, first, second, loss
 
 
-@pytest.mark.parametrize("external", [True, False], ids=["external", "internal"])
+@pytest.mark.parametrize(
+    "external", [pytest.param(True, id="external"), pytest.param(False, id="internal", marks=pytest.mark.long)]
+)
 @pytest.mark.parametrize(
     "turning", [pytest.param(False, id="grounded", marks=pytest.mark.long), pytest.param(True, id="turning")]
 )
@@ -72,7 +74,10 @@ def test_friction_acts_on_the_lever_arms_of_the_pairs_in_contact(external, turni
     assert np.abs(run["mesh.loss_power"] - loss - 2e3 * rate**2)[clear].max() < 1e-10 * size
 
 
-@pytest.mark.parametrize("gap", [None, gb.Backlash(half_gap=2e-5)], ids=["linear", "backlash"])
+@pytest.mark.parametrize(
+    "gap",
+    [pytest.param(None, id="linear", marks=pytest.mark.long), pytest.param(gb.Backlash(half_gap=2e-5), id="backlash")],
+)
 @pytest.mark.parametrize("choice", ["clipped", pytest.param("always", marks=pytest.mark.long)])
 @pytest.mark.parametrize("transition", [pytest.param(None, marks=pytest.mark.long), 0.02])
 def test_friction_only_takes_energy_and_the_ledger_closes(gap, choice, transition):
@@ -84,6 +89,7 @@ def test_friction_only_takes_energy_and_the_ledger_closes(gap, choice, transitio
     assert run.energy.residual < 1e-8  # 10 rtol
 
 
+@pytest.mark.long
 def test_a_free_pair_with_friction_and_no_other_loss_comes_to_less_and_less_energy():
     rig = _rig(free=True, friction=gb.ToothFriction(mu=0.2))
     run = gb.simulate(rig, t=np.linspace(0, 0.05, 2001), rtol=1e-10, initial={"pinion.w": W + 0.5})
@@ -128,6 +134,7 @@ def test_friction_changes_sign_at_the_pitch_point():
     assert len(turns) == pytest.approx(run["pinion.phi"][-1] * Z[0] / (2 * np.pi), abs=1)
 
 
+@pytest.mark.long
 def test_the_coast_flank_turning_backwards_mirrors_the_drive_flank(distance):
     t = np.linspace(0, 0.02, 201)
     drive = gb.simulate(_rig(c=2e3, friction=gb.ToothFriction(mu=MU)), t=t, **TIGHT)
@@ -139,6 +146,7 @@ def test_the_coast_flank_turning_backwards_mirrors_the_drive_flank(distance):
     assert distance(-coast["mesh.force"], drive["mesh.force"]) < 1e-8
 
 
+@pytest.mark.long
 def test_a_square_wave_scales_the_mesh_force_on_both_bodies(reference, distance):
     w = 2000.0
     friction = gb.ToothFriction(mu=0.2, direction="square_wave", wave=sp.sign(sp.sin(w * gb.time)))

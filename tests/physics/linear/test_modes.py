@@ -205,7 +205,7 @@ def test_modes_at_a_position_of_a_universal_joint(at):
     assert found.damping == pytest.approx([0.0], abs=1e-12)
 
 
-@pytest.mark.parametrize("c", [None, 1.5])
+@pytest.mark.parametrize("c", [pytest.param(None, marks=pytest.mark.long), 1.5])
 def test_a_node_without_inertia_between_two_shafts_puts_them_in_series(c):
     J, k = 0.5, 200.0
     rig = gb.Drivetrain("series")

@@ -26,6 +26,7 @@ def _chain(J, k, clutch):
     return rig
 
 
+@pytest.mark.long
 def test_a_stuck_clutch_between_two_discs_on_a_spring_makes_one_disc_of_them():
     rig = gb.Drivetrain("pair")
     one, two = rig.add("one", gb.Inertia(J=2.0)), rig.add("two", gb.Inertia(J=3.0))
@@ -96,6 +97,7 @@ def test_free_rotations_are_counted_as_what_holds_allows(speeds, capacity, free)
     assert gb.modes(rig, None).free == free - (speeds[0] == 0)
 
 
+@pytest.mark.long
 def test_a_stuck_clutch_beside_a_spring_leaves_the_spring_no_part():
     rig = gb.Drivetrain("pair")
     one, two = rig.add("one", gb.Inertia(J=2.0)), rig.add("two", gb.Inertia(J=3.0))

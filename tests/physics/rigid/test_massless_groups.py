@@ -26,7 +26,7 @@ def _split(parts: int, c: float | None, empty: bool) -> gb.Drivetrain:
     return rig
 
 
-@pytest.mark.parametrize("c", [None, 0.5])
+@pytest.mark.parametrize("c", [pytest.param(None, marks=pytest.mark.long), 0.5])
 @pytest.mark.parametrize("empty", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_shaft_split_into_parts_without_inertia_between_moves_as_the_whole(c: float | None, empty: bool) -> None:
     t = np.linspace(0, 1, 101)

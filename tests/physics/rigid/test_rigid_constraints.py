@@ -16,7 +16,7 @@ def _planetary(ratio: float, j: tuple[float, float, float], torques: tuple[float
     return rig
 
 
-@pytest.mark.parametrize("ratio", [2.0, 0.4, -2.5])
+@pytest.mark.parametrize("ratio", [2.0, pytest.param(0.4, marks=pytest.mark.long), -2.5])
 def test_a_planetary_accelerates_as_lagrange_says(ratio: float) -> None:
     j, torques = (0.1, 0.3, 0.5), (2.0, -1.0, 0.7)
     run = gb.simulate(_planetary(ratio, j, torques), t_end=1.0)

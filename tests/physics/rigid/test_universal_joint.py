@@ -35,7 +35,7 @@ def test_the_tie_of_a_universal_joint_is_that_of_its_cross(angle, phase):
     assert (np.diff(turned) > 0).all()
 
 
-@pytest.mark.parametrize("phase", [None, 0.7])
+@pytest.mark.parametrize("phase", [pytest.param(None, marks=pytest.mark.long), 0.7])
 def test_two_bodies_on_a_universal_joint_swap_energy_along_its_ratio(phase, distance):
     angle, J_a, J_b, w0 = 0.6, 0.1, 0.5, 30.0
     joint = gb.UniversalJoint(angle=angle, phase=phase)
@@ -63,6 +63,7 @@ def test_two_universal_joints_a_quarter_turn_apart_pass_the_speed_on_evenly():
     assert run["tube.w"].min() == pytest.approx(10.0 * np.cos(0.6), rel=1e-3)
 
 
+@pytest.mark.long
 def test_a_universal_joint_at_angle_zero_is_a_rigid_shaft():
     rig = _chain(drive=gb.Torque(tau=3.0), a=gb.Inertia(J=0.1), joint=gb.UniversalJoint(angle=0.0), b=gb.Inertia(J=0.5))
     run = gb.simulate(rig, t=[2.0], rtol=1e-9)

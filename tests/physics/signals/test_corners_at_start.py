@@ -47,9 +47,11 @@ OVER_TIME = {
     "of order four": (1 + sp.Min(0, 1 - TIME**2 / 2 - gb.cos(TIME)), lambda t: 2 - t**2 / 2 - np.cos(t)),
 }
 
+MANY = ("largest", "held but for the touch", "cubed", "scaled by parts that round", "squared", "cubic")
+
 
 @pytest.mark.parametrize("settings", QUICK, ids=str)
-@pytest.mark.parametrize("law", OVER_TIME)
+@pytest.mark.parametrize("law", [pytest.param(law, marks=[pytest.mark.long] * (law in MANY)) for law in OVER_TIME])
 def test_a_corner_over_time_takes_the_side_ahead(law, settings):
     tau, true = OVER_TIME[law]
     run = gb.simulate(_train(tau), t_end=3.0, **settings)

@@ -65,7 +65,7 @@ def _last_angle(springs, tau, name, damping):
     return y[n - 1]
 
 
-@pytest.mark.parametrize("springs", [2, pytest.param(3, marks=pytest.mark.long), 5])
+@pytest.mark.parametrize("springs", [*(pytest.param(n, marks=pytest.mark.long) for n in (2, 3)), 5])
 @pytest.mark.parametrize("name", LAWS)
 def test_a_law_far_from_the_load_begins_on_the_side_to_which_it_moves(name, springs):
     for tau in (4.0, -4.0):
@@ -76,7 +76,9 @@ def test_a_law_far_from_the_load_begins_on_the_side_to_which_it_moves(name, spri
             assert run[f"j{springs}.phi"][-1] == pytest.approx(true, rel=1e-6)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.long] * (name in ("sign", "size"))) for name in LAWS]
+)
 def test_the_same_where_the_train_rests_before(name):
     for tau in (4.0, -4.0):
         late = gb.piecewise((0, gb.time < LATE), (tau, True))

@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 JOINED = """
 import sys
 import gearblocks as gb
@@ -32,5 +34,6 @@ def test_conditions_are_joined_without_sympy(tmp_path):
     _run("", tmp_path)
 
 
+@pytest.mark.long
 def test_conditions_are_joined_with_sympy(tmp_path):
     _run("import sympy", tmp_path)

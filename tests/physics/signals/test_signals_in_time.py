@@ -134,7 +134,9 @@ SWITCHES = {
 }
 
 
-@pytest.mark.parametrize("name", SWITCHES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.long] * (n in ("nested", "abs", "min", "or"))) for n in SWITCHES]
+)
 def test_a_condition_on_time_is_met_exactly(name):
     expression, end, impulse = SWITCHES[name]
     assert _end(expression, end) == pytest.approx(impulse, rel=1e-12)

@@ -142,6 +142,7 @@ def test_a_held_run_repeats_bit_for_bit():
     assert once["body.w"][-1] == pytest.approx(1.0, abs=1e-12)
 
 
+@pytest.mark.long
 def test_where_a_stuck_clutch_reads_the_torque_the_run_stops_by_name():
     rig = gb.Drivetrain("clutch")
     a, b = rig.add("a", gb.Inertia(J=1.0)), rig.add("b", gb.Inertia(J=1.0))

@@ -59,6 +59,7 @@ def test_a_mesh_phase_is_right_after_ten_million_turns_of_a_run() -> None:
     assert _off(run["mesh.mesh_phase"], [23 * mpf(w) * mpf(float(x)) / TURN for x in t]) < 1e-9
 
 
+@pytest.mark.long
 def test_a_hundred_teeth_keep_their_phase_for_ten_thousand_seconds_at_a_million_rpm() -> None:
     t = np.linspace(0.0, 1e4, 1001)
     rig = _pair((100, 150), k=10.0, damping_ratio=0.05)

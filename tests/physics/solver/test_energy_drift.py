@@ -71,7 +71,7 @@ def _energy(name, run):
     return (0.1 * w**2 - 5.0 / 3.0 * (float(sp.cos(3 * phi)) - 1)) / 8.1
 
 
-@pytest.mark.parametrize("name", TRAINS)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.long] * (n == "joint")) for n in TRAINS])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 def test_what_loses_nothing_keeps_its_energy(name, method):
     model = gb.build(TRAINS[name]())
@@ -98,7 +98,7 @@ BENT = {
 }
 
 
-@pytest.mark.parametrize("name", BENT)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.long] * (n == "two joints")) for n in BENT])
 def test_no_step_over_a_gain_that_bends_adds_more_than_its_tolerance(name):
     """One state of speed: an embedded estimate passes zero by chance; the kinetic energy tells the error."""
     rig, inertias = BENT[name]()

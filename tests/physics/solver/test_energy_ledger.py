@@ -115,7 +115,7 @@ def _shaken(*, beside):
     return rig
 
 
-@pytest.mark.parametrize("beside", ["nothing", "coasting", "slow"])
+@pytest.mark.parametrize("beside", ["nothing", pytest.param("coasting", marks=pytest.mark.long), "slow"])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
 def test_the_ledger_closes_where_time_alone_moves_a_body(method, beside):
     if beside == "nothing" and method == "rodas":

@@ -39,7 +39,14 @@ ELLIPSE = gb.NonCircularGear(law=gb.RatioLaw.ellipse(e=0.486, order=1), external
 
 
 @pytest.mark.parametrize("method", ["dp5", "dp8"])
-@pytest.mark.parametrize(("tie", "hold"), [(JOINT, "hysteresis"), (JOINT, "clutch"), (ELLIPSE, "hysteresis")])
+@pytest.mark.parametrize(
+    ("tie", "hold"),
+    [
+        pytest.param(JOINT, "hysteresis", marks=pytest.mark.long),
+        pytest.param(JOINT, "clutch", marks=pytest.mark.long),
+        (ELLIPSE, "hysteresis"),
+    ],
+)
 def test_the_work_of_the_torque_becomes_speed(tie: Any, hold: str, method: str) -> None:
     rtol = 1e-6
     run = gb.simulate(_train(tie, hold), t=np.linspace(0.0, 1.0, 11), method=method, rtol=rtol)

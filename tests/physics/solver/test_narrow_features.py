@@ -71,6 +71,7 @@ def bump_in_every_turn(t, p, w):
     return 30 * np.exp(300 * (np.cos(p) - 1)) - 1
 
 
+QUICK = (drop, pulse_in_time, bump_in_every_turn)
 # start speed, duration, largest step of the reference
 USERS = {
     drop: (50.0, 35.0, 0.01), hump: (50.0, 35.0, 0.02), regularised_sign: (50.0, 30.0, 0.002), resonance: (50.0, 35.0, 0.02),
@@ -79,7 +80,9 @@ USERS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("law", USERS, ids=lambda f: f.__name__)
+@pytest.mark.parametrize(
+    "law", [pytest.param(f, id=f.__name__, marks=[pytest.mark.long] * (f not in QUICK)) for f in USERS]
+)
 def test_a_narrow_function_that_a_user_writes_is_seen(law):
     w0, end, step = USERS[law]
     rig = gb.Drivetrain("narrow")

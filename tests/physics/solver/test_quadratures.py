@@ -122,7 +122,7 @@ def _antiderivative(nodes):
     return np.array([[b.integ(lbnd=-1)(x) for b in basis] for x in nodes])
 
 
-@pytest.mark.parametrize("load", ["damper", "two dampers", "eddy currents"])
+@pytest.mark.parametrize("load", [pytest.param("damper", marks=pytest.mark.long), "two dampers", "eddy currents"])
 @pytest.mark.parametrize(("method", "rtol"), [*CASES, ("dp8", 1e-8), ("dp8", 1e-9), ("dp8", 1e-11), ("auto", 1e-10)])
 def test_a_load_that_hardly_moves_sets_no_step_for_the_work_beside_it(method, rtol, load):
     """States whose error is small but seen, beside a source and a slipping clutch that need the steps."""

@@ -54,6 +54,7 @@ def test_a_light_inertia_in_a_strong_damper_is_right_between_the_steps(method, J
             assert np.max(abs(run[name] - values)) < 10 * rtol * np.max(abs(values)), (rtol, name)
 
 
+@pytest.mark.long
 def test_the_automatic_gearbox_is_right_with_every_method():
     path = Path(__file__).parents[3] / "models" / "automatic_gearbox.py"
     spec = importlib.util.spec_from_file_location("automatic_gearbox_reach", path)

@@ -11,6 +11,7 @@ METHODS = ("auto", "dp5", "dp8", "rodas")
 T = gb.time
 
 # torque, speed of one inertia of 1 kg m2 after 1 s
+QUICK = ("1 - cos", "t^4", "late")
 RISES = {
     "1 - cos": (20 * (1 - gb.cos(10 * T)), 20 - 2 * np.sin(10)),
     "t^4": (20 * T**4, 4.0),
@@ -22,7 +23,7 @@ RISES = {
 }
 
 
-@pytest.mark.parametrize("name", RISES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.long] * (name not in QUICK)) for name in RISES])
 def test_a_torque_that_rises_softly_drives_from_rest(name):
     torque, right = RISES[name]
     rig = gb.Drivetrain("soft")
@@ -34,7 +35,7 @@ def test_a_torque_that_rises_softly_drives_from_rest(name):
             assert run.stats.steps < 2000, (method, rtol)
 
 
-@pytest.mark.parametrize("power", [1, 2, 4])
+@pytest.mark.parametrize("power", [1, pytest.param(2, marks=pytest.mark.long), 4])
 def test_a_soft_start_goes_through_a_shaft(power):
     rig = gb.Drivetrain("soft")
     rig.chain(

@@ -60,7 +60,14 @@ def _twists(run):
 LONG = [1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8, 1e-8]
 
 
-@pytest.mark.parametrize("tolerances", [LONG[:4], pytest.param(LONG, marks=pytest.mark.long)], ids=["few", "all"])
+@pytest.mark.parametrize(
+    "tolerances",
+    [
+        pytest.param(LONG[:2], id="two"),
+        pytest.param(LONG[:4], id="few", marks=pytest.mark.long),
+        pytest.param(LONG, id="all", marks=pytest.mark.long),
+    ],
+)
 def test_p1_is_as_right_as_by_dop853_for_the_same_number_of_right_hand_sides(tolerances):
     """Both errors scatter by a factor of two or three from one tolerance to the next, since it is chance where in a step a
     corner falls: hence the curve of errors through those of DOP853, and the median over neighbours of each tolerance."""

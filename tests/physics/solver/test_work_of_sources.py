@@ -17,6 +17,7 @@ def _body(tau, *, w0=0.0, J=2.0):
 
 
 # torque on J = 2 kg m2, speed at the start and after 2 s
+QUICK = ("a window", "a governor", "until an angle", "a window of speed and time", "a sign", "a table from a corner on")
 SOURCES = {
     "a step": (gb.piecewise((A, T > 0.5), (0, True)), 0.0, 3.0),
     "a ramp": (gb.piecewise((100 * (T - 0.5), T > 0.5), (0, True)), 0.0, 56.25),
@@ -34,11 +35,8 @@ SOURCES = {
 
 @pytest.mark.parametrize(
     ("name", "forward"),
-    [(name, True) for name in SOURCES]
-    + [
-        pytest.param(name, False, marks=[pytest.mark.long] * (name not in ("a governor", "a window")))
-        for name in SOURCES
-    ],
+    [pytest.param(name, True, marks=[pytest.mark.long] * (name not in QUICK)) for name in SOURCES]
+    + [pytest.param(name, False, marks=[pytest.mark.long] * (name != "a governor")) for name in SOURCES],
 )
 def test_the_work_of_a_source_with_conditions_is_the_energy_that_its_body_gains(name, forward):
     tau, start, end = SOURCES[name]

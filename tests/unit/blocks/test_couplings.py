@@ -85,7 +85,7 @@ def test_bad_values_are_refused_in_words(make, words: str) -> None:
     "block",
     [
         _converter(), gb.BeltDrive(ratio=2.5, slip=gb.Creep(stiffness=500.0, low_speed=5.0, limit=40.0)),
-        gb.BeltDrive(ratio=1.5), gb.UniversalJoint(angle=0.3, phase=0.1),
+        gb.BeltDrive(ratio=1.5), pytest.param(gb.UniversalJoint(angle=0.3, phase=0.1), marks=pytest.mark.long),
         gb.EddyCurrentBrake(tau_nominal=1.0, w_nominal=3.0, excitation=gb.Input("e", start=1.0)),
         gb.DCMotor(R=1.0, L=0.1, k=0.1, u=gb.Parameter("u", 12.0, "V")), gb.Engine(torque_map=MAP, throttle=gb.time / 10),
         gb.Governor(target=10.0, gain=1.0, integral_gain=0.1), _car(drag_area=0.6, tyre=gb.TyreSlip(

@@ -22,6 +22,8 @@ ODD = (
     "\x00\x1b[2J",
     '"; #error "',
 )
+QUICK = (ODD[0], ODD[3], ODD[4], ODD[5])
+"""What ends a comment, a line, goes on in the next line, and is another character."""
 
 
 @pytest.mark.parametrize("text", ODD)
@@ -73,7 +75,9 @@ def _stripped(source):
     return re.sub(tokens, lambda found: found[1] or "", source, flags=re.DOTALL)
 
 
-@pytest.mark.parametrize("text", [t for t in ODD if "\ud800" not in t])
+@pytest.mark.parametrize(
+    "text", [pytest.param(t, marks=[pytest.mark.long] * (t not in QUICK)) for t in ODD if "\ud800" not in t]
+)
 def test_odd_names_of_trains_compile_without_a_remark(text, tmp_path):
     plain, odd = gb.build(_rig()).program, gb.build(_rig(name=text)).program
     assert odd.name == text

@@ -57,8 +57,10 @@ RIGS = {
     "gains that change": _joint,
 }
 
+QUICK = ("a speed", "switched constraints", "a prescribed angle", "gains that change")
 
-@pytest.mark.parametrize("kind", RIGS)
+
+@pytest.mark.parametrize("kind", [pytest.param(kind, marks=[pytest.mark.long] * (kind not in QUICK)) for kind in RIGS])
 def test_generated_c_compiles_without_a_remark(kind, tmp_path):
     for name, data in core_files().items():
         (tmp_path / name).write_bytes(data)

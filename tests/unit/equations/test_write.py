@@ -103,7 +103,8 @@ def _number(expr, known):
 
 
 @pytest.mark.parametrize(
-    "name", ["meshes", "internal", pytest.param("teeth", marks=pytest.mark.long), "excited", "rigid"]
+    "name",
+    [*(pytest.param(name, marks=pytest.mark.long) for name in ("meshes", "internal", "teeth")), "excited", "rigid"],
 )
 def test_the_c_computes_what_the_equations_say(name):
     rig = _train(name)
@@ -195,6 +196,7 @@ def test_the_angle_form_of_the_spline_coupling_is_the_papers():
     assert [e.has(force) for e in eq.forcing] == [False, True, True, False]
 
 
+@pytest.mark.long
 def test_the_relative_form_of_the_spline_coupling_is_the_papers_term_by_term():
     eq, s, names = _spline()
     I, k1, k4, r, c1, c4, kt, ct, T = _paper(s, names)  # noqa: E741

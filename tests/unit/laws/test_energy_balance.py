@@ -65,7 +65,12 @@ def _law(block):
     return derive(block, frozenset(name for name, flange in type(block).flanges.items() if flange.ground))
 
 
-@pytest.mark.parametrize("block", PASSIVE.values(), ids=PASSIVE.keys())
+MANY = ("tooth friction, drive, 0.1", "tooth friction, coast, None")
+
+
+@pytest.mark.parametrize(
+    "block", [pytest.param(b, id=n, marks=[pytest.mark.long] * (n in MANY)) for n, b in PASSIVE.items()]
+)
 def test_a_passive_block_supplies_nothing(block):
     assert _law(block).supplied is None
 

@@ -119,6 +119,7 @@ def test_parallel_gaps_share_the_load_as_they_close_one_after_another():
     assert found["shaft.torque"] == pytest.approx(7.0, rel=EXACT)
 
 
+@pytest.mark.long
 def test_four_planets_share_the_load_evenly():
     w = gb.Parameter("w", 6e4, "rad/s")
     rig = gb.Drivetrain("planetary")
@@ -316,7 +317,7 @@ def test_other_words_for_a_start_are_refused_with_the_near_one():
 # -- shafts without inertia, prescribed motion, ties of three shafts, sliders ---------------------------------------
 
 
-@pytest.mark.parametrize("c", [None, 2.0])
+@pytest.mark.parametrize("c", [pytest.param(None, marks=pytest.mark.long), 2.0])
 def test_springs_in_a_row_without_inertia_between_carry_the_load_together(c):
     rig = gb.Drivetrain("in a row")
     drive, body = rig.add("drive", gb.Torque(tau=3.0)), rig.add("body", gb.Inertia(J=1.0))

@@ -28,9 +28,12 @@ def _start(rig):
 
 
 @pytest.mark.parametrize(
-    ("backlash", "transition", "near"), [(None, None, 1e-9), (gb.Backlash(half_gap=5e-5), 1e-3, 1e-5)],
-    ids=["exact", "smooth"],
-)  # fmt: skip
+    ("backlash", "transition", "near"),
+    [
+        pytest.param(None, None, 1e-9, id="exact"),
+        pytest.param(gb.Backlash(half_gap=5e-5), 1e-3, 1e-5, id="smooth", marks=pytest.mark.long),
+    ],
+)
 def test_the_mesh_force_at_the_entry_of_a_pair_does_not_depend_on_rounding(backlash, transition, near):
     rig = gb.Drivetrain("pair")
     law = {"k": 1e8, "c": 2e3, "backlash": backlash, "friction": gb.ToothFriction(mu=0.1, transition=transition)}
@@ -55,6 +58,7 @@ def test_the_mesh_force_at_the_entry_of_a_pair_does_not_depend_on_rounding(backl
                 assert run["mesh.force"][0] == pytest.approx(wanted, rel=near)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "shaft", [pytest.param(True, id="rigid"), pytest.param(False, id="compliant", marks=pytest.mark.long)]
 )

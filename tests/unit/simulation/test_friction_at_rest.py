@@ -29,6 +29,7 @@ def test_a_held_brake_carries_the_load_and_the_shaft_is_wound_up():
     assert run["two.phi"][-1] == run["two.phi"][0]  # nothing drifts, not by a bit
 
 
+@pytest.mark.long
 def test_a_shaft_that_a_brake_holds_by_its_far_end_turns_its_near_end():
     rig = gb.Drivetrain("far")
     one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=2.0))

@@ -19,6 +19,17 @@ NAN = float("nan")
 # -- JSON -------------------------------------------------------------------------------------------------------------
 
 P = gb.Parameter("P", 0.7)
+QUICK = (
+    "DogClutch",
+    "Lash that hits",
+    "Shaft of an expression",
+    "Fixed",
+    "IdealGear",
+    "GearMesh with jumps",
+    "BearingFriction",
+)
+"""Those that differ most."""
+
 BLOCKS = {
     "Inertia": gb.Inertia(J=2 * P, phi0=0.1, w0=3.0),
     "Fixed": gb.Fixed(phi0=0.3),
@@ -77,9 +88,7 @@ def _around(block):
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=pytest.mark.long)
-        if " of a " in name or " of seg" in name or " over " in name
-        else name
+        pytest.param(name, marks=pytest.mark.long) if name not in QUICK else name
         for name in BLOCKS
         if name not in ("Torque", "SpeedLoad")
     ],

@@ -64,6 +64,7 @@ def test_a_mesh_over_the_angle_with_a_carrier_that_turns(check):
     check(rig, angle=0.03)  # so that the phase of the teeth, 40 times the angle, moves little in a difference
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "external", [pytest.param(False, id="internal", marks=pytest.mark.long), pytest.param(True, id="external")]
 )

@@ -59,6 +59,7 @@ def test_a_cam_alone(check_whole):
     check_whole(rig)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "external", [pytest.param(False, id="internal", marks=pytest.mark.long), pytest.param(True, id="external")]
 )
@@ -74,6 +75,7 @@ def test_a_universal_joint_between_springs(check_whole):
     assert check_whole(rig)[0] > 0  # of the springs, only those beside the driven fork are no kinematic states
 
 
+@pytest.mark.long
 def test_universal_joints_with_springs_and_without_any_between_them(check_whole):
     joint = gb.UniversalJoint(angle=0.5)
     check_whole(
@@ -123,6 +125,7 @@ def test_a_motion_that_is_nonlinear_in_a_state(check_whole):
     check_whole(rig)
 
 
+@pytest.mark.long
 def test_a_cam_beside_a_damped_shaft_without_inertia_and_a_mesh_over_the_angle(check_whole):
     mesh = gb.GearMesh(
         teeth=(3, 4), external=True, r_base=(0.3, 0.4), k=80.0, c=1.0, stiffness_variation=gb.Fourier(cos=(0.2,)),
