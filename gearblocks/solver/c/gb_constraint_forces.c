@@ -256,6 +256,7 @@ double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double
     model->constraint_forces(sim->par, sim->mode, time_terms, y, sim->constraints.other, sim->constraints.right);
     model->delassus(sim->par, sim->mode, time_terms, y, 0, sim->constraints.delassus);
     gb_delassus_product(&W, constraint, sim->constraints.other, &terms);
+    terms += gb_largest_speed(sim, y) * sim->constraints.row_size[constraint] / sim->head->front.h;
     const double own = gb_delassus_diagonal(&W, constraint);
     return own > 0.0 ? 64.0 * DBL_EPSILON * terms / own : 0.0;
 }

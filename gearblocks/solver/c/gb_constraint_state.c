@@ -85,14 +85,18 @@ int gb_project_velocities(gb_sim *sim, const double *time_terms) {
     return most > 1e-14 * size;
 }
 
+double gb_largest_speed(const gb_sim *sim, const double *y) {
+    double size = 0.0;
+    for (int i = sim->model->n - sim->model->n_speeds; i < sim->model->n; i++) {
+        size = gb_max(size, fabs(y[i]));
+    }
+    return size;
+}
+
 void gb_slips_now(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const int first = model->n - model->n_speeds;
+    const double size = gb_largest_speed(sim, sim->y);
     model->slips(sim->par, sim->mode, sim->instant.time_terms, sim->y, NULL, sim->constraints.slip);
-    double size = 0.0;
-    for (int i = first; i < model->n; i++) {
-        size = gb_max(size, fabs(sim->y[i]));
-    }
     for (int i = 0; i < model->n_constraints; i++) {
         sim->constraints.slip_rounding[i] = 64.0 * DBL_EPSILON * size * sim->constraints.row_size[i];
     }

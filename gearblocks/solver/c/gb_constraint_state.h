@@ -42,6 +42,9 @@ const double *gb_modes_with_active_set(gb_sim *sim, const double *mode, const do
 /* Velocity projection: removes the slips of active constraints; 1: speeds changed by more than rounding. */
 int gb_project_velocities(gb_sim *sim, const double *time_terms);
 
+/* The largest speed in y. */
+double gb_largest_speed(const gb_sim *sim, const double *y);
+
 /* Slips at the front, and what is no more than rounding of each. */
 void gb_slips_now(gb_sim *sim);
 

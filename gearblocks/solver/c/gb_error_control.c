@@ -27,6 +27,9 @@ double gb_rough_log2(double x) {
 /* Rounding of the acceleration of what locks hold, in parts of the one that it had without them. */
 static const double OF_LOCKS = 256.0 * DBL_EPSILON;
 
+/* A trial with an error beyond this, as log2 in units of the tolerance, has ended where the train never comes. */
+static const double LOST = 10.0;
+
 /* What locks leave of the forces of the trial's end: where nothing else moves a speed, its whole rate. These
  * accelerations lie in the row `left`; 1: some are beyond the noise that is known. */
 static int noise_of_locks(gb_sim *sim, const gb_lanes *at, double *left) {
@@ -137,6 +140,7 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     const int noisier = left != NULL && noise_of_locks(sim, at, left);
     if (head->counts.steps >= head->control.noise_at || (implicit && moved) || longer || noisier) {
         measure_noise(sim, h, at, left);
+        head->control.noise_tried = noisier ? head->counts.steps + 1 : head->control.noise_tried;
         head->control.noise_modes = head->events.mode_hash;
         head->control.h_noise = h;
         head->control.noise_at = 2 * head->counts.steps + 1;
@@ -163,6 +167,16 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     head->control.unscaled |= weigh(sim, &sizes, speeds, n);
     head->control.h_weights = h;
     head->control.t_weights = head->front.t1;
+}
+
+void gb_forget_trial(gb_sim *sim, double error) {
+    struct gb_pace *control = &sim->head->control;
+    if (control->noise_tried == sim->head->counts.steps + 1 && !(error < LOST)) {
+        memset(sim->control.noise, 0, sizeof(double) * (size_t)sim->model->n_padded);
+        control->noise_at = sim->head->counts.steps;
+        control->h_noise = control->h_weights = 0.0;
+        control->noise_tried = 0;
+    }
 }
 
 void gb_scales_grow(gb_sim *sim, const double *y) {

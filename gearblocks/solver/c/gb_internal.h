@@ -90,6 +90,7 @@ struct gb_pace {
     long long reach_at, reach_gap;      /* when to look again, and how many steps later once more */
     uint64_t reach_modes;               /* of the last look */
     long long noise_at, least_scale_at; /* when noise and least scales are to be renewed */
+    long long noise_tried;              /* the last step of which a trial gave noise, from 1 on */
     uint64_t noise_modes;               /* the modes in which the noise was measured */
     double natural, natural_coordinate; /* the largest natural scale of a speed (-1: not known) and of a coordinate */
     int moved;                          /* see gb_rest.h */

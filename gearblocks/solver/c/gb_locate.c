@@ -1,4 +1,5 @@
 #include "gb_locate.h"
+#include "gb_constraint_state.h"
 #include "gb_force_enclosure.h"
 #include "gb_limit_noise.h"
 #include "gb_locate_enclosed.h"
@@ -53,10 +54,7 @@ static void measure_slack(gb_sim *sim) {
     const gb_model *model = sim->model;
     for (int i = 0; i < model->n_constraints; i++) {
         if (model->constraints[i].kind == GB_TIE) {
-            double speed = 0.0;
-            for (int k = model->n - model->n_speeds; k < model->n; k++) {
-                speed = gb_max(speed, fabs(sim->y0[k]));
-            }
+            const double speed = gb_largest_speed(sim, sim->y0);
             sim->events.slack[model->constraints[i].slip] =
                 64.0 * DBL_EPSILON * speed * sim->constraints.row_size[i] / sim->head->front.h;
         }

@@ -323,6 +323,7 @@ int gb_step(gb_sim *sim, double stop) {
         }
         head->counts.rejected++;
         rejected = 1;
+        gb_forget_trial(sim, error);
         const int finite = error > 0.0;
         h = fixed ? 0.0 : gb_choice_rejected(sim, size * (finite ? gb_step_factor(sim, error, 0) : 0.1));
         if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->front.t1), head->control.h_largest) || h < 1e-200) {

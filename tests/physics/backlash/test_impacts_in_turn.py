@@ -77,6 +77,28 @@ def test_a_freewheel_that_overruns_is_caught_by_what_comes_back():
     assert [run["one.w"][-1], run["two.w"][-1]] == pytest.approx([common, common], rel=EXACT)
 
 
+@pytest.mark.parametrize("e", [1.0, 0.4])
+@pytest.mark.parametrize(("m", "M", "ahead", "V"), [(1.0, 1.0, 1e-3, 2.0), (0.3, 2.0, 0.5, 1.5), (4.0, 1.0, 0.2, 3.0)])
+def test_what_an_impact_throws_back_against_its_one_way_lock_is_caught_there(m, M, ahead, V, e):
+    # one problem for both would throw M back with e (ahead + V) while m rests: energy from nowhere where m is slow or light
+    rig = gb.Drivetrain("thrown back")
+    one, two = rig.add("one", gb.Inertia(J=m, w0=ahead)), rig.add("two", gb.Inertia(J=M, w0=-V))
+    between = rig.add("between", gb.HardStop(restitution=e, lower=0.0))
+    lock = rig.add("lock", gb.Freewheel())
+    rig.connect(between.a, one.a)
+    rig.connect(between.b, two.a)
+    rig.connect(rig.add("ground", gb.Fixed()).flange, lock.a)
+    rig.connect(lock.b, one.b)
+    run = gb.simulate(rig, t=[0.0, 0.1])
+    common, apart = (m * ahead - M * V) / (m + M), e * (V + ahead) / (m + M)
+    assert common - M * apart < 0.0  # thrown back, were it free
+    rebound = common + m * apart
+    while rebound < 0.0:  # hits once more what rests by now
+        rebound *= -e
+    assert [run["one.w"][-1], run["two.w"][-1]] == pytest.approx([0.0, rebound], rel=1e-11, abs=1e-12)
+    assert _energy((m, M), [0.0, rebound]) <= _energy((m, M), [ahead, -V])
+
+
 @pytest.mark.parametrize("method", ["dp5", "rodas"])
 @pytest.mark.parametrize("gap", [1e-15, 3e-14])
 @pytest.mark.parametrize(("J", "w", "wall"), [((1.0, 1.0), (1.0, 2.0), 0.5), ((0.994, 0.4), (0.2, 4.0), 0.3)])

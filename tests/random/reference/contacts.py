@@ -108,7 +108,7 @@ def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
     """N = k g (1 + d x'/v), v the speed at which the contact began; d from the restitution; never pulling.
 
     A half wave of m x'' = -k x (1 + d x'/v) from v to -e v: d (1 + e) = ln((1 + d)/(1 - d e)). A contact that begins
-    at no speed is not damped.
+    at no speed is not damped, and one in which the run begins, beyond its corner, until it has ended.
     """
     if not hasattr(zone, "switches"):
         raise NoEvidenceError("Hunt and Crossley without corners")
@@ -125,7 +125,9 @@ def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
         inward = side * rate
         if side == 0:
             held["slowness"] = None
-        elif held["slowness"] is None and not s.sw.fresh:
+        elif s.sw.fresh:
+            held["slowness"] = 0.0 if abs(g) > 1e-12 * abs(x) else None
+        elif held["slowness"] is None:
             held["slowness"] = 1.0 / inward if inward > s.context.small else 0.0
         damped = 1 + d * (held["slowness"] or 0.0) * inward
         on = s.sw(pushes, damped if side else 1.0)

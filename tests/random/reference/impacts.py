@@ -76,7 +76,7 @@ class Impacts:
                 both.append((d.row, 0.0))
                 hit = hit or abs(slip) > small
             for m in on:
-                if m.one_way:  # it has no gap: what another impact throws back it stops at once
+                if m.one_way and m.scale * slip <= small:  # what is ahead is caught in the next round
                     one.append((math.copysign(1.0, m.scale) * d.row, 0.0, -1))
                     hit = hit or m.scale * slip < -small
                     break

@@ -139,7 +139,7 @@ class Integration:
         if first is None:
             first = self._margins(a, f.y_old)
             jumped = self._negative(first)
-            jumped = jumped[jumped < len(self.d.s.sw.value)]
+            jumped = jumped[jumped < len(self.d.s.sw.value) + 2 * len(self.d.s.iwan)]
             if jumped.size:  # an impact has moved speeds over the limits of laws, perhaps for less than one look
                 soon = a + min(1e-10 * self.span, 1e-3 * (b - a))  # what was located has left its surface by then
                 jumped = np.intersect1d(jumped, self._negative(self._margins(soon, f(soon))))

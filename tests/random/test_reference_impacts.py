@@ -1,0 +1,107 @@
+"""What impacts do to the modes of the reference, each against a closed form."""
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+ROOT = Path(__file__).parents[2]
+if str(ROOT) not in sys.path:
+    sys.path.insert(0, str(ROOT))
+
+from tests.random.description import GROUND, Part, Train  # noqa: E402
+from tests.random.expressions import thing  # noqa: E402
+from tests.random.reference import reference_motion  # noqa: E402
+
+T = np.linspace(0.0, 1.0, 11)
+
+
+def _train(*parts, t_end=1.0):
+    return Train("closed form", 0, parts, t_end, None)
+
+
+def _body(name, J=1.0, **fields):
+    return Part(name, "Inertia", (("J", J), *fields.items()), (("a", name),))
+
+
+def _hits(a, b, restitution, half_gap=0.1):
+    damping = thing("HuntCrossley", restitution=restitution)
+    fields = (("k", 1e3), ("half_gap", half_gap), ("contact_damping", damping), ("hits", True))
+    return Part(f"{a}_{b}", "Lash", fields, (("a", a), ("b", b)))
+
+
+@pytest.mark.parametrize("e", [1.0, 0.6, 0.1])
+@pytest.mark.parametrize(("m", "M", "ahead", "V"), [(1.0, 1.0, 1e-3, 2.0), (0.3, 2.0, 0.5, 1.5), (4.0, 1.0, 0.2, 3.0)])
+@pytest.mark.parametrize("block", ["Freewheel", "OneWayClutch"])
+def test_a_one_way_lock_that_is_ahead_is_caught_after_the_impact_that_throws_it_back(e, m, M, ahead, V, block):
+    # momentum and restitution of the two bodies, then the lock takes what is left: no energy comes from either
+    lock = Part("lock", block, (("capacity", 0.0),) if block == "OneWayClutch" else (), (("a", GROUND), ("b", "p")))
+    bodies = _body("p", J=m, w0=ahead), _body("w", J=M, w0=-V)
+    train = _train(*bodies, lock, _hits("p", "w", e))
+    common = (m * ahead - M * V) / (m + M)
+    thrown, rebound = common - M * e * (V + ahead) / (m + M), common + m * e * (V + ahead) / (m + M)
+    assert thrown < 0.0
+    while rebound < 0.0:  # what rests by now is hit once more
+        rebound *= -e
+    hit = 0.1 / (V + ahead)
+    motion = reference_motion(train, np.array([0.0, 0.99 * hit, 1.01 * hit]))
+    assert motion.speeds[:, 1] == pytest.approx([ahead, -V], abs=1e-12)
+    assert motion.speeds[:, -1] == pytest.approx([0.0, rebound], abs=1e-11)
+    assert M * rebound**2 <= m * ahead**2 + M * V**2
+
+
+def _slider(k, up, end):
+    """Angle and speed of a body that slides under its load, and from an impact on, by hand: what holds is k, or slips at F."""
+    load, friction, gap = -3.0, 2.0, 0.05
+
+    def until(event, y, t, holds):
+        def rates(_, z):
+            return z[1], load - z[2], k * z[1] if holds else 0.0, up
+
+        def found(time, z):
+            return event(time, z)
+
+        found.terminal = True
+        run = solve_ivp(rates, (t, end), y, method="DOP853", rtol=1e-12, atol=1e-15, events=[found])
+        return run.t[-1], run.y[:, -1]
+
+    def slips(_, z):
+        return z[2] + friction
+
+    t, y = until(slips, np.array([0.0, -1.0, 0.0, 0.0]), 0.0, True)
+    t, y = until(lambda _, z: z[0] - z[3] + gap, np.array([y[0], y[1], -friction, y[3]]), t, False)
+    t, y = until(slips, np.array([y[0], up, y[2] * (1 - 1e-15), 0.0]), t, True)
+    return until(lambda _t, _z: 1.0, np.array([y[0], y[1], -friction, 0.0]), t, False)[1][:2]
+
+
+@pytest.mark.parametrize("span", [0.2, 3.0, 20.0])
+@pytest.mark.parametrize(("k", "up"), [(1e8, 1e-4), (4e8, 5e-5), (1e7, 1e-4)])
+def test_a_slider_that_an_impact_turns_round_for_an_instant_holds_for_that_instant(k, up, span):
+    # it slips down, is thrown up by a body of its own mass that comes its way, and slips down again once it is where it was
+    inner = thing("Hysteresis", friction=2.0, stiffness=k)
+    shaft = Part("s", "Shaft", (("k", 1e-12), ("hysteresis", inner)), (("a", GROUND), ("b", "x")))
+    load = Part("load", "Torque", (("tau", -3.0),), (("flange", "x"),))
+    bodies = _body("x", w0=-1.0), _body("h", w0=up)
+    train = _train(*bodies, shaft, load, _hits("h", "x", 1.0, 0.05), t_end=span)
+    motion = reference_motion(train, np.array([0.0, 0.12, span]))
+    expected = _slider(k, up, 0.12)
+    assert motion.angles[0, 1] == pytest.approx(expected[0], abs=1e-9)
+    assert motion.speeds[0, 1] == pytest.approx(expected[1], abs=1e-8)
+
+
+@pytest.mark.parametrize(("depth", "w0"), [(0.05, 2.0), (0.02, 0.5), (0.1, -1.0)])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_contact_in_which_a_run_begins_is_not_damped_until_it_has_ended(depth, w0, side):
+    k, gap, e = 400.0, 0.1, 0.4
+    fields = (("k", k), ("half_gap", gap), ("contact_damping", thing("HuntCrossley", restitution=e)))
+    play = Part("l", "Lash", fields, (("a", GROUND), ("b", "j")))
+    train = _train(_body("j", w0=side * w0, phi0=side * (gap + depth)), play)
+    leaves = math.hypot(math.sqrt(k) * depth, w0)  # undamped
+    out = (math.pi / 2 + math.atan(w0 / (math.sqrt(k) * depth))) / math.sqrt(k)
+    over = out + 2 * gap / leaves  # at the other side, which throws it back with e times its speed
+    motion = reference_motion(train, np.array([0.0, 0.5 * (out + over), over + 0.12 / e]))
+    assert motion.speeds[0, 1] == pytest.approx(-side * leaves, rel=1e-9)
+    assert side * motion.speeds[0, 2] == pytest.approx(e * leaves, rel=1e-8) or side * motion.angles[0, 2] > gap
