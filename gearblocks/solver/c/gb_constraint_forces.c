@@ -242,6 +242,16 @@ double gb_slip_acceleration(const gb_sim *sim, int i, double *size) {
     return rate + gb_delassus_product(&W, i, sim->constraints.force, size);
 }
 
+/* The slip acceleration of constraint i that in the step at hand moves speeds, as large as they have been, by less than
+ * their rounding. */
+static double imperceptible(const gb_sim *sim, int i) {
+    double speed = 0.0;
+    for (int k = sim->model->n - sim->model->n_speeds; k < sim->model->n; k++) {
+        speed = gb_max(speed, sim->control.largest[k]);
+    }
+    return sim->head->front.h > 0.0 ? speed * sim->constraints.row_size[i] / sim->head->front.h : 0.0;
+}
+
 double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y) {
     const gb_model *model = sim->model;
     const gb_delassus W = gb_delassus_of(sim);
@@ -252,11 +262,14 @@ double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double
     if (constraint == W.n || !gb_is_active(sim, constraint)) {
         return 0.0;
     }
-    double terms = 0.0;
+    double largest = imperceptible(sim, constraint);
     model->constraint_forces(sim->par, sim->mode, time_terms, y, sim->constraints.other, sim->constraints.right);
     model->delassus(sim->par, sim->mode, time_terms, y, 0, sim->constraints.delassus);
-    gb_delassus_product(&W, constraint, sim->constraints.other, &terms);
-    terms += gb_largest_speed(sim, y) * sim->constraints.row_size[constraint] / sim->head->front.h;
+    for (int j = 0; j < W.n; j++) { /* rounding of one force goes on through those between it and another one */
+        double terms = 0.0;
+        gb_delassus_product(&W, j, sim->constraints.other, &terms);
+        largest = gb_is_active(sim, j) ? gb_max(largest, terms) : largest;
+    }
     const double own = gb_delassus_diagonal(&W, constraint);
-    return own > 0.0 ? 64.0 * DBL_EPSILON * terms / own : 0.0;
+    return own > 0.0 ? 64.0 * DBL_EPSILON * largest / own : 0.0;
 }

@@ -22,8 +22,8 @@ int gb_choose_active_set(gb_sim *sim);
 /* After gb_choose_active_set: the slip acceleration of constraint i with all forces; size: sum of its terms. */
 double gb_slip_acceleration(const gb_sim *sim, int i, double *size);
 
-/* What rounding leaves of the force whose excess event function i tells, beside the forces of all active constraints,
- * and what changes no speed by more than its rounding within the step. */
+/* What rounding leaves of the force whose excess event function i tells, beside the forces of all active constraints
+ * and beside the speeds that it could change in the step at hand. */
 double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y);
 
 #endif

@@ -36,13 +36,18 @@ static void sort_by_slip(gb_sim *sim, int impacted) {
         const int pending = constraint->kind != GB_STOP && sim->events.pending[constraint->slip] != 0.0 && !impacted;
         const int zero = fabs(slip) <= rounding || pending || (gb_is_active(sim, i) && !impacted);
         int *state = &sim->constraints.decision[i];
+        const double held = gb_is_active(sim, i) || impacted ? 0.0 : sim->events.held_side[constraint->slip];
         sim->mode[constraint->slip] = constraint->kind == GB_TIE ? sim->mode[constraint->slip] : 0.0;
-        if (!gb_is_engaged(sim, i)) {
+        if (held != 0.0 && constraint->kind != GB_TIE) { /* a look ahead has told */
+            *state = constraint->kind == GB_STOP ? GB_IS_OPEN : GB_SLIDES;
+            sim->mode[constraint->slip] = constraint->kind == GB_STOP ? 0.0 : -held;
+        } else if (!gb_is_engaged(sim, i)) {
             *state = GB_FREE;
         } else if (constraint->kind == GB_STOP) {
             const int rests =
                 fabs(slip) <= rounding || (gb_is_active(sim, i) && !impacted) ||
-                (sim->constraints.struck[i] && fabs(slip) <= 1e-9 * fabs(sim->constraints.slip_before[i]));
+                (sim->constraints.struck[i] && fabs(slip) <= 1e-9 * fabs(sim->constraints.slip_before[i])) ||
+                (impacted && gb_opens_for_nothing(sim, i));
             *state = gb_touches(sim, i) && rests ? GB_CANDIDATE : GB_IS_OPEN;
         } else if (zero || gb_is_unbounded(sim, i)) {
             *state = GB_CANDIDATE;

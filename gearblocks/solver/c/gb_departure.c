@@ -269,7 +269,7 @@ int gb_depart(gb_sim *sim, int log, int timed) {
     const struct gb_event_state *events = &sim->head->events;
     const int held = events->held_until < HUGE_VAL, early = log && !timed && sim->head->counts.events < events->look_at;
     int code = GB_DONE, flipped = 1;
-    double shortest = SHORTEST;
+    double shortest = SHORTEST, ahead = 0.0;
     if (!sim->head->options.locate || model->n_event_functions == 0 || (early && !held)) {
         return GB_DONE;
     }
@@ -279,6 +279,7 @@ int gb_depart(gb_sim *sim, int log, int timed) {
         }
         code = decide(sim, log, shortest, &flipped);
         if (code == GB_DONE && flipped > 0) {
+            ahead = sim->head->events.look_ahead = gb_max(sim->head->events.look_ahead, ahead);
             sim->head->front.have_k1 = 0;
             code = gb_settle_all(sim, log);
             shortest = further(sim);

@@ -34,6 +34,12 @@ static double restitution(gb_sim *sim, int i) {
     return push > 0.0 && is_nothing(sim, i, 2.0 * speed / push, 0.5 * speed * speed / push, given) ? 0.0 : given;
 }
 
+int gb_opens_for_nothing(gb_sim *sim, int i) {
+    const gb_delassus W = gb_delassus_of(sim);
+    const double slip = sim->constraints.slip[i], push = sim->constraints.force_before[i] * gb_delassus_diagonal(&W, i);
+    return gb_is_active(sim, i) && push > 0.0 && is_nothing(sim, i, 2.0 * slip / push, 0.5 * slip * slip / push);
+}
+
 /* Bounds of the impulse of constraint i and the slip that it must undo; 0: it takes no part. What opens just now does
  * not close: an impulse along it would do work on what leaves (lambda v- > 0) and give a train energy from nowhere. */
 static int takes_impulse(gb_sim *sim, int i, double *lo, double *hi, double *undo) {

@@ -100,13 +100,17 @@ static inline double gb_table_value(const gb_table *table, double mode, double s
     const double *x = table->x + i, *y = table->y + i, *m = table->second + i;
     if (table->kind == GB_TABLE_STEP)
         return order > 0 ? 0.0 : y[0];
-    const double h = x[1] - x[0], a = s - shift - x[0], slope = (y[1] - y[0]) / h;
-    const double b = slope - h * (2.0 * m[0] + m[1]) / 6.0, d = (m[1] - m[0]) / h; /* zero curvature when linear */
+    /* from the nearer joint: both segments there have its value to the last bit, so that what rests on it is not pushed
+     * by rounding */
+    const double h = x[1] - x[0], slope = (y[1] - y[0]) / h, d = (m[1] - m[0]) / h; /* no curvature when linear */
+    const int near = s - shift - x[0] > 0.5 * h;
+    const double a = s - shift - x[near];
+    const double b = slope + h * (near ? m[0] + 2.0 * m[1] : -(2.0 * m[0] + m[1])) / 6.0;
     if (order == 0)
-        return y[0] + a * (b + a * (0.5 * m[0] + a * d / 6.0));
+        return y[near] + a * (b + a * (0.5 * m[near] + a * d / 6.0));
     if (order == 1)
-        return b + a * (m[0] + 0.5 * a * d);
-    return order == 2 ? m[0] + a * d : (order == 3 ? d : 0.0);
+        return b + a * (m[near] + 0.5 * a * d);
+    return order == 2 ? m[near] + a * d : (order == 3 ? d : 0.0);
 }
 
 /* A table of two variables, lines or splines along both: values z and second derivatives at the points of a grid, row

@@ -132,3 +132,25 @@ def test_a_body_that_another_hammers_against_its_wall_comes_to_rest(restitution)
     assert [run["inner.w"][-1], run["outer.w"][-1]] == [0.0, 0.0]
     assert sum(run.energy.dissipated.values()) == pytest.approx(3.0 * 0.15, rel=1e-9)
     assert len(run.events) < 2000
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
+@pytest.mark.parametrize(
+    ("J", "load"), [((2.0, 0.1), (140.0, 20.0)), ((1.0, 1.0), (3.0, 1.0)), ((0.3, 0.05), (9.0, 8.0))]
+)
+def test_two_stops_without_restitution_that_open_each_other_come_to_rest(J, load, method):
+    """The outer body throws the inner one off its wall, which stops it again and lets the outer one fly on: speeds fall
+    by J2 / (J1 + J2) a turn or so, in a finite time, and what the loads have done is lost."""
+    rig = gb.Drivetrain("in turn")
+    inner, outer = (rig.add(n, gb.Inertia(J=j)) for n, j in zip(("inner", "outer"), J, strict=True))
+    rig.chain(rig.add("presses", gb.Torque(tau=load[0])), inner)
+    rig.chain(rig.add("pulls", gb.Torque(tau=-load[1])), outer)
+    between = rig.add("between", gb.HardStop(restitution=0.0, lower=-0.3))
+    rig.connect(between.a, inner.a)
+    rig.connect(between.b, outer.b)
+    rig.connect(rig.add("wall", gb.HardStop(restitution=0.0, upper=0.1)).a, inner.b)
+    run = gb.simulate(rig, t=[0.0, 5.0], method=method)
+    assert [run["inner.phi"][-1], run["outer.phi"][-1]] == pytest.approx([0.1, -0.2], rel=1e-9)
+    assert [run["inner.w"][-1], run["outer.w"][-1]] == [0.0, 0.0]
+    assert sum(run.energy.dissipated.values()) == pytest.approx(0.1 * load[0] + 0.2 * load[1], rel=1e-8)
+    assert len(run.events) < 200

@@ -8,6 +8,8 @@ import math
 
 import numpy as np
 import pytest
+import sympy as sp
+from scipy.integrate import solve_ivp
 
 import gearblocks as gb
 
@@ -114,3 +116,106 @@ def test_what_several_frictions_hold_stays_when_its_contact_opens(held, method, 
     same = gb.simulate(_hammered(()), t=t, method="dp8", rtol=1e-11)
     assert not np.any(run["still.w"])
     assert run["swings.w"] == pytest.approx(same["swings.w"], abs=30 * rtol)
+
+
+@pytest.mark.parametrize(
+    "gear",
+    [
+        {"efficiency": (0.7, 0.7)},
+        {"efficiency": (0.9, 0.6)},
+        {"loss_table": ((0.0, 0.675, 0.666, 0.308, 0.308), (1.0, 0.783, 0.639, 0.063, 0.063))},
+    ],
+)
+@pytest.mark.parametrize("ratio", [-1.0, 2.5])
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+def test_what_a_brake_leaves_for_the_gear_and_the_freewheel_behind_it_is_rounding(gear, ratio, method):
+    rig = gb.Drivetrain("held")
+    bodies = [rig.add(name, gb.Inertia(J=J)) for name, J in (("near", 0.2), ("middle", 0.366), ("far", 0.337))]
+    rig.chain(bodies[0], rig.add("gear", gb.LossyGear(ratio=ratio, **gear)), bodies[1])
+    wheel = rig.add("wheel", gb.Freewheel())
+    rig.connect(wheel.a, bodies[1].b)
+    rig.connect(wheel.b, bodies[2].a)
+    rig.connect(rig.add("brake", gb.Brake(capacity=8.0)).a, bodies[0].a)
+    rig.connect(rig.add("drive", gb.Torque(tau=sp.Abs(gb.sin(20.0 * gb.time)))).flange, bodies[0].a)
+    run = gb.simulate(rig, t_end=2.0, method=method)
+    assert all(np.max(np.abs(run[f"{body}.w"])) < 1e-15 for body in ("near", "middle", "far"))
+    assert run.stats.steps < 100
+
+
+RADII, GAP = (0.02, 2.0 / 17.0 * 0.4), 1e-3  # of a mesh inside of a ring
+
+
+def _struck(k, c, J, w0):
+    """When a contact ends whose damping is clipped at its spring, and the speeds then; a freewheel takes the third along."""
+    pinion, wheel = RADII
+
+    def rates(_, y):
+        spring, speed = k * max(y[0], 0.0), wheel * y[1] - pinion * y[2]
+        push = spring + float(np.clip(c * speed, -spring, spring))
+        return [speed, -wheel * push / J[0], pinion * push / (J[1] + J[2])]
+
+    def apart(_, y):
+        return y[0] + 1e-18
+
+    apart.terminal, apart.direction = True, -1
+    found = solve_ivp(rates, (0.0, 9.0), [0.0, w0, 0.0], "DOP853", rtol=1e-10, atol=1e-15, events=apart, max_step=2e-3)
+    return found.t[-1], *found.y[1:, -1]
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+@pytest.mark.parametrize("c", [100.0, 4000.0])
+@pytest.mark.parametrize(("k", "J"), [(24900.0, (1.82, 0.0282, 0.0455)), (8e4, (0.5, 0.4, 0.9))])
+def test_a_contact_that_its_damping_eats_up_leaves_a_freewheel_nothing_but_rounding(k, J, c, method):
+    rig = gb.Drivetrain("clipped")
+    strikes = rig.add("strikes", gb.Inertia(J=J[0], w0=3.0, phi0=0.7))
+    struck, far = (
+        rig.add("struck", gb.Inertia(J=J[1], phi0=0.7 * RADII[1] / RADII[0])),
+        rig.add("far", gb.Inertia(J=J[2])),
+    )
+    play = gb.Backlash(half_gap=GAP)
+    mesh = rig.add(
+        "mesh",
+        gb.GearMesh(teeth=(17, 40), external=False, r_base=RADII, k=k, c=c, backlash=play, contact_damping="clipped"),
+    )
+    rig.connect(mesh.wheel, strikes.b)
+    rig.connect(mesh.pinion, struck.a)
+    wheel = rig.add("wheel", gb.Freewheel())
+    rig.connect(wheel.a, struck.b)
+    rig.connect(wheel.b, far.a)
+    ends, first, second = _struck(k, c, J, 3.0)
+    meets = GAP / (3.0 * RADII[1])
+    run = gb.simulate(rig, t_end=meets + ends + 0.3 * meets, method=method, rtol=1e-8)  # before the other flank is met
+    speeds = [run[f"{body}.w"][-1] for body in ("strikes", "struck", "far")]
+    assert speeds == pytest.approx([first, second, second], rel=1e-6)
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+@pytest.mark.parametrize(
+    ("k", "c", "J", "error"),
+    [
+        (24900.0, 300.0, (1.82, 0.0282, 0.0455), 5.16e-5),
+        (24900.0, 636.0, (1.82, 0.0282, 0.0455), 5.16e-5),
+        (8e4, 900.0, (0.5, 0.05, 0.02), 8e-5),
+    ],
+)
+def test_the_same_beside_a_body_that_two_locks_hold(k, c, J, error, method):
+    """Forces are sampled there; the mesh that rattles changes no sum of momenta in parts of the radii."""
+    rig = gb.Drivetrain("clipped")
+    wheel, pinion, far = (rig.add(n, gb.Inertia(J=j)) for n, j in zip(("wheel", "pinion", "far"), J, strict=True))
+    block = gb.GearMesh(
+        teeth=(17, 40), external=False, r_base=RADII, k=k, c=c, contact_damping="clipped",
+        backlash=gb.Backlash(half_gap=3.6e-5), transmission_error=gb.Harmonic(cos=(error,), driven_by=38.9),
+    )  # fmt: skip
+    mesh = rig.add("mesh", block)
+    rig.connect(mesh.wheel, wheel.b)
+    rig.connect(mesh.pinion, pinion.a)
+    freewheel, still = rig.add("freewheel", gb.Freewheel()), rig.add("still", gb.Inertia(J=0.2))
+    rig.connect(freewheel.a, pinion.b)
+    rig.connect(freewheel.b, far.a)
+    rig.connect(still.a, rig.add("bearing", gb.BearingFriction(coulomb=2.0)).a)
+    rig.connect(still.b, rig.add("stop", gb.HardStop(restitution=0.0, upper=0.0, lower=-0.2)).a)
+    run = gb.simulate(rig, t_end=0.4, method=method, rtol=1e-8)
+    behind = (J[1] * run["pinion.w"] + J[2] * run["far.w"]) / RADII[0]
+    before = J[0] * run["wheel.w"] / RADII[1]
+    assert np.max(np.abs(behind + before)) < 1e-12 * np.max(np.abs(before))
+    assert not np.any(run["still.w"])

@@ -73,6 +73,46 @@ def test_a_stop_beside_it_opens_or_holds(sign, limits):
         assert abs(run["driven.w"][-1] - true) <= 20.0 * rtol * abs(true), method
 
 
+def _play_in_numpy(tau, dry, eta):
+    """The speed behind a gear that drives: play without a gap is a spring, a bearing that turns a torque."""
+    inertia = np.array([1.0, 0.5, 0.4, 1.0 + 0.8 / eta])
+    springs = np.array([[0, 1, 40.0], [1, 2, 2.0], [0, 3, 1.0], [2, 3, 3.0]])
+
+    def rates(t, y):
+        torque = np.array([tau(t) - dry, 0.0, 0.0, 0.0])
+        for i, j, k in springs:
+            pull = k * (y[int(j)] - y[int(i)])
+            torque[int(i)] += pull
+            torque[int(j)] -= pull
+        return np.concatenate([y[4:], torque / inertia])
+
+    return rates
+
+
+@pytest.mark.parametrize(("ratio", "eta"), [(1.0, 0.7), (-0.5, 0.674)])
+@pytest.mark.parametrize("dry", [0.0, 0.2, 0.02])
+def test_play_without_a_gap_beside_it_closes_the_way_that_it_begins_to_slide(dry, ratio, eta):
+    """Which flank carries is told once the gear slides; that it slides, and that the bearing has let go, stays so."""
+    rig = gb.Drivetrain("closed play")
+    bodies = [rig.add(f"j{i}", gb.Inertia(J=J)) for i, J in enumerate((1.0, 0.5, 0.4, 1.0))]
+    driven = rig.add("driven", gb.Inertia(J=0.8 * ratio**2))
+    for i, j, part in ((0, 1, gb.Shaft(k=40.0)), (1, 2, gb.Shaft(k=2.0)), (0, 3, gb.Shaft(k=1.0)),
+                       (2, 3, gb.Lash(k=3.0, half_gap=0.0))):  # fmt: skip
+        rig.chain(bodies[i], rig.add(f"s{i}{j}", part), bodies[j])
+    gear = rig.add("gear", gb.LossyGear(ratio=ratio, efficiency=(eta, eta)))
+    rig.connect(gear.a, bodies[3].b)
+    rig.connect(gear.b, driven.a)
+    rig.connect(rig.add("motor", gb.Torque(tau=10.5 * gb.time if dry else 1.0)).flange, bodies[0].a)
+    if dry:
+        rig.connect(rig.add("bearing", gb.BearingFriction(coulomb=dry)).a, bodies[0].b)
+    rates = _play_in_numpy((lambda t: 10.5 * t) if dry else (lambda t: 1.0), dry, eta)
+    true = solve_ivp(rates, (dry / 10.5, 0.3), np.zeros(8), "DOP853", rtol=1e-12, atol=1e-16).y[4:, -1]
+    for method, rtol in METHODS:
+        run = gb.simulate(rig, t_end=0.3, method=method, rtol=rtol)
+        assert [run[f"j{i}.w"][-1] for i in range(4)] == pytest.approx(true, rel=30.0 * rtol), method
+        assert run["driven.w"][-1] * ratio == pytest.approx(true[3], rel=30.0 * rtol), method
+
+
 @pytest.mark.parametrize("springs", [2, pytest.param(3, marks=pytest.mark.long), 4])
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
 def test_without_losses_a_ramp_later_on_is_no_matter_of_step_sizes(springs, method, rtol):
