@@ -127,7 +127,8 @@ static double step_worth(const gb_sim *sim) {
     return crosses_general(sim) ? gb_min(worked, gb_max(1.25 * lasted, 0.02 * worked)) : worked;
 }
 
-/* The step size that worked last in these modes, where there is one; they may have lasted no longer than time is told. */
+/* The step size that worked last in these modes, where there is one; they may have lasted no longer than time is told.
+ */
 static void recall_step(gb_sim *sim) {
     gb_head *head = sim->head;
     const size_t slot = (size_t)(head->events.mode_hash % GB_MEMORY);

@@ -37,7 +37,8 @@ static double restitution(gb_sim *sim, int i) {
 int gb_opens_for_nothing(gb_sim *sim, int i) {
     const gb_delassus W = gb_delassus_of(sim);
     const double slip = sim->constraints.slip[i], push = sim->constraints.force_before[i] * gb_delassus_diagonal(&W, i);
-    return gb_is_active(sim, i) && push > 0.0 && is_nothing(sim, i, 2.0 * slip / push, 0.5 * slip * slip / push);
+    return gb_is_active(sim, i) && push > 0.0 &&
+           is_nothing(sim, i, 2.0 * slip / push, 0.5 * slip * slip / push, sim->constraints.bounds[5 * i + 2]);
 }
 
 /* Bounds of the impulse of constraint i and the slip that it must undo; 0: it takes no part. What opens just now does
