@@ -252,14 +252,31 @@ static double imperceptible(const gb_sim *sim, int i) {
     return sim->head->front.h > 0.0 ? speed * sim->constraints.row_size[i] / sim->head->front.h : 0.0;
 }
 
+/* The active constraint whose excess event function i tells, or -1. */
+static int constraint_of(const gb_sim *sim, int i) {
+    int constraint = sim->model->n_constraints - 1;
+    while (constraint >= 0 && sim->model->constraints[constraint].active != i) {
+        constraint--;
+    }
+    return constraint >= 0 && gb_is_active(sim, constraint) ? constraint : -1;
+}
+
+double gb_idle_force(gb_sim *sim, int i, const double *time_terms, const double *y) {
+    const gb_delassus W = gb_delassus_of(sim);
+    const int constraint = constraint_of(sim, i);
+    if (constraint < 0) {
+        return 0.0;
+    }
+    sim->model->delassus(sim->par, sim->mode, time_terms, y, 0, sim->constraints.delassus);
+    const double own = gb_delassus_diagonal(&W, constraint);
+    return own > 0.0 ? 64.0 * DBL_EPSILON * imperceptible(sim, constraint) / own : 0.0;
+}
+
 double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y) {
     const gb_model *model = sim->model;
     const gb_delassus W = gb_delassus_of(sim);
-    int constraint = 0;
-    while (constraint < W.n && model->constraints[constraint].active != i) {
-        constraint++;
-    }
-    if (constraint == W.n || !gb_is_active(sim, constraint)) {
+    const int constraint = constraint_of(sim, i);
+    if (constraint < 0) {
         return 0.0;
     }
     double largest = imperceptible(sim, constraint);

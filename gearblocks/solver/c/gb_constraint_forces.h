@@ -26,4 +26,7 @@ double gb_slip_acceleration(const gb_sim *sim, int i, double *size);
  * and beside the speeds that it could change in the step at hand. */
 double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y);
 
+/* The part of that which follows from the speeds alone: such a force moves nothing in the step at hand. */
+double gb_idle_force(gb_sim *sim, int i, const double *time_terms, const double *y);
+
 #endif

@@ -1,4 +1,5 @@
 #include "gb_locate.h"
+#include "gb_constraint_forces.h"
 #include "gb_constraint_state.h"
 #include "gb_force_enclosure.h"
 #include "gb_limit_noise.h"
@@ -8,6 +9,17 @@
 #include "gb_modes.h"
 #include "gb_vector.h"
 
+/* The force of an active constraint, located in this step, is on its bound at both ends of it but for what moves
+ * nothing: a contact whose damping eats up its spring leaves such a force to a freewheel behind it. */
+static int is_no_force(gb_sim *sim, int i, double start, const double *time_terms) {
+    const double noise = gb_idle_force(sim, i, time_terms, sim->z);
+    if (!(fabs(start) < noise)) {
+        return 0;
+    }
+    sim->model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
+    return fabs(sim->events.s[i] - sim->events.hi[i]) < noise;
+}
+
 /* Switch i, located in this step, has not left its limit from the start to the end but for noise. Most are plainly off
  * it at one of both. */
 static int has_stayed(gb_sim *sim, int i) {
@@ -15,7 +27,10 @@ static int has_stayed(gb_sim *sim, int i) {
     const double *time_terms = sim->lanes.time_terms + sim->method->stages;
     const double limit = sim->events.side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
     const double start = sim->events.s0[i] - limit;
-    if (sim->events.role[i] == GB_CONSTRAINED || gb_is_far(sim, start, sim->z, sim->y0)) {
+    if (sim->events.role[i] == GB_CONSTRAINED) {
+        return is_no_force(sim, i, start, time_terms);
+    }
+    if (gb_is_far(sim, start, sim->z, sim->y0)) {
         return 0;
     }
     model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
