@@ -181,14 +181,24 @@ static int judge_piece(gb_sim *sim, search *s, int *found) {
     return code == GB_DONE && *found == ROOT ? take_roots(sim, s) : code;
 }
 
+/* Event function i stands on its limit wherever it is looked at: at the start and twice more. */
+static int stands(gb_sim *sim, int i) {
+    const double limit = sim->events.s0[i] - sim->events.lo[i] < sim->events.hi[i] - sim->events.s0[i]
+                             ? sim->events.lo[i]
+                             : sim->events.hi[i];
+    return sim->events.role[i] == GB_ORDINARY && sim->events.s0[i] == limit && sim->panel.left[i] == limit &&
+           sim->panel.right[i] == limit;
+}
+
 /* How finely event functions are told at all, after many open pieces: their width over hardly any time. One that has no
- * bounds even there (its numbers overflow) is left to samples. */
+ * bounds even there (its numbers overflow) is left to samples, and so is one that something holds on its limit: that
+ * the parts of it cancel is more than an enclosure knows. */
 static void measure_noise(gb_sim *sim, const search *s) {
     gb_enclose(sim, s->with_forces, s->a, gb_min(s->a + s->tolerance, sim->panel.to));
     for (int i = sim->model->n_affine; i < sim->model->n_event_functions; i++) {
         const gb_enclosure *g = &sim->panel.enclosure[i];
-        const int bounded = g->up - g->down < HUGE_VAL;
-        sim->panel.watched[i] = sim->panel.watched[i] && g->hi - g->lo < HUGE_VAL;
+        const int bounded = g->up - g->down < HUGE_VAL, held = s->have_left && s->have_right && stands(sim, i);
+        sim->panel.watched[i] = sim->panel.watched[i] && g->hi - g->lo < HUGE_VAL && !held;
         sim->panel.noise[i] = sim->panel.watched[i] && bounded ? 2.0 * (g->hi - g->lo) : 0.0;
     }
 }
