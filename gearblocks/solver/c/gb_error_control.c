@@ -24,10 +24,6 @@ double gb_rough_log2(double x) {
     return exponent + f * (1.4234 + f * (-0.5877 + f * 0.1643));
 }
 
-/* Rounding of a state, in parts of its size: the stages of a step combine many of them, and an estimate just above its
- * weight is no shorter step away from below it. */
-static const double OF_STATES = 64.0 * DBL_EPSILON;
-
 /* Rounding of the acceleration of what locks hold, in parts of the one that it had without them. */
 static const double OF_LOCKS = 256.0 * DBL_EPSILON;
 
@@ -58,7 +54,7 @@ static void measure_noise(gb_sim *sim, double h, const gb_lanes *at, const doubl
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
     for (int i = 0; i < model->n_padded; i++) {
         const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
-        const double own = OF_STATES * gb_max(sim->control.largest[i], begun);
+        const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
         const double bit = left != NULL && i < model->n ? gb_max(own, h * left[i]) : own;
         sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
     }
