@@ -245,10 +245,7 @@ double gb_slip_acceleration(const gb_sim *sim, int i, double *size) {
 /* The slip acceleration of constraint i that in the step at hand moves speeds, as large as they have been, by less than
  * their rounding. */
 static double imperceptible(const gb_sim *sim, int i) {
-    double speed = 0.0;
-    for (int k = sim->model->n - sim->model->n_speeds; k < sim->model->n; k++) {
-        speed = gb_max(speed, sim->control.largest[k]);
-    }
+    const double speed = gb_largest_speed(sim, sim->control.largest);
     return sim->head->front.h > 0.0 ? speed * sim->constraints.row_size[i] / sim->head->front.h : 0.0;
 }
 
