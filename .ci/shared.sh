@@ -26,12 +26,14 @@ left_out() {
 readme_command() { awk -v mark="<!-- command: $1 -->" '$0 == mark { getline; getline; print; exit }' README.md; }
 
 # Runs pytest's command and keeps its closing line, to be said again at the end.
+names=()
 closing=()
 tests() {
     local name=$1
     shift
     "$@" 2>&1 | tee "$work/tests.txt"
-    closing+=("$name: $(tail -n 1 "$work/tests.txt" | sed 's/^=* *//; s/ *=*$//')")
+    names+=("$name")
+    closing+=("$(tail -n 1 "$work/tests.txt")")
 }
 
 # The kernels of OpenBLAS can be chosen where numpy and scipy bring one with several; the names that they answer say whether
@@ -121,7 +123,8 @@ counted() { printf '%s\n' "${closing[@]}" | { grep -oE "[0-9]+ $1\b" || true; } 
 # The last words: what pytest said, what was left out, and all tests in one plain line.
 finish() {
     step "all passed"
-    printf '%s\n' "${closing[@]}"
+    local each
+    for each in "${!names[@]}"; do printf '%s\n%s\n' "${names[each]}" "${closing[each]}"; done
     if [ ${#missing[@]} -gt 0 ]; then printf 'left out: %s\n' "${missing[@]}"; fi
-    echo "tests: $(counted passed) passed, $(counted failed) failed, $(counted "(skipped|xfailed)") skipped"
+    echo "$(counted passed) passed, $(counted failed) failed"
 }
