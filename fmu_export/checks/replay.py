@@ -25,7 +25,7 @@ def replay(manifest: Manifest, times: NDArray[np.float64], stop: float | None) -
         simulation.inputs[:] = [u.start for u in program.inputs]
         simulation.changed()
         code = simulation.start(options, float(times[0]), manifest.start)
-        record = simulation.record(rows=len(times) + 1)
+        record = simulation.record(len(times) + 1)
         while code >= 0:
             code = simulation.run(times, float(times[-1]), record)
             rows.append(record.take()[0])

@@ -207,7 +207,7 @@ def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[i
     """Indices of the states and of the outputs; unread angles only where an output needs them."""
     program = point.program
     patterns = [wanted] if isinstance(wanted, str) else list(wanted)
-    numbers = dict.fromkeys(i for pattern in patterns for i in picked_outputs(program, pattern))
+    numbers = dict.fromkeys(i for pattern in patterns for i in picked_outputs(program, pattern).values())
     pick = np.array(list(numbers), dtype=np.intp)
     unread = np.array([x.offset for x in program.integrals if x.part == "angle"], dtype=np.intp)
     columns = np.arange(program.n)

@@ -6,8 +6,14 @@ Plain frozen values that can be stored and printed. Reading a stored program nee
 from __future__ import annotations
 
 import pickle
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
+from types import MappingProxyType
 from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 POWER_INTO_FLANGE = "power from the block into the flange"
 """Words of the outputs by which a block gives power."""
@@ -124,9 +130,20 @@ _COUNTED = ("states", "parameters", "inputs", "switches", "outputs")
 """What a program says about itself, besides its name."""
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+class EventTable(NamedTuple):
+    """What events say by the number of their switch, the inputs behind the switches: components, the number of each among
+    these, its kind ("state" or "time"), and what is shown for modes 0 and 1."""
+
+    components: tuple[str, ...]
+    component: NDArray[np.int32]
+    timed: NDArray[np.bool_]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+
+
+@dataclass(frozen=True, repr=False)
 class Program:
-    """C source of one `gb_model` with the meaning of its vectors.
+    """C source of one `gb_model` with the meaning of its vectors; lookups by name are made once, when they are asked for.
 
     n, n_padded, n_total: lengths of the state vector as in c/gb_model.h.
     structural: values of parameters that the structure rests on (ratios); another value needs another program.
@@ -151,6 +168,80 @@ class Program:
     dependent_starts: tuple[DependentStart, ...] = ()
     prescribed_starts: tuple[PrescribedStart, ...] = ()
     unknown: tuple[tuple[str], ...] = ()
+
+    @cached_property
+    def output_numbers(self) -> Mapping[str, int]:
+        """Numbers of the outputs by name, in their order."""
+        return MappingProxyType({q.name: i for i, q in enumerate(self.outputs)})
+
+    @cached_property
+    def output_units(self) -> Mapping[str, str]:
+        """Units of the outputs by name."""
+        return MappingProxyType({q.name: q.unit for q in self.outputs})
+
+    @cached_property
+    def parameter_numbers(self) -> Mapping[str, int]:
+        """Numbers of the parameters by path, in their order."""
+        return MappingProxyType({p.path: i for i, p in enumerate(self.parameters)})
+
+    @cached_property
+    def structural_paths(self) -> frozenset[str]:
+        """Paths of the parameters that the structure rests on."""
+        return frozenset(path for path, _ in self.structural)
+
+    @cached_property
+    def input_numbers(self) -> Mapping[str, int]:
+        """Numbers of the inputs by name."""
+        return MappingProxyType({x.name: i for i, x in enumerate(self.inputs)})
+
+    @cached_property
+    def input_starts(self) -> NDArray[np.float64]:
+        """Values of the inputs before anything is connected."""
+        return np.array([x.start for x in self.inputs], dtype=np.float64)
+
+    @cached_property
+    def start_numbers(self) -> Mapping[str, int]:
+        """Numbers of the start values by name."""
+        return MappingProxyType({s.name: i for i, s in enumerate(self.starts)})
+
+    @cached_property
+    def event_table(self) -> EventTable:
+        """What events say by the number of their switch or input."""
+        rows = [(s.component, s.kind == "time", s.low, s.high) for s in self.switches]
+        rows += [(x.name, True, 0.0, 1.0) for x in self.inputs]
+        number = {name: i for i, name in enumerate(dict.fromkeys(row[0] for row in rows))}
+        return EventTable(
+            tuple(number),
+            np.array([number[row[0]] for row in rows], dtype=np.int32),
+            np.array([row[1] for row in rows], dtype=np.bool_),
+            np.array([row[2] for row in rows], dtype=np.float64),
+            np.array([row[3] for row in rows], dtype=np.float64),
+        )
+
+    @cached_property
+    def energy_components(self) -> tuple[tuple[str, ...], NDArray[np.intp], NDArray[np.intp]]:
+        """Components with stored energies, the number of each energy's among these, and its place in their vector."""
+        number = {name: i for i, name in enumerate(dict.fromkeys(e.component for e in self.energies))}
+        of = np.array([number[e.component] for e in self.energies], dtype=np.intp)
+        return tuple(number), of, np.array([e.offset for e in self.energies], dtype=np.intp)
+
+    @cached_property
+    def integral_components(self) -> Mapping[str, tuple[tuple[str, ...], NDArray[np.intp]]]:
+        """By "loss" and "supplied": components with such a quadrature and its place in the state vector."""
+        found = {}
+        for part in ("loss", "supplied"):
+            place = {item.component: item.offset for item in self.integrals if item.part == part}
+            found[part] = tuple(place), np.array([*place.values()], dtype=np.intp)
+        return MappingProxyType(found)
+
+    @cached_property
+    def ledger_integrals(self) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+        """Places of all losses and supplies in the state vector, and 1 for a loss, -1 for a supply."""
+        (_, loss), (_, supplied) = (self.integral_components[part] for part in ("loss", "supplied"))
+        return np.concatenate([loss, supplied]), np.repeat([1.0, -1.0], [len(loss), len(supplied)])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Program.from_bytes, (self.to_bytes(),)
 
     def __repr__(self) -> str:
         lines = self.source.count("\n")

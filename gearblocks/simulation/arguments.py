@@ -78,10 +78,10 @@ def method_options(
 
 def method_words(counters: Counters, why: str) -> tuple[str, str]:
     """The methods of a run, most steps first, and why: what was chosen, when the solver changed it and for what reason."""
-    taken = sorted((-counters.steps_by[m], m) for m in range(Method.AUTO) if counters.steps_by[m])
-    names = [Method(m).name.lower() for _, m in taken] or [Method(counters.method).name.lower()]
     if counters.n_switches == 0:
-        return names[0], why
+        return Method(counters.method).name.lower(), why
+    taken = sorted((-counters.steps_by[m], m) for m in range(Method.AUTO) if counters.steps_by[m])
+    names = [Method(m).name.lower() for _, m in taken]
     shown = min(counters.n_switches, len(counters.switch_t))
     changes = [(Method(counters.switch_method[i]).name.lower(), counters.switch_t[i]) for i in range(shown)]
     first = next((name for name in names if name != "rodas"), "dp8")
@@ -93,26 +93,25 @@ def method_words(counters: Counters, why: str) -> tuple[str, str]:
     return "+".join(names), f"{words} ({counts}): stability, not accuracy, set the steps of {first} while it was stiff"
 
 
-def picked_outputs(program: Program, outputs: str | Sequence[str]) -> list[int]:
-    """Numbers of the outputs that match; UnknownNameError for a pattern that matches nothing."""
+def picked_outputs(program: Program, outputs: str | Sequence[str]) -> Mapping[str, int]:
+    """The outputs that match and their numbers, in their order; UnknownNameError for a pattern that matches nothing."""
+    if outputs == "*":
+        return program.output_numbers
     patterns = [outputs] if isinstance(outputs, str) or not isinstance(outputs, Iterable) else list(outputs)
     if not all(isinstance(pattern, str) for pattern in patterns):
         raise ParameterError(f"outputs = {outputs!r:.80} must be a pattern or a list of patterns, such as ['mesh.*']")
     if patterns == ["*"]:
-        return list(range(len(program.outputs)))
-    names = {q.name: i for i, q in enumerate(program.outputs)}
-    chosen: dict[int, None] = {}
+        return program.output_numbers
+    names = program.output_numbers
+    chosen: set[int] = set()
     for pattern in patterns:
-        if pattern in names:
-            chosen[names[pattern]] = None
-            continue
-        found = [i for name, i in names.items() if matches(name, pattern)]
+        found = [names[pattern]] if pattern in names else [i for name, i in names.items() if matches(name, pattern)]
         if not found:
             raise UnknownNameError(
                 f"no output matches '{pattern}'{did_you_mean(pattern, names)}; list them with rig.describe()"
             )
-        chosen.update(dict.fromkeys(found))
-    return sorted(chosen)
+        chosen.update(found)
+    return {program.outputs[i].name: i for i in sorted(chosen)}
 
 
 def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
@@ -132,8 +131,7 @@ def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
 def parameter_vector(program: Program, values: Array, changed: Mapping[str, float], initial: Any) -> Array:
     """The parameter vector with changed parameters and start values."""
     result = np.array(values)
-    names = {p.path: i for i, p in enumerate(program.parameters)}
-    structural = {path for path, _ in program.structural}
+    names, structural = program.parameter_numbers, program.structural_paths
     if isinstance(initial, Trajectory):
         for path, value in dict(initial.meta.get("parameters", {})).items():
             if path in names:
@@ -148,7 +146,8 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
         bounds = (info.lower, info.upper, info.open_lower, info.open_upper)
         result[i] = checked(info.path, value, info.unit, *bounds)
     if isinstance(initial, Mapping):
-        _initial(program, result, initial)
+        if initial:
+            _initial(program, result, initial)
     elif not (initial is None or isinstance(initial, Trajectory) or is_static(initial)):
         raise ParameterError(
             f"initial = {initial!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static' or "
@@ -163,7 +162,7 @@ def is_static(initial: Any) -> bool:
 
 
 def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> None:
-    starts = {s.name: i for i, s in enumerate(program.starts)}
+    starts = program.start_numbers
     dependents = {f.name: f for f in program.dependent_starts if f.of in (ANGLE, SPEED)}
     initial = dict(initial)
     asked = {dependents[name]: initial.pop(name) for name in [*initial] if name in dependents}
@@ -202,8 +201,8 @@ def checked(
 
 
 def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSource]) -> None:
-    names = {x.name: i for i, x in enumerate(program.inputs)}
-    sim.inputs[:] = [x.start for x in program.inputs]
+    names = program.input_numbers
+    sim.inputs[:] = program.input_starts
     for name, source in by_name("inputs", sources).items():
         i = resolve(name, names, "input")
         info = program.inputs[i]

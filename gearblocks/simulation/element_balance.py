@@ -61,8 +61,7 @@ def element_imbalances(run: Rerun, end: float) -> dict[str, float]:
 def _rows(run: Rerun, samples: Array | None, end: float) -> tuple[Array, NDArray[np.void]]:
     """Rows and events of the run: of its first accepted steps, or of all samples."""
     most = _MOST if samples is None else len(samples)
-    width = 1 + run.program.n_total + len(run.program.switches)
-    record = run.sim.record(rows=max(64, min(8192, 2_000_000 // width)), events=16384)
+    record = run.sim.record(None if samples is None else len(samples))
     rows, events, count = [], [], 0
     code = run.sim.start(run.options, run.begin, run.y0)
     while code >= 0 and count < most:

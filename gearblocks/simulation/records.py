@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, NamedTuple, final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from gearblocks.simulation.events import Events
+from gearblocks.simulation.samples import Outputs
 
 Array = NDArray[np.float64]
 
@@ -20,17 +23,29 @@ def frozen(values: ArrayLike) -> Array:
     return array
 
 
-class Event(NamedTuple):
-    """One change of mode at time `t` [s]; kind: "state", "time" or "impact"; before, after: the modes.
+@final
+class NamedValues(Mapping[str, float]):
+    """Numbers of a vector by name; the names are shared by all vectors of a model."""
 
-    A mode half way between two is that of a condition whose both sides drive the motion back to it: it slides along.
-    """
+    __slots__ = ("_numbers", "_vector")
 
-    t: float
-    component: str
-    kind: str
-    before: float
-    after: float
+    def __init__(self, numbers: Mapping[str, int], vector: ArrayLike) -> None:
+        self._numbers, self._vector = numbers, frozen(vector)
+
+    def __getitem__(self, name: str) -> float:
+        return float(self._vector[self._numbers[name]])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._numbers)
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return dict, (dict(self),)
 
 
 @final
@@ -170,11 +185,27 @@ class Content:
     t: Array
     columns: Mapping[str, Array]
     units: Mapping[str, str]
-    events: tuple[Event, ...]
+    events: Events
     stats: Stats
     energy: EnergyLedger
     meta: Mapping[str, Any]
     final_state: FinalState | None
+
+    def arrays(self) -> dict[str, Array]:
+        """All columns as arrays; those that are still to be evaluated in one pass."""
+        if isinstance(self.columns, Outputs):
+            self.columns.read([*self.columns])
+        return dict(self.columns)
+
+    def tables(self) -> Iterator[Array]:
+        """All columns side by side behind t, shape (rows, 1 + columns), in batches of rows."""
+        if not isinstance(self.columns, Outputs):
+            yield np.column_stack([self.t, *self.columns.values()])
+            return
+        row = 0
+        for outputs in self.columns.batches():
+            yield np.column_stack([self.t[row : row + len(outputs)], outputs])
+            row += len(outputs)
 
     def __repr__(self) -> str:
         return f"<Content of a run: {len(self.t)} samples, {len(self.columns)} outputs, {len(self.events)} events>"

@@ -34,8 +34,11 @@ from gearblocks.simulation.arguments import (
     start_state,
 )
 from gearblocks.simulation.element_balance import Rerun, element_imbalances
+from gearblocks.simulation.energy import EnergyBalance
+from gearblocks.simulation.events import events_of
 from gearblocks.simulation.failures import component_of, reason
-from gearblocks.simulation.records import EnergyLedger, Event, FinalState, Stats
+from gearblocks.simulation.records import FinalState, NamedValues, Stats
+from gearblocks.simulation.samples import Outputs, Samples
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
@@ -67,9 +70,10 @@ def run_model(
                 f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
             )
         set_inputs(sim, program, inputs or {})
-        run = _Run(model, sim, samples, end, pick, progress, residual, meta={
+        values = sim.parameters.copy()
+        run = _Run(model, sim, samples, end, pick, values, progress, residual, meta={
             "train": program.name, "method": Method(options.method).name.lower(), "rtol": rtol, "step": step,
-            "parameters": {p.path: float(v) for p, v in zip(program.parameters, sim.parameters, strict=True)},
+            "parameters": NamedValues(program.parameter_numbers, values),
         })  # fmt: skip
         y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)
         return run.go(options, begin, y0, why)
@@ -83,6 +87,9 @@ ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
 """The names that `run_model` takes."""
 
 
+_NOTHING = np.zeros(0, dtype=np.intc)
+
+
 # -- the run ----------------------------------------------------------------------------------------------------------
 
 
@@ -94,16 +101,14 @@ class _Run:
     sim: Simulation
     samples: Array | None
     end: float
-    pick: list[int]
+    pick: Mapping[str, int]
+    parameters: Array
     progress: Callable[[float], None] | None
     residual: float | None
     meta: dict[str, Any]
-    times: list[Array] = field(default_factory=list)
-    values: list[Array] = field(default_factory=list)
+    rows: list[Array] = field(default_factory=list)
     events: list[NDArray[np.void]] = field(default_factory=list)
-    largest: float = 0.0
     cpu: float = 0.0
-    last: Array | None = None
     size: int = 0
     rerun: Rerun | None = None
 
@@ -125,7 +130,6 @@ class _Run:
             first = self.sim.state(), self.sim.energies()
         except RuntimeError:
             raise self._stopped(Code(self.sim.report.code)) from self.sim.error
-        self.largest = float(first[1].sum())
         self.rerun = Rerun(self.sim, self.model.program, options, begin, y0)
         complete = False
         try:
@@ -135,31 +139,41 @@ class _Run:
             code = Code.PAUSE
         if isinstance(self.sim.error, KeyboardInterrupt):
             code = Code.PAUSE
-        result = self._result(first, complete, why, named=code >= 0)
+        balance = self._energy(first, named=code >= 0)
+        result = self._result(balance, complete, why)
         if code < 0:
             raise self._failure(code, result) from self.sim.error
-        if self.residual is not None and not result.energy.residual <= self.residual:
-            words = f"the energy residual is {result.energy.residual:.2g}, above the {self.residual:g} asked for,"
-            raise SimulationError(float(result.t[-1]), result.energy.culprit, words, "give a smaller rtol", result)
-        if complete and result.energy.turnover > STILL and not result.energy.residual <= RESIDUAL:
-            culprit = result.energy.culprit
-            where = f", most of it is missing in '{culprit}'" if culprit else ""
+        self._judged(result, balance, complete)
+        return result
+
+    def _judged(self, result: Trajectory, balance: EnergyBalance | None, complete: bool) -> None:
+        """Raises or warns where the energy of a run does not balance; the ledger is made only where it may not."""
+        limit = min(self.residual or RESIDUAL, RESIDUAL)
+        if balance is None or balance.residual(limit) <= limit:
+            return
+        energy = result.energy
+        if self.residual is not None and not energy.residual <= self.residual:
+            words = f"the energy residual is {energy.residual:.2g}, above the {self.residual:g} asked for,"
+            raise SimulationError(float(result.t[-1]), energy.culprit, words, "give a smaller rtol", result)
+        if complete and energy.turnover > STILL and not energy.residual <= RESIDUAL:
+            where = f", most of it is missing in '{energy.culprit}'" if energy.culprit else ""
             warnings.warn(
-                f"run of '{self.model.program.name}': its energy is balanced to {result.energy.residual:.2g} of the turnover "
-                f"only{where}: {'a shorter step' if options.step else 'a smaller rtol'} makes it better; "
+                f"run of '{self.model.program.name}': its energy is balanced to {energy.residual:.2g} of the turnover "
+                f"only{where}: {'a shorter step' if self.meta['step'] else 'a smaller rtol'} makes it better; "
                 f"residual={RESIDUAL:g} makes it an error",
                 GearblocksWarning,
-                stacklevel=4,
+                stacklevel=5,
             )
-        return result
 
     def _lost(self, first: tuple[Array, Array]) -> bool:
         """Whether the energy residual at the last sample is above the one asked for."""
-        return self.residual is not None and not self._energy(first, self._final()).residual <= self.residual
+        balance = self._balance(first) if self.residual is not None else None
+        return (
+            balance is not None and self.residual is not None and not balance.residual(self.residual) <= self.residual
+        )
 
     def _loop(self, begin: float, first: tuple[Array, Array]) -> Code:
-        width = 1 + self.model.program.n_total + len(self.model.program.switches)
-        record = self.sim.record(rows=max(64, min(8192, 2_000_000 // width)), events=16384)
+        record = self.sim.record(None if self.samples is None else len(self.samples))
         shown = _time.monotonic()
         tell = self.progress or _Line(self.model.program.name)
         while True:
@@ -178,99 +192,61 @@ class _Run:
                 tell((self.sim.counters.t - begin) / (self.end - begin))
 
     def _take(self, rows: Array, events: NDArray[np.void]) -> Code:
-        self.size += 256 * len(events) + rows.itemsize * len(rows) * (1 + len(self.pick))
+        self.size += rows.nbytes + events.nbytes
         if self.size > memory_limit(self.samples is not None):
             return Code.ERR_MEMORY
         if len(events):
             self.events.append(events)
-        if not len(rows):
-            return Code.DONE
-        code, out, energy = self.sim.evaluate(rows, np.array(self.pick, dtype=np.intc), energies=True)
-        if code < 0:
-            return code
-        self.times.append(rows[:, 0].copy())
-        self.values.append(out)
-        self.last = rows[-1]
-        if energy.shape[1]:
-            with np.errstate(invalid="ignore", over="ignore"):  # a run that blows up
-                self.largest = max(self.largest, float(energy.sum(axis=1).max()))
+        if len(rows):
+            self.rows.append(rows)
         return Code.DONE
 
-    def _result(self, first: tuple[Array, Array], complete: bool, why: str, *, named: bool) -> Trajectory:
+    def _result(self, balance: EnergyBalance | None, complete: bool, why: str) -> Trajectory:
         program, counters = self.model.program, self.sim.counters
-        t = np.concatenate(self.times) if self.times else np.empty(0)
-        table = np.concatenate(self.values) if self.values else np.empty((0, len(self.pick)))
-        names = [program.outputs[i].name for i in self.pick]
-        final = self._final()
         method, reason = method_words(counters, why)
         self.meta["method"] = method
-        events, energy = self._events(), self._energy(first, final)
+        samples = self._samples()
         stats = Stats(
             steps=counters.steps, rejected=counters.rejected, rhs_calls=counters.rhs_calls,
             jacobians=counters.jacobians, events=counters.events, cpu_seconds=self.cpu, method=method, why=reason,
         )  # fmt: skip
         return Trajectory(
-            t, (names, table), {n: program.outputs[i].unit for n, i in zip(names, self.pick, strict=True)},
-            events=events, stats=stats, energy=self._named(energy) if named else energy, final_state=final,
-            meta={**self.meta, "complete": complete},
+            samples.times(), Outputs(samples, self.pick), program.output_units,
+            events=events_of(program.event_table, self.events), stats=stats,
+            energy=balance, final_state=self._final(), meta={**self.meta, "complete": complete},
         )  # fmt: skip
+
+    def _samples(self) -> Samples:
+        return Samples(self.model.library, self.parameters, tuple(self.rows))
 
     def _final(self) -> FinalState | None:
-        if self.last is None:
+        if not self.rows:
             return None
-        n_total, program = self.model.program.n_total, self.model.program
-        y, modes = self.last[1 : 1 + n_total], self.last[1 + n_total : 1 + n_total + len(program.switches)]
-        return FinalState(float(self.last[0]), y.copy(), modes.copy(), program.key)
+        last, n_total, program = self.rows[-1][-1], self.model.program.n_total, self.model.program
+        y, modes = last[1 : 1 + n_total], last[1 + n_total : 1 + n_total + len(program.switches)]
+        return FinalState(float(last[0]), y.copy(), modes.copy(), program.key)
 
-    def _events(self) -> list[Event]:
-        program = self.model.program
-        found = []
-        for chunk in self.events:
-            for event in chunk:
-                i = int(event["index"])
-                if i >= len(program.switches):
-                    name, before, after = (
-                        program.inputs[i - len(program.switches)].name,
-                        event["before"],
-                        event["after"],
-                    )
-                    found.append(Event(float(event["t"]), name, "time", float(before), float(after)))
-                    continue
-                switch = program.switches[i]
-                if event["kind"] == 2:
-                    speeds = float(event["before"]), float(event["after"])
-                    found.append(Event(float(event["t"]), switch.component, "impact", *speeds))
-                    continue
-                before, after = (_shown(switch.low, switch.high, float(event[k])) for k in ("before", "after"))
-                found.append(Event(float(event["t"]), switch.component, switch.kind, before, after))
-        return _net(found)
-
-    def _energy(self, first: tuple[Array, Array], final: FinalState | None) -> EnergyLedger:
-        program = self.model.program
-        if final is None or self.last is None:
-            return EnergyLedger()
-        _, _, energy = self.sim.evaluate(self.last[None, :], np.zeros(0, dtype=np.intc), energies=True)
-        parts: dict[str, dict[str, float]] = {"stored": {}, "loss": {}, "supplied": {}}
-        for entry in program.energies:
-            before = parts["stored"].get(entry.component, 0.0)
-            parts["stored"][entry.component] = before + float(energy[0, entry.offset])
-        for item in program.integrals:
-            if item.part != "angle":
-                parts[item.part][item.component] = float(final.y[item.offset] - first[0][item.offset])
-        return EnergyLedger(
-            stored=parts["stored"], start=float(first[1].sum()), dissipated=parts["loss"], supplied=parts["supplied"],
-            exchanged=float(self.sim.counters.turnover), largest_stored=self.largest,
+    def _balance(self, first: tuple[Array, Array]) -> EnergyBalance | None:
+        """Energies at the last sample beside those at the start; None where there is no sample."""
+        if not self.rows:
+            return None
+        last = self.rows[-1][-1:]
+        _, _, energy = self.sim.evaluate(last, _NOTHING, energies=True)
+        change = last[0, 1 : 1 + self.model.program.n_total] - first[0]
+        return EnergyBalance(
+            program=self.model.program, start=float(first[1].sum()), last=energy[0], change=change,
+            exchanged=float(self.sim.counters.turnover), samples=self._samples(),
         )  # fmt: skip
 
-    def _named(self, energy: EnergyLedger) -> EnergyLedger:
-        """The ledger with what the balances of the elements miss, where it does not close as far as the run promises it: to
-        10 rtol, with steps of its own choice and located events. The simulation is at its start afterwards."""
-        rtol, run = float(self.meta["rtol"]), self.rerun
-        promised = self.meta["step"] is None and run is not None and run.options.locate
-        if run is None or not promised or self.sim.error is not None or not energy.residual > 10 * rtol + 1e-12:
-            return energy
-        found = element_imbalances(run, float(self.times[-1][-1]))
-        return replace(energy, unbalanced=dict(sorted(found.items(), key=lambda item: -abs(item[1]))))
+    def _energy(self, first: tuple[Array, Array], *, named: bool) -> EnergyBalance | None:
+        """The balance, with what those of the elements miss where it does not close as far as the run promises it: to 10 rtol,
+        with steps of its own choice and located events. The simulation is at its start afterwards."""
+        balance, run, limit = self._balance(first), self.rerun, 10 * float(self.meta["rtol"]) + 1e-12
+        promised = self.meta["step"] is None and run is not None and run.options.locate and self.sim.error is None
+        if balance is None or run is None or not (named and promised) or not balance.residual(limit) > limit:
+            return balance
+        found = element_imbalances(run, float(self.rows[-1][-1, 0]))
+        return replace(balance, unbalanced=dict(sorted(found.items(), key=lambda item: -abs(item[1]))))
 
     # -- failures -----------------------------------------------------------------------------------------------------
 
@@ -289,7 +265,7 @@ class _Run:
             name = component_of(program, Code.ERR_CHATTER, max(counts, key=counts.__getitem__, default=-1))
             steps = self.sim.counters.steps
             cause = f"the record of {steps} steps and {counts.total()} events fills the memory that it may take"
-            remedy = "give times t or fewer outputs; look for what switches so often, or grows without bound"
+            remedy = "give times t; look for what switches so often, or grows without bound"
         return SimulationError(t, name, cause, remedy, run)
 
 
@@ -313,24 +289,6 @@ class _Line:
         """Clears the line."""
         if self._open:
             sys.stderr.write("\r" + " " * 79 + "\r")
-
-
-def _net(events: list[Event]) -> list[Event]:
-    """Changes of one component that follow on each other at one instant as one, or none where it ends as it began."""
-    found: list[Event] = []
-    for e in events:
-        last = found[-1] if found else None
-        if e.kind == "state" and last and last[:3] + last[4:] == (*e[:3], e.before):
-            found.pop()
-            if last.before != e.after:
-                found.append(e._replace(before=last.before))
-        else:
-            found.append(e)
-    return found
-
-
-def _shown(low: float, high: float, mode: float) -> float:
-    return {0.0: low, 1.0: high}.get(mode, mode)
 
 
 def memory_limit(sampled: bool) -> int:

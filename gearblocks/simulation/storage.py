@@ -7,16 +7,18 @@ import io
 import json
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearblocks.errors import StorageError
 from gearblocks.files import reason, replacing, write_bytes
-from gearblocks.simulation.records import Array, Content, EnergyLedger, Event, FinalState, Stats
+from gearblocks.simulation.events import KINDS, Event, Events
+from gearblocks.simulation.records import Array, Content, EnergyLedger, FinalState, Stats
 
 if TYPE_CHECKING:
     import xarray
@@ -29,19 +31,19 @@ def to_dataset(run: Content) -> xarray.Dataset:
     import xarray
 
     variables: dict[str, Any] = {
-        name: ("t", np.array(run.columns[name]), {"units": run.units[name], "long_name": name}) for name in run.columns
+        name: ("t", np.array(values), {"units": run.units[name], "long_name": name})
+        for name, values in run.arrays().items()
     }
     if run.events:
-        components = sorted({event.component for event in run.events})
-        kinds = sorted({event.kind for event in run.events})
-        number = {name: index for index, name in enumerate(components)}
-        kind = {name: index for index, name in enumerate(kinds)}
+        rows = run.events.array
+        components, component = _named(run.events.components, rows["component"])
+        kinds, kind = _named(KINDS, rows["kind"])
         variables |= {
-            "event_t": ("event", np.array([event.t for event in run.events]), {"units": "s"}),
-            "event_component": _codes([number[event.component] for event in run.events], components),
-            "event_kind": _codes([kind[event.kind] for event in run.events], kinds),
-            "event_before": ("event", np.array([event.before for event in run.events])),
-            "event_after": ("event", np.array([event.after for event in run.events])),
+            "event_t": ("event", rows["t"].copy(), {"units": "s"}),
+            "event_component": _codes(component, components),
+            "event_kind": _codes(kind, kinds),
+            "event_before": ("event", rows["before"].copy()),
+            "event_after": ("event", rows["after"].copy()),
         }
     time = ("t", np.array(run.t), {"units": "s", "long_name": "time"})
     data = xarray.Dataset(variables, coords={"t": time})
@@ -51,13 +53,13 @@ def to_dataset(run: Content) -> xarray.Dataset:
 
 def write_csv(run: Content, path: str | os.PathLike[str]) -> None:
     """`t` and every output as text with all digits, names in the first line. Raises StorageError."""
-    table = np.column_stack([run.t, *(run.columns[name] for name in run.columns)])
     with replacing(path) as file:
         text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(["t", *run.columns])
-        for start in range(0, len(table), 1000):
-            writer.writerows(table[start : start + 1000].tolist())
+        for table in run.tables():
+            for start in range(0, len(table), 1000):
+                writer.writerows(table[start : start + 1000].tolist())
         text.detach()
 
 
@@ -125,8 +127,16 @@ def _events(data: xarray.Dataset) -> tuple[Event, ...]:
     )
 
 
-def _codes(numbers: list[int], names: list[str]) -> tuple[str, Any, dict[str, str]]:
-    return "event", np.array(numbers, dtype=np.int32), {"names": json.dumps(names)}
+def _named(names: Sequence[str], numbers: NDArray[np.int32]) -> tuple[list[str], NDArray[np.int32]]:
+    """Those of the names that occur, sorted, and the numbers of these."""
+    used, place = np.unique(numbers, return_inverse=True)
+    words = [names[i] for i in used.tolist()]
+    order = np.argsort(words)
+    return [words[i] for i in order.tolist()], np.argsort(order).astype(np.int32)[place]
+
+
+def _codes(numbers: NDArray[np.int32], names: list[str]) -> tuple[str, Any, dict[str, str]]:
+    return "event", numbers, {"names": json.dumps(names)}
 
 
 def _doubles(values: Any) -> Array:
@@ -139,7 +149,7 @@ def _save_json(run: Content, path: str | os.PathLike[str]) -> None:
         "format": FORMAT,
         "record": _record(run),
         "t": _plain(run.t),
-        "outputs": {name: {"unit": run.units[name], "values": _plain(run.columns[name])} for name in run.columns},
+        "outputs": {name: {"unit": run.units[name], "values": _plain(values)} for name, values in run.arrays().items()},
         "events": [_plain(event) for event in run.events],
     }
     write_bytes(path, json.dumps(content, allow_nan=False).encode())
@@ -177,7 +187,7 @@ def _restored(
         t=t,
         columns=columns,
         units=units,
-        events=events,
+        events=Events.of(events),
         stats=Stats(**record["stats"]),
         energy=EnergyLedger(**_numbers(record["energy"])),
         meta=_numbers(record["meta"]),

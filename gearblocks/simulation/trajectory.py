@@ -12,14 +12,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearblocks.errors import GearblocksError, UnknownNameError, did_you_mean
-from gearblocks.simulation.records import Array, Content, EnergyLedger, Event, FinalState, Stats, frozen
+from gearblocks.simulation.energy import EnergyBalance
+from gearblocks.simulation.events import Event, Events
+from gearblocks.simulation.records import Array, Content, EnergyLedger, FinalState, Stats, frozen
+from gearblocks.simulation.samples import Outputs
 
 if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.figure import Figure
 
-__all__ = ["EnergyLedger", "Event", "FinalState", "Stats", "Trajectory", "matches"]
+__all__ = ["EnergyLedger", "Event", "Events", "FinalState", "Stats", "Trajectory", "matches"]
 
 RESERVED = ("t", "event_t", "event_component", "event_kind", "event_before", "event_after")
 """Names that columns cannot have: stored runs use them."""
@@ -34,40 +37,42 @@ class Trajectory:
     complete (False where the run was stopped early) and the like.
     """
 
-    __slots__ = ("_columns", "energy", "events", "final_state", "meta", "stats", "t", "units")
+    __slots__ = ("_columns", "_energy", "events", "final_state", "meta", "stats", "t", "units")
 
     t: Array
     _columns: Mapping[str, Array]
     units: Mapping[str, str]
-    events: tuple[Event, ...]
+    events: Events
     stats: Stats
-    energy: EnergyLedger
+    _energy: EnergyLedger | EnergyBalance
     meta: Mapping[str, Any]
     final_state: FinalState | None
 
     def __init__(
         self,
         t: ArrayLike,
-        columns: Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike],
+        columns: Outputs | Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike],
         units: Mapping[str, str] | None = None,
         *,
         events: Sequence[Event] = (),
         stats: Stats | None = None,
-        energy: EnergyLedger | None = None,
+        energy: EnergyLedger | EnergyBalance | None = None,
         meta: Mapping[str, Any] | None = None,
         final_state: FinalState | None = None,
     ) -> None:
-        time = frozen(t)
-        by_name = _by_name(columns)
-        _check(time, by_name)
-        known = units or {}
+        time, known, outputs = frozen(t), units or {}, columns
+        if not isinstance(outputs, Outputs):
+            outputs = _by_name(outputs)
+            _check(time, outputs)
+        if len(known) != len(outputs) or not isinstance(outputs, Outputs):
+            known = {name: known.get(name, "") for name in outputs}
         self._fill(
             t=time,
-            _columns=MappingProxyType(by_name),
-            units=MappingProxyType({name: known.get(name, "") for name in by_name}),
-            events=tuple(events),
+            _columns=outputs,
+            units=MappingProxyType(known),
+            events=Events.of(events),
             stats=stats or Stats(),
-            energy=energy or EnergyLedger(),
+            _energy=energy or EnergyLedger(),
             meta=MappingProxyType(dict(meta or {})),
             final_state=final_state,
         )
@@ -88,9 +93,10 @@ class Trajectory:
     def content(self, *names: str) -> Content:
         """Plain fields of the run, with all outputs or the named ones only."""
         chosen = names or self.names
+        columns = self._columns
         return Content(
             t=self.t,
-            columns={name: self._columns[name] for name in chosen},
+            columns=columns.only(chosen) if isinstance(columns, Outputs) else {name: columns[name] for name in chosen},
             units={name: self.units[name] for name in chosen},
             events=self.events,
             stats=self.stats,
@@ -98,6 +104,14 @@ class Trajectory:
             meta=dict(self.meta),
             final_state=self.final_state,
         )
+
+    @property
+    def energy(self) -> EnergyLedger:
+        """Where the energy went; made from the samples when it is first asked for."""
+        if isinstance(self._energy, EnergyBalance):
+            self._fill(_energy=self._energy.ledger())
+        assert isinstance(self._energy, EnergyLedger)
+        return self._energy
 
     # -- reading ------------------------------------------------------------------------------------------------
     @property
@@ -160,14 +174,15 @@ class Trajectory:
         from gearblocks.simulation import plotting
 
         chosen = [item for pattern in names or ("*",) for item in self.find(pattern)]
-        series = [(name, self.units[name], self._columns[name]) for name in dict.fromkeys(chosen)]
+        columns = self.content(*dict.fromkeys(chosen)).arrays()
+        series = [(name, self.units[name], values) for name, values in columns.items()]
         return plotting.over_time(self.t, series, title=self.name, path=path)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """One column per output over the index `t`; both sides of an event are two rows of the same t."""
         import pandas
 
-        frame = pandas.DataFrame(dict(self._columns), index=pandas.Index(np.array(self.t), name="t"))
+        frame = pandas.DataFrame(self.content().arrays(), index=pandas.Index(np.array(self.t), name="t"))
         frame.attrs["units"] = {"t": "s", **self.units}
         return frame
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gearblocks.codegen.jacobian.sparsity import Pattern
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError
+from gearblocks.solver.record import Record
 from gearblocks.solver.step_matrix import (
     PROTOTYPES,
     ColumnGroups,
@@ -25,7 +26,6 @@ from gearblocks.solver.step_matrix import (
     state_jacobian,
 )
 from gearblocks.solver.structures import (
-    EVENT,
     Array,
     Code,
     Counters,
@@ -78,21 +78,6 @@ def open_shared(path: str) -> ctypes.CDLL:
     return handle
 
 
-class Record:
-    """Room for the rows and events of a run. A row is [t | y | modes | inputs]."""
-
-    def __init__(self, width: int, rows: int, events: int) -> None:
-        self._rows = np.empty((rows, width))
-        self._events = np.empty(events, dtype=EVENT)
-        self._raw = RecordStructure(self._rows.ctypes.data, 0, rows, self._events.ctypes.data, 0, events)
-
-    def take(self) -> tuple[Array, NDArray[np.void]]:
-        """Copies of the rows and events recorded since the last call; the record is empty afterwards."""
-        rows, events = self._rows[: self._raw.n_rows].copy(), self._events[: self._raw.n_events].copy()
-        self._raw.n_rows = self._raw.n_events = 0
-        return rows, events
-
-
 class Simulation:
     """One run of one model: owns the solver's memory and gives it back on close. Use as a context manager.
 
@@ -134,10 +119,10 @@ class Simulation:
             self.parameters = self.inputs = np.empty(0)
             self._kept.clear()
 
-    def record(self, rows: int = 4096, events: int = 4096) -> Record:
-        """An empty record with room for that many rows and events."""
+    def record(self, rows: int | None = None) -> Record:
+        """An empty record; rows: as many as there can be at most, where that is known."""
         program = self._program
-        return Record(1 + program.n_total + len(program.switches) + len(program.inputs), rows, events)
+        return Record(1 + program.n_total + len(program.switches) + len(program.inputs), rows)
 
     def changed(self) -> None:
         """Tells the solver that `parameters` or `inputs` were written."""
@@ -204,7 +189,7 @@ class Simulation:
         The array of samples must stay the same one from call to call of a run.
         """
         count = 0 if samples is None else len(samples)
-        return Code(self._shared.gb_run(self._sim, _address(samples), count, t_end, ctypes.byref(record._raw), seconds))
+        return Code(self._shared.gb_run(self._sim, _address(samples), count, t_end, ctypes.byref(record.raw), seconds))
 
     def evaluate(self, rows: Array, pick: NDArray[np.intc], energies: bool = False) -> tuple[Code, Array, Array]:
         """Outputs pick[j] of recorded rows, shape (rows, picks), and energies, shape (rows, energies) or (rows, 0)."""

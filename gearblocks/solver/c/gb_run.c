@@ -299,6 +299,9 @@ int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, i
     const gb_model *m = sim->model;
     const size_t length = row_length(m);
     long r = 0;
+    if (!sim->head->started) {
+        m->prepare(sim->par);
+    }
     while (r < n_rows) {
         const double *row = rows + (size_t)r * length, *mode = row + 1 + m->n_total;
         const int count = same_modes(m, row, n_rows - r);

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearblocks.simulation.records import EnergyLedger, Event, FinalState, Stats
+from gearblocks.simulation.events import Event
+from gearblocks.simulation.records import EnergyLedger, FinalState, Stats
 from gearblocks.simulation.trajectory import Trajectory
 
 

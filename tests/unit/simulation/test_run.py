@@ -11,8 +11,6 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.simulation.records import Event
-from gearblocks.simulation.run import _net
 
 NAN, INF = float("nan"), float("inf")
 
@@ -220,15 +218,3 @@ def test_the_record_of_a_run_is_bounded(ball: gb.Model, monkeypatch: pytest.Monk
         gb.simulate(ball, t_end=100.0)
     assert 1e-6 < caught.value.time < 1e-4
     assert caught.value.trajectory is not None
-
-
-def test_changes_of_one_component_at_one_instant_are_one_change_or_none():
-    def events(*changes):
-        return [Event(t, name, kind, float(a), float(b)) for t, name, kind, a, b in changes]
-
-    there, back = (1.0, "x", "state", 0, 1), (1.0, "x", "state", 1, 0)
-    assert _net(events(there, back)) == []
-    assert _net(events(there, back, there)) == events(there)
-    assert _net(events(there, (1.0, "x", "state", 1, -1))) == events((1.0, "x", "state", 0, -1))
-    for other in ((2.0, *back[1:]), (1.0, "y", "state", 1, 0), (1.0, "x", "impact", 1, 0), (1.0, "x", "state", 2, 0)):
-        assert _net(events(there, other)) == events(there, other)

@@ -1,0 +1,60 @@
+"""The ledger of a run as vectors: what is looked at after every run, and the ledger by element where it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+from gearblocks.codegen.program import Program
+from gearblocks.simulation.records import EnergyLedger
+from gearblocks.simulation.samples import Samples
+from gearblocks.solver.structures import Array
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class EnergyBalance:
+    """Energy at the start of a run and those at its end [J], in the order of the program; change: of the state vector between
+    them, with the quadratures; exchanged: all amounts that went in or out, each step without its sign.
+
+    bound: the residual relative to what the turnover is at least, as the samples between the ends may have stored more.
+    """
+
+    program: Program
+    start: float
+    last: Array
+    change: Array
+    exchanged: float
+    samples: Samples
+    unbalanced: Mapping[str, float] = field(default_factory=dict)
+    bound: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        place, sign = self.program.ledger_integrals
+        end = float(self.last.sum())
+        missing = abs(end - self.start + float(sign @ self.change[place]))
+        turnover = max(self.start, end) + self.exchanged
+        object.__setattr__(self, "bound", missing / turnover if turnover > 0 else missing)
+
+    def residual(self, enough: float) -> float:
+        """The residual, or where it is no more than `enough` a bound of it that does not look at the samples."""
+        return self.bound if self.bound <= enough else self.ledger().residual
+
+    def ledger(self) -> EnergyLedger:
+        """By element."""
+        names, of, place = self.program.energy_components
+        stored = np.zeros(len(names))
+        np.add.at(stored, of, self.last[place])
+        loss, supplied = (self.program.integral_components[part] for part in ("loss", "supplied"))
+        return EnergyLedger(
+            stored=dict(zip(names, stored.tolist(), strict=True)),
+            start=self.start,
+            dissipated=dict(zip(loss[0], self.change[loss[1]].tolist(), strict=True)),
+            supplied=dict(zip(supplied[0], self.change[supplied[1]].tolist(), strict=True)),
+            exchanged=self.exchanged,
+            largest_stored=max(self.start, self.samples.largest_energy()),
+            unbalanced=self.unbalanced,
+        )

@@ -1,0 +1,104 @@
+"""Outputs that are evaluated when they are read: the same bits however they are asked for, and nothing before that."""
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+from gearblocks.simulation import samples
+from gearblocks.simulation.samples import Outputs
+
+
+def _rig() -> gb.Drivetrain:
+    """A pair that rattles, a clutch that breaks away, an input and a law over time."""
+    rig = gb.Drivetrain("rig")
+    rig.chain(
+        rig.add("drive", gb.Torque(tau=gb.Input("tau", start=3.0, unit="N m"))),
+        rig.add("motor", gb.Inertia(J=0.02, w0=3.0)),
+        rig.add("clutch", gb.Clutch(capacity=2.0 + gb.sin(30 * gb.time))),
+        rig.add("pinion", gb.Inertia(J=0.01)),
+        rig.add("play", gb.Lash(k=1e4, c=1.0, half_gap=1e-3)),
+        rig.add("wheel", gb.Inertia(J=0.05)),
+        rig.add("load", gb.Torque(tau=-2.0 * gb.sin(12 * gb.time))),
+    )
+    return rig
+
+
+@pytest.fixture(scope="module")
+def model() -> gb.Model:
+    return gb.build(_rig())
+
+
+def _run(model: gb.Model, **arguments: Any) -> gb.Trajectory:
+    return gb.simulate(
+        model, **({"inputs": {"tau": lambda t: 3 + t}, "parameters": {"play.k": 2e4}} | (arguments or {"t_end": 1.0}))
+    )
+
+
+def _lazily(run: gb.Trajectory) -> Outputs:
+    assert isinstance(run._columns, Outputs)
+    return run._columns
+
+
+def test_nothing_is_evaluated_before_it_is_read(model: gb.Model) -> None:
+    run = _run(model)
+    assert len(run) == len(model.program.outputs) and "motor.w" in run and run.names[0] in run
+    assert not _lazily(run)._known
+    first = run["play.torque"]
+    assert len(first) == len(run.t) and not first.flags.writeable
+    assert run["motor.w"] is run["motor.w"]
+
+
+def test_the_same_bits_one_by_one_together_in_batches_and_in_another_process(
+    model: gb.Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    together, alone, batched, sent = (_run(model) for _ in range(4))
+    assert set(_lazily(together)) == set(together.names)
+    table = {name: together[name] for name in together.names}
+    assert len(_lazily(together)._known) == len(table)
+    monkeypatch.setattr(samples, "AT_ONCE", 0)
+    monkeypatch.setattr(samples, "_BATCH", 7)
+    for name in reversed(alone.names):
+        assert np.array_equal(alone[name], table[name], equal_nan=True), name
+        assert name in _lazily(alone)._known
+    stacked = np.concatenate(list(_lazily(batched).batches()))
+    assert np.array_equal(stacked, np.column_stack([*table.values()]), equal_nan=True)
+    assert not _lazily(batched)._known
+    loaded = pickle.loads(pickle.dumps(sent))
+    assert all(np.array_equal(loaded[name], table[name], equal_nan=True) for name in table)
+    assert loaded.events == together.events and loaded.energy.residual == together.energy.residual
+
+
+def test_parameters_and_inputs_of_the_run_hold_when_outputs_are_read_later(model: gb.Model) -> None:
+    stiff, soft = _run(model, t=[0.3]), _run(model, t=[0.3], parameters={"play.k": 1e3})
+    alone = _run(model, t=[0.3], outputs=["play.*"])
+    assert stiff["wheel.w"] != soft["wheel.w"]
+    assert all(stiff[name] == alone[name] for name in alone.names)
+    assert stiff.meta["parameters"]["play.k"] == 2e4 and dict(soft.meta["parameters"])["play.k"] == 1e3
+    onward = gb.simulate(model, t_end=0.4, initial=stiff)
+    assert onward.t[0] == 0.3 and onward.meta["parameters"]["play.k"] == 2e4
+
+
+def test_files_hold_what_is_read(model: gb.Model, tmp_path: Path) -> None:
+    run = _run(model, t_end=1.0, outputs=["motor.*", "play.*"])
+    for name in ("run.nc", "run.json"):
+        run.save(tmp_path / name)
+        loaded = gb.Trajectory.load(tmp_path / name)
+        assert loaded.names == run.names and loaded.events == run.events
+        assert all(np.array_equal(loaded[n], run[n], equal_nan=True) for n in run.names)
+    _run(model, t_end=1.0, outputs=["motor.*", "play.*"]).to_csv(tmp_path / "run.csv")
+    read = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True)
+    assert np.array_equal(read["t"], run.t) and len(read.dtype) == 1 + len(run)
+
+
+def test_a_run_with_many_samples_keeps_them_once() -> None:
+    rig = gb.Drivetrain("one")
+    rig.add("motor", gb.Inertia(J=1.0, w0=1.0))
+    model = gb.build(rig)
+    run = gb.simulate(model, t=np.linspace(0.0, 1.0, 200_001))
+    pieces = _lazily(run)._samples.pieces
+    assert len(pieces) == 1 and pieces[0].nbytes <= 200_001 * 8 * (1 + model.program.n_total + 2)
+    assert run["motor.phi"][-1] == pytest.approx(1.0, rel=1e-12)
