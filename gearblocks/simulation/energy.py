@@ -35,7 +35,7 @@ class EnergyBalance:
     def __post_init__(self) -> None:
         place, sign = self.program.ledger_integrals
         end = float(self.last.sum())
-        missing = abs(end - self.start + float(sign @ self.change[place]))
+        missing = abs(end - self.start + float((sign * self.change[place]).sum()))  # no BLAS: it wakes threads
         turnover = max(self.start, end) + self.exchanged
         object.__setattr__(self, "bound", missing / turnover if turnover > 0 else missing)
 
