@@ -42,7 +42,14 @@ def motion(f: float, g: float) -> float:
     t, y = 0.0, [0.0, 0.0]
     while t < END:
         flight = solve_ivp(
-            lambda t, y: [y[1], push(t, *y) / 4], (t, END), y, "DOP853", events=at, rtol=1e-11, atol=1e-13, max_step=4e-3
+            lambda t, y: [y[1], push(t, *y) / 4],
+            (t, END),
+            y,
+            "DOP853",
+            events=at,
+            rtol=1e-11,
+            atol=1e-13,
+            max_step=4e-3,
         )
         t, x = flight.t[-1], flight.y[0, -1]
         if flight.status == 0:
@@ -53,7 +60,7 @@ def motion(f: float, g: float) -> float:
             return x
         i = pressed.index(False)
         if i:
-            t = brentq(lambda s: push(s, x), rests[i - 1], rests[i], xtol=1e-14)
+            t = brentq(push, rests[i - 1], rests[i], args=(x,), xtol=1e-14)
         t += 1e-9
         y = [x * (1 - 1e-15), 0.0]
     return y[0]
