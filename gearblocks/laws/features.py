@@ -11,6 +11,7 @@ Knows nothing of how long a step may be.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -69,11 +70,33 @@ def _even(expr: Any, moving: list[Any]) -> Iterator[Any]:
     """Arguments u of a sum of even powers k u^n, as k^(1/n) u; none where it is something else."""
     found = []
     for term in sp.Add.make_args(_completed(expr, moving)):
-        factor, power = term.as_independent(*moving, as_Add=False)
-        if not (isinstance(power, sp.Pow) and power.exp.is_Integer and power.exp > 0 and power.exp % 2 == 0):
+        factor, powers = term.as_independent(*moving, as_Add=False)
+        order, root = _root(powers, moving)
+        if order == 0:
             return
-        found.append(sp.Pow(sp.Abs(factor), 1 / power.exp) * power.base)
+        found.append(sp.Pow(sp.Abs(factor), sp.Rational(1, order)) * root)
     yield from found
+
+
+def _root(powers: Any, moving: list[Any]) -> tuple[int, Any]:
+    """(n, u d) of (u d)^n, n even: u^n, or u^n d^n where d^m has no zero, as a slip that is relative to hypot(w, s).
+
+    n = 0 where it is something else.
+    """
+    factors = [x.as_base_exp() for x in sp.Mul.make_args(powers)]
+    if any(not n.is_Integer for _, n in factors):
+        return 0, None
+    signed = factors if len(factors) == 1 else [(x, n) for x, n in factors if not _has_no_zero(x, moving)]
+    order = math.gcd(*(int(n) for _, n in signed))
+    if order % 2 or order == 0 or any(n < 0 for _, n in signed):
+        return 0, None
+    return order, sp.Mul(*(sp.Pow(x, n / order) for x, n in factors))
+
+
+def _has_no_zero(base: Any, moving: list[Any]) -> bool:
+    """A constant and even powers of what moves: s^2 + w^2."""
+    constant, rest = base.as_independent(*moving, as_Add=True)
+    return constant != 0 and any(True for _ in _even(rest, moving))
 
 
 def _completed(expr: Any, moving: list[Any]) -> Any:

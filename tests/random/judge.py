@@ -30,6 +30,7 @@ CPU_LIMIT = 15.0  # s of a run that takes milliseconds as a rule
 FACTOR = 100.0  # allowed deviation in units of rtol, times 1 + how much the train magnifies errors
 LEDGER = 10.0  # allowed energy residual in units of rtol
 PERTURBATION = 1e-8
+DRAWS = 8  # perturbed runs before anything counts as wrong
 CHAOTIC = 1e-2  # where the allowed deviation grows beyond this nothing is compared
 COMPARED = 0.2  # of the run, at least, for evidence
 
@@ -203,7 +204,7 @@ class Judge:
         try:
             with cpu_limit(2 * CPU_LIMIT):
                 true = reference_motion(self.train, self.t, given=self._given())
-                self._compare("reference", true, lambda: self._magnification(true))
+            self._compare("reference", true, lambda draw: self._magnification(true, draw))
         except NoEvidenceError as reason:
             self.verdict.notes.append(f"no reference: {reason}")
         except HangError:
@@ -213,10 +214,17 @@ class Judge:
         """The start of the first run, to be looked at by the reference where balance leaves a static start open."""
         return next((np.array(m.angles[:, 0]) for _, m in self.runs.values()), None)
 
-    def _magnification(self, true: Motion) -> Array:
-        from tests.random.reference import reference_motion
+    def _magnification(self, true: Motion, draw: int) -> Array:
+        """How much the train magnifies small changes: of two draws in a row one is the other's negative.
 
-        other = reference_motion(self.train, self.t, perturbation=PERTURBATION, given=self._given())
+        The second half of the draws has as many changes as impacts: a hundred flights make a hundred errors, alike.
+        """
+        from tests.random.reference import KICKS, reference_motion
+
+        change = -PERTURBATION if draw % 2 else PERTURBATION
+        kicks = max(KICKS, len(true.jumps)) if draw >= DRAWS // 2 else KICKS
+        with cpu_limit(2 * CPU_LIMIT):
+            other = reference_motion(self.train, self.t, change, given=self._given(), draw=draw // 2, kicks=kicks)
         return deviations(other, true, self.t) / PERTURBATION
 
     def _against_each_other(self, model: Any, method: str) -> None:
@@ -224,13 +232,13 @@ class Judge:
         others = {text: r for text, r in self.runs.items() if not text.startswith("fine")}
         if fine is None or not others:
             return
-        self._compare("other method", fine, lambda: self._perturbed(model, fine, method))
+        self._compare("other method", fine, lambda draw: self._perturbed(model, fine, method, draw))
         if any(text.startswith("shuffled") for text in others) and "other method" in self.verdict.evidence:
             self.verdict.evidence.append("other order")
 
-    def _perturbed(self, model: Any, true: Motion, method: str) -> Array:
+    def _perturbed(self, model: Any, true: Motion, method: str, draw: int) -> Array:
         """How much the train magnifies a change of its inertias."""
-        rng = Random(f"perturb {self.train.seed}")
+        rng = Random(f"perturb {self.train.seed}" + f" {draw}" * (draw > 0))
         changed = {}
         for body in self.train.bodies:
             name = "m" if body.block == "Mass" else "J"
@@ -244,14 +252,12 @@ class Judge:
         off = deviations(motion_of(run, self.train), true, self.t) - 10 * FINE
         return np.asarray(np.maximum(off, 0.0) / PERTURBATION)
 
-    def _compare(self, evidence: str, true: Motion, magnification: Callable[[], Array]) -> None:
+    def _compare(self, evidence: str, true: Motion, magnification: Callable[[int], Array]) -> None:
         """Every run against a motion; where one is off, how much the train magnifies errors up to then decides."""
         found = {text: deviations(m, true, self.t) for text, (_, m) in self.runs.items() if m is not true}
-        factor, judged = np.ones(len(self.t)), 0
-        if any(off.max() > FACTOR * self.runs[text][0] for text, off in found.items()):
-            factor += np.maximum.accumulate(magnification())
+        factor, judged = self._growth(found, magnification), 0
         for text, off in found.items():
-            allowed = FACTOR * self.runs[text][0] * factor
+            allowed = self._allowed(text, factor)
             tame = allowed <= CHAOTIC
             if off.max() > FACTOR * self.runs[text][0] and not tame.all():
                 growth, until = f"{factor.max():.1e}", self.t[tame].max(initial=0.0)
@@ -266,6 +272,29 @@ class Judge:
                 self.verdict.fails("wrong", text, message)
         if judged or (not found and self.verdict.kind != "right"):  # no run, but the motion that there is
             self.verdict.evidence.append(evidence)
+
+    def _allowed(self, text: str, factor: Array) -> Array:
+        return FACTOR * self.runs[text][0] * factor
+
+    def _growth(self, found: dict[str, Array], magnification: Callable[[int], Array]) -> Array:
+        """How much errors grow up to each time, at least 1: further draws only as long as a run would count as wrong.
+
+        One draw may miss what magnifies most: an order of two impacts that only the other sign changes, a bounce so low that
+        none of its changes falls into it.
+        """
+        from tests.random.reference import NoEvidenceError
+
+        factor = np.ones(len(self.t))
+        for draw in range(DRAWS):
+            if all(bool((off <= self._allowed(text, factor)).all()) for text, off in found.items()):
+                break
+            try:
+                factor = np.maximum(factor, 1.0 + np.maximum.accumulate(magnification(draw)))
+            except (NoEvidenceError, HangError):
+                if draw == 0:
+                    raise
+                break
+        return factor
 
     def _without(self) -> None:
         """A compliant part taken away against the train that was built without it; from rest."""

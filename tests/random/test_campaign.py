@@ -18,6 +18,7 @@ if str(ROOT) not in sys.path:
 from tests.random.description import GROUND, Part, Train, script  # noqa: E402
 from tests.random.expressions import TIME, TWIST, Node, either, sense, thing  # noqa: E402  # noqa: E402
 from tests.random.families import FAMILIES, draw  # noqa: E402
+from tests.random.judge import DRAWS, HangError, Judge  # noqa: E402
 from tests.random.reduce import from_plain, shrunk, to_plain  # noqa: E402
 from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
 from tests.random.reference.dynamics import Dynamics  # noqa: E402
@@ -119,6 +120,35 @@ def test_a_perturbed_reference_shows_errors_that_only_the_end_of_a_run_magnifies
     growth = np.exp((np.sqrt(500.0) - 10.0) * (1.0 - late - 0.1))  # of a change at most a tenth of the run after it
     assert np.abs(other.angles[0, -1] - true.angles[0, -1]) > 0.1 * 1e-8 * growth
     assert np.abs(other.angles[0, -1] - true.angles[0, -1]) < 10 * 1e-8 * growth * np.exp(2.4)
+
+
+def test_errors_of_many_flights_add_up_in_a_perturbed_reference():
+    # thrown up at w = 10 under 200 rad/s2 it flies for 0.1 s; a change of w in each of n flights moves the phase of the next
+    body = Part("j", "Inertia", (("J", 1.0), ("w0", 1.0)), (("a", "j"),))
+    stop = Part("s", "HardStop", (("lower", 0.0), ("restitution", 1.0)), (("a", "j"),))
+    fall = Part("t", "Torque", (("tau", -100.0),), (("flange", "j"),))
+    t = np.array([0.0, 0.985, 0.995, 1.0])
+    train = _train(body, stop, fall)
+    true = reference_motion(train, t)
+    assert len(true.jumps) >= 49  # a flight takes 0.02 s
+    off = {n: np.abs(reference_motion(train, t, 1e-8, draw=1, kicks=n).angles - true.angles).max() for n in (10, 50)}
+    assert off[50] > 3 * off[10] > 3e-9
+
+
+@pytest.mark.parametrize(("seen", "draws"), [(0, 1), (1, 2), (2, 3), (DRAWS, 4)])
+def test_draws_go_on_as_long_as_a_run_would_be_wrong(seen, draws):
+    judge, tried = Judge(None, draw("smooth", 1)), []
+    judge.runs = {"run": (1e-6, None)}
+
+    def magnification(i):
+        tried.append(i)
+        if i == 3:
+            raise HangError
+        return np.full(len(judge.t), 1e4 if i == seen else 1.0)
+
+    growth = judge._growth({"run": np.full(len(judge.t), 1e-2)}, magnification)
+    assert len(tried) == draws
+    assert growth.max() == growth.min() == (1e4 + 1 if seen < 3 else 2.0)
 
 
 @pytest.mark.parametrize("above", [1.02, 1.005, 1.2])

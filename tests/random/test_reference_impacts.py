@@ -105,3 +105,19 @@ def test_a_contact_in_which_a_run_begins_is_not_damped_until_it_has_ended(depth,
     motion = reference_motion(train, np.array([0.0, 0.5 * (out + over), over + 0.12 / e]))
     assert motion.speeds[0, 1] == pytest.approx(-side * leaves, rel=1e-9)
     assert side * motion.speeds[0, 2] == pytest.approx(e * leaves, rel=1e-8) or side * motion.angles[0, 2] > gap
+
+
+@pytest.mark.parametrize("pull", [1e-10, 1e-5])
+@pytest.mark.parametrize(
+    ("m", "M", "wall", "e"), [(1.0, 3.0, 0.0, 1.0), (1.0, 100.0, 0.0, 0.8), (2.0, 1.0, 0.0, 1.0), (1.0, 5.0, 0.6, 1.0)]
+)
+def test_a_body_that_is_pulled_off_its_wall_is_struck_apart_from_it(m, M, wall, e, pull):
+    stop = Part("stop", "HardStop", (("upper", 0.0), ("restitution", wall)), (("a", "p"),))
+    load = Part("load", "Torque", (("tau", -pull),), (("flange", "p"),))
+    train = _train(_body("p", J=m), _body("w", J=M, w0=2.0), stop, load, _hits("p", "w", e, 1e-3))
+    motion = reference_motion(train, np.array([0.0, 4e-4, 6e-4]))
+    v, w = 0.0, 2.0
+    while v > 1e-12 or w - v > 1e-12:  # the wall and the other body in turn
+        common, apart = (m * v + M * w) / (m + M), e * (w - v) / (m + M)
+        v, w = (-wall * v, w) if v > 1e-12 else (common + M * apart, common - m * apart)
+    assert motion.speeds[:, 2] == pytest.approx([v, w], abs=1e-8)

@@ -5,7 +5,8 @@
 #include "gb_report.h"
 #include "gb_vector.h"
 
-enum { ROUNDS = 10000 };
+/* Rounds of an impact; and those in which a stop was left out because it is being left, before they have no end. */
+enum { ROUNDS = 10000, LEAVING_ROUNDS = 32 };
 
 /* A flight of such a duration and height cannot be told from rest: its end lies within the rounding of time, or is
  * located no better than the rounding of the gap and would give back the speed that the impact took. Where the search
@@ -41,9 +42,30 @@ int gb_opens_for_nothing(gb_sim *sim, int i) {
            is_nothing(sim, i, 2.0 * slip / push, 0.5 * slip * slip / push, sim->constraints.bounds[5 * i + 2]);
 }
 
+/* A body at stop i, at rest and open, is pulled away from it: whatever strikes the body an instant later finds it
+ * apart, and drives it back onto the stop in an impact of its own. Where a run begins nothing has been left. */
+static int is_being_left(gb_sim *sim, int i) {
+    const gb_model *model = sim->model;
+    const double slip = sim->constraints.slip[i];
+    double *rate = sim->constraints.free_acceleration, largest = 0.0;
+    if (!gb_is_stop(sim, i) || gb_is_active(sim, i) || fabs(slip) > sim->constraints.slip_rounding[i] ||
+        (sim->events.pending[model->constraints[i].slip] != 0.0 && !sim->constraints.struck[i]) ||
+        !(sim->head->front.t1 > sim->head->front.t_start)) {
+        return 0;
+    }
+    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2);
+    sim->head->counts.rhs_calls++;
+    model->slips(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2, rate);
+    for (int j = model->n - model->n_speeds; j < model->n; j++) {
+        largest = gb_max(largest, fabs(sim->z2[j]));
+    }
+    return rate[i] > 1e-9 * largest * sim->constraints.row_size[i];
+}
+
 /* Bounds of the impulse of constraint i and the slip that it must undo; 0: it takes no part. What opens just now does
- * not close: an impulse along it would do work on what leaves (lambda v- > 0) and give a train energy from nowhere. */
-static int takes_impulse(gb_sim *sim, int i, double *lo, double *hi, double *undo) {
+ * not close: an impulse along it would do work on what leaves (lambda v- > 0) and give a train energy from nowhere.
+ * endless: all contacts come to rest on each other. */
+static int takes_impulse(gb_sim *sim, int i, int endless, double *lo, double *hi, double *undo) {
     const double slip = sim->constraints.slip[i], *bounds = sim->constraints.bounds + 5 * i;
     *lo = bounds[0] <= -HUGE_VAL ? -HUGE_VAL : 0.0;
     *hi = bounds[1] >= HUGE_VAL ? HUGE_VAL : 0.0;
@@ -56,7 +78,8 @@ static int takes_impulse(gb_sim *sim, int i, double *lo, double *hi, double *und
         return 0;
     }
     if (gb_is_stop(sim, i)) {
-        *undo = slip < -sim->constraints.slip_rounding[i] ? slip * (1.0 + restitution(sim, i)) : slip;
+        const int strikes = slip < -sim->constraints.slip_rounding[i] && !endless;
+        *undo = strikes ? slip * (1.0 + restitution(sim, i)) : slip;
         return gb_touches(sim, i);
     }
     return 1;
@@ -117,14 +140,27 @@ static void note_round(gb_sim *sim, const double *impulse, const double *before)
     }
 }
 
+/* Takes the stops that are being left out of the round. */
+static void leave_out(gb_sim *sim, int *left) {
+    int any = 0;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        if (sim->constraints.in[i] && is_being_left(sim, i)) {
+            sim->constraints.in[i] = 0;
+            any = 1;
+        }
+    }
+    *left += any;
+}
+
 /* Which constraints take part in the next round of an impact, and the one that is hit hardest, or -1 where none is.
- * What took part in the round before is right but for rounding. */
-static int find_hit(gb_sim *sim, int round) {
+ * What took part in the round before is right but for rounding. left: rounds so far that went on without a stop that is
+ * being left; they would have no end where that takes no speed, and their limit is rest of all that touches. */
+static int find_hit(gb_sim *sim, int round, int *left) {
     double *b = sim->constraints.right, *lo = sim->constraints.lo, *hi = sim->constraints.hi, most = 0.0;
     int hit = -1;
     for (int i = 0; i < sim->model->n_constraints; i++) {
         const int was_in = round > 0 && sim->constraints.in[i];
-        sim->constraints.in[i] = takes_impulse(sim, i, &lo[i], &hi[i], &b[i]);
+        sim->constraints.in[i] = takes_impulse(sim, i, *left > LEAVING_ROUNDS, &lo[i], &hi[i], &b[i]);
         if (sim->constraints.in[i] && !was_in) {
             const gb_constraint *constraint = &sim->model->constraints[i];
             const int met = constraint->kind == GB_FRICTION &&
@@ -136,6 +172,9 @@ static int find_hit(gb_sim *sim, int round) {
             }
         }
     }
+    if (hit >= 0 && *left <= LEAVING_ROUNDS) {
+        leave_out(sim, left);
+    }
     return hit;
 }
 
@@ -143,7 +182,7 @@ int gb_impact(gb_sim *sim) {
     const gb_model *model = sim->model;
     const size_t size = sizeof(double) * (size_t)model->n_constraints;
     double *impulse = sim->constraints.other, *before = sim->constraints.free_acceleration;
-    int hit = find_hit(sim, 0);
+    int left = 0, hit = find_hit(sim, 0, &left);
     for (int round = 0; hit >= 0; round++) {
         if (round == ROUNDS) {
             return gb_fail(sim, GB_ERR_CHATTER, model->constraints[hit].slip, sim->head->front.t1, 0.0);
@@ -157,7 +196,7 @@ int gb_impact(gb_sim *sim) {
         apply_impulses(sim, impulse);
         slips_after(sim);
         note_round(sim, impulse, before);
-        hit = find_hit(sim, round + 1);
+        hit = find_hit(sim, round + 1, &left);
     }
     return GB_DONE;
 }

@@ -90,7 +90,8 @@ static int accept(gb_sim *sim, double end, int again) {
             return head->report.code;
         }
         const int most = sim->events.undersampled ? MOST_AGAIN : sim->events.in_doubt ? MOST_DOUBTS : 0;
-        if (again < most && !(head->options.step > 0.0)) {
+        if (again < most && !(head->options.step > 0.0)) { /* what was located may not be there in the next try */
+            memset(sim->events.pending, 0, sizeof(double) * (size_t)model->n_event_functions);
             return AGAIN;
         }
     }

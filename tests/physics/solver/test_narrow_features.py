@@ -51,6 +51,15 @@ def regularised_sign(t, p, w):
     return -(w - 20) / np.sqrt((w - 20) ** 2 + 1e-4) - 0.4
 
 
+def relative_slip(t, p, w):
+    x = 2000 * (w - 20) / np.sqrt(w**2 + 4)
+    return -x / np.sqrt(1 + x**2) - 0.4
+
+
+def relative_hump(t, p, w):
+    return 0.8 * np.exp(-(1e6 * (w - 20) ** 2 / (w**2 + 9))) - 1
+
+
 def resonance(t, p, w):
     return -1 + 0.9 / (1 + ((w - 20) / 0.05) ** 2)
 
@@ -71,10 +80,11 @@ def bump_in_every_turn(t, p, w):
     return 30 * np.exp(300 * (np.cos(p) - 1)) - 1
 
 
-QUICK = (drop, pulse_in_time, bump_in_every_turn)
+QUICK = (drop, relative_slip, relative_hump, pulse_in_time, bump_in_every_turn)
 # start speed, duration, largest step of the reference
 USERS = {
     drop: (50.0, 35.0, 0.01), hump: (50.0, 35.0, 0.02), regularised_sign: (50.0, 30.0, 0.002), resonance: (50.0, 35.0, 0.02),
+    relative_slip: (50.0, 25.0, 0.01), relative_hump: (50.0, 35.0, 0.01),
     pulse_in_time: (50.0, 30.0, 0.005), step_in_time: (50.0, 30.0, 0.005), bump_over_the_angle: (30.0, 3.0, 0.001),
     bump_in_every_turn: (30.0, 1.5, 0.0005),
 }  # fmt: skip
@@ -95,6 +105,31 @@ def test_a_narrow_function_that_a_user_writes_is_seen(law):
             run = gb.simulate(rig, t_end=end, rtol=rtol, method=method)
             assert run["rotor.w"][-1] == pytest.approx(right[1], abs=30 * rtol * w0), (method, rtol)
             assert run["rotor.phi"][-1] == pytest.approx(right[0], rel=30 * rtol), (method, rtol)
+
+
+@pytest.mark.parametrize("limit", [0.5, 0.05])
+def test_a_belt_that_creeps_at_its_limit_is_seen_to_turn(limit):
+    """Its torque goes from one limit to the other over a part of 4 limit/stiffness of the speed."""
+    stiffness, low, load = 200.0, 2.0, 1.5
+    rig = gb.Drivetrain("belt")
+    shaft, pulley = rig.add("shaft", gb.Inertia(J=0.1, w0=10.0)), rig.add("pulley", gb.Inertia(J=0.05))
+    creep = gb.Creep(stiffness=stiffness, low_speed=low, limit=limit)
+    belt = rig.add("belt", gb.BeltDrive(ratio=2.0, slip=creep))
+    source = rig.add("source", gb.Torque(tau=-load * gb.sin(9 * gb.time)))
+    rig.connect(shaft.a, belt.a, source.flange)
+    rig.connect(belt.b, pulley.a)
+
+    def rates(t, y):
+        x = stiffness * (y[0] - 2 * y[1]) / np.hypot(y[0], low)
+        tau = x / np.hypot(1, x / limit)
+        return [(-load * np.sin(9 * t) - tau) / 0.1, 2 * tau / 0.05]
+
+    right = solve_ivp(rates, (0, 2), [10.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-12, max_step=1e-3).y[:, -1]
+    for method in METHODS:
+        for rtol in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8):
+            run = gb.simulate(rig, t_end=2.0, rtol=rtol, method=method)
+            found = [run["shaft.w"][-1], run["pulley.w"][-1]]
+            assert found == pytest.approx(right, abs=300 * rtol), (method, rtol)
 
 
 def test_far_from_its_rise_a_bearing_takes_the_steps_that_it_takes_without():

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tests.random.description import Train
 from tests.random.reference.dynamics import Dynamics
 from tests.random.reference.elements import system_of
-from tests.random.reference.integrate import Integration
+from tests.random.reference.integrate import KICKS, Integration
 from tests.random.reference.starts import start
 from tests.random.reference.switches import NoEvidenceError
 
@@ -23,20 +23,22 @@ def reference_motion(
     perturbation: float = 0.0,
     rtol: float = RTOL,
     given: NDArray[np.float64] | None = None,
+    draw: int = 0,
+    kicks: int = KICKS,
 ) -> Any:
     """The motion of a train at times t; with a relative perturbation of its start speeds and, all along the run, its state.
 
-    given: angles of the bodies at the start of a run, of which it is asked whether they are in balance where balance leaves a
-    static start open.
+    draw: which perturbation of that size; kicks: how many there are beside that of the start. given: angles of the bodies at
+    the start of a run, of which it is asked whether they are in balance where balance leaves a static start open.
     """
     from tests.random.judge import Motion
 
     with np.errstate(all="ignore"):
         dynamics = Dynamics(system_of(train))
-        integration = Integration(dynamics, rtol, float(t[-1]), perturbation)
-        angles, speeds = integration.run(start(dynamics, perturbation, given), t)
+        integration = Integration(dynamics, rtol, float(t[-1]), perturbation, draw, kicks)
+        angles, speeds = integration.run(start(dynamics, perturbation, given, draw), t)
     own = len(train.bodies)  # composites bring along more
     return Motion(angles[:own], speeds[:own], np.array(integration.modes.jumps))
 
 
-__all__ = ["NoEvidenceError", "reference_motion"]
+__all__ = ["KICKS", "NoEvidenceError", "reference_motion"]

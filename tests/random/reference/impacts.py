@@ -12,6 +12,8 @@ from tests.random.reference.dynamics import Dynamics
 from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
 
+LEAVING = 32
+
 
 class Impacts:
     """Speeds after impacts, and what is known of speeds and forces so far."""
@@ -21,6 +23,7 @@ class Impacts:
         self.speed = 0.0  # largest speed so far
         self.free = 0.0  # speed that the largest forces would give to what is free, within the run
         self.most = 0.0  # largest force so far
+        self.left = 0  # impacts at one instant beside a stop that a body was leaving
         self.still = 0  # events in a row at one instant
         self.jumps: list[float] = []
         self.rebound: dict[int, float] = {}
@@ -59,6 +62,7 @@ class Impacts:
         v+ = v + M^-1 G' P,  P >= 0,  G v+ >= target,  P (G v+ - target) = 0; locks without limit: G v+ = 0.
         """
         s, small = self.s, self.small()
+        endless, leaving = self.left > LEAVING, self.leaving(t, y)
         q, v = self.qv(y)
         one: list[tuple[Array, float, int]] = []
         both: list[tuple[Array, float]] = []
@@ -68,7 +72,8 @@ class Impacts:
             if gap <= 1e-10 * max(1.0, abs(stop.bound)) and rate <= small:
                 closing = rate < -small
                 hit = hit or closing
-                one.append((stop.row, -stop.restitution * rate if closing else 0.0, i))
+                if i not in leaving:
+                    one.append((stop.row, -stop.restitution * rate if closing and not endless else 0.0, i))
         for d in s.dry:
             slip = float(d.row @ v)
             on = [m for m in d.members if m.on]
@@ -82,6 +87,7 @@ class Impacts:
                     break
         if not hit:
             return self._settled(t, y, 1e-15) if self.still > 1 else y
+        self.left += bool(leaving)
         both += [n.rate(q, v, s.context)[:2] for n in s.nonlinear]
         both += [(g.ra - g.ratio * g.rb, 0.0) for g in s.lossy]  # no loss in an impact
         self.jumps.append(t)
@@ -99,6 +105,27 @@ class Impacts:
         self.note(y)
         return y
 
+    def leaving(self, t: float, y: Array) -> set[int]:
+        """Stops at which a body rests from which it is pulled away: what strikes it does so when it has left.
+
+        None at the start, nor where such strikes have no end: then all that touches comes to rest on each other.
+        """
+        q, v = self.qv(y)
+        small, found = self.small(), set()
+        for i, stop in enumerate(self.s.stops):
+            touches = abs(float(stop.row @ q) - stop.bound) <= 1e-10 * max(1.0, abs(stop.bound))
+            if t > 0 and self.left <= LEAVING and stop.mode == 1 and touches and abs(float(stop.row @ v)) <= small:
+                rates = self.s.Ur @ self.d(t, y)[self.d.cut[1] : self.d.cut[2]]
+                if float(stop.row @ rates) > 1e-9 * float(np.abs(stop.row) @ np.abs(rates)):
+                    found.add(i)
+        return found
+
+    def closes(self, y: Array) -> bool:
+        """Whether a body moves into a stop at which it is."""
+        q, v = self.qv(y)
+        gaps = [(float(x.row @ q) - x.bound) / max(1.0, abs(x.bound)) for x in self.s.stops]
+        return any(g <= 1e-10 and float(x.row @ v) < -self.small() for g, x in zip(gaps, self.s.stops, strict=True))
+
     def _dies(self, t: float, y: Array, row: Array, speed: float, i: int, flat: float) -> bool:
         """Whether a body comes back to its stop so soon that only rounding would be seen of its flight, or nothing at all."""
         stop = self.s.stops[i]
@@ -109,7 +136,7 @@ class Impacts:
         turned = float(np.abs(row) @ np.abs(self.qv(y)[0]))
         return speed * speed < -2 * flat * rate * max(abs(stop.bound), turned if flat < 1e-13 else 0.0, 1e-3)
 
-    def _settled(self, t: float, y: Array, flat: float) -> Array:
+    def _settled(self, t: float, y: Array, flat: float, always: bool = False) -> Array:
         """Without flights that are lower than the rounding of their gap: nothing is seen of them but that time stands."""
         q, v = self.qv(y)
         rows, flies = [], False
@@ -122,7 +149,7 @@ class Impacts:
                 flies = True
             elif abs(rate) <= self.small():
                 rows.append((stop.row, 0.0))
-        if not flies:
+        if not rows or not (flies or always):
             return y
         rows += [n.rate(q, v, self.s.context)[:2] for n in self.s.nonlinear]
         rows += [(g.ra - g.ratio * g.rb, 0.0) for g in self.s.lossy]

@@ -26,13 +26,23 @@ KICKS = 10  # of a perturbed run, besides that of its start
 class Integration:
     """One run of a system."""
 
-    def __init__(self, dynamics: Dynamics, rtol: float, span: float, perturbation: float = 0.0) -> None:
+    def __init__(
+        self,
+        dynamics: Dynamics,
+        rtol: float,
+        span: float,
+        perturbation: float = 0.0,
+        draw: int = 0,
+        kicks: int = KICKS,
+    ) -> None:
         self.d, self.modes, self.rtol, self.span = dynamics, Modes(dynamics), rtol, span
         self.scale = np.zeros(0)
         self.steps = 0
         self.perturbation = perturbation
-        self.kicks = [span * (i + 0.53) / KICKS for i in range(KICKS)] if perturbation else []
-        self.random = Random(f"kicks {dynamics.s.train.seed}")
+        self.random = Random(f"kicks {dynamics.s.train.seed}" + f" {draw}" * (draw > 0))
+        parts = [self.random.random() if draw else 0.53 for _ in range(kicks)]
+        self.kicks = [span * (i + part) / kicks for i, part in enumerate(parts)] if perturbation else []
+        self.alike, self.direction = draw > 0, np.zeros(0)  # of draws but the first all kicks go one way
         self.largest = np.zeros(0)  # of every state so far
 
     def run(self, y: Array, t: Array) -> tuple[Array, Array]:
@@ -107,7 +117,9 @@ class Integration:
     def _kicked(self, y: Array) -> Array:
         """Angles and speeds changed at random, relative to their largest values, within what is stuck and closed."""
         q, v = slice(0, self.d.cut[0]), slice(self.d.cut[1], self.d.cut[2])
-        change = self.perturbation * self.largest * np.array([self.random.uniform(-1, 1) for _ in y])
+        if not (self.alike and len(self.direction)):
+            self.direction = np.array([self.random.uniform(-1, 1) for _ in y])
+        change = self.perturbation * self.largest * self.direction
         turned, kicked = y.copy(), y.copy()
         turned[v] = change[q]  # a change of angles keeps the constraints as speeds do
         kicked[q] += self.modes.project(turned, moved=False)[v]

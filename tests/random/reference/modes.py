@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.random.reference.impacts import Impacts
+from tests.random.reference.impacts import LEAVING, Impacts
 from tests.random.reference.switches import NoEvidenceError
 from tests.random.reference.system import Array
 
@@ -46,15 +46,17 @@ class Modes(Impacts):
 
     def impacts(self, t: float, y: Array) -> Array:
         """Impacts until no one-way lock turns backwards that was ahead before: a stop tells by its gap, a lock does not."""
-        for _ in range(ROUNDS):
+        self.left = 0
+        for _ in range(ROUNDS + LEAVING):
             hits, (_, v) = len(self.jumps), self.qv(y)
             y = self.impact(t, y)
             if len(self.jumps) > hits:
                 self.begin(t, y)
             ahead = [m.scale * d.row for d in self.s.dry for m in d.members if m.on and m.one_way]
             _, w = self.qv(y)
-            if not any(float(row @ v) > self.small() and float(row @ w) < -self.small() for row in ahead):
-                return y
+            caught = any(float(row @ v) > self.small() and float(row @ w) < -self.small() for row in ahead)
+            if not (caught or (self.left and self.closes(y))):
+                return self._settled(t, y, 1e-15, always=True) if self.left else y
         raise NoEvidenceError("impacts without end")
 
     def decide(self, t: float, y: Array, span: float, starting: bool = False) -> Array:

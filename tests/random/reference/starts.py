@@ -13,9 +13,9 @@ from tests.random.reference.switches import NoEvidenceError, is_zero
 from tests.random.reference.system import Array
 
 
-def start(d: Any, perturbation: float, given: Array | None = None) -> Array:
+def start(d: Any, perturbation: float, given: Array | None = None, draw: int = 0) -> Array:
     """Start values that agree with the given ones and the ties. given: angles at which a run starts at rest."""
-    s, random = d.s, Random(f"reference {d.s.train.seed}")
+    s, random = d.s, Random(f"reference {d.s.train.seed}" + f" {draw}" * (draw > 0))
     rows, angles, speeds, sped = [], [], [], []
     for p in s.train.bodies:
         row = s.N[s.index[p.node("a")]]

@@ -45,6 +45,23 @@ def test_a_root_with_a_constant_is_narrow_about_its_zero():
     assert found == ("10*i.w", True) or found == ("10.0*i.w", True)
 
 
+@pytest.mark.parametrize(
+    ("law", "width"),
+    [
+        (lambda u: 1 / np.sqrt(1 + 36 * u**2 / (W**2 + 4)), "6*(i.w - 3)/sqrt(i.w**2 + 4)"),
+        (lambda u: np.exp(-16 * u**4 / (W**2 + 4) ** 2), "2*(i.w - 3)/sqrt(i.w**2 + 4)"),
+        (lambda u: 1 / (1 + 9 * u**2 * (W**2 + 1) ** 2), "3*(i.w - 3)*(i.w**2 + 1)"),
+    ],
+)
+def test_a_slip_relative_to_what_is_never_zero_is_narrow_as_itself(law, width):
+    assert width in [x for x, _ in features(gb.Torque(tau=law(W - 3)))]
+
+
+@pytest.mark.parametrize("tau", [1 / (1 + (W - 3) ** 2 / W), 1 / (1 + (W - 3) ** 2 * (W - 1))])
+def test_what_is_no_even_power_is_no_width(tau):
+    assert features(gb.Torque(tau=tau)) == []
+
+
 def test_an_angle_in_a_narrow_function_goes_on_for_ever():
     found = features(gb.Torque(tau=np.exp(50 * (gb.cos(3 * gb.sense("i.phi")) - 1))))
     assert ("3*i.phi", False) in found
