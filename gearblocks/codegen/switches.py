@@ -92,13 +92,15 @@ def _limits(g: Generator, code: BatchCode) -> None:
 
 
 def _predictions(g: Generator, code: BatchCode) -> None:
-    """Segments of tables, and crossings that time alone gives."""
+    """Segments of tables, those over sizes of slips among them, and crossings that time alone gives."""
     for i, sort in enumerate(code.events.sorts):
         first = code.offsets.switches[i]
         table = code.law.switches[i].table
         name = code.offsets.tables[table] if table is not None else ""
         if table is not None:
             g.table_switches.append((first, code.n, name))
+        if code.law.switches[i].of_slip:
+            g.slip_switches += range(first, first + code.n)
         if sort in ("line", "wave"):
             predictor, args = code.events.prediction(i)
             names = code.names(args)

@@ -40,7 +40,7 @@ class EventFunction:
     surface: the expression g. Its mode is the sign of g (0 or 1), the segment of a `table` over it, or its side of a `band`
     about zero of that half width (-1, 0, 1). constraint: its part in a switched one: "slip", "gap", "sign" (of a force), "hold"
     or "free"; the solver then decides about its mode together with those of all others ("free" apart: 1 where it is not
-    engaged).
+    engaged). of_slip: g is the size of a slip, which has a direction once the constraint has been decided about.
     """
 
     name: str
@@ -53,6 +53,7 @@ class EventFunction:
     table: Any = None
     band: Any = None
     constraint: str | None = None
+    of_slip: bool = False
 
     @property
     def is_sign(self) -> bool:
@@ -229,7 +230,9 @@ class Freezer:
         smooth = not getattr(self.pool.roles[table].of, "joints", True)
         if not self.locating or smooth or self.pool.level(x) == CONSTANT:
             return None
-        return self._add(name, x, table).symbol
+        made = self._add(name, x, table)
+        made.of_slip = sp.expand(x) in self.sizes
+        return made.symbol
 
     def _beyond_zero(self, table: Any) -> Any:
         """A table with the same numbers of segments whose joints up to 0 are out of reach."""

@@ -290,6 +290,9 @@ static int decide(gb_sim *sim, int starting) {
         impacted = impacted || sim->constraints.struck[i];
     }
     sort_by_slip(sim, impacted);
+    if (starting || impacted) {
+        gb_modes_at_slips(sim, !starting);
+    }
     model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.bounds);
     memcpy(sim->constraints.other, force, sizeof(double) * (size_t)model->n_constraints);
     release_pending(sim);

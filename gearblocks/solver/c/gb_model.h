@@ -179,9 +179,11 @@ typedef struct gb_model {
      * apply_impulses: adds to the speeds of y what impulses along the rows do; project_velocities: removes slips of
      * active constraints; force_bounds: five numbers per constraint (least and largest constraint force, sizes of the
      * force against forward and backward slip, engagement; of a stop the third is its restitution); constraint_forces:
-     * these, and by how much they exceed their bounds. */
+     * these, and by how much they exceed their bounds. slip_switches: segments of tables over abs(slip). */
     int n_constraints, n_active_set;
     int constant_rows; /* they do not change with the position, and time moves none of them */
+    int n_slip_switches;
+    const int *slip_switches;
     const gb_constraint *constraints;
     const struct gb_constraint_rows *constraint_rows;
     void (*slips)(const double *par, const double *mode, const double *time_terms, const double *y, const double *dy,

@@ -39,6 +39,22 @@ void gb_mode_limits(gb_sim *sim) {
     }
 }
 
+void gb_modes_at_slips(gb_sim *sim, int log) {
+    const gb_model *model = sim->model;
+    double *s = sim->events.moved;
+    if (model->n_slip_switches > 0) {
+        model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, s);
+    }
+    for (int k = 0; k < model->n_slip_switches; k++) {
+        const int i = model->slip_switches[k];
+        const double mode = model->mode_at(sim->par, i, s[i]);
+        if (mode != sim->mode[i]) {
+            gb_set_mode(sim, i, mode, log && sim->events.role[i] == GB_ORDINARY);
+            sim->events.armed[i] = 0.0;
+        }
+    }
+}
+
 void gb_rehash(gb_sim *sim) {
     sim->head->events.mode_hash = 0;
     for (int i = 0; i < sim->model->n_switches; i++) {

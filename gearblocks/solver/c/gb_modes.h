@@ -26,6 +26,10 @@ void gb_set_mode(gb_sim *sim, int i, double mode, int log);
  */
 void gb_mode_limits(gb_sim *sim);
 
+/* Segments of tables over sizes of slips, where these have just been given directions (the start) or are others (an
+ * impact), before a law is read on a segment far from them. Time terms are those of `instant`. */
+void gb_modes_at_slips(gb_sim *sim, int log);
+
 /* The hash of all modes anew. */
 void gb_rehash(gb_sim *sim);
 
