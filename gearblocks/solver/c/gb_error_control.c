@@ -44,19 +44,31 @@ static int noise_of_locks(gb_sim *sim, const gb_lanes *at, double *left) {
     return beyond;
 }
 
-/* How far rounding moves each rate: the response to a change of the states in their last bits, of alternating sign.
- * What starts from rest has the bits of what a first step of h reaches: a slip that is held beside it is as noisy as
- * that. left: accelerations that are rounding (NULL: none are known), which reach further rates by their speeds. */
+/* The sign with which state i is moved in the n-th measurement of noise (a row of a Walsh matrix): what two balanced
+ * forces make of their states' bits cancels in every other one. */
+static int is_raised(int i, unsigned n) {
+    unsigned bits = (unsigned)i & (n * 0x9E3779B1u);
+    bits ^= bits >> 16;
+    bits ^= bits >> 8;
+    bits ^= bits >> 4;
+    return (0x6996 >> (bits & 15u) & 1) == 0;
+}
+
+/* How far rounding moves each rate: the response to a change of the states in their last bits, of signs that differ
+ * from one measurement to the next. What starts from rest has the bits of what a first step of h reaches: a slip that
+ * is held beside it is as noisy as that. left: accelerations that are rounding (NULL: none are known), which reach
+ * further rates by their speeds. */
 static void measure_noise(gb_sim *sim, double h, const gb_lanes *at, const double *left) {
     const gb_model *model = sim->model;
     const int implicit = sim->method->gamma > 0.0;
     const double first = sim->head->counts.steps == 0 ? h : 0.0;
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
+    const unsigned pattern = implicit ? 1u : ++sim->head->control.noise_pattern;
     for (int i = 0; i < model->n_padded; i++) {
         const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
         const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
         const double bit = left != NULL && i < model->n ? gb_max(own, h * left[i]) : own;
-        sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
+        sim->z2[i] = sim->y0[i] + (is_raised(i, pattern) ? bit : -bit);
     }
     gb_rates(sim, 0, at, 0, sim->z2, rate);
     sim->head->counts.rhs_calls++;
@@ -177,6 +189,12 @@ void gb_forget_trial(gb_sim *sim, double error) {
         control->h_noise = control->h_weights = 0.0;
         control->noise_tried = 0;
     }
+    if (control->refused_at == sim->head->counts.steps + 1 && error > control->log_refused - 1.0) {
+        control->noise_at = sim->head->counts.steps;
+        control->h_weights = 0.0;
+    }
+    control->refused_at = sim->head->counts.steps + 1;
+    control->log_refused = error;
 }
 
 void gb_scales_grow(gb_sim *sim, const double *y) {

@@ -1,0 +1,83 @@
+"""Trains that begin in static equilibrium under constant torques and stay there: what the rounding of balanced forces does to
+speeds that are zero is no motion to resolve, with any method. Closed form: the twists are the torques over the stiffnesses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+METHODS = [("dp5", 1e-6), ("dp5", 1e-8), ("dp8", 1e-8), ("rodas", 1e-8), ("auto", 1e-6)]
+
+
+def _chain(push: float = 6.55, pull: float = -59.4, segments: int = 3) -> tuple[gb.Drivetrain, dict[str, float]]:
+    rig = gb.Drivetrain("chain")
+    first, last = rig.add("j1", gb.Inertia(J=0.0823)), rig.add("j2", gb.Inertia(J=0.663))
+    long = rig.add("long", gb.Shaft(k=16.9, c=0.0171, segments=segments, J=0.0514))
+    held = rig.add("held", gb.Shaft(k=32.9, c=1.32))
+    rig.connect(first.a, long.a, held.a)
+    rig.connect(first.b, rig.add("push", gb.Torque(tau=push)).flange)
+    rig.connect(last.a, long.b)
+    rig.connect(last.b, rig.add("pull", gb.Torque(tau=pull)).flange)
+    rig.connect(held.b, rig.add("ground", gb.Fixed()).flange)
+    at_first = (push + pull) / 32.9
+    return rig, {"j1.phi": at_first, "j2.phi": at_first + pull / 16.9}
+
+
+def _lighter() -> tuple[gb.Drivetrain, dict[str, float]]:
+    return _chain(-0.83, 7.1)
+
+
+def _longer() -> tuple[gb.Drivetrain, dict[str, float]]:
+    return _chain(-17.3, -41.0, segments=11)
+
+
+def _opposed() -> tuple[gb.Drivetrain, dict[str, float]]:
+    """Between two grounds: every body is held by forces that balance, none by a torque."""
+    rig = gb.Drivetrain("opposed")
+    left, right = rig.add("left", gb.Inertia(J=0.0047)), rig.add("right", gb.Inertia(J=0.19))
+    near, far = rig.add("near", gb.Fixed()), rig.add("far", gb.Fixed())
+    rig.chain(near, rig.add("soft", gb.Shaft(k=61.3, c=0.011)), left, rig.add("mid", gb.Shaft(k=61.3, c=0.07)), right)
+    rig.chain(right, rig.add("stiff", gb.Shaft(k=122.6, c=0.004)), far)
+    rig.connect(rig.add("push", gb.Torque(tau=29.0)).flange, left.a)
+    rig.connect(rig.add("pull", gb.Torque(tau=-29.0 / 3.0)).flange, right.a)
+    at_left, at_right = np.linalg.solve([[122.6, -61.3], [-61.3, 183.9]], [29.0, -29.0 / 3.0])
+    return rig, {"left.phi": at_left, "right.phi": at_right}
+
+
+def _branched() -> tuple[gb.Drivetrain, dict[str, float]]:
+    rig = gb.Drivetrain("branched")
+    trunk, left, right = (
+        rig.add(name, gb.Inertia(J=J)) for name, J in (("trunk", 0.3), ("left", 0.02), ("right", 1.7))
+    )
+    rig.chain(rig.add("ground", gb.Fixed()), rig.add("root", gb.Shaft(k=210.0, c=0.01)), trunk)
+    rig.chain(trunk, rig.add("to_left", gb.Shaft(k=33.0, c=0.002)), left, rig.add("twig", gb.Torque(tau=-8.3)))
+    rig.chain(trunk, rig.add("to_right", gb.Shaft(k=570.0, c=0.1)), right, rig.add("bough", gb.Torque(tau=47.1)))
+    at_trunk = (47.1 - 8.3) / 210.0
+    return rig, {"trunk.phi": at_trunk, "left.phi": at_trunk - 8.3 / 33.0, "right.phi": at_trunk + 47.1 / 570.0}
+
+
+def _geared() -> tuple[gb.Drivetrain, dict[str, float]]:
+    rig = gb.Drivetrain("geared")
+    drive, load = rig.add("drive", gb.Inertia(J=0.04)), rig.add("load", gb.Inertia(J=2.1))
+    gear, side = rig.add("gear", gb.IdealGear(ratio=-3.7)), rig.add("side", gb.Inertia(J=0.11))
+    soft, stiff = rig.add("soft", gb.Shaft(k=41.0, c=0.003)), rig.add("stiff", gb.Shaft(k=7300.0, c=0.02))
+    rig.chain(drive, soft, side, gear, load, stiff, rig.add("ground", gb.Fixed()))
+    rig.connect(rig.add("push", gb.Torque(tau=13.7)).flange, drive.a)
+    at_load = -3.7 * 13.7 / 7300.0
+    return rig, {"load.phi": at_load, "side.phi": -3.7 * at_load, "drive.phi": -3.7 * at_load + 13.7 / 41.0}
+
+
+@pytest.mark.parametrize("train", [_chain, _lighter, _longer, _opposed, _branched, _geared])
+@pytest.mark.parametrize(("method", "rtol"), METHODS)
+def test_it_stays_where_it_is(
+    train: Callable[[], tuple[gb.Drivetrain, dict[str, float]]], method: str, rtol: float
+) -> None:
+    rig, right = train()
+    run = gb.simulate(rig, t=np.linspace(0, 2, 5), initial="static", method=method, rtol=rtol)
+    assert run.stats.steps < 2000
+    for name, angle in right.items():
+        assert run[name] == pytest.approx(angle, rel=1e-12), name
