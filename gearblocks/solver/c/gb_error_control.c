@@ -57,13 +57,13 @@ static int is_raised(int i, unsigned n) {
 /* How far rounding moves each rate: the response to a change of the states in their last bits, of signs that differ
  * from one measurement to the next. What starts from rest has the bits of what a first step of h reaches: a slip that
  * is held beside it is as noisy as that. left: accelerations that are rounding (NULL: none are known), which reach
- * further rates by their speeds. */
-static void measure_noise(gb_sim *sim, double h, const gb_lanes *at, const double *left) {
+ * further rates by their speeds. kept: part of the noise known so far below which none falls. */
+static void measure_noise(gb_sim *sim, double h, const gb_lanes *at, const double *left, double kept) {
     const gb_model *model = sim->model;
     const int implicit = sim->method->gamma > 0.0;
     const double first = sim->head->counts.steps == 0 ? h : 0.0;
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
-    const unsigned pattern = implicit ? 1u : ++sim->head->control.noise_pattern;
+    const unsigned pattern = ++sim->head->control.noise_pattern;
     for (int i = 0; i < model->n_padded; i++) {
         const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
         const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
@@ -80,7 +80,7 @@ static void measure_noise(gb_sim *sim, double h, const gb_lanes *at, const doubl
     }
     for (int i = 0; i < model->n; i++) {
         const double noise = gb_max(fabs(rate[i]), left != NULL ? left[i] : 0.0);
-        sim->control.noise[i] = noise > sim->control.noise[i] || implicit ? noise : sim->control.noise[i];
+        sim->control.noise[i] = gb_max(noise, kept * sim->control.noise[i]);
     }
 }
 
@@ -151,7 +151,7 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
                        : NULL;
     const int noisier = left != NULL && noise_of_locks(sim, at, left);
     if (head->counts.steps >= head->control.noise_at || (implicit && moved) || longer || noisier) {
-        measure_noise(sim, h, at, left);
+        measure_noise(sim, h, at, left, implicit && (moved || longer) ? 0.0 : 1.0);
         head->control.noise_tried = noisier ? head->counts.steps + 1 : head->control.noise_tried;
         head->control.noise_modes = head->events.mode_hash;
         head->control.h_noise = h;
