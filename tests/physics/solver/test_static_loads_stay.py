@@ -4,6 +4,7 @@ speeds that are zero is no motion to resolve, with any method. Closed form: the 
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import exp
 
 import numpy as np
 import pytest
@@ -113,3 +114,21 @@ def test_so_does_what_carries_unloaded_branches(
     assert run.stats.steps < 6000
     for name, angle in right.items():
         assert run[name] == pytest.approx(angle, rel=1e-12), name
+
+
+@pytest.mark.parametrize(("pull", "target", "gain"), [(2.05, 17.8, 0.023), (1.1, 11.3, 0.07), (4.7, 21.9, 0.0131)])
+@pytest.mark.parametrize("rtol", [1e-5, 1e-6, 1e-7, 1e-8])
+def test_a_command_that_is_rounding_alone_holds_nothing_up(
+    pull: float, target: float, gain: float, rtol: float
+) -> None:
+    """A governor whose command stays shut: what it balances to nothing jitters by more than its states' bits tell."""
+    rig = gb.Drivetrain("shut")
+    wheel, speed = rig.add("wheel", gb.Inertia(J=0.5, w0=26.8)), gb.sense("wheel.w")
+    drive = rig.add("drive", gb.Torque(tau=gb.piecewise((pull * (53.4 - speed), speed < 53.4), (0.0, True))))
+    governor = gb.Governor(target=target, gain=gain, integral_gain=0.104, time_constant=0.25)
+    rig.connect(wheel.a, drive.flange, rig.add("governor", governor).flange)
+    rig.connect(wheel.b, rig.add("more", gb.Torque(tau=2.9 * gb.sense("governor.command"))).flange)
+    run = gb.simulate(rig, t=np.linspace(0, 3, 4), method="rodas", rtol=rtol)
+    assert run.stats.steps < 3000
+    assert run["wheel.w"] == pytest.approx([53.4 - 26.6 * exp(-2.0 * pull * t) for t in range(4)], rel=10 * rtol)
+    assert run["governor.command"] == pytest.approx(np.zeros(4), abs=1e-13)
