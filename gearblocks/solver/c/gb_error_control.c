@@ -27,6 +27,9 @@ double gb_rough_log2(double x) {
 /* Rounding of the acceleration of what locks hold, in parts of the one that it had without them. */
 static const double OF_LOCKS = 256.0 * DBL_EPSILON;
 
+/* How often noise may be doubled that a trial was refused for: stages and laws round several times. */
+static const unsigned MOST_DOUBLINGS = 4;
+
 /* A trial with an error beyond this, as log2 in units of the tolerance, has ended where the train never comes. */
 static const double LOST = 10.0;
 
@@ -44,19 +47,33 @@ static int noise_of_locks(gb_sim *sim, const gb_lanes *at, double *left) {
     return beyond;
 }
 
-/* How far rounding moves each rate: the response to a change of the states in their last bits, of alternating sign.
- * What starts from rest has the bits of what a first step of h reaches: a slip that is held beside it is as noisy as
- * that. left: accelerations that are rounding (NULL: none are known), which reach further rates by their speeds. */
-static void measure_noise(gb_sim *sim, double h, const gb_lanes *at, const double *left) {
+/* The sign with which state i is moved in the n-th measurement of noise (a row of a Walsh matrix): what two balanced
+ * forces make of their states' bits cancels in every other one. */
+static int is_raised(int i, unsigned n) {
+    unsigned bits = (unsigned)i & (n * 0x9E3779B1u);
+    bits ^= bits >> 16;
+    bits ^= bits >> 8;
+    bits ^= bits >> 4;
+    return (0x6996 >> (bits & 15u) & 1) == 0;
+}
+
+/* How far rounding moves each rate: the response to a change of the states in their last bits, of signs that differ
+ * from one measurement to the next. What starts from rest has the bits of what a first step of h reaches: a slip that
+ * is held beside it is as noisy as that. left: accelerations that are rounding (NULL: none are known), which reach
+ * further rates by their speeds. valid: noise that is known stays the least where that time of it makes all that a
+ * state has been. */
+static void measure_noise(gb_sim *sim, double h, const gb_lanes *at, const double *left, double valid) {
     const gb_model *model = sim->model;
     const int implicit = sim->method->gamma > 0.0;
     const double first = sim->head->counts.steps == 0 ? h : 0.0;
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
+    const double gain = (double)(1u << sim->head->control.doublings);
+    const unsigned pattern = ++sim->head->control.noise_pattern;
     for (int i = 0; i < model->n_padded; i++) {
         const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
         const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
         const double bit = left != NULL && i < model->n ? gb_max(own, h * left[i]) : own;
-        sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
+        sim->z2[i] = sim->y0[i] + (is_raised(i, pattern) ? bit : -bit);
     }
     gb_rates(sim, 0, at, 0, sim->z2, rate);
     sim->head->counts.rhs_calls++;
@@ -67,8 +84,9 @@ static void measure_noise(gb_sim *sim, double h, const gb_lanes *at, const doubl
         gb_rosenbrock_response(sim, rate);
     }
     for (int i = 0; i < model->n; i++) {
-        const double noise = gb_max(fabs(rate[i]), left != NULL ? left[i] : 0.0);
-        sim->control.noise[i] = noise > sim->control.noise[i] || implicit ? noise : sim->control.noise[i];
+        const double noise = gb_max(gain * fabs(rate[i]), left != NULL ? left[i] : 0.0);
+        const double so_far = sim->control.noise[i], least = sim->control.largest[i] >= valid * so_far ? 0.0 : so_far;
+        sim->control.noise[i] = gb_max(noise, least);
     }
 }
 
@@ -139,7 +157,8 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
                        : NULL;
     const int noisier = left != NULL && noise_of_locks(sim, at, left);
     if (head->counts.steps >= head->control.noise_at || (implicit && moved) || longer || noisier) {
-        measure_noise(sim, h, at, left);
+        const double elapsed = head->front.t1 - head->front.t_start + h;
+        measure_noise(sim, h, at, left, !implicit || !(moved || longer) ? HUGE_VAL : moved ? 0.0 : elapsed);
         head->control.noise_tried = noisier ? head->counts.steps + 1 : head->control.noise_tried;
         head->control.noise_modes = head->events.mode_hash;
         head->control.h_noise = h;
@@ -177,6 +196,15 @@ void gb_forget_trial(gb_sim *sim, double error) {
         control->h_noise = control->h_weights = 0.0;
         control->noise_tried = 0;
     }
+    if (control->refused_at == sim->head->counts.steps + 1 && error > control->log_refused - 1.0) {
+        const int worst = gb_worst_state(sim);
+        const double share = control->h_weights * sim->control.noise[worst] * sim->control.error_weight[worst];
+        control->doublings += share > 0.5 && control->doublings < MOST_DOUBLINGS;
+        control->noise_at = sim->head->counts.steps;
+        control->h_weights = 0.0;
+    }
+    control->refused_at = sim->head->counts.steps + 1;
+    control->log_refused = error;
 }
 
 void gb_scales_grow(gb_sim *sim, const double *y) {
