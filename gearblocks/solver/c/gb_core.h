@@ -126,8 +126,8 @@ GB_API int gb_energies(gb_sim *sim, double *energy); /* length n_energies */
  * sides of each event when t_out is NULL. Returns about every `slice` CPU seconds. */
 GB_API int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record *record, double slice);
 
-/* Outputs of recorded rows: out[row * n_pick + j] = output pick[j]; energies likewise when energy is not NULL. The rows may
- * be of any run with these parameters; none needs to have been started here. */
+/* Outputs of recorded rows: out[row * n_pick + j] = output pick[j]; energies likewise when energy is not NULL. The rows
+ * may be of any run with these parameters; none needs to have been started here. */
 GB_API int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, int n_pick, double *out,
                        double *energy);
 

@@ -78,6 +78,8 @@ def test_parameters_and_inputs_of_the_run_hold_when_outputs_are_read_later(model
     assert stiff["wheel.w"] != soft["wheel.w"]
     assert all(stiff[name] == alone[name] for name in alone.names)
     assert stiff.meta["parameters"]["play.k"] == 2e4 and dict(soft.meta["parameters"])["play.k"] == 1e3
+    heavy = _run(model, t=[0.3], parameters={"motor.J": 0.03})
+    assert heavy["motor.kinetic_energy"][0] == pytest.approx(0.5 * 0.03 * heavy["motor.w"][0] ** 2, rel=1e-15)
     onward = gb.simulate(model, t_end=0.4, initial=stiff)
     assert onward.t[0] == 0.3 and onward.meta["parameters"]["play.k"] == 2e4
 
