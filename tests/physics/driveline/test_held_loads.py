@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import gearblocks as gb
 
@@ -62,3 +63,22 @@ def test_a_load_on_a_sun_that_comes_loose_and_is_caught_again_turns_each_way_onc
     free = (fine.t > 1) & (fine.t < 2.5)
     signs = np.sign(fine["sun.w"][free][np.abs(fine["sun.w"][free]) > 1e-9])
     assert len(turns) <= 2 + np.count_nonzero(np.diff(signs))
+
+
+@pytest.mark.parametrize(("capacity", "coeffs"), [(7.0, (0.75, 0.125)), (11.3, (0.31, 0.0)), (5.9, (0.0, 0.47))])
+@pytest.mark.parametrize(("method", "rtol"), [("dp8", 1e-9), ("dp8", 1e-10), ("dp8", 1e-11), ("dp5", 1e-10)])
+def test_a_sun_that_comes_loose_starts_at_any_tolerance(capacity, coeffs, method, rtol):
+    """What lets go at a given time has no scale and no rounding of its own yet: own equations of the free sun from there."""
+    rig, sun = _planetary(gb.piecewise((capacity, gb.time < 1), (0.0, True)))
+    rig.connect(rig.add("load", gb.SpeedLoad(coeffs=(0.0, *coeffs))).flange, sun.a)
+    run = gb.simulate(rig, t=[0.0, 1.0, 1.4], method=method, rtol=rtol)
+    of_carrier, of_sun = 1 + 1 / RATIO, -1 / RATIO
+    coupled = J_RING * of_carrier * of_sun
+    mass = [[J_CARRIER + J_RING * of_carrier**2, coupled], [coupled, 0.2 + J_RING * of_sun**2]]
+
+    def rates(t, w):
+        load = np.sign(w[1]) * (coeffs[0] * abs(w[1]) + coeffs[1] * w[1] ** 2)
+        return np.linalg.solve(mass, [3 * np.sin(5 * t), -load])
+
+    free = solve_ivp(rates, (1.0, 1.4), [_carrier_speed(1.0), 0.0], method="DOP853", rtol=1e-11, atol=1e-13)
+    assert [run["carrier.w"][-1], run["sun.w"][-1]] == pytest.approx(free.y[:, -1], rel=1e-7)
