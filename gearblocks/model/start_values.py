@@ -59,12 +59,7 @@ def solve_dependent(program: Program, train: Train, values: dict[str, float]) ->
     """Start values given on dependent groups, and those beside lossy ties: open ones of independent groups are solved for (into
     `values`); yields contradictions (those of lossy ties a run says)."""
     blocks = {c.path: c.block for c in train.components}
-    rows = []
-    for info in (x for x in program.dependent_starts if x.of in (ANGLE, SPEED)):
-        path = info.name.rpartition(".")[0]
-        value = start_of(blocks[path], info.of)
-        if value is not None:
-            rows.append((info, path, start_fields(type(blocks[path]))[info.of], value))
+    rows = _given_dependents(program, blocks)
     asked = [(info, value) for info, _, _, value in rows]
     asked += [(info, 0.0) for info in program.dependent_starts if info.of == LOSSY]
     if not asked:
@@ -78,6 +73,17 @@ def solve_dependent(program: Program, train: Train, values: dict[str, float]) ->
                 f"'{path}': {field} = {value!r} contradicts the {sum(terms):.9g} that follows through its ties from "
                 f"{', '.join(paths)}; leave one of them out"
             )
+
+
+def _given_dependents(program: Program, blocks: dict[str, Block]) -> list[tuple[DependentStart, str, str, float]]:
+    """Start values that are given on dependent groups: with path, field and value."""
+    rows = []
+    for info in (x for x in program.dependent_starts if x.of in (ANGLE, SPEED)):
+        path = info.name.rpartition(".")[0]
+        value = start_of(blocks[path], info.of)
+        if value is not None:
+            rows.append((info, path, start_fields(type(blocks[path]))[info.of], value))
+    return rows
 
 
 def _solve(
@@ -177,24 +183,37 @@ def _fitted(model: Model, names: list[str], asked: Array, found: Array, blocks: 
 
 
 def fit_lossy(model: Model, train: Train) -> None:
-    """The same for lossy ties behind gains that vary with angles: with the gains at the start, open start speeds that are 0
-    are chosen so that no tie slips (into model.values). What is left a run says."""
+    """The same for lossy ties behind gains that vary with angles: with the gains at the start, open start speeds that are 0,
+    or that other lossy ties and speeds given on dependent groups share, are chosen so that no tie slips (into model.values).
+    What is left a run says."""
     varying = next((x for x in model.program.dependent_starts if x.of == LOSSY_VARYING), None)
     if varying is None:
         return
-    offsets = list(dict.fromkeys(varying.offsets))
+    blocks: dict[str, Block] = {c.path: c.block for c in train.components}
+    given = [(x, value) for x, *_, value in _given_dependents(model.program, blocks) if x.of == SPEED]
+    ties = [x for x in model.program.dependent_starts if x.of == LOSSY]
+    shared = {i for x in (*ties, *(x for x, _ in given)) for i in x.offsets}
+    offsets = list(dict.fromkeys((*varying.offsets, *shared)))
     rows = _tie_rows(model, offsets) if model.values[offsets].any() else None
     if rows is None:
         return
-    slips = np.zeros((len(rows), len(offsets)))  # per start value: both sides of a relation may have one
+    asked = np.zeros((len(rows) + len(given), len(offsets)))  # per start value: both sides of a relation may have one
     for column, i, gain in zip(rows.T, varying.offsets, varying.factors, strict=True):
-        slips[:, offsets.index(i)] += gain * column
-    blocks: dict[str, Block] = {c.path: c.block for c in train.components}
-    free = [k for k, i in enumerate(offsets) if model.values[i] == 0.0 and _is_open(model.program, blocks, i)]
-    free = [k for k in free if slips[:, k].any()]
+        asked[: len(rows), offsets.index(i)] += gain * column
+    for row, (info, _) in zip(asked[len(rows) :], given, strict=True):
+        for i, factor in zip(info.offsets, info.factors, strict=True):
+            row[offsets.index(i)] += factor
+    free = [
+        k
+        for k, i in enumerate(offsets)
+        if (model.values[i] == 0.0 or i in shared) and _is_open(model.program, blocks, i)
+    ]
+    free = [k for k in free if asked[:, k].any()]
     if not free:
         return
-    found = np.linalg.lstsq(slips[:, free], -slips @ model.values[offsets], rcond=None)[0]
+    kept = [k for k in range(len(offsets)) if k not in free]
+    right = np.array([0.0] * len(rows) + [value for _, value in given]) - asked[:, kept] @ model.values[offsets][kept]
+    found = np.linalg.lstsq(asked[:, free], right, rcond=None)[0]
     model.values.setflags(write=True)
     model.values[[offsets[k] for k in free]] = found
     model.values.setflags(write=False)
