@@ -11,8 +11,8 @@ enum { SAMPLES = 21, SIZES = 5, LENGTH = 20 };
 static void check_order(const gb_model *model, double value, double largest_step, int quadrature, double expected) {
     double t[SAMPLES], t_last[2] = {0.0, 3.0}, error[3][SIZES];
     grid(t, SAMPLES, 3.0);
-    run reference = run_samples(model, &value, options_of(GB_DP8, 1e-13, 0.0), t, SAMPLES);
-    run end = run_samples(model, &value, options_of(GB_DP8, 1e-13, 0.0), t_last, 2);
+    run reference = run_samples(model, &value, options_of(GB_DP8, 1e-14, 0.0), t, SAMPLES);
+    run end = run_samples(model, &value, options_of(GB_DP8, 1e-14, 0.0), t_last, 2);
     for (int i = 0; i < SIZES; i++) {
         const double step = largest_step / (1 << i);
         run r = run_samples(model, &value, options_of(GB_RODAS, 1e-6, step), t_last, 2);

@@ -130,7 +130,7 @@ static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
         const double known = gb_max(gb_max(peak[i], scale[i]), gb_max(least, floor[i] * per_time));
         const double own = gb_max(known, fabs(h * first[i]));
         const double size = peak[i] <= least && scale[i] < trusted ? gb_max(own, fabs(trial[i])) : own;
-        const double weight = rtol * size + h * noise[i];
+        const double weight = gb_max(rtol * size, h * noise[i]); /* where it is no more, its signs do not show */
         poor |= peak[i] > least ? 0 : peak[i] == 0.0 && trial[i] == 0.0 ? GB_AT_REST : GB_SMALL;
         out[i] = weight > 0.0 ? 1.0 / weight : 0.0;
     }

@@ -92,6 +92,9 @@ static inline void gb_split(const gb_delassus *W, gb_active_set *a, const int *i
         const double left = is_active[i] ? b[i] + gb_delassus_product(W, i, x, &terms) : 0.0;
         worst = fmax(worst, is_own[i] ? 0.0 : fabs(left));
         size = is_active[i] ? fmax(size, terms) : size;
+        if (is_active[i] && !is_own[i] && fabs(bounds->upper[i]) < HUGE_VAL) { /* what nothing loads has this scale */
+            size = fmax(size, fabs(gb_delassus_diagonal(W, i) * bounds->upper[i]));
+        }
     }
     for (int i = 0; i < n; i++) { /* coupled bounds keep what is lifted */
         force[i] = is_active[i] ? x[i] : force[i];
