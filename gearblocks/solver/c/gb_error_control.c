@@ -115,6 +115,10 @@ typedef struct gb_sizes {
     const double *first, *trial;
 } gb_sizes;
 
+/* Noise below a millionth of the tolerance leaves no trace in the steps, which are the same in any order of the parts.
+ */
+static const double UNSEEN = 1.0 - 1e-6;
+
 /* The error weights in [from, to); whether a state there has no scale yet, for which the trial counts, or has never
  * moved, in the trial neither. */
 static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
@@ -130,7 +134,7 @@ static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
         const double known = gb_max(gb_max(peak[i], scale[i]), gb_max(least, floor[i] * per_time));
         const double own = gb_max(known, fabs(h * first[i]));
         const double size = peak[i] <= least && scale[i] < trusted ? gb_max(own, fabs(trial[i])) : own;
-        const double weight = gb_max(rtol * size, h * noise[i]); /* where it is no more, its signs do not show */
+        const double own_part = rtol * size, weight = gb_max(own_part, UNSEEN * own_part + h * noise[i]);
         poor |= peak[i] > least ? 0 : peak[i] == 0.0 && trial[i] == 0.0 ? GB_AT_REST : GB_SMALL;
         out[i] = weight > 0.0 ? 1.0 / weight : 0.0;
     }
