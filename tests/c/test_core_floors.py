@@ -21,6 +21,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_growth",
     ),
     ("gb_limit_noise", "gb_constraint_forces"),
+    ("gb_noise",),
     (
         "gb_error_control",
         "gb_evaluate",

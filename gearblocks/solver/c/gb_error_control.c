@@ -1,6 +1,6 @@
 #include "gb_error_control.h"
-#include "gb_constraint_forces.h"
 #include "gb_constraint_state.h"
+#include "gb_noise.h"
 #include "gb_rates.h"
 #include "gb_rosenbrock.h"
 #include "gb_vector.h"
@@ -24,71 +24,11 @@ double gb_rough_log2(double x) {
     return exponent + f * (1.4234 + f * (-0.5877 + f * 0.1643));
 }
 
-/* Rounding of the acceleration of what locks hold, in parts of the one that it had without them. */
-static const double OF_LOCKS = 256.0 * DBL_EPSILON;
-
 /* How often noise may be doubled that a trial was refused for: stages and laws round several times. */
 static const unsigned MOST_DOUBLINGS = 4;
 
 /* A trial with an error beyond this, as log2 in units of the tolerance, has ended where the train never comes. */
 static const double LOST = 10.0;
-
-/* What locks leave of the forces of the trial's end: where nothing else moves a speed, its whole rate. These
- * accelerations lie in the row `left`; 1: some are beyond the noise that is known. */
-static int noise_of_locks(gb_sim *sim, const gb_lanes *at, double *left) {
-    const gb_model *model = sim->model;
-    int beyond = 0;
-    gb_free_rates(sim, at->time_terms + sim->method->stages, sim->z, left);
-    for (int i = 0; i < model->n; i++) {
-        const double noise = i < model->n - model->n_speeds ? 0.0 : OF_LOCKS * fabs(left[i]);
-        left[i] = noise < HUGE_VAL ? noise : 0.0;
-        beyond |= left[i] > sim->control.noise[i];
-    }
-    return beyond;
-}
-
-/* The sign with which state i is moved in the n-th measurement of noise (a row of a Walsh matrix): what two balanced
- * forces make of their states' bits cancels in every other one. */
-static int is_raised(int i, unsigned n) {
-    unsigned bits = (unsigned)i & (n * 0x9E3779B1u);
-    bits ^= bits >> 16;
-    bits ^= bits >> 8;
-    bits ^= bits >> 4;
-    return (0x6996 >> (bits & 15u) & 1) == 0;
-}
-
-/* How far rounding moves each rate: the response to a change of the states in their last bits, of signs that differ
- * from one measurement to the next. What starts from rest has the bits of what a first step of h reaches: a slip that
- * is held beside it is as noisy as that. left: accelerations that are rounding (NULL: none are known), which reach
- * further rates by their speeds. valid: noise that is known stays the least where that time of it makes all that a
- * state has been. */
-static void measure_noise(gb_sim *sim, double h, const gb_lanes *at, const double *left, double valid) {
-    const gb_model *model = sim->model;
-    const int implicit = sim->method->gamma > 0.0;
-    const double first = sim->head->counts.steps == 0 ? h : 0.0;
-    double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
-    const double gain = (double)(1u << sim->head->control.doublings);
-    const unsigned pattern = ++sim->head->control.noise_pattern;
-    for (int i = 0; i < model->n_padded; i++) {
-        const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
-        const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
-        const double bit = left != NULL && i < model->n ? gb_max(own, h * left[i]) : own;
-        sim->z2[i] = sim->y0[i] + (is_raised(i, pattern) ? bit : -bit);
-    }
-    gb_rates(sim, 0, at, 0, sim->z2, rate);
-    sim->head->counts.rhs_calls++;
-    for (int i = 0; i < model->n; i++) {
-        rate[i] -= sim->k1[i];
-    }
-    if (implicit) {
-        gb_rosenbrock_response(sim, rate);
-    }
-    for (int i = 0; i < model->n; i++) {
-        const double noise = gb_max(gain * fabs(rate[i]), left != NULL ? left[i] : 0.0);
-        const double so_far = sim->control.noise[i], least = sim->control.largest[i] >= valid * so_far ? 0.0 : so_far;
-        sim->control.noise[i] = gb_max(noise, least);
-    }
-}
 
 /* The largest of peak and abs(trial) in [from, to). */
 static double largest_in(const double *restrict peak, const double *restrict trial, int from, int to) {
@@ -115,8 +55,7 @@ typedef struct gb_sizes {
     const double *first, *trial;
 } gb_sizes;
 
-/* Noise below a millionth of the tolerance leaves no trace in the steps, which are the same in any order of the parts.
- */
+/* Less noise than the rest of it leaves no trace in the steps, which are the same in any order of the parts. */
 static const double UNSEEN = 1.0 - 1e-6;
 
 /* The error weights in [from, to); whether a state there has no scale yet, for which the trial counts, or has never
@@ -156,13 +95,15 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     /* what begins to move has its rounding for a scale, and it had none in other modes */
     const int moved = trial != NULL && head->control.noise_modes != head->events.mode_hash;
     const int longer = h > 4.0 * head->control.h_noise && (implicit || head->control.unscaled);
-    double *left = trial != NULL && !implicit && gb_some_active(sim)
-                       ? sim->k + (size_t)(GB_STAGES - 3) * (size_t)sim->model->n_total
-                       : NULL;
-    const int noisier = left != NULL && noise_of_locks(sim, at, left);
+    double *left = implicit ? NULL : sim->k + (size_t)(GB_STAGES - 3) * (size_t)sim->model->n_total;
+    const int locked = trial != NULL && !implicit && gb_some_active(sim);
+    const int noisier = locked && gb_noise_of_locks(sim, at, left);
     if (head->counts.steps >= head->control.noise_at || (implicit && moved) || longer || noisier) {
         const double elapsed = head->front.t1 - head->front.t_start + h;
-        measure_noise(sim, h, at, left, !implicit || !(moved || longer) ? HUGE_VAL : moved ? 0.0 : elapsed);
+        if (!locked && left != NULL) {
+            memset(left, 0, sizeof(double) * (size_t)n);
+        }
+        gb_measure_noise(sim, h, at, left, !implicit || !(moved || longer) ? HUGE_VAL : moved ? 0.0 : elapsed);
         head->control.noise_tried = noisier ? head->counts.steps + 1 : head->control.noise_tried;
         head->control.noise_modes = head->events.mode_hash;
         head->control.h_noise = h;
