@@ -20,6 +20,8 @@ class EnergyBalance:
     """Energy at the start of a run and those at its end [J], in the order of the program; change: of the state vector between
     them, with the quadratures; exchanged: all amounts that went in or out, each step without its sign.
 
+    largest: the most that was stored at samples that are not kept (-inf without such).
+
     bound: the residual relative to what the turnover is at least, as the samples between the ends may have stored more.
     """
 
@@ -29,6 +31,7 @@ class EnergyBalance:
     change: Array
     exchanged: float
     samples: Samples
+    largest: float
     unbalanced: Mapping[str, float] = field(default_factory=dict)
     bound: float = field(init=False)
 
@@ -55,6 +58,6 @@ class EnergyBalance:
             dissipated=dict(zip(loss[0], self.change[loss[1]].tolist(), strict=True)),
             supplied=dict(zip(supplied[0], self.change[supplied[1]].tolist(), strict=True)),
             exchanged=self.exchanged,
-            largest_stored=max(self.start, self.samples.largest_energy()),
+            largest_stored=max(self.start, self.largest, self.samples.largest_energy()),
             unbalanced=self.unbalanced,
         )

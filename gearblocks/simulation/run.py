@@ -83,6 +83,8 @@ RESIDUAL = 1e-2
 """The energy residual above which a finished run is warned about."""
 STILL = 1e-12
 """Turnover [J] below which what moves is rounding: a train that stands still has no balance to warn about."""
+WIDE = 1000
+"""Numbers in a row from which on a run with few outputs evaluates them as it goes."""
 ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
 """The names that `run_model` takes."""
 
@@ -107,6 +109,8 @@ class _Run:
     residual: float | None
     meta: dict[str, Any]
     rows: list[Array] = field(default_factory=list)
+    table: list[Array] = field(default_factory=list)
+    largest: float = -np.inf
     events: list[NDArray[np.void]] = field(default_factory=list)
     cpu: float = 0.0
     size: int = 0
@@ -191,7 +195,15 @@ class _Run:
                 shown = _time.monotonic()
                 tell((self.sim.counters.t - begin) / (self.end - begin))
 
+    @property
+    def few(self) -> bool:
+        """Whether few outputs of a long train were asked for: its states would take more memory than these."""
+        width = 1 + self.model.program.n_total
+        return width > WIDE and 4 * len(self.pick) < width
+
     def _take(self, rows: Array, events: NDArray[np.void]) -> Code:
+        if self.few and len(rows):
+            rows = self._evaluated(rows)
         self.size += rows.nbytes + events.nbytes
         if self.size > memory_limit(self.samples is not None):
             return Code.ERR_MEMORY
@@ -201,17 +213,32 @@ class _Run:
             self.rows.append(rows)
         return Code.DONE
 
+    def _evaluated(self, rows: Array) -> Array:
+        """The last of the rows; all are in the table: t and the outputs that were asked for."""
+        _, out, energy = self.sim.evaluate(rows, np.array([*self.pick.values()], dtype=np.intc), energies=True)
+        self.table.append(np.column_stack([rows[:, 0], out]))
+        self.size += self.table[-1].nbytes - sum(piece.nbytes for piece in self.rows)
+        self.rows.clear()
+        with np.errstate(invalid="ignore", over="ignore"):  # a run that blows up
+            self.largest = max(self.largest, float(energy.sum(axis=1).max(initial=-np.inf)))
+        return rows[-1:].copy()
+
     def _result(self, balance: EnergyBalance | None, complete: bool, why: str) -> Trajectory:
         program, counters = self.model.program, self.sim.counters
         method, reason = method_words(counters, why)
         self.meta["method"] = method
         samples = self._samples()
+        t: Array = samples.times()
+        columns: Outputs | dict[str, Array] = Outputs(samples, self.pick)
+        if self.table:
+            table = np.concatenate(self.table)
+            t, columns = table[:, 0].copy(), dict(zip(self.pick, table.T[1:].copy(), strict=True))
         stats = Stats(
             steps=counters.steps, rejected=counters.rejected, rhs_calls=counters.rhs_calls,
             jacobians=counters.jacobians, events=counters.events, cpu_seconds=self.cpu, method=method, why=reason,
         )  # fmt: skip
         return Trajectory(
-            samples.times(), Outputs(samples, self.pick), program.output_units,
+            t, columns, program.output_units,
             events=events_of(program.event_table, self.events), stats=stats,
             energy=balance, final_state=self._final(), meta={**self.meta, "complete": complete},
         )  # fmt: skip
@@ -235,7 +262,7 @@ class _Run:
         change = last[0, 1 : 1 + self.model.program.n_total] - first[0]
         return EnergyBalance(
             program=self.model.program, start=float(first[1].sum()), last=energy[0], change=change,
-            exchanged=float(self.sim.counters.turnover), samples=self._samples(),
+            exchanged=float(self.sim.counters.turnover), samples=self._samples(), largest=self.largest,
         )  # fmt: skip
 
     def _energy(self, first: tuple[Array, Array], *, named: bool) -> EnergyBalance | None:

@@ -104,3 +104,21 @@ def test_a_run_with_many_samples_keeps_them_once() -> None:
     pieces = _lazily(run)._samples.pieces
     assert len(pieces) == 1 and pieces[0].nbytes <= 200_001 * 8 * (1 + model.program.n_total + 2)
     assert run["motor.phi"][-1] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_few_outputs_of_a_long_train_are_kept_without_its_states(
+    monkeypatch: pytest.MonkeyPatch, model: gb.Model
+) -> None:
+    from gearblocks.simulation import run as runs
+
+    wanted = ["wheel.w", "play.torque"]
+    plain = _run(model, t_end=1.0, outputs=wanted)
+    monkeypatch.setattr(runs, "WIDE", 8)
+    kept = _run(model, t_end=1.0, outputs=wanted)
+    assert not isinstance(kept._columns, Outputs) and isinstance(plain._columns, Outputs)
+    assert np.array_equal(kept.t, plain.t) and kept.names == plain.names and kept.units == plain.units
+    assert all(np.array_equal(kept[name], plain[name]) for name in wanted)
+    assert kept.energy.to_dict() == plain.energy.to_dict() and kept.events == plain.events
+    assert kept.final_state is not None and plain.final_state is not None
+    assert np.array_equal(kept.final_state.y, plain.final_state.y)
+    assert isinstance(_run(model, t_end=1.0)._columns, Outputs)  # all of them
