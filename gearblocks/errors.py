@@ -5,7 +5,7 @@ Every error can be pickled, so that it survives the way back from a worker proce
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 
@@ -77,13 +77,13 @@ class SimulationError(GearblocksError):
         return f"{place}{self.cause} at t = {self.time:.9g} s{remedy}"
 
 
-def check_arguments(what: str, known: Iterable[str], unnamed: Sequence[Any], given: Iterable[str]) -> None:
+def check_arguments(what: str, known: Collection[str], unnamed: Sequence[Any], given: Iterable[str]) -> None:
     """ParameterError for values without a name and for names that are not among the known ones."""
-    names = sorted(known)
     if unnamed:
-        raise ParameterError(f"{what}: {unnamed[0]!r:.80} is given without a name; name it: {', '.join(names)}")
+        raise ParameterError(f"{what}: {unnamed[0]!r:.80} is given without a name; name it: {', '.join(sorted(known))}")
     for name in given:
-        if name not in names:
+        if name not in known:
+            names = sorted(known)
             raise ParameterError(
                 f"{what} has no argument '{name}'; it has {', '.join(names)}{did_you_mean(name, names)}"
             )

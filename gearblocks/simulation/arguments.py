@@ -21,6 +21,8 @@ from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
 InputSource: TypeAlias = "float | Table | Callable[[float], float]"
 STATIC = ("static", "static_at_start")
 METHODS = {method.name.lower(): method for method in Method if method is not Method.AUTO}
+METHOD_NAMES = tuple(method.name.lower() for method in Method)
+"""By number."""
 
 
 def begin_of(t_start: float | None, initial: Any) -> float:
@@ -79,17 +81,17 @@ def method_options(
 def method_words(counters: Counters, why: str) -> tuple[str, str]:
     """The methods of a run, most steps first, and why: what was chosen, when the solver changed it and for what reason."""
     if counters.n_switches == 0:
-        return Method(counters.method).name.lower(), why
+        return METHOD_NAMES[counters.method], why
     taken = sorted((-counters.steps_by[m], m) for m in range(Method.AUTO) if counters.steps_by[m])
-    names = [Method(m).name.lower() for _, m in taken]
+    names = [METHOD_NAMES[m] for _, m in taken]
     shown = min(counters.n_switches, len(counters.switch_t))
-    changes = [(Method(counters.switch_method[i]).name.lower(), counters.switch_t[i]) for i in range(shown)]
+    changes = [(METHOD_NAMES[counters.switch_method[i]], counters.switch_t[i]) for i in range(shown)]
     first = next((name for name in names if name != "rodas"), "dp8")
     words = f"{why}; {first} to t = {changes[0][1]:.4g} s, then {changes[0][0]}"
     words += "".join(f", from {t:.4g} s {name}" for name, t in changes[1:3])
     if counters.n_switches > 3:
         words += f", {counters.n_switches} changes in all"
-    counts = ", ".join(f"{-count} steps {Method(m).name.lower()}" for count, m in taken)
+    counts = ", ".join(f"{-count} steps {METHOD_NAMES[m]}" for count, m in taken)
     return "+".join(names), f"{words} ({counts}): stability, not accuracy, set the steps of {first} while it was stiff"
 
 

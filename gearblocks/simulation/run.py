@@ -9,6 +9,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from gearblocks.errors import (
 )  # fmt: skip
 from gearblocks.language.expression import finite_number
 from gearblocks.simulation.arguments import (
+    METHOD_NAMES,
     InputSource,
     begin_of,
     is_static,
@@ -72,7 +74,7 @@ def run_model(
         set_inputs(sim, program, inputs or {})
         values = sim.parameters.copy()
         run = _Run(model, sim, samples, end, pick, values, progress, residual, meta={
-            "train": program.name, "method": Method(options.method).name.lower(), "rtol": rtol, "step": step,
+            "train": program.name, "method": METHOD_NAMES[options.method], "rtol": rtol, "step": step,
             "parameters": NamedValues(program.parameter_numbers, values),
         })  # fmt: skip
         y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)
@@ -318,6 +320,7 @@ class _Line:
             sys.stderr.write("\r" + " " * 79 + "\r")
 
 
+@cache
 def memory_limit(sampled: bool) -> int:
     """Bytes that the record of a run may take: half of the memory (4 GiB where that is not known) with sample times, whose
     number is known, and no more than 2 GiB with every step."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from ctypes import POINTER, c_char_p, c_double, c_int, c_long, c_size_t, c_void_p
+from functools import cache
 from types import TracebackType
 from typing import Any, Self
 
@@ -35,6 +36,7 @@ from gearblocks.solver.structures import (
     PointStructure,
     RecordStructure,
     Report,
+    address,
 )
 from gearblocks.solver.switched_constraints import PROTOTYPES as CONSTRAINT_PROTOTYPES
 from gearblocks.solver.switched_constraints import ConstraintsAtPoint, ModelConstraints, constraints_at, constraints_of
@@ -43,8 +45,8 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_get_model": (POINTER(c_char_p), ()),
     "gb_open": (c_void_p, (c_void_p,)),
     "gb_close": (None, (c_void_p,)),
-    "gb_parameters": (POINTER(c_double), (c_void_p,)),
-    "gb_inputs": (POINTER(c_double), (c_void_p,)),
+    "gb_parameters": (c_void_p, (c_void_p,)),
+    "gb_inputs": (c_void_p, (c_void_p,)),
     "gb_changed": (None, (c_void_p,)),
     "gb_input_table": (c_int, (c_void_p, c_int, c_int, c_int, c_void_p, c_void_p, c_void_p, c_double)),
     "gb_input_callback": (None, (c_void_p, c_int, InputFunction, c_void_p)),
@@ -136,9 +138,7 @@ class Simulation:
         third = None if second is None else np.ascontiguousarray(second, dtype=np.float64)
         self._kept.append((x, y, third))
         return Code(
-            self._shared.gb_input_table(
-                self._sim, index, kind, len(x), x.ctypes.data, y.ctypes.data, _address(third), period
-            )
+            self._shared.gb_input_table(self._sim, index, kind, len(x), address(x), address(y), address(third), period)
         )
 
     def set_function(self, index: int, function: Callable[[float], float]) -> None:
@@ -160,7 +160,7 @@ class Simulation:
         """Start at t0 from the model's start values, or from y0 (length n_total)."""
         if y0 is not None:
             y0 = self._state_vector(y0)
-        return Code(self._shared.gb_start(self._sim, ctypes.byref(options), t0, _address(y0)))
+        return Code(self._shared.gb_start(self._sim, ctypes.byref(options), t0, address(y0)))
 
     def advance(self, t: float) -> Code:
         """Go on to the communication point t."""
@@ -189,7 +189,7 @@ class Simulation:
         The array of samples must stay the same one from call to call of a run.
         """
         count = 0 if samples is None else len(samples)
-        return Code(self._shared.gb_run(self._sim, _address(samples), count, t_end, ctypes.byref(record.raw), seconds))
+        return Code(self._shared.gb_run(self._sim, address(samples), count, t_end, ctypes.byref(record.raw), seconds))
 
     def evaluate(self, rows: Array, pick: NDArray[np.intc], energies: bool = False) -> tuple[Code, Array, Array]:
         """Outputs pick[j] of recorded rows, shape (rows, picks), and energies, shape (rows, energies) or (rows, 0)."""
@@ -199,12 +199,12 @@ class Simulation:
         energy = np.empty((len(rows), len(self._program.energies) if energies else 0))
         code = self._shared.gb_evaluate(
             self._sim,
-            rows.ctypes.data,
+            address(rows),
             len(rows),
-            pick.ctypes.data,
+            address(pick),
             len(pick),
-            out.ctypes.data,
-            energy.ctypes.data if energies else None,
+            address(out),
+            address(energy) if energies else None,
         )
         return Code(code), out, energy
 
@@ -212,7 +212,7 @@ class Simulation:
         """dy/dt at (t, y) with the present modes; length n_total."""
         dy = np.zeros(self._program.n_total)
         y = self._state_vector(y)
-        _expect(self._shared.gb_rhs(self._sim, t, y.ctypes.data, dy.ctypes.data), "gb_rhs")
+        _expect(self._shared.gb_rhs(self._sim, t, address(y), address(dy)), "gb_rhs")
         return dy
 
     def pattern(self) -> Pattern | None:
@@ -241,7 +241,7 @@ class Simulation:
     ) -> StepMatrix:  # fmt: skip
         """The matrix of a step at (t, y), g = gamma h; modes, inputs and means as for `probe` (None: the present modes)."""
         modes, inputs = _doubles(modes), _doubles(inputs)
-        point = PointStructure(t, int(means), _address(modes), _address(inputs), None)
+        point = PointStructure(t, int(means), address(modes), address(inputs), None)
         code, matrix = matrix_at(self._shared, self._sim, point, self._state_vector(y), g)
         _expect(code, "gb_step_matrix_at")
         return matrix
@@ -273,7 +273,7 @@ class Simulation:
         """E r_x + g dG/ds r_s of a vector over the n states; one number per unknown."""
         r, out = np.ascontiguousarray(r, dtype=np.float64), np.empty(len(m.diag))
         code = self._shared.gb_step_matrix_right_side(
-            self._sim, m.kinematic_terms.ctypes.data, m.g, r.ctypes.data, out.ctypes.data
+            self._sim, address(m.kinematic_terms), m.g, address(r), address(out)
         )
         _expect(code, "gb_step_matrix_right_side")
         return out
@@ -281,7 +281,7 @@ class Simulation:
     def kinematic_rates(self, m: StepMatrix, x: Array) -> Array:
         """B x: rates of the kinematic states from the unknowns."""
         x, out = np.ascontiguousarray(x, dtype=np.float64), np.empty(self.step_matrix_sizes()[0])
-        code = self._shared.gb_kinematic_rates(self._sim, m.kinematic_terms.ctypes.data, x.ctypes.data, out.ctypes.data)
+        code = self._shared.gb_kinematic_rates(self._sim, address(m.kinematic_terms), address(x), address(out))
         _expect(code, "gb_kinematic_rates")
         return out
 
@@ -298,7 +298,7 @@ class Simulation:
     ) -> ConstraintsAtPoint:
         """Slips, force bounds and constraint forces of all switched constraints at a point; arguments as for `probe`."""
         modes, inputs = _doubles(modes), _doubles(inputs)
-        point = PointStructure(t, int(means), _address(modes), _address(inputs), None)
+        point = PointStructure(t, int(means), address(modes), address(inputs), None)
         code, made = constraints_at(self._shared, self._sim, point, self._state_vector(y))
         _expect(code, "gb_constraints_at")
         return made
@@ -320,9 +320,9 @@ class Simulation:
         }  # fmt: skip
         result = np.zeros(lengths[wanted])
         y, modes, values, rates = self._state_vector(y), _doubles(modes), _doubles(inputs), _doubles(rates)
-        point = PointStructure(t, int(means), _address(modes), _address(values), _address(rates))
-        targets = [result.ctypes.data if name == wanted else None for name in lengths]
-        _expect(self._shared.gb_probe(self._sim, ctypes.byref(point), y.ctypes.data, *targets), "gb_probe")
+        point = PointStructure(t, int(means), address(modes), address(values), address(rates))
+        targets = [address(result) if name == wanted else None for name in lengths]
+        _expect(self._shared.gb_probe(self._sim, ctypes.byref(point), address(y), *targets), "gb_probe")
         return result
 
     def save(self) -> bytes:
@@ -355,11 +355,11 @@ class Simulation:
         """A numpy view into the solver's memory."""
         if length == 0:
             return np.empty(0)
-        return np.ctypeslib.as_array(getattr(self._shared, name)(self._sim), shape=(length,))
+        return np.frombuffer(_vector(length).from_address(getattr(self._shared, name)(self._sim)))
 
     def _filled(self, name: str, length: int) -> Array:
         values = np.zeros(length)
-        _expect(getattr(self._shared, name)(self._sim, values.ctypes.data), name)
+        _expect(getattr(self._shared, name)(self._sim, address(values)), name)
         return values
 
     def _state_vector(self, y: Array) -> Array:
@@ -369,12 +369,14 @@ class Simulation:
         return y
 
 
+@cache
+def _vector(length: int) -> Any:
+    """The type of a row of doubles; ctypes would make it anew for every view."""
+    return c_double * length
+
+
 def _doubles(values: Array | None) -> Array | None:
     return None if values is None else np.ascontiguousarray(values, dtype=np.float64)
-
-
-def _address(values: Array | None) -> int | None:
-    return None if values is None else values.ctypes.data
 
 
 def _expect(code: int, name: str) -> None:

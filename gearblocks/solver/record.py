@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.solver.structures import EVENT, Array, RecordStructure
+from gearblocks.solver.structures import EVENT, Array, RecordStructure, address
 
 _PIECE = 8_000_000  # numbers in one piece of a record
 
@@ -41,8 +41,8 @@ class Record:
 
     def _new_rows(self, capacity: int) -> None:
         self._rows = np.empty((capacity, self._width))
-        self.raw.rows, self.raw.n_rows, self.raw.row_capacity = self._rows.ctypes.data, 0, capacity
+        self.raw.rows, self.raw.n_rows, self.raw.row_capacity = address(self._rows), 0, capacity
 
     def _new_events(self, capacity: int) -> None:
         self._events = np.empty(capacity, dtype=EVENT)
-        self.raw.events, self.raw.n_events, self.raw.event_capacity = self._events.ctypes.data, 0, capacity
+        self.raw.events, self.raw.n_events, self.raw.event_capacity = address(self._events), 0, capacity

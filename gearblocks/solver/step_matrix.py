@@ -19,6 +19,7 @@ import numpy as np
 
 from gearblocks.codegen.jacobian.sparsity import Pattern
 from gearblocks.solver.sparse_maps import Array, Indices, disjoint, recovered, solved
+from gearblocks.solver.structures import address
 
 
 class _Pattern(ctypes.Structure):
@@ -86,9 +87,7 @@ def matrix_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array, g: flo
     pattern = shared.gb_pattern_of(sim)
     n, entries = (pattern.contents.n, pattern.contents.n_places) if pattern else (0, 0)
     made = StepMatrix(g, *(np.zeros(k) for k in (n, entries, entries, sizes_of(shared, sim)[2])))
-    code = shared.gb_step_matrix_at(
-        sim, ctypes.byref(point), y.ctypes.data, g, *(part.ctypes.data for part in made[1:])
-    )
+    code = shared.gb_step_matrix_at(sim, ctypes.byref(point), address(y), g, *(address(part) for part in made[1:]))
     return code, made
 
 

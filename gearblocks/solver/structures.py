@@ -5,11 +5,21 @@ from __future__ import annotations
 import ctypes
 from ctypes import POINTER, c_double, c_int, c_long, c_longlong, c_void_p
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+
+def address(values: NDArray[Any] | None) -> int | None:
+    """Where the numbers of an array lie, None where there are none. numpy's own way takes five times as long."""
+    if values is None or values.size == 0:
+        return None
+    if values.flags.writeable:
+        return ctypes.addressof(ctypes.c_char.from_buffer(values.data))
+    return values.ctypes.data
 
 
 class Code(IntEnum):

@@ -14,9 +14,8 @@ from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from gearblocks.solver.structures import Array, address
 
 PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_constraints_of": (c_int, (c_void_p, POINTER(c_int), POINTER(c_int), c_void_p)),
@@ -110,7 +109,7 @@ def constraints_of(shared: ctypes.CDLL, sim: int | None) -> ModelConstraints:
     n_speeds, steady = c_int(), c_int()
     count = shared.gb_constraints_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), None)
     table = np.zeros((count, 4), dtype=np.intc)
-    shared.gb_constraints_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), table.ctypes.data)
+    shared.gb_constraints_of(sim, ctypes.byref(n_speeds), ctypes.byref(steady), address(table))
     constraints = tuple(ConstraintSwitches(ConstraintKind(p[0]), int(p[1]), int(p[2]), int(p[3])) for p in table)
     return ModelConstraints(constraints, bool(steady.value), n_speeds.value)
 
@@ -122,5 +121,5 @@ def constraints_at(shared: ctypes.CDLL, sim: int | None, point: Any, y: Array) -
     made = ConstraintsAtPoint(
         np.zeros((n, n_speeds)), np.zeros((n, n_speeds)), np.zeros((n, 5)), *(np.zeros(n) for _ in range(3))
     )
-    code = shared.gb_constraints_at(sim, ctypes.byref(point), y.ctypes.data, *(part.ctypes.data for part in made))
+    code = shared.gb_constraints_at(sim, ctypes.byref(point), address(y), *(address(part) for part in made))
     return code, made
