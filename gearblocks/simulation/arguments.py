@@ -14,6 +14,7 @@ from gearblocks.errors import ParameterError, UnknownNameError, by_name, did_you
 from gearblocks.language.expression import finite_number
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Table
+from gearblocks.simulation.records import NamedValues
 from gearblocks.simulation.trajectory import Trajectory, matches
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
@@ -135,9 +136,13 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
     result = np.array(values)
     names, structural = program.parameter_numbers, program.structural_paths
     if isinstance(initial, Trajectory):
-        for path, value in dict(initial.meta.get("parameters", {})).items():
-            if path in names:
-                result[names[path]] = value
+        before = initial.meta.get("parameters", {})
+        if isinstance(before, NamedValues) and before.numbers is names:
+            result[:] = before.vector
+        else:
+            for path, value in dict(before).items():
+                if path in names:
+                    result[names[path]] = value
     for path, value in by_name("parameters", changed).items():
         i = resolve(path, names, "parameter")
         info = program.parameters[i]

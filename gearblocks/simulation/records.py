@@ -27,19 +27,19 @@ def frozen(values: ArrayLike) -> Array:
 class NamedValues(Mapping[str, float]):
     """Numbers of a vector by name; the names are shared by all vectors of a model."""
 
-    __slots__ = ("_numbers", "_vector")
+    __slots__ = ("numbers", "vector")
 
     def __init__(self, numbers: Mapping[str, int], vector: ArrayLike) -> None:
-        self._numbers, self._vector = numbers, frozen(vector)
+        self.numbers, self.vector = numbers, frozen(vector)
 
     def __getitem__(self, name: str) -> float:
-        return float(self._vector[self._numbers[name]])
+        return float(self.vector[self.numbers[name]])
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._numbers)
+        return iter(self.numbers)
 
     def __len__(self) -> int:
-        return len(self._numbers)
+        return len(self.numbers)
 
     def __repr__(self) -> str:
         return repr(dict(self))
