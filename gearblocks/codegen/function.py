@@ -162,8 +162,12 @@ class Function:
     @property
     def signature(self) -> str:
         """Its parameters in C."""
+        return self.signature_over("double")
+
+    def signature_over(self, real: str) -> str:
+        """Its parameters in C with vectors of this type; numbers of the instance are doubles."""
         written = self.written
-        vectors = [role.declaration(written=role in written) for role in self.roles]
+        vectors = [role.declaration(written=role in written, real=real) for role in self.roles]
         numbers = [f"const {kind} {name}" for kind, name, _ in self.arguments]
         return ", ".join([*vectors, Role.INSTANCE.declaration(written=False), *numbers])
 

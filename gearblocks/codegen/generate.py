@@ -20,6 +20,7 @@ from gearblocks.codegen.function import column, identifier
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.hoisted_terms import lay_out_terms
 from gearblocks.codegen.jacobian.matrix import linear_part
+from gearblocks.codegen.lanes import has_lanes, lane_values
 from gearblocks.codegen.layout import lay_out, padded
 from gearblocks.codegen.mass_matrix import check_mobility, lay_out_mass, prescribed_motion_functions
 from gearblocks.codegen.massless_groups import lay_out_massless, massless_rows
@@ -241,7 +242,7 @@ def _coordinate_outputs(g: Generator) -> list[str]:
     return texts
 
 
-def _program(g: Generator, source: str, key: str) -> Program:
+def _program(g: Generator, source: str, key: str, lanes: str) -> Program:
     lay = g.lay
     if lay.angle0 >= lay.n:
         for i, group in enumerate(g.assembly.angles):
@@ -251,18 +252,21 @@ def _program(g: Generator, source: str, key: str) -> Program:
         tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(state_quantities(g)), tuple(g.switches),
         tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
         tuple(start_infos(g)), g.assembly.structural, (*dependent_starts(g), *lossy_starts(g)),
-        tuple(prescribed_starts(g)), tuple(unknown_outputs(g)),
+        tuple(prescribed_starts(g)), tuple(unknown_outputs(g)), lanes,
     )  # fmt: skip
 
 
-def _render(g: Generator, angles: bool) -> tuple[str, str]:
-    """C text and its key: a hash of the program alone, which does not change with names in comments or the version."""
+def _render(g: Generator, angles: bool) -> tuple[str, str, str]:
+    """C text and its key, a hash of the program alone, which does not change with names in comments or the version; and the
+    text over lanes, "" where the train has none."""
     values = view(g, angles, _coordinate_outputs(g))
     bare = _fill("model.c.jinja", {**values, "comment": Comments(wanted=False)})
     key = hashlib.sha256(bare.encode()).hexdigest()
     words = {"title": f"Train '{in_comment(g.assembly.train.name)}'", "tool": tool(), "contents": contents(g)}
     body = _fill("model.c.jinja", {**values, "comment": Comments(wanted=True)})
-    return _fill("header.c.jinja", words) + body + _fill("key.c.jinja", {"key": key}), key
+    bare_of_lanes = {**lane_values(g, values), "comment": Comments(wanted=False)}
+    lanes = _fill("lanes.c.jinja", bare_of_lanes) if has_lanes(g) else ""
+    return _fill("header.c.jinja", words) + body + _fill("key.c.jinja", {"key": key}), key, lanes
 
 
 def _fill(name: str, values: dict[str, Any]) -> str:

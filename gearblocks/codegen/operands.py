@@ -71,11 +71,11 @@ class Role(Enum):
 
     __hash__ = object.__hash__  # there is one object of each; that of Enum is many times as slow before Python 3.12
 
-    def declaration(self, *, written: bool) -> str:
-        """Its C in a signature."""
+    def declaration(self, *, written: bool, real: str = "double") -> str:
+        """Its C in a signature; real: the type of numbers."""
         if self in _KINDS:
             return f"const {_KINDS[self]} {self.value}"
-        kind = "gb_enclosure" if self in _ENCLOSURES else "double"
+        kind = "gb_enclosure" if self in _ENCLOSURES else real
         return f"{'' if written else 'const '}{kind} *restrict {self.value}"
 
 

@@ -148,6 +148,7 @@ class Program:
     n, n_padded, n_total: lengths of the state vector as in c/gb_model.h.
     structural: values of parameters that the structure rests on (ratios); another value needs another program.
     unknown: names of outputs that are NaN: accelerations of shafts without inertia.
+    lanes: the laws over lanes in C (solver/lanes.py); "" where the train cannot be stepped so.
     """
 
     name: str
@@ -168,6 +169,7 @@ class Program:
     dependent_starts: tuple[DependentStart, ...] = ()
     prescribed_starts: tuple[PrescribedStart, ...] = ()
     unknown: tuple[tuple[str], ...] = ()
+    lanes: str = ""
 
     @cached_property
     def output_numbers(self) -> Mapping[str, int]:

@@ -185,7 +185,7 @@ class SymbolNames:
             return "0.0"
         key = into.argument("int", f"h_{flange}", self.batch.name, at)
         angle = into.place(Operand(Role.PARAMETERS, f"{key} < 0 ? 0 : {key}"))
-        return f"{self._factor(flange, into)}({key} < 0 ? 0.0 : {angle})"
+        return f"{self._factor(flange, into)}({key} < 0 ? 0.0 : 1.0) * {angle}"
 
     def gain(self, flange: str, into: Names) -> str:
         """The argument with the gain of a flange on its group; "" where it is 1 throughout."""

@@ -119,6 +119,9 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "parts": PARTS,
         "uses": lambda what, name: any(role.value == name for f in functions.get(what, []) for role in f.roles),
         "numbers": lambda values: ", ".join(str(v) for v in values),
+        "where_torques_are_read": "",
+        "real": "double",
+        "number": lambda text: text,
     }
 
 

@@ -48,7 +48,7 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
         return str(super()._print_Pow(expr))
 
     def _print_Heaviside(self, expr: Any) -> str:
-        return f"(({self._print(expr.args[0])}) >= 0.0 ? 1.0 : 0.0)"
+        return f"gb_unit_step({self._print(expr.args[0])})"
 
     def _print_frac(self, expr: Any) -> str:
         return f"gb_fraction({self._print(expr.args[0])})"

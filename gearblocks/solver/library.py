@@ -141,7 +141,7 @@ def _written(ending: str) -> dict[str, bytes]:
     return {name: data for name, data in _core_snapshot().items() if name.endswith("." + ending)}
 
 
-def _headers_of(source: bytes) -> dict[str, bytes]:
+def headers_of(source: bytes) -> dict[str, bytes]:
     """The headers of the core that a C text includes, and those that they include."""
     headers, found = _written("h"), dict[str, bytes]()
     texts = [source]
@@ -213,7 +213,7 @@ def _compiled(compiler: Compiler, files: dict[str, bytes], name: str) -> bytes:
 def _linked(compiler: Compiler, source: str, objects: Sequence[Path]) -> bytes:
     """The shared object of a model: its C text and the objects of the core."""
     own = {"exports.h": _EXPORTS.encode(), "model.c": source.encode()}
-    files: dict[str, bytes | Path] = {**_headers_of(b"".join(own.values())), **own}
+    files: dict[str, bytes | Path] = {**headers_of(b"".join(own.values())), **own}
     files.update({f"core{number}.o": path for number, path in enumerate(objects)})
     cores = [f"core{number}.o" for number in range(len(objects))]
     product = "model" + SHARED_SUFFIX

@@ -72,6 +72,8 @@ ALONE = (
     "gb_enclosure.h",
     "gb_enclosed_table.h",
     "gb_vector.h",
+    "gb_lane.h",
+    "gb_lane_run.h",
 )
 """Headers without a .c: every file may include them, they themselves those before them in this list."""
 

@@ -14,6 +14,11 @@
 /* Whatever the compiler thinks of the size: a call in a loop over lanes would keep it from being vector code. */
 #define GB_MATH_INLINE static inline __attribute__((always_inline))
 
+/* 1 from 0 on, else 0. */
+GB_MATH_INLINE double gb_unit_step(double x) {
+    return x >= 0.0 ? 1.0 : 0.0;
+}
+
 /* x - floor(x), below 1 even where a tiny negative x would round up to it. */
 GB_MATH_INLINE double gb_fraction(double x) {
     const double rest = x - floor(x);
