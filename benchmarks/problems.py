@@ -54,6 +54,7 @@ def p2(p: P2 | None = None) -> Drivetrain:
     import gearblocks as gb
 
     p = p or P2()
+    w = gb.Parameter("w", p.w, "rad/s")
     rig = gb.Drivetrain("P2, one gear pair")
     body = rig.add("body", gb.Inertia(J=1.0, phi0=p.x0))
     mesh = rig.add(
@@ -63,13 +64,13 @@ def p2(p: P2 | None = None) -> Drivetrain:
             radius=1.0,
             k=1.0,
             c=2 * p.zeta,
-            stiffness_variation=gb.Fourier(cos=(p.eps,), driven_by=p.w),
+            stiffness_variation=gb.Fourier(cos=(p.eps,), driven_by=w),
             backlash=gb.Backlash(half_gap=p.half_gap),
             contact_damping="always",
         ),
     )
     ground = rig.add("ground", gb.Fixed())
-    drive = rig.add("drive", gb.Torque(tau=p.load + p.swing * p.w**2 * gb.cos(p.w * gb.time)))
+    drive = rig.add("drive", gb.Torque(tau=p.load + p.swing * w**2 * gb.cos(w * gb.time)))
     rig.chain(drive, body, mesh, ground)
     return rig
 

@@ -23,10 +23,6 @@ from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, cpu_identity, find_
 from gearblocks.solver.library import Model, headers_of, produced
 from gearblocks.solver.structures import Array, address
 
-PERIODIC = 1e-9
-"""Change of time terms over many periods, relative to their sizes, from which on they do not repeat."""
-_FAR = (1, 7, 96)  # periods after which they are looked at
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LaneSteps:
@@ -81,7 +77,6 @@ class _Job(ctypes.Structure):
 _PROTOTYPES = {
     "gb_lane_memory": (c_size_t, (c_long,)),
     "gb_lane_points": (c_int, ()),
-    "gb_lanes_change": (c_double, (c_void_p, c_void_p, POINTER(_Job), c_long)),
     "gb_lanes_run": (None, (c_void_p, c_void_p, POINTER(_Job))),
 }
 
@@ -127,20 +122,11 @@ class Lanes:
             address(largest), address(least), address(total), address(square), address(samples), address(last),
             start + -start % 64,
         )  # fmt: skip
-        if how.period and not self._repeats(job, inputs):
-            job.period = 0
         self._shared.gb_lanes_run(self._native, address(inputs), ctypes.byref(job))
         count = how.steps - how.first
         with np.errstate(invalid="ignore", over="ignore"):  # points that blow up
             mean, rms = total / count, np.sqrt(square / count)
         return largest.T, least.T, mean.T, rms.T, samples.transpose(2, 0, 1), last
-
-    def _repeats(self, job: _Job, inputs: Array) -> bool:
-        """Whether the time terms of every point are the same after the period."""
-        changes = (
-            self._shared.gb_lanes_change(self._native, address(inputs), ctypes.byref(job), later) for later in _FAR
-        )
-        return all(change <= PERIODIC for change in changes)
 
     def __repr__(self) -> str:
         return f"<Lanes of '{self._model.program.name}': {self.points} points, {self._n_outputs} outputs>"

@@ -19,11 +19,12 @@
 
 /* Vectors that are stepped side by side; steps whose time terms are computed ahead. */
 enum { GB_ABREAST = 4, GB_AHEAD = GB_INSTANTS / 2 };
+#define GB_LANE_SAME 1e-9 /* difference of time terms that repeat, relative to their largest value */
 
-/* step, by point; parameters, starts: rows of n_parameters and LANE_TOTAL numbers by point. period: steps after which
- * the time terms repeat (0: not known). From step `from` on: largest, least, sum (the ends count half) and sum of
- * squares of each wanted output by point, and every `stride` steps (0: never) a row of samples [output][point].
- * memory: gb_lane_memory bytes, aligned as gb_lane. */
+/* step, by point; parameters: rows of n_parameters numbers by point. period: steps after which the time terms are said
+ * to repeat (0: not known): they are computed once where they do. From step `from` on: largest, least, sum (the ends
+ * count half) and sum of squares of each wanted output by point, and every `stride` steps (0: never) a row of samples
+ * [output][point]. memory: gb_lane_memory bytes, aligned as gb_lane. */
 typedef struct gb_lane_job {
     double t_start;
     long steps, period, from, stride;
@@ -47,7 +48,6 @@ GB_LANE_INLINE size_t gb_lane_row(void) {
 
 GB_API size_t gb_lane_memory(long period);
 GB_API int gb_lane_points(void);
-GB_API double gb_lanes_change(const gb_model *model, const double *inputs, const gb_lane_job *job, long later);
 GB_API void gb_lanes_run(const gb_model *model, const double *inputs, const gb_lane_job *job);
 
 int gb_lane_points(void) {
@@ -56,7 +56,7 @@ int gb_lane_points(void) {
 
 size_t gb_lane_memory(long period) {
     const size_t instants = 2 * (size_t)(period > GB_AHEAD ? period : GB_AHEAD) + 1;
-    return sizeof(gb_lane_work) + 2 * instants * gb_lane_row() * sizeof(gb_lane); /* twice: gb_lane_change */
+    return sizeof(gb_lane_work) + instants * gb_lane_row() * sizeof(gb_lane);
 }
 
 /* Instant i of the steps from `first` on: the end of every second half is that of the step. */
@@ -64,6 +64,14 @@ static double gb_lane_instant(const gb_lane_job *job, int point, long first, lon
     const double step = job->step[point], from = job->t_start + (double)(first + i / 2) * step;
     const double end = job->t_start + (double)(first + i / 2 + 1) * step;
     return i % 2 == 0 ? from : from + 0.5 * (end - from);
+}
+
+/* Time terms of a point at the instants work->t. */
+static void gb_lane_block(const gb_model *model, gb_lane_work *work, int point) {
+    model->time_terms(work->row[point], NULL, (int)GB_INSTANTS, work->t, &work->u[0][0], work->block);
+    if (model->output_time_terms) {
+        model->output_time_terms(work->row[point], NULL, (int)GB_INSTANTS, work->t, &work->u[0][0], work->block);
+    }
 }
 
 /* Time terms at `count` instants of the steps from `first` on. */
@@ -74,11 +82,7 @@ static void gb_lane_terms(const gb_model *model, const gb_lane_job *job, gb_lane
             for (long l = 0; l < GB_INSTANTS; l++) {
                 work->t[l] = gb_lane_instant(job, point, first, i + (l < here ? l : here - 1));
             }
-            model->time_terms(work->row[point], NULL, (int)GB_INSTANTS, work->t, &work->u[0][0], work->block);
-            if (model->output_time_terms) {
-                model->output_time_terms(work->row[point], NULL, (int)GB_INSTANTS, work->t, &work->u[0][0],
-                                         work->block);
-            }
+            gb_lane_block(model, work, point);
             for (long l = 0; l < here; l++) {
                 gb_lane *to = work->terms + (size_t)(i + l) * gb_lane_row() + point / GB_LANE_WIDTH;
                 for (int j = 0; j < LANE_TERMS; j++) {
@@ -89,26 +93,33 @@ static void gb_lane_terms(const gb_model *model, const gb_lane_job *job, gb_lane
     }
 }
 
-/* The largest difference between time terms of the first period and those `later` periods behind, relative to the
- * largest of each. Both fill the table. */
-static double gb_lane_change(const gb_model *model, const gb_lane_job *job, gb_lane_work *work, long later) {
-    const size_t count = (size_t)(2 * job->period + 1), row = gb_lane_row();
-    gb_lane *first = work->terms + count * row;
-    double most = 0.0;
-    gb_lane_terms(model, job, work, 0, (long)count);
-    memcpy(first, work->terms, count * row * sizeof *first);
-    gb_lane_terms(model, job, work, later * job->period, (long)count);
-    for (size_t term = 0; term < row; term++) {
-        gb_lane size = gb_all(0.0), change = gb_all(0.0);
-        for (size_t i = 0; i < count; i++) {
-            size = fmax(size, fabs(first[i * row + term]));
-            change = fmax(change, fabs(work->terms[i * row + term] - first[i * row + term]));
-        }
-        for (int l = 0; l < GB_LANE_WIDTH; l++) {
-            most = change[l] > most * size[l] ? change[l] / size[l] : most;
+/* Whether the time terms in the table of one period are the same some periods later, at instants spread over it. */
+static int gb_lane_repeats(const gb_model *model, const gb_lane_job *job, gb_lane_work *work) {
+    static const long later[] = {1, 7, 96};
+    for (int point = 0; point < GB_LANE_POINTS; point++) {
+        for (int period = 0; period < 3; period++) {
+            long at[GB_INSTANTS];
+            for (int l = 0; l < GB_INSTANTS; l++) {
+                at[l] = 2 * job->period * l / GB_INSTANTS;
+                work->t[l] = gb_lane_instant(job, point, later[period] * job->period, at[l]);
+            }
+            gb_lane_block(model, work, point);
+            for (int j = 0; j < LANE_TERMS; j++) {
+                double size = 0.0, change = 0.0;
+                for (int l = 0; l < GB_INSTANTS; l++) {
+                    const gb_lane *first = work->terms + (size_t)at[l] * gb_lane_row() + j * GB_LANES;
+                    const double before = first[point / GB_LANE_WIDTH][point % GB_LANE_WIDTH];
+                    const double off = work->block[j * GB_INSTANTS + l] - before;
+                    size = before * before > size ? before * before : size;
+                    change = off * off > change ? off * off : change;
+                }
+                if (!(change <= GB_LANE_SAME * GB_LANE_SAME * size)) {
+                    return 0;
+                }
+            }
         }
     }
-    return most;
+    return 1;
 }
 
 /* Parameters, start states and steps of all points. */
@@ -265,32 +276,31 @@ static void gb_lane_leave(const gb_lane_job *job, const gb_lane_work *work) {
     }
 }
 
-/* By how much the time terms change in `later` periods, relative to their sizes. */
-double gb_lanes_change(const gb_model *model, const double *inputs, const gb_lane_job *job, long later) {
-    gb_lane_start(model, job, inputs, job->memory);
-    return gb_lane_change(model, job, job->memory, later);
-}
-
 /* inputs: their constant values. */
 void gb_lanes_run(const gb_model *model, const double *inputs, const gb_lane_job *job) {
     gb_lane_work *work = job->memory;
-    const long cycle = job->period > 0 ? job->period : GB_AHEAD, looks = job->stride == 1 || job->largest || job->sum;
+    const long looks = job->largest || job->sum;
     gb_lane_start(model, job, inputs, work);
+    long period = job->period;
+    if (period > 0) {
+        gb_lane_terms(model, job, work, 0, 2 * period + 1);
+        period = gb_lane_repeats(model, job, work) ? period : 0;
+    }
+    const long cycle = period > 0 ? period : GB_AHEAD;
     for (long k = 0;; k++) {
         const long within = k % cycle;
-        if (within == 0 && (k == 0 || job->period == 0)) {
+        if (within == 0 && period == 0) {
             gb_lane_terms(model, job, work, k, 2 * cycle + 1);
         }
         const gb_lane *terms = work->terms + (size_t)(2 * within) * gb_lane_row();
-        if (k >= job->from && (looks || k == job->steps || (job->stride > 0 && (k - job->from) % job->stride == 0))) {
+        if (k >= job->from && (looks || (job->stride > 0 && (k - job->from) % job->stride == 0))) {
             gb_lane_look(job, work, terms, k);
         }
         if (k == job->steps) {
             break;
         }
-        const double count = (double)(job->period > 0 ? within : k);
         for (int v = 0; v < GB_LANES; v += GB_ABREAST) {
-            gb_lane_step(job, work, terms, v, count);
+            gb_lane_step(job, work, terms, v, (double)(period > 0 ? within : k));
         }
     }
     gb_lane_leave(job, work);
