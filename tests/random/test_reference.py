@@ -187,10 +187,8 @@ def test_a_slip_that_ends_is_held_though_a_freewheel_lets_go_on_the_way(tau, hol
     meet = w0 / ((tau + slides) / (b + c) + (against + slides) / a)
     together, late = w0 - (against + slides) / a * meet, np.maximum(T / 5 - meet, 0.0)
     held = (tau - against) / (a + b)
-    if abs(b * held - tau) <= holds:
-        right = (held, held, 0.0)
-    else:
-        right = ((slides - against) / a, *[(tau - slides) / (b + c)] * 2)
+    stays, passes = (held, held, 0.0), ((slides - against) / a, *[(tau - slides) / (b + c)] * 2)
+    right = stays if abs(b * held - tau) <= holds else passes
     for speed, rate in zip(motion.speeds, right, strict=True):
         assert np.abs(speed - together - rate * late)[late > 0].max() < 1e-9
 

@@ -1,5 +1,6 @@
-/* Event functions along the step just computed, by their true values: distances to a limit, its root and its dips. False
- * position with the Illinois rule (Dowell and Jarratt 1971), golden section (Kiefer 1953). Knows nothing of samples. */
+/* Event functions along the step just computed, by their true values: distances to a limit, its root and its dips.
+ * False position with the Illinois rule (Dowell and Jarratt 1971), golden section (Kiefer 1953). Knows nothing of
+ * samples. */
 #ifndef GB_EVENT_VALUES_H
 #define GB_EVENT_VALUES_H
 
