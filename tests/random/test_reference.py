@@ -174,6 +174,25 @@ def test_of_two_static_peaks_in_a_row_the_smaller_one_breaks(first, second, orde
     assert np.abs(motion.speeds[1]).max() < 1e-12
 
 
+@pytest.mark.parametrize(("tau", "holds"), [(4.45, 4.8), (4.2, 4.4), (4.9, 4.8)])
+def test_a_slip_that_ends_is_held_though_a_freewheel_lets_go_on_the_way(tau, holds):
+    # b catches up with a, from which its bearing pushes it, and drives c; held to a it slows down, and c runs on
+    a, b, c, slides, against, w0 = 1.0, 0.1, 0.06, 4.0, 5.0, 5.0
+    bearing = Part(
+        "bearing", "BearingFriction", (("coulomb", slides), ("peak", holds / slides)), (("a", "a"), ("housing", "b"))
+    )
+    wheel = Part("wheel", "Freewheel", (), (("a", "b"), ("b", "c")))
+    bodies = (_body("a", a, w0=w0), _body("b", b, w0=0.0), _body("c", c, w0=0.0))
+    motion = reference_motion(_train(*bodies, bearing, wheel, _push("a", -against), _push("b", tau), t_end=0.2), T / 5)
+    meet = w0 / ((tau + slides) / (b + c) + (against + slides) / a)
+    together, late = w0 - (against + slides) / a * meet, np.maximum(T / 5 - meet, 0.0)
+    held = (tau - against) / (a + b)
+    stays, passes = (held, held, 0.0), ((slides - against) / a, *[(tau - slides) / (b + c)] * 2)
+    right = stays if abs(b * held - tau) <= holds else passes
+    for speed, rate in zip(motion.speeds, right, strict=True):
+        assert np.abs(speed - together - rate * late)[late > 0].max() < 1e-9
+
+
 @pytest.mark.parametrize("w_t", [8.0, -3.0, 20.0])
 def test_an_impeller_that_reverses_crosses_the_whole_table(w_t):
     x = (0.0, 0.5, 1.0)

@@ -1,6 +1,6 @@
 #include "gb_enclosed_limit.h"
+#include "gb_event_values.h"
 #include "gb_force_enclosure.h"
-#include "gb_locate_sampled.h"
 #include "gb_panel.h"
 #include "gb_vector.h"
 

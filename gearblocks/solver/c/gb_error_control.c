@@ -95,12 +95,12 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     /* what begins to move has its rounding for a scale, and it had none in other modes */
     const int moved = trial != NULL && head->control.noise_modes != head->events.mode_hash;
     const int longer = h > 4.0 * head->control.h_noise && (implicit || head->control.unscaled);
-    double *left = implicit ? NULL : sim->k + (size_t)(GB_STAGES - 3) * (size_t)sim->model->n_total;
-    const int locked = trial != NULL && !implicit && gb_some_active(sim);
+    const int locked = trial != NULL && gb_some_active(sim);
+    double *left = sim->k + (size_t)(implicit ? GB_SLOPE : GB_STAGES - 3) * (size_t)sim->model->n_total;
     const int noisier = locked && gb_noise_of_locks(sim, at, left);
     if (head->counts.steps >= head->control.noise_at || (implicit && moved) || longer || noisier) {
         const double elapsed = head->front.t1 - head->front.t_start + h;
-        if (!locked && left != NULL) {
+        if (!locked) {
             memset(left, 0, sizeof(double) * (size_t)n);
         }
         gb_measure_noise(sim, h, at, left, !implicit || !(moved || longer) ? HUGE_VAL : moved ? 0.0 : elapsed);

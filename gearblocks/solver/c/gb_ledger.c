@@ -101,21 +101,47 @@ static double bend_in_the_middle(gb_sim *sim, double h) {
     return code == GB_DONE ? sum : HUGE_VAL;
 }
 
-/* How far rounding moves the powers: their answer to a change of the states in their last bits, of alternating sign. */
-static void measure_noise(gb_sim *sim) {
+/* How far the powers at y move with the states by the bits in z2, of alternating sign. */
+static double answer_to_bits(gb_sim *sim, int lane, const double *y, const double *powers) {
     const gb_model *model = sim->model;
-    double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
+    double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total, sum = 0.0;
     for (int i = 0; i < model->n_padded; i++) {
-        const double bit = 2.0 * DBL_EPSILON * sim->control.largest[i];
-        sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
+        sim->z2[i] = y[i] + (i % 2 == 0 ? sim->z2[i] : -sim->z2[i]);
     }
-    gb_rates(sim, 1, &sim->lanes, 0, sim->z2, rate);
+    gb_rates(sim, 1, &sim->lanes, lane, sim->z2, rate);
     sim->head->counts.rhs_calls++;
-    double noise = 0.0;
     for (int i = gb_first_energy(model); i < gb_end_energy(model); i++) {
-        noise += fabs(rate[i] - sim->k1[i]);
+        sum += fabs(rate[i] - powers[i]);
     }
-    sim->head->ledger.noise = gb_max(noise, sim->head->ledger.noise);
+    return sum;
+}
+
+/* No state moves in the step by more than the noise of its rate, nor beyond its scale: a trial that explodes takes its
+ * noise along. */
+static int is_noise(const gb_sim *sim, double h) {
+    const double *noise = sim->control.noise, *scale = sim->control.natural_scale, *peak = sim->control.largest;
+    int i = 0;
+    while (i < sim->model->n && fabs(sim->z[i] - sim->y0[i]) <= gb_min(h * noise[i], gb_max(peak[i], scale[i]))) {
+        i++;
+    }
+    return i == sim->model->n;
+}
+
+/* How far rounding moves the powers: their answer to a change of the states in their last bits. Where states have no
+ * scale and move by the noise of their rates alone: returns what that makes of the powers at the end of the step. */
+static double measure_noise(gb_sim *sim, double h) {
+    const int n = sim->model->n_padded, end = sim->method->stages;
+    for (int i = 0; i < n; i++) {
+        sim->z2[i] = 2.0 * DBL_EPSILON * sim->control.largest[i];
+    }
+    sim->head->ledger.noise = gb_max(answer_to_bits(sim, 0, sim->y0, sim->k1), sim->head->ledger.noise);
+    if (!sim->head->control.unscaled || !is_noise(sim, h)) {
+        return 0.0;
+    }
+    for (int i = 0; i < n; i++) {
+        sim->z2[i] = h * sim->control.noise[i];
+    }
+    return answer_to_bits(sim, end, sim->z, sim->k + (size_t)end * (size_t)sim->model->n_total);
 }
 
 /* The largest energy that the train stored at a look, at the front: where a step ends that reaches beyond an event, the
@@ -175,7 +201,7 @@ static double estimate(gb_sim *sim, double h) {
     gb_head *head = sim->head;
     const int implicit = method->gamma > 0.0;
     const double rtol = gb_max(head->options.rtol, LEAST), exchanged = gb_exchange(sim, sim->z);
-    double one, two = 0.0;
+    double one, two = 0.0, noise = 0.0;
     if (implicit) {
         bends(sim, &one, &two);
     } else {
@@ -188,7 +214,7 @@ static double estimate(gb_sim *sim, double h) {
             head->ledger.log_dense = -100.0;
             return -100.0;
         }
-        const double tolerance = gb_rough_log2(rtol + head->ledger.noise / size);
+        const double tolerance = gb_rough_log2(rtol + gb_max(head->ledger.noise, noise) / size);
         const gb_errors found =
             implicit ? implicit_errors(one / size, two / size) : explicit_errors(method, one / size, two / size);
         head->ledger.log_dense = found.inside - tolerance;
@@ -200,7 +226,7 @@ static double estimate(gb_sim *sim, double h) {
             return gb_min(found.end, by_middle) + SAFETY - tolerance;
         }
         look_at_stored(sim);
-        measure_noise(sim);
+        noise = measure_noise(sim, h);
     }
 }
 

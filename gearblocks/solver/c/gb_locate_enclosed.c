@@ -1,9 +1,9 @@
 #include "gb_locate_enclosed.h"
 #include "gb_dense_output.h"
 #include "gb_enclosed_limit.h"
+#include "gb_event_values.h"
 #include "gb_force_enclosure.h"
 #include "gb_limit_noise.h"
-#include "gb_locate_sampled.h"
 #include "gb_modes.h"
 #include "gb_panel.h"
 #include "gb_vector.h"
@@ -181,23 +181,27 @@ static int judge_piece(gb_sim *sim, search *s, int *found) {
     return code == GB_DONE && *found == ROOT ? take_roots(sim, s) : code;
 }
 
-/* Event function i stands on its limit wherever it is looked at: at the start and twice more. */
-static int stands(gb_sim *sim, int i) {
-    const double limit = sim->events.s0[i] - sim->events.lo[i] < sim->events.hi[i] - sim->events.s0[i]
-                             ? sim->events.lo[i]
-                             : sim->events.hi[i];
-    return sim->events.role[i] == GB_ORDINARY && sim->events.s0[i] == limit && sim->panel.left[i] == limit &&
-           sim->panel.right[i] == limit;
+/* Event function i stands on its limit wherever it is looked at, but for what the enclosure cannot tell: at the start,
+ * at both ends of the piece and at the end of the step, where it is `end`. A crossing is off it at one of them. */
+static int stands(gb_sim *sim, int i, double end) {
+    const gb_enclosure *g = &sim->panel.enclosure[i];
+    const double start = sim->events.s0[i], lo = sim->events.lo[i], hi = sim->events.hi[i], width = g->hi - g->lo;
+    const double limit = start - lo < hi - start ? lo : hi, far = gb_max(fabs(start - limit), fabs(end - limit));
+    return sim->events.role[i] == GB_ORDINARY && far <= width && fabs(sim->panel.left[i] - limit) <= width &&
+           fabs(sim->panel.right[i] - limit) <= width;
 }
 
 /* How finely event functions are told at all, after many open pieces: their width over hardly any time. One that has no
  * bounds even there (its numbers overflow) is left to samples, and so is one that something holds on its limit: that
  * the parts of it cancel is more than an enclosure knows. */
 static void measure_noise(gb_sim *sim, const search *s) {
+    const double *time_terms = sim->lanes.time_terms + sim->method->stages;
     gb_enclose(sim, s->with_forces, s->a, gb_min(s->a + s->tolerance, sim->panel.to));
+    sim->model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
     for (int i = sim->model->n_affine; i < sim->model->n_event_functions; i++) {
         const gb_enclosure *g = &sim->panel.enclosure[i];
-        const int bounded = g->up - g->down < HUGE_VAL, held = s->have_left && s->have_right && stands(sim, i);
+        const int bounded = g->up - g->down < HUGE_VAL,
+                  held = s->have_left && s->have_right && stands(sim, i, sim->events.s[i]);
         sim->panel.watched[i] = sim->panel.watched[i] && g->hi - g->lo < HUGE_VAL && !held;
         sim->panel.noise[i] = sim->panel.watched[i] && bounded ? 2.0 * (g->hi - g->lo) : 0.0;
     }

@@ -1,86 +1,14 @@
 #include "gb_locate_sampled.h"
 #include "gb_constraint_forces.h"
 #include "gb_dense_output.h"
+#include "gb_event_values.h"
 #include "gb_modes.h"
-#include "gb_time_terms.h"
 #include "gb_vector.h"
 
 enum { CLOSEST = 7 };             /* halvings of a quarter of a step, in search of a dip of a constraint force */
 enum { POINTS = GB_EIGHTHS + 2 }; /* the start, one close to it, and the eighths */
 
 static const double thetas[POINTS] = {0.0, 0.03125, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
-
-int gb_event_functions_at(gb_sim *sim, double theta, double *s) {
-    const gb_head *head = sim->head;
-    const int code = gb_time_terms_at(sim, head->front.t0 + theta * head->front.h);
-    if (code == GB_DONE) {
-        gb_dense_states(sim, theta, sim->z2);
-        sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->z2, s);
-    }
-    return code;
-}
-
-double gb_limit_distance(const gb_sim *sim, int i, double side, double s) {
-    const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
-    const double rounding = gb_limit_rounding(sim, i, limit);
-    const double start = side * (limit - sim->events.s0[i]);
-    const int armed =
-        sim->events.armed[i] == side && sim->events.slack[i] < 0.0; /* a force may jump inside as it turns */
-    const double from = armed || start <= rounding ? sim->events.s0[i] : limit;
-    return side * (from - s) + gb_max(sim->events.slack[i], 0.0);
-}
-
-/* The root in [a, b] with distance(a) >= 0 > distance(b): false position with the Illinois rule, then halving. */
-static int true_root(gb_sim *sim, int i, double side, double a, double b, double fa, double fb, double tolerance,
-                     double *root) {
-    int code = GB_DONE;
-    for (int count = 0; count < 100 && b - a > tolerance && code == GB_DONE; count++) {
-        double x = a + (b - a) * (fa / (fa - fb));
-        if (count % 4 == 3 || !(x > a && x < b)) {
-            x = 0.5 * (a + b);
-        }
-        code = gb_event_functions_at(sim, x, sim->events.s);
-        const double f = gb_limit_distance(sim, i, side, sim->events.s[i]);
-        if (f < 0.0) {
-            b = x;
-            fb = f;
-            fa *= 0.5;
-        } else {
-            a = x;
-            fa = f;
-            fb *= 0.5;
-        }
-    }
-    *root = 0.5 * (a + b);
-    return code;
-}
-
-/* Looks for a negative distance between a and b around the low sample m; *x is where it was found, *f its value. */
-static int true_dip(gb_sim *sim, int i, double side, double a, double m, double b, double fm, double *x, double *f) {
-    const double golden = 0.3819660112501051;
-    int code = GB_DONE;
-    *x = m;
-    *f = fm;
-    for (int count = 0; count < 30 && *f >= 0.0 && b - a > 1e-5 && code == GB_DONE; count++) {
-        const double trial = b - m > m - a ? m + golden * (b - m) : m - golden * (m - a);
-        code = gb_event_functions_at(sim, trial, sim->events.s);
-        const double value = gb_limit_distance(sim, i, side, sim->events.s[i]);
-        if (value < *f) {
-            if (trial > m) {
-                a = m;
-            } else {
-                b = m;
-            }
-            m = *x = trial;
-            *f = value;
-        } else if (trial > m) {
-            b = trial;
-        } else {
-            a = trial;
-        }
-    }
-    return code;
-}
 
 /* A low sample between two higher ones: could the true minimum be below zero? */
 static int may_dip(double before, double here, double after) {
@@ -98,7 +26,7 @@ static int return_root(gb_sim *sim, int i, double side, double b, double fb, dou
         code = gb_event_functions_at(sim, a, sim->events.s);
         const double fa = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (code == GB_DONE && fa > rounding) {
-            return true_root(sim, i, side, a, b, fa, fb, tolerance, root);
+            return gb_true_root(sim, i, side, a, b, fa, fb, tolerance, root);
         }
         b = a;
         fb = fa;
@@ -120,10 +48,10 @@ static int end_dip(gb_sim *sim, int i, double side, double low, double next, dou
         return code;
     }
     double x, value;
-    code = true_dip(sim, i, side, gb_min(low, next), inside, gb_max(low, next), there, &x, &value);
+    code = gb_true_dip(sim, i, side, gb_min(low, next), inside, gb_max(low, next), there, &x, &value);
     if (code == GB_DONE && value < 0.0) {
         const double a = gb_min(low, next), fa = low < next ? f : other;
-        code = true_root(sim, i, side, a, x, fa, value, tolerance, root);
+        code = gb_true_root(sim, i, side, a, x, fa, value, tolerance, root);
     }
     return code;
 }
@@ -143,7 +71,8 @@ static int look_closer(gb_sim *sim, int i, double side, double a, double b, cons
         at[q] = gb_limit_distance(sim, i, side, sim->events.s[i]);
         if (code != GB_DONE || at[q] < 0.0) {
             const double x = a + (q - 1) * width;
-            return code != GB_DONE ? code : true_root(sim, i, side, x, x + width, at[q - 1], at[q], tolerance, first);
+            return code != GB_DONE ? code
+                                   : gb_true_root(sim, i, side, x, x + width, at[q - 1], at[q], tolerance, first);
         }
     }
     const double off = fabs(at[1] - (0.375 * f[0] + 0.75 * f[1] - 0.125 * f[2]));
@@ -221,15 +150,15 @@ static int first_seen(gb_sim *sim, int i, double side, double until, double tole
             if (armed && l == 1) {
                 return return_root(sim, i, side, thetas[l], f[l], tolerance, first);
             }
-            return true_root(sim, i, side, thetas[l - 1], thetas[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
+            return gb_true_root(sim, i, side, thetas[l - 1], thetas[l], gb_max(f[l - 1], 0.0), f[l], tolerance, first);
         }
         if (l + 1 < POINTS && f[l + 1] >= 0.0 && !(armed && l == 1) && may_dip(f[l - 1], f[l], f[l + 1])) {
             double x, value;
-            const int code = true_dip(sim, i, side, thetas[l - 1], thetas[l], thetas[l + 1], f[l], &x, &value);
+            const int code = gb_true_dip(sim, i, side, thetas[l - 1], thetas[l], thetas[l + 1], f[l], &x, &value);
             if (code != GB_DONE || value < 0.0) {
                 const double a = x > thetas[l] ? thetas[l] : thetas[l - 1];
                 const double fa = x > thetas[l] ? f[l] : f[l - 1];
-                return code != GB_DONE ? code : true_root(sim, i, side, a, x, fa, value, tolerance, first);
+                return code != GB_DONE ? code : gb_true_root(sim, i, side, a, x, fa, value, tolerance, first);
             }
         }
     }
@@ -297,12 +226,33 @@ static int first_force(const gb_sim *sim) {
     return first;
 }
 
+/* What leaves before the first event that is known, at `cut`, though it is inside at the next sample: laws do not hold
+ * beyond an event (a capacity that has faded). */
+static int first_before(gb_sim *sim, int i, double side, double cut, double tolerance, double *first) {
+    double f[POINTS];
+    int l = POINTS - 1;
+    if (*first <= cut || fabs(side < 0.0 ? sim->events.lo[i] : sim->events.hi[i]) >= HUGE_VAL) {
+        return GB_DONE;
+    }
+    sampled_distances(sim, i, side, f);
+    while (l > 0 && thetas[l] >= cut) {
+        l--;
+    }
+    const double end = gb_limit_distance(
+        sim, i, side, sim->events.samples[(size_t)POINTS * (size_t)sim->model->n_event_functions + (size_t)i]);
+    return f[l] > 0.0 && end < -gb_limit_rounding(sim, i, 0.0)
+               ? gb_true_root(sim, i, side, thetas[l], cut, f[l], end, tolerance, first)
+               : GB_DONE;
+}
+
 /* When event function i leaves its mode; `until`: a little after the first constraint force that does. */
-static int locate_one(gb_sim *sim, int i, double tolerance, double *until) {
+static int locate_one(gb_sim *sim, int i, double cut, double tolerance, double *until) {
     double low = 2.0, high = 2.0;
     int code = first_through(sim, i, -1.0, *until, tolerance, &low);
-    if (code == GB_DONE) {
-        code = first_through(sim, i, 1.0, *until, tolerance, &high);
+    code = code == GB_DONE ? first_through(sim, i, 1.0, *until, tolerance, &high) : code;
+    if (cut < 1.0) {
+        code = code == GB_DONE ? first_before(sim, i, -1.0, cut, tolerance, &low) : code;
+        code = code == GB_DONE ? first_before(sim, i, 1.0, cut, tolerance, &high) : code;
     }
     sim->events.located[i] = gb_min(low, high) < *until ? gb_min(low, high) : 2.0;
     sim->events.side[i] = low < high ? -1.0 : 1.0;
@@ -320,11 +270,14 @@ int gb_locate_sampled(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = model->n_event_functions;
     const double tolerance = gb_rounding(sim->head->front.t0, sim->head->front.h) / sim->head->front.h;
-    double until = 2.0;
+    double until = 2.0, cut = 2.0;
     int code = GB_DONE, any = 0;
-    for (int i = model->n_affine; i < n; i++) {
-        any = any || is_sampled(sim, i);
-        sim->events.located[i] = model->n_arguments > 0 && sim->panel.watched[i] ? sim->events.located[i] : 2.0;
+    for (int i = 0; i < n; i++) {
+        if (i >= model->n_affine && !(model->n_arguments > 0 && sim->panel.watched[i])) {
+            any = any || is_sampled(sim, i);
+            sim->events.located[i] = 2.0;
+        }
+        cut = gb_min(cut, sim->events.located[i]);
     }
     if (!any) {
         return GB_DONE;
@@ -334,11 +287,14 @@ int gb_locate_sampled(gb_sim *sim) {
     for (int l = 1; l < POINTS && code == GB_DONE; l++) {
         code = gb_event_functions_at(sim, thetas[l], sim->events.samples + (size_t)l * (size_t)n);
     }
+    code = code == GB_DONE && cut < 1.0
+               ? gb_event_functions_at(sim, cut, sim->events.samples + (size_t)POINTS * (size_t)n)
+               : code;
     const int first = code == GB_DONE ? first_force(sim) : -1;
-    code = first >= 0 ? locate_one(sim, first, tolerance, &until) : code;
+    code = first >= 0 ? locate_one(sim, first, cut, tolerance, &until) : code;
     for (int i = model->n_affine; i < n && code == GB_DONE; i++) {
         if (i != first && is_sampled(sim, i)) {
-            code = locate_one(sim, i, tolerance, &until);
+            code = locate_one(sim, i, cut, tolerance, &until);
         }
     }
     return code;

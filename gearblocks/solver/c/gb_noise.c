@@ -9,10 +9,11 @@ static const double OF_LOCKS = 256.0 * DBL_EPSILON;
 
 int gb_noise_of_locks(gb_sim *sim, const gb_lanes *at, double *left) {
     const gb_model *model = sim->model;
+    const double gain = sim->method->gamma > 0.0 ? (double)(1u << sim->head->control.doublings) : 1.0;
     int beyond = 0;
     gb_free_rates(sim, at->time_terms + sim->method->stages, sim->z, left);
     for (int i = 0; i < model->n; i++) {
-        const double noise = i < model->n - model->n_speeds ? 0.0 : OF_LOCKS * fabs(left[i]);
+        const double noise = i < model->n - model->n_speeds ? 0.0 : OF_LOCKS * gain * fabs(left[i]);
         left[i] = noise < HUGE_VAL ? noise : 0.0;
         beyond |= left[i] > sim->control.noise[i];
     }
@@ -60,8 +61,9 @@ void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, d
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
     const double gain = (double)(1u << sim->head->control.doublings);
     const unsigned pattern = ++sim->head->control.noise_pattern;
+    const int explicit = !(sim->method->gamma > 0.0);
     const int timed = model->n_time_terms > 0 && at->t[0] != 0.0 && sim->head->events.n_sliding == 0;
-    if (timed && left != NULL) {
+    if (timed && explicit) {
         rates_after(sim, at, rate);
         for (int i = 0; i < model->n; i++) {
             left[i] = gb_max(left[i], gain * fabs(rate[i] - sim->k1[i]));
@@ -70,17 +72,17 @@ void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, d
     for (int i = 0; i < model->n_padded; i++) {
         const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
         const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
-        const double bit = left != NULL && i < model->n ? gb_max(own, h * left[i]) : own;
+        const double bit = i < model->n ? gb_max(own, h * left[i]) : own;
         sim->z2[i] = sim->y0[i] + (is_raised(i, pattern) ? bit : -bit);
     }
     gb_rates(sim, 0, at, 0, sim->z2, rate);
     sim->head->counts.rhs_calls++;
     for (int i = 0; i < model->n; i++) {
         const double so_far = sim->control.noise[i], least = sim->control.largest[i] >= valid * so_far ? 0.0 : so_far;
-        sim->control.noise[i] = gb_max(left != NULL ? left[i] : 0.0, least);
+        sim->control.noise[i] = gb_max(left[i], least);
     }
     add_noise(sim, rate, gain);
-    if (timed && left == NULL) {
+    if (timed && !explicit) {
         rates_after(sim, at, rate);
         add_noise(sim, rate, gain);
     }

@@ -78,6 +78,7 @@ class Modes(Impacts):
         _, v = self.qv(y)
         smooth = len(self.jumps) == hits
         kept = self.kept(t, y) if smooth and not starting else None
+        stays = self.stays(y, kept) if kept is not None else None
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
         alone = self.unique()
@@ -96,7 +97,7 @@ class Modes(Impacts):
                 break
         if not fits:
             raise NoEvidenceError("no set of modes fits")
-        modes, y, _ = self.chosen(self.driven(fits) if smooth and starting else fits, kept)
+        modes, y, _ = self.chosen(self.driven(fits) if smooth and starting else fits, stays, kept)
         self.set(modes)
         self.lock()
         return y
@@ -227,11 +228,8 @@ class Modes(Impacts):
 
     def unique(self) -> bool:
         """Whether theory leaves no second motion: what sticks holds no more than what slides, and no gear loses."""
-        c = self.s.context
         members = [m for d in self.s.dry for m in d.members if m.on and not m.dog and not m.locked]
-        return not self.s.lossy and all(
-            -low <= m.sliding(c, 0.0) * (1 + 1e-12) for m in members for low in (m.limits(c)[0],)
-        )
+        return not self.s.lossy and not any(self.has_peak(m) for m in members)
 
     def force(self, t: float, y: Array) -> float:
         """A size of the forces, for rounding; where all of them vanish at once, that of those that there were."""
@@ -280,6 +278,26 @@ class Modes(Impacts):
             at += 4
         return out
 
+    def stays(self, y: Array, kept: list[Any]) -> list[Any]:
+        """The same where only what holds more than it slides with is kept, and what has come to slip no more is to stick.
+
+        As a slip comes to an end its friction goes through all that the unit can hold: at the first force at which it
+        slips no more it sticks. On the way whatever has no peak of its own holds or lets go as that force asks.
+        """
+        _, v = self.qv(y)
+        out = list(kept)
+        for i, d in enumerate(self.s.dry):
+            if abs(d.mode) == 1 and abs(float(d.row @ v)) <= self.small():
+                out[i] = 0
+            elif not any(self.has_peak(m) for m in d.members if m.on):
+                out[i] = None
+        return out
+
+    def has_peak(self, member: Any) -> bool:
+        """Whether it holds more than it slides with."""
+        c = self.s.context
+        return bool(-member.limits(c)[0] > member.sliding(c, 0.0) * (1 + 1e-12))
+
     def driven(self, fits: list[tuple[Any, Array, Array]]) -> list[tuple[Any, Array, Array]]:
         """At a start: a drives every gear of which both sides may hold, if that is a motion; else all that fit."""
         gears = slice(len(self.s.dry) + len(self.s.stops), None)
@@ -291,11 +309,13 @@ class Modes(Impacts):
 
         return [x for x in fits if first(x[0], x[1])] or fits
 
-    def chosen(self, fits: list[tuple[Any, Array, Array]], kept: list[Any] | None) -> tuple[Any, Array, Array]:
-        """Of several sets that which sticks most; where that is not clear, of those that keep what need not end."""
+    def chosen(self, fits: list[tuple[Any, Array, Array]], *kept: list[Any] | None) -> tuple[Any, Array, Array]:
+        """Of several sets that which sticks most; where that is not clear, of those that keep what is to be kept."""
         found = self._most(fits)
-        if found is None and kept is not None:
-            found = self._most([x for x in fits if all(k in (None, mode) for k, mode in zip(kept, x[0], strict=True))])
+        for given in kept:
+            if found is None and given is not None:
+                same = [x for x in fits if all(k in (None, m) for k, m in zip(given, x[0], strict=True))]
+                found = self._most(same)
         if found is None:
             raise NoEvidenceError("several sets of modes fit")
         return found

@@ -1,0 +1,63 @@
+"""A load that rises from nothing while friction holds it behind a gear whose other shafts are free: until it breaks away all
+that moves is the rounding of the forces.
+
+Closed form: held up to the static peak, then the excess over the sliding torque on the inertia of the set as the carrier
+sees it, whose sun and ring answer to the force of the tie alone.
+"""
+
+import pytest
+
+import gearblocks as gb
+
+FREE, OTHER, HELD, SLOPE, START, CAPACITY = 0.0318, 0.0371, 0.886, 40.2, 0.474, 8.53
+
+
+def _train(ratio: float | None, hold: str, peak: float, late: float) -> gb.Drivetrain:
+    """A planetary set (without a ratio: a differential) whose carrier is loaded and held."""
+    rig = gb.Drivetrain("ramp")
+    free, other, held = (
+        rig.add(name, gb.Inertia(J=J, **{} if name == "held" else {"w0": 0.0}))
+        for name, J in (("free", FREE), ("other", OTHER), ("held", HELD))
+    )
+    if ratio is None:
+        pair = rig.add("pair", gb.Differential())
+        rig.connect(free.a, pair.right)
+        rig.connect(other.a, pair.left)
+        rig.connect(held.a, pair.carrier)
+    else:
+        gear = rig.add("gear", gb.IdealPlanetary(ratio=ratio))
+        rig.connect(free.a, gear.ring)
+        rig.connect(other.a, gear.sun)
+        rig.connect(held.a, gear.carrier)
+    if hold == "brake":
+        rig.chain(held, rig.add("hold", gb.Brake(capacity=CAPACITY, peak=peak)))
+    else:
+        rig.chain(held, rig.add("hold", gb.BearingFriction(coulomb=CAPACITY, peak=peak)))
+    tau = gb.piecewise((SLOPE * (gb.time - late), gb.time > late), (0.0, True))
+    rig.chain(rig.add("torque", gb.Torque(tau=tau)), held)
+    return rig
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+@pytest.mark.parametrize(
+    ("ratio", "hold", "peak", "late"),
+    [
+        (2.5, "brake", 1.3, START),
+        (0.4, "bearing", 1.2, START),
+        (None, "brake", 1.0, START),
+        (None, "bearing", 1.1, 1.06),
+    ],
+)
+def test_it_breaks_away_when_and_as_fast_as_the_load_says(
+    ratio: float | None, hold: str, peak: float, late: float, method: str
+) -> None:
+    end, breaks = late + 0.6, late + peak * CAPACITY / SLOPE
+    r = 1.0 if ratio is None else ratio
+    inertia = HELD + (1 + r) ** 2 / (r**2 / FREE + 1 / OTHER)
+    swept = SLOPE * ((end - late) ** 2 - (breaks - late) ** 2) / 2 - CAPACITY * (end - breaks)
+    for rtol in (1e-3, 1e-5, 1e-7):
+        run = gb.simulate(_train(ratio, hold, peak, late), t_end=end, method=method, rtol=rtol)
+        assert run.events[-1].t == pytest.approx(breaks, rel=1e-8), rtol
+        assert run["held.w"][-1] == pytest.approx(swept / inertia, rel=10 * rtol), rtol
+        assert run.energy.residual < 10 * rtol
+        assert run.stats.steps < 2000, rtol
