@@ -101,12 +101,13 @@ static double bend_in_the_middle(gb_sim *sim, double h) {
     return code == GB_DONE ? sum : HUGE_VAL;
 }
 
-/* How far rounding moves the powers: their answer to a change of the states in their last bits, of alternating sign. */
-static void measure_noise(gb_sim *sim) {
+/* How far rounding moves the powers: their answer to a change of the states in their last bits, or by what the noise of
+ * their rates makes of them in a step, of alternating sign. */
+static void measure_noise(gb_sim *sim, double h) {
     const gb_model *model = sim->model;
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
     for (int i = 0; i < model->n_padded; i++) {
-        const double bit = 2.0 * DBL_EPSILON * sim->control.largest[i];
+        const double bit = gb_max(2.0 * DBL_EPSILON * sim->control.largest[i], h * sim->control.noise[i]);
         sim->z2[i] = sim->y0[i] + (i % 2 == 0 ? bit : -bit);
     }
     gb_rates(sim, 1, &sim->lanes, 0, sim->z2, rate);
@@ -200,7 +201,7 @@ static double estimate(gb_sim *sim, double h) {
             return gb_min(found.end, by_middle) + SAFETY - tolerance;
         }
         look_at_stored(sim);
-        measure_noise(sim);
+        measure_noise(sim, h);
     }
 }
 
