@@ -116,6 +116,11 @@ static int count_vain(gb_sim *sim, int i) {
     return code == GB_DONE && active ? gb_count_flip(sim, constraint->active) : code;
 }
 
+/* It held before and does not any more: what it held at rest on a limit may leave that now. */
+static int lets_go(const gb_constraint *constraint, double before, double now) {
+    return constraint->kind == GB_STOP ? before == 1.0 && now == 0.0 : before == 0.0 && now != 0.0;
+}
+
 /* Events of the constraints whose mode is another one than before. */
 static int log_changes(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
@@ -124,6 +129,9 @@ static int log_changes(gb_sim *sim, int log) {
         const gb_constraint *constraint = &model->constraints[i];
         const double now = shown_mode(sim, i), before = sim->constraints.mode_before[i];
         if (now != before) {
+            if (lets_go(constraint, before, now)) {
+                sim->head->events.look_at = 0;
+            }
             if (log && !(constraint->kind == GB_STOP && sim->constraints.struck[i])) {
                 gb_log(sim, constraint->slip, 0, before, now);
             }

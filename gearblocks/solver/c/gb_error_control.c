@@ -27,9 +27,6 @@ double gb_rough_log2(double x) {
 /* How often noise may be doubled that a trial was refused for: stages and laws round several times. */
 static const unsigned MOST_DOUBLINGS = 4;
 
-/* A trial with an error beyond this, as log2 in units of the tolerance, has ended where the train never comes. */
-static const double LOST = 10.0;
-
 /* The largest of peak and abs(trial) in [from, to). */
 static double largest_in(const double *restrict peak, const double *restrict trial, int from, int to) {
     gb_half most = {0.0};
@@ -95,16 +92,16 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     /* what begins to move has its rounding for a scale, and it had none in other modes */
     const int moved = trial != NULL && head->control.noise_modes != head->events.mode_hash;
     const int longer = h > 4.0 * head->control.h_noise && (implicit || head->control.unscaled);
-    const int locked = trial != NULL && gb_some_active(sim);
-    double *left = sim->k + (size_t)(implicit ? GB_SLOPE : GB_STAGES - 3) * (size_t)sim->model->n_total;
-    const int noisier = locked && gb_noise_of_locks(sim, at, left);
-    if (head->counts.steps >= head->control.noise_at || (implicit && moved) || longer || noisier) {
+    double *left = sim->k + (size_t)(implicit ? GB_SPARE - 1 : GB_STAGES - 3) * (size_t)sim->model->n_total;
+    const int due = head->counts.steps >= head->control.noise_at || (implicit && moved) || longer;
+    const int locked = (trial != NULL || due) && gb_some_active(sim);
+    const int noisier = locked && gb_noise_of_locks(sim, at->time_terms + sim->method->stages, sim->y0, left);
+    if (due || noisier) {
         const double elapsed = head->front.t1 - head->front.t_start + h;
         if (!locked) {
             memset(left, 0, sizeof(double) * (size_t)n);
         }
         gb_measure_noise(sim, h, at, left, !implicit || !(moved || longer) ? HUGE_VAL : moved ? 0.0 : elapsed);
-        head->control.noise_tried = noisier ? head->counts.steps + 1 : head->control.noise_tried;
         head->control.noise_modes = head->events.mode_hash;
         head->control.h_noise = h;
         head->control.noise_at = 2 * head->counts.steps + 1;
@@ -135,12 +132,6 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
 
 void gb_forget_trial(gb_sim *sim, double error) {
     struct gb_pace *control = &sim->head->control;
-    if (control->noise_tried == sim->head->counts.steps + 1 && !(error < LOST)) {
-        memset(sim->control.noise, 0, sizeof(double) * (size_t)sim->model->n_padded);
-        control->noise_at = sim->head->counts.steps;
-        control->h_noise = control->h_weights = 0.0;
-        control->noise_tried = 0;
-    }
     if (control->refused_at == sim->head->counts.steps + 1 && error > control->log_refused - 1.0) {
         const int worst = gb_worst_state(sim);
         const double share = control->h_weights * sim->control.noise[worst] * sim->control.error_weight[worst];

@@ -17,8 +17,8 @@
  * state has no scale at all. */
 void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *trial);
 
-/* A trial is refused. The noise that was taken from the forces at its end goes with it where it was far off; where the
- * error is that of a longer trial, noise is measured once more, and doubled where it is most of the tolerance. */
+/* A trial is refused. Where the error is that of a longer trial, noise is measured once more, and doubled where it is
+ * most of the tolerance. */
 void gb_forget_trial(gb_sim *sim, double error);
 
 /* Of a train with states that have no scale: one has moved without coming to a scale, or begins to move in the trial

@@ -90,7 +90,7 @@ struct gb_pace {
     long long reach_at, reach_gap;      /* when to look again, and how many steps later once more */
     uint64_t reach_modes;               /* of the last look */
     long long noise_at, least_scale_at; /* when noise and least scales are to be renewed */
-    long long noise_tried, refused_at;  /* the last step of which a trial gave noise, was refused, from 1 on */
+    long long refused_at;               /* the last step of which a trial was refused, from 1 on */
     double log_refused;                 /* error of the trial that was refused last, base 2 */
     unsigned noise_pattern, doublings;  /* measurements of noise and doublings of what they find, so far */
     uint64_t noise_modes;               /* the modes in which the noise was measured */

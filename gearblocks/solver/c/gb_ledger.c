@@ -127,12 +127,13 @@ static int is_noise(const gb_sim *sim, double h) {
     return i == sim->model->n;
 }
 
-/* How far rounding moves the powers: their answer to a change of the states in their last bits. Where states have no
- * scale and move by the noise of their rates alone: returns what that makes of the powers at the end of the step. */
+/* How far rounding moves the powers: their answer to a change of the states in their last bits, or by what the noise of
+ * their rates makes of them in a step. Where states have no scale and move by that noise alone: returns what it makes of
+ * the powers at the end of the step. */
 static double measure_noise(gb_sim *sim, double h) {
     const int n = sim->model->n_padded, end = sim->method->stages;
     for (int i = 0; i < n; i++) {
-        sim->z2[i] = 2.0 * DBL_EPSILON * sim->control.largest[i];
+        sim->z2[i] = gb_max(2.0 * DBL_EPSILON * sim->control.largest[i], h * sim->control.noise[i]);
     }
     sim->head->ledger.noise = gb_max(answer_to_bits(sim, 0, sim->y0, sim->k1), sim->head->ledger.noise);
     if (!sim->head->control.unscaled || !is_noise(sim, h)) {

@@ -1,19 +1,64 @@
 #include "gb_noise.h"
 #include "gb_constraint_forces.h"
+#include "gb_constraint_state.h"
 #include "gb_rates.h"
 #include "gb_rosenbrock.h"
 #include "gb_vector.h"
 
-/* Rounding of the acceleration of what locks hold, in parts of the one that it had without them. */
+/* Rounding of the acceleration of what locks hold, in parts of those that make it up. */
 static const double OF_LOCKS = 256.0 * DBL_EPSILON;
 
-int gb_noise_of_locks(gb_sim *sim, const gb_lanes *at, double *left) {
+/* By how much the rates of implicit methods in time, which are differences over a small part of a step, are noisier. */
+static const double OF_DIFFERENCES = 1e2;
+
+/* What rounds in the force of each active constraint: itself, and what others do to its slip, which it answers. */
+static void sizes_of_forces(gb_sim *sim, const double *time_terms, const double *y, double *size) {
+    const gb_delassus W = gb_delassus_of(sim);
+    double *force = sim->constraints.other;
+    sim->model->constraint_forces(sim->par, sim->mode, time_terms, y, force, size);
+    sim->model->delassus(sim->par, sim->mode, time_terms, y, 0, sim->constraints.delassus);
+    for (int j = 0; j < W.n; j++) {
+        force[j] = gb_is_active(sim, j) ? force[j] : 0.0;
+    }
+    for (int j = 0; j < W.n; j++) {
+        double terms = 0.0;
+        gb_delassus_product(&W, j, force, &terms);
+        const double own = gb_is_active(sim, j) ? gb_delassus_diagonal(&W, j) : 0.0;
+        size[j] = own > 0.0 ? gb_max(fabs(force[j]), terms / own) : 0.0;
+    }
+}
+
+/* Accelerations that forces of these sizes make, which cancel in those that have been found: the largest with signs by
+ * each bit of their number, by which any two of them differ once. */
+static void accelerations_of_locks(gb_sim *sim, const double *time_terms, const double *y, double *most) {
     const gb_model *model = sim->model;
-    const double gain = sim->method->gamma > 0.0 ? (double)(1u << sim->head->control.doublings) : 1.0;
+    const int first = model->n - model->n_speeds;
+    double *size = sim->constraints.right, *impulse = sim->constraints.other, *moved = sim->z2;
+    sizes_of_forces(sim, time_terms, y, size);
+    memset(most, 0, sizeof(double) * (size_t)model->n);
+    for (unsigned bit = 1; bit <= 2 * (unsigned)model->n_constraints; bit *= 2) {
+        for (int j = 0; j < model->n_constraints; j++) {
+            impulse[j] = (unsigned)j & bit ? -size[j] : size[j];
+        }
+        memcpy(moved, y, sizeof(double) * (size_t)model->n_total);
+        memset(moved + first, 0, sizeof(double) * (size_t)model->n_speeds);
+        model->apply_impulses(sim->par, sim->mode, time_terms, impulse, moved);
+        for (int i = first; i < model->n; i++) {
+            most[i] = gb_max(most[i], fabs(moved[i]));
+        }
+    }
+}
+
+int gb_noise_of_locks(gb_sim *sim, const double *time_terms, const double *y, double *left) {
+    const gb_model *model = sim->model;
+    const int differenced = sim->method->gamma > 0.0 && model->n_time_terms > 0;
+    const double part = OF_LOCKS * (differenced ? OF_DIFFERENCES : 1.0);
+    double *most = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total;
     int beyond = 0;
-    gb_free_rates(sim, at->time_terms + sim->method->stages, sim->z, left);
+    gb_free_rates(sim, time_terms, y, left);
+    accelerations_of_locks(sim, time_terms, y, most);
     for (int i = 0; i < model->n; i++) {
-        const double noise = i < model->n - model->n_speeds ? 0.0 : OF_LOCKS * gain * fabs(left[i]);
+        const double noise = i < model->n - model->n_speeds ? 0.0 : part * (fabs(left[i]) + most[i]);
         left[i] = noise < HUGE_VAL ? noise : 0.0;
         beyond |= left[i] > sim->control.noise[i];
     }
@@ -61,9 +106,9 @@ void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, d
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
     const double gain = (double)(1u << sim->head->control.doublings);
     const unsigned pattern = ++sim->head->control.noise_pattern;
-    const int explicit = !(sim->method->gamma > 0.0);
     const int timed = model->n_time_terms > 0 && at->t[0] != 0.0 && sim->head->events.n_sliding == 0;
-    if (timed && explicit) {
+    const int implicit = sim->method->gamma > 0.0;
+    if (timed && !implicit) {
         rates_after(sim, at, rate);
         for (int i = 0; i < model->n; i++) {
             left[i] = gb_max(left[i], gain * fabs(rate[i] - sim->k1[i]));
@@ -82,7 +127,7 @@ void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, d
         sim->control.noise[i] = gb_max(left[i], least);
     }
     add_noise(sim, rate, gain);
-    if (timed && !explicit) {
+    if (timed && implicit) {
         rates_after(sim, at, rate);
         add_noise(sim, rate, gain);
     }

@@ -6,9 +6,9 @@
 
 #include "gb_internal.h"
 
-/* What locks leave of the forces of the trial's end: where nothing else moves a speed, its whole rate. These
- * accelerations lie in the row `left`; 1: some are beyond the noise that is known. */
-int gb_noise_of_locks(gb_sim *sim, const gb_lanes *at, double *left);
+/* What rounding leaves of the forces of locks in the state y at the end of a step: where nothing else moves a speed,
+ * its whole rate. These accelerations lie in the row `left`; 1: some are beyond the noise that is known. */
+int gb_noise_of_locks(gb_sim *sim, const double *time_terms, const double *y, double *left);
 
 /* How far rounding moves each rate: the response to a change of the states in their last bits, of signs that differ
  * from one measurement to the next. What starts from rest has the bits of what a first step of h reaches: a slip that
