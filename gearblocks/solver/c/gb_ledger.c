@@ -128,8 +128,8 @@ static int is_noise(const gb_sim *sim, double h) {
 }
 
 /* How far rounding moves the powers: their answer to a change of the states in their last bits, or by what the noise of
- * their rates makes of them in a step. Where states have no scale and move by that noise alone: returns what it makes of
- * the powers at the end of the step. */
+ * their rates makes of them in a step. Where states have no scale and move by that noise alone: returns what it makes
+ * of the powers at the end of the step. */
 static double measure_noise(gb_sim *sim, double h) {
     const int n = sim->model->n_padded, end = sim->method->stages;
     for (int i = 0; i < n; i++) {
