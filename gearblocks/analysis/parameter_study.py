@@ -102,7 +102,7 @@ def _studied(
     with executor_of(executor, threads) as (pool, workers):
         if store is not None:
             run.open_store(store, chunk, workers)
-        run.size = run.store.chunk if run.store is not None else chunk or run.chunk_size(workers)
+        run.size = run.store.chunk if run.store is not None else chunk or run.chunk_size(workers, keep=True)
         run.go(pool, workers, own=executor is None, tell=tell)
     return run.result()
 
@@ -119,12 +119,14 @@ class _Run:
         self.size = 1
         self.solver_seconds, self.began = 0.0, time.perf_counter()
 
-    def chunk_size(self, workers: int) -> int:
-        """Points that take about half a second, by a trial of the first one; no fewer chunks than four for each worker.
-        An exception of a function of the user's at the first point is raised."""
+    def chunk_size(self, workers: int, *, keep: bool = False) -> int:
+        """Points that take about half a second, by a trial of the first one, which is kept where chunks may begin behind it;
+        no fewer chunks than four for each worker. An exception of a function of the user's at the first point is raised."""
         trial = measure(self.task, self.design.points[:1])
         if trial.cause is not None:
             raise trial.cause
+        if keep:
+            self._take(slice(0, 1), trial)
         share = -(-len(self.design.points) // (4 * workers))
         return int(np.clip(_CHUNK_SECONDS / max(trial.took, 1e-9), 1, min(share, _MOST)))
 
@@ -147,7 +149,8 @@ class _Run:
 
     def go(self, pool: Executor, workers: int, *, own: bool, tell: Callable[[int, int], Any] | None) -> None:
         """Measures what is missing, until the end or Ctrl-C."""
-        starts = range(0, len(self.done), self.size)
+        begin = int(self.store is None and self.done[0])  # behind the trial
+        starts = range(begin, len(self.done), self.size)
         chunks = [
             slice(a, min(a + self.size, len(self.done))) for a in starts if not self.done[a : a + self.size].all()
         ]

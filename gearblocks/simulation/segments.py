@@ -3,14 +3,15 @@
     f on [t0, t1]:  f(t0 + h x_k), x_k the five nodes of Gauss and Lobatto on [0, 1], the ends being the sides of events
 
 Integrals by these nodes have order 8; a polynomial through them shows where an extremum lies. The nodes are read from the
-dense output of the same steps, for which a run is done twice: its steps do not depend on where they are sampled.
+dense output as the run goes. For a closer look at a part of it the run goes on once more from a saved state before: its
+steps do not depend on where they are sampled.
 Knows nothing of what is asked of the values.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import thread_time
 from typing import final
@@ -23,13 +24,15 @@ from gearblocks.simulation.case import Case
 from gearblocks.simulation.events import Events, events_of
 from gearblocks.simulation.run import memory_limit
 from gearblocks.solver.binding import Simulation
+from gearblocks.solver.record import Record
 from gearblocks.solver.structures import Array, Code
 
 NODES: Array = np.array([0.0, 0.5 - np.sqrt(3 / 28), 0.5, 0.5 + np.sqrt(3 / 28), 1.0])
 WEIGHTS: Array = np.array([1 / 20, 49 / 180, 16 / 45, 49 / 180, 1 / 20])
 """Nodes and weights of Gauss and Lobatto on [0, 1]: exact for polynomials of degree 7."""
-_SHORT = 1e-13  # relative to t: a segment so short has no room for nodes
-_NO_PICK: NDArray[np.intc] = np.zeros(0, dtype=np.intc)
+_INNER: Array = np.ascontiguousarray(NODES[1:-1])
+_SLICE = 0.01  # seconds of the solver between saved states of a run
+_MARKS = 32 << 20  # bytes that these may take
 
 
 class StoppedError(Exception):
@@ -56,8 +59,8 @@ class Needs:
 class Segments:
     """One run of a simulation whose parameters and inputs are set: values at times, at the end, and on smooth segments.
 
-    times: those that were asked for [s]; rows: [t | y] of the states there, the right limit at an event. start, begin: state
-    and time at which it began; last: the state at the end. t0, t1: ends of the segments [s], shape (S,).
+    start: state at which it began; t0, t1: ends of the segments [s], shape (S,); energies: at the begin and the end;
+    turnover [J]; seconds: CPU time in the solver.
     """
 
     sim: Simulation
@@ -66,7 +69,6 @@ class Segments:
     needs: Needs
     stop: Callable[[], bool] | None = None
     seconds: float = 0.0
-    _first: bool = True
     t0: Array = field(init=False)
     t1: Array = field(init=False)
     start: Array = field(init=False)
@@ -74,24 +76,26 @@ class Segments:
     energies: tuple[Array, Array] = field(init=False)
     events: Events = field(init=False)
     _values: Array = field(init=False)  # at the times, shape (T, outputs)
-    _states: Array = field(init=False)  # rows of the times
+    _states: Array = field(init=False)  # there, shape (T, n_total)
     _times: Array = field(init=False)
     _nodes: Array = field(init=False)  # shape (S + parts of segments, 5, outputs)
     _pick: NDArray[np.intc] = field(init=False)
     _cut: dict[tuple[float, float], tuple[tuple[float, float], ...]] = field(init=False)
     _parts: dict[tuple[float, ...], int] = field(init=False)
+    _marks: list[tuple[float, bytes]] = field(init=False)  # saved states of the simulation with their times
 
     def __post_init__(self) -> None:
         numbers = self.program.output_numbers
         self._pick = np.array([numbers[name] for name in self.needs.outputs], dtype=np.intc)
         self._times = np.unique([*self.needs.times, self.case.end])
+        self._marks = []
+        events: list[NDArray[np.void]] = []
         if self.needs.windows:
-            self._dense()
+            self._dense(events)
         else:
-            events: list[NDArray[np.void]] = []
-            self._sampled(self._times, self._times, events)
-            self.events = events_of(self.program.event_table, events)
             self.t0 = self.t1 = np.empty(0)
+            self._keep(self._begin(self._times, None, events, slice_=0.05))
+        self.events = events_of(self.program.event_table, events)
 
     # -- reading ------------------------------------------------------------------------------------------------------
 
@@ -131,88 +135,107 @@ class Segments:
         return t0, t1, np.concatenate([nodes, cut])[order]
 
     def sample(self, output: str, times: Array) -> Array:
-        """The output at any times [s] that increase, none at an event; the run is done once more up to the last one."""
+        """The output at any times [s] that increase."""
         column = self.needs.outputs.index(output)
-        found = [values[:, column] for _, values in self._run(times, float(times[-1]), [])]
-        return np.concatenate(found) if found else np.empty(0)
+        return np.concatenate([values[:, column] for _, values in self._look(times)])
 
     # -- running ------------------------------------------------------------------------------------------------------
 
-    def _run(
-        self, samples: Array | None, end: float, events: list[NDArray[np.void]]
-    ) -> Iterator[tuple[Array, Array]]:  # fmt: skip
-        """Rows [t | y | ...] and the outputs there, piece by piece, of a run from the start; raises StoppedError."""
+    def _begin(
+        self, samples: Array | None, inner: Array | None, events: list[NDArray[np.void]], slice_: float
+    ) -> Iterator[Array]:  # fmt: skip
+        """Rows [t | y | ...] of the run from its start to its end, piece by piece; raises StoppedError."""
         code = self.sim.start(self.case.options, self.case.begin, self.case.y0)
         if code < 0:
             raise StoppedError(code)
         try:
-            self.start = self.sim.state()
-            begin = self.sim.energies()
+            self.start, begin = self.sim.state(), self.sim.energies()
         except RuntimeError:
             raise StoppedError(Code(self.sim.report.code)) from None
-        record = self.sim.record(None if samples is None else len(samples))
+        self._mark()
+        record = self.sim.record(None if samples is None else len(samples), inner)
         code, room = Code.PAUSE, memory_limit(samples is not None) / (os.cpu_count() or 1)
         while code != Code.DONE:
-            before = thread_time()
-            code = self.sim.run(samples, end, record)
-            self.seconds += thread_time() - before
+            code = self._on(samples, record, slice_)
             rows, found = record.take()
             room -= rows.shape[0] * 8 * (1 + len(self._pick)) + found.nbytes
-            if code < 0 or room < 0:
-                raise StoppedError(code if code < 0 else Code.ERR_MEMORY)
+            if room < 0:
+                raise StoppedError(Code.ERR_MEMORY)
             if len(found):
                 events.append(found)
+            if code != Code.DONE and inner is not None:
+                self._mark()
             if len(rows):
-                if self._first:  # the whole run; what follows looks closer at parts of it
-                    _, _, energy = self.sim.evaluate(rows[-1:], _NO_PICK, energies=True)
-                    self.energies, self.turnover = (begin, energy[0]), float(self.sim.counters.turnover)
+                yield rows
+        self.turnover = float(self.sim.counters.turnover)
+        self.energies = begin, self.sim.energies()
+
+    def _on(self, samples: Array | None, record: Record, slice_: float) -> Code:
+        before = thread_time()
+        code = self.sim.run(samples, self.case.end, record, slice_)
+        self.seconds += thread_time() - before
+        if code < 0:
+            raise StoppedError(code)
+        if self.stop is not None and self.stop():
+            raise StoppedError(None)
+        return code
+
+    def _mark(self) -> None:
+        """Saves the state of the simulation; of too many every second one stays."""
+        self._marks.append((float(self.sim.counters.t), self.sim.save()))
+        if len(self._marks) * len(self._marks[0][1]) > _MARKS:
+            del self._marks[1::2]
+
+    def _look(self, times: Array) -> Iterator[tuple[Array, Array]]:
+        """Rows and outputs at times [s] that increase, by the steps of the run, again from the last saved state before."""
+        fronts = np.array([front for front, _ in self._marks])
+        of = np.maximum(np.searchsorted(fronts, times, side="right") - 1, 0)
+        for mark in np.unique(of).tolist():
+            wanted = np.ascontiguousarray(times[of == mark])
+            self.sim.restore(self._marks[mark][1])
+            record, code = self.sim.record(len(wanted)), Code.PAUSE
+            while code != Code.DONE:
+                code = self._on(wanted, record, 0.05)
+                rows, _ = record.take()
                 yield rows, self.sim.evaluate(rows, self._pick)[1]
-            if self.stop is not None and self.stop():
-                raise StoppedError(None)
-        self._first = False
 
-    def _sampled(self, samples: Array, kept: Array, events: list[NDArray[np.void]]) -> Array:
-        """Outputs at all samples, shape (len(samples), outputs); those of the times `kept` and the states there are kept."""
-        n_total = self.program.n_total
-        values = np.empty((len(samples), len(self._pick)))
-        self._states, row = np.empty((len(kept), n_total)), 0
-        at = np.searchsorted(samples, kept)
-        for rows, outputs in self._run(samples, self.case.end, events):
-            values[row : row + len(rows)] = outputs
-            here = (at >= row) & (at < row + len(rows))
-            self._states[here] = rows[at[here] - row, 1 : 1 + n_total]
-            row += len(rows)
-        self._values = values[at]
-        return values
+    def _keep(self, pieces: Iterable[Array]) -> None:
+        """States and outputs at the times that were asked for."""
+        rows = [*pieces]
+        self._states = np.concatenate([piece[:, 1 : 1 + self.program.n_total] for piece in rows])
+        self._values = np.concatenate([self.sim.evaluate(piece, self._pick)[1] for piece in rows])
 
-    def _dense(self) -> None:
-        """Steps first, then the nodes between them and those of segments that a window cuts."""
-        events: list[NDArray[np.void]] = []
-        pieces = [(rows[:, 0].copy(), values) for rows, values in self._run(None, self.case.end, events)]
-        self.events = events_of(self.program.event_table, events)
-        t, at_rows = np.concatenate([t for t, _ in pieces]), np.concatenate([values for _, values in pieces])
-        left = np.flatnonzero(t[1:] > t[:-1])
-        self.t0, self.t1 = t[left], t[left + 1]
-        self._cut = cut = {window: self._partial(*window) for window in self.needs.windows}
-        parts = np.array(sorted({part for parts in cut.values() for part in parts}), dtype=np.float64).reshape(-1, 2)
-        lower, upper = np.concatenate([self.t0, parts[:, 0]]), np.concatenate([self.t1, parts[:, 1]])
-        inner = lower[:, None] + (upper - lower)[:, None] * NODES[1:-1]
-        roomy = upper - lower > _SHORT * np.abs(upper)
-        samples = np.unique(np.concatenate([inner[roomy].ravel(), parts.ravel(), self._times]))
-        values = self._sampled(samples, self._times, [])
-        nodes = np.empty((len(lower), 5, len(self._pick)))
-        ends = values[np.searchsorted(samples, parts)]
-        nodes[:, 0] = np.concatenate([at_rows[left], ends[:, 0]])
-        nodes[:, 4] = np.concatenate([at_rows[left + 1], ends[:, 1]])
-        for row, (a, b) in enumerate(
-            parts.tolist(), start=len(self.t0)
-        ):  # an end of a segment is its side of the event
-            i = int(np.searchsorted(self.t1, a, side="right"))
-            nodes[row, 0] = nodes[i, 0] if a == self.t0[i] else nodes[row, 0]
-            nodes[row, 4] = nodes[i, 4] if b == self.t1[i] else nodes[row, 4]
-        nodes[:, 1:4] = nodes[:, :1] + (nodes[:, 4:] - nodes[:, :1]) * NODES[None, 1:-1, None]
-        nodes[roomy, 1:4] = values[np.searchsorted(samples, inner[roomy])]
-        self._nodes, self._parts = nodes, {tuple(p): len(self.t0) + i for i, p in enumerate(parts.tolist())}
+    def _dense(self, events: list[NDArray[np.void]]) -> None:
+        """Every step with its nodes; what lies at a time or in a part of a segment from a closer look."""
+        low, high = min(a for a, _ in self.needs.windows), max(b for _, b in self.needs.windows)
+        times, tables = [], []
+        for rows in self._begin(None, _INNER, events, _SLICE):
+            t = rows[:, 0].copy()
+            first, last = np.searchsorted(t, low) - 1, np.searchsorted(t, high, side="right") + 4
+            part = slice(max(int(first) - 4, 0), int(last))  # and the nodes of the segments that it cuts
+            table = np.full((len(rows), len(self._pick)), np.nan)
+            table[part] = self.sim.evaluate(rows[part], self._pick)[1]
+            times.append(t)
+            tables.append(table)
+        self._keep([rows for rows, _ in self._look(self._times)])
+        t, values = np.concatenate(times), np.concatenate(tables)
+        at = _groups(t)
+        self.t0, self.t1 = t[at[:, 0]], t[at[:, 4]]
+        self._cut = {window: self._partial(*window) for window in self.needs.windows}
+        parts = sorted({part for cut in self._cut.values() for part in cut})
+        self._parts = {part: len(at) + i for i, part in enumerate(parts)}
+        self._nodes = np.concatenate([values[at], *(self._of_part(*part, values[at])[None] for part in parts)])
+
+    def _of_part(self, a: float, b: float, nodes: Array) -> Array:
+        """Outputs at the nodes of a part of a segment, shape (5, outputs); an end of the segment is its side of an event."""
+        times, where = np.unique(a + (b - a) * NODES, return_inverse=True)
+        found = np.concatenate([values for _, values in self._look(times)])[where]
+        i = int(np.searchsorted(self.t1, a, side="right"))
+        if a == self.t0[i]:
+            found[0] = nodes[i, 0]
+        if b == self.t1[i]:
+            found[4] = nodes[i, 4]
+        return found
 
     def _partial(self, after: float, before: float) -> tuple[tuple[float, float], ...]:
         """Parts of segments that the window [after, before] cuts."""
@@ -223,6 +246,26 @@ class Segments:
             return ((after, before),)
         found = [(after, float(self.t1[i]))] if first else []
         return (*found, *([(float(self.t0[j]), before)] if last else []))
+
+
+def _groups(t: Array) -> NDArray[np.intp]:
+    """Numbers of the rows of each segment, shape (S, 5): its begin, three nodes, its end. A row at the time of the one before
+    is the other side of an event."""
+    new = 1 + np.flatnonzero(t[1:] != t[:-1])
+    if len(new) % 4 == 0:
+        first = new.reshape(-1, 4)[:, :1]
+        found = first + np.arange(-1, 4)
+        t0, t1 = t[found[:, :1]], t[np.minimum(found[:, 4:], len(t) - 1)]
+        if found.max(initial=0) < len(t) and (t[found[:, 1:4]] == t0 + (t1 - t0) * _INNER).all():
+            return found
+    begins, row = [], 1  # a segment without room for nodes has them at its end
+    while row < len(t):
+        if t[row] != t[row - 1]:
+            begins.append(row - 1)
+            row += 4
+        else:
+            row += 1
+    return np.array(begins, dtype=np.intp)[:, None] + np.arange(5)
 
 
 def outputs_of(program: Program, names: Sequence[str]) -> tuple[str, ...]:

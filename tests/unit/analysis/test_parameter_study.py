@@ -246,7 +246,7 @@ class _Losing(Executor):
         ({"chunk": 1.5}, "chunk = 1.5"),
         ({"executor": 4}, "executor = 4"),
         ({"progress": 4}, "progress = 4"),
-        ({"executor": _Losing()}, "lost its workers"),
+        ({"executor": _Losing(), "chunk": 1}, "lost its workers"),
     ],
 )
 def test_what_does_not_fit_is_refused_by_name(clutch_model: gb.Model, change: dict[str, Any], words: str) -> None:
