@@ -1,9 +1,14 @@
 """Drivetrain dynamics: blocks are composed, assembled into equations of motion, and run in generated C."""
 
 from gearblocks.analysis.campbell import Campbell, campbell
+from gearblocks.analysis.designs import latin_hypercube, random_cases
 from gearblocks.analysis.linearization import FrequencyResponse, Linearization, frequency_response, linearize
 from gearblocks.analysis.modes import Modes, modes
+from gearblocks.analysis.parameter_study import study, sweep
+from gearblocks.analysis.quantities import at, count, energy_lost, event_time, last, mean, peak, points, rms, trough
+from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.sections import classify, poincare, stroboscopic
+from gearblocks.analysis.study_result import Study
 from gearblocks.blocks import (
     Angle,
     BearingFriction,
@@ -101,16 +106,18 @@ __version__ = "0.1.0"
 __all__ = [
     "Acts", "Angle", "Backlash", "BearingFriction", "BeltDrive", "Block", "Body", "Brake", "Campbell", "Clutch",
     "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain", "EddyCurrentBrake",
-    "Effect", "Energy", "Engine", "Fixed", "Flange", "Force", "Fourier", "Freewheel", "FrequencyResponse", "GearMesh",
-    "GearblocksError", "Governor", "HardStop", "Harmonic", "Hold", "HuntCrossley", "Hysteresis", "IdealGear",
-    "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear", "LossyTie", "Mass", "MeshLaw", "Model",
-    "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch", "Parameter", "ParameterError", "Parts",
-    "PlanetaryGear", "Potential", "Profile", "Rack", "Rate", "RatioLaw", "RatioLawError", "Shaft", "Shows",
-    "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Stick", "Stop", "Stribeck",
-    "Switch", "Synchronizer", "Table", "Table2", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory",
-    "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "Worm", "build", "campbell", "classify", "cos",
-    "design_ratio", "driver_angle", "effect", "exact", "frequency_response", "linearize", "modes", "option", "param",
-    "piecewise", "poincare", "rpm", "sense", "signal", "simulate", "sin", "stroboscopic", "time", "twist",
+    "Effect", "Energy", "Engine", "Fixed", "Flange", "Force", "Fourier", "Freewheel", "FrequencyResponse",
+    "GearMesh", "GearblocksError", "Governor", "HardStop", "Harmonic", "Hold", "HuntCrossley", "Hysteresis",
+    "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear", "LossyTie", "Mass",
+    "MeshLaw", "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch", "Parameter",
+    "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate", "RatioLaw",
+    "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start",
+    "State", "Stick", "Stop", "Stribeck", "Study", "Switch", "Synchronizer", "Table", "Table2", "Tie",
+    "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError",
+    "Vehicle", "Worm", "at", "build", "campbell", "classify", "cos", "count", "design_ratio", "driver_angle",
+    "effect", "energy_lost", "event_time", "exact", "frequency_response", "last", "latin_hypercube", "linearize",
+    "mean", "modes", "option", "param", "peak", "piecewise", "poincare", "points", "random_cases", "rms", "rpm",
+    "sense", "signal", "simulate", "sin", "stroboscopic", "study", "sweep", "time", "trough", "twist",
 ]  # fmt: skip
 
 

@@ -161,8 +161,7 @@ class Drivetrain:
     def set(self, values: Mapping[str, Any]) -> Drivetrain:
         """A new train with other values, by path: {"mesh.backlash.half_gap": 2e-5, "mesh": gb.GearMesh(...)}."""
         other = self._copy()
-        paths = {f"{path}.{field}" for path, _, _, block in self._walk() for field in field_paths(block)}
-        paths |= {*self._parts, *(path for path, _, _, _ in self._walk())}
+        paths = {*self.field_paths(), *self._parts, *(path for path, _, _, _ in self._walk())}
         problems: list[str] = []
         changed: dict[str, tuple[Drivetrain, str]] = {}
         for path, value in by_name("the values by path", values).items():
@@ -178,6 +177,10 @@ class Drivetrain:
         if problems:
             raise ModelError(problems)
         return other
+
+    def field_paths(self) -> frozenset[str]:
+        """Paths of all values of all blocks: "mesh.k", "mesh.backlash.half_gap", "gear.ratio", ..."""
+        return frozenset(f"{path}.{field}" for path, _, _, block in self._walk() for field in field_paths(block))
 
     def _lost_flanges(self, name: str) -> Iterator[str]:
         """Flanges of a part that are connected or exposed, but which it does not have."""

@@ -1,4 +1,4 @@
-"""The shell: demo, list, run, equations, export, check, hard.
+"""The shell: demo, list, run, sweep, equations, export, check, hard.
 
 Exit status: 0 done; 1 it ran and the answer is no; 2 bad input. Errors are one message on standard error.
 """
@@ -108,7 +108,7 @@ def run(
         if error.trajectory is None or not len(error.trajectory.t):
             raise
         result, failure = error.trajectory, error
-    shown = result.names if outputs else _telling(result)
+    shown = result.names if outputs else _telling(result.names)
     _report(result, shown)
     if out is not None:
         result.save(out)
@@ -122,6 +122,46 @@ def run(
         raise failure
     if not result.complete:
         _say(f"stopped at t = {result.t[-1]:.6g} s; what was done until then is kept")
+        raise typer.Exit(NO)
+
+
+@app.command()
+def sweep(
+    train: Train,
+    over: Annotated[list[str], typer.Option(metavar="PATH=FROM:TO:N", help="What varies; several make a grid.")],
+    of: Annotated[
+        list[str] | None, typer.Option(metavar="OUTPUT", help="An output, or peak(OUTPUT), rms(OUTPUT) ...")
+    ] = None,
+    t_end: Annotated[float, typer.Option(help="End of each run in s.")] = 1.0,
+    initial: Annotated[str | None, typer.Option(help="static or static_at_start.")] = None,
+    change: Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="A parameter.")] = None,
+    without: Annotated[list[str] | None, typer.Option(metavar="PATTERN", help="Leave effects out.")] = None,
+    rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-6,
+    method: Annotated[str, typer.Option(help="auto, rk4, dp5, dp8 or rodas.")] = "auto",
+    step: Annotated[float | None, typer.Option(help="Fixed step in s.")] = None,
+    out: Annotated[Path | None, typer.Option(help="A folder, or a file: .csv, .nc, .zarr, .png ...")] = None,
+    store: Annotated[Path | None, typer.Option(help="A folder (Zarr) from which a stopped sweep goes on.")] = None,
+    jobs: Annotated[int | None, typer.Option(help="Threads; without: all cores.")] = None,
+) -> None:
+    """Run a train over a grid of values, and tell what each run comes to."""
+    from gearblocks.cli import studies
+
+    values = studies.grid(over)
+    studies.check_place(out)
+    rig = _train(train, without or [])
+    model, tuned = _changed(rig, dict(_assignment(item) for item in change or []))
+    from gearblocks.analysis import parameter_study
+
+    found = parameter_study.sweep(
+        model, values, quantity=studies.quantities(model.program, of or (), _telling([*model.program.output_numbers])[:1]),
+        t_end=t_end, initial=initial, parameters=tuned, rtol=rtol, method=method, step=step, store=store, threads=jobs,
+    )  # fmt: skip
+    typer.echo(repr(found)[1:-1])
+    for path in studies.written(found, out) if out is not None and found.done.any() else []:
+        typer.echo(f"wrote {path}")
+    for failure in found.failures[:10]:
+        _say(f"{', '.join(f'{path} = {x:.6g}' for path, x in failure.point.items())}: {failure.message}")
+    if not found.complete or len(found.failures) == len(found):
         raise typer.Exit(NO)
 
 
@@ -312,9 +352,9 @@ def _report(result: Trajectory, shown: Sequence[str]) -> None:
         typer.echo(f"  {name:<{width}}  {result[name].min(): .6g} .. {result[name].max(): .6g} {unit}".rstrip())
 
 
-def _telling(result: Trajectory) -> tuple[str, ...]:
+def _telling(names: Sequence[str]) -> tuple[str, ...]:
     """The outputs that tell most, at most a dozen: deflections and forces of elements, speeds of bodies."""
     kinds = ("deflection", "twist", "force", "torque", "w", "v")
-    own = [name for name in result.names if name.count(".") == 1]
+    own = [name for name in names if name.count(".") == 1]
     chosen = [name for kind in kinds for name in own if name.endswith("." + kind)]
-    return tuple(chosen[:12]) or result.names[:12]
+    return tuple(chosen[:12]) or tuple(names[:12])

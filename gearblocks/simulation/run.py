@@ -35,6 +35,7 @@ from gearblocks.simulation.arguments import (
     set_inputs,
     start_state,
 )
+from gearblocks.simulation.case import Case
 from gearblocks.simulation.element_balance import Rerun, element_imbalances
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import events_of
@@ -78,6 +79,7 @@ def run_model(
             "parameters": NamedValues(program.parameter_numbers, values),
         })  # fmt: skip
         y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)
+        run.case = Case(model.library, values, dict(inputs or {}), options, begin, end, y0)
         return run.go(options, begin, y0, why)
 
 
@@ -117,6 +119,7 @@ class _Run:
     cpu: float = 0.0
     size: int = 0
     rerun: Rerun | None = None
+    case: Case | None = None
 
     def balanced(self, begin: float, initial: Any) -> Array:
         """The state of the static equilibrium."""
@@ -243,6 +246,7 @@ class _Run:
             t, columns, program.output_units,
             events=events_of(program.event_table, self.events), stats=stats,
             energy=balance, final_state=self._final(), meta={**self.meta, "complete": complete},
+            case=self.case if complete else None,
         )  # fmt: skip
 
     def _samples(self) -> Samples:

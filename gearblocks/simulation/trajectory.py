@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearblocks.errors import GearblocksError, UnknownNameError, did_you_mean
+from gearblocks.simulation.case import Case
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import Event, Events
 from gearblocks.simulation.records import Array, Content, EnergyLedger, FinalState, Stats, frozen
@@ -34,10 +35,11 @@ class Trajectory:
 
     columns: a mapping from names to arrays as long as t, or the pair (names, array of shape (len(t), len(names)));
     arrays are taken over, not copied. meta holds what is known of the run: train, parameters, method, rtol,
-    complete (False where the run was stopped early) and the like.
+    complete (False where the run was stopped early) and the like. case: what the run follows from, where it was made in
+    this process and came to its end; files and pickles do not keep it.
     """
 
-    __slots__ = ("_columns", "_energy", "events", "final_state", "meta", "stats", "t", "units")
+    __slots__ = ("_columns", "_energy", "case", "events", "final_state", "meta", "stats", "t", "units")
 
     t: Array
     _columns: Mapping[str, Array]
@@ -47,6 +49,7 @@ class Trajectory:
     _energy: EnergyLedger | EnergyBalance
     meta: Mapping[str, Any]
     final_state: FinalState | None
+    case: Case | None
 
     def __init__(
         self,
@@ -59,6 +62,7 @@ class Trajectory:
         energy: EnergyLedger | EnergyBalance | None = None,
         meta: Mapping[str, Any] | None = None,
         final_state: FinalState | None = None,
+        case: Case | None = None,
     ) -> None:
         time, known, outputs = frozen(t), units or {}, columns
         if not isinstance(outputs, Outputs):
@@ -75,6 +79,7 @@ class Trajectory:
             _energy=energy or EnergyLedger(),
             meta=MappingProxyType(dict(meta or {})),
             final_state=final_state,
+            case=case,
         )
 
     def _fill(self, **values: Any) -> None:
@@ -161,7 +166,7 @@ class Trajectory:
 
     def select(self, *patterns: str) -> Trajectory:
         """The same run with only the outputs that match, e.g. `run.select("mesh.*", "wheel.w")`."""
-        return _from_content(self.content(*self.find(*patterns)))
+        return _from_content(self.content(*self.find(*patterns)), self.case)
 
     def _unknown(self, what: str, name: object) -> str:
         if not self._columns:
@@ -227,7 +232,7 @@ def matches(name: str, pattern: str) -> bool:
     return fnmatch.fnmatchcase(name, pattern.replace("[", "[[]"))
 
 
-def _from_content(content: Content) -> Trajectory:
+def _from_content(content: Content, case: Case | None = None) -> Trajectory:
     return Trajectory(
         content.t,
         content.columns,
@@ -237,6 +242,7 @@ def _from_content(content: Content) -> Trajectory:
         energy=content.energy,
         meta=content.meta,
         final_state=content.final_state,
+        case=case,
     )
 
 

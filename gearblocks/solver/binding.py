@@ -121,10 +121,11 @@ class Simulation:
             self.parameters = self.inputs = np.empty(0)
             self._kept.clear()
 
-    def record(self, rows: int | None = None) -> Record:
-        """An empty record; rows: as many as there can be at most, where that is known."""
+    def record(self, rows: int | None = None, inner: Array | None = None) -> Record:
+        """An empty record; rows: as many as there can be at most, where that is known; inner: fractions of each step at which
+        a run that records every step writes a row too."""
         program = self._program
-        return Record(1 + program.n_total + len(program.switches) + len(program.inputs), rows)
+        return Record(1 + program.n_total + len(program.switches) + len(program.inputs), rows, inner)
 
     def changed(self) -> None:
         """Tells the solver that `parameters` or `inputs` were written."""

@@ -112,6 +112,8 @@ class RecordStructure(ctypes.Structure):
         ("events", c_void_p),
         ("n_events", c_long),
         ("event_capacity", c_long),
+        ("inner", c_void_p),
+        ("n_inner", c_long),
     ]
 
 

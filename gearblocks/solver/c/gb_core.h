@@ -87,12 +87,15 @@ typedef struct gb_event {
     int index, kind; /* kind 0: state, 1: time */
 } gb_event;
 
-/* A record that the caller owns. A row is [t | y (n_total) | modes (n_switches) | inputs (n_inputs)]. */
+/* A record that the caller owns. A row is [t | y (n_total) | modes (n_switches) | inputs (n_inputs)].
+ * Where every step is recorded, a row at each of the `inner` fractions of a step comes before that of its end. */
 typedef struct gb_record {
     double *rows;
     long n_rows, row_capacity;
     gb_event *events;
     long n_events, event_capacity;
+    const double *inner; /* rising, between 0 and 1 */
+    long n_inner;
 } gb_record;
 
 GB_API gb_sim *gb_open(const gb_model *model);

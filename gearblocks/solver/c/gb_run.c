@@ -233,6 +233,18 @@ static int write_samples(gb_sim *sim, const double *t, long n, gb_record *record
     return GB_DONE;
 }
 
+/* Rows within the segment that ends at the front; at its end where it is too short for any. None after an event. */
+static int write_inner(gb_sim *sim, gb_record *record) {
+    const double t0 = sim->head->front.t0, t1 = sim->head->front.t1;
+    const long count = sim->head->front.t_comm < t1 ? record->n_inner : 0;
+    int code = GB_DONE;
+    for (long i = 0; i < count && code == GB_DONE; i++) {
+        const int roomy = t0 + (t1 - t0) * record->inner[0] > t0;
+        code = write_row(sim, record, roomy ? t0 + (t1 - t0) * record->inner[i] : t1);
+    }
+    return code;
+}
+
 /* The row of the front, or of t_end where the front is beyond; answers as write_samples. */
 static int write_front(gb_sim *sim, double t_end, gb_record *record) {
     gb_head *head = sim->head;
@@ -240,7 +252,8 @@ static int write_front(gb_sim *sim, double t_end, gb_record *record) {
         return head->front.t_comm < t_end ? write_row(sim, record, t_end) : GB_DONE;
     }
     if (head->front.row_due) {
-        const int code = write_row(sim, record, head->front.t1);
+        int code = record->n_rows + record->n_inner < record->row_capacity ? write_inner(sim, record) : GB_FULL;
+        code = code == GB_DONE ? write_row(sim, record, head->front.t1) : code;
         if (code != GB_DONE) {
             return code;
         }

@@ -1,0 +1,131 @@
+"""Designs of studies: which points of a space of values are run - grids, lists of cases, random and Latin-hypercube samples.
+
+Knows nothing of trains and runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearblocks.errors import ParameterError, by_name
+from gearblocks.language.expression import finite_number
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Design:
+    """Points of a study, shape (points, paths). levels: the values along each dimension of a grid; None: a list of cases."""
+
+    paths: tuple[str, ...]
+    points: Array
+    levels: tuple[Array, ...] | None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the dimensions."""
+        return (len(self.points),) if self.levels is None else tuple(map(len, self.levels))
+
+    def __repr__(self) -> str:
+        words = " x ".join(map(str, self.shape))
+        return f"<Design: {words} {'cases' if self.levels is None else 'points'} over {', '.join(self.paths)}>"
+
+
+def grid(values: Mapping[str, ArrayLike]) -> Design:
+    """Every combination of the values by path; the last path varies fastest. Raises ParameterError."""
+    levels = tuple(_row(path, given) for path, given in _named(values).items())
+    mesh = np.meshgrid(*levels, indexing="ij")
+    return Design(tuple(values), np.column_stack([axis.ravel() for axis in mesh]), levels)
+
+
+def cases(given: Sequence[Mapping[str, float]] | Mapping[str, ArrayLike]) -> Design:
+    """A list of cases (dicts with the same paths), or columns of equal length by path. Raises ParameterError."""
+    if isinstance(given, Mapping):
+        columns = {path: _row(path, column) for path, column in _named(given).items()}
+    else:
+        columns = _columns(given)
+    lengths = {path: len(column) for path, column in columns.items()}
+    if len(set(lengths.values())) > 1:
+        listed = ", ".join(f"{path}: {n}" for path, n in lengths.items())
+        raise ParameterError(f"cases: the columns must be of equal length, not {listed}; a grid is what gb.sweep takes")
+    return Design(tuple(columns), np.column_stack([*columns.values()]), None)
+
+
+def latin_hypercube(bounds: Mapping[str, tuple[float, float]], number: int, *, seed: int = 0) -> dict[str, Array]:
+    """Cases for `gb.study`: `number` values of every path between (low, high), one in each of as many equal slices of it.
+
+    Returns columns of shape (number,) by path; the same seed gives the same ones (scipy.stats.qmc.LatinHypercube).
+    """
+    from scipy.stats import qmc
+
+    return _scaled(bounds, lambda d, n: qmc.LatinHypercube(d, seed=np.random.default_rng(seed)).random(n), number)
+
+
+def random_cases(bounds: Mapping[str, tuple[float, float]], number: int, *, seed: int = 0) -> dict[str, Array]:
+    """Cases for `gb.study`: `number` independent values of every path, uniform between (low, high).
+
+    Returns columns of shape (number,) by path; the same seed gives the same ones.
+    """
+    return _scaled(bounds, lambda d, n: np.random.default_rng(seed).random((n, d)), number)
+
+
+def _scaled(bounds: Mapping[str, tuple[float, float]], unit_points: Any, number: int) -> dict[str, Array]:
+    if isinstance(number, bool) or not isinstance(number, (int, np.integer)) or number < 1:
+        raise ParameterError(f"number = {number!r} must be a whole number of cases, >= 1")
+    lows, highs = [], []
+    for path, pair in _named(bounds).items():
+        try:
+            low, high = pair
+        except (TypeError, ValueError):
+            raise ParameterError(f"'{path}': {pair!r:.80} must be the pair (low, high)") from None
+        lows.append(finite_number(f"the lower bound of '{path}'", low))
+        highs.append(finite_number(f"the upper bound of '{path}'", high))
+        if not lows[-1] < highs[-1]:
+            raise ParameterError(f"'{path}': the lower bound {low!r} must be below the upper one, {high!r}")
+    points = unit_points(len(lows), int(number))
+    return {
+        path: low + (high - low) * points[:, i]
+        for i, (path, low, high) in enumerate(zip(bounds, lows, highs, strict=True))
+    }
+
+
+def _named(values: Any) -> Mapping[str, Any]:
+    found = by_name("the values by path", values)
+    if not found:
+        raise ParameterError("a study needs at least one path with values, such as {'mesh.k': [1e8, 2e8]}")
+    for path in found:
+        if not isinstance(path, str):
+            raise ParameterError(f"the values by path: {path!r:.80} must be text such as 'mesh.k'")
+    return found
+
+
+def _row(path: str, values: Any) -> Array:
+    try:
+        row = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError, ParameterError):
+        raise ParameterError(f"'{path}': {values!r:.80} must be a row of numbers") from None
+    if row.ndim != 1 or not len(row):
+        raise ParameterError(f"'{path}': a row of numbers is needed, not an array of shape {row.shape}")
+    if not np.isfinite(row).all():
+        raise ParameterError(f"'{path}': value number {int(np.argmin(np.isfinite(row)))} is not finite")
+    return row
+
+
+def _columns(given: Any) -> dict[str, Array]:
+    try:
+        rows = [dict(by_name(f"case {i}", case)) for i, case in enumerate(given)]
+    except TypeError:
+        raise ParameterError(f"cases = {given!r:.80} must be a list of dicts, or a dict of columns") from None
+    if not rows or not rows[0]:
+        raise ParameterError("a study needs at least one case with values, such as [{'mesh.k': 1e8}]")
+    for i, row in enumerate(rows):
+        if row.keys() != rows[0].keys():
+            odd = sorted(map(str, row.keys() ^ rows[0].keys()))
+            raise ParameterError(f"case {i} and case 0 differ in {', '.join(odd)}: every case gives the same paths")
+    return {path: _row(path, [row[path] for row in rows]) for path in _named(rows[0])}

@@ -1,0 +1,211 @@
+"""Studies: quantities of one train over many values of its parameters, on threads or any executor, kept on disk as they go.
+
+The model is built once; a chunk of points goes to a worker, an array comes back. Which worker, how many and in what chunks
+changes no bit of the values.
+"""
+
+from __future__ import annotations
+
+import pickle
+import threading
+import time
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor, Future
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearblocks.analysis.designs import Design, cases, grid
+from gearblocks.analysis.measuring import Interrupted, Measured, Task, measure, measure_packed, packed
+from gearblocks.analysis.sections import Section
+from gearblocks.analysis.study_progress import progress as shown_progress
+from gearblocks.analysis.study_result import Study, listed
+from gearblocks.analysis.study_store import StudyStore, needs_zarr
+from gearblocks.analysis.study_task import Settings, identity, names_of, task_of
+from gearblocks.analysis.workers import as_done, executor_of
+from gearblocks.drivetrain import Drivetrain, build
+from gearblocks.errors import GearblocksWarning, ParameterError
+from gearblocks.solver.library import Model
+
+if TYPE_CHECKING:
+    import os
+
+Array = NDArray[np.float64]
+
+_CHUNK_SECONDS = 0.5  # what a chunk should take: long against sending it, short against the patience of whoever waits
+_MOST = 4096  # points in a chunk
+
+
+def sweep(
+    train: Drivetrain | Model, values: Mapping[str, ArrayLike], *, quantity: Any, t_end: float | None = None,
+    t: ArrayLike | None = None, t_start: float | None = None, section: Section | None = None, transient: int = 300,
+    keep: int = 100, method: str = "auto", rtol: float = 1e-6, step: float | None = None, max_step: float | None = None,
+    locate: bool = True, inputs: Mapping[str, Any] | None = None, parameters: Mapping[str, float] | None = None,
+    initial: Any = None, executor: Any = None, threads: int | None = None, chunk: int | None = None,
+    store: str | os.PathLike[str] | None = None, progress: Callable[[int, int], Any] | None = None,
+) -> Study:  # fmt: skip
+    """Quantities over every combination of values by path: a grid with one dimension per path.
+
+    values: by path of a parameter ("mesh.k"), start value ("motor.w") or input a row of numbers. quantity: one or several of
+    gb.peak, trough, rms, mean, at, last, count, event_time, energy_lost, points, or functions of a trajectory that answer a
+    number (slower). The runs are those of `gb.simulate` with t_end, t, t_start, method, rtol, step, max_step, locate,
+    inputs, parameters and initial; or, with a section and no end, transient + keep periods of it, of which windows begin
+    after the transient. executor: any of concurrent.futures, or a Dask client; else `threads` (default: every core).
+    chunk: points that go to a worker at once (default: about half a second of them). store: a folder (Zarr, needs
+    gearblocks[zarr]) that is written as it goes; the same call goes on after a kill and runs what is missing.
+    progress: called with the points done and their number; without it a terminal shows points per second and time left.
+
+    A point whose run fails is NaN and stands in `failures`. Ctrl-C answers what is done; `complete` is then False. Raises
+    ParameterError and UnknownNameError for bad arguments before anything is run, StorageError for a store of another study.
+    """
+    settings = Settings(
+        t_end=t_end, t=t, t_start=t_start, section=section, transient=transient, keep=keep, method=method, rtol=rtol,
+        step=step, max_step=max_step, locate=locate, inputs=inputs, parameters=parameters, initial=initial,
+    )  # fmt: skip
+    return _studied(train, grid(values), quantity, settings, executor, threads, chunk, store, progress)
+
+
+def study(
+    train: Drivetrain | Model, cases_: Sequence[Mapping[str, float]] | Mapping[str, ArrayLike], *, quantity: Any,
+    t_end: float | None = None, t: ArrayLike | None = None, t_start: float | None = None, section: Section | None = None,
+    transient: int = 300, keep: int = 100, method: str = "auto", rtol: float = 1e-6, step: float | None = None,
+    max_step: float | None = None, locate: bool = True, inputs: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, float] | None = None, initial: Any = None, executor: Any = None, threads: int | None = None,
+    chunk: int | None = None, store: str | os.PathLike[str] | None = None,
+    progress: Callable[[int, int], Any] | None = None,
+) -> Study:  # fmt: skip
+    """Quantities over a list of cases: dicts of values by path, or columns of equal length by path, such as
+    gb.latin_hypercube and gb.random_cases make. Everything else as in `gb.sweep`."""
+    settings = Settings(
+        t_end=t_end, t=t, t_start=t_start, section=section, transient=transient, keep=keep, method=method, rtol=rtol,
+        step=step, max_step=max_step, locate=locate, inputs=inputs, parameters=parameters, initial=initial,
+    )  # fmt: skip
+    return _studied(train, cases(cases_), quantity, settings, executor, threads, chunk, store, progress)
+
+
+def _studied(
+    train: Drivetrain | Model, design: Design, quantity: Any, settings: Settings, executor: Any, threads: int | None,
+    chunk: int | None, store: str | os.PathLike[str] | None, tell: Callable[[int, int], Any] | None,
+) -> Study:  # fmt: skip
+    for name, number in (("threads", threads), ("chunk", chunk)):
+        if number is not None and (isinstance(number, bool) or not isinstance(number, (int, np.integer)) or number < 1):
+            raise ParameterError(f"{name} = {number!r} must be a whole number, >= 1")
+    if tell is not None and not callable(tell):
+        raise ParameterError(f"progress = {tell!r:.80} must be a function of the points done and their number")
+    if store is not None:
+        needs_zarr(store)
+    fields = train.field_paths() if isinstance(train, Drivetrain) else frozenset[str]()
+    task, name_units = task_of(build(train), design, quantity, settings, fields)
+    run = _Run(task, design, name_units)
+    with executor_of(executor, threads) as (pool, workers):
+        if store is not None:
+            run.open_store(store, chunk, workers)
+        run.size = run.store.chunk if run.store is not None else chunk or run.chunk_size(workers, keep=True)
+        run.go(pool, workers, own=executor is None, tell=tell)
+    return run.result()
+
+
+class _Run:
+    """A study in progress."""
+
+    def __init__(self, task: Task, design: Design, name_units: Sequence[str]) -> None:
+        self.task, self.design, self.name_units = task, design, tuple(name_units)
+        self.values = np.full((len(design.points), sum(task.widths)), np.nan)
+        self.done = np.zeros(len(design.points), dtype=np.bool_)
+        self.messages: dict[int, str] = {}
+        self.store: StudyStore | None = None
+        self.size = 1
+        self.solver_seconds, self.began = 0.0, time.perf_counter()
+
+    def chunk_size(self, workers: int, *, keep: bool = False) -> int:
+        """Points that take about half a second, by a trial of the first one, which is kept where chunks may begin behind it;
+        no fewer chunks than four for each worker. An exception of a function of the user's at the first point is raised."""
+        trial = measure(self.task, self.design.points[:1])
+        if trial.cause is not None:
+            raise trial.cause
+        if keep:
+            self._take(slice(0, 1), trial)
+        share = -(-len(self.design.points) // (4 * workers))
+        return int(np.clip(_CHUNK_SECONDS / max(trial.took, 1e-9), 1, min(share, _MOST)))
+
+    def open_store(self, path: str | os.PathLike[str], chunk: int | None, workers: int) -> None:
+        """The store at `path` with what it has, or a new one."""
+        whole = identity(self.task, self.design)
+        self.store = StudyStore.found(path, whole)
+        if self.store is None:
+            words = {
+                "train": self.task.model.program.name,
+                "paths": self.design.paths,
+                "quantities": names_of(self.task.measures),
+            }
+            size = chunk or self.chunk_size(workers)
+            self.store = StudyStore.made(path, whole, len(self.values), self.values.shape[1], size, words)
+        self.done[:] = self.store.done
+        if self.done.any():
+            self.values[self.done] = self.store.values()[self.done]
+            self.messages.update({i: words for i, words in self.store.messages().items() if self.done[i]})
+
+    def go(self, pool: Executor, workers: int, *, own: bool, tell: Callable[[int, int], Any] | None) -> None:
+        """Measures what is missing, until the end or Ctrl-C."""
+        begin = int(self.store is None and self.done[0])  # behind the trial
+        starts = range(begin, len(self.done), self.size)
+        chunks = [
+            slice(a, min(a + self.size, len(self.done))) for a in starts if not self.done[a : a + self.size].all()
+        ]
+        stopped = threading.Event()
+        submit = self._threads(pool, stopped) if own else self._processes(pool)
+        try:
+            with shown_progress(len(self.done), int(self.done.sum()), tell) as show:
+                for chunk, measured in as_done(workers, chunks, submit):
+                    self._take(chunk, measured)
+                    show(int(self.done.sum()))
+        except (KeyboardInterrupt, Interrupted):
+            pass
+        finally:
+            stopped.set()
+
+    def _threads(self, pool: Executor, stopped: threading.Event) -> Callable[[slice], Future[Measured]]:
+        return lambda chunk: pool.submit(measure, self.task, self.design.points[chunk], stopped.is_set)
+
+    def _processes(self, pool: Executor) -> Callable[[slice], Future[Measured]]:
+        try:
+            data = packed(self.task)
+        except (pickle.PicklingError, AttributeError, TypeError) as error:
+            raise ParameterError(
+                f"this study cannot be sent to other processes ({error}): functions must be defined at the top of a module, "
+                "and inputs be numbers or tables; threads need no sending"
+            ) from error
+        return lambda chunk: pool.submit(measure_packed, data, self.design.points[chunk])
+
+    def _take(self, chunk: slice, measured: Measured) -> None:
+        if self.store is not None:
+            self.store.write(chunk.start, measured)
+        self.values[chunk], self.done[chunk] = measured.values, True
+        self.messages.update({chunk.start + i: words for i, words in measured.messages.items()})
+        self.solver_seconds += measured.seconds
+
+    def result(self) -> Study:
+        """What was found; points in doubt are warned about."""
+        task, design, window = self.task, self.design, self.task.window
+        meta = {
+            "train": task.model.program.name, "method": task.arguments["method"], "rtol": task.options.rtol,
+            "begin": window.begin, "end": None if window.periodic else window.end,
+            "seconds": time.perf_counter() - self.began, "solver_seconds": self.solver_seconds,
+        }  # fmt: skip
+        found = Study(
+            tuple(axis.path for axis in task.axes), tuple(axis.unit for axis in task.axes), design.points,
+            design.shape if design.levels else (),
+            names_of(task.measures), self.name_units, task.widths, self.values, self.done, self.messages, meta,
+        )  # fmt: skip
+        for array in (found.points, found.values, found.done):
+            array.flags.writeable = False
+        if found.doubts:
+            warnings.warn(
+                f"study of '{task.model.program.name}': {len(found.doubts)} of {len(found)} points are in doubt "
+                f"(study.doubts):\n  {listed(found.doubts)}",
+                GearblocksWarning,
+                stacklevel=4,
+            )
+        return found

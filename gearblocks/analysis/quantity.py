@@ -1,0 +1,123 @@
+"""Base of the quantities: what one number says about a run. Frozen values that can be named, compared, sent and measured."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.solution import Solution, Span, solution_of, span_of_run
+from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
+from gearblocks.simulation.events import KINDS, Events
+from gearblocks.simulation.segments import Needs
+from gearblocks.simulation.trajectory import Trajectory, matches
+
+Array = NDArray[np.float64]
+
+
+class Quantity:
+    """Base of all quantities. `quantity.of(run)` is its value [unit], `quantity.name` the name of its column."""
+
+    __slots__ = ()
+    word: ClassVar[str]
+    positional: ClassVar[tuple[str, ...]] = ("output",)
+
+    @property
+    def name(self) -> str:
+        """How it is written: peak(mesh.force, after=0.2)."""
+        parts = []
+        for item in fields(self):  # type: ignore[arg-type]  # every quantity is a dataclass
+            value = getattr(self, item.name)
+            if value != item.default:
+                shown = f"{value:.12g}" if isinstance(value, float) else str(value)
+                parts.append(shown if item.name in self.positional else f"{item.name}={shown}")
+        return f"{self.word}({', '.join(parts)})"
+
+    def __str__(self) -> str:
+        return self.name
+
+    def of(self, run: Trajectory) -> Any:
+        """Its value for a run (an array for `points`): on the solution between the samples where the run was made by
+        `gb.simulate` in this process, else (a stored run) on splines through its samples."""
+        span = span_of_run(run)
+        self.unit(span)
+        with solution_of(run, self.needs(span)) as solution:
+            return self.measure(solution, span)
+
+    def unit(self, span: Span) -> str:
+        """SI unit; refuses by name what the run does not have. Raises UnknownNameError, ParameterError."""
+        raise NotImplementedError
+
+    def needs(self, span: Span) -> Needs:
+        """What has to be known of the run."""
+        raise NotImplementedError
+
+    def measure(self, run: Solution, span: Span) -> float | Array:
+        """The value."""
+        raise NotImplementedError
+
+    def length(self, span: Span) -> int | None:  # noqa: ARG002
+        """How many numbers it is, None for one."""
+        return None
+
+    # -- for the quantities -----------------------------------------------------------------------------------------
+
+    def window(self, span: Span) -> tuple[float, float]:
+        """The window [s], checked."""
+        after, before = getattr(self, "after", None), getattr(self, "before", None)
+        start = span.after if after is None and span.after is not None else span.begin if after is None else after
+        end = span.end if before is None else before
+        if before is not None and not span.begin < before <= span.end:
+            raise ParameterError(
+                f"{self.name}: before = {before:g} s must lie within the run, which goes from {span.begin:g} to {span.end:g} s"
+            )
+        if not span.begin <= start < end:
+            raise ParameterError(
+                f"{self.name}: after = {start:g} s must lie in the run before {end:g} s; the run goes from {span.begin:g} to "
+                f"{span.end:g} s"
+            )
+        return float(start), float(end)
+
+    def output_unit(self, span: Span) -> str:
+        name = getattr(self, "output")  # noqa: B009  declared by those that have one
+        if name not in span.units:
+            raise UnknownNameError(
+                f"{self.name}: there is no output '{name}'{did_you_mean(name, span.units)}; list them with rig.describe()"
+            )
+        return span.units[name]
+
+    def chosen(self, events: Events, start: float, end: float) -> NDArray[np.void]:
+        """Events of the component and kind that are asked for, within the window."""
+        rows = events.array
+        component, kind = getattr(self, "component", None), getattr(self, "kind", None)
+        keep = (rows["t"] >= start) & (rows["t"] <= end)
+        if component is not None:
+            wanted = [i for i, name in enumerate(events.components) if belongs(name, component)]
+            keep &= np.isin(rows["component"], wanted)
+        if kind is not None:
+            keep &= rows["kind"] == KINDS.index(kind)
+        chosen: NDArray[np.void] = rows[keep]
+        return chosen
+
+    def check_events(self, span: Span) -> None:
+        component, kind = getattr(self, "component", None), getattr(self, "kind", None)
+        if kind is not None and kind not in KINDS:
+            raise ParameterError(
+                f"{self.name}: kind = {kind!r} must be one of {', '.join(KINDS)}{did_you_mean(kind, KINDS)}"
+            )
+        known(self.name, component, span.components, "events")
+
+
+def belongs(name: str, component: str) -> bool:
+    """Whether a component is the one that is asked for, a part of it, or matches the pattern."""
+    return name == component or name.startswith(f"{component}.") or matches(name, component)
+
+
+def known(quantity: str, component: str | None, names: tuple[str, ...] | None, what: str) -> None:
+    if component is not None and names is not None and not any(belongs(name, component) for name in names):
+        raise UnknownNameError(
+            f"{quantity}: '{component}' has no {what}; {', '.join(names) or 'nothing in this train'} has"
+            f"{did_you_mean(component, names)}"
+        )

@@ -1,0 +1,113 @@
+"""What quantities are measured on: a run with its values between the samples, and what is known of it beforehand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Protocol, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.sampled_run import SampledRun
+from gearblocks.analysis.sections import Section
+from gearblocks.codegen.program import Program
+from gearblocks.errors import ParameterError, SimulationError
+from gearblocks.simulation.arguments import resolve, set_inputs
+from gearblocks.simulation.events import Events
+from gearblocks.simulation.failures import reason
+from gearblocks.simulation.records import NamedValues
+from gearblocks.simulation.segments import Needs, Segments, StoppedError
+from gearblocks.simulation.trajectory import Trajectory
+from gearblocks.solver.structures import Code
+
+Array = NDArray[np.float64]
+
+
+class Solution(Protocol):
+    """What quantities are measured on: a run with its values between the samples (`simulation/segments.py`)."""
+
+    events: Events
+
+    @property
+    def rtol(self) -> float: ...
+    @property
+    def loss_integrals(self) -> Mapping[str, int]: ...
+    def value(self, output: str, time: float) -> float: ...
+    def state(self, time: float) -> Array: ...
+    def within(self, output: str, after: float, before: float) -> tuple[Array, Array, Array]: ...
+    def sample(self, output: str, times: Array) -> Array: ...
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Span:
+    """The run that quantities are asked of: begin and end [s], units of its outputs by name, components with events and
+    with losses (None: not known), and values of its parameters. after: start of windows that do not say one [s];
+    section, most: that of points which do not say one, and how many there are at most."""
+
+    begin: float
+    end: float
+    units: Mapping[str, str]
+    components: tuple[str, ...] | None
+    losses: tuple[str, ...] | None
+    parameters: Mapping[str, float]
+    after: float | None = None
+    section: Section | None = None
+    most: int | None = None
+
+    def section_times(self, section: Section) -> Array:
+        """Times of the points of a section within the run [s]."""
+        period = section_period(section, self.parameters)
+        first = self.begin if self.after is None else self.after
+        numbers = np.arange(np.ceil(first / period * (1 - 1e-12)), np.floor(self.end / period * (1 + 1e-12)) + 1)
+        times: Array = np.minimum(np.maximum(period * numbers, self.begin), self.end)
+        return times[: self.most]
+
+
+def section_period(section: Section, parameters: Mapping[str, float]) -> float:
+    """Period of a stroboscopic section [s]. Raises ParameterError where its frequency is not above 0."""
+    paths = {path: i for i, path in enumerate(parameters)}
+    path = [*parameters][resolve(section.frequency, paths, "parameter")]
+    frequency = parameters[path]
+    if not frequency > 0:
+        raise ParameterError(f"the frequency '{section.frequency}' = {frequency!r} rad/s must be > 0")
+    return float(2 * np.pi / frequency)
+
+
+def program_span(program: Program, begin: float, end: float, vector: Array, section: Section | None) -> Span:
+    """A run of a program from begin to end [s]."""
+    return Span(
+        begin, end, program.output_units, program.event_table.components, program.integral_components["loss"][0],
+        NamedValues(program.parameter_numbers, vector), section=section,
+    )  # fmt: skip
+
+
+def span_of_run(run: Trajectory) -> Span:
+    """What is known of a run that is there. Raises ParameterError for one without samples."""
+    if len(run.t) < 1:
+        raise ParameterError("a run without samples has no quantities")
+    if run.case is None:
+        parameters = dict(run.meta.get("parameters", {}))
+        return Span(float(run.t[0]), float(run.t[-1]), run.units, None, None, parameters)
+    case = run.case
+    return program_span(case.library.program, case.begin, float(run.t[-1]), case.parameters, None)
+
+
+@contextmanager
+def solution_of(run: Trajectory, needs: Needs) -> Iterator[Solution]:
+    """The solution that a run shows: its steps done again where the run knows what it follows from, else its samples."""
+    case = run.case
+    if case is None:
+        yield SampledRun(run, [time for window in needs.windows for time in window])
+        return
+    program = case.library.program
+    with case.library.open() as sim:
+        sim.parameters[:] = case.parameters
+        set_inputs(sim, program, case.inputs)
+        try:
+            yield Segments(sim, program, case, needs)
+        except StoppedError as stopped:
+            code = stopped.code or Code.ERR_MEMORY
+            raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None

@@ -1,0 +1,126 @@
+"""Pictures of studies: lines over one dimension, colours over two, points of a section as dots."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.errors import ParameterError
+from gearblocks.simulation.plotting import COLOURS, NO_UNIT, finished, new_figure, prefixed, style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+
+class Study(Protocol):
+    """What is drawn of a study (`study_result.py`)."""
+
+    @property
+    def paths(self) -> tuple[str, ...]: ...
+    @property
+    def units(self) -> tuple[str, ...]: ...
+    @property
+    def points(self) -> Array: ...
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    @property
+    def names(self) -> tuple[str, ...]: ...
+    @property
+    def name_units(self) -> tuple[str, ...]: ...
+    @property
+    def done(self) -> NDArray[np.bool_]: ...
+    @property
+    def meta(self) -> Mapping[str, Any]: ...
+    def __getitem__(self, name: str) -> Array: ...
+
+
+def picture(study: Study, names: Sequence[str], path: str | os.PathLike[str] | None) -> Figure:
+    """One panel per quantity; saved to `path` where given."""
+    plane = len(study.shape) == 2
+    if len(study.shape) > 2:
+        raise ParameterError(
+            f"a picture has one or two dimensions, this study {len(study.shape)}: take one out of to_xarray()"
+        )
+    columns = min(2, len(names)) if plane else 1
+    rows = math.ceil(len(names) / columns)
+    size = (4.4 * columns + 0.6, 3.4 * rows) if plane else (7.2, 0.9 + 2.0 * rows)
+    with style():
+        figure, axes = new_figure(path, rows=rows, columns=columns, size=size)
+        for axis, name in zip(axes, names, strict=False):
+            (_colours if plane else _line)(figure, axis, study, name)
+        for axis in axes[len(names) :]:
+            axis.set_axis_off()
+        if not plane:
+            axes[-1].set_xlabel(_label(*_over(study)[:2]))
+        figure.suptitle(str(study.meta.get("train", "")), x=0.01, ha="left", fontsize=10)
+        return finished(figure, path)
+
+
+def _over(study: Study) -> tuple[str, str, Any]:
+    """Name, unit and values of the horizontal axis of lines."""
+    if len(study.paths) > 1:
+        return "case", "", np.arange(len(study.points), dtype=float)
+    factor, unit = prefixed([study.points[:, 0]], study.units[0])
+    return study.paths[0], unit, study.points[:, 0] * factor
+
+
+def _line(_: Figure, axis: Axes, study: Study, name: str) -> None:
+    x, values = _over(study)[2], study[name]
+    factor, unit = prefixed([values.ravel()], study.name_units[study.names.index(name)])
+    shown = values * factor
+    if shown.ndim > 1:
+        axis.plot(x, shown, linestyle="none", marker=".", markersize=2.5, color=COLOURS[0], markeredgecolor="none")
+        missing = np.isnan(shown).all(axis=1)
+    else:
+        order = np.argsort(x, kind="stable")
+        joined = bool(study.shape)
+        axis.plot(
+            x[order], shown[order], linestyle="-" if joined else "none", marker="o", markersize=3, color=COLOURS[0]
+        )
+        missing = np.isnan(shown)
+    missing &= study.done
+    if missing.any():
+        low = axis.get_ylim()[0]
+        axis.plot(x[missing], np.full(int(missing.sum()), low), "x", color=COLOURS[1], label="failed", clip_on=False)
+        axis.legend()
+    axis.set_ylabel(_label(name, unit))
+
+
+def _colours(figure: Figure, axis: Axes, study: Study, name: str) -> None:
+    values = study[name]
+    if values.ndim > 2:
+        raise ParameterError(f"'{name}' has several points in each cell of the plane: draw a study over one dimension")
+    factor, unit = prefixed([values.ravel()], study.name_units[study.names.index(name)])
+    levels, labels = [], []
+    for i in range(2):
+        column = study.points[:, i].reshape(study.shape)
+        row = column[:, 0] if i == 0 else column[0]
+        scale, shown_unit = prefixed([row], study.units[i])
+        levels.append(row * scale)
+        labels.append(_label(study.paths[i], shown_unit))
+    orders = [np.argsort(row, kind="stable") for row in levels]
+    x, y = (row[order] for row, order in zip(levels, orders, strict=True))
+    shown = (values * factor)[np.ix_(*orders)].T
+    mesh = axis.pcolormesh(x, y, np.ma.masked_invalid(shown), shading="nearest", cmap="viridis", rasterized=True)
+    figure.colorbar(mesh, ax=axis, label=unit if unit not in NO_UNIT else "")
+    missing = np.isnan(shown) & study.done.reshape(study.shape)[np.ix_(*orders)].T
+    if missing.any():
+        rows, columns = np.nonzero(missing)
+        axis.plot(x[columns], y[rows], "x", color=COLOURS[1], label="failed")
+        axis.legend()
+    axis.grid(visible=False)
+    axis.set_title(name)
+    axis.set_xlabel(labels[0])
+    axis.set_ylabel(labels[1])
+
+
+def _label(words: str, unit: str) -> str:
+    return words if unit in NO_UNIT else f"{words}\nin {unit}" if len(words) > 18 else f"{words} in {unit}"

@@ -1,0 +1,48 @@
+"""Progress of a study on a terminal: points done, points per second, time left. Nothing where there is no terminal."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+_PATIENCE = 1.0  # seconds before anything is shown
+
+
+@contextmanager
+def progress(total: int, done: int, tell: Callable[[int, int], Any] | None) -> Iterator[Callable[[int], None]]:
+    """A function that takes how many points are done; tell(done, total) is called instead where it is given."""
+    if tell is not None:
+        yield lambda count: tell(count, total)
+    elif total < 2 or not sys.stderr.isatty():
+        yield lambda _: None
+    else:
+        with _bar(total, done) as show:
+            yield show
+
+
+@contextmanager
+def _bar(total: int, before: int) -> Iterator[Callable[[int], None]]:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    words = TextColumn("{task.fields[rate]}")
+    bar = Progress(
+        BarColumn(), MofNCompleteColumn(), TextColumn("points"), words, TimeRemainingColumn(), TextColumn("left"),
+        console=Console(stderr=True), transient=True,
+    )  # fmt: skip
+    task = bar.add_task("", total=total, completed=before, rate="")
+    began = time.monotonic()
+
+    def show(done: int) -> None:
+        spent = time.monotonic() - began
+        if spent > _PATIENCE and not bar.live.is_started:
+            bar.start()
+        bar.update(task, completed=done, rate=f"{(done - before) / max(spent, 1e-9):.3g} points/s")
+
+    try:
+        yield show
+    finally:
+        bar.stop()

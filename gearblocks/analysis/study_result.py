@@ -1,0 +1,243 @@
+"""What a study found: a table of quantities over its points, with units, as arrays, pictures and files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.errors import StorageError, UnknownNameError, did_you_mean
+from gearblocks.files import reason, replacing, write_bytes
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+FORMAT = "gearblocks study 1"
+
+
+class Failure(NamedTuple):
+    """A point that has no values: where it lies (by path), and why."""
+
+    point: Mapping[str, float]
+    message: str
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Study:
+    """Quantities over the points of a study.
+
+    paths, units: what varies, and its units; points: its values, shape (points, paths); shape: lengths of the dimensions of
+    the grid, () for a list of cases. names, name_units, widths: the quantities, their units, and how many numbers each is;
+    values: shape (points, numbers), NaN where a point failed or was not reached; done: which were, shape (points,).
+    messages: by number of the point: why it failed, or why it is in doubt. meta: train, method, rtol, seconds and the like.
+    """
+
+    paths: tuple[str, ...]
+    units: tuple[str, ...]
+    points: Array
+    shape: tuple[int, ...]
+    names: tuple[str, ...]
+    name_units: tuple[str, ...]
+    widths: tuple[int, ...]
+    values: Array
+    done: NDArray[np.bool_]
+    messages: Mapping[int, str] = field(default_factory=dict)
+    meta: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def complete(self) -> bool:
+        """False where the study was stopped before its end."""
+        return bool(self.done.all())
+
+    @property
+    def failures(self) -> tuple[Failure, ...]:
+        """Points that failed, in their order."""
+        return self._named(failed=True)
+
+    @property
+    def doubts(self) -> tuple[Failure, ...]:
+        """Points that have values, but whose energy does not balance."""
+        return self._named(failed=False)
+
+    def _named(self, *, failed: bool) -> tuple[Failure, ...]:
+        rows = [i for i in sorted(self.messages) if np.isnan(self.values[i]).all() == failed]
+        return tuple(
+            Failure(dict(zip(self.paths, self.points[i].tolist(), strict=True)), self.messages[i]) for i in rows
+        )
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions: the paths of a grid, or "case"."""
+        return self.paths if self.shape else ("case",)
+
+    def __getitem__(self, name: str) -> Array:
+        """Values of a quantity, shape of the grid (or (cases,)), with one more dimension for the points of a section."""
+        if name not in self.names:
+            raise UnknownNameError(
+                f"the study has no {name!r}; it has {', '.join(self.names)}{did_you_mean(name, self.names)}"
+            )
+        i = self.names.index(name)
+        begin, width = sum(self.widths[:i]), self.widths[i]
+        values = self.values[:, begin : begin + width].reshape(*(self.shape or (len(self.points),)), width)
+        return values[..., 0] if self.widths[i] == 1 else values
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __repr__(self) -> str:
+        size = " x ".join(map(str, self.shape)) if self.shape else f"{len(self.points)} cases"
+        lines = [f"<study of '{self.meta.get('train', '')}': {size} over {', '.join(self.paths)}"]
+        for name, unit in zip(self.names, self.name_units, strict=True):
+            found = self[name]
+            known = found[np.isfinite(found)]
+            span = f"{known.min():.6g} .. {known.max():.6g}" if known.size else "no value"
+            lines.append(f"  {name}: {span}{'' if unit in ('', '1') else ' ' + unit}")
+        if not self.complete:
+            lines.append(f"  stopped early: {int(self.done.sum())} of {len(self.points)} points are done")
+        for what, found_ in (("failed", self.failures), ("in doubt", self.doubts)):
+            if found_:
+                lines.append(f"  {len(found_)} points {what}; first {_words(found_[0].point)}: {found_[0].message}")
+        return "\n".join(lines) + ">"
+
+    # -- elsewhere ----------------------------------------------------------------------------------------------------
+
+    def to_xarray(self) -> xarray.Dataset:
+        """One variable per quantity over the values of each path (or over `case`), with units."""
+        import xarray
+
+        variables: dict[str, Any] = {}
+        for name, unit, width in zip(self.names, self.name_units, self.widths, strict=True):
+            dims = (*self.dims, f"point of {name}") if width > 1 else self.dims
+            variables[name] = (dims, self[name].copy(), {"units": unit, "long_name": name})
+        coords: dict[str, Any] = {}
+        for i, (path, unit) in enumerate(zip(self.paths, self.units, strict=True)):
+            attributes = {"units": unit, "long_name": path}
+            if self.shape:
+                levels = self.points[:, i].reshape(self.shape)[
+                    tuple(slice(None) if j == i else 0 for j in range(len(self.shape)))
+                ]
+                coords[path] = (path, levels.copy(), attributes)
+            else:
+                coords[path] = ("case", self.points[:, i].copy(), attributes)
+        data = xarray.Dataset(variables, coords=coords)
+        data.attrs = {"title": str(self.meta.get("train", "")), "format": FORMAT, "record": json.dumps(self.record())}
+        return data
+
+    def record(self) -> dict[str, Any]:
+        """All but the values, in JSON's terms."""
+        return {
+            "paths": self.paths, "units": self.units, "shape": self.shape, "names": self.names,
+            "name_units": self.name_units, "widths": self.widths,
+            "messages": {str(i): words for i, words in self.messages.items()},
+            "missing": np.flatnonzero(~self.done).tolist(), "meta": dict(self.meta),
+        }  # fmt: skip
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """A line of names, then one line per point in full precision: paths, quantities, message. Raises StorageError."""
+        head = [*self.paths]
+        for name, width in zip(self.names, self.widths, strict=True):
+            head += [name] if width == 1 else [f"{name}[{i}]" for i in range(width)]
+        with replacing(path) as file:
+            text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
+            writer = csv.writer(text, lineterminator="\n")
+            writer.writerow([*head, "message"])
+            for i, (point, row) in enumerate(zip(self.points.tolist(), self.values.tolist(), strict=True)):
+                writer.writerow([*point, *row, self.messages.get(i, "")])
+            text.detach()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Store everything in a `.nc` (netCDF) file or a `.zarr` folder (needs gearblocks[zarr]), or a table as `.csv`.
+        Raises StorageError."""
+        ending = Path(path).suffix.lower()
+        if ending == ".csv":
+            self.to_csv(path)
+        elif ending == ".nc":
+            data = self.to_xarray()
+            for name in data.variables:
+                if "/" in str(name):
+                    raise StorageError(f"cannot write '{path}': netCDF has no '/' in names, and there is '{name}'")
+            write_bytes(path, memoryview(data.to_netcdf(None, engine="scipy")))
+        elif ending == ".zarr":
+            from gearblocks.analysis.study_store import needs_zarr
+
+            needs_zarr(path)
+            if Path(path).exists():
+                raise StorageError(f"'{path}' is there already; take another name")
+            self.to_xarray().to_zarr(Path(path), mode="w-", consolidated=False)
+        else:
+            raise StorageError(f"'{path}': the ending says how a study is stored and must be one of .nc, .zarr, .csv")
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Study:
+        """The study that `save` put into a `.nc` file or a `.zarr` folder, bit for bit. Raises StorageError."""
+        import xarray
+
+        ending = Path(path).suffix.lower()
+        if ending not in (".nc", ".zarr"):
+            raise StorageError(f"'{path}': the ending says how a study is stored and must be one of .nc, .zarr")
+        try:
+            if ending == ".nc":
+                data = xarray.load_dataset(io.BytesIO(Path(path).read_bytes()), engine="scipy")
+            else:
+                from gearblocks.analysis.study_store import needs_zarr
+
+                needs_zarr(path)
+                data = xarray.open_zarr(Path(path), consolidated=False).load()
+            return _restored(data)
+        except OSError as error:
+            raise StorageError(f"cannot read '{path}': {reason(error)}") from error
+        except (ValueError, KeyError, TypeError) as error:
+            raise StorageError(f"cannot read '{path}': it is not a stored study, or it is damaged ({error})") from error
+
+    def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Figure of the quantities (default all), one panel each: lines over one dimension, colours over two; points that
+        failed are crosses. Saved to `path` where given. Raises UnknownNameError, ParameterError for more dimensions."""
+        from gearblocks.analysis.study_pictures import picture
+
+        for name in names:
+            self[name]
+        return picture(self, names or self.names, path)
+
+
+def _restored(data: xarray.Dataset) -> Study:
+    if data.attrs["format"] != FORMAT:
+        raise ValueError(f"its format is '{data.attrs['format']}', this version reads '{FORMAT}'")
+    record = json.loads(data.attrs["record"])
+    paths, shape = tuple(record["paths"]), tuple(record["shape"])
+    axes: list[Array] = [np.ascontiguousarray(data[path].values, dtype=np.float64) for path in paths]
+    points = (
+        np.column_stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")])
+        if shape
+        else np.column_stack(axes)
+    )
+    values = np.column_stack(
+        [np.asarray(data[name].values, dtype=np.float64).reshape(len(points), -1) for name in record["names"]]
+    )
+    done = np.ones(len(points), dtype=np.bool_)
+    done[record["missing"]] = False
+    return Study(
+        paths, tuple(record["units"]), points, shape, tuple(record["names"]), tuple(record["name_units"]),
+        tuple(record["widths"]), values, done, {int(i): words for i, words in record["messages"].items()}, record["meta"],
+    )  # fmt: skip
+
+
+def _words(point: Mapping[str, float]) -> str:
+    return ", ".join(f"{path} = {x:.6g}" for path, x in point.items())
+
+
+def listed(failures: Sequence[Failure], most: int = 3) -> str:
+    """The first failures in words."""
+    lines = [f"{_words(failure.point)}: {failure.message}" for failure in failures[:most]]
+    return "\n  ".join([*lines, *([f"and {len(failures) - most} more"] if len(failures) > most else [])])

@@ -1,0 +1,232 @@
+"""The task of a study: every name resolved, every value checked, and what tells it from another study.
+
+Nothing is run before all of it is known to fit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence, Set
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.designs import Design
+from gearblocks.analysis.measuring import Axis, Measure, Task, Window, function_name, point_vector, span_of, widths_of
+from gearblocks.analysis.quantity import Quantity
+from gearblocks.analysis.sections import Section
+from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
+from gearblocks.language.expression import finite_number
+from gearblocks.language.signals import Table
+from gearblocks.simulation.arguments import (
+    begin_of,
+    checked,
+    is_static,
+    method_options,
+    parameter_vector,
+    resolve,
+    sample_times,
+    set_inputs,
+)  # fmt: skip
+from gearblocks.simulation.trajectory import Trajectory
+from gearblocks.solver.cache import digest
+from gearblocks.solver.library import Model
+from gearblocks.solver.structures import Method
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """How the runs of a study are made; the arguments of `gb.simulate`, and the section."""
+
+    t_end: float | None
+    t: Any
+    t_start: float | None
+    section: Section | None
+    transient: int
+    keep: int
+    method: str
+    rtol: float
+    step: float | None
+    max_step: float | None
+    locate: bool
+    inputs: Mapping[str, Any] | None
+    parameters: Mapping[str, float] | None
+    initial: Any
+
+
+def task_of(
+    model: Model, design: Design, quantity: Any, settings: Settings, fields: Set[str]
+) -> tuple[Task, tuple[str, ...]]:
+    """The task, and the unit of each quantity. fields: paths of the train that are no parameters of the model, as they make
+    its structure. Raises ParameterError and UnknownNameError by name."""
+    program, s = model.program, settings
+    measures = _measures(quantity)
+    window = _window(s)
+    options, _ = method_options(s.method, s.rtol, s.step, s.max_step, s.locate, window.end)
+    base = parameter_vector(program, model.values, s.parameters or {}, s.initial)
+    axes = tuple(_axis(model, path, s.initial, fields) for path in design.paths)
+    _check_axes(model, design, axes, s)
+    arguments: dict[str, Any] = {
+        "t_start": s.t_start, "method": s.method, "rtol": s.rtol, "step": s.step, "max_step": s.max_step, "locate": s.locate,
+    }  # fmt: skip
+    if s.t is not None:
+        arguments["t"] = s.t
+    task = Task(
+        model, axes, base, measures, (), window, options, dict(s.inputs or {}), s.initial, arguments
+    )  # fmt: skip
+    with model.library.open() as sim:
+        set_inputs(sim, program, task.inputs)
+        if options.method == Method.RODAS and not sim.has_jacobian:
+            raise ParameterError(
+                f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
+            )
+    span = span_of(task, point_vector(task, design.points[0]))
+    units = tuple(m.unit(span) if isinstance(m, Quantity) else "" for m in measures)
+    widths = widths_of(task, design.points)
+    return Task(
+        model, axes, base, measures, widths, window, options, task.inputs, s.initial, arguments
+    ), units  # fmt: skip
+
+
+def names_of(measures: Sequence[Measure]) -> tuple[str, ...]:
+    """Names of the columns."""
+    return tuple(m.name if isinstance(m, Quantity) else function_name(m) for m in measures)
+
+
+def _measures(quantity: Any) -> tuple[Measure, ...]:
+    given = tuple(quantity) if isinstance(quantity, (list, tuple)) else (quantity,)
+    if not given:
+        raise ParameterError("quantity = (): a study needs at least one, such as gb.peak('mesh.force')")
+    for one in given:
+        if not isinstance(one, Quantity) and not (callable(one) and not isinstance(one, type)):
+            raise ParameterError(
+                f"quantity = {one!r:.80} must be one, such as gb.peak('mesh.force'), or a function of a trajectory"
+            )
+    names = names_of(given)
+    for name in names:
+        if names.count(name) > 1:
+            raise ParameterError(f"the quantity '{name}' is given twice: each makes a column of its name")
+    return given
+
+
+def _window(s: Settings) -> Window:
+    begin = begin_of(s.t_start, s.initial)
+    if s.section is not None and not isinstance(s.section, Section):
+        raise ParameterError(f"section = {s.section!r:.80} must be one, such as gb.stroboscopic('speed')")
+    if s.t_end is None and s.t is None and s.section is not None:
+        for name, value, least in (("transient", s.transient, 0), ("keep", s.keep, 1)):
+            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
+                raise ParameterError(f"{name} = {value!r} must be a whole number of periods, >= {least}")
+        return Window(begin, float("inf"), s.section, int(s.transient), int(s.keep), periodic=True)
+    if s.t_end is None and s.t is None:
+        raise ParameterError("give t_end [s], sample times t, or a section with the periods transient and keep")
+    _, end = sample_times(begin, s.t_end, s.t)
+    return Window(begin, end, s.section)
+
+
+def _axis(model: Model, path: str, initial: Any, fields: Set[str]) -> Axis:
+    """Where the values of a path go: a parameter, a start value, or an input. Raises UnknownNameError, ParameterError."""
+    program = model.program
+    try:
+        info = program.parameters[i := resolve(path, program.parameter_numbers, "parameter")]
+    except UnknownNameError as unknown:
+        starts, inputs = program.start_numbers, program.input_numbers
+        if path in starts:
+            if not (initial is None or isinstance(initial, Mapping)):
+                raise ParameterError(
+                    f"'{path}' is a start value, and initial = {initial!r:.40} gives all of them"
+                ) from None
+            return Axis(path, program.output_units.get(path, ""), "start", starts[path])
+        if path in inputs:
+            return Axis(path, program.inputs[inputs[path]].unit, "input", inputs[path])
+        if "not unique" in str(unknown):
+            raise
+        if path in fields:
+            raise _structural(path) from None
+        near = did_you_mean(path, [*program.parameter_numbers, *starts, *inputs])
+        raise UnknownNameError(f"there is no parameter, start value or input '{path}'{near}") from None
+    if info.path in program.structural_paths:
+        raise _structural(info.path)
+    return Axis(info.path, info.unit, "parameter", i)
+
+
+def _structural(path: str) -> ParameterError:
+    return ParameterError(f"'{path}' is structural: make one study for each rig.set({{'{path}': ...}})")
+
+
+def _check_axes(model: Model, design: Design, axes: Sequence[Axis], s: Settings) -> None:
+    """Every value against the bounds of its parameter; nothing is given twice."""
+    program = model.program
+    fixed = {
+        "parameter": {program.parameters[resolve(p, program.parameter_numbers, "parameter")].path for p in s.parameters or {}},
+        "start": set(s.initial) if isinstance(s.initial, Mapping) else set(),
+        "input": {program.inputs[resolve(name, program.input_numbers, "input")].name for name in s.inputs or {}},
+    }  # fmt: skip
+    for i, axis in enumerate(axes):
+        if axis.path in fixed[axis.kind] or axis in axes[:i]:
+            raise ParameterError(f"'{axis.path}' is given twice: once to vary, once fixed or under another name")
+        low, high = float(design.points[:, i].min()), float(design.points[:, i].max())
+        for value in (low, high):
+            if axis.kind == "parameter":
+                p = program.parameters[axis.offset]
+                checked(p.path, value, p.unit, p.lower, p.upper, p.open_lower, p.open_upper)
+    if is_static(s.initial) and any(axis.kind == "start" for axis in axes):
+        raise ParameterError(f"initial = {s.initial!r} and start values that vary exclude each other")
+
+
+# -- identity -----------------------------------------------------------------------------------------------------------
+
+
+def identity(task: Task, design: Design) -> dict[str, str]:
+    """Digests of all that the values of a study follow from, by the words in which a store of another study is refused."""
+    o, w = task.options, task.window
+    section = w.section.frequency if w.section else ""
+    parts: dict[str, list[Any]] = {
+        "the train": [task.model.program.key],
+        "the fixed parameters": [_fixed(task)],
+        "the grid": [task.axes, design.shape, design.points.tobytes()],
+        "the quantities": [_measure_text(m) for m in task.measures],
+        "the time": [w.begin, w.end, section, w.transient, w.keep, np.asarray(task.arguments.get("t", ())).tobytes()],
+        "the method or tolerance": [o.method, o.locate, o.rtol, o.step, o.max_step],
+        "the inputs": [(name, _source_text(source)) for name, source in sorted(task.inputs.items())],
+        "the start": [_start_text(task.initial)],
+    }
+    return {name: digest(*(repr(part) for part in values)) for name, values in parts.items()}
+
+
+def _fixed(task: Task) -> bytes:
+    base = task.base.copy()
+    base[[axis.offset for axis in task.axes if axis.kind == "parameter"]] = 0.0
+    return base.tobytes()
+
+
+def _measure_text(measure: Measure) -> str:
+    if isinstance(measure, Quantity):
+        return repr(measure)
+    return _function_text(measure)
+
+
+def _function_text(function: Callable[..., Any]) -> str:
+    code = getattr(function, "__code__", None)
+    body = (
+        ""
+        if code is None
+        else f"{code.co_code.hex()} {[c for c in code.co_consts if not hasattr(c, 'co_code')]!r} {code.co_names}"
+    )
+    return f"{getattr(function, '__qualname__', repr(type(function)))} {body}"
+
+
+def _source_text(source: Any) -> str:
+    if isinstance(source, Table):
+        return f"{np.asarray(source.x).tolist()} {np.asarray(source.y).tolist()} {source.kind} {source.periodic}"
+    return _function_text(source) if callable(source) else repr(finite_number("an input", source))
+
+
+def _start_text(initial: Any) -> str:
+    if isinstance(initial, Trajectory):
+        final = initial.final_state
+        return "" if final is None else f"{final.t!r} {final.y.tobytes()!r} {final.modes.tobytes()!r}"
+    return repr(sorted(initial.items()) if isinstance(initial, Mapping) else initial)

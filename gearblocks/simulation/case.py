@@ -1,0 +1,27 @@
+"""What a run follows from, besides its model: with it the run can be done again, to the bit.
+
+Knows nothing of what is recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, final
+
+from gearblocks.solver.library import Library
+from gearblocks.solver.structures import Array, Options
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Case:
+    """What a run follows from, besides its model: parameters, inputs by name, options, start and end [s], start state."""
+
+    library: Library
+    parameters: Array
+    inputs: Mapping[str, Any]
+    options: Options
+    begin: float
+    end: float
+    y0: Array | None

@@ -1,0 +1,135 @@
+"""What a study found as arrays, files and pictures."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+QUANTITIES = (gb.peak("shaft.torque"), gb.energy_lost("clutch"), gb.event_time("clutch", number=5))
+
+
+@pytest.fixture(scope="module")
+def grid(clutch_model: gb.Model) -> gb.Study:
+    """Two dimensions; a gain of 1e4 fails, and no clutch locks six times."""
+    values = {"gain": [0.0, 1e4, 0.02], "shaft.k": [200.0, 150.0]}
+    return gb.sweep(clutch_model, values, quantity=QUANTITIES, t_end=0.5)
+
+
+@pytest.fixture(scope="module")
+def cases(clutch_model: gb.Model) -> gb.Study:
+    columns = gb.latin_hypercube({"shaft.k": (100, 200), "clutch.capacity": (5, 9)}, 6, seed=2)
+    return gb.study(clutch_model, columns, quantity=QUANTITIES[:2], t_end=0.5)
+
+
+@pytest.fixture(scope="module")
+def sections(clutch_model: gb.Model) -> gb.Study:
+    """Six points of a section at each of four values."""
+    rig = gb.Drivetrain("driven")
+    speed = gb.Parameter("speed", 40.0, "rad/s")
+    drive, body = rig.add("drive", gb.Torque(tau=gb.cos(speed * gb.time))), rig.add("body", gb.Inertia(J=1.0))
+    rig.chain(drive, body, rig.add("damper", gb.Damper(c=3.0)), rig.add("ground", gb.Fixed()))
+    return gb.sweep(
+        rig, {"speed": [10.0, 20.0, 30.0, 40.0]}, quantity=[gb.points("body.w"), gb.last("body.w")],
+        section=gb.stroboscopic("speed"), transient=2, keep=6,
+    )  # fmt: skip
+
+
+def test_xarray_has_units_coordinates_and_the_shape_of_the_grid(grid: gb.Study) -> None:
+    data = grid.to_xarray()
+    assert data["peak(shaft.torque)"].dims == ("gain", "shaft.k")
+    assert data["peak(shaft.torque)"].attrs == {"units": "N m", "long_name": "peak(shaft.torque)"}
+    assert data["shaft.k"].attrs["units"] == "N m/rad"
+    assert float(data["energy_lost(clutch)"].sel({"gain": 0.02, "shaft.k": 150.0})) == grid["energy_lost(clutch)"][2, 1]
+    assert np.isnan(data["peak(shaft.torque)"].sel({"gain": 1e4})).all()
+
+
+def test_cases_are_one_dimension_with_their_values_along_it(cases: gb.Study) -> None:
+    data = cases.to_xarray()
+    assert data["peak(shaft.torque)"].dims == ("case",)
+    assert (data["clutch.capacity"].values == cases.points[:, 1]).all()
+
+
+@pytest.mark.parametrize("ending", [".nc", ".zarr"])
+@pytest.mark.parametrize("which", ["grid", "cases", "sections"])
+def test_files_keep_everything(which: str, ending: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    if ending == ".zarr":
+        pytest.importorskip("zarr")
+    found: gb.Study = request.getfixturevalue(which)
+    found.save(tmp_path / f"study{ending}")
+    again = gb.Study.load(tmp_path / f"study{ending}")
+    assert again.values.tobytes() == found.values.tobytes() and again.points.tobytes() == found.points.tobytes()
+    assert (again.names, again.units, again.shape, again.meta) == (
+        found.names,
+        found.units,
+        found.shape,
+        dict(found.meta),
+    )
+    assert again.failures == found.failures and repr(again) == repr(found)
+
+
+def test_csv_has_a_line_per_point_with_all_digits(grid: gb.Study, sections: gb.Study, tmp_path: Path) -> None:
+    grid.to_csv(tmp_path / "grid.csv")
+    rows = [*csv.reader((tmp_path / "grid.csv").read_text().splitlines())]
+    assert rows[0] == ["gain", "shaft.k", *(q.name for q in QUANTITIES), "message"]
+    assert [float(x) for x in rows[1][:4]] == [*grid.points[0].tolist(), *grid.values[0, :2].tolist()]
+    assert rows[3][-1] == grid.failures[0].message
+    sections.save(tmp_path / "sections.csv")
+    head = (tmp_path / "sections.csv").read_text().splitlines()[0]
+    assert head == "speed," + ",".join(f"points(body.w)[{i}]" for i in range(6)) + ",last(body.w),message"
+
+
+def test_names_that_are_not_there_are_refused(grid: gb.Study) -> None:
+    with pytest.raises(gb.UnknownNameError, match="did you mean 'peak"):
+        grid["peak(shaft.torqe)"]
+    with pytest.raises(gb.UnknownNameError):
+        grid.plot("rms(load.w)")
+
+
+def test_a_result_cannot_be_written_to(grid: gb.Study) -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        grid.values[0, 0] = 1.0
+
+
+@pytest.mark.parametrize("name", ["study.txt", "study", "no/folder/study.nc"])
+def test_places_that_cannot_hold_a_study_are_refused(grid: gb.Study, name: str, tmp_path: Path) -> None:
+    with pytest.raises(gb.errors.StorageError):
+        grid.save(tmp_path / name)
+
+
+def test_files_that_are_no_study_are_refused(clutch_model: gb.Model, tmp_path: Path) -> None:
+    gb.simulate(clutch_model, t_end=0.01).save(tmp_path / "run.nc")
+    (tmp_path / "noise.nc").write_bytes(b"nothing")
+    for name, words in (
+        ("run.nc", "its format is 'gearblocks run"),
+        ("noise.nc", "damaged"),
+        ("none.nc", "no such file"),
+    ):
+        with pytest.raises(gb.errors.StorageError, match=words):
+            gb.Study.load(tmp_path / name)
+
+
+def test_pictures_have_a_panel_per_quantity(
+    grid: gb.Study, cases: gb.Study, sections: gb.Study, tmp_path: Path
+) -> None:
+    for found, panels in ((grid, 3), (cases, 2), (sections, 2)):
+        figure = found.plot(path=tmp_path / "picture.png")
+        named = {
+            axis.get_title(loc="left") or axis.get_ylabel().split("\n")[0].split(" in ")[0] for axis in figure.axes
+        }
+        assert set(found.names) <= named and len(found.names) == panels
+        assert (tmp_path / "picture.png").stat().st_size > 10_000
+    crosses = [
+        line for axis in grid.plot(path=tmp_path / "x.png").axes for line in axis.lines if line.get_marker() == "x"
+    ]
+    assert len(crosses[0].get_xdata()) == 2  # type: ignore[arg-type]
+
+
+def test_a_picture_has_two_dimensions_at_most(clutch_model: gb.Model) -> None:
+    values = {"gain": [0.0, 0.1], "shaft.k": [1.0, 2.0], "shaft.c": [0.0, 0.1]}
+    with pytest.raises(gb.ParameterError, match="one or two dimensions, this study 3"):
+        gb.sweep(clutch_model, values, quantity=gb.last("load.w"), t_end=0.01).plot()
