@@ -9,84 +9,30 @@ from __future__ import annotations
 import functools
 import pickle
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, TypeAlias
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.analysis.lane_measuring import measure_in_lanes
 from gearblocks.analysis.quantities import SectionPoints
 from gearblocks.analysis.quantity import Quantity
-from gearblocks.analysis.sections import Section
-from gearblocks.analysis.solution import Span, program_span, section_period, solution_of
+from gearblocks.analysis.solution import Span, solution_of
+from gearblocks.analysis.study_point import Interrupted, Measured, Task, point_vector, span_of
 from gearblocks.codegen.program import Program
 from gearblocks.errors import GearblocksError, SimulationError
-from gearblocks.simulation.arguments import is_static, parameter_vector, set_inputs, start_state
+from gearblocks.simulation.arguments import is_static, set_inputs, start_state
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.failures import reason
 from gearblocks.simulation.run import RESIDUAL, STILL, run_model
 from gearblocks.simulation.segments import Needs, Segments, StoppedError, outputs_of
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.binding import Simulation
-from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Code, Options
 
 Array = NDArray[np.float64]
-Measure: TypeAlias = "Quantity | Callable[[Trajectory], float]"
-
-
-class Axis(NamedTuple):
-    """What varies: path, unit and place. kind: "parameter", "start" (a start value) or "input" (held constant)."""
-
-    path: str
-    unit: str
-    kind: str
-    offset: int
-
-
-class Window(NamedTuple):
-    """How long the runs are: to t_end [s], or transient + keep periods of a section."""
-
-    begin: float
-    end: float
-    section: Section | None
-    transient: int = 0
-    keep: int | None = None
-    periodic: bool = False
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Task:
-    """All that a chunk of points needs besides the points. widths: how many columns each quantity has."""
-
-    model: Model
-    axes: tuple[Axis, ...]
-    base: Array
-    measures: tuple[Measure, ...]
-    widths: tuple[int, ...]
-    window: Window
-    options: Options
-    inputs: Mapping[str, Any]
-    initial: Any
-    arguments: Mapping[str, Any]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Measured:
-    """Values of a chunk, shape (points, columns), messages by point, CPU time in the solver and time in all [s].
-
-    cause: the first exception of a function of the user's, which may be a slip in it."""
-
-    values: Array
-    messages: Mapping[int, str] = field(default_factory=dict)
-    seconds: float = 0.0
-    took: float = 0.0
-    cause: Exception | None = None
-
-
-class Interrupted(Exception):  # noqa: N818  no error: the caller asked for it
-    """The points of a chunk are not wanted any more."""
 
 
 def measure_packed(task: bytes, points: Array) -> Measured:
@@ -108,6 +54,8 @@ def _unpacked(task: bytes) -> Task:
 
 def measure(task: Task, points: Array, stop: Callable[[], bool] | None = None) -> Measured:
     """The quantities of a chunk of points, shape (points, axes). Raises Interrupted where `stop` answers True."""
+    if task.in_lanes:
+        return measure_in_lanes(task, points, stop)
     values = np.full((len(points), sum(task.widths)), np.nan)
     messages: dict[int, str] = {}
     seconds, began, cause = 0.0, time.perf_counter(), None
@@ -181,7 +129,7 @@ class _Point:
             task.model.library,
             vector,
             task.inputs,
-            _until(task.options, span.end),
+            _until(task, span.end),
             span.begin,
             span.end,
             self._start(span),
@@ -219,6 +167,8 @@ class _Point:
         arguments = dict(task.arguments)
         if "t" not in arguments:
             arguments["t_end"] = span.end
+        if task.steps_per_period:
+            arguments["step"] = _until(task, span.end).step
         run = run_model(
             task.model, parameters={**base, **by_kind["parameter"]}, inputs={**task.inputs, **by_kind["input"]},
             initial=initial, **arguments,
@@ -248,34 +198,6 @@ def function_name(function: Any) -> str:
     return str(getattr(function, "__name__", type(function).__name__))
 
 
-def point_vector(task: Task, point: Array) -> Array:
-    """The parameter vector of a point."""
-    vector = task.base.copy()
-    starts = {}
-    for axis, value in zip(task.axes, point, strict=True):
-        if axis.kind == "parameter":
-            vector[axis.offset] = value
-        elif axis.kind == "start":
-            starts[axis.path] = float(value)
-    if starts:
-        vector = parameter_vector(task.model.program, vector, {}, {**(task.initial or {}), **starts})
-    return vector
-
-
-def span_of(task: Task, vector: Array) -> Span:
-    """The run of a point with this parameter vector."""
-    program, window = task.model.program, task.window
-    span = program_span(program, window.begin, window.end, vector, window.section)
-    if not window.periodic or window.section is None:
-        return span
-    period = section_period(window.section, span.parameters)
-    after, most = period * window.transient, window.keep
-    end = period * (window.transient + (window.keep or 1))
-    return Span(
-        window.begin, end, span.units, span.components, span.losses, span.parameters, after, window.section, most
-    )  # fmt: skip
-
-
 def needs_of(program: Program, quantities: list[Quantity], span: Span) -> Needs:
     """What several quantities need, together."""
     needs = [quantity.needs(span) for quantity in quantities]
@@ -286,10 +208,13 @@ def needs_of(program: Program, quantities: list[Quantity], span: Span) -> Needs:
     )
 
 
-def _until(options: Options, end: float) -> Options:
-    if options.t_stop == end:
-        return options
-    return Options(options.method, options.locate, options.rtol, options.step, options.max_step, end)
+def _until(task: Task, end: float) -> Options:
+    """The options of a run that ends there."""
+    o, window = task.options, task.window
+    step = end / ((window.transient + (window.keep or 1)) * task.steps_per_period) if task.steps_per_period else o.step
+    if o.t_stop == end and o.step == step:
+        return o
+    return Options(o.method, o.locate, o.rtol, step, o.max_step, end)
 
 
 def _doubt(program: Program, run: Segments) -> str:

@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.analysis.designs import Design, cases, grid
-from gearblocks.analysis.measuring import Interrupted, Measured, Task, measure, measure_packed, packed
+from gearblocks.analysis.measuring import measure, measure_packed, packed
 from gearblocks.analysis.sections import Section
+from gearblocks.analysis.study_point import Interrupted, Measured, Task
 from gearblocks.analysis.study_progress import progress as shown_progress
 from gearblocks.analysis.study_result import Study, listed
 from gearblocks.analysis.study_store import StudyStore, needs_zarr
@@ -27,6 +28,7 @@ from gearblocks.analysis.study_task import Settings, identity, names_of, task_of
 from gearblocks.analysis.workers import as_done, executor_of
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import GearblocksWarning, ParameterError
+from gearblocks.solver.lanes import POINTS as LANES
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -42,9 +44,10 @@ def sweep(
     train: Drivetrain | Model, values: Mapping[str, ArrayLike], *, quantity: Any, t_end: float | None = None,
     t: ArrayLike | None = None, t_start: float | None = None, section: Section | None = None, transient: int = 300,
     keep: int = 100, method: str = "auto", rtol: float = 1e-6, step: float | None = None, max_step: float | None = None,
-    locate: bool = True, inputs: Mapping[str, Any] | None = None, parameters: Mapping[str, float] | None = None,
-    initial: Any = None, executor: Any = None, threads: int | None = None, chunk: int | None = None,
-    store: str | os.PathLike[str] | None = None, progress: Callable[[int, int], Any] | None = None,
+    locate: bool = True, steps_per_period: int | None = None, inputs: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, float] | None = None, initial: Any = None, executor: Any = None, threads: int | None = None,
+    chunk: int | None = None, store: str | os.PathLike[str] | None = None,
+    progress: Callable[[int, int], Any] | None = None,
 ) -> Study:  # fmt: skip
     """Quantities over every combination of values by path: a grid with one dimension per path.
 
@@ -52,7 +55,10 @@ def sweep(
     gb.peak, trough, rms, mean, at, last, count, event_time, energy_lost, points, or functions of a trajectory that answer a
     number (slower). The runs are those of `gb.simulate` with t_end, t, t_start, method, rtol, step, max_step, locate,
     inputs, parameters and initial; or, with a section and no end, transient + keep periods of it, of which windows begin
-    after the transient. executor: any of concurrent.futures, or a Dask client; else `threads` (default: every core).
+    after the transient. steps_per_period: with a section, so many fixed steps of "rk4" in each period. Where nothing can
+    stick in the train (gb.build(train).program.lanes) many points are then stepped side by side in vectors, nothing is
+    located and quantities are those of the steps: some hundred times as fast and coarse, to find where to look closely.
+    executor: any of concurrent.futures, or a Dask client; else `threads` (default: every core).
     chunk: points that go to a worker at once (default: about half a second of them). store: a folder (Zarr, needs
     gearblocks[zarr]) that is written as it goes; the same call goes on after a kill and runs what is missing.
     progress: called with the points done and their number; without it a terminal shows points per second and time left.
@@ -62,7 +68,8 @@ def sweep(
     """
     settings = Settings(
         t_end=t_end, t=t, t_start=t_start, section=section, transient=transient, keep=keep, method=method, rtol=rtol,
-        step=step, max_step=max_step, locate=locate, inputs=inputs, parameters=parameters, initial=initial,
+        step=step, max_step=max_step, locate=locate, steps_per_period=steps_per_period, inputs=inputs,
+        parameters=parameters, initial=initial,
     )  # fmt: skip
     return _studied(train, grid(values), quantity, settings, executor, threads, chunk, store, progress)
 
@@ -71,16 +78,17 @@ def study(
     train: Drivetrain | Model, cases_: Sequence[Mapping[str, float]] | Mapping[str, ArrayLike], *, quantity: Any,
     t_end: float | None = None, t: ArrayLike | None = None, t_start: float | None = None, section: Section | None = None,
     transient: int = 300, keep: int = 100, method: str = "auto", rtol: float = 1e-6, step: float | None = None,
-    max_step: float | None = None, locate: bool = True, inputs: Mapping[str, Any] | None = None,
-    parameters: Mapping[str, float] | None = None, initial: Any = None, executor: Any = None, threads: int | None = None,
-    chunk: int | None = None, store: str | os.PathLike[str] | None = None,
+    max_step: float | None = None, locate: bool = True, steps_per_period: int | None = None,
+    inputs: Mapping[str, Any] | None = None, parameters: Mapping[str, float] | None = None, initial: Any = None,
+    executor: Any = None, threads: int | None = None, chunk: int | None = None, store: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], Any] | None = None,
 ) -> Study:  # fmt: skip
     """Quantities over a list of cases: dicts of values by path, or columns of equal length by path, such as
     gb.latin_hypercube and gb.random_cases make. Everything else as in `gb.sweep`."""
     settings = Settings(
         t_end=t_end, t=t, t_start=t_start, section=section, transient=transient, keep=keep, method=method, rtol=rtol,
-        step=step, max_step=max_step, locate=locate, inputs=inputs, parameters=parameters, initial=initial,
+        step=step, max_step=max_step, locate=locate, steps_per_period=steps_per_period, inputs=inputs,
+        parameters=parameters, initial=initial,
     )  # fmt: skip
     return _studied(train, cases(cases_), quantity, settings, executor, threads, chunk, store, progress)
 
@@ -128,7 +136,8 @@ class _Run:
         if keep:
             self._take(slice(0, 1), trial)
         share = -(-len(self.design.points) // (4 * workers))
-        return int(np.clip(_CHUNK_SECONDS / max(trial.took, 1e-9), 1, min(share, _MOST)))
+        at_once = LANES if self.task.in_lanes else 1  # what the trial could have measured in that time
+        return int(np.clip(at_once * _CHUNK_SECONDS / max(trial.took, 1e-9), 1, min(share, _MOST)))
 
     def open_store(self, path: str | os.PathLike[str], chunk: int | None, workers: int) -> None:
         """The store at `path` with what it has, or a new one."""
@@ -191,6 +200,7 @@ class _Run:
         task, design, window = self.task, self.design, self.task.window
         meta = {
             "train": task.model.program.name, "method": task.arguments["method"], "rtol": task.options.rtol,
+            "steps_per_period": task.steps_per_period, "in_lanes": task.in_lanes,
             "begin": window.begin, "end": None if window.periodic else window.end,
             "seconds": time.perf_counter() - self.began, "solver_seconds": self.solver_seconds,
         }  # fmt: skip

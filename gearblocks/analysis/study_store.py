@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from gearblocks.errors import StorageError
 
 if TYPE_CHECKING:
-    from gearblocks.analysis.measuring import Measured
+    from gearblocks.analysis.study_point import Measured
 
 FORMAT = "gearblocks study store 1"
 _WORDS = 400  # bytes of a message

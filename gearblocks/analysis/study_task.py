@@ -6,16 +6,18 @@ Nothing is run before all of it is known to fit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.designs import Design
-from gearblocks.analysis.measuring import Axis, Measure, Task, Window, function_name, point_vector, span_of, widths_of
+from gearblocks.analysis.lane_measuring import fits_lanes
+from gearblocks.analysis.measuring import function_name, widths_of
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.sections import Section
+from gearblocks.analysis.study_point import Axis, Measure, Task, Window, point_vector, span_of
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.language.expression import finite_number
 from gearblocks.language.signals import Table
@@ -32,7 +34,7 @@ from gearblocks.simulation.arguments import (
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.cache import digest
 from gearblocks.solver.library import Model
-from gearblocks.solver.structures import Method
+from gearblocks.solver.structures import Method, Options
 
 Array = NDArray[np.float64]
 
@@ -52,6 +54,7 @@ class Settings:
     step: float | None
     max_step: float | None
     locate: bool
+    steps_per_period: int | None
     inputs: Mapping[str, Any] | None
     parameters: Mapping[str, float] | None
     initial: Any
@@ -65,17 +68,19 @@ def task_of(
     program, s = model.program, settings
     measures = _measures(quantity)
     window = _window(s)
-    options, _ = method_options(s.method, s.rtol, s.step, s.max_step, s.locate, window.end)
+    options = _options(s, window)
     base = parameter_vector(program, model.values, s.parameters or {}, s.initial)
     axes = tuple(_axis(model, path, s.initial, fields) for path in design.paths)
     _check_axes(model, design, axes, s)
     arguments: dict[str, Any] = {
-        "t_start": s.t_start, "method": s.method, "rtol": s.rtol, "step": s.step, "max_step": s.max_step, "locate": s.locate,
+        "t_start": s.t_start, "method": "rk4" if s.steps_per_period else s.method, "rtol": s.rtol, "step": s.step,
+        "max_step": s.max_step, "locate": s.locate,
     }  # fmt: skip
     if s.t is not None:
         arguments["t"] = s.t
     task = Task(
-        model, axes, base, measures, (), window, options, dict(s.inputs or {}), s.initial, arguments
+        model, axes, base, measures, (), window, options, dict(s.inputs or {}), s.initial, arguments,
+        steps_per_period=int(s.steps_per_period or 0),
     )  # fmt: skip
     with model.library.open() as sim:
         set_inputs(sim, program, task.inputs)
@@ -86,9 +91,8 @@ def task_of(
     span = span_of(task, point_vector(task, design.points[0]))
     units = tuple(m.unit(span) if isinstance(m, Quantity) else "" for m in measures)
     widths = widths_of(task, design.points)
-    return Task(
-        model, axes, base, measures, widths, window, options, task.inputs, s.initial, arguments
-    ), units  # fmt: skip
+    in_lanes = s.steps_per_period is not None and fits_lanes(task)
+    return replace(task, widths=widths, in_lanes=in_lanes), units
 
 
 def names_of(measures: Sequence[Measure]) -> tuple[str, ...]:
@@ -110,6 +114,20 @@ def _measures(quantity: Any) -> tuple[Measure, ...]:
         if names.count(name) > 1:
             raise ParameterError(f"the quantity '{name}' is given twice: each makes a column of its name")
     return given
+
+
+def _options(s: Settings, window: Window) -> Options:
+    """How a run is made. Raises ParameterError for settings that contradict each other."""
+    count, method, step = s.steps_per_period, s.method, s.step
+    if count is not None:
+        if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 4:
+            raise ParameterError(f"steps_per_period = {count!r} must be a whole number, >= 4")
+        if not window.periodic:
+            raise ParameterError("steps_per_period goes with a section and its periods: leave out t_end and t")
+        if method not in ("auto", "rk4") or step is not None:
+            raise ParameterError("steps_per_period means steps of method 'rk4': leave out method and step")
+        method, step = "rk4", 1.0  # each point has its own
+    return method_options(method, s.rtol, step, s.max_step, s.locate, window.end)[0]
 
 
 def _window(s: Settings) -> Window:
@@ -190,7 +208,15 @@ def identity(task: Task, design: Design) -> dict[str, str]:
         "the grid": [task.axes, design.shape, design.points.tobytes()],
         "the quantities": [_measure_text(m) for m in task.measures],
         "the time": [w.begin, w.end, section, w.transient, w.keep, np.asarray(task.arguments.get("t", ())).tobytes()],
-        "the method or tolerance": [o.method, o.locate, o.rtol, o.step, o.max_step],
+        "the method or tolerance": [
+            o.method,
+            o.locate,
+            o.rtol,
+            o.step,
+            o.max_step,
+            task.steps_per_period,
+            task.in_lanes,
+        ],
         "the inputs": [(name, _source_text(source)) for name, source in sorted(task.inputs.items())],
         "the start": [_start_text(task.initial)],
     }

@@ -19,6 +19,8 @@ from gearblocks.codegen.switched_constraints import constraint_columns, delassus
 from gearblocks.laws.rational import Exact, over
 
 _FEW = 16  # loops that are written out
+_SCALAR: dict[str, Any] = {"real": "double", "number": lambda text: text, "where_torques_are_read": ""}
+"""What lanes have otherwise (lanes.py): type of numbers, C of what may be a plain number, what asks for torques."""
 _SMALL = 64  # states of a train whose derivatives stay in registers
 
 
@@ -95,11 +97,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "dependent_offsets": sparse(
             "dependent_offset", [_offsets(g, f.row or Combination()) for f in assembly.dependent_groups]
         ),
-        "loops_read_angles": any(c.groups for c in assembly.dependents),
-        "loop_groups": sparse("loop_group", [c.groups for c in assembly.dependents]),
-        "loops": sparse("loop", [c.coordinates for c in assembly.dependents]),
-        "loop_texts": _loop_texts(assembly.dependents),
-        "loop_offsets": sparse("loop_offset", [_offsets(g, c) for c in assembly.dependents]),
+        **_loops(g),
         "rows": sparse("row", assembly.rows),
         "row_offsets": sparse("row_offset", [_paths(g, offsets) for offsets in assembly.row_offsets]),
         "defined": [group for group, _ in assembly.definitions],
@@ -113,15 +111,24 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "angle_speeds": [_speed_state(g, group) for group in assembly.angles],
         "turned": sparse("turned", _wrap_counts(g)),
         "reactions": reaction_tables(g, _flange_numbers(g)),
-        "n_flange_outputs": sum(code.n * len(code.batch.flanges) for code in g.codes),
         "first_flange_output": sum(code.n * len(code.law.shows) for code in g.codes),
         "inputs": list(lay.inputs),
         "parts": PARTS,
         "uses": lambda what, name: any(role.value == name for f in functions.get(what, []) for role in f.roles),
         "numbers": lambda values: ", ".join(str(v) for v in values),
-        "where_torques_are_read": "",
-        "real": "double",
-        "number": lambda text: text,
+        **_SCALAR,
+    }
+
+
+def _loops(g: Generator) -> dict[str, Any]:
+    """Coordinates that close loops."""
+    dependents = g.assembly.dependents
+    return {
+        "loops_read_angles": any(c.groups for c in dependents),
+        "loop_groups": sparse("loop_group", [c.groups for c in dependents]),
+        "loops": sparse("loop", [c.coordinates for c in dependents]),
+        "loop_texts": _loop_texts(dependents),
+        "loop_offsets": sparse("loop_offset", [_offsets(g, c) for c in dependents]),
     }
 
 

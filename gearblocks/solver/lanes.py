@@ -23,13 +23,17 @@ from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, cpu_identity, find_
 from gearblocks.solver.library import Model, headers_of, produced
 from gearblocks.solver.structures import Array, address
 
+POINTS = 32
+"""Points side by side: GB_LANE_POINTS of gb_lane.h."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LaneSteps:
     """What all points have in common: `steps` steps from t_start on, each as long as its point says.
 
     period: steps after which every excitation by time repeats (0: not known). first: step from which outputs count; their
-    samples are taken every `stride` steps from there (0: none).
+    samples are taken every `stride` steps from there (0: none). every: whether outputs are looked at after every step, for
+    extremes and means.
     """
 
     steps: int
@@ -37,6 +41,7 @@ class LaneSteps:
     period: int = 0
     first: int = 0
     stride: int = 0
+    every: bool = True
 
     @property
     def n_samples(self) -> int:
@@ -47,7 +52,8 @@ class LaneSteps:
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LaneResult:
     """By point: largest, least, mean and root mean square of each output over the steps that count (means by the trapezoidal
-    rule), all of shape (points, outputs); samples (points, rows, outputs); the last state (points, n)."""
+    rule; all of them zeros where not every step was looked at), shape (points, outputs); samples (points, rows, outputs); the
+    last state (points, n)."""
 
     largest: Array
     least: Array
@@ -119,8 +125,8 @@ class Lanes:
         start = memory.ctypes.data
         job = _Job(
             how.t_start, how.steps, how.period, how.first, how.stride, address(step), address(parameters),
-            address(largest), address(least), address(total), address(square), address(samples), address(last),
-            start + -start % 64,
+            *(address(part) if how.every else None for part in (largest, least, total, square)), address(samples),
+            address(last), start + -start % 64,
         )  # fmt: skip
         self._shared.gb_lanes_run(self._native, address(inputs), ctypes.byref(job))
         count = how.steps - how.first

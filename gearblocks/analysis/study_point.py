@@ -1,0 +1,108 @@
+"""One point of a study: what all points have in common, what a point makes of it, and what comes out of a chunk of them.
+
+Knows nothing of how points are run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.quantity import Quantity
+from gearblocks.analysis.sections import Section
+from gearblocks.analysis.solution import Span, program_span, section_period
+from gearblocks.simulation.arguments import parameter_vector
+from gearblocks.simulation.trajectory import Trajectory
+from gearblocks.solver.library import Model
+from gearblocks.solver.structures import Options
+
+Array = NDArray[np.float64]
+Measure: TypeAlias = "Quantity | Callable[[Trajectory], float]"
+
+
+class Axis(NamedTuple):
+    """What varies: path, unit and place. kind: "parameter", "start" (a start value) or "input" (held constant)."""
+
+    path: str
+    unit: str
+    kind: str
+    offset: int
+
+
+class Window(NamedTuple):
+    """How long the runs are: to t_end [s], or transient + keep periods of a section."""
+
+    begin: float
+    end: float
+    section: Section | None
+    transient: int = 0
+    keep: int | None = None
+    periodic: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Task:
+    """All that a chunk of points needs besides the points. widths: how many columns each quantity has; steps_per_period: fixed
+    steps in each period of the section (0: steps as the method wants them); in_lanes: points are stepped side by side."""
+
+    model: Model
+    axes: tuple[Axis, ...]
+    base: Array
+    measures: tuple[Measure, ...]
+    widths: tuple[int, ...]
+    window: Window
+    options: Options
+    inputs: Mapping[str, Any]
+    initial: Any
+    arguments: Mapping[str, Any]
+    steps_per_period: int = 0
+    in_lanes: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """Values of a chunk, shape (points, columns), messages by point, CPU time in the solver and time in all [s].
+
+    cause: the first exception of a function of the user's, which may be a slip in it."""
+
+    values: Array
+    messages: Mapping[int, str] = field(default_factory=dict)
+    seconds: float = 0.0
+    took: float = 0.0
+    cause: Exception | None = None
+
+
+class Interrupted(Exception):  # noqa: N818  no error: the caller asked for it
+    """The points of a chunk are not wanted any more."""
+
+
+def point_vector(task: Task, point: Array) -> Array:
+    """The parameter vector of a point."""
+    vector = task.base.copy()
+    starts = {}
+    for axis, value in zip(task.axes, point, strict=True):
+        if axis.kind == "parameter":
+            vector[axis.offset] = value
+        elif axis.kind == "start":
+            starts[axis.path] = float(value)
+    if starts:
+        vector = parameter_vector(task.model.program, vector, {}, {**(task.initial or {}), **starts})
+    return vector
+
+
+def span_of(task: Task, vector: Array) -> Span:
+    """The run of a point with this parameter vector."""
+    program, window = task.model.program, task.window
+    span = program_span(program, window.begin, window.end, vector, window.section)
+    if not window.periodic or window.section is None:
+        return span
+    period = section_period(window.section, span.parameters)
+    after, most = period * window.transient, window.keep
+    end = period * (window.transient + (window.keep or 1))
+    return Span(
+        window.begin, end, span.units, span.components, span.losses, span.parameters, after, window.section, most
+    )  # fmt: skip
