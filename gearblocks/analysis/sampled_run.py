@@ -35,7 +35,11 @@ class SampledRun:
         ]
         self.t0: Array = np.concatenate([edges[:-1] for edges in self._edges])
         self.t1: Array = np.concatenate([edges[1:] for edges in self._edges])
-        self.events: Events = run.events
+
+    @property
+    def events(self) -> Events:
+        """Those of the run."""
+        return self._run.events
 
     @property
     def rtol(self) -> float:

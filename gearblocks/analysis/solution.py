@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 class Solution(Protocol):
     """What quantities are measured on: a run with its values between the samples (`simulation/segments.py`)."""
 
-    events: Events
-
+    @property
+    def events(self) -> Events: ...
     @property
     def rtol(self) -> float: ...
     @property

@@ -31,6 +31,7 @@ NODES: Array = np.array([0.0, 0.5 - np.sqrt(3 / 28), 0.5, 0.5 + np.sqrt(3 / 28),
 WEIGHTS: Array = np.array([1 / 20, 49 / 180, 16 / 45, 49 / 180, 1 / 20])
 """Nodes and weights of Gauss and Lobatto on [0, 1]: exact for polynomials of degree 7."""
 _INNER: Array = np.ascontiguousarray(NODES[1:-1])
+_CORES = os.cpu_count() or 1
 _SLICE = 0.01  # seconds of the solver between saved states of a run
 _MARKS = 32 << 20  # bytes that these may take
 
@@ -74,7 +75,6 @@ class Segments:
     start: Array = field(init=False)
     turnover: float = field(init=False)
     energies: tuple[Array, Array] = field(init=False)
-    events: Events = field(init=False)
     _values: Array = field(init=False)  # at the times, shape (T, outputs)
     _states: Array = field(init=False)  # there, shape (T, n_total)
     _times: Array = field(init=False)
@@ -82,20 +82,25 @@ class Segments:
     _pick: NDArray[np.intc] = field(init=False)
     _cut: dict[tuple[float, float], tuple[tuple[float, float], ...]] = field(init=False)
     _parts: dict[tuple[float, ...], int] = field(init=False)
+    _recorded: list[NDArray[np.void]] = field(init=False)  # events as the solver recorded them
     _marks: list[tuple[float, bytes]] = field(init=False)  # saved states of the simulation with their times
 
     def __post_init__(self) -> None:
         numbers = self.program.output_numbers
         self._pick = np.array([numbers[name] for name in self.needs.outputs], dtype=np.intc)
-        self._times = np.unique([*self.needs.times, self.case.end])
+        self._times = np.array(sorted({*self.needs.times, self.case.end}))
         self._marks = []
-        events: list[NDArray[np.void]] = []
+        self._recorded = []
         if self.needs.windows:
-            self._dense(events)
+            self._dense()
         else:
             self.t0 = self.t1 = np.empty(0)
-            self._keep(self._begin(self._times, None, events, slice_=0.05))
-        self.events = events_of(self.program.event_table, events)
+            self._keep(self._begin(self._times, None, slice_=0.05))
+
+    @property
+    def events(self) -> Events:
+        """The events of the run."""
+        return events_of(self.program.event_table, self._recorded)
 
     # -- reading ------------------------------------------------------------------------------------------------------
 
@@ -141,9 +146,7 @@ class Segments:
 
     # -- running ------------------------------------------------------------------------------------------------------
 
-    def _begin(
-        self, samples: Array | None, inner: Array | None, events: list[NDArray[np.void]], slice_: float
-    ) -> Iterator[Array]:  # fmt: skip
+    def _begin(self, samples: Array | None, inner: Array | None, slice_: float) -> Iterator[Array]:
         """Rows [t | y | ...] of the run from its start to its end, piece by piece; raises StoppedError."""
         code = self.sim.start(self.case.options, self.case.begin, self.case.y0)
         if code < 0:
@@ -154,7 +157,7 @@ class Segments:
             raise StoppedError(Code(self.sim.report.code)) from None
         self._mark()
         record = self.sim.record(None if samples is None else len(samples), inner)
-        code, room = Code.PAUSE, memory_limit(samples is not None) / (os.cpu_count() or 1)
+        code, room = Code.PAUSE, memory_limit(samples is not None) / _CORES
         while code != Code.DONE:
             code = self._on(samples, record, slice_)
             rows, found = record.take()
@@ -162,7 +165,7 @@ class Segments:
             if room < 0:
                 raise StoppedError(Code.ERR_MEMORY)
             if len(found):
-                events.append(found)
+                self._recorded.append(found)
             if code != Code.DONE and inner is not None:
                 self._mark()
             if len(rows):
@@ -205,11 +208,11 @@ class Segments:
         self._states = np.concatenate([piece[:, 1 : 1 + self.program.n_total] for piece in rows])
         self._values = np.concatenate([self.sim.evaluate(piece, self._pick)[1] for piece in rows])
 
-    def _dense(self, events: list[NDArray[np.void]]) -> None:
+    def _dense(self) -> None:
         """Every step with its nodes; what lies at a time or in a part of a segment from a closer look."""
         low, high = min(a for a, _ in self.needs.windows), max(b for _, b in self.needs.windows)
         times, tables = [], []
-        for rows in self._begin(None, _INNER, events, _SLICE):
+        for rows in self._begin(None, _INNER, _SLICE):
             t = rows[:, 0].copy()
             first, last = np.searchsorted(t, low) - 1, np.searchsorted(t, high, side="right") + 4
             part = slice(max(int(first) - 4, 0), int(last))  # and the nodes of the segments that it cuts
@@ -217,7 +220,8 @@ class Segments:
             table[part] = self.sim.evaluate(rows[part], self._pick)[1]
             times.append(t)
             tables.append(table)
-        self._keep([rows for rows, _ in self._look(self._times)])
+        between = self._times[self._times < self.case.end]
+        self._keep([*(rows for rows, _ in self._look(between)), rows[-1:]])
         t, values = np.concatenate(times), np.concatenate(tables)
         at = _groups(t)
         self.t0, self.t1 = t[at[:, 0]], t[at[:, 4]]

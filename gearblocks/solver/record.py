@@ -24,7 +24,8 @@ class Record:
         self._inner = inner
         if inner is not None:
             self.raw.inner, self.raw.n_inner = inner.ctypes.data, len(inner)
-        self._new_rows(min(64, self._most_rows) if most_rows is None else self._most_rows)
+        first = 64 if inner is None else max(64, min(4096, 50_000 // width))
+        self._new_rows(min(first, self._most_rows) if most_rows is None else self._most_rows)
         self._new_events(64)
 
     def take(self) -> tuple[Array, NDArray[np.void]]:
