@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from functools import lru_cache
-from importlib.resources import files
 from typing import Any
 
 import sympy as sp
@@ -40,14 +38,15 @@ from gearblocks.codegen.program import EnergyInfo, InputInfo, IntegralInfo, Prog
 from gearblocks.codegen.switched_constraints import constraint_torques, lay_out_switched_constraints, loss_offsets
 from gearblocks.codegen.switches import event_functions, lay_out_switches
 from gearblocks.codegen.symbol_names import Offsets
+from gearblocks.codegen.template_loading import CompiledTemplates, templates
 from gearblocks.codegen.template_values import contents, view
 from gearblocks.language.signals import Table
 from gearblocks.language.tables import Table2
 from gearblocks.laws.printer import c_text
 
 
-def generate(assembly: Assembly) -> Program:
-    """The program of an assembly. The same assembly gives the same bytes."""
+def generate(assembly: Assembly, compiled: CompiledTemplates | None = None) -> Program:
+    """The program of an assembly. The same assembly gives the same bytes. compiled: where templates are kept."""
     wanted = sorted({
         meaning.of for b in assembly.batches for meaning in b.law.pool.roles.values() if meaning.role == "sense"
     } | {leaf.args[0] for c in assembly.train.coordinates for leaf in c.expr.leaves() if leaf.op == "sense"})  # fmt: skip
@@ -65,7 +64,7 @@ def generate(assembly: Assembly) -> Program:
     g.lay.n_total = g.lay.n_padded + padded(g.n_end - g.lay.n_padded)
     g.linear = linear_part(g)
     g.outputs += flange_outputs(g)
-    return _program(g, *_render(g, angles))
+    return _program(g, *_render(g, angles, templates(compiled)))
 
 
 # -- offsets ----------------------------------------------------------------------------------------------------------
@@ -256,33 +255,17 @@ def _program(g: Generator, source: str, key: str, lanes: str) -> Program:
     )  # fmt: skip
 
 
-def _render(g: Generator, angles: bool) -> tuple[str, str, str]:
+def _render(g: Generator, angles: bool, environment: Any) -> tuple[str, str, str]:
     """C text and its key, a hash of the program alone, which does not change with names in comments or the version; and the
     text over lanes, "" where the train has none."""
+
+    def fill(name: str, values: dict[str, Any]) -> str:
+        return str(environment.get_template(name).render(values))
+
     values = view(g, angles, _coordinate_outputs(g))
-    bare = _fill("model.c.jinja", {**values, "comment": Comments(wanted=False)})
-    key = hashlib.sha256(bare.encode()).hexdigest()
+    without = {"comment": Comments(wanted=False)}
+    key = hashlib.sha256(fill("model.c.jinja", values | without).encode()).hexdigest()
     words = {"title": f"Train '{in_comment(g.assembly.train.name)}'", "tool": tool(), "contents": contents(g)}
-    body = _fill("model.c.jinja", {**values, "comment": Comments(wanted=True)})
-    bare_of_lanes = {**lane_values(g, values), "comment": Comments(wanted=False)}
-    lanes = _fill("lanes.c.jinja", bare_of_lanes) if has_lanes(g) else ""
-    return _fill("header.c.jinja", words) + body + _fill("key.c.jinja", {"key": key}), key, lanes
-
-
-def _fill(name: str, values: dict[str, Any]) -> str:
-    return str(_templates().get_template(name).render(values))
-
-
-@lru_cache(maxsize=1)
-def _templates() -> Any:
-    """The templates, each compiled once."""
-    import jinja2
-
-    return jinja2.Environment(
-        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
-        loader=jinja2.FunctionLoader(_template),
-    )  # fmt: skip
-
-
-def _template(name: str) -> str:
-    return files("gearblocks.codegen").joinpath(f"templates/{name}").read_text(encoding="utf-8")
+    body = fill("model.c.jinja", values | {"comment": Comments(wanted=True)})
+    lanes = fill("lanes.c.jinja", lane_values(g, values) | without) if has_lanes(g) else ""
+    return fill("header.c.jinja", words) + body + fill("key.c.jinja", {"key": key}), key, lanes

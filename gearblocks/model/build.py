@@ -66,7 +66,7 @@ def make_program(train: Train) -> Program:
 
     check_user_blocks(train)
     try:
-        return generate(assemble(train))
+        return generate(assemble(train), user_cache())
     except OverflowError:
         raise ModelError(
             "the ties multiply to a ratio beyond 1e308 between two shafts; shorten the chain of gears"
