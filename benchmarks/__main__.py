@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-NAMES = ("p1", "p2", "p3", "p4", "locks", "rhs", "assembly", "cold")
+NAMES = ("p1", "p2", "p3", "p4", "locks", "rhs", "assembly", "cold", "studies")
 README = Path(__file__).with_name("README.md")
 MARK = "<!-- figures: written by `python -m benchmarks --write` -->"
 
