@@ -1,4 +1,5 @@
-"""`python -m benchmarks [--write]`: all benchmarks one after another; --write puts the figures into README.md."""
+"""`python -m benchmarks [--short | --write]`: all benchmarks one after another; --short: with small numbers, to see that each
+still runs; --write puts the figures into README.md. Exit status 1 where one fails."""
 
 from __future__ import annotations
 
@@ -6,27 +7,35 @@ import subprocess
 import sys
 from pathlib import Path
 
-NAMES = ("p1", "p2", "lanes", "p3", "p4", "locks", "rhs", "assembly", "cold")
+NAMES = ("p1", "p2", "lanes", "p3", "p4", "locks", "rhs", "assembly", "cold", "studies")
+SHORT = {"lanes": ("20",), "p4": ("100",), "locks": ("20",), "rhs": ("20000",), "assembly": ("100",)}
+"""Smaller numbers; what is not named is short as it is."""
 README = Path(__file__).with_name("README.md")
 MARK = "<!-- figures: written by `python -m benchmarks --write` -->"
 
 
-def output(name: str) -> str:
-    """What one benchmark prints, or the last line of its error."""
+def output(name: str, *numbers: str) -> tuple[str, bool]:
+    """What one benchmark prints, or the last line of its error, and whether it ran."""
     print(f"running {name} ...", file=sys.stderr, flush=True)
-    run = subprocess.run([sys.executable, "-m", f"benchmarks.{name}"], capture_output=True, text=True, check=False)
-    trouble = "" if run.returncode == 0 else f"\nfailed: {run.stderr.strip().splitlines()[-1]}\n"
-    return f"## {name}\n\n{run.stdout.strip()}\n{trouble}"
+    command = [sys.executable, "-m", f"benchmarks.{name}", *numbers]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    well = run.returncode == 0
+    trouble = "" if well else f"\nfailed: {(run.stderr.strip() or 'without a word').splitlines()[-1]}\n"
+    return f"## {name}\n\n{run.stdout.strip()}\n{trouble}", well
 
 
 def main() -> None:
     """Prints everything, or writes it behind the mark in README.md."""
-    figures = "\n".join(output(name) for name in NAMES)
+    short = "--short" in sys.argv[1:]
+    found = [output(name, *(SHORT.get(name, ()) if short else ())) for name in NAMES]
+    figures = "\n".join(text for text, _ in found)
     if "--write" not in sys.argv[1:]:
         print(figures)
-        return
-    head = README.read_text(encoding="utf8").split(MARK)[0]
-    README.write_text(f"{head}{MARK}\n\n{figures}", encoding="utf8")
+    else:
+        head = README.read_text(encoding="utf8").split(MARK)[0]
+        README.write_text(f"{head}{MARK}\n\n{figures}", encoding="utf8")
+    if not all(well for _, well in found):
+        sys.exit(1)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""`python -m benchmarks.rhs`: one right-hand side of P1 - generated, by hand in C at equal flags, by lambdify."""
+"""`python -m benchmarks.rhs [CALLS]`: one right-hand side of P1 - generated, by hand in C at equal flags, by lambdify."""
 
 from __future__ import annotations
 
 import ctypes
 import subprocess
+import sys
 from importlib import resources
 
 import numpy as np
@@ -22,7 +23,7 @@ SETS = {
 }
 
 
-def measured(source: str, values: Array, flags: tuple[str, ...], calls: int = 2_000_000) -> Array:
+def measured(source: str, values: Array, flags: tuple[str, ...], calls: int) -> Array:
     """ns per call: by hand with cos(w t) given and at a time, generated rhs, rhs_full, time terms of an instant."""
     place = folder()
     (place / "model.c").write_text(source, encoding="utf8")
@@ -49,6 +50,7 @@ def measured(source: str, values: Array, flags: tuple[str, ...], calls: int = 2_
 def main() -> None:
     """Prints ns per call and the ratio to the code by hand for each set of flags."""
     print(machine(), "\n")
+    calls = int(sys.argv[1]) if len(sys.argv) > 1 else 2_000_000
     f, y = lambdified(PROBLEM), PROBLEM.start[:7]
 
     def many() -> None:
@@ -66,7 +68,7 @@ def main() -> None:
     )
     print("|---|--:|--:|--:|--:|--:|--:|--:|")
     for words, flags in SETS.items():
-        hand, at, rhs, full, columns = measured(model.program.source, model.values, flags)
+        hand, at, rhs, full, columns = measured(model.program.source, model.values, flags, calls)
         whole = rhs + columns
         cells = [words, f"{hand:.1f}", f"{rhs:.1f}", f"{rhs / hand:.2f}", f"{at:.1f}", f"{whole:.1f}"]
         print("| " + " | ".join([*cells, f"{whole / at:.2f}", f"{full:.1f}"]) + " |")

@@ -76,12 +76,12 @@ int measure_p1(const double *numbers, const double *y_hand, double *dy_hand, con
     for (int i = 0; i < m->n_parameters; i++)
         par[i] = values[i];
     m->prepare(par);
-    m->start(par, y);
     for (int i = 0; i < m->n_switches; i++)
         mode[i] = 1; /* the drive side, as by hand */
     out[4] = per_instant(m, par, mode, tau, calls);
     const double now[GB_LANES] = {0};
     m->time_terms(par, mode, 1, now, now, tau);
+    m->start(par, mode, tau, y);
     out[2] = per_call(m->rhs, par, mode, tau, m->n, y, dy, m->n_total, calls);
     out[3] = per_call(m->rhs_full, par, mode, tau, m->n, y, dy, m->n_total, calls);
     m->rhs(par, mode, tau, y, dy);

@@ -115,7 +115,10 @@ class _Point:
         report, program = self.sim.report, self.task.model.program
         if code == Code.ERR_MEMORY:
             return f"t = {self.sim.counters.t:.9g} s: the record of this run fills the memory that it may take"
-        return str(SimulationError(report.t, *reason(program, code, report, self.sim.parameters)))
+        name, cause, remedy = reason(program, code, report, self.sim.parameters)
+        if code == Code.ERR_CALLBACK and self.sim.error is not None:
+            remedy = f"{type(self.sim.error).__name__}: {self.sim.error}"
+        return str(SimulationError(report.t, name, cause, remedy))
 
     def _of_segments(self) -> list[float | Array]:
         task, program = self.task, self.task.model.program

@@ -94,8 +94,8 @@ class Quantity:
         component, kind = getattr(self, "component", None), getattr(self, "kind", None)
         keep = (rows["t"] >= start) & (rows["t"] <= end)
         if component is not None:
-            wanted = [i for i, name in enumerate(events.components) if belongs(name, component)]
-            keep &= np.isin(rows["component"], wanted)
+            wanted = np.array([belongs(name, component) for name in events.components], dtype=np.bool_)
+            keep &= wanted[rows["component"]]
         if kind is not None:
             keep &= rows["kind"] == KINDS.index(kind)
         chosen: NDArray[np.void] = rows[keep]

@@ -155,7 +155,8 @@ class Segments:
             self.start, begin = self.sim.state(), self.sim.energies()
         except RuntimeError:
             raise StoppedError(Code(self.sim.report.code)) from None
-        self._mark()
+        if inner is not None:
+            self._mark()
         record = self.sim.record(None if samples is None else len(samples), inner)
         code, room = Code.PAUSE, memory_limit(samples is not None) / _CORES
         while code != Code.DONE:

@@ -168,6 +168,27 @@ def test_a_failing_point_is_named_and_does_not_spoil_its_neighbours(clutch_model
     assert "2 points failed; first gain = 10000" in repr(made)
 
 
+def _late(t: float) -> float:
+    if t > 0.1:
+        raise ValueError("no torque is known after 0.1 s")
+    return 2.0
+
+
+def test_an_input_function_that_raises_is_a_failure_with_its_words(clutch_model: gb.Model) -> None:
+    values = {"shaft.k": [150.0, 200.0, 250.0]}
+    made = gb.sweep(clutch_model, values, quantity=QUANTITIES[0], t_end=0.2, inputs={"tau": _late}, threads=2)
+    assert len(made.failures) == 3
+    assert "'tau': the input function raised" in made.failures[1].message
+    assert "ValueError: no torque is known after 0.1 s" in made.failures[1].message
+    steady = gb.sweep(clutch_model, values, quantity=QUANTITIES[0], t_end=0.09, inputs={"tau": _late}, threads=2)
+    assert (
+        steady.values.tobytes()
+        == gb.sweep(
+            clutch_model, values, quantity=QUANTITIES[0], t_end=0.09, inputs={"tau": lambda t: 2.0}
+        ).values.tobytes()
+    )
+
+
 def test_a_function_that_raises_at_the_first_point_is_a_slip_and_at_others_a_failure(clutch_model: gb.Model) -> None:
     def wrong(run: gb.Trajectory) -> float:
         return 1.0 / (run.meta["parameters"]["shaft.k"] - 200.0)
