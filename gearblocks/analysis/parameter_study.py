@@ -57,7 +57,7 @@ def sweep(
     inputs, parameters and initial; or, with a section and no end, transient + keep periods of it, of which windows begin
     after the transient. steps_per_period: with a section, so many fixed steps of "rk4" in each period. Where nothing can
     stick in the train (gb.build(train).program.lanes) many points are then stepped side by side in vectors, nothing is
-    located and quantities are those of the steps: some hundred times as fast and coarse, to find where to look closely.
+    located and quantities are those of the steps: five to a hundred times as fast, and coarse: to find where to look closely.
     executor: any of concurrent.futures, or a Dask client; else `threads` (default: every core).
     chunk: points that go to a worker at once (default: about half a second of them). store: a folder (Zarr, needs
     gearblocks[zarr]) that is written as it goes; the same call goes on after a kill and runs what is missing.
