@@ -19,6 +19,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_constraint_state",
         "gb_memory",
         "gb_growth",
+        "gb_tolerance",
     ),
     ("gb_limit_noise", "gb_constraint_forces"),
     ("gb_noise",),
