@@ -9,6 +9,7 @@ CORE = Path(__file__).parents[2] / "gearblocks" / "solver" / "c"
 
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_sparse_ldu", "gb_report", "gb_stage_modes", "gb_implicit_angles"),
+    ("gb_step_constraints",),
     ("gb_inputs",),
     ("gb_time_terms",),
     ("gb_rates",),
@@ -19,6 +20,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_constraint_state",
         "gb_memory",
         "gb_growth",
+        "gb_tolerance",
     ),
     ("gb_limit_noise", "gb_constraint_forces"),
     ("gb_noise",),

@@ -269,10 +269,11 @@ double gb_idle_force(gb_sim *sim, int i, const double *time_terms, const double 
     return own > 0.0 ? 64.0 * DBL_EPSILON * imperceptible(sim, constraint) / own : 0.0;
 }
 
-double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y) {
+double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y, double *force) {
     const gb_model *model = sim->model;
     const gb_delassus W = gb_delassus_of(sim);
     const int constraint = constraint_of(sim, i);
+    *force = 0.0;
     if (constraint < 0) {
         return 0.0;
     }
@@ -285,5 +286,6 @@ double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double
         largest = gb_is_active(sim, j) ? gb_max(largest, terms) : largest;
     }
     const double own = gb_delassus_diagonal(&W, constraint);
+    *force = fabs(sim->constraints.other[constraint]);
     return own > 0.0 ? 64.0 * DBL_EPSILON * largest / own : 0.0;
 }

@@ -7,6 +7,7 @@
 #include "gb_report.h"
 #include "gb_sliding.h"
 #include "gb_time_terms.h"
+#include "gb_tolerance.h"
 #include "gb_vector.h"
 
 /* How far ahead is looked, and how much further each time; steps of a look, and the most where they do not agree. */
@@ -300,21 +301,8 @@ int gb_depart(gb_sim *sim, int log, int timed) {
 /* Event function i, held, is no farther from its limit than the tolerance of a step leaves of it: of states that are
  * small beside what counts as a size for them (from rest, or beside faster ones) only the look ahead knew the side. */
 static int cannot_be_told(gb_sim *sim, int i) {
-    const gb_model *model = sim->model;
-    const double here = sim->events.s[i];
-    const double off = here - (sim->events.held_side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i]);
-    double *moved = sim->events.moved, *y = sim->z2, tolerance = 0.0;
-    memcpy(y, sim->y, sizeof(double) * (size_t)model->n_total);
-    for (int j = 0; j < model->n; j++) {
-        const double weight = sim->control.error_weight[j];
-        if (weight > 0.0 && 2.0 * sim->control.largest[j] * sim->head->options.rtol * weight < 1.0) {
-            y[j] += 1.0 / weight;
-            model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, moved);
-            tolerance += fabs(moved[i] - here);
-            y[j] = sim->y[j];
-        }
-    }
-    return fabs(off) <= tolerance;
+    const double limit = sim->events.held_side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
+    return fabs(sim->events.s[i] - limit) <= gb_tolerance_of(sim, i, 1);
 }
 
 int gb_departed(gb_sim *sim) {

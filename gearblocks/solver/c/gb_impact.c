@@ -3,10 +3,14 @@
 #include "gb_limit_noise.h"
 #include "gb_modes.h"
 #include "gb_report.h"
+#include "gb_tolerance.h"
 #include "gb_vector.h"
 
 /* Rounds of an impact; and those in which a stop was left out because it is being left, before they have no end. */
 enum { ROUNDS = 10000, LEAVING_ROUNDS = 32 };
+
+/* Squares of restitutions beyond which impacts do not end a cascade by themselves. */
+static const double MOST_KEPT = 0.999;
 
 /* A flight of such a duration and height cannot be told from rest: its end lies within the rounding of time, or is
  * located no better than the rounding of the gap and would give back the speed that the impact took. Where the search
@@ -14,9 +18,17 @@ enum { ROUNDS = 10000, LEAVING_ROUNDS = 32 };
 static int is_nothing(gb_sim *sim, int i, double duration, double height, double restitution) {
     const gb_head *head = sim->head;
     const int gap = sim->model->constraints[i].slip;
-    const double kept = gb_min(restitution * restitution, 0.999), noise = sim->panel.noise[gap];
+    const double kept = gb_min(restitution * restitution, MOST_KEPT), noise = sim->panel.noise[gap];
     return duration <= 64.0 * gb_rounding(head->front.t1, head->front.h) || height <= 2.0 * noise / (1.0 - kept) ||
            gb_is_noise(sim, gap, height, sim->instant.time_terms, sim->y, sim->y);
+}
+
+/* Flights from a stop that takes next to nothing have no end where the motion between them loses energy, or the load
+ * grows: they become lower and as many more. Such a speed and height are less than what the tolerance admits of both
+ * sides of the stop: the run cannot tell them from rest, nor in which of the flights it is. */
+static int cannot_be_told(gb_sim *sim, int i, double speed, double height, double restitution) {
+    return restitution * restitution > MOST_KEPT && speed <= gb_tolerance_of_slip(sim, i) &&
+           height <= gb_tolerance_of(sim, sim->model->constraints[i].slip, 0);
 }
 
 /* The restitution of stop i. It comes to rest where what presses it brings it back from nothing but such a flight; how
@@ -31,8 +43,10 @@ static double restitution(gb_sim *sim, int i) {
     model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2);
     sim->head->counts.rhs_calls++;
     model->slips(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2, rate);
-    const double push = -rate[i];
-    return push > 0.0 && is_nothing(sim, i, 2.0 * speed / push, 0.5 * speed * speed / push, given) ? 0.0 : given;
+    const double push = -rate[i], height = 0.5 * speed * speed / push;
+    const int rests = push > 0.0 && (is_nothing(sim, i, 2.0 * speed / push, height, given) ||
+                                     cannot_be_told(sim, i, speed, height, given));
+    return rests ? 0.0 : given;
 }
 
 int gb_opens_for_nothing(gb_sim *sim, int i) {

@@ -9,6 +9,9 @@
 #include "gb_modes.h"
 #include "gb_vector.h"
 
+/* Part of a step from which on its end is looked at for a bound that has come to a force of noise. */
+static const double LAST = 1.0 - 1e-6;
+
 /* The force of an active constraint, located in this step, is on its bound at both ends of it but for what moves
  * nothing: a contact whose damping eats up its spring leaves such a force to a freewheel behind it. */
 static int is_no_force(gb_sim *sim, int i, double start, const double *time_terms) {
@@ -20,6 +23,19 @@ static int is_no_force(gb_sim *sim, int i, double start, const double *time_term
     return fabs(sim->events.s[i] - sim->events.hi[i]) < noise;
 }
 
+/* The force of an active constraint, located right at the end of this step, is noise there, and so is what its bound
+ * leaves: a capacity that fades to zero lets go of what loads it before, and of nothing else. */
+static int fades_unloaded(gb_sim *sim, int i, const double *time_terms) {
+    if (sim->events.located[i] < LAST) {
+        return 0;
+    }
+    sim->model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
+    const double excess = fabs(sim->events.s[i] - sim->events.hi[i]);
+    double force;
+    const double noise = gb_force_noise(sim, i, time_terms, sim->z, &force);
+    return excess < noise && force < noise;
+}
+
 /* Switch i, located in this step, has not left its limit from the start to the end but for noise. Most are plainly off
  * it at one of both. */
 static int has_stayed(gb_sim *sim, int i) {
@@ -28,7 +44,7 @@ static int has_stayed(gb_sim *sim, int i) {
     const double limit = sim->events.side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
     const double start = sim->events.s0[i] - limit;
     if (sim->events.role[i] == GB_CONSTRAINED) {
-        return is_no_force(sim, i, start, time_terms);
+        return is_no_force(sim, i, start, time_terms) || fades_unloaded(sim, i, time_terms);
     }
     if (gb_is_far(sim, start, sim->z, sim->y0)) {
         return 0;

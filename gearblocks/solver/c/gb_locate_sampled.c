@@ -185,7 +185,7 @@ static int first_through(gb_sim *sim, int i, double side, double until, double t
  * reach its bound: what bends between samples is no small part of what changes at all. A train at rest has no other
  * reason for its steps. */
 static int is_untold(gb_sim *sim, int i) {
-    double least = HUGE_VAL, most = -HUGE_VAL, bend = 0.0, f[POINTS];
+    double least = HUGE_VAL, most = -HUGE_VAL, bend = 0.0, force, f[POINTS];
     sampled_distances(sim, i, 1.0, f);
     for (int l = 0; l < POINTS; l++) {
         least = gb_min(least, f[l]);
@@ -197,7 +197,7 @@ static int is_untold(gb_sim *sim, int i) {
     const double start = fabs(f[1] - (21.0 * f[0] + 14.0 * f[2] - 3.0 * f[3]) / 32.0);
     const double range = gb_max(most - least, start);
     return least < 2.0 * range && gb_max(bend, 4.0 * start) > 0.3 * range &&
-           range > gb_force_noise(sim, i, sim->lanes.time_terms + sim->method->stages, sim->z);
+           range > gb_force_noise(sim, i, sim->lanes.time_terms + sim->method->stages, sim->z, &force);
 }
 
 /* It has a limit, and no enclosure. */

@@ -5,6 +5,7 @@
 #include "gb_report.h"
 #include "gb_sparse_ldu.h"
 #include "gb_stage_modes.h"
+#include "gb_step_constraints.h"
 #include "gb_vector.h"
 
 /* Part of a step in which the rates are differenced in time: rounding and truncation are of equal weight there. */
@@ -84,87 +85,22 @@ static void slope_in_time(gb_sim *sim, double h) {
     }
 }
 
-/* How many independent rows are active, and which constraint the j-th of them belongs to. */
-static int n_active(const gb_sim *sim) {
-    return sim->model->n_constraints > 0 ? (int)sim->mode[sim->model->n_switches] : 0;
-}
-
-static int active_index(const gb_sim *sim, int j) {
-    return (int)sim->mode[sim->model->n_switches + GB_ACTIVE_INDEX + j];
-}
-
-static double along(const gb_sim *sim, int j, const double *speeds) {
-    const double *row = sim->constraints.row + (size_t)j * (size_t)sim->model->n_speeds;
-    double sum = 0.0;
-    for (int i = 0; i < sim->model->n_speeds; i++) {
-        sum += row[i] * speeds[i];
-    }
-    return sum;
-}
-
-/* The active rows G, what the step matrix answers to forces along them, S^-1 G', and the inverse of G S^-1 G'. */
-static void factor_constraints(gb_sim *sim) {
-    const gb_model *model = sim->model;
-    const int n = n_active(sim), size = n > 0 ? model->pattern->n : 0;
-    const int first = model->n - model->n_speeds - model->n_kinematic;
-    for (int j = 0; j < n; j++) {
-        double *row = sim->constraints.row + (size_t)j * (size_t)model->n_speeds;
-        double *answer = sim->implicit.row_response + (size_t)j * (size_t)size;
-        model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active_index(sim, j), 0, row);
-        memset(sim->implicit.unknown, 0, sizeof(double) * (size_t)size);
-        model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active_index(sim, j), 1,
-                              sim->implicit.unknown + first);
-        gb_solve(model->pattern, sim->implicit.inverse, sim->implicit.lower, sim->implicit.upper, sim->implicit.unknown,
-                 sim->implicit.work, answer);
-    }
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++) {
-            sim->implicit.row_room[i * n + j] =
-                along(sim, i, sim->implicit.row_response + (size_t)j * (size_t)size + first);
-            sim->implicit.row_inverse[i * n + j] = i == j ? 1.0 : 0.0;
-        }
-    }
-    gb_gauss_jordan(n, n, sim->implicit.row_room, n, sim->implicit.row_inverse);
-}
-
-/* Adds the constraint forces, so that the speeds of x slip as `right` says. */
-static void apply_constraints(gb_sim *sim, double *x) {
-    const gb_model *model = sim->model;
-    const int n = n_active(sim), size = n > 0 ? model->pattern->n : 0;
-    double *speeds = x + model->n - model->n_speeds - model->n_kinematic;
-    for (int i = 0; i < n; i++) {
-        sim->constraints.right[i] -= along(sim, i, speeds);
-    }
-    for (int j = 0; j < n; j++) {
-        double force = 0.0;
-        for (int i = 0; i < n; i++) {
-            force += sim->implicit.row_inverse[j * n + i] * sim->constraints.right[i];
-        }
-        for (int k = 0; k < size; k++) {
-            x[k] += force * sim->implicit.row_response[(size_t)j * (size_t)size + (size_t)k];
-        }
-    }
-    if (n > 0 && model->constant_rows) {
-        const gb_active_set active = gb_active_at(model->constraint_rows, sim->mode + model->n_switches);
-        gb_active_project(model->constraint_rows, &active, NULL, speeds);
-    }
-}
-
 /* k = gamma (I - g J)^-1 k, in the first n entries. With active constraints J is that of the constrained motion: the
  * answer to k has gamma times its slips, since the constrained motion has none that depend on the state. */
 static void solve_stage(gb_sim *sim, double *k) {
     const gb_model *model = sim->model;
-    const int kinematic = model->n_kinematic, n = n_active(sim);
+    const int kinematic = model->n_kinematic, n = gb_n_active_rows(sim);
     const double gamma = sim->method->gamma, g = gamma * sim->implicit.h;
     double *x = model->n_massless > 0 ? sim->implicit.unknown : k + kinematic, *rates = sim->z2;
     for (int j = 0; j < n; j++) {
-        sim->constraints.right[j] = model->constant_rows ? 0.0 : gamma * along(sim, j, k + model->n - model->n_speeds);
+        sim->constraints.right[j] =
+            model->constant_rows ? 0.0 : gamma * gb_along_row(sim, j, k + model->n - model->n_speeds);
     }
     model->right_side(sim->par, sim->implicit.kinematic_terms, g, k, sim->implicit.unknown);
     gb_solve(model->pattern, sim->implicit.inverse, sim->implicit.lower, sim->implicit.upper, sim->implicit.unknown,
              sim->implicit.work, x);
     if (n > 0) {
-        apply_constraints(sim, x);
+        gb_constrain_answer(sim, x);
     }
     model->kinematic_rates(sim->par, sim->implicit.kinematic_terms, x, rates);
     for (int i = 0; i < kinematic; i++) {
@@ -183,10 +119,11 @@ static int factor(gb_sim *sim, double h) {
                        sim->implicit.lower, sim->implicit.upper, sim->implicit.kinematic_terms);
     sim->head->counts.jacobians++;
     sim->implicit.h = h;
+    gb_hold_speeds(sim);
     const int bad = gb_factor(model->pattern, gamma, sim->implicit.diag, sim->implicit.lower, sim->implicit.upper,
                               sim->implicit.inverse);
     if (bad < 0) {
-        factor_constraints(sim);
+        gb_factor_constraints(sim);
     }
     return bad < 0
                ? GB_DONE

@@ -1,0 +1,106 @@
+#include "gb_step_constraints.h"
+#include "gb_active_set.h"
+#include "gb_sparse_ldu.h"
+#include "gb_vector.h"
+
+int gb_n_active_rows(const gb_sim *sim) {
+    return sim->model->n_constraints > 0 ? (int)sim->mode[sim->model->n_switches] : 0;
+}
+
+/* Which constraint the j-th of the active rows belongs to. */
+static int active_index(const gb_sim *sim, int j) {
+    return (int)sim->mode[sim->model->n_switches + GB_ACTIVE_INDEX + j];
+}
+
+double gb_along_row(const gb_sim *sim, int j, const double *speeds) {
+    const double *row = sim->constraints.row + (size_t)j * (size_t)sim->model->n_speeds;
+    double sum = 0.0;
+    for (int i = 0; i < sim->model->n_speeds; i++) {
+        sum += row[i] * speeds[i];
+    }
+    return sum;
+}
+
+/* The only speed of row j that is not held; -1: there are none or several. */
+static int last_speed(const gb_sim *sim, int j, const double *diag) {
+    const double *row = sim->constraints.row + (size_t)j * (size_t)sim->model->n_speeds;
+    int found = -1;
+    for (int i = 0; i < sim->model->n_speeds; i++) {
+        if (row[i] != 0.0 && diag[i] < HUGE_VAL) {
+            if (found >= 0) {
+                return -1;
+            }
+            found = i;
+        }
+    }
+    return found;
+}
+
+/* A speed that is held by one row alone, or by one beside others that are, has an inertia without bound in the step
+ * matrix: so nothing of what presses it comes to its neighbours. The forces along the rows would cancel that but for
+ * rounding, which moves what is at rest behind it. */
+void gb_hold_speeds(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int n = gb_n_active_rows(sim);
+    double *diag = sim->implicit.diag + model->n - model->n_speeds - model->n_kinematic;
+    for (int j = 0; j < n; j++) {
+        double *row = sim->constraints.row + (size_t)j * (size_t)model->n_speeds;
+        model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active_index(sim, j), 0, row);
+    }
+    for (int again = model->constant_rows; again;) {
+        again = 0;
+        for (int j = 0; j < n; j++) {
+            const int only = last_speed(sim, j, diag);
+            if (only >= 0) {
+                diag[only] = HUGE_VAL;
+                again = 1;
+            }
+        }
+    }
+}
+
+/* What the step matrix answers to forces along the active rows, S^-1 G', and the inverse of G S^-1 G'. */
+void gb_factor_constraints(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int n = gb_n_active_rows(sim), size = n > 0 ? model->pattern->n : 0;
+    const int first = model->n - model->n_speeds - model->n_kinematic;
+    for (int j = 0; j < n; j++) {
+        double *answer = sim->implicit.row_response + (size_t)j * (size_t)size;
+        memset(sim->implicit.unknown, 0, sizeof(double) * (size_t)size);
+        model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active_index(sim, j), 1,
+                              sim->implicit.unknown + first);
+        gb_solve(model->pattern, sim->implicit.inverse, sim->implicit.lower, sim->implicit.upper, sim->implicit.unknown,
+                 sim->implicit.work, answer);
+    }
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++) {
+            const double room = gb_along_row(sim, i, sim->implicit.row_response + (size_t)j * (size_t)size + first);
+            sim->implicit.row_room[i * n + j] = i == j && room == 0.0 ? 1.0 : room; /* 0: all of its speeds are held */
+            sim->implicit.row_inverse[i * n + j] = i == j ? 1.0 : 0.0;
+        }
+    }
+    gb_gauss_jordan(n, n, sim->implicit.row_room, n, sim->implicit.row_inverse);
+}
+
+/* Adds the constraint forces, so that the speeds of x slip as `right` says. */
+void gb_constrain_answer(gb_sim *sim, double *x) {
+    const gb_model *model = sim->model;
+    const int n = gb_n_active_rows(sim), size = n > 0 ? model->pattern->n : 0;
+    double *speeds = x + model->n - model->n_speeds - model->n_kinematic;
+    for (int i = 0; i < n; i++) {
+        sim->constraints.right[i] -= gb_along_row(sim, i, speeds);
+    }
+    for (int j = 0; j < n; j++) {
+        double force = 0.0;
+        for (int i = 0; i < n; i++) {
+            force += sim->implicit.row_inverse[j * n + i] * sim->constraints.right[i];
+        }
+        for (int k = 0; k < size; k++) {
+            x[k] += force * sim->implicit.row_response[(size_t)j * (size_t)size + (size_t)k];
+        }
+    }
+    if (n > 0 && model->constant_rows) {
+        const gb_active_set active = gb_active_at(model->constraint_rows, sim->mode + model->n_switches);
+        gb_active_project(model->constraint_rows, &active, NULL, speeds);
+    }
+}

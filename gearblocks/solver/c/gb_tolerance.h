@@ -1,0 +1,14 @@
+/* What the tolerance of a run admits for a combination of its states: sum_j |ds/dy_j| / (error weight of j).
+ * Knows nothing of steps and impacts. */
+#ifndef GB_TOLERANCE_H
+#define GB_TOLERANCE_H
+
+#include "gb_internal.h"
+
+/* Of event function i at the front; of states alone that are small beside what counts as a size for them. */
+double gb_tolerance_of(gb_sim *sim, int i, int small_alone);
+
+/* Of the slip of constraint i. */
+double gb_tolerance_of_slip(gb_sim *sim, int i);
+
+#endif

@@ -1,0 +1,62 @@
+"""Stops that take nothing, and bodies whose flights between them fade: more and more impacts, in closed form."""
+
+import math
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+J, DRAG, LOAD, START = 0.5, 2.0, 5.0, 3.0
+
+
+def _rig(restitution=1.0, start=START, load=LOAD, drag=DRAG, fast=None):
+    """A body at a stop, pressed by a constant torque, in a drag that is linear in its speed."""
+    rig = gb.Drivetrain("fading")
+    body = rig.add("body", gb.Inertia(J=J, w0=start))
+    rig.connect(rig.add("stop", gb.HardStop(upper=0.0, restitution=restitution)).a, body.a)
+    rig.connect(rig.add("drag", gb.SpeedLoad(coeffs=(0.0, drag, 0.0))).flange, body.a)
+    rig.connect(rig.add("load", gb.Torque(tau=load)).flange, body.b)
+    if fast is not None:
+        rig.add("fast", gb.Inertia(J=1.0, w0=fast))
+    return rig
+
+
+def _impacts(run):
+    return [e for e in run.events if e.kind == "impact"]
+
+
+@pytest.mark.parametrize("method", ["dp8", "rodas", "auto"])
+@pytest.mark.parametrize(("rtol", "start"), [(1e-3, 3.0), (1e-3, 7.0), (1e-4, 3.0)])
+def test_impacts_that_drag_makes_lower_end_where_the_tolerance_tells_them_no_more(method, rtol, start):
+    """v falls as exp(-D t / 3 J) (low flights: 4/3 of v^2/g of drag each), 2 v / g apart; until v = rtol v0."""
+    rate, push = DRAG / (3 * J), LOAD / J
+    run = gb.simulate(_rig(start=start), t_end=12.0, method=method, rtol=rtol)
+    impacts = _impacts(run)
+    assert -impacts[-1].before == pytest.approx(rtol * start, rel=1e-2)
+    assert len(impacts) == pytest.approx(push / (2 * rate * rtol * start), rel=1e-2)
+    half = impacts[len(impacts) // 2]  # v is 1/N of what it was
+    assert impacts[-1].t - half.t == pytest.approx(math.log(half.before / impacts[-1].before) / rate, rel=1e-2)
+    assert (run["body.w"][-1], run["stop.contact"][-1]) == (0.0, 1.0)
+    assert abs(run["body.phi"][-1]) <= 1e-12
+    assert abs(run.energy.residual) < 10 * rtol
+
+
+@pytest.mark.parametrize("method", ["dp8", "rodas"])
+def test_what_rested_so_leaves_its_stop_when_its_load_turns(method):
+    """Long after the last impact: from 6 s on, from rest, J w' = -LOAD sin(pi (t - 6 s)/12 s) - DRAG w."""
+    run = gb.simulate(_rig(load=LOAD * gb.cos(gb.time * math.pi / 12)), t=[5.9, 6.0, 7.0], method=method, rtol=1e-3)
+    turn, a = math.pi / 12, DRAG / J
+    shape = (a * math.sin(turn) - turn * math.cos(turn) + turn * math.exp(-a)) / (a**2 + turn**2)
+    assert run["body.w"][0] == 0.0
+    assert run["body.w"][-1] == pytest.approx(-LOAD / J * shape, rel=1e-2)
+
+
+@pytest.mark.parametrize("fast", [None, 100.0])
+@pytest.mark.parametrize("start", [1e-6, 1e-3])
+def test_low_impacts_that_lose_nothing_go_on(start, fast):
+    """A size of its own, beside what turns 10^8 times as fast: flights of 2 v J / LOAD, as high as the first."""
+    flight = 2 * start * J / LOAD
+    run = gb.simulate(_rig(start=start, drag=0.0, fast=fast), t_end=500.5 * flight, rtol=1e-6)
+    assert len(_impacts(run)) == 501
+    assert np.max(np.abs([e.after - start for e in _impacts(run)])) < 1e-6 * start
