@@ -2,7 +2,7 @@
 
     f(t) on segments [t0, t1], known at the five nodes of Gauss and Lobatto; sought is max f over all of them
 
-A polynomial of degree 4 through the nodes says where the maximum can lie and, by its highest Chebyshev coefficient, how
+A polynomial of degree 4 through the nodes says where the maximum can lie and, by its highest Chebyshev coefficients, how
 wrong it may be. Where that exceeds what the run promises, the function is sampled anew in the segments in question, at
 Chebyshev points, whose polynomial of degree 15 is as good as the function itself. Knows nothing of runs.
 """
@@ -15,9 +15,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from gearblocks.simulation.segments import NODES
-
 Array = NDArray[np.float64]
+
+NODES: Array = np.array([0.0, 0.5 - np.sqrt(3 / 28), 0.5, 0.5 + np.sqrt(3 / 28), 1.0])
+WEIGHTS: Array = np.array([1 / 20, 49 / 180, 16 / 45, 49 / 180, 1 / 20])
+"""Nodes and weights of Gauss and Lobatto on [0, 1]: exact for polynomials of degree 7."""
 
 _MOST = 24  # segments that are looked at closely: the best ones by their polynomials
 _PART = 1e-2  # of the tolerance of the run: an error that is no concern
@@ -34,7 +36,7 @@ def extremum(t0: Array, t1: Array, nodes: Array, sample: Callable[[Array], Array
     if not len(nodes) or not np.isfinite(nodes).all():
         return float("nan")
     coefficients = nodes @ _BY_NODE
-    unsure = np.abs(coefficients[:, 4])
+    unsure = np.maximum(np.abs(coefficients[:, 4]), np.abs(coefficients[:, 3]) / 16)  # of an odd one c_4 says nothing
     shown = np.maximum((nodes @ _ON_FINE).max(axis=1), nodes.max(axis=1))
     known, scale = float(nodes.max()), float(np.abs(nodes).max())
     candidates = np.flatnonzero(shown + unsure >= max(known + 1e-14 * scale, float((shown - unsure).max())))

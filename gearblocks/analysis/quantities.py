@@ -6,6 +6,7 @@ Window [after, before]: the part of the run that counts. Knows nothing of studie
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from typing import Any, ClassVar, final
@@ -13,13 +14,12 @@ from typing import Any, ClassVar, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.extrema import extremum
 from gearblocks.analysis.quantity import Quantity, belongs, known
 from gearblocks.analysis.sections import Section
 from gearblocks.analysis.solution import Solution, Span
 from gearblocks.errors import ParameterError
 from gearblocks.language.expression import finite_number
-from gearblocks.simulation.segments import WEIGHTS, Needs
+from gearblocks.simulation.measured_runs import Along, Needs
 
 Array = NDArray[np.float64]
 
@@ -46,17 +46,11 @@ class Extremum(Quantity):
 
     def needs(self, span: Span) -> Needs:
         """The output between the samples."""
-        return Needs((self.output,), (self.window(span),))
+        return Needs(along=(Along(self.which, self.output, *self.window(span)),))
 
     def measure(self, run: Solution, span: Span) -> float:
         """Value of the output there."""
-        t0, t1, nodes = run.within(self.output, *self.window(span))
-        sign = 1.0 if self.which == "peak" else -1.0
-
-        def sample(times: Array) -> Array:
-            return sign * run.sample(self.output, times)
-
-        return sign * extremum(t0, t1, sign * nodes, sample, run.rtol)
+        return run.along_run(Along(self.which, self.output, *self.window(span)))
 
 
 @final
@@ -81,16 +75,11 @@ class Integral(Quantity):
 
     def needs(self, span: Span) -> Needs:
         """The output between the samples."""
-        return Needs((self.output,), (self.window(span),))
+        return Needs(along=(Along(self.which, self.output, *self.window(span)),))
 
     def measure(self, run: Solution, span: Span) -> float:
         """Quadrature of order 8 over every smooth segment."""
-        t0, t1, values = run.within(self.output, *self.window(span))
-        h = t1 - t0
-        if self.which == "mean":
-            return float((h * (values * WEIGHTS).sum(axis=1)).sum() / h.sum())
-        scale = float(np.abs(values).max(initial=0.0)) or 1.0  # so that no square leaves the range of doubles
-        return scale * float(np.sqrt((h * ((values / scale) ** 2 * WEIGHTS).sum(axis=1)).sum() / h.sum()))
+        return run.along_run(Along(self.which, self.output, *self.window(span)))
 
 
 @final
@@ -118,7 +107,7 @@ class Value(Quantity):
 
     def needs(self, span: Span) -> Needs:
         """The output at that time."""
-        return Needs((self.output,), times=(self._time(span),))
+        return Needs((self.output,), (self._time(span),))
 
     def measure(self, run: Solution, span: Span) -> float:
         """The value."""
@@ -199,14 +188,16 @@ class EnergyLost(Quantity):
         return "J"
 
     def needs(self, span: Span) -> Needs:
-        """The state at both ends of the window."""
-        return Needs(times=self.window(span))
+        """The losses at both ends of the window."""
+        return Needs(times=self.window(span), losses=self._components(span))
 
     def measure(self, run: Solution, span: Span) -> float:
         """Change of the quadratures."""
-        place = [i for name, i in run.loss_integrals.items() if belongs(name, self.component)]
-        start, end = (run.state(time) for time in self.window(span))
-        return float((end[place] - start[place]).sum())
+        start, end = self.window(span)
+        return math.fsum(run.lost(name, end) - run.lost(name, start) for name in self._components(span))
+
+    def _components(self, span: Span) -> tuple[str, ...]:
+        return tuple(name for name in span.losses or () if belongs(name, self.component))
 
 
 @final
@@ -249,7 +240,7 @@ class SectionPoints(Quantity):
 
     def needs(self, span: Span) -> Needs:
         """The output at these times."""
-        return Needs((self.output,), times=tuple(self._times(span).tolist()))
+        return Needs((self.output,), tuple(self._times(span).tolist()))
 
     def measure(self, run: Solution, span: Span) -> Array:
         """Values of the output there."""

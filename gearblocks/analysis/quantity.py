@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gearblocks.analysis.solution import Solution, Span, solution_of, span_of_run
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.simulation.events import KINDS, Events
-from gearblocks.simulation.segments import Needs
+from gearblocks.simulation.measured_runs import Needs
 from gearblocks.simulation.trajectory import Trajectory, matches
 
 Array = NDArray[np.float64]

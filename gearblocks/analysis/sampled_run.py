@@ -5,15 +5,16 @@ As good as its samples lie close. Knows nothing of models and solvers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.analysis.extrema import NODES, WEIGHTS, extremum
 from gearblocks.errors import ParameterError
 from gearblocks.simulation.events import Events
-from gearblocks.simulation.segments import NODES
+from gearblocks.simulation.measured_runs import Along
 from gearblocks.simulation.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -41,24 +42,29 @@ class SampledRun:
         """Those of the run."""
         return self._run.events
 
-    @property
-    def rtol(self) -> float:
-        """Relative tolerance of the run."""
-        return float(self._run.meta.get("rtol", 1e-6))
-
-    @property
-    def loss_integrals(self) -> Mapping[str, int]:
-        """Places of the losses in `state`."""
-        return {name: i for i, name in enumerate(self._run.energy.dissipated)}
-
-    def state(self, time: float) -> Array:
-        """Losses up to the begin or the end of the run [J]; those between are not stored."""
-        losses = np.array([*self._run.energy.dissipated.values()])
+    def lost(self, component: str, time: float) -> float:
+        """Energy lost up to the begin or the end of the run [J]; what it was between is not stored."""
         if time <= self._run.t[0]:
-            return np.zeros(len(losses))
+            return 0.0
         if time < self._run.t[-1]:
             raise ParameterError("a stored run knows its losses from begin to end only: leave out after and before")
-        return losses
+        return float(self._run.energy.dissipated[component])
+
+    def along_run(self, wanted: Along) -> float:
+        """What an output is along the run."""
+        t0, t1, nodes = self._within(wanted.output, wanted.after, wanted.before)
+        h = t1 - t0
+        if wanted.kind in ("peak", "trough"):
+            sign = 1.0 if wanted.kind == "peak" else -1.0
+
+            def sample(times: Array) -> Array:
+                return sign * self._sample(wanted.output, times)
+
+            return sign * extremum(t0, t1, sign * nodes, sample, float(self._run.meta.get("rtol", 1e-6)))
+        if wanted.kind == "mean":
+            return float((h * (nodes * WEIGHTS).sum(axis=1)).sum() / h.sum())
+        scale = float(np.abs(nodes).max(initial=0.0)) or 1.0  # so that no square leaves the range of doubles
+        return scale * float(np.sqrt((h * ((nodes / scale) ** 2 * WEIGHTS).sum(axis=1)).sum() / h.sum()))
 
     def _splines(self, output: str) -> list[Callable[[Array], Array]]:
         from scipy.interpolate import make_interp_spline
@@ -68,9 +74,9 @@ class SampledRun:
 
     def value(self, output: str, time: float) -> float:
         """The output at a time, the right limit at an event."""
-        return float(self.sample(output, np.array([time]))[0])
+        return float(self._sample(output, np.array([time]))[0])
 
-    def sample(self, output: str, times: Array) -> Array:
+    def _sample(self, output: str, times: Array) -> Array:
         """The output at times [s]."""
         starts = np.array([self._run.t[a] for a, _ in self._pieces])
         piece = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
@@ -82,7 +88,7 @@ class SampledRun:
         found[hit] = self._run[output][exact[hit]]
         return found
 
-    def within(self, output: str, after: float, before: float) -> tuple[Array, Array, Array]:
+    def _within(self, output: str, after: float, before: float) -> tuple[Array, Array, Array]:
         """Segments within a window: t0, t1, shape (S,), and the output at their nodes, shape (S, 5)."""
         rows = []
         for spline, edges in zip(self._splines(output), self._edges, strict=True):

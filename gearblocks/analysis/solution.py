@@ -17,8 +17,8 @@ from gearblocks.errors import ParameterError, SimulationError
 from gearblocks.simulation.arguments import resolve, set_inputs
 from gearblocks.simulation.events import Events
 from gearblocks.simulation.failures import reason
+from gearblocks.simulation.measured_runs import Along, Needs, StoppedError, measured_run
 from gearblocks.simulation.records import NamedValues
-from gearblocks.simulation.segments import Needs, Segments, StoppedError
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.structures import Code
 
@@ -26,18 +26,13 @@ Array = NDArray[np.float64]
 
 
 class Solution(Protocol):
-    """What quantities are measured on: a run with its values between the samples (`simulation/segments.py`)."""
+    """What quantities are measured on (`simulation/measured_runs.py`)."""
 
     @property
     def events(self) -> Events: ...
-    @property
-    def rtol(self) -> float: ...
-    @property
-    def loss_integrals(self) -> Mapping[str, int]: ...
     def value(self, output: str, time: float) -> float: ...
-    def state(self, time: float) -> Array: ...
-    def within(self, output: str, after: float, before: float) -> tuple[Array, Array, Array]: ...
-    def sample(self, output: str, times: Array) -> Array: ...
+    def lost(self, component: str, time: float) -> float: ...
+    def along_run(self, wanted: Along) -> float: ...
 
 
 @final
@@ -90,7 +85,7 @@ def span_of_run(run: Trajectory) -> Span:
         raise ParameterError("a run without samples has no quantities")
     if run.case is None:
         parameters = dict(run.meta.get("parameters", {}))
-        return Span(float(run.t[0]), float(run.t[-1]), run.units, None, None, parameters)
+        return Span(float(run.t[0]), float(run.t[-1]), run.units, None, (*run.energy.dissipated,), parameters)
     case = run.case
     return program_span(case.library.program, case.begin, float(run.t[-1]), case.parameters, None)
 
@@ -100,14 +95,13 @@ def solution_of(run: Trajectory, needs: Needs) -> Iterator[Solution]:
     """The solution that a run shows: its steps done again where the run knows what it follows from, else its samples."""
     case = run.case
     if case is None:
-        yield SampledRun(run, [time for window in needs.windows for time in window])
+        yield SampledRun(run, [time for one in needs.along for time in (one.after, one.before)])
         return
     program = case.library.program
     with case.library.open() as sim:
-        sim.parameters[:] = case.parameters
         set_inputs(sim, program, case.inputs)
         try:
-            yield Segments(sim, program, case, needs)
+            yield measured_run(sim, case, needs)
         except StoppedError as stopped:
             code = stopped.code or Code.ERR_MEMORY
             raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None

@@ -106,3 +106,12 @@ def span_of(task: Task, vector: Array) -> Span:
     return Span(
         window.begin, end, span.units, span.components, span.losses, span.parameters, after, window.section, most
     )  # fmt: skip
+
+
+def options_until(task: Task, end: float) -> Options:
+    """The options of a run that ends there."""
+    o, window = task.options, task.window
+    step = end / ((window.transient + (window.keep or 1)) * task.steps_per_period) if task.steps_per_period else o.step
+    if o.t_stop == end and o.step == step:
+        return o
+    return Options(o.method, o.locate, o.rtol, step, o.max_step, end)

@@ -97,16 +97,25 @@ def events_of(table: EventTable, recorded: Sequence[NDArray[np.void]]) -> Events
     on each other at one instant are one, or none where it ends as it began."""
     if not recorded:
         return Events(np.empty(0, dtype=ROW), ())
-    raw = recorded[0] if len(recorded) == 1 else np.concatenate(recorded)
+    return net_events(table, shown(table, recorded[0] if len(recorded) == 1 else np.concatenate(recorded)))
+
+
+def shown(table: EventTable, raw: NDArray[np.void]) -> NDArray[np.void]:
+    """Rows that the solver recorded, with what stands for modes 0 and 1."""
     index, impact = raw["index"], raw["kind"] == _IMPACT
     found = np.empty(len(raw), dtype=ROW)
     found["t"], found["component"] = raw["t"], table.component[index]
     found["kind"] = np.where(impact, _IMPACT, table.timed[index])
     for side in ("before", "after"):
         mode = raw[side]
-        shown = np.where(mode == 0.0, table.low[index], np.where(mode == 1.0, table.high[index], mode))
-        found[side] = np.where(impact, mode, shown)
-    return Events(_net(found), table.components)
+        stands = np.where(mode == 0.0, table.low[index], np.where(mode == 1.0, table.high[index], mode))
+        found[side] = np.where(impact, mode, stands)
+    return found
+
+
+def net_events(table: EventTable, rows: NDArray[np.void]) -> Events:
+    """The events of one run from `shown` rows of it."""
+    return Events(_net(rows), table.components)
 
 
 def _net(rows: NDArray[np.void]) -> NDArray[np.void]:

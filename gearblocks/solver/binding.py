@@ -58,6 +58,8 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_energies": (c_int, (c_void_p, c_void_p)),
     "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(RecordStructure), c_double)),
     "gb_evaluate": (c_int, (c_void_p, c_void_p, c_long, c_void_p, c_int, c_void_p, c_void_p)),
+    "gb_quantity_room": (c_size_t, (c_void_p, c_int)),
+    "gb_study_run": (c_int, (c_void_p, c_void_p, c_double)),
     "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
     "gb_probe": (c_int, (c_void_p, POINTER(PointStructure), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),
     "gb_snapshot_size": (c_size_t, (c_void_p,)),
@@ -121,11 +123,10 @@ class Simulation:
             self.parameters = self.inputs = np.empty(0)
             self._kept.clear()
 
-    def record(self, rows: int | None = None, inner: Array | None = None) -> Record:
-        """An empty record; rows: as many as there can be at most, where that is known; inner: fractions of each step at which
-        a run that records every step writes a row too."""
+    def record(self, rows: int | None = None) -> Record:
+        """An empty record; rows: as many as there can be at most, where that is known."""
         program = self._program
-        return Record(1 + program.n_total + len(program.switches) + len(program.inputs), rows, inner)
+        return Record(1 + program.n_total + len(program.switches) + len(program.inputs), rows)
 
     def changed(self) -> None:
         """Tells the solver that `parameters` or `inputs` were written."""
@@ -208,6 +209,14 @@ class Simulation:
             address(energy) if energies else None,
         )
         return Code(code), out, energy
+
+    def quantity_room(self, count: int) -> int:
+        """How many numbers of room so many quantities along a run need."""
+        return int(self._shared.gb_quantity_room(self._sim, count))
+
+    def study(self, raw: ctypes.Structure, seconds: float) -> Code:
+        """Goes on with the runs of a study (`study_runs.py`)."""
+        return Code(self._shared.gb_study_run(self._sim, ctypes.byref(raw), seconds))
 
     def rhs(self, t: float, y: Array) -> Array:
         """dy/dt at (t, y) with the present modes; length n_total."""

@@ -13,19 +13,15 @@ _PIECE = 8_000_000  # numbers in one piece of a record
 class Record:
     """Room for the rows and events of a run, which grows with what is recorded. A row is [t | y | modes | inputs].
 
-    most_rows: how many there can be at most, where that is known. inner: fractions of each step at which there is a row too.
+    most_rows: how many there can be at most, where that is known.
     """
 
-    def __init__(self, width: int, most_rows: int | None = None, inner: Array | None = None) -> None:
+    def __init__(self, width: int, most_rows: int | None = None) -> None:
         self._width, self._most_rows, self._most_events = width, max(64, min(8192, 2_000_000 // width)), 16384
         if most_rows is not None:
             self._most_rows = max(1, min(most_rows, max(64, _PIECE // width)))
         self.raw = RecordStructure()
-        self._inner = inner
-        if inner is not None:
-            self.raw.inner, self.raw.n_inner = inner.ctypes.data, len(inner)
-        first = 64 if inner is None else max(64, min(4096, 50_000 // width))
-        self._new_rows(min(first, self._most_rows) if most_rows is None else self._most_rows)
+        self._new_rows(min(64, self._most_rows) if most_rows is None else self._most_rows)
         self._new_events(64)
 
     def take(self) -> tuple[Array, NDArray[np.void]]:

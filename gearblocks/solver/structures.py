@@ -112,8 +112,7 @@ class RecordStructure(ctypes.Structure):
         ("events", c_void_p),
         ("n_events", c_long),
         ("event_capacity", c_long),
-        ("inner", c_void_p),
-        ("n_inner", c_long),
+        ("quantities", c_void_p),
     ]
 
 

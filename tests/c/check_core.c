@@ -24,8 +24,8 @@ static run make_run(const gb_model *model, const double *values, gb_options opti
     r.sim = open_model(model, values, &options, &r.code);
     r.record.rows = malloc(sizeof(double) * (size_t)rows * row_length(model));
     r.record.events = malloc(sizeof(gb_event) * MAX_EVENTS);
-    r.record.n_rows = r.record.n_events = r.record.n_inner = 0;
-    r.record.inner = NULL;
+    r.record.n_rows = r.record.n_events = 0;
+    r.record.quantities = NULL;
     r.record.row_capacity = rows;
     r.record.event_capacity = MAX_EVENTS;
     return r;

@@ -49,8 +49,10 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_locate_enclosed", "gb_departure", "gb_drift"),
     ("gb_locate_polynomial", "gb_start"),
     ("gb_locate",),
-    ("gb_step",),
+    ("gb_step", "gb_record"),
+    ("gb_quantity",),
     ("gb_run",),
+    ("gb_study",),
 )
 """From the ground up: a .c and its header each."""
 

@@ -87,15 +87,32 @@ typedef struct gb_event {
     int index, kind; /* kind 0: state, 1: time */
 } gb_event;
 
-/* A record that the caller owns. A row is [t | y (n_total) | modes (n_switches) | inputs (n_inputs)].
- * Where every step is recorded, a row at each of the `inner` fractions of a step comes before that of its end. */
+/* What is kept of an output along a run: its largest or least value, its mean or root mean square over time [after,
+ * before]. */
+enum { GB_PEAK = 0, GB_TROUGH = 1, GB_MEAN = 2, GB_RMS = 3 };
+
+typedef struct gb_quantity {
+    int kind;
+    double after, before, value;
+    double sum, rest, scale, length;
+} gb_quantity;
+
+/* Several of them, and the output of each. room: gb_quantity_room(sim, count) numbers of the caller's. follows: the
+ * front has been looked at from the segment before. */
+typedef struct gb_quantities {
+    gb_quantity *of;
+    const int *output;
+    int count, follows;
+    double *room;
+} gb_quantities;
+
+/* A record that the caller owns. A row is [t | y (n_total) | modes (n_switches) | inputs (n_inputs)]. */
 typedef struct gb_record {
     double *rows;
     long n_rows, row_capacity;
     gb_event *events;
     long n_events, event_capacity;
-    const double *inner; /* rising, between 0 and 1 */
-    long n_inner;
+    gb_quantities *quantities; /* or NULL */
 } gb_record;
 
 GB_API gb_sim *gb_open(const gb_model *model);
@@ -133,6 +150,36 @@ GB_API int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb
  * may be of any run with these parameters; none needs to have been started here. */
 GB_API int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, int n_pick, double *out,
                        double *energy);
+
+/* How many numbers of room quantities need. */
+GB_API size_t gb_quantity_room(const gb_sim *sim, int count);
+
+/* Many runs of one model. By point: parameters; inputs, start (length n_total) and steps, where these are not NULL (a
+ * lone_start is that of every point); times, rising, of which the last one is the end; windows [after, before] of the
+ * quantities. What is found, by point: values, at each time the outputs and then the states that are asked for;
+ * start_states; quantities; balance: the energy at the begin and at the end, what came in between, sum of
+ * sign[i] (y_end - y_begin)[ledger[i]], and the turnover; events: how many there were up to its end, at all points. */
+typedef struct gb_study {
+    long n_points, point; /* the one under way */
+    int begun, lone_start;
+    gb_options options;
+    double t0;
+    const double *parameters, *inputs, *start, *steps, *times, *windows;
+    const int *outputs, *states, *ledger;
+    const double *sign;
+    long n_times;
+    int n_outputs, n_states, n_ledger;
+    gb_record record;       /* room for at least one row, and events of all points since it was emptied */
+    double *first;          /* room for n_total numbers */
+    long n_done;            /* times of the point that are done with */
+    long long events_taken; /* out of the record, by the caller */
+    double *values, *start_states, *quantities, *balance;
+    long long *events;
+} gb_study;
+
+/* Goes on with the points for about `slice` CPU seconds. GB_FULL: the events fill the record, empty it. Below zero: the
+ * point cannot be run (gb_get_report); it goes on with the next one as `point` and begun = 0. */
+GB_API int gb_study_run(gb_sim *sim, gb_study *study, double slice);
 
 /* One evaluation of the right-hand side at (t, y, modes of the sim), for tests: dy has length n_total. */
 GB_API int gb_rhs(gb_sim *sim, double t, const double *y, double *dy);

@@ -1,13 +1,12 @@
 #include "gb_run.h"
-#include "gb_constraint_state.h"
 #include "gb_dense_output.h"
 #include "gb_departure.h"
 #include "gb_event.h"
-#include "gb_inputs.h"
+#include "gb_quantity.h"
 #include "gb_rates.h"
+#include "gb_record.h"
 #include "gb_report.h"
 #include "gb_sliding_outputs.h"
-#include "gb_stage_modes.h"
 #include "gb_start.h"
 #include "gb_step.h"
 #include "gb_time_terms.h"
@@ -19,10 +18,6 @@
 enum { STEPS_BETWEEN_LOOKS = 64 }; /* at the clock */
 enum { CROWD = 100000 };           /* events in a row that must bring the run on by a part of what is left of it: */
 static const double LEAST_PROGRESS = 1e-5;
-
-static size_t row_length(const gb_model *m) {
-    return (size_t)(1 + m->n_total + m->n_switches + m->n_inputs);
-}
 
 /* Changes that wait, and whether the run can go on at all. */
 static int begin(gb_sim *sim) {
@@ -111,19 +106,6 @@ int gb_state(gb_sim *sim, double *y) {
     return code;
 }
 
-/* The modes at t, where the state is y: those of the front, or without location those that fit there. */
-static int modes_between(gb_sim *sim, double t, const double *y, const double **mode) {
-    int code = GB_DONE;
-    *mode = sim->mode;
-    if (!sim->head->options.locate && t < sim->head->front.t1) {
-        code = gb_time_terms_at(sim, t);
-        gb_stage_modes_begin(sim, 1);
-        gb_stage_modes(sim, &sim->instant, 1, 0, y);
-        *mode = sim->unlocated.mode;
-    }
-    return code;
-}
-
 /* State, modes, time terms and derivative at the communication point: z, `mode`, `instant` and z2. */
 static int at_communication_point(gb_sim *sim, const double **mode) {
     int code = gb_state(sim, sim->z);
@@ -131,7 +113,7 @@ static int at_communication_point(gb_sim *sim, const double **mode) {
         code = gb_time_terms_at(sim, sim->head->front.t_comm);
     }
     if (code == GB_DONE) {
-        code = modes_between(sim, sim->head->front.t_comm, sim->z, mode);
+        code = gb_modes_between(sim, sim->head->front.t_comm, sim->z, mode);
     }
     if (code == GB_DONE) {
         sim->model->rhs_full(sim->par, *mode, sim->instant.time_terms, sim->z, sim->z2);
@@ -185,30 +167,10 @@ static int flush(gb_sim *sim, gb_record *record) {
 }
 
 static int write_row(gb_sim *sim, gb_record *record, double t) {
-    const gb_model *m = sim->model;
     if (record->n_rows >= record->row_capacity) {
         return GB_FULL;
     }
-    if (t < sim->head->front.t1) {
-        const int code = gb_dense_quadratures(sim);
-        if (code != GB_DONE) {
-            return code;
-        }
-    }
-    double *row = record->rows + (size_t)record->n_rows * row_length(m);
-    *row++ = t;
-    gb_dense_all(sim, t, row);
-    const double *mode;
-    int code = modes_between(sim, t, row, &mode);
-    row += m->n_total;
-    memcpy(row, mode, sizeof(double) * (size_t)m->n_switches);
-    if (code == GB_DONE && sim->head->events.n_sliding > 0) {
-        code = gb_time_terms_at(sim, t);
-        gb_mode_with_shares(sim, &sim->instant, 0, row - m->n_total, row);
-    }
-    if (code == GB_DONE) {
-        code = gb_input_values(sim, t, row + m->n_switches);
-    }
+    const int code = gb_write_row(sim, t, record->rows + (size_t)record->n_rows * gb_row_length(sim->model));
     if (code == GB_DONE) {
         record->n_rows++;
         sim->head->front.t_comm = t;
@@ -233,18 +195,6 @@ static int write_samples(gb_sim *sim, const double *t, long n, gb_record *record
     return GB_DONE;
 }
 
-/* Rows within the segment that ends at the front; at its end where it is too short for any. None after an event. */
-static int write_inner(gb_sim *sim, gb_record *record) {
-    const double t0 = sim->head->front.t0, t1 = sim->head->front.t1;
-    const long count = sim->head->front.t_comm < t1 ? record->n_inner : 0;
-    int code = GB_DONE;
-    for (long i = 0; i < count && code == GB_DONE; i++) {
-        const int roomy = t0 + (t1 - t0) * record->inner[0] > t0;
-        code = write_row(sim, record, roomy ? t0 + (t1 - t0) * record->inner[i] : t1);
-    }
-    return code;
-}
-
 /* The row of the front, or of t_end where the front is beyond; answers as write_samples. */
 static int write_front(gb_sim *sim, double t_end, gb_record *record) {
     gb_head *head = sim->head;
@@ -252,8 +202,7 @@ static int write_front(gb_sim *sim, double t_end, gb_record *record) {
         return head->front.t_comm < t_end ? write_row(sim, record, t_end) : GB_DONE;
     }
     if (head->front.row_due) {
-        int code = record->n_rows + record->n_inner < record->row_capacity ? write_inner(sim, record) : GB_FULL;
-        code = code == GB_DONE ? write_row(sim, record, head->front.t1) : code;
+        const int code = write_row(sim, record, head->front.t1);
         if (code != GB_DONE) {
             return code;
         }
@@ -277,74 +226,12 @@ int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record
         if (++count % STEPS_BETWEEN_LOOKS == 0 && slice > 0.0 && clock() >= until) {
             return GB_PAUSE;
         }
+        const int is_step = !sim->head->events.pending;
         code = move(sim, target);
+        if (code == GB_DONE && record->quantities) {
+            code = gb_quantities_take(sim, record->quantities, is_step);
+        }
     }
     flush(sim, record);
     return code;
-}
-
-/* How many rows from this one on share its modes, at most GB_LANES. */
-static int same_modes(const gb_model *m, const double *row, long left) {
-    const size_t length = row_length(m);
-    const size_t bytes = sizeof(double) * (size_t)m->n_switches;
-    int count = 1;
-    while (count < GB_LANES && count < left &&
-           (bytes == 0 || memcmp(row + 1 + m->n_total, row + (size_t)count * length + 1 + m->n_total, bytes) == 0)) {
-        count++;
-    }
-    return count;
-}
-
-/* All outputs at a recorded row, in its modes; `full` are these with their active set. */
-static void outputs_of_row(gb_sim *sim, const double *mode, const double *full, int lane, const double *y) {
-    const gb_model *m = sim->model;
-    if (gb_has_shares(m, mode)) {
-        gb_outputs_with_shares(sim, mode, &sim->instant, lane, y, sim->scratch.outputs);
-        return;
-    }
-    const double *time_terms = sim->instant.time_terms + lane;
-    m->rhs_full(sim->par, full, time_terms, y, sim->z2);
-    m->outputs(sim->par, full, time_terms, y, sim->z2, sim->scratch.outputs);
-}
-
-int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, int n_pick, double *out,
-                double *energy) {
-    const gb_model *m = sim->model;
-    const size_t length = row_length(m);
-    long r = 0;
-    if (!sim->head->started) {
-        m->prepare(sim->par);
-    }
-    while (r < n_rows) {
-        const double *row = rows + (size_t)r * length, *mode = row + 1 + m->n_total;
-        const int count = same_modes(m, row, n_rows - r);
-        for (int l = 0; l < GB_LANES; l++) {
-            const double *at = row + (size_t)(l < count ? l : count - 1) * length;
-            sim->instant.t[l] = at[0];
-            for (int i = 0; i < m->n_inputs; i++) {
-                sim->instant.u[i * GB_LANES + l] = at[1 + m->n_total + m->n_switches + i];
-            }
-        }
-        if (m->n_time_terms > 0) {
-            m->time_terms(sim->par, mode, count, sim->instant.t, sim->instant.u, sim->instant.time_terms);
-            if (m->output_time_terms) {
-                m->output_time_terms(sim->par, mode, count, sim->instant.t, sim->instant.u, sim->instant.time_terms);
-            }
-        }
-        mode = gb_modes_with_active_set(sim, mode, sim->instant.time_terms, row + 1);
-        for (int l = 0; l < count; l++, r++) {
-            const double *y = rows + (size_t)r * length + 1, *time_terms = sim->instant.time_terms + l;
-            if (n_pick > 0) {
-                outputs_of_row(sim, row + 1 + m->n_total, mode, l, y);
-                for (int j = 0; j < n_pick; j++) {
-                    out[(size_t)r * (size_t)n_pick + (size_t)j] = sim->scratch.outputs[pick[j]];
-                }
-            }
-            if (energy) {
-                m->energies(sim->par, mode, time_terms, y, energy + (size_t)r * (size_t)m->n_energies);
-            }
-        }
-    }
-    gb_input_broadcast(sim);
-    return GB_DONE;
 }

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gearblocks.analysis.extrema import extremum
-from gearblocks.simulation.segments import NODES, WEIGHTS
+from gearblocks.analysis.extrema import NODES, WEIGHTS, extremum
 
 Array = NDArray[np.float64]
 
