@@ -7,8 +7,15 @@ import subprocess
 import sys
 from pathlib import Path
 
-NAMES = ("p1", "p2", "lanes", "p3", "p4", "locks", "rhs", "assembly", "cold", "studies")
-SHORT = {"lanes": ("20",), "p4": ("100",), "locks": ("20",), "rhs": ("20000",), "assembly": ("100",)}
+NAMES = ("p1", "p2", "lanes", "p3", "p4", "locks", "rhs", "assembly", "cold", "studies", "interrupted")
+SHORT = {
+    "lanes": ("20",),
+    "p4": ("100",),
+    "locks": ("20",),
+    "rhs": ("20000",),
+    "assembly": ("100",),
+    "interrupted": ("2000",),
+}
 """Smaller numbers; what is not named is short as it is."""
 LONG = ("cold",)
 """What has no short form: it compiles the core again and again."""
