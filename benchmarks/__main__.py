@@ -7,10 +7,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-NAMES = ("p1", "p2", "lanes", "p3", "p4", "locks", "rhs", "assembly", "cold", "studies", "interrupted")
+NAMES = ("p1", "p2", "lanes", "p3", "p4", "choice", "locks", "rhs", "assembly", "cold", "studies", "interrupted")
 SHORT = {
     "lanes": ("20",),
     "p4": ("100",),
+    "choice": ("P1",),
     "locks": ("20",),
     "rhs": ("20000",),
     "assembly": ("100",),
