@@ -74,7 +74,7 @@ def method_options(
         raise ParameterError("method 'rk4' has a fixed step: give step= in s, or take 'dp5' or 'dp8'")
     why = "chosen by the user"
     if method == "auto":
-        why = f"rtol = {rtol:g}: order 8 pays from 1e-4 down, order 5 above"
+        why = f"rtol = {rtol:g}: order 8 pays from 1e-3 down, order 5 above"
     number = METHODS.get(method, Method.AUTO)
     return Options(number, int(locate), rtol, step or 0.0, max_step or math.inf, end), why
 

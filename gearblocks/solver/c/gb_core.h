@@ -43,7 +43,7 @@ enum {
     GB_ERR_ESCAPE = -15    /* motion that grows without bound; index: the state that grows quickest, or -1 */
 };
 
-/* GB_AUTO: order 8 (order 5 above a tolerance of 1e-4), and the implicit method while the train is stiff. */
+/* GB_AUTO: order 8 (order 5 above a tolerance of 1e-3), and the implicit method while the train is stiff. */
 enum { GB_RK4 = 0, GB_DP5 = 1, GB_DP8 = 2, GB_RODAS = 3, GB_METHODS = 4, GB_AUTO = 4 };
 
 typedef struct gb_options {

@@ -14,6 +14,10 @@ static const double MANY_STEPS = 2e4;
 /* Steps that could be so much longer, by their error, than what the explicit method reaches are held back by it. */
 static const double HELD_BACK = 2.0;
 
+/* With so few steps, of those that are taken, explicit ones would be stable: accuracy and events set the pace, and the
+ * method of higher order takes no more of them. */
+static const double NOT_STIFF = 0.3;
+
 /* So many that a large implicit step is tried; fastest rate times size of such a step, and from which product on a
  * vibration is stepped over. */
 static const double HOPELESS = 1e6, LARGE_STEP = 1e4, STEPPED_OVER = 30.0;
@@ -97,7 +101,7 @@ static void look_later(gb_head *head, int factor) {
 void gb_choice_start(gb_sim *sim) {
     gb_head *head = sim->head;
     const gb_options *options = &head->options;
-    head->choice.explicit_method = options->rtol <= 1e-4 ? GB_DP8 : GB_DP5;
+    head->choice.explicit_method = options->rtol <= 1e-3 ? GB_DP8 : GB_DP5;
     head->choice.automatic = options->method == GB_AUTO && !(options->step > 0.0) && sim->model->pattern;
     head->choice.gap = head->choice.look_at = GAP;
     head->choice.t_look = head->front.t1;
@@ -230,8 +234,8 @@ int gb_choice_look(gb_sim *sim, double limit) {
         head->choice.calm_at = head->counts.steps + CALM;
     }
     if (sim->method->gamma > 0.0) {
-        const double explicit_steps = gb_max(span * rate / stability(sim), (double)count);
-        const int back = margin(head) * explicit_steps < cost * (double)count;
+        const double stable = span * rate / stability(sim), explicit_steps = gb_max(stable, (double)count);
+        const int back = stable < NOT_STIFF * (double)count || margin(head) * explicit_steps < cost * (double)count;
         look_later(head, back ? 4 : 2);
         if (back) {
             change_method(sim, head->choice.explicit_method, gb_min(head->control.h_next, stability(sim) / rate));
