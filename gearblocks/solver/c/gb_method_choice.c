@@ -16,7 +16,7 @@ static const double HELD_BACK = 2.0;
 
 /* With so few steps, of those that are taken, explicit ones would be stable: accuracy and events set the pace, and the
  * method of higher order takes no more of them. */
-static const double NOT_STIFF = 0.12;
+static const double NOT_STIFF = 0.1;
 
 /* So many that a large implicit step is tried; fastest rate times size of such a step, and from which product on a
  * vibration is stepped over. */
