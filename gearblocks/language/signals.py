@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from gearblocks.errors import GearblocksError, ParameterError
 from gearblocks.language.expression import FUNCTIONS, Expr, as_expr, evaluate, finite_number
 from gearblocks.language.numpy_calls import numpy_call
+from gearblocks.language.units import check_unit
 
 time = Expr("time")  # time in s, for expressions
 twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft
@@ -96,7 +97,8 @@ class _Leaf:
 class Parameter(_Leaf):
     """One tunable value that may stand in any numeric field or expression of a train.
 
-    name: how it is set; value: in `unit` (SI, radians). Two Parameters of one name in a train must be equal.
+    name: how it is set; value: in `unit`, which is SI and radians, such as "N m/rad"; any other is refused. Two Parameters
+    of one name in a train must be equal.
     """
 
     name: str
@@ -105,7 +107,7 @@ class Parameter(_Leaf):
 
     def __post_init__(self) -> None:
         _check_name("Parameter", self.name)
-        _check_unit("Parameter", self.name, self.unit)
+        check_unit(f"Parameter '{self.name}'", self.unit)
         object.__setattr__(self, "value", finite_number(f"Parameter '{self.name}': value", self.value))
 
     def _expr_(self) -> Expr:
@@ -116,7 +118,7 @@ class Parameter(_Leaf):
 class Input(_Leaf):
     """A value from outside: a number, Table or callable given to simulate, a variable of the FMU.
 
-    start: its value as long as nothing is connected. Inputs of one name are one input.
+    start: its value as long as nothing is connected, in `unit` (SI and radians). Inputs of one name are one input.
     """
 
     name: str
@@ -125,7 +127,7 @@ class Input(_Leaf):
 
     def __post_init__(self) -> None:
         _check_name("Input", self.name)
-        _check_unit("Input", self.name, self.unit)
+        check_unit(f"Input '{self.name}'", self.unit)
         object.__setattr__(self, "start", finite_number(f"Input '{self.name}': start", self.start))
 
     def _expr_(self) -> Expr:
@@ -137,11 +139,6 @@ def _check_name(kind: str, name: str) -> None:
         raise ParameterError(
             f"{kind} name {name!r} must be words of letters, digits and '_' joined by '.', each beginning with a letter"
         )
-
-
-def _check_unit(kind: str, name: str, unit: str) -> None:
-    if not isinstance(unit, str):
-        raise ParameterError(f"{kind} '{name}': unit = {unit!r} must be text such as 'N m'")
 
 
 def _row(name: str, values: Any) -> NDArray[np.float64]:

@@ -47,6 +47,29 @@ def base_exponents(unit: str) -> dict[str, int]:
     return {base: total[base] for base in BASE if total.get(base, 0) != 0}
 
 
+_WAYS_OUT = {
+    "rpm": "give the value as gb.rpm(...) with the unit 'rad/s'",
+    "deg": "give the value in radians with the unit 'rad'",
+    "Nm": "write 'N m' with a blank",
+}
+
+
+def check_unit(what: str, unit: Any) -> None:
+    """Raises ParameterError where a unit is not text, or no SI unit: its value would be taken as it stands."""
+    if not isinstance(unit, str):
+        raise ParameterError(f"{what}: unit = {unit!r} must be text such as 'N m'")
+    try:
+        base_exponents(unit)
+    except ParameterError:
+        way = next(
+            (words for word, words in _WAYS_OUT.items() if word in unit), "give the value in SI units and radians"
+        )
+        known = ", ".join(_NAMED)
+        raise ParameterError(
+            f"{what}: unit '{unit}' is none that values are taken in ({known}; 'N m/rad', 'kg m2'): {way}"
+        ) from None
+
+
 def _powers(word: str, unit: str) -> dict[str, int]:
     """Base exponents of one factor such as "N" or "s-2"."""
     if word == "1":

@@ -27,6 +27,24 @@ def test_parameters_and_inputs_have_plain_names(name: Any) -> None:
             make("p", 1.0, 3)
 
 
+@pytest.mark.parametrize(
+    ("unit", "way_out"),
+    [
+        ("rpm", r"gb\.rpm"),
+        ("N m/deg", "in radians"),
+        ("kNm", "'N m' with a blank"),
+        ("banana", "SI units and radians"),
+        ("mm", "SI"),
+    ],
+)
+def test_units_that_values_would_not_be_taken_in_are_refused(unit: str, way_out: str) -> None:
+    """3000 rpm ran at 3000 rad/s."""
+    for make in (gb.Parameter, gb.Input):
+        with pytest.raises(gb.ParameterError, match=f"{make.__name__} 'p': unit '{unit}' .*{way_out}"):
+            make("p", 3000.0, unit)
+        assert make("p", 3000.0, "N m/rad").unit == "N m/rad"
+
+
 # -- tables --------------------------------------------------------------------------------------------------------------
 
 
