@@ -107,7 +107,7 @@ on_processors() {
         # shellcheck disable=SC2086
         set -- $level
         if processor_has "${@:2}" && command -v cc >/dev/null && compiles_for "$1"; then
-            "$each" "C for $1" env CC="cc -march=$1 -O3"
+            "$each" "C for $1" env CC="cc -O3" GEARBLOCKS_VARIANT="$1"
         else
             left_out "C for $1"
         fi

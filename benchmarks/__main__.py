@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-NAMES = ("p1", "p2", "lanes", "p3", "p4", "choice", "locks", "rhs", "assembly", "cold", "studies", "interrupted")
+NAMES = ("p1", "p2", "lanes", "p3", "p4", "choice", "locks", "rhs", "assembly", "cold", "studies", "interrupted", "fmu")
 SHORT = {
     "lanes": ("20",),
     "p4": ("100",),

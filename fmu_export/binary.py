@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import platform
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -12,8 +14,12 @@ from gearblocks.errors import ParameterError
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler
 from gearblocks.solver.library import core_files, core_flags, produced
+from gearblocks.solver.variants import Variant, variants_of
 
-SHARED_GLUE = (*("gb_fmu.c", "gb_fmu.h", "gb_fmu_clock.c", "gb_fmu_failure.c", "gb_fmu_internal.h", "gb_fmu_values.c"),)
+SHARED_GLUE = (
+    *("gb_fmu.c", "gb_fmu.h", "gb_fmu_clock.c", "gb_fmu_failure.c", "gb_fmu_internal.h", "gb_fmu_values.c"),
+    *("gb_solver.c", "gb_solver.h", "gb_solver_table.c"),
+)
 """Life cycle and variables: the same for every FMI version."""
 
 VERSION_GLUE = {"2.0": ("fmi2.h", "fmi2_glue.c", "fmi2_instance.h", "fmi2_states.c")}
@@ -23,6 +29,9 @@ GENERATED = ("fmu_table.c", "model.c")
 """What differs from model to model."""
 
 _BASELINE = "glibc_baseline.h"
+_NAMES = "variant_names.h"
+_PROTOTYPE = re.compile(r"^(?!typedef|#|\s|static|[A-Z_]+INLINE)[A-Za-z_][\w *]*?\b(gb_\w+)\([^;{]*\);", re.MULTILINE)
+_EXTERN = re.compile(r"^extern const [\w ]+?\b(gb_\w+)\b", re.MULTILINE)
 _MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
 _PLATFORMS = {("linux", "x86_64"): "linux64", ("win32", "x86_64"): "win64", ("darwin", "x86_64"): "darwin64"}
 KNOWN_PLATFORMS = ("native", "linux64", "win64", "darwin64", "aarch64-linux", "aarch64-darwin")
@@ -63,21 +72,45 @@ def checked_platforms(platforms: Sequence[str]) -> tuple[str, ...]:
 def build_binary(sources: Mapping[str, bytes], identifier: str) -> dict[str, bytes]:
     """The shared library of this machine under its name in the archive.
 
-    Compiled for every CPU of the platform (no instructions beyond its baseline), contraction off: the same bits as the
-    run in-process. Objects that are the same for all models are kept in the user's cache.
+    Runs on every CPU of the platform: solver and model are compiled for its baseline, and for each of VARIANTS that the
+    compiler knows, under names of their own; which are taken is decided as an instance is made (gb_solver.c). Contraction
+    is off: all have the bits of the run in-process. Objects that are the same for all models are kept in the user's cache.
     """
     compiler = find_compiler()
-    names = sorted(name for name in sources if name.endswith(".c"))
     headers = {name: data for name, data in sources.items() if name.endswith(".h")}
-    with ThreadPoolExecutor(max_workers=2) as workers:
-        objects = list(workers.map(lambda name: _object(compiler, headers, name, sources[name]), names))
+    variants = variants_of(compiler)
+    again = [name for name in sorted(sources) if name.endswith(".c") and is_of_solver(name)]
+    units: list[tuple[str, Variant | None]] = [(name, None) for name in sorted(sources) if name.endswith(".c")]
+    units += [(name, variant) for variant in variants for name in again]
+
+    def made(unit: tuple[str, Variant | None]) -> bytes:
+        name, variant = unit
+        return _object(compiler, headers, name, sources[name], variant, bool(variants))
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as workers:
+        objects = list(workers.map(made, units))
     product = identifier + SHARED_SUFFIX
-    files = {f"{name[:-2]}.o": data for name, data in zip(names, objects, strict=True)}
+    files = {
+        f"{name[:-2]}{variant.suffix if variant else ''}.o": data
+        for (name, variant), data in zip(units, objects, strict=True)
+    }
     data = produced(compiler, files, ("-shared", "-s", *files, "-o", product, "-lm"), product)
     return {f"binaries/{native_platform()}/{product}": data}
 
 
-def _object(compiler: Compiler, headers: Mapping[str, bytes], name: str, source: bytes) -> bytes:
+def is_of_solver(name: str) -> bool:
+    """Whether a C file is compiled for each kind of processor: the solver, its table of calls, and the model."""
+    return name in ("model.c", "gb_solver_table.c") or (name not in GENERATED and not is_glue(name))
+
+
+def is_glue(name: str) -> bool:
+    """Whether a file stands between the solver and an FMI version."""
+    return name in SHARED_GLUE or any(name in names for names in VERSION_GLUE.values())
+
+
+def _object(
+    compiler: Compiler, headers: Mapping[str, bytes], name: str, source: bytes, variant: Variant | None, several: bool
+) -> bytes:
     files = {**headers, name: source}
     arguments: tuple[str, ...] = (
         *FLAGS,
@@ -88,12 +121,31 @@ def _object(compiler: Compiler, headers: Mapping[str, bytes], name: str, source:
         "-o",
         "out.o",
     )  # GB_API: nothing of the solver is exported
+    if variant is not None:
+        files[_NAMES] = names_with(headers, variant.suffix)
+        arguments = (*variant.flags, "-include", _NAMES, *arguments)
+    if several and name == "gb_solver.c":
+        arguments = ("-DGB_SOLVER_VARIANTS", *arguments)
     if sys.platform == "linux" and not compiler.is_zig:
         files[_BASELINE] = (C_FOLDER / _BASELINE).read_bytes()
         arguments = ("-include", _BASELINE, *arguments)
     if name in GENERATED:
         return produced(compiler, files, arguments, "out.o")
     return kept_object(compiler, files, arguments)
+
+
+def names_with(headers: Mapping[str, bytes], suffix: str) -> bytes:
+    """A header that gives everything that files of the solver share another name, so that several of it fit into one
+    library."""
+    found = {"gb_solver_plain"}
+    for name, data in headers.items():
+        if not is_glue(name) or name == "gb_solver.h":
+            text = re.sub(rb"/\*.*?\*/", b" ", data, flags=re.DOTALL).decode()
+            found.update(_PROTOTYPE.findall(text))
+            found.update(_EXTERN.findall(text))
+    found.add("gb_model_key")
+    plain = {name: f"gb_solver{suffix}" if name == "gb_solver_plain" else name + suffix for name in sorted(found)}
+    return "".join(f"#define {name} {new}\n" for name, new in plain.items()).encode()
 
 
 def kept_object(compiler: Compiler, files: Mapping[str, bytes], arguments: Sequence[str]) -> bytes:

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS_BETWEEN_LOOKS = 8 }; /* at the clock */
+enum { FIRST_BETWEEN_LOOKS = 8, MOST_BETWEEN_LOOKS = 256 }; /* at the clock: steps and events */
 
 /* ---- reasons ------------------------------------------------------------------------------------------------- */
 
@@ -28,11 +28,12 @@ const char *gb_fmu_phase_words(int phase) {
 
 static void set_start_values(gb_fmu *fmu) {
     const gb_fmu_table *table = fmu->table;
-    double *targets[GB_FMU_KINDS] = {NULL, gb_parameters(fmu->sim), gb_inputs(fmu->sim), NULL, fmu->start};
+    double *targets[GB_FMU_KINDS] = {NULL, fmu->solver->parameters(fmu->sim), fmu->solver->inputs(fmu->sim), NULL,
+                                     fmu->start};
     for (int kind = 0; kind < GB_FMU_KINDS; kind++)
         for (int i = 0; targets[kind] && i < table->count[kind]; i++)
             targets[kind][table->entries[kind][i].index] = table->entries[kind][i].start;
-    gb_changed(fmu->sim);
+    fmu->solver->changed(fmu->sim);
 
     memset(&fmu->s, 0, sizeof fmu->s);
     memcpy(fmu->s.token, table->token, GB_FMU_TOKEN);
@@ -50,15 +51,21 @@ static void set_start_values(gb_fmu *fmu) {
     }
     fmu->s.phase = GB_FMU_NEW;
     fmu->fresh = 0;
+    fmu->moves = FIRST_BETWEEN_LOOKS;
+}
+
+const char *gb_fmu_missing(void) {
+    return gb_solver_here() ? NULL : gb_solver_words();
 }
 
 gb_fmu *gb_fmu_open(void) {
-    const gb_model *model = gb_get_model();
-    gb_fmu *fmu = calloc(1, sizeof *fmu);
+    gb_fmu *fmu = gb_solver_here() ? calloc(1, sizeof *fmu) : NULL;
     if (!fmu)
         return NULL;
+    fmu->solver = gb_solver_here();
+    const gb_model *model = fmu->solver->get_model();
     fmu->table = &gb_fmu_the_table;
-    fmu->sim = gb_open(model);
+    fmu->sim = fmu->solver->open(model);
     fmu->outputs = calloc((size_t)model->n_outputs + 1, sizeof *fmu->outputs);
     fmu->start = calloc((size_t)model->n_total + 1, sizeof *fmu->start);
     if (!fmu->sim || !fmu->outputs || !fmu->start) {
@@ -73,17 +80,17 @@ void gb_fmu_close(gb_fmu *fmu) {
     if (!fmu)
         return;
     if (fmu->sim)
-        gb_close(fmu->sim);
+        fmu->solver->close(fmu->sim);
     free(fmu->outputs);
     free(fmu->start);
     free(fmu);
 }
 
 int gb_fmu_reset(gb_fmu *fmu) {
-    gb_sim *sim = gb_open(gb_get_model());
+    gb_sim *sim = fmu->solver->open(fmu->solver->get_model());
     if (!sim)
         return gb_fmu_refuse(fmu, "out of memory in the reset");
-    gb_close(fmu->sim);
+    fmu->solver->close(fmu->sim);
     fmu->sim = sim;
     set_start_values(fmu);
     return 0;
@@ -99,7 +106,7 @@ double gb_fmu_time(const gb_fmu *fmu) {
 
 long long gb_fmu_events(const gb_fmu *fmu) {
     gb_stats stats;
-    gb_get_stats(fmu->sim, &stats);
+    fmu->solver->get_stats(fmu->sim, &stats);
     return stats.events;
 }
 
@@ -148,7 +155,7 @@ int gb_fmu_start(gb_fmu *fmu) {
     if (fmu->s.started)
         return 0;
     const double *y0 = fmu->table->count[GB_FMU_START] ? fmu->start : NULL;
-    const int code = gb_start(fmu->sim, &fmu->s.options, fmu->s.t_start, y0);
+    const int code = fmu->solver->start(fmu->sim, &fmu->s.options, fmu->s.t_start, y0);
     if (code < 0) {
         const int phase = fmu->s.phase;
         gb_fmu_solver_failed(fmu, code);
@@ -169,20 +176,23 @@ int gb_fmu_begin(gb_fmu *fmu) {
     return 0;
 }
 
-/* To t, or as far as the patience of the table goes. The clock is read between runs of steps alone: most calls end
- * within the first. Where a run takes long, so may each of its steps, and the clock is read after every one. */
+/* To t, or as far as the patience of the table goes. The clock is read between runs of steps alone, which become longer
+ * while they take next to none of it, from call to call, too: most calls end within the first. Where a run takes long,
+ * so may each of its steps, and the clock is read after every one. */
 static int advance(gb_fmu *fmu, double t) {
     const double patience = fmu->table->patience;
-    long moves = STEPS_BETWEEN_LOOKS;
-    int code = gb_advance_within(fmu->sim, t, moves);
+    int code = fmu->solver->advance_within(fmu->sim, t, fmu->moves);
     if (code != GB_PAUSE)
         return code;
     double now = gb_fmu_clock();
     for (const double until = now + patience; code == GB_PAUSE && now < until;) {
         const double before = now;
-        code = gb_advance_within(fmu->sim, t, moves);
+        code = fmu->solver->advance_within(fmu->sim, t, fmu->moves);
         now = gb_fmu_clock();
-        moves = now - before > 0.1 * patience ? 1 : moves;
+        if (now - before < 0.01 * patience)
+            fmu->moves = fmu->moves < MOST_BETWEEN_LOOKS ? 2 * fmu->moves : MOST_BETWEEN_LOOKS;
+        else if (now - before > 0.1 * patience)
+            fmu->moves = 1;
     }
     return code;
 }
@@ -216,7 +226,7 @@ int gb_fmu_step(gb_fmu *fmu, double t, double h) {
     if (code < 0)
         return gb_fmu_solver_failed(fmu, code);
     fmu->s.t_asked = code == GB_PAUSE ? t : end;
-    fmu->s.t = code == GB_PAUSE ? gb_time(fmu->sim) : end;
+    fmu->s.t = code == GB_PAUSE ? fmu->solver->time(fmu->sim) : end;
     if (code == GB_DONE)
         return 0;
     gb_fmu_refuse(fmu,

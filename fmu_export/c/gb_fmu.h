@@ -58,7 +58,8 @@ enum { GB_FMU_NEW, GB_FMU_INITIALIZING, GB_FMU_RUNNING, GB_FMU_ENDED, GB_FMU_FAI
 
 typedef struct gb_fmu gb_fmu;
 
-gb_fmu *gb_fmu_open(void); /* NULL: no memory */
+const char *gb_fmu_missing(void); /* why there can be no instance here, NULL where there can */
+gb_fmu *gb_fmu_open(void);        /* NULL: no memory */
 void gb_fmu_close(gb_fmu *fmu);
 const char *gb_fmu_message(const gb_fmu *fmu);
 double gb_fmu_time(const gb_fmu *fmu);

@@ -12,7 +12,7 @@ static const char *name_among(const gb_fmu *fmu, int kind, int index) {
  */
 static const char *state_name(const gb_fmu *fmu, int index, int unknown) {
     const gb_fmu_table *table = fmu->table;
-    if (index >= 0 && index < (unknown ? table->n_states : gb_model_of(fmu->sim)->n))
+    if (index >= 0 && index < (unknown ? table->n_states : fmu->solver->model_of(fmu->sim)->n))
         return table->states[index];
     for (int i = 0; i < table->n_quadratures; i++)
         if (!unknown && table->quadratures[i].index == index)
@@ -21,7 +21,7 @@ static const char *state_name(const gb_fmu *fmu, int index, int unknown) {
 }
 
 static const char *start_name(const gb_fmu *fmu, int index) {
-    const int n = gb_model_of(fmu->sim)->n;
+    const int n = fmu->solver->model_of(fmu->sim)->n;
     return index < n ? state_name(fmu, index, 0) : name_among(fmu, GB_FMU_PARAMETER, index - n);
 }
 
@@ -34,7 +34,7 @@ static const char *switch_name(const gb_fmu *fmu, int index) {
 
 int gb_fmu_solver_failed(gb_fmu *fmu, int code) {
     gb_report report;
-    gb_get_report(fmu->sim, &report);
+    fmu->solver->get_report(fmu->sim, &report);
     fmu->s.phase = GB_FMU_FAILED;
     fmu->fresh = 0;
     const double t = report.t;

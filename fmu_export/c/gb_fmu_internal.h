@@ -3,8 +3,7 @@
 #define GB_FMU_INTERNAL_H
 
 #include "gb_fmu.h"
-
-const gb_model *gb_get_model(void);
+#include "gb_solver.h"
 
 enum { GB_FMU_TOKEN = 64, GB_FMU_KIND_SHIFT = 24 };
 
@@ -26,8 +25,10 @@ typedef struct gb_fmu_state {
 
 struct gb_fmu {
     const gb_fmu_table *table;
+    const gb_solver *solver;
     gb_sim *sim;
     gb_fmu_state s;
+    long moves;      /* steps and events between two looks at the clock */
     int fresh;       /* outputs[] belongs to the present point and inputs */
     double *outputs; /* all outputs of the model */
     double *start;   /* start vector, where the states' start values are variables */

@@ -20,9 +20,9 @@ static const gb_fmu_entry *find(gb_fmu *fmu, unsigned ref, int *kind) {
 static double *place(gb_fmu *fmu, int kind, const gb_fmu_entry *entry) {
     switch (kind) {
     case GB_FMU_PARAMETER:
-        return &gb_parameters(fmu->sim)[entry->index];
+        return &fmu->solver->parameters(fmu->sim)[entry->index];
     case GB_FMU_INPUT:
-        return &gb_inputs(fmu->sim)[entry->index];
+        return &fmu->solver->inputs(fmu->sim)[entry->index];
     case GB_FMU_START:
         return &fmu->start[entry->index];
     case GB_FMU_OUTPUT:
@@ -43,7 +43,7 @@ static int refresh_outputs(gb_fmu *fmu, const gb_fmu_entry *entry) {
         return -1;
     if (!fmu->s.started)
         return gb_fmu_refuse(fmu, "output '%s' has no value %s", entry->name, gb_fmu_phase_words(fmu->s.phase));
-    const int code = gb_outputs(fmu->sim, fmu->outputs);
+    const int code = fmu->solver->outputs(fmu->sim, fmu->outputs);
     if (code < 0)
         return gb_fmu_solver_failed(fmu, code);
     fmu->fresh = 1;
@@ -100,7 +100,7 @@ int gb_fmu_set(gb_fmu *fmu, const unsigned *refs, size_t n, const double *values
         *target = values[i];
         fmu->fresh = 0;
         if (fmu->s.phase == GB_FMU_RUNNING)
-            gb_changed(fmu->sim);
+            fmu->solver->changed(fmu->sim);
         else
             fmu->s.started = 0;
     }
@@ -110,24 +110,25 @@ int gb_fmu_set(gb_fmu *fmu, const unsigned *refs, size_t n, const double *values
 /* ---- saved states -------------------------------------------------------------------------------------------- */
 
 static size_t start_size(const gb_fmu *fmu) {
-    return (size_t)gb_model_of(fmu->sim)->n_total * sizeof(double);
+    return (size_t)fmu->solver->model_of(fmu->sim)->n_total * sizeof(double);
 }
 
 size_t gb_fmu_block_size(const gb_fmu *fmu) {
-    return sizeof(gb_fmu_state) + start_size(fmu) + gb_snapshot_size(fmu->sim);
+    return sizeof(gb_fmu_state) + start_size(fmu) + fmu->solver->snapshot_size(fmu->sim);
 }
 
 /* Of the part in front of the solver's block (which has a checksum of its own), the place of the sum left out. */
 static unsigned long long checksum_of(const gb_fmu *fmu, const char *block) {
     const size_t at = offsetof(gb_fmu_state, checksum), after = at + sizeof(unsigned long long);
-    return gb_checksum(block + after, sizeof(gb_fmu_state) + start_size(fmu) - after, gb_checksum(block, at, 0));
+    return fmu->solver->checksum(block + after, sizeof(gb_fmu_state) + start_size(fmu) - after,
+                                 fmu->solver->checksum(block, at, 0));
 }
 
 void gb_fmu_save(const gb_fmu *fmu, void *block) {
     char *bytes = block;
     memcpy(bytes, &fmu->s, sizeof fmu->s);
     memcpy(bytes + sizeof fmu->s, fmu->start, start_size(fmu));
-    gb_save(fmu->sim, bytes + sizeof fmu->s + start_size(fmu));
+    fmu->solver->save(fmu->sim, bytes + sizeof fmu->s + start_size(fmu));
     const unsigned long long checksum = checksum_of(fmu, bytes);
     memcpy(bytes + offsetof(gb_fmu_state, checksum), &checksum, sizeof checksum);
 }
@@ -149,7 +150,7 @@ int gb_fmu_fits(gb_fmu *fmu, const void *block, size_t size) {
         return gb_fmu_refuse(fmu, "the saved state belongs to another model");
     memcpy(&state, bytes, sizeof state);
     if (state.checksum != checksum_of(fmu, bytes) || !in_range(&state) ||
-        !gb_fits(fmu->sim, bytes + sizeof state + start_size(fmu)))
+        !fmu->solver->fits(fmu->sim, bytes + sizeof state + start_size(fmu)))
         return gb_fmu_refuse(fmu, "the saved state is damaged");
     return 0;
 }
@@ -158,7 +159,7 @@ int gb_fmu_restore(gb_fmu *fmu, const void *block) {
     const char *bytes = block;
     if (gb_fmu_fits(fmu, block, gb_fmu_block_size(fmu)))
         return -1;
-    if (gb_restore(fmu->sim, bytes + sizeof fmu->s + start_size(fmu)) < 0)
+    if (fmu->solver->restore(fmu->sim, bytes + sizeof fmu->s + start_size(fmu)) < 0)
         return gb_fmu_refuse(fmu, "the saved state is damaged");
     memcpy(&fmu->s, bytes, sizeof fmu->s);
     memcpy(fmu->start, bytes + sizeof fmu->s, start_size(fmu));

@@ -113,6 +113,11 @@ fmi2Component FMI2_NAME(fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2Str
         reason = "fmi2Instantiate: only co-simulation is packed into this FMU";
     else if (!guid || strcmp(guid, gb_fmu_the_table.token) != 0)
         reason = "fmi2Instantiate: the guid belongs to another export than this binary";
+    char text[256];
+    if (!reason && gb_fmu_missing()) {
+        snprintf(text, sizeof text, "fmi2Instantiate: %s", gb_fmu_missing());
+        reason = text;
+    }
     if (reason) {
         refuse_instance(functions, name, reason);
         return NULL;

@@ -19,8 +19,8 @@ import numpy as np
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError
 from gearblocks.solver.cache import digest, user_cache
-from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, cpu_identity, find_compiler
-from gearblocks.solver.library import Model, headers_of, produced
+from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, cpu_identity
+from gearblocks.solver.library import Model, compiler_here, headers_of, produced
 from gearblocks.solver.structures import Array, address
 
 POINTS = 32
@@ -153,7 +153,7 @@ def _compiled(program: Program, outputs: tuple[int, ...]) -> ctypes.CDLL:
         raise CompileError(f"'{program.name}' has no lanes: its sides do not follow from the state alone")
     numbers = ", ".join(map(str, outputs or (0,)))
     picks = f"enum {{ N_PICKS = {len(outputs)} }};\nstatic const int lane_pick[] = {{{numbers}}};\n"
-    source, compiler, cache = program.lanes.encode(), find_compiler(), user_cache()
+    source, compiler, cache = program.lanes.encode(), compiler_here(), user_cache()
     files = {**headers_of(source), "lanes.c": source, "lane_picks.h": picks.encode()}
     flags = (*FLAGS, *compiler.native, "-shared", "lanes.c", "-o", "lanes" + SHARED_SUFFIX, "-lm")
     key = digest(

@@ -15,7 +15,7 @@ import tempfile
 import threading
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from gearblocks.solver.binding import Simulation, open_shared
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, cpu_identity, find_compiler
 from gearblocks.solver.structures import Array
+from gearblocks.solver.variants import asked_flags
 
 SOURCES = Path(__file__).parent / "c"
 METHOD_SOURCES = ("methods.py", "rosenbrock.py")
@@ -91,7 +92,7 @@ class Model:
 
 def compile_program(program: Program) -> Library:
     """The library of a program, from the cache where it was compiled before. Raises CompileError."""
-    compiler = find_compiler()
+    compiler = compiler_here()
     cache, core = user_cache(), _core_key(compiler)
     key = digest(core, *compiler.generated_flags, _EXPORTS, program.source)
     path = cache.find("models", key, SHARED_SUFFIX)
@@ -99,6 +100,14 @@ def compile_program(program: Program) -> Library:
         objects = _core_objects(compiler, core).result()
         path = cache.write("models", key, _linked(compiler, program.source, objects), SHARED_SUFFIX)
     return Library(program, path)
+
+
+def compiler_here() -> Compiler:
+    """The compiler for models in-process: for this machine, or for the level that the environment names. Raises
+    CompileError."""
+    compiler = find_compiler()
+    asked = asked_flags(compiler)
+    return compiler if asked is None else replace(compiler, native=asked)
 
 
 def start_core_build() -> None:
@@ -111,7 +120,7 @@ def start_core_build() -> None:
 
 def _begin_core() -> None:
     with contextlib.suppress(GearblocksError, RuntimeError):  # said by whoever needs the core
-        compiler = find_compiler()
+        compiler = compiler_here()
         _core_objects(compiler, _core_key(compiler))
 
 
