@@ -49,7 +49,10 @@ def lay_out_enclosures(g: Generator) -> Enclosures | None:
         _event_functions(g, code, known, found)
     if _has_linear_forces(g):
         _forces(g, known, found)
-    return found if found.switches or found.forces else None
+    if found.switches or found.forces:
+        return found
+    g.functions.pop("feedback_enclosures", None)  # made for forces of which another has none
+    return None
 
 
 def _has_linear_forces(g: Generator) -> bool:

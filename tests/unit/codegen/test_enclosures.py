@@ -5,6 +5,7 @@ from fractions import Fraction
 from math import comb
 from pathlib import Path
 
+import pytest
 import sympy as sp
 
 import gearblocks as gb
@@ -80,6 +81,37 @@ def test_constraint_forces_are_enclosed_where_torques_give_them_by_constant_numb
     assert held(*geared, ("clutch", gb.Clutch(capacity=2.0)), ("c", gb.Inertia(J=1)))
     assert not held(("g", gb.LossyGear(ratio=3.0, efficiency=(0.9, 0.9))), ("b", gb.Inertia(J=1.0)))
     assert not held(("j", gb.UniversalJoint(angle=0.4)), ("b", gb.Inertia(J=1.0)), ("brake", gb.Brake(capacity=2.0)))
+
+
+class Strange(gb.Block):
+    """A torque whose function has no enclosure."""
+
+    a = gb.Flange("shaft")
+
+    def physics(self, s):
+        yield gb.Acts(s.a, -InverseInvolute(s.a.phi**2 + 1))
+
+
+@pytest.mark.parametrize(
+    "held",
+    [
+        ("brake", gb.Brake(capacity=2.0)),
+        ("bearing", gb.BearingFriction(coulomb=2.0)),
+        ("brake", gb.Brake(capacity=2.0, peak=1.2)),
+    ],
+    ids=["brake", "bearing", "brake with a peak"],
+)
+def test_feedback_of_forces_that_are_not_all_enclosed_leaves_no_trace(held):
+    """Its functions were left over, without the header of what they are made of: a legal train that did not compile."""
+    rig = gb.Drivetrain("x")
+    rig.chain(*(rig.add(name, block) for name, block in [("strange", Strange()), FLYWHEEL, held]))
+    rig.chain(
+        rig.add("t", gb.Torque(tau=2 * gb.sense("k.torque"))), rig.add("b", gb.Inertia(J=1.0, w0=1.0)),
+        rig.add("k", gb.Shaft(k=1e3)), rig.add("c", gb.Inertia(J=1.0)),
+    )  # fmt: skip
+    model = gb.build(rig)
+    assert "enclosure" not in model.program.source
+    assert gb.simulate(model, t_end=0.01).complete
 
 
 def test_polynomials_are_fitted_by_the_inverse_of_the_bernstein_matrix():
