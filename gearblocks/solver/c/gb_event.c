@@ -47,7 +47,7 @@ int gb_settle_modes(gb_sim *sim, int log) {
                 sim->events.armed[i] = 0.0;
                 last = i;
                 changed = 1;
-                code = gb_count_flip_or_slide(sim, i);
+                code = gb_count_flip(sim, i); /* what is beyond its limit does not slide along it */
             }
         }
         if (!changed || code != GB_DONE) {
