@@ -46,3 +46,23 @@ def test_a_body_between_a_stop_and_a_damped_flank(ratio, damping_ratio, restitut
         assert impact.t == pytest.approx((n + 1) * time, abs=3e-8 / speed * time)
         assert impact.before == pytest.approx(-speed, abs=3e-8)
     assert {e.after for e in run.events if e.component == "flank.pushing"} <= {0.0, 1.0}
+
+
+@pytest.mark.parametrize(("method", "rtol"), [("dp5", 1e-8), ("dp8", 1e-6), ("rodas", 1e-6)])
+def test_a_stop_of_which_nothing_is_asked_costs_nothing(method, rtol):
+    """While the contact that presses a body on its stop lets go but has not parted, the force of the stop is exactly 0: its
+    enclosure has a width, and each step took 20000 pieces (0.1 s, of a run of 1 ms)."""
+
+    def run(method, rtol):
+        rig = gb.Drivetrain("idle stop")
+        striker, held = rig.add("striker", gb.Inertia(J=2.0, w0=3.0)), rig.add("held", gb.Inertia(J=0.3))
+        hit = gb.HuntCrossley(restitution=0.6)
+        rig.chain(striker, rig.add("contact", gb.Lash(k=1e4, half_gap=0.01, contact_damping=hit)), held)
+        rig.connect(held.b, rig.add("stop", gb.HardStop(upper=0.0, restitution=0.0)).a)
+        rig.connect(striker.a, rig.add("load", gb.Torque(tau=20.0 + 60 * gb.sin(20 * gb.time))).flange)
+        return gb.simulate(rig, t_end=1.0, method=method, rtol=rtol)
+
+    found, fine = run(method, rtol), run("dp8", 1e-10)
+    assert found.stats.cpu_seconds < 0.05
+    assert [e.component for e in found.events] == [e.component for e in fine.events]
+    assert found["striker.w"][-1] == pytest.approx(fine["striker.w"][-1], abs=1e-4)
