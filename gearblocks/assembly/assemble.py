@@ -16,7 +16,7 @@ from gearblocks.assembly.rigid_constraints import RigidConstraint, merge
 from gearblocks.assembly.rigid_groups import inertias, number_groups, start_values
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly, Batch, ExactValues, StartValues
 from gearblocks.errors import ModelError
-from gearblocks.laws.derivation import check_feedback, derive
+from gearblocks.laws.derivation import check_feedback, derive, unlocated
 from gearblocks.laws.law import STAGE, Law
 from gearblocks.laws.prescribed_motion import is_steady
 from gearblocks.laws.rational import Exact, exact, exact_value
@@ -70,6 +70,19 @@ def _laws(train: Train, made: dict[Any, Law], inverted: frozenset[int]) -> list[
             made[key] = derive(c.block, key[1], inverted=key[2])
             check_feedback(made[key], c.path)
         laws.append(made[key])
+    return _with_sensed_conditions(train, made, inverted, laws)
+
+
+def _with_sensed_conditions(train: Train, made: dict[Any, Law], inverted: frozenset[int], laws: list[Law]) -> list[Law]:
+    """The laws, where others read outputs with conditions of their own with these as modes."""
+    read = {meaning.of for law in laws for meaning in law.pool.roles.values() if meaning.role == "sense"}
+    for index, (c, law) in enumerate(zip(train.components, laws, strict=True)):
+        sensed = frozenset(name for name in unlocated(law) if f"{c.path}.{name}" in read) if read else frozenset()
+        if sensed:
+            key = (structure_of(c.block), _grounded(c), index in inverted, sensed)
+            if key not in made:
+                made[key] = derive(c.block, key[1], inverted=key[2], sensed=sensed)
+            laws[index] = made[key]
     return laws
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any, get_args
 
@@ -60,11 +61,19 @@ def _contributions(block: Block, s: Symbols) -> defaultdict[type, list[Any]]:
     return found
 
 
-def derive(block: Block, grounded: frozenset[str], *, reading: bool = False, inverted: bool = False) -> Law:
+def derive(
+    block: Block,
+    grounded: frozenset[str],
+    *,
+    reading: bool = False,
+    inverted: bool = False,
+    sensed: frozenset[str] = frozenset(),
+) -> Law:
     """The law of the kind that `block` is an instance of.
 
     inverted=True solves its nonlinear relation for its other flange (see `Tie.inverse`). reading=True keeps angles,
-    conditions and named parts (a mesh force, say) as they are, for people to read.
+    conditions and named parts (a mesh force, say) as they are, for people to read. sensed: names of outputs that other laws
+    read, whose conditions are located as those of the law itself.
     """
     law = Law(Pool(reading=reading))
     pool, kind = law.pool, type(block).__name__
@@ -93,7 +102,7 @@ def derive(block: Block, grounded: frozenset[str], *, reading: bool = False, inv
         law = law.map(partial(along, pool, constraint), "shows")
     if not reading:
         law = _in_coordinates(law, flanges, [*found[Force], *(Force(x.gap, 0) for x in found[Stop])])
-        law = _frozen(law, found[Switch])
+        law = _frozen(law, found[Switch], sensed)
         if law.stored is not None and _jumps_in_time(law):
             law.stored = None
         add_energy_balance(law, flanges)
@@ -235,8 +244,20 @@ def _constant_part(slope: Any, angles: set[Any]) -> Any:
     return sp.Add(*(term for term in sp.Add.make_args(slope) if not term.free_symbols & angles))
 
 
-def _frozen(law: Law, declared: Iterable[Switch]) -> Law:
-    """The law with the conditions of its dynamics as modes; outputs read these modes and locate nothing of their own."""
+def unlocated(law: Law) -> frozenset[str]:
+    """Names of the outputs with conditions of their own, which nothing locates."""
+    whole = {TableAt: 4, Table2At: 7}  # arguments where the segments are modes
+    return frozenset(
+        show.name
+        for show in law.shows
+        if show.expr.has(sp.Heaviside, sp.floor)
+        or any(len(x.args) < n for kind, n in whole.items() for x in show.expr.atoms(kind))
+    )
+
+
+def _frozen(law: Law, declared: Iterable[Switch], sensed: frozenset[str]) -> Law:
+    """The law with the conditions of its dynamics as modes; outputs read these modes and locate nothing of their own, but for
+    those that are `sensed`."""
     pool, freezer = law.pool, Freezer(law.pool, sizes_of_slips(law.pool, law.constraints))
 
     def new(expr: Any) -> Any:
@@ -249,6 +270,7 @@ def _frozen(law: Law, declared: Iterable[Switch]) -> Law:
         name: freezer.add_constraint(constraint.map(freezer.freeze)) for name, constraint in law.constraints.items()
     }
     frozen.constraint_loss = constraint_loss(pool, frozen.constraints)
+    frozen.shows = [replace(x, expr=freezer.freeze(x.expr)) if x.name in sensed else x for x in frozen.shows]
     freezer.locating = False
     frozen = frozen.map(freezer.freeze, READ)
     frozen.switches = freezer.switches

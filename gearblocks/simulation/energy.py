@@ -22,7 +22,8 @@ class EnergyBalance:
 
     largest: the most that was stored at samples that are not kept (-inf without such).
 
-    bound: the residual relative to what the turnover is at least, as the samples between the ends may have stored more.
+    rounding: energy [J] of rounding, where all motion is that of forces that balance; bound: the residual relative to what the
+    turnover is at least, as the samples between the ends may have stored more.
     """
 
     program: Program
@@ -33,12 +34,14 @@ class EnergyBalance:
     samples: Samples
     largest: float
     unbalanced: Mapping[str, float] = field(default_factory=dict)
+    rounding: float = 0.0
     bound: float = field(init=False)
 
     def __post_init__(self) -> None:
         place, sign = self.program.ledger_integrals
         end = float(self.last.sum())
         missing = abs(end - self.start + float((sign * self.change[place]).sum()))  # no BLAS: it wakes threads
+        missing = max(missing - self.rounding, 0.0)
         turnover = max(self.start, end) + self.exchanged
         object.__setattr__(self, "bound", missing / turnover if turnover > 0 else missing)
 
@@ -60,4 +63,5 @@ class EnergyBalance:
             exchanged=self.exchanged,
             largest_stored=max(self.start, self.largest, self.samples.largest_energy()),
             unbalanced=self.unbalanced,
+            rounding=self.rounding,
         )

@@ -77,6 +77,7 @@ class EnergyLedger:
     dissipated, supplied: per element over the run (parametric work counts as supplied);
     exchanged: sum of all amounts that went in or out, each step without its sign;
     largest_stored: greatest total during the run;
+    rounding: where all motion was rounding of forces that balance, an energy of which nothing can be told; else 0;
     unbalanced: where the residual is above 10 rtol, what the balance of each element misses over the first steps of the run
     (what it stored, lost and passed on more than it was supplied with), largest first.
     """
@@ -88,6 +89,7 @@ class EnergyLedger:
     exchanged: float = 0.0
     largest_stored: float = 0.0
     unbalanced: Mapping[str, float] = field(default_factory=dict)
+    rounding: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("stored", "dissipated", "supplied", "unbalanced"):
@@ -113,8 +115,9 @@ class EnergyLedger:
 
     @property
     def residual(self) -> float:
-        """Size of the imbalance relative to the turnover."""
-        return abs(self.imbalance) / self.turnover if self.turnover > 0 else abs(self.imbalance)
+        """Size of the imbalance, as far as it is more than rounding, relative to the turnover."""
+        missing = max(abs(self.imbalance) - self.rounding, 0.0)
+        return missing / self.turnover if self.turnover > 0 else missing
 
     def to_dict(self) -> dict[str, Any]:
         """Plain fields, as the constructor takes them."""
@@ -126,6 +129,7 @@ class EnergyLedger:
             "exchanged": self.exchanged,
             "largest_stored": self.largest_stored,
             **({"unbalanced": dict(self.unbalanced)} if self.unbalanced else {}),
+            **({"rounding": self.rounding} if self.rounding else {}),
         }
 
     @property

@@ -87,6 +87,8 @@ RESIDUAL = 1e-2
 """The energy residual above which a finished run is warned about."""
 STILL = 1e-12
 """Turnover [J] below which what moves is rounding: a train that stands still has no balance to warn about."""
+BALANCED = 1e-12
+"""The energy residual from which on it is asked whether all motion was rounding."""
 WIDE = 1000
 """Numbers in a row from which on a run with few outputs evaluates them as it goes."""
 ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
@@ -266,10 +268,11 @@ class _Run:
         last = self.rows[-1][-1:]
         _, _, energy = self.sim.evaluate(last, _NOTHING, energies=True)
         change = last[0, 1 : 1 + self.model.program.n_total] - first[0]
-        return EnergyBalance(
+        balance = EnergyBalance(
             program=self.model.program, start=float(first[1].sum()), last=energy[0], change=change,
             exchanged=float(self.sim.counters.turnover), samples=self._samples(), largest=self.largest,
         )  # fmt: skip
+        return balance if balance.bound <= BALANCED else replace(balance, rounding=self.sim.rounding_energy())
 
     def _energy(self, first: tuple[Array, Array], *, named: bool) -> EnergyBalance | None:
         """The balance, with what those of the elements miss where it does not close as far as the run promises it: to 10 rtol,

@@ -56,6 +56,7 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_state": (c_int, (c_void_p, c_void_p)),
     "gb_outputs": (c_int, (c_void_p, c_void_p)),
     "gb_energies": (c_int, (c_void_p, c_void_p)),
+    "gb_rounding_energy": (c_double, (c_void_p,)),
     "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(RecordStructure), c_double)),
     "gb_evaluate": (c_int, (c_void_p, c_void_p, c_long, c_void_p, c_int, c_void_p, c_void_p)),
     "gb_quantity_room": (c_size_t, (c_void_p, c_int)),
@@ -184,6 +185,10 @@ class Simulation:
     def energies(self) -> Array:
         """All energies at the communication point."""
         return self._filled("gb_energies", len(self._program.energies))
+
+    def rounding_energy(self) -> float:
+        """Energy [J] of which nothing can be told, where all motion so far is rounding of forces that balance; else 0."""
+        return float(self._shared.gb_rounding_energy(self._sim))
 
     def run(self, samples: Array | None, t_end: float, record: Record, seconds: float = 0.05) -> Code:
         """Runs through the samples, or records every accepted step up to t_end; back about every `seconds` of CPU time.

@@ -141,6 +141,8 @@ GB_API double gb_time(const gb_sim *sim);            /* the present communicatio
 GB_API int gb_state(gb_sim *sim, double *y);         /* interpolated there */
 GB_API int gb_outputs(gb_sim *sim, double *out);     /* all outputs there, length n_outputs */
 GB_API int gb_energies(gb_sim *sim, double *energy); /* length n_energies */
+/* Where all motion so far is rounding of forces that balance: an energy that nothing can be told of; else 0. */
+GB_API double gb_rounding_energy(gb_sim *sim);
 
 /* In-process style: run through the samples t_out[0 .. n_out), or record every accepted step up to t_end with both
  * sides of each event when t_out is NULL. Returns about every `slice` CPU seconds. */

@@ -299,10 +299,21 @@ int gb_depart(gb_sim *sim, int log, int timed) {
 }
 
 /* Event function i, held, is no farther from its limit than the tolerance of a step leaves of it: of states that are
- * small beside what counts as a size for them (from rest, or beside faster ones) only the look ahead knew the side. */
-static int cannot_be_told(gb_sim *sim, int i) {
-    const double limit = sim->events.held_side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
-    return fabs(sim->events.s[i] - limit) <= gb_tolerance_of(sim, i, 1);
+ * small beside what counts as size for them (from rest, or beside faster ones) only the look ahead knew the side. And
+ * the motion from here does not carry it back through its limit within `time`, nor as far beyond. */
+static int cannot_be_told(gb_sim *sim, int i, double time) {
+    const double side = sim->events.held_side[i], limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
+    const double admitted = gb_tolerance_of(sim, i, 1);
+    if (fabs(sim->events.s[i] - limit) > admitted) {
+        return 0;
+    }
+    int code = follow(sim, time, STEPS, sim->events.s0);
+    if (code == GB_DONE) {
+        code = follow(sim, time, 2 * STEPS, sim->events.located);
+    }
+    const double now = side * (sim->events.s[i] - limit), off = side * (sim->events.located[i] - limit);
+    const int sure = code == GB_DONE && fabs(sim->events.located[i] - sim->events.s0[i]) <= 0.3 * fabs(off);
+    return gb_time_terms_at(sim, sim->head->front.t1) == GB_DONE && !(sure && off > (now < 0.0 ? 0.0 : admitted));
 }
 
 int gb_departed(gb_sim *sim) {
@@ -313,7 +324,8 @@ int gb_departed(gb_sim *sim) {
     sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
     for (int i = 0; i < sim->model->n_event_functions && code == GB_DONE; i++) {
         const int due = sim->events.held_side[i] != 0.0 && sim->events.held[i] <= now;
-        if (due && adaptive && cannot_be_told(sim, i)) {
+        const double time = gb_min(FURTHER * sim->head->front.h, events->t_break - now);
+        if (due && adaptive && cannot_be_told(sim, i, time)) {
             sim->events.held[i] = now + FURTHER * sim->head->front.h;
         } else if (due) {
             sim->events.held_side[i] = 0.0;

@@ -47,7 +47,7 @@ int gb_settle_modes(gb_sim *sim, int log) {
                 sim->events.armed[i] = 0.0;
                 last = i;
                 changed = 1;
-                code = gb_count_flip_or_slide(sim, i);
+                code = gb_count_flip(sim, i); /* what is beyond its limit does not slide along it */
             }
         }
         if (!changed || code != GB_DONE) {
@@ -128,12 +128,14 @@ static double step_worth(const gb_sim *sim) {
 }
 
 /* The step size that worked last in these modes, where there is one; they may have lasted no longer than time is told.
- */
+ * In others nothing is known of what their laws do inside a step. */
 static void recall_step(gb_sim *sim) {
     gb_head *head = sim->head;
     const size_t slot = (size_t)(head->events.mode_hash % GB_MEMORY);
     if (head->events.remembered_step[slot] > 0.0 && head->events.remembered_modes[slot] == head->events.mode_hash) {
         head->control.h_next = gb_max(head->events.remembered_step[slot], gb_rounding(head->front.t1, 0.0));
+    } else {
+        head->control.h_trusted = 0.0;
     }
 }
 

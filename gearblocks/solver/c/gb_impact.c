@@ -12,6 +12,9 @@ enum { ROUNDS = 10000, LEAVING_ROUNDS = 32 };
 /* Squares of restitutions beyond which impacts do not end a cascade by themselves. */
 static const double MOST_KEPT = 0.999;
 
+/* Impacts on a stop from which on they are low where their energy is. */
+static const double MANY = 1e5;
+
 /* A flight of such a duration and height cannot be told from rest: its end lies within the rounding of time, or is
  * located no better than the rounding of the gap and would give back the speed that the impact took. Where the search
  * told the gap less finely, each flight ends as much lower, and impacts that lose little keep what that gives. */
@@ -25,9 +28,12 @@ static int is_nothing(gb_sim *sim, int i, double duration, double height, double
 
 /* Flights from a stop that takes next to nothing have no end where the motion between them loses energy, or the load
  * grows: they become lower and as many more. Such a speed and height are less than what the tolerance admits of both
- * sides of the stop: the run cannot tell them from rest, nor in which of the flights it is. */
+ * sides of the stop: the run cannot tell them from rest, nor in which of the flights it is. After N of them it cannot
+ * tell the latter of N times that speed either, and takes rest where their energy is less than the tolerance too. */
 static int cannot_be_told(gb_sim *sim, int i, double speed, double height, double restitution) {
-    return restitution * restitution > MOST_KEPT && speed <= gb_tolerance_of_slip(sim, i) &&
+    const double impacts = sim->constraints.impacts[i], slow = gb_min(impacts, 1.0 / sqrt(sim->head->options.rtol));
+    return restitution * restitution > MOST_KEPT &&
+           speed <= (impacts < MANY ? 1.0 : slow) * gb_tolerance_of_slip(sim, i) &&
            height <= gb_tolerance_of(sim, sim->model->constraints[i].slip, 0);
 }
 
@@ -103,6 +109,7 @@ static int takes_impulse(gb_sim *sim, int i, int endless, double *lo, double *hi
 static void note_impact(gb_sim *sim, int i, double impulse, double before, double after) {
     const gb_constraint *constraint = &sim->model->constraints[i];
     const double lost = -0.5 * impulse * (before + after);
+    sim->constraints.impacts[i] += 1.0;
     if (constraint->impulse >= 0) {
         sim->y[constraint->impulse] = impulse;
     }

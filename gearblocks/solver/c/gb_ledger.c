@@ -291,3 +291,28 @@ int gb_ledger_cut(gb_sim *sim, double theta) {
     const double more = kept > 0.0 ? gb_rough_log2(whole / kept) : 0.0;
     return sim->head->ledger.log_dense + more > 1.0 ? integrate(sim, theta) : GB_DONE;
 }
+
+/* sum |E_i| at a state, in the present modes at the front. */
+static double energy_at(gb_sim *sim, const double *y) {
+    double sum = 0.0;
+    sim->model->energies(sim->par, sim->mode, sim->instant.time_terms, y, sim->scratch.energies);
+    for (int i = 0; i < sim->model->n_energies; i++) {
+        sum += fabs(sim->scratch.energies[i]);
+    }
+    return sum;
+}
+
+/* That of the speeds that the noise of their rates may make in the run, all of one sign, where none has been larger. */
+double gb_rounding_energy(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const double time = sim->head->front.t1 - sim->head->front.t_start;
+    memcpy(sim->z2, sim->y, sizeof(double) * (size_t)model->n_total);
+    for (int i = model->n - model->n_speeds; i < model->n; i++) {
+        sim->z2[i] = time * sim->control.noise[i];
+        if (!(sim->control.largest[i] <= sim->z2[i])) {
+            return 0.0;
+        }
+    }
+    const int told = gb_time_terms_at(sim, sim->head->front.t1) == GB_DONE;
+    return told ? gb_max(energy_at(sim, sim->z2) - energy_at(sim, sim->y), 0.0) : 0.0;
+}

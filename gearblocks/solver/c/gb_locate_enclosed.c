@@ -181,14 +181,15 @@ static int judge_piece(gb_sim *sim, search *s, int *found) {
     return code == GB_DONE && *found == ROOT ? take_roots(sim, s) : code;
 }
 
-/* Event function i stands on its limit wherever it is looked at, but for what the enclosure cannot tell: at the start,
- * at both ends of the piece and at the end of the step, where it is `end`. A crossing is off it at one of them. */
+/* Event function i stands on its limit wherever it is looked at, but for what the enclosure cannot tell (a constraint
+ * force, of which nothing is asked as long as a clipped contact lets go: exactly): at the start, at both ends of the
+ * piece and at the end of the step, where it is `end`. A crossing is off it at one of them. */
 static int stands(gb_sim *sim, int i, double end) {
     const gb_enclosure *g = &sim->panel.enclosure[i];
-    const double start = sim->events.s0[i], lo = sim->events.lo[i], hi = sim->events.hi[i], width = g->hi - g->lo;
+    const double start = sim->events.s0[i], lo = sim->events.lo[i], hi = sim->events.hi[i];
     const double limit = start - lo < hi - start ? lo : hi, far = gb_max(fabs(start - limit), fabs(end - limit));
-    return sim->events.role[i] == GB_ORDINARY && far <= width && fabs(sim->panel.left[i] - limit) <= width &&
-           fabs(sim->panel.right[i] - limit) <= width;
+    const double width = sim->events.role[i] == GB_ORDINARY ? g->hi - g->lo : 0.0;
+    return far <= width && fabs(sim->panel.left[i] - limit) <= width && fabs(sim->panel.right[i] - limit) <= width;
 }
 
 /* How finely event functions are told at all, after many open pieces: their width over hardly any time. One that has no

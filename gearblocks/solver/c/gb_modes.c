@@ -39,16 +39,23 @@ void gb_mode_limits(gb_sim *sim) {
     }
 }
 
+/* It stands on a limit of its mode but for rounding: the mode is that of the side to which it goes. */
+static int stands_on_limit(const gb_sim *sim, int i, double s) {
+    const double lo = sim->events.lo[i], hi = sim->events.hi[i], unit = 64.0 * DBL_EPSILON;
+    return fabs(s - lo) <= unit * fabs(lo) || fabs(s - hi) <= unit * fabs(hi);
+}
+
 void gb_modes_at_slips(gb_sim *sim, int log) {
     const gb_model *model = sim->model;
     double *s = sim->events.moved;
     if (model->n_slip_switches > 0) {
+        gb_mode_limits(sim);
         model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, s);
     }
     for (int k = 0; k < model->n_slip_switches; k++) {
         const int i = model->slip_switches[k];
         const double mode = model->mode_at(sim->par, i, s[i]);
-        if (mode != sim->mode[i]) {
+        if (mode != sim->mode[i] && !stands_on_limit(sim, i, s[i])) {
             gb_set_mode(sim, i, mode, log && sim->events.role[i] == GB_ORDINARY);
             sim->events.armed[i] = 0.0;
         }

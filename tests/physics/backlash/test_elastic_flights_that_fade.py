@@ -10,16 +10,22 @@ import gearblocks as gb
 J, DRAG, LOAD, START = 0.5, 2.0, 5.0, 3.0
 
 
-def _rig(restitution=1.0, start=START, load=LOAD, drag=DRAG, fast=None):
-    """A body at a stop, pressed by a constant torque, in a drag that is linear in its speed."""
+def _rig(restitution=1.0, start=START, load=LOAD, drag=DRAG, fast=None, flanks=False):
+    """A body at a stop (or beside a rigid flank), pressed by a constant torque, in a drag that is linear in its speed."""
     rig = gb.Drivetrain("fading")
-    body = rig.add("body", gb.Inertia(J=J, w0=start))
-    rig.connect(rig.add("stop", gb.HardStop(upper=0.0, restitution=restitution)).a, body.a)
+    body = rig.add("body", gb.Inertia(J=J, w0=start, phi0=1.0 if flanks else 0.0))
+    if flanks:
+        hit = gb.HuntCrossley(restitution=restitution)
+        stop = rig.add("stop", gb.Lash(k=1.0, half_gap=1.0, contact_damping=hit))
+        rig.connect(stop.b, rig.add("ground", gb.Fixed()).flange)
+    else:
+        stop = rig.add("stop", gb.HardStop(upper=0.0, restitution=restitution))
+    rig.connect(stop.a, body.a)
     rig.connect(rig.add("drag", gb.SpeedLoad(coeffs=(0.0, drag, 0.0))).flange, body.a)
     rig.connect(rig.add("load", gb.Torque(tau=load)).flange, body.b)
     if fast is not None:
         rig.add("fast", gb.Inertia(J=1.0, w0=fast))
-    return rig
+    return rig.without("stop.compliance") if flanks else rig
 
 
 def _impacts(run):
@@ -39,6 +45,26 @@ def test_impacts_that_drag_makes_lower_end_where_the_tolerance_tells_them_no_mor
     assert impacts[-1].t - half.t == pytest.approx(math.log(half.before / impacts[-1].before) / rate, rel=1e-2)
     assert (run["body.w"][-1], run["stop.contact"][-1]) == (0.0, 1.0)
     assert abs(run["body.phi"][-1]) <= 1e-12
+    assert abs(run.energy.residual) < 10 * rtol
+
+
+@pytest.mark.parametrize(
+    ("rtol", "start", "drag", "flanks"),
+    [(1e-8, 3.0, DRAG, False), (1e-10, 3.0, DRAG, False), (1e-9, 9.0, DRAG, False), (1e-10, 3.0, DRAG, True)],
+)
+def test_impacts_that_are_too_many_end_where_their_energy_is_less_than_the_tolerance(rtol, start, drag, flanks):
+    """v = LOAD / (2 rate N J) after N of them. From 1e5 on N rtol v0 may pass as rest, but no more than sqrt(rtol) v0, and
+    a height of rtol times the largest angle: w0/a - push/a^2 ln(1 + a w0/push) with a = D/J, or the gap."""
+    rate, push, a = drag / (3 * J), LOAD / J, drag / J
+    height = 1.0 if flanks else start / a - push / a**2 * math.log1p(a * start / push)
+    size = push / (2 * rate)
+    run = gb.simulate(_rig(start=start, drag=drag, flanks=flanks), t_end=20.0 / rate, method="dp5", rtol=rtol)
+    impacts = _impacts(run)
+    least = (rtol * min(start**2, 2 * push * height)) ** 0.5
+    assert len(impacts) == pytest.approx(max(1e5, size / least), rel=2e-2)
+    assert -impacts[-1].before == pytest.approx(size / len(impacts), rel=2e-2)
+    assert (run["body.w"][-1], abs(run["stop.contact"][-1])) == (0.0, 1.0)
+    assert abs(run["body.phi"][-1] - run["body.phi"][0]) <= 1e-12
     assert abs(run.energy.residual) < 10 * rtol
 
 

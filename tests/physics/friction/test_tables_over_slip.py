@@ -82,3 +82,43 @@ def test_the_corner_of_a_table_above_slip_0_is_still_located():
     rig.connect(rig.add("rub", gb.BearingFriction(torque=gb.Table([0.0, 2.0], [1.0, 3.0], "step"))).a, body.b)
     run = gb.simulate(rig, t=[0.0, 6.0], rtol=1e-8)
     assert [e.t for e in run.events] == pytest.approx([8 / 3, 8 / 3 + 2], rel=1e-9)
+
+
+SPEEDS, LEVELS, FORCE = (0.0, 1.0, 2.5), (0.317, 0.222, 0.19), 6.25
+
+
+def _until(w, to, J):
+    """The time from the speed w down to another one, J w' = -FORCE mu(w), segment by segment of the table."""
+    time = 0.0
+    for left, right, low, high in reversed(list(zip(SPEEDS, SPEEDS[1:], LEVELS, LEVELS[1:], strict=False))):
+        begin, end = min(w, right), max(to, left)
+        if begin > end:
+            slope = (high - low) / (right - left)
+            mu = [low + slope * (x - left) for x in (begin, end)]
+            time += J / FORCE * np.log(mu[0] / mu[1]) / slope
+    return time
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("w0", [1.0, -1.0, 2.5, -2.5])
+@pytest.mark.parametrize("part", ["brake", "clutch", "late clutch"])
+def test_a_slip_may_begin_on_a_joint_of_its_table(part, w0, method):
+    """From the joint downwards; with a clutch that engages there as the run goes on as well."""
+    rig = gb.Drivetrain("on a joint")
+    mu, body = gb.Table(SPEEDS, LEVELS), rig.add("body", gb.Inertia(J=0.5, w0=w0))
+    late = 0.25 if part == "late clutch" else 0.0
+    engagement = gb.piecewise((1.0, gb.time >= late), (0.0, True)) if late else 1.0
+    kind = gb.Brake if part == "brake" else gb.Clutch
+    rub = rig.add("rub", kind(mu=mu, force_max=FORCE, engagement=engagement))
+    rig.connect(body.a, rub.a)
+    if part != "brake":
+        rig.connect(rub.b, rig.add("wall", gb.Fixed()).flange)
+    stops = late + _until(abs(w0), 0.0, 0.5)
+    run = gb.simulate(rig, t_end=1.1 * stops, method=method, rtol=1e-8)
+    assert [e.t for e in run.events if e.component == "rub"][-1] == pytest.approx(stops, rel=1e-7)
+    assert run["body.w"][-1] == 0.0
+    joints = [late + _until(abs(w0), x, 0.5) for x in SPEEDS[1:] if x < abs(w0)]
+    crossed = [
+        e.t for e in run.events if e.component == "rub.table"
+    ]  # the joint that it leaves as it engages may be one
+    assert crossed[len(crossed) - len(joints) :] == pytest.approx(joints, rel=1e-7)
