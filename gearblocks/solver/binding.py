@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from gearblocks.codegen.jacobian.sparsity import Pattern
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError
+from gearblocks.solver.dense_jacobian import DenseJacobian
 from gearblocks.solver.record import Record
 from gearblocks.solver.step_matrix import (
     PROTOTYPES,
@@ -67,6 +68,8 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_get_report": (None, (c_void_p, POINTER(Report))),
 }
 
+_PROBED = ("rates", "outputs", "energies", "modes")  # in the order of gb_probe
+
 
 def open_shared(path: str) -> ctypes.CDLL:
     """Loads a shared object and gives its functions their types. Raises CompileError where it is none of ours."""
@@ -95,6 +98,8 @@ class Simulation:
         self._kept: list[object] = []
         self._pattern: Pattern | None = None
         self._groups: ColumnGroups | None = None
+        self._dense: DenseJacobian | None = None
+        self._constraints: ModelConstraints | None = None
         self.error: BaseException | None = None
         self.parameters = self._view("gb_parameters", len(program.parameters))
         self.inputs = self._view("gb_inputs", len(program.inputs))
@@ -222,10 +227,9 @@ class Simulation:
         return self._pattern
 
     def _needed_pattern(self) -> Pattern:
-        pattern = self.pattern()
-        if pattern is None:
-            raise RuntimeError(f"the model '{self._program.name}' has no Jacobian")
-        return pattern
+        if pattern := self.pattern():
+            return pattern
+        raise RuntimeError(f"the model '{self._program.name}' has no Jacobian")
 
     @property
     def has_jacobian(self) -> bool:
@@ -248,13 +252,18 @@ class Simulation:
         return matrix
 
     def jacobian(
-        self, t: float, y: Array, modes: Array | None = None, *, inputs: Array | None = None, means: bool = False
-    ) -> Any:
-        """d(dy)/dy of the n states, a scipy.sparse CSC array; arguments as for `step_matrix`.
+        self, t: float, y: Array, modes: Array | None = None, *, inputs: Array | None = None, means: bool = False,
+        dense: bool = False,
+    ) -> Any:  # fmt: skip
+        """d(dy)/dy of the n states, a scipy.sparse CSC array, or a dense one; arguments as for `step_matrix`.
 
         Raises RuntimeError where the model has no pattern, ArithmeticError where a derivative has no bound or the speeds
         of massless groups are not determined.
         """
+        if dense:
+            modes, inputs = _doubles(modes), _doubles(inputs)
+            point = PointStructure(t, means, address(modes), address(inputs), None)
+            return self._dense_jacobian().at(point, self._state_vector(y))
         pattern, sizes = self._needed_pattern(), self.step_matrix_sizes()
 
         def matrix(g: float) -> StepMatrix:
@@ -263,9 +272,16 @@ class Simulation:
         made, self._groups = state_jacobian(self, pattern, sizes[:2], matrix, self._groups)
         return made
 
-    def inertia(self, t: float, y: Array) -> Any:
-        """E of c/gb_model.h by the states that are not kinematic, a scipy.sparse CSC array: inertias of the speeds, 1 for
-        states of blocks. Raises RuntimeError as `jacobian`."""
+    def _dense_jacobian(self) -> DenseJacobian:
+        if self._dense is None:
+            self._dense = DenseJacobian(self._shared, self._sim, self._needed_pattern(), self.step_matrix_sizes())
+        return self._dense
+
+    def inertia(self, t: float, y: Array, *, dense: bool = False) -> Any:
+        """E of c/gb_model.h by the states that are not kinematic, a scipy.sparse CSC array or a dense one: inertias of the
+        speeds, 1 for states of blocks. Raises RuntimeError as `jacobian`."""
+        if dense:
+            return self._dense_jacobian().inertia(PointStructure(t), self._state_vector(y))
         pattern = self._needed_pattern()
         last = len(pattern.order) - self.step_matrix_sizes()[1]
         return full_matrix(pattern, self.step_matrix(t, y, 0.0))[:last, :last]
@@ -292,7 +308,8 @@ class Simulation:
 
     def constraints(self) -> ModelConstraints:
         """The switched constraints of the model: friction, unbounded locks, stops, lossy gears."""
-        return constraints_of(self._shared, self._sim)
+        self._constraints = self._constraints or constraints_of(self._shared, self._sim)
+        return self._constraints
 
     def constraints_at(
         self, t: float, y: Array, modes: Array | None, *, inputs: Array | None = None, means: bool = False
@@ -314,15 +331,13 @@ class Simulation:
         excitations of time alone at their means; rates: n_total of them that outputs take as given. Only after `start`.
         Raises RuntimeError where an input fails.
         """
-        program = self._program
-        lengths = {
-            "rates": program.n_total, "outputs": len(program.outputs), "energies": len(program.energies),
-            "modes": len(program.switches),
-        }  # fmt: skip
-        result = np.zeros(lengths[wanted])
+        program, number = self._program, _PROBED.index(wanted)
+        lengths = (program.n_total, len(program.outputs), len(program.energies), len(program.switches))
+        result = np.zeros(lengths[number])
         y, modes, values, rates = self._state_vector(y), _doubles(modes), _doubles(inputs), _doubles(rates)
-        point = PointStructure(t, int(means), address(modes), address(values), address(rates))
-        targets = [address(result) if name == wanted else None for name in lengths]
+        point = PointStructure(t, means, address(modes), address(values), address(rates))
+        targets: list[int | None] = [None] * len(_PROBED)
+        targets[number] = address(result)
         _expect(self._shared.gb_probe(self._sim, ctypes.byref(point), address(y), *targets), "gb_probe")
         return result
 
