@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from ctypes import POINTER, c_char_p, c_double, c_int, c_long, c_size_t, c_void_p
-from functools import cache
 from types import TracebackType
 from typing import Any, Self
 
@@ -14,11 +12,10 @@ from numpy.typing import NDArray
 
 from gearblocks.codegen.jacobian.sparsity import Pattern
 from gearblocks.codegen.program import Program
-from gearblocks.errors import CompileError
 from gearblocks.solver.dense_jacobian import DenseJacobian
+from gearblocks.solver.memory import NOTHING, SMALL, SPARE, Memory, taken, view
 from gearblocks.solver.record import Record
 from gearblocks.solver.step_matrix import (
-    PROTOTYPES,
     ColumnGroups,
     StepMatrix,
     full_matrix,
@@ -28,6 +25,7 @@ from gearblocks.solver.step_matrix import (
     state_jacobian,
 )
 from gearblocks.solver.structures import (
+    CODES,
     Array,
     Code,
     Counters,
@@ -35,74 +33,41 @@ from gearblocks.solver.structures import (
     Kind,
     Options,
     PointStructure,
-    RecordStructure,
     Report,
     address,
 )
-from gearblocks.solver.switched_constraints import PROTOTYPES as CONSTRAINT_PROTOTYPES
 from gearblocks.solver.switched_constraints import ConstraintsAtPoint, ModelConstraints, constraints_at, constraints_of
 
-_PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
-    "gb_get_model": (POINTER(c_char_p), ()),
-    "gb_open": (c_void_p, (c_void_p,)),
-    "gb_close": (None, (c_void_p,)),
-    "gb_parameters": (c_void_p, (c_void_p,)),
-    "gb_inputs": (c_void_p, (c_void_p,)),
-    "gb_changed": (None, (c_void_p,)),
-    "gb_input_table": (c_int, (c_void_p, c_int, c_int, c_int, c_void_p, c_void_p, c_void_p, c_double)),
-    "gb_input_callback": (None, (c_void_p, c_int, InputFunction, c_void_p)),
-    "gb_start": (c_int, (c_void_p, POINTER(Options), c_double, c_void_p)),
-    "gb_advance": (c_int, (c_void_p, c_double)),
-    "gb_time": (c_double, (c_void_p,)),
-    "gb_state": (c_int, (c_void_p, c_void_p)),
-    "gb_outputs": (c_int, (c_void_p, c_void_p)),
-    "gb_energies": (c_int, (c_void_p, c_void_p)),
-    "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(RecordStructure), c_double)),
-    "gb_evaluate": (c_int, (c_void_p, c_void_p, c_long, c_void_p, c_int, c_void_p, c_void_p)),
-    "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
-    "gb_probe": (c_int, (c_void_p, POINTER(PointStructure), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),
-    "gb_snapshot_size": (c_size_t, (c_void_p,)),
-    "gb_save": (None, (c_void_p, c_void_p)),
-    "gb_restore": (c_int, (c_void_p, c_void_p)),
-    "gb_get_stats": (None, (c_void_p, POINTER(Counters))),
-    "gb_get_report": (None, (c_void_p, POINTER(Report))),
-}
-
 _PROBED = ("rates", "outputs", "energies", "modes")  # in the order of gb_probe
-
-
-def open_shared(path: str) -> ctypes.CDLL:
-    """Loads a shared object and gives its functions their types. Raises CompileError where it is none of ours."""
-    try:
-        handle = ctypes.CDLL(path)
-        for name, (result, arguments) in (_PROTOTYPES | PROTOTYPES | CONSTRAINT_PROTOTYPES).items():
-            function = getattr(handle, name)
-            function.restype, function.argtypes = result, arguments
-    except (OSError, AttributeError) as error:
-        raise CompileError(f"the compiled model {path} cannot be loaded: {error}") from error
-    return handle
 
 
 class Simulation:
     """One run of one model: owns the solver's memory and gives it back on close. Use as a context manager.
 
-    Calls answer a `Code`. `error` holds the exception of an input function that stopped the run.
+    Calls answer a `Code`. `error` holds the exception of an input function that stopped the run. spare: memory of earlier
+    simulations that ended well and had numbers for inputs only: it is used again, with the parameters and inputs that it
+    has, since a start clears all else.
     """
 
-    def __init__(self, shared: ctypes.CDLL, program: Program) -> None:
+    def __init__(self, shared: ctypes.CDLL, program: Program, spare: list[Memory] | None = None) -> None:
         self._sim: int | None = None
-        self._shared, self._program = shared, program
-        self._sim = self._shared.gb_open(self._shared.gb_get_model())
-        if not self._sim:
-            raise MemoryError(f"no memory for a simulation of '{program.name}'")
+        self._shared, self._program, self._spare = shared, program, spare
+        memory = taken(spare) or self._allocated()
+        self._sim, self.parameters, self.inputs, self._record = memory
         self._kept: list[object] = []
         self._pattern: Pattern | None = None
         self._groups: ColumnGroups | None = None
         self._dense: DenseJacobian | None = None
         self._constraints: ModelConstraints | None = None
         self.error: BaseException | None = None
-        self.parameters = self._view("gb_parameters", len(program.parameters))
-        self.inputs = self._view("gb_inputs", len(program.inputs))
+
+    def _allocated(self) -> Memory:
+        program = self._program
+        sim = self._shared.gb_open(self._shared.gb_get_model())
+        if not sim:
+            raise MemoryError(f"no memory for a simulation of '{program.name}'")
+        parameters = view(self._shared.gb_parameters(sim), len(program.parameters))
+        return Memory(sim, parameters, view(self._shared.gb_inputs(sim), len(program.inputs)), None)
 
     def __enter__(self) -> Self:
         return self
@@ -110,7 +75,16 @@ class Simulation:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if kind is None and self._spare is not None and self._sim is not None and self._is_like_new():
+            self._spare.append(Memory(self._sim, self.parameters, self.inputs, self._record))
+            self._sim = None
+            self.parameters = self.inputs = NOTHING
         self.close()
+
+    def _is_like_new(self) -> bool:
+        """Whether the memory may serve another simulation: small, with nothing tied to it."""
+        small = self._program.n_total <= SMALL and self._spare is not None and len(self._spare) < SPARE
+        return small and not self._kept and self.error is None
 
     def __del__(self) -> None:
         self.close()
@@ -123,14 +97,21 @@ class Simulation:
         if self._sim is not None:
             self._shared.gb_close(self._sim)
             self._sim = None
-            self.parameters = self.inputs = np.empty(0)
+            self.parameters = self.inputs = NOTHING
             self._kept.clear()
 
     def record(self, rows: int | None = None, inner: Array | None = None) -> Record:
         """An empty record; rows: as many as there can be at most, where that is known; inner: fractions of each step at which
         a run that records every step writes a row too."""
-        program = self._program
+        program, plain = self._program, rows is None and inner is None
+        if plain and self._record is not None:
+            record, self._record = self._record, None
+            return record
         return Record(1 + program.n_total + len(program.switches) + len(program.inputs), rows, inner)
+
+    def give(self, record: Record) -> None:
+        """Takes a record back that nobody writes to or reads any more."""
+        self._record = record if record.is_new else None
 
     def changed(self) -> None:
         """Tells the solver that `parameters` or `inputs` were written."""
@@ -166,7 +147,7 @@ class Simulation:
         """Start at t0 from the model's start values, or from y0 (length n_total)."""
         if y0 is not None:
             y0 = self._state_vector(y0)
-        return Code(self._shared.gb_start(self._sim, ctypes.byref(options), t0, address(y0)))
+        return CODES[self._shared.gb_start(self._sim, options, t0, address(y0))]
 
     def advance(self, t: float) -> Code:
         """Go on to the communication point t."""
@@ -195,7 +176,7 @@ class Simulation:
         The array of samples must stay the same one from call to call of a run.
         """
         count = 0 if samples is None else len(samples)
-        return Code(self._shared.gb_run(self._sim, address(samples), count, t_end, ctypes.byref(record.raw), seconds))
+        return CODES[self._shared.gb_run(self._sim, address(samples), count, t_end, record.raw, seconds)]
 
     def evaluate(self, rows: Array, pick: NDArray[np.intc], energies: bool = False) -> tuple[Code, Array, Array]:
         """Outputs pick[j] of recorded rows, shape (rows, picks), and energies, shape (rows, energies) or (rows, 0)."""
@@ -213,6 +194,12 @@ class Simulation:
             address(energy) if energies else None,
         )
         return Code(code), out, energy
+
+    def energies_of(self, row: Array) -> Array:
+        """All energies of one recorded row, which is contiguous."""
+        energy = np.empty(len(self._program.energies))
+        self._shared.gb_evaluate(self._sim, address(row), 1, None, 0, None, address(energy))
+        return energy
 
     def rhs(self, t: float, y: Array) -> Array:
         """dy/dt at (t, y) with the present modes; length n_total."""
@@ -367,15 +354,11 @@ class Simulation:
         self._shared.gb_get_report(self._sim, ctypes.byref(report))
         return report
 
-    def _view(self, name: str, length: int) -> Array:
-        """A numpy view into the solver's memory."""
-        if length == 0:
-            return np.empty(0)
-        return np.frombuffer(_vector(length).from_address(getattr(self._shared, name)(self._sim)))
-
     def _filled(self, name: str, length: int) -> Array:
         values = np.zeros(length)
-        _expect(getattr(self._shared, name)(self._sim, address(values)), name)
+        code = getattr(self._shared, name)(self._sim, address(values))
+        if code < 0:
+            _expect(code, name)
         return values
 
     def _state_vector(self, y: Array) -> Array:
@@ -383,12 +366,6 @@ class Simulation:
         if y.shape != (self._program.n_total,):
             raise ValueError(f"a state vector of length {self._program.n_total} is needed, not shape {y.shape}")
         return y
-
-
-@cache
-def _vector(length: int) -> Any:
-    """The type of a row of doubles; ctypes would make it anew for every view."""
-    return c_double * length
 
 
 def _doubles(values: Array | None) -> Array | None:
