@@ -227,7 +227,7 @@ class _Run:
         return rows[-1:].copy()
 
     def _result(self, balance: EnergyBalance | None, complete: bool, why: str) -> Trajectory:
-        program, counters, cpu = self.model.program, self.counters, self.cpu
+        program, counters, cpu, events = self.model.program, self.counters, self.cpu, self.events
         method, reason = method_words(counters, why)
         self.meta["method"] = method
         samples = self._samples() if balance is None else balance.samples
@@ -238,7 +238,7 @@ class _Run:
             t, columns = table[:, 0].copy(), dict(zip(self.pick, table.T[1:].copy(), strict=True))
         return Trajectory(
             t, columns, program.output_units,
-            events=events_of(program.event_table, self.events), stats=lambda: _stats(counters, cpu, method, reason),
+            events=lambda: events_of(program.event_table, events), stats=lambda: _stats(counters, cpu, method, reason),
             energy=balance, final_state=self._final() if self.rows else None, meta={**self.meta, "complete": complete},
             case=self.case if complete else None,
         )  # fmt: skip

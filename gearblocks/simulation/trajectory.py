@@ -39,12 +39,12 @@ class Trajectory:
     this process and came to its end; files and pickles do not keep it.
     """
 
-    __slots__ = ("_columns", "_energy", "_final", "_stats", "case", "events", "meta", "t", "units")
+    __slots__ = ("_columns", "_energy", "_events", "_final", "_stats", "case", "meta", "t", "units")
 
     t: Array
     _columns: Mapping[str, Array]
     units: Mapping[str, str]
-    events: Events
+    _events: Events | Callable[[], Events]
     _stats: Stats | Callable[[], Stats]
     _energy: EnergyLedger | EnergyBalance
     meta: Mapping[str, Any]
@@ -57,7 +57,7 @@ class Trajectory:
         columns: Outputs | Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike],
         units: Mapping[str, str] | None = None,
         *,
-        events: Sequence[Event] = (),
+        events: Sequence[Event] | Callable[[], Events] = (),
         stats: Stats | Callable[[], Stats] | None = None,
         energy: EnergyLedger | EnergyBalance | None = None,
         meta: Mapping[str, Any] | None = None,
@@ -74,7 +74,7 @@ class Trajectory:
         put(self, "t", time)
         put(self, "_columns", outputs)
         put(self, "units", known if isinstance(known, MappingProxyType) else MappingProxyType(known))
-        put(self, "events", Events.of(events))
+        put(self, "_events", events if callable(events) else Events.of(events))
         put(self, "_stats", stats or Stats())
         put(self, "_energy", energy or EnergyLedger())
         put(self, "meta", MappingProxyType(dict(meta or {})))
@@ -120,6 +120,14 @@ class Trajectory:
             object.__setattr__(self, "_final", self._final())
         assert not callable(self._final)
         return self._final
+
+    @property
+    def events(self) -> Events:
+        """What switched, in the order of time."""
+        if not isinstance(self._events, Events):
+            object.__setattr__(self, "_events", self._events())
+        assert isinstance(self._events, Events)
+        return self._events
 
     @property
     def stats(self) -> Stats:
