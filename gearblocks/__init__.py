@@ -1,105 +1,113 @@
-"""Drivetrain dynamics: blocks are composed, assembled into equations of motion, and run in generated C."""
+"""Drivetrain dynamics: blocks are composed, assembled into equations of motion, and run in generated C.
 
-from gearblocks.analysis.campbell import Campbell, campbell
-from gearblocks.analysis.designs import latin_hypercube, random_cases
-from gearblocks.analysis.linearization import FrequencyResponse, Linearization, frequency_response, linearize
-from gearblocks.analysis.modes import Modes, modes
-from gearblocks.analysis.parameter_study import study, sweep
-from gearblocks.analysis.quantities import at, count, energy_lost, event_time, last, mean, peak, points, rms, trough
-from gearblocks.analysis.quantity import Quantity
-from gearblocks.analysis.sections import classify, poincare, stroboscopic
-from gearblocks.analysis.study_result import Study
-from gearblocks.blocks import (
-    Angle,
-    BearingFriction,
-    BeltDrive,
-    Brake,
-    Clutch,
-    Creep,
-    Damper,
-    DCMotor,
-    Differential,
-    DogClutch,
-    EddyCurrentBrake,
-    Engine,
-    Fixed,
-    Force,
-    Freewheel,
-    GearMesh,
-    Governor,
-    HardStop,
-    IdealGear,
-    IdealPlanetary,
-    Inertia,
-    Lash,
-    LossyGear,
-    Mass,
-    NonCircularGear,
-    OneWayClutch,
-    PlanetaryGear,
-    Rack,
-    Shaft,
-    Speed,
-    SpeedLoad,
-    SplineCoupling,
-    Stribeck,
-    Synchronizer,
-    Torque,
-    TorqueConverter,
-    TyreSlip,
-    UniversalJoint,
-    Vehicle,
-    Worm,
-)
-from gearblocks.blocks.effects import (
-    Backlash,
-    Fourier,
-    Harmonic,
-    HuntCrossley,
-    Hysteresis,
-    MeshLaw,
-    Profile,
-    Square,
-    ToothFriction,
-)
-from gearblocks.drivetrain import Drivetrain, build, simulate
-from gearblocks.errors import (
-    CompileError,
-    GearblocksError,
-    ModelError,
-    ParameterError,
-    SimulationError,
-    UnknownNameError,
-)  # fmt: skip
-from gearblocks.geometry.ratio_curves import RatioLawError
-from gearblocks.geometry.ratio_design import design_ratio
-from gearblocks.geometry.ratio_fit import driver_angle
-from gearblocks.geometry.ratio_law import RatioLaw
-from gearblocks.language.block import Block, Effect
-from gearblocks.language.contributions import (
-    Acts,
-    Body,
-    Energy,
-    Hold,
-    LossyTie,
-    Motion,
-    Parts,
-    Potential,
-    Rate,
-    Shows,
-    Start,
-    Stick,
-    Stop,
-    Switch,
-    Tie,
-)
-from gearblocks.language.expression import cos, piecewise, sin
-from gearblocks.language.fields import Flange, State, effect, exact, option, param, signal
-from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
-from gearblocks.language.tables import Table2
-from gearblocks.language.units import rpm
-from gearblocks.simulation.trajectory import Trajectory
-from gearblocks.solver.library import Model
+A name is imported with its module when it is first used: the shell's help needs none of them, a run no linear tools.
+"""
+
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from gearblocks.analysis.campbell import Campbell, campbell
+    from gearblocks.analysis.designs import latin_hypercube, random_cases
+    from gearblocks.analysis.linearization import FrequencyResponse, Linearization, frequency_response, linearize
+    from gearblocks.analysis.modes import Modes, modes
+    from gearblocks.analysis.parameter_study import study, sweep
+    from gearblocks.analysis.quantities import at, count, energy_lost, event_time, last, mean, peak, points, rms, trough
+    from gearblocks.analysis.quantity import Quantity
+    from gearblocks.analysis.sections import classify, poincare, stroboscopic
+    from gearblocks.analysis.study_result import Study
+    from gearblocks.blocks import (
+        Angle,
+        BearingFriction,
+        BeltDrive,
+        Brake,
+        Clutch,
+        Creep,
+        Damper,
+        DCMotor,
+        Differential,
+        DogClutch,
+        EddyCurrentBrake,
+        Engine,
+        Fixed,
+        Force,
+        Freewheel,
+        GearMesh,
+        Governor,
+        HardStop,
+        IdealGear,
+        IdealPlanetary,
+        Inertia,
+        Lash,
+        LossyGear,
+        Mass,
+        NonCircularGear,
+        OneWayClutch,
+        PlanetaryGear,
+        Rack,
+        Shaft,
+        Speed,
+        SpeedLoad,
+        SplineCoupling,
+        Stribeck,
+        Synchronizer,
+        Torque,
+        TorqueConverter,
+        TyreSlip,
+        UniversalJoint,
+        Vehicle,
+        Worm,
+    )
+    from gearblocks.blocks.effects import (
+        Backlash,
+        Fourier,
+        Harmonic,
+        HuntCrossley,
+        Hysteresis,
+        MeshLaw,
+        Profile,
+        Square,
+        ToothFriction,
+    )
+    from gearblocks.drivetrain import Drivetrain, build, simulate
+    from gearblocks.errors import (
+        CompileError,
+        GearblocksError,
+        ModelError,
+        ParameterError,
+        SimulationError,
+        UnknownNameError,
+    )  # fmt: skip
+    from gearblocks.geometry.ratio_curves import RatioLawError
+    from gearblocks.geometry.ratio_design import design_ratio
+    from gearblocks.geometry.ratio_fit import driver_angle
+    from gearblocks.geometry.ratio_law import RatioLaw
+    from gearblocks.language.block import Block, Effect
+    from gearblocks.language.contributions import (
+        Acts,
+        Body,
+        Energy,
+        Hold,
+        LossyTie,
+        Motion,
+        Parts,
+        Potential,
+        Rate,
+        Shows,
+        Start,
+        Stick,
+        Stop,
+        Switch,
+        Tie,
+    )
+    from gearblocks.language.expression import cos, piecewise, sin
+    from gearblocks.language.fields import Flange, State, effect, exact, option, param, signal
+    from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
+    from gearblocks.language.tables import Table2
+    from gearblocks.language.units import rpm
+    from gearblocks.simulation.trajectory import Trajectory
+    from gearblocks.solver.library import Model
 
 __version__ = "0.1.0"
 
@@ -120,7 +128,56 @@ __all__ = [
     "sense", "signal", "simulate", "sin", "stroboscopic", "study", "sweep", "time", "trough", "twist",
 ]  # fmt: skip
 
+_NAMES = {
+    "analysis.campbell": "Campbell campbell",
+    "analysis.designs": "latin_hypercube random_cases",
+    "analysis.linearization": "FrequencyResponse Linearization frequency_response linearize",
+    "analysis.modes": "Modes modes",
+    "analysis.parameter_study": "study sweep",
+    "analysis.quantities": "at count energy_lost event_time last mean peak points rms trough",
+    "analysis.quantity": "Quantity",
+    "analysis.sections": "classify poincare stroboscopic",
+    "analysis.study_result": "Study",
+    "blocks": (
+        "Angle BearingFriction BeltDrive Brake Clutch Creep Damper DCMotor Differential DogClutch "
+        "EddyCurrentBrake Engine Fixed Force Freewheel GearMesh Governor HardStop IdealGear IdealPlanetary "
+        "Inertia Lash LossyGear Mass NonCircularGear OneWayClutch PlanetaryGear Rack Shaft Speed SpeedLoad "
+        "SplineCoupling Stribeck Synchronizer Torque TorqueConverter TyreSlip UniversalJoint Vehicle Worm"
+    ),
+    "blocks.effects": "Backlash Fourier Harmonic HuntCrossley Hysteresis MeshLaw Profile Square ToothFriction",
+    "drivetrain": "Drivetrain build simulate",
+    "errors": "CompileError GearblocksError ModelError ParameterError SimulationError UnknownNameError",
+    "geometry.ratio_curves": "RatioLawError",
+    "geometry.ratio_design": "design_ratio",
+    "geometry.ratio_fit": "driver_angle",
+    "geometry.ratio_law": "RatioLaw",
+    "language.block": "Block Effect",
+    "language.contributions": (
+        "Acts Body Energy Hold LossyTie Motion Parts Potential Rate Shows Start Stick Stop Switch Tie"
+    ),
+    "language.expression": "cos piecewise sin",
+    "language.fields": "Flange State effect exact option param signal",
+    "language.signals": "Input Parameter Table sense time twist",
+    "language.tables": "Table2",
+    "language.units": "rpm",
+    "simulation.trajectory": "Trajectory",
+    "solver.library": "Model",
+}
+"""Public names by the module that they come from, below this one."""
+_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, or a room of the package, when it is first used."""
+    if name in _HOME:
+        value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+        globals()[name] = value
+        return value
+    if not name.startswith("_") and find_spec(f"{__name__}.{name}") is not None:
+        return import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+
 
 def __dir__() -> list[str]:
     """The public names; the rooms of the package are no part of them."""
-    return sorted([*__all__, *(name for name in globals() if name.startswith("__"))])
+    return sorted([*__all__, *(name for name in globals() if name.startswith("__") and name != "__getattr__")])

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import fnmatch
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -358,10 +359,17 @@ def simulate(train: Drivetrain | Model, *unnamed: Any, **arguments: Any) -> Traj
     Raises UnknownNameError and ParameterError for bad arguments, SimulationError (with the trajectory so far) when the
     run cannot go on. Ctrl-C returns what is done; run.complete is then False.
     """
+    run_model, known = _runner()
+    check_arguments("simulate", known, unnamed, arguments)
+    return run_model(build(train), **arguments)
+
+
+@cache
+def _runner() -> tuple[Callable[..., Trajectory], frozenset[str]]:
+    """What runs models, imported when the first one runs, and the arguments that it takes."""
     from gearblocks.simulation.run import ARGUMENTS, run_model
 
-    check_arguments("simulate", ARGUMENTS, unnamed, arguments)
-    return run_model(build(train), **arguments)
+    return run_model, ARGUMENTS
 
 
 def _summary(block: Block, slides: bool) -> str:

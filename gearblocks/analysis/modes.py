@@ -175,7 +175,7 @@ def _without_counts(A: csc_array, kin: Kinematics) -> csc_array:
 
 def _free_rotations(point: Point, kin: Kinematics, A: csc_array) -> Array:
     """Rotations of the whole train that no torque answers, as speeds, shape (speeds, count)."""
-    N = kin.N.toarray()
+    N: Array = kin.N.toarray()
     if N.shape[1] == 0:
         return N
     v = kin.speeds

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -58,6 +59,18 @@ def sample_times(begin: float, t_end: float | None, t: ArrayLike | None) -> tupl
 def method_options(
     method: str, rtol: float, step: float | None, max_step: float | None, locate: bool, end: float
 ) -> tuple[Options, str]:  # fmt: skip
+    """The options of the solver, and why this method."""
+    try:
+        values, why = _checked_options(method, rtol, step, max_step, locate)
+    except TypeError:  # what cannot be looked up is no number either: it is said by name
+        values, why = _checked_options.__wrapped__(method, rtol, step, max_step, locate)
+    return Options(*values, end), why
+
+
+@lru_cache(maxsize=64, typed=True)
+def _checked_options(
+    method: str, rtol: float, step: float | None, max_step: float | None, locate: bool
+) -> tuple[tuple[float, ...], str]:
     if method not in ("auto", *METHODS):
         raise ParameterError(
             f"method = {method!r} must be 'auto', {', '.join(map(repr, METHODS))}{did_you_mean(method, METHODS)}"
@@ -76,7 +89,7 @@ def method_options(
     if method == "auto":
         why = f"rtol = {rtol:g}: order 8 pays from 1e-3 down, order 5 above"
     number = METHODS.get(method, Method.AUTO)
-    return Options(number, int(locate), rtol, step or 0.0, max_step or math.inf, end), why
+    return (number, int(locate), rtol, step or 0.0, max_step or math.inf), why
 
 
 def method_words(counters: Counters, why: str) -> tuple[str, str]:
@@ -132,7 +145,9 @@ def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
 
 
 def parameter_vector(program: Program, values: Array, changed: Mapping[str, float], initial: Any) -> Array:
-    """The parameter vector with changed parameters and start values."""
+    """The parameter vector with changed parameters and start values, not to be written to."""
+    if not changed and initial is None and isinstance(changed, dict):
+        return values
     result = np.array(values)
     names, structural = program.parameter_numbers, program.structural_paths
     if isinstance(initial, Trajectory):
@@ -208,6 +223,8 @@ def checked(
 
 
 def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSource]) -> None:
+    if not program.inputs and not sources and isinstance(sources, dict):
+        return
     names = program.input_numbers
     sim.inputs[:] = program.input_starts
     for name, source in by_name("inputs", sources).items():

@@ -13,12 +13,14 @@ from gearblocks.simulation.records import EnergyLedger
 from gearblocks.simulation.samples import Samples
 from gearblocks.solver.structures import Array
 
+_FEW = 32  # numbers that Python adds up faster than numpy
+
 
 @final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(slots=True, kw_only=True, eq=False)
 class EnergyBalance:
-    """Energy at the start of a run and those at its end [J], in the order of the program; change: of the state vector between
-    them, with the quadratures; exchanged: all amounts that went in or out, each step without its sign.
+    """State vector (with the quadratures) and energies [J] before a run, and at its end; energies in the order of the program.
+    exchanged: all amounts that went in or out, each step without its sign.
 
     largest: the most that was stored at samples that are not kept (-inf without such).
 
@@ -27,9 +29,9 @@ class EnergyBalance:
     """
 
     program: Program
-    start: float
+    before: tuple[Array, Array]
+    state: Array
     last: Array
-    change: Array
     exchanged: float
     samples: Samples
     largest: float
@@ -39,11 +41,21 @@ class EnergyBalance:
 
     def __post_init__(self) -> None:
         place, sign = self.program.ledger_integrals
-        end = float(self.last.sum())
-        missing = abs(end - self.start + float((sign * self.change[place]).sum()))  # no BLAS: it wakes threads
+        start, end = _sum(self.before[1]), _sum(self.last)
+        missing = abs(end - start + _sum(sign * self.change[place]))  # no BLAS: it wakes threads
         missing = max(missing - self.rounding, 0.0)
-        turnover = max(self.start, end) + self.exchanged
-        object.__setattr__(self, "bound", missing / turnover if turnover > 0 else missing)
+        turnover = max(start, end) + self.exchanged
+        self.bound = missing / turnover if turnover > 0 else missing
+
+    @property
+    def start(self) -> float:
+        """Energy stored at the start [J]."""
+        return float(np.add.reduce(self.before[1]))
+
+    @property
+    def change(self) -> Array:
+        """Of the state vector."""
+        return self.state - self.before[0]
 
     def residual(self, enough: float) -> float:
         """The residual, or where it is no more than `enough` a bound of it that does not look at the samples."""
@@ -52,16 +64,22 @@ class EnergyBalance:
     def ledger(self) -> EnergyLedger:
         """By element."""
         names, of, place = self.program.energy_components
+        start, change = self.start, self.change
         stored = np.zeros(len(names))
         np.add.at(stored, of, self.last[place])
         loss, supplied = (self.program.integral_components[part] for part in ("loss", "supplied"))
         return EnergyLedger(
             stored=dict(zip(names, stored.tolist(), strict=True)),
-            start=self.start,
-            dissipated=dict(zip(loss[0], self.change[loss[1]].tolist(), strict=True)),
-            supplied=dict(zip(supplied[0], self.change[supplied[1]].tolist(), strict=True)),
+            start=start,
+            dissipated=dict(zip(loss[0], change[loss[1]].tolist(), strict=True)),
+            supplied=dict(zip(supplied[0], change[supplied[1]].tolist(), strict=True)),
             exchanged=self.exchanged,
-            largest_stored=max(self.start, self.largest, self.samples.largest_energy()),
+            largest_stored=max(start, self.largest, self.samples.largest_energy()),
             unbalanced=self.unbalanced,
             rounding=self.rounding,
         )
+
+
+def _sum(values: Array) -> float:
+    """The sum up to rounding, by the quicker way for so many."""
+    return sum(values.tolist()) if len(values) < _FEW else float(np.add.reduce(values))

@@ -18,8 +18,8 @@ that side, where the contact takes over. A gap without load stays where it is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,12 +30,10 @@ from gearblocks.simulation.friction_at_rest import by_slips, judged, overlaps
 from gearblocks.solver.active_set import ReducedRows, null_space, reduced
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.kinematics import Kinematics, kinematics, knows_derivatives
+from gearblocks.solver.matrix_algebra import Matrix, algebra_of
 from gearblocks.solver.point import Point, dependents, derivative, opened, restarted, state_matrix, steps_of
 from gearblocks.solver.sparse_maps import Indices
 from gearblocks.solver.structures import Array
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
 
 _ROUNDS = 200
 _WEAK, _WEAKEST = 1e-2, 1e-6  # spring on a coordinate relative to its stiffness, after a change of modes and at the end
@@ -64,12 +62,12 @@ def equilibrium(point: Point) -> Point:
     one bound (a stop, a freewheel) become inactive where it would have the other sign. SimulationError where a constraint
     force exceeds its bounds.
     """
-    point = by_slips(point)
+    given, point = point, by_slips(point.at(algebra=algebra_of(point.program.n)))
     for _ in range(4 * len(point.sim.constraints().constraints) + 1):
         found = _balanced(point)
         changed = judged(found)
         if changed is None:
-            return found
+            return found.at(algebra=given.algebra)
         point = changed
     raise SimulationError(
         point.t, "", "there is no static equilibrium: stops open and close without end",
@@ -90,38 +88,27 @@ def _balanced(point: Point) -> Point:
 def _angles_following(kin: Kinematics, active: ReducedRows, before: Array, y: Array) -> Array:
     """The state with angles changed along with the coordinates so that G dphi = 0: no active constraint to the ground has
     slipped."""
-    from scipy.sparse import csc_array, vstack
-
-    S = csc_array(vstack([kin.B, kin.E]))
+    S = kin.algebra.stacked([[kin.B], [kin.E]])
     if len(kin.angles) == 0 or kin.massless:
         return y
     turned = np.concatenate([y[kin.coordinates] - before[kin.coordinates], np.zeros(len(kin.angles))])
-    rows = _solve(csc_array(S.T), active.W.T).T  # slips by coordinates and angles
+    rows = kin.algebra.solved(S.T, active.W.T).T  # slips by coordinates and angles
     n_q, following = len(kin.coordinates), y.copy()
     following[kin.angles] -= np.linalg.lstsq(rows[:, n_q:], rows @ turned, rcond=1e-9)[0]
     return following
 
 
-def _solve(S: csc_array, right: Array) -> Array:
-    """S^-1 times a matrix; S as few columns as it has."""
-    from scipy.sparse.linalg import splu
-
-    return np.asarray(splu(S).solve(np.ascontiguousarray(right)))
-
-
 def fixed_combinations(kin: Kinematics, active: ReducedRows, angles: int) -> Array:
     """Combinations of the coordinates, and of the first so many of the angles, that the active set keeps constant, as rows."""
-    from scipy.sparse import csc_array, vstack
-
-    S, n = csc_array(vstack([kin.B, kin.E]).T), len(kin.coordinates) + angles
+    S, n = kin.algebra.stacked([[kin.B], [kin.E]]).T, len(kin.coordinates) + angles
     if S.shape[0] == S.shape[1]:
-        combined = _solve(S, active.W.T)
+        combined = kin.algebra.solved(S, active.W.T)
         rest, combined = combined[n:], combined[:n]
     else:  # massless groups: more coordinates than speeds
-        dense = S[:, :n].toarray()
-        combined = np.linalg.lstsq(dense, active.W.T, rcond=None)[0]
+        dense = kin.algebra.array(S[:, :n])
+        combined = np.asarray(np.linalg.lstsq(dense, active.W.T, rcond=None)[0], dtype=np.float64)
         rest = active.W.T - dense @ combined
-    return np.asarray((combined @ null_space(rest, np.full(len(rest), np.abs(active.W).max()))).T)
+    return np.asarray((combined @ null_space(rest, np.full(len(rest), np.abs(active.W).max(initial=0.0)))).T)
 
 
 def _check_speeds(point: Point, kin: Kinematics) -> None:
@@ -130,7 +117,7 @@ def _check_speeds(point: Point, kin: Kinematics) -> None:
         return
     winding = point.rates()[kin.coordinates]  # prescribed speeds among them
     worst = int(np.argmax(np.abs(winding)))
-    largest = float(np.abs(v).max(initial=0.0)) * float(np.abs(kin.B.data).max(initial=0.0))
+    largest = float(np.abs(v).max(initial=0.0)) * float(kin.algebra.largest(kin.B, 1).max(initial=0.0))
     largest = max(largest, float(np.abs(winding - kin.B @ v).max()))
     if abs(winding[worst]) > 1e-9 * largest:
         name = point.program.states[kin.coordinates[worst]].name.rsplit(".", 1)[0]
@@ -140,35 +127,35 @@ def _check_speeds(point: Point, kin: Kinematics) -> None:
         )
 
 
-def _roundings(n: int) -> Iterator[Array]:
-    """Signs of changes in the last bits of a state."""
+@cache
+def _roundings(n: int) -> Array:
+    """Signs of changes in the last bits of a state, one a row."""
     generator = np.random.default_rng(1)
-    for _ in range(8):
-        yield generator.choice([-1.0, 1.0], n)
+    return np.array([generator.choice([-1.0, 1.0], n) for _ in range(8)])
 
 
 class _Search:
     """Newton's method; after each step the modes are those of the state.
 
     D: changes of the coordinates that the active set allows; L: the balances of torque that its constraint forces do not
-    enter (both 1 where nothing is active).
+    enter (both None where nothing is active: all).
     """
 
     def __init__(self, point: Point, kin: Kinematics) -> None:
-        from scipy.sparse import csc_array, eye_array
-
-        self.point, self.kin = point, kin
+        self.point, self.kin, self.algebra = point, kin, point.algebra
         self.unknown = np.concatenate([kin.coordinates, kin.states])
         still = kin.coordinates if kin.massless else kin.coordinates[:0]  # balance of massless groups: q' = 0
         self.rows = np.concatenate([kin.speeds, kin.states, still])
         self.n_v, self.n_q, self.n_z = len(kin.speeds), len(kin.coordinates), len(kin.states)
-        self.D, self.L = csc_array(eye_array(self.n_q)), csc_array(eye_array(self.n_v))
+        self.D: Matrix | None = None
+        self.L: Matrix | None = None
+        self.n_t = self.n_v
         if kin.active is not None:
-            self.D = reduced(fixed_combinations(kin, kin.active, 0)).basis()
+            self.D = reduced(fixed_combinations(kin, kin.active, 0)).basis(self.algebra)
             force_rows = point.active_force_rows()
             assert force_rows is not None
-            self.L = csc_array(force_rows.basis().T)
-        self.n_t = self.L.shape[0]
+            self.L = force_rows.basis(self.algebra).T
+            self.n_t = self.L.shape[0]
         self.weak = _WEAK
         self.patterns: dict[bytes, list[Indices]] = {}
         self.turn = self._turned_on()
@@ -228,19 +215,20 @@ class _Search:
             modes = start.modes if side is None else np.where(of_state, side, start.modes)
             self.point = start.at(modes=modes)
             torques = self.kin.M @ self._derivatives()[: self.n_v]
-            found.append(np.asarray(abs(torques[:, : self.n_q]).max(axis=0).todense()).ravel())
+            found.append(self.algebra.largest(torques[:, : self.n_q], 0))
         y = start.y.copy()
-        if self.D.shape[0] == self.D.shape[1]:
+        if self.D is None or self.D.shape[0] == self.D.shape[1]:
             y[self.kin.coordinates[found[0] > 0]] = 0.0
         elif (loaded := found[0] > 0).any():
             back = -y[self.kin.coordinates] * loaded
-            y[self.kin.coordinates] += self.D @ np.linalg.lstsq(self.D.toarray()[loaded], back[loaded], rcond=None)[0]
+            D = self.algebra.array(self.D)
+            y[self.kin.coordinates] += self.D @ np.linalg.lstsq(D[loaded], back[loaded], rcond=None)[0]
         self.point = start
         self.point = self._fitting(y)
         springs = np.nan_to_num(np.max(found, axis=0), posinf=0.0) if self.n_q else np.zeros(0)
         return np.asarray(np.where(springs > 0, springs, springs.max(initial=0.0) or 1.0))
 
-    def _residual(self, matrix: csc_array, idle: NDArray[np.bool_]) -> tuple[Array, float]:
+    def _residual(self, matrix: Matrix, idle: NDArray[np.bool_]) -> tuple[Array, float]:
         """Torques and rates of states of blocks that are left, and the largest of them relative to what acts.
 
         idle: rates that no unknown changes: phases, which run on, and massless groups, which are in balance anyway.
@@ -249,12 +237,12 @@ class _Search:
         torque = kin.M @ rates[kin.speeds]
         rest = torque.copy()
         if kin.N.shape[1]:
-            weights = (kin.N.T @ kin.M @ kin.N).toarray()
+            weights = self.algebra.array(kin.N.T @ kin.M @ kin.N)
             rest -= kin.M @ (kin.N @ np.linalg.solve(weights, kin.N.T @ torque))
         parts = abs(matrix) @ np.abs(self.point.y[self.unknown])
         largest = max(float(np.abs(torque).max(initial=0.0)), float(parts[: self.n_t].max(initial=0.0)))
         sizes = np.concatenate([np.full(self.n_t, largest), parts[self.n_t :]])
-        left = np.concatenate([self.L @ rest, np.where(idle, 0.0, rates[self.rows[self.n_v :]])])
+        left = np.concatenate([self._balances(rest), np.where(idle, 0.0, rates[self.rows[self.n_v :]])])
         relative = np.divide(np.abs(left), sizes, out=np.where(left == 0, 0.0, np.inf), where=sizes > 0)
         return left, float(relative.max(initial=0.0))
 
@@ -264,14 +252,16 @@ class _Search:
             y = restarted(self.point.at(y=y))
         return self.point.rates(y)
 
-    def _matrix(self) -> csc_array:
+    def _matrix(self) -> Matrix:
         """Derivatives of the residual by the unknowns."""
-        from scipy.sparse import csc_array, vstack
-
         A = self._derivatives()
-        return csc_array(vstack([self.L @ (self.kin.M @ A[: self.n_v]), A[self.n_v :]]))
+        return self.algebra.stacked([[self._balances(self.kin.M @ A[: self.n_v])], [A[self.n_v :]]])
 
-    def _derivatives(self) -> csc_array:
+    def _balances(self, torques: Any) -> Any:
+        """L times torques on the speeds, a vector or columns."""
+        return torques if self.L is None else self.L @ torques
+
+    def _derivatives(self) -> Matrix:
         """Of the rates of speeds and states by the unknowns."""
         point = self.point
         if knows_derivatives(point):
@@ -283,35 +273,34 @@ class _Search:
 
         if not all(map(len, self.patterns.get(key, [np.empty(0)]))):  # where nothing answers yet, look again
             self.patterns[key] = dependents(rates, point.y, self.unknown, steps)
-        return derivative(rates, point.y, self.unknown, steps, self.patterns.get(key))
+        return derivative(rates, point.y, self.unknown, steps, self.patterns.get(key), self.algebra)
 
-    def _step(self, matrix: csc_array, idle: NDArray[np.bool_], rest: Array) -> tuple[Array, Array]:
+    def _step(self, matrix: Matrix, idle: NDArray[np.bool_], rest: Array) -> tuple[Array, Array]:
         """Change of the unknowns, and the torque that the weak springs carry."""
-        from scipy.sparse import block_diag, csc_array, diags_array, eye_array, hstack, vstack
-        from scipy.sparse.linalg import splu
-
-        kin = self.kin
-        springs = self.weak * self.springs
-        weak = hstack([self.L @ (kin.B.T @ diags_array(-springs)), csc_array((self.n_t, self.n_z))])
-        still = hstack([csc_array((self.n_z, self.n_q)), diags_array(-idle[: self.n_z].astype(float))])
-        rest_rows = len(self.rows) - self.n_v - self.n_z
-        added = csc_array(vstack([weak, still, csc_array((rest_rows, self.n_q + self.n_z))]))
-        border = vstack([-(self.L @ (kin.M @ kin.N)), csc_array((self.n_z + rest_rows, kin.N.shape[1]))])
-        along = csc_array(block_diag([self.D, eye_array(self.n_z)]))
-        full = csc_array(hstack([(matrix + added) @ along, border]))
+        kin, algebra, springs = self.kin, self.algebra, self.weak * self.springs
+        weak = self._balances(kin.B.T @ algebra.diagonal(-springs))
+        rest_rows, z = len(self.rows) - self.n_v, np.arange(self.n_z)
+        still = algebra.entries(-idle[: self.n_z].astype(float), z, z, (rest_rows, self.n_z))
+        below = algebra.zeros((rest_rows, self.n_q))
+        added = algebra.stacked([[weak, algebra.zeros((self.n_t, self.n_z))], [below, still]])
+        border = algebra.stacked([[-self._balances(kin.M @ kin.N)], [algebra.zeros((rest_rows, kin.N.shape[1]))]])
+        inner = matrix + added
+        if self.D is not None:
+            inner = inner @ (along := algebra.stacked([[self.D, None], [None, algebra.diagonal(np.ones(self.n_z))]]))
+        full = algebra.stacked([[inner, border]])
         if full.shape[0] == 0:  # everything is stuck where it stands
-            return np.zeros(along.shape[0]), np.zeros(self.n_q)
-        scale = np.asarray(abs(full).max(axis=1).todense()).ravel()
+            return np.zeros(len(self.unknown)), np.zeros(self.n_q)
+        scale = algebra.largest(full, 1)
         scale[scale == 0] = 1.0
-        scaled = csc_array(diags_array(1 / scale) @ full)
+        scaled = algebra.diagonal(1 / scale) @ full
         try:
             if kin.massless:
-                found = np.linalg.lstsq(scaled.toarray(), -rest / scale, rcond=1e-13)[0]
+                found = np.asarray(np.linalg.lstsq(algebra.array(scaled), -rest / scale, rcond=1e-13)[0])
             else:
-                found = splu(scaled).solve(-rest / scale)
+                found = algebra.solved(scaled, -rest / scale)
         except RuntimeError as error:  # exactly singular: states of blocks that nothing ties down
             raise self._failure(np.zeros(0)) from error
-        step = along @ found[: along.shape[1]]
+        step = np.asarray(found[: inner.shape[1]] if self.D is None else along @ found[: inner.shape[1]])
         return step, springs * step[: self.n_q]
 
     def _failure(self, carried: Array) -> SimulationError:

@@ -92,11 +92,14 @@ class Events(Sequence[Event]):
             yield Event(t, names[component], KINDS[kind], before, after)
 
 
+_NONE = Events(np.empty(0, dtype=ROW), ())
+
+
 def events_of(table: EventTable, recorded: Sequence[NDArray[np.void]]) -> Events:
     """The events of rows that the solver recorded, with what stands for modes 0 and 1; changes of one component that follow
     on each other at one instant are one, or none where it ends as it began."""
     if not recorded:
-        return Events(np.empty(0, dtype=ROW), ())
+        return _NONE
     return net_events(table, shown(table, recorded[0] if len(recorded) == 1 else np.concatenate(recorded)))
 
 

@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 def frozen(values: ArrayLike) -> Array:
     """`values` as doubles that cannot be written to; not copied where they are doubles already."""
+    if type(values) is np.ndarray and values.dtype == np.float64 and not values.flags.writeable:
+        return values
     array = np.asarray(values, dtype=np.float64).view()
     array.flags.writeable = False
     return array

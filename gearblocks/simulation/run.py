@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gearblocks.codegen.program import Program
 from gearblocks.errors import (
     GearblocksError,
     GearblocksWarning,
@@ -45,7 +46,7 @@ from gearblocks.simulation.samples import Outputs, Samples
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
-from gearblocks.solver.structures import Array, Code, Method, Options
+from gearblocks.solver.structures import Array, Code, Counters, Method, Options
 
 
 def run_model(
@@ -66,14 +67,13 @@ def run_model(
     samples, end = sample_times(begin, t_end, t)
     options, why = method_options(method, rtol, step, max_step, locate, end)
     pick = picked_outputs(program, outputs)
-    with model.library.open() as sim:
-        sim.parameters[:] = parameter_vector(program, model.values, parameters or {}, initial)
+    with model.library.reopen() as sim:
+        values = sim.parameters[:] = parameter_vector(program, model.values, parameters or {}, initial)
         if options.method == Method.RODAS and not sim.has_jacobian:
             raise ParameterError(
                 f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
             )
         set_inputs(sim, program, inputs or {})
-        values = sim.parameters.copy()
         run = _Run(model, sim, samples, end, pick, values, progress, residual, meta={
             "train": program.name, "method": METHOD_NAMES[options.method], "rtol": rtol, "step": step,
             "parameters": NamedValues(program.parameter_numbers, values),
@@ -93,9 +93,6 @@ WIDE = 1000
 """Numbers in a row from which on a run with few outputs evaluates them as it goes."""
 ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
 """The names that `run_model` takes."""
-
-
-_NOTHING = np.zeros(0, dtype=np.intc)
 
 
 # -- the run ----------------------------------------------------------------------------------------------------------
@@ -120,7 +117,7 @@ class _Run:
     events: list[NDArray[np.void]] = field(default_factory=list)
     cpu: float = 0.0
     size: int = 0
-    rerun: Rerun | None = None
+    counters: Counters = field(init=False)
     case: Case | None = None
 
     def balanced(self, begin: float, initial: Any) -> Array:
@@ -141,7 +138,6 @@ class _Run:
             first = self.sim.state(), self.sim.energies()
         except RuntimeError:
             raise self._stopped(Code(self.sim.report.code)) from self.sim.error
-        self.rerun = Rerun(self.sim, self.model.program, options, begin, y0)
         complete = False
         try:
             code = self._loop(begin, first)
@@ -150,6 +146,7 @@ class _Run:
             code = Code.PAUSE
         if isinstance(self.sim.error, KeyboardInterrupt):
             code = Code.PAUSE
+        self.counters = self.sim.counters  # before anything is run once more
         balance = self._energy(first, named=code >= 0)
         result = self._result(balance, complete, why)
         if code < 0:
@@ -178,10 +175,10 @@ class _Run:
 
     def _lost(self, first: tuple[Array, Array]) -> bool:
         """Whether the energy residual at the last sample is above the one asked for."""
-        balance = self._balance(first) if self.residual is not None else None
-        return (
-            balance is not None and self.residual is not None and not balance.residual(self.residual) <= self.residual
-        )
+        if self.residual is None:
+            return False
+        balance = self._balance(first, self.sim.counters)
+        return balance is not None and not balance.residual(self.residual) <= self.residual
 
     def _loop(self, begin: float, first: tuple[Array, Array]) -> Code:
         record = self.sim.record(None if self.samples is None else len(self.samples))
@@ -192,9 +189,10 @@ class _Run:
             code = self.sim.run(self.samples, self.end, record)
             self.cpu += _time.thread_time() - before
             taken = self._take(*record.take())
-            if code in (Code.DONE,) or min(code, taken) < 0:
+            if code == Code.DONE or min(code, taken) < 0:
                 if isinstance(tell, _Line):
                     tell.close()
+                self.sim.give(record)
                 return code if code < 0 else taken
             if self._lost(first):
                 return Code.PAUSE
@@ -231,57 +229,51 @@ class _Run:
         return rows[-1:].copy()
 
     def _result(self, balance: EnergyBalance | None, complete: bool, why: str) -> Trajectory:
-        program, counters = self.model.program, self.sim.counters
+        program, counters, cpu, events = self.model.program, self.counters, self.cpu, self.events
         method, reason = method_words(counters, why)
         self.meta["method"] = method
-        samples = self._samples()
+        samples = self._samples() if balance is None else balance.samples
         t: Array = samples.times()
         columns: Outputs | dict[str, Array] = Outputs(samples, self.pick)
         if self.table:
             table = np.concatenate(self.table)
             t, columns = table[:, 0].copy(), dict(zip(self.pick, table.T[1:].copy(), strict=True))
-        stats = Stats(
-            steps=counters.steps, rejected=counters.rejected, rhs_calls=counters.rhs_calls,
-            jacobians=counters.jacobians, events=counters.events, cpu_seconds=self.cpu, method=method, why=reason,
-        )  # fmt: skip
         return Trajectory(
             t, columns, program.output_units,
-            events=events_of(program.event_table, self.events), stats=stats,
-            energy=balance, final_state=self._final(), meta={**self.meta, "complete": complete},
+            events=lambda: events_of(program.event_table, events), stats=lambda: _stats(counters, cpu, method, reason),
+            energy=balance, final_state=self._final() if self.rows else None, meta={**self.meta, "complete": complete},
             case=self.case if complete else None,
         )  # fmt: skip
 
     def _samples(self) -> Samples:
         return Samples(self.model.library, self.parameters, tuple(self.rows))
 
-    def _final(self) -> FinalState | None:
-        if not self.rows:
-            return None
-        last, n_total, program = self.rows[-1][-1], self.model.program.n_total, self.model.program
-        y, modes = last[1 : 1 + n_total], last[1 + n_total : 1 + n_total + len(program.switches)]
-        return FinalState(float(last[0]), y.copy(), modes.copy(), program.key)
+    def _final(self) -> Callable[[], FinalState]:
+        """What makes the state at the last sample."""
+        last, program = self.rows[-1][-1], self.model.program
+        return lambda: _final_state(program, last)
 
-    def _balance(self, first: tuple[Array, Array]) -> EnergyBalance | None:
+    def _balance(self, first: tuple[Array, Array], counters: Counters) -> EnergyBalance | None:
         """Energies at the last sample beside those at the start; None where there is no sample."""
         if not self.rows:
             return None
-        last = self.rows[-1][-1:]
-        _, _, energy = self.sim.evaluate(last, _NOTHING, energies=True)
-        change = last[0, 1 : 1 + self.model.program.n_total] - first[0]
+        last, program = self.rows[-1][-1], self.model.program
         balance = EnergyBalance(
-            program=self.model.program, start=float(first[1].sum()), last=energy[0], change=change,
-            exchanged=float(self.sim.counters.turnover), samples=self._samples(), largest=self.largest,
+            program=program, before=first, last=self.sim.energies_of(last), state=last[1 : 1 + program.n_total],
+            exchanged=counters.turnover, samples=self._samples(), largest=self.largest,
         )  # fmt: skip
         return balance if balance.bound <= BALANCED else replace(balance, rounding=self.sim.rounding_energy())
 
     def _energy(self, first: tuple[Array, Array], *, named: bool) -> EnergyBalance | None:
         """The balance, with what those of the elements miss where it does not close as far as the run promises it: to 10 rtol,
         with steps of its own choice and located events. The simulation is at its start afterwards."""
-        balance, run, limit = self._balance(first), self.rerun, 10 * float(self.meta["rtol"]) + 1e-12
-        promised = self.meta["step"] is None and run is not None and run.options.locate and self.sim.error is None
-        if balance is None or run is None or not (named and promised) or not balance.residual(limit) > limit:
+        balance, limit = self._balance(first, self.counters), 10 * float(self.meta["rtol"]) + 1e-12
+        case = self.case
+        promised = self.meta["step"] is None and case is not None and case.options.locate and self.sim.error is None
+        if balance is None or case is None or not (named and promised) or not balance.residual(limit) > limit:
             return balance
-        found = element_imbalances(run, float(self.rows[-1][-1, 0]))
+        rerun = Rerun(self.sim, self.model.program, case.options, case.begin, case.y0)
+        found = element_imbalances(rerun, float(self.rows[-1][-1, 0]))
         return replace(balance, unbalanced=dict(sorted(found.items(), key=lambda item: -abs(item[1]))))
 
     # -- failures -----------------------------------------------------------------------------------------------------
@@ -303,6 +295,18 @@ class _Run:
             cause = f"the record of {steps} steps and {counts.total()} events fills the memory that it may take"
             remedy = "give times t; look for what switches so often, or grows without bound"
         return SimulationError(t, name, cause, remedy, run)
+
+
+def _stats(counters: Counters, cpu: float, method: str, why: str) -> Stats:
+    return Stats(
+        steps=counters.steps, rejected=counters.rejected, rhs_calls=counters.rhs_calls, jacobians=counters.jacobians,
+        events=counters.events, cpu_seconds=cpu, method=method, why=why,
+    )  # fmt: skip
+
+
+def _final_state(program: Program, row: Array) -> FinalState:
+    end = 1 + program.n_total
+    return FinalState(float(row[0]), row[1:end].copy(), row[end : end + len(program.switches)].copy(), program.key)
 
 
 class _Line:

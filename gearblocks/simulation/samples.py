@@ -32,10 +32,13 @@ class Samples:
         return sum(len(piece) for piece in self.pieces)
 
     def times(self) -> Array:
-        """Times of the samples [s], in one row."""
+        """Times of the samples [s], in one row that cannot be written to."""
         if len(self.pieces) == 1:
-            return self.pieces[0][:, 0].copy()
-        return np.concatenate([piece[:, 0] for piece in self.pieces]) if self.pieces else np.empty(0)
+            found = self.pieces[0][:, 0].copy()
+        else:
+            found = np.concatenate([piece[:, 0] for piece in self.pieces]) if self.pieces else np.empty(0)
+        found.flags.writeable = False
+        return found
 
     def batches(self, pick: Sequence[int], *, energies: bool = False) -> Iterator[tuple[Array, Array]]:
         """Outputs by their numbers, shape (rows, picks), and energies, shape (rows, energies or 0), batch by batch."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, final
 
@@ -39,16 +39,16 @@ class Trajectory:
     this process and came to its end; files and pickles do not keep it.
     """
 
-    __slots__ = ("_columns", "_energy", "case", "events", "final_state", "meta", "stats", "t", "units")
+    __slots__ = ("_columns", "_energy", "_events", "_final", "_stats", "case", "meta", "t", "units")
 
     t: Array
     _columns: Mapping[str, Array]
     units: Mapping[str, str]
-    events: Events
-    stats: Stats
+    _events: Events | Callable[[], Events]
+    _stats: Stats | Callable[[], Stats]
     _energy: EnergyLedger | EnergyBalance
     meta: Mapping[str, Any]
-    final_state: FinalState | None
+    _final: FinalState | Callable[[], FinalState] | None
     case: Case | None
 
     def __init__(
@@ -57,11 +57,11 @@ class Trajectory:
         columns: Outputs | Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike],
         units: Mapping[str, str] | None = None,
         *,
-        events: Sequence[Event] = (),
-        stats: Stats | None = None,
+        events: Sequence[Event] | Callable[[], Events] = (),
+        stats: Stats | Callable[[], Stats] | None = None,
         energy: EnergyLedger | EnergyBalance | None = None,
         meta: Mapping[str, Any] | None = None,
-        final_state: FinalState | None = None,
+        final_state: FinalState | Callable[[], FinalState] | None = None,
         case: Case | None = None,
     ) -> None:
         time, known, outputs = frozen(t), units or {}, columns
@@ -70,21 +70,16 @@ class Trajectory:
             _check(time, outputs)
         if len(known) != len(outputs) or not isinstance(outputs, Outputs):
             known = {name: known.get(name, "") for name in outputs}
-        self._fill(
-            t=time,
-            _columns=outputs,
-            units=MappingProxyType(known),
-            events=Events.of(events),
-            stats=stats or Stats(),
-            _energy=energy or EnergyLedger(),
-            meta=MappingProxyType(dict(meta or {})),
-            final_state=final_state,
-            case=case,
-        )
-
-    def _fill(self, **values: Any) -> None:
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+        put = object.__setattr__
+        put(self, "t", time)
+        put(self, "_columns", outputs)
+        put(self, "units", known if isinstance(known, MappingProxyType) else MappingProxyType(known))
+        put(self, "_events", events if callable(events) else Events.of(events))
+        put(self, "_stats", stats or Stats())
+        put(self, "_energy", energy or EnergyLedger())
+        put(self, "meta", MappingProxyType(dict(meta or {})))
+        put(self, "_final", final_state)
+        put(self, "case", case)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a run cannot be changed (attribute '{name}')")
@@ -114,9 +109,33 @@ class Trajectory:
     def energy(self) -> EnergyLedger:
         """Where the energy went; made from the samples when it is first asked for."""
         if isinstance(self._energy, EnergyBalance):
-            self._fill(_energy=self._energy.ledger())
+            object.__setattr__(self, "_energy", self._energy.ledger())
         assert isinstance(self._energy, EnergyLedger)
         return self._energy
+
+    @property
+    def final_state(self) -> FinalState | None:
+        """Where the run ended; made from its last sample when it is first asked for."""
+        if callable(self._final):
+            object.__setattr__(self, "_final", self._final())
+        assert not callable(self._final)
+        return self._final
+
+    @property
+    def events(self) -> Events:
+        """What switched, in the order of time."""
+        if not isinstance(self._events, Events):
+            object.__setattr__(self, "_events", self._events())
+        assert isinstance(self._events, Events)
+        return self._events
+
+    @property
+    def stats(self) -> Stats:
+        """What the solver counted."""
+        if not isinstance(self._stats, Stats):
+            object.__setattr__(self, "_stats", self._stats())
+        assert isinstance(self._stats, Stats)
+        return self._stats
 
     # -- reading ------------------------------------------------------------------------------------------------
     @property

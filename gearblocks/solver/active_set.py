@@ -10,15 +10,13 @@ reduces its rows by the same rule while it steps (docs/decisions/0019). Knows no
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import final
 
 import numpy as np
 
+from gearblocks.solver.matrix_algebra import DENSE, SPARSE, Algebra, Matrix
 from gearblocks.solver.sparse_maps import Indices
 from gearblocks.solver.structures import Array
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
 
 _DEPENDENT = 1e-9  # of the largest entry of a row: what is left of it is rounding (as in gb_constraint_rows.h)
 
@@ -41,10 +39,8 @@ class ReducedRows:
         """The entries that are no pivots: the others depend on them."""
         return np.setdiff1d(np.arange(self.W.shape[1]), self.pivots)
 
-    def basis(self) -> csc_array:
+    def basis(self, algebra: Algebra = SPARSE) -> Matrix:
         """Null space of W as columns, shape (n, n - k): x = basis x_kept, 1 at the kept entries."""
-        from scipy.sparse import csc_array
-
         kept, n = self.kept, self.W.shape[1]
         column = np.zeros(n, dtype=np.intp)
         column[kept] = np.arange(len(kept))
@@ -53,19 +49,16 @@ class ReducedRows:
         r, c = r[off_pivot], c[off_pivot]
         values = np.concatenate([np.ones(len(kept)), -self.W[r, c]])
         rows, columns = np.concatenate([kept, self.pivots[r]]), np.concatenate([np.arange(len(kept)), column[c]])
-        return csc_array((values, (rows, columns)), shape=(n, len(kept)))
+        return algebra.entries(values, rows, columns, (n, len(kept)))
 
-    def projected(self, M: csc_array, rates: Any) -> Any:
+    def projected(self, M: Matrix, rates: Matrix, algebra: Algebra = SPARSE) -> Matrix:
         """Accelerations, columns of `rates`, with constraint forces added: a - M^-1 W' lambda with W (...) = 0.
 
         M: mass matrix. The least change in the metric of M (Gauss 1829, principle of least constraint).
         """
-        from scipy.sparse import csc_array
-        from scipy.sparse.linalg import splu
-
-        X = splu(csc_array(M)).solve(self.W.T.copy())
-        forces = np.linalg.solve(self.W @ X, csc_array(rates).T.dot(self.W.T).T)
-        return csc_array(rates - csc_array(X) @ csc_array(forces))
+        X = algebra.solved(M, self.W.T)
+        forces = np.linalg.solve(self.W @ X, (rates.T @ self.W.T).T)
+        return rates - algebra.of(X) @ algebra.of(forces)
 
 
 def reduced(rows: Array, largest: Array | None = None) -> ReducedRows:
@@ -88,4 +81,4 @@ def reduced(rows: Array, largest: Array | None = None) -> ReducedRows:
 
 def null_space(matrix: Array, largest: Array | None = None) -> Array:
     """Null space of a small matrix, as columns."""
-    return np.asarray(reduced(matrix, largest).basis().toarray())
+    return np.asarray(reduced(matrix, largest).basis(DENSE))

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from ctypes import POINTER, c_char_p, c_double, c_int, c_long, c_size_t, c_void_p
-from functools import cache
 from types import TracebackType
 from typing import Any, Self
 
@@ -14,10 +12,10 @@ from numpy.typing import NDArray
 
 from gearblocks.codegen.jacobian.sparsity import Pattern
 from gearblocks.codegen.program import Program
-from gearblocks.errors import CompileError
+from gearblocks.solver.dense_jacobian import DenseJacobian
+from gearblocks.solver.memory import NOTHING, SMALL, SPARE, Memory, taken, view
 from gearblocks.solver.record import Record
 from gearblocks.solver.step_matrix import (
-    PROTOTYPES,
     ColumnGroups,
     StepMatrix,
     full_matrix,
@@ -27,6 +25,7 @@ from gearblocks.solver.step_matrix import (
     state_jacobian,
 )
 from gearblocks.solver.structures import (
+    CODES,
     Array,
     Code,
     Counters,
@@ -34,73 +33,41 @@ from gearblocks.solver.structures import (
     Kind,
     Options,
     PointStructure,
-    RecordStructure,
     Report,
     address,
 )
-from gearblocks.solver.switched_constraints import PROTOTYPES as CONSTRAINT_PROTOTYPES
 from gearblocks.solver.switched_constraints import ConstraintsAtPoint, ModelConstraints, constraints_at, constraints_of
 
-_PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
-    "gb_get_model": (POINTER(c_char_p), ()),
-    "gb_open": (c_void_p, (c_void_p,)),
-    "gb_close": (None, (c_void_p,)),
-    "gb_parameters": (c_void_p, (c_void_p,)),
-    "gb_inputs": (c_void_p, (c_void_p,)),
-    "gb_changed": (None, (c_void_p,)),
-    "gb_input_table": (c_int, (c_void_p, c_int, c_int, c_int, c_void_p, c_void_p, c_void_p, c_double)),
-    "gb_input_callback": (None, (c_void_p, c_int, InputFunction, c_void_p)),
-    "gb_start": (c_int, (c_void_p, POINTER(Options), c_double, c_void_p)),
-    "gb_advance": (c_int, (c_void_p, c_double)),
-    "gb_time": (c_double, (c_void_p,)),
-    "gb_state": (c_int, (c_void_p, c_void_p)),
-    "gb_outputs": (c_int, (c_void_p, c_void_p)),
-    "gb_energies": (c_int, (c_void_p, c_void_p)),
-    "gb_rounding_energy": (c_double, (c_void_p,)),
-    "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(RecordStructure), c_double)),
-    "gb_evaluate": (c_int, (c_void_p, c_void_p, c_long, c_void_p, c_int, c_void_p, c_void_p)),
-    "gb_quantity_room": (c_size_t, (c_void_p, c_int)),
-    "gb_study_run": (c_int, (c_void_p, c_void_p, c_double)),
-    "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
-    "gb_probe": (c_int, (c_void_p, POINTER(PointStructure), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),
-    "gb_snapshot_size": (c_size_t, (c_void_p,)),
-    "gb_save": (None, (c_void_p, c_void_p)),
-    "gb_restore": (c_int, (c_void_p, c_void_p)),
-    "gb_get_stats": (None, (c_void_p, POINTER(Counters))),
-    "gb_get_report": (None, (c_void_p, POINTER(Report))),
-}
-
-
-def open_shared(path: str) -> ctypes.CDLL:
-    """Loads a shared object and gives its functions their types. Raises CompileError where it is none of ours."""
-    try:
-        handle = ctypes.CDLL(path)
-        for name, (result, arguments) in (_PROTOTYPES | PROTOTYPES | CONSTRAINT_PROTOTYPES).items():
-            function = getattr(handle, name)
-            function.restype, function.argtypes = result, arguments
-    except (OSError, AttributeError) as error:
-        raise CompileError(f"the compiled model {path} cannot be loaded: {error}") from error
-    return handle
+_PROBED = ("rates", "outputs", "energies", "modes")  # in the order of gb_probe
 
 
 class Simulation:
     """One run of one model: owns the solver's memory and gives it back on close. Use as a context manager.
 
-    Calls answer a `Code`. `error` holds the exception of an input function that stopped the run.
+    Calls answer a `Code`. `error` holds the exception of an input function that stopped the run. spare: memory of earlier
+    simulations that ended well and had numbers for inputs only: it is used again, with the parameters and inputs that it
+    has, since a start clears all else.
     """
 
-    def __init__(self, shared: ctypes.CDLL, program: Program) -> None:
+    def __init__(self, shared: ctypes.CDLL, program: Program, spare: list[Memory] | None = None) -> None:
         self._sim: int | None = None
-        self._shared, self._program = shared, program
-        self._sim = self._shared.gb_open(self._shared.gb_get_model())
-        if not self._sim:
-            raise MemoryError(f"no memory for a simulation of '{program.name}'")
+        self._shared, self._program, self._spare = shared, program, spare
+        memory = taken(spare) or self._allocated()
+        self._sim, self.parameters, self.inputs, self._record = memory
         self._kept: list[object] = []
         self._pattern: Pattern | None = None
         self._groups: ColumnGroups | None = None
+        self._dense: DenseJacobian | None = None
+        self._constraints: ModelConstraints | None = None
         self.error: BaseException | None = None
-        self.parameters = self._view("gb_parameters", len(program.parameters))
-        self.inputs = self._view("gb_inputs", len(program.inputs))
+
+    def _allocated(self) -> Memory:
+        program = self._program
+        sim = self._shared.gb_open(self._shared.gb_get_model())
+        if not sim:
+            raise MemoryError(f"no memory for a simulation of '{program.name}'")
+        parameters = view(self._shared.gb_parameters(sim), len(program.parameters))
+        return Memory(sim, parameters, view(self._shared.gb_inputs(sim), len(program.inputs)), None)
 
     def __enter__(self) -> Self:
         return self
@@ -108,7 +75,16 @@ class Simulation:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if kind is None and self._spare is not None and self._sim is not None and self._is_like_new():
+            self._spare.append(Memory(self._sim, self.parameters, self.inputs, self._record))
+            self._sim = None
+            self.parameters = self.inputs = NOTHING
         self.close()
+
+    def _is_like_new(self) -> bool:
+        """Whether the memory may serve another simulation: small, with nothing tied to it."""
+        small = self._program.n_total <= SMALL and self._spare is not None and len(self._spare) < SPARE
+        return small and not self._kept and self.error is None
 
     def __del__(self) -> None:
         self.close()
@@ -121,13 +97,20 @@ class Simulation:
         if self._sim is not None:
             self._shared.gb_close(self._sim)
             self._sim = None
-            self.parameters = self.inputs = np.empty(0)
+            self.parameters = self.inputs = NOTHING
             self._kept.clear()
 
     def record(self, rows: int | None = None) -> Record:
         """An empty record; rows: as many as there can be at most, where that is known."""
+        if rows is None and self._record is not None:
+            record, self._record = self._record, None
+            return record
         program = self._program
         return Record(1 + program.n_total + len(program.switches) + len(program.inputs), rows)
+
+    def give(self, record: Record) -> None:
+        """Takes a record back that nobody writes to or reads any more."""
+        self._record = record if record.is_new else None
 
     def changed(self) -> None:
         """Tells the solver that `parameters` or `inputs` were written."""
@@ -163,7 +146,7 @@ class Simulation:
         """Start at t0 from the model's start values, or from y0 (length n_total)."""
         if y0 is not None:
             y0 = self._state_vector(y0)
-        return Code(self._shared.gb_start(self._sim, ctypes.byref(options), t0, address(y0)))
+        return CODES[self._shared.gb_start(self._sim, options, t0, address(y0))]
 
     def advance(self, t: float) -> Code:
         """Go on to the communication point t."""
@@ -196,7 +179,7 @@ class Simulation:
         The array of samples must stay the same one from call to call of a run.
         """
         count = 0 if samples is None else len(samples)
-        return Code(self._shared.gb_run(self._sim, address(samples), count, t_end, ctypes.byref(record.raw), seconds))
+        return CODES[self._shared.gb_run(self._sim, address(samples), count, t_end, record.raw, seconds)]
 
     def evaluate(self, rows: Array, pick: NDArray[np.intc], energies: bool = False) -> tuple[Code, Array, Array]:
         """Outputs pick[j] of recorded rows, shape (rows, picks), and energies, shape (rows, energies) or (rows, 0)."""
@@ -214,6 +197,12 @@ class Simulation:
             address(energy) if energies else None,
         )
         return Code(code), out, energy
+
+    def energies_of(self, row: Array) -> Array:
+        """All energies of one recorded row, which is contiguous."""
+        energy = np.empty(len(self._program.energies))
+        self._shared.gb_evaluate(self._sim, address(row), 1, None, 0, None, address(energy))
+        return energy
 
     def quantity_room(self, count: int) -> int:
         """How many numbers of room so many quantities along a run need."""
@@ -236,10 +225,9 @@ class Simulation:
         return self._pattern
 
     def _needed_pattern(self) -> Pattern:
-        pattern = self.pattern()
-        if pattern is None:
-            raise RuntimeError(f"the model '{self._program.name}' has no Jacobian")
-        return pattern
+        if pattern := self.pattern():
+            return pattern
+        raise RuntimeError(f"the model '{self._program.name}' has no Jacobian")
 
     @property
     def has_jacobian(self) -> bool:
@@ -262,13 +250,18 @@ class Simulation:
         return matrix
 
     def jacobian(
-        self, t: float, y: Array, modes: Array | None = None, *, inputs: Array | None = None, means: bool = False
-    ) -> Any:
-        """d(dy)/dy of the n states, a scipy.sparse CSC array; arguments as for `step_matrix`.
+        self, t: float, y: Array, modes: Array | None = None, *, inputs: Array | None = None, means: bool = False,
+        dense: bool = False,
+    ) -> Any:  # fmt: skip
+        """d(dy)/dy of the n states, a scipy.sparse CSC array, or a dense one; arguments as for `step_matrix`.
 
         Raises RuntimeError where the model has no pattern, ArithmeticError where a derivative has no bound or the speeds
         of massless groups are not determined.
         """
+        if dense:
+            modes, inputs = _doubles(modes), _doubles(inputs)
+            point = PointStructure(t, means, address(modes), address(inputs), None)
+            return self._dense_jacobian().at(point, self._state_vector(y))
         pattern, sizes = self._needed_pattern(), self.step_matrix_sizes()
 
         def matrix(g: float) -> StepMatrix:
@@ -277,9 +270,16 @@ class Simulation:
         made, self._groups = state_jacobian(self, pattern, sizes[:2], matrix, self._groups)
         return made
 
-    def inertia(self, t: float, y: Array) -> Any:
-        """E of c/gb_model.h by the states that are not kinematic, a scipy.sparse CSC array: inertias of the speeds, 1 for
-        states of blocks. Raises RuntimeError as `jacobian`."""
+    def _dense_jacobian(self) -> DenseJacobian:
+        if self._dense is None:
+            self._dense = DenseJacobian(self._shared, self._sim, self._needed_pattern(), self.step_matrix_sizes())
+        return self._dense
+
+    def inertia(self, t: float, y: Array, *, dense: bool = False) -> Any:
+        """E of c/gb_model.h by the states that are not kinematic, a scipy.sparse CSC array or a dense one: inertias of the
+        speeds, 1 for states of blocks. Raises RuntimeError as `jacobian`."""
+        if dense:
+            return self._dense_jacobian().inertia(PointStructure(t), self._state_vector(y))
         pattern = self._needed_pattern()
         last = len(pattern.order) - self.step_matrix_sizes()[1]
         return full_matrix(pattern, self.step_matrix(t, y, 0.0))[:last, :last]
@@ -306,7 +306,8 @@ class Simulation:
 
     def constraints(self) -> ModelConstraints:
         """The switched constraints of the model: friction, unbounded locks, stops, lossy gears."""
-        return constraints_of(self._shared, self._sim)
+        self._constraints = self._constraints or constraints_of(self._shared, self._sim)
+        return self._constraints
 
     def constraints_at(
         self, t: float, y: Array, modes: Array | None, *, inputs: Array | None = None, means: bool = False
@@ -328,15 +329,13 @@ class Simulation:
         excitations of time alone at their means; rates: n_total of them that outputs take as given. Only after `start`.
         Raises RuntimeError where an input fails.
         """
-        program = self._program
-        lengths = {
-            "rates": program.n_total, "outputs": len(program.outputs), "energies": len(program.energies),
-            "modes": len(program.switches),
-        }  # fmt: skip
-        result = np.zeros(lengths[wanted])
+        program, number = self._program, _PROBED.index(wanted)
+        lengths = (program.n_total, len(program.outputs), len(program.energies), len(program.switches))
+        result = np.zeros(lengths[number])
         y, modes, values, rates = self._state_vector(y), _doubles(modes), _doubles(inputs), _doubles(rates)
-        point = PointStructure(t, int(means), address(modes), address(values), address(rates))
-        targets = [address(result) if name == wanted else None for name in lengths]
+        point = PointStructure(t, means, address(modes), address(values), address(rates))
+        targets: list[int | None] = [None] * len(_PROBED)
+        targets[number] = address(result)
         _expect(self._shared.gb_probe(self._sim, ctypes.byref(point), address(y), *targets), "gb_probe")
         return result
 
@@ -366,15 +365,11 @@ class Simulation:
         self._shared.gb_get_report(self._sim, ctypes.byref(report))
         return report
 
-    def _view(self, name: str, length: int) -> Array:
-        """A numpy view into the solver's memory."""
-        if length == 0:
-            return np.empty(0)
-        return np.frombuffer(_vector(length).from_address(getattr(self._shared, name)(self._sim)))
-
     def _filled(self, name: str, length: int) -> Array:
         values = np.zeros(length)
-        _expect(getattr(self._shared, name)(self._sim, address(values)), name)
+        code = getattr(self._shared, name)(self._sim, address(values))
+        if code < 0:
+            _expect(code, name)
         return values
 
     def _state_vector(self, y: Array) -> Array:
@@ -382,12 +377,6 @@ class Simulation:
         if y.shape != (self._program.n_total,):
             raise ValueError(f"a state vector of length {self._program.n_total} is needed, not shape {y.shape}")
         return y
-
-
-@cache
-def _vector(length: int) -> Any:
-    """The type of a row of doubles; ctypes would make it anew for every view."""
-    return c_double * length
 
 
 def _doubles(values: Array | None) -> Array | None:

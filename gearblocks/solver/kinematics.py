@@ -8,18 +8,15 @@ Columns of N: motions without any deflection, those that the active set allows.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearblocks.codegen.program import Program
 from gearblocks.solver.active_set import ReducedRows, null_space
+from gearblocks.solver.matrix_algebra import SPARSE, Algebra, Matrix
 from gearblocks.solver.point import Point, dependents, derivative, state_matrix
 from gearblocks.solver.sparse_maps import Indices, disjoint
 from gearblocks.solver.structures import Array
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +31,12 @@ class Kinematics:
     angles: Indices
     states: Indices
     speeds: Indices
-    B: csc_array
-    E: csc_array
-    N: csc_array
-    M: csc_array
+    B: Matrix
+    E: Matrix
+    N: Matrix
+    M: Matrix
     active: ReducedRows | None = None
+    algebra: Algebra = SPARSE
 
     def __repr__(self) -> str:
         counts = f"{len(self.coordinates)} coordinates, {len(self.angles)} angles, {len(self.speeds)} speeds"
@@ -62,30 +60,28 @@ def kinds(program: Program) -> tuple[Indices, Indices, Indices, Indices]:
 
 def kinematics(point: Point) -> Kinematics:
     """The kinematics and the mass matrix of a train."""
-    from scipy.sparse import csc_array, identity, vstack
-    from scipy.sparse.linalg import splu
-
+    algebra = point.algebra
     q, angles, z, v = kinds(point.program)
     still = point.y.copy()
     still[v] = 0.0
     rows = np.concatenate([q, angles])
     S = _rates_by_speed(point, still, rows, v)
-    B = csc_array(S[: len(q)])
+    B = S[: len(q)]
     free = np.asarray(abs(S[len(q) :]).sum(axis=1)).ravel() > 0  # angles that are prescribed do not follow speeds
     angles = angles[free]
-    S, rows = csc_array(S[np.concatenate([np.ones(len(q), bool), free])]), np.concatenate([q, angles])
+    S, rows = S[np.concatenate([np.ones(len(q), bool), free])], np.concatenate([q, angles])
     M = _inertia(point, still, v)
-    right = vstack([csc_array((len(q), len(angles))), identity(len(angles))], format="csc").toarray()
+    right = np.vstack([np.zeros((len(q), len(angles))), np.eye(len(angles))])
     if len(rows) == 0 or len(angles) == 0:
-        N = np.zeros((len(v), 0))
+        N: Array = np.zeros((len(v), 0))
     elif len(rows) == len(v):
-        N = splu(S).solve(right)
+        N = algebra.solved(S, right)
     else:  # more coordinates than speeds: massless groups
-        N = np.linalg.lstsq(S.toarray(), right, rcond=None)[0]
+        N = np.asarray(np.linalg.lstsq(algebra.array(S), right, rcond=None)[0], dtype=np.float64)
     active = point.active_rows()
     if active is not None and N.shape[1]:
         N = N @ null_space(active.W @ N, np.max(np.abs(active.W) @ np.abs(N), axis=1, initial=0.0))
-    return Kinematics(q, angles, z, v, B, csc_array(S[len(q) :]), csc_array(N), M, active)
+    return Kinematics(q, angles, z, v, B, S[len(q) :], algebra.of(N), M, active, algebra)
 
 
 def knows_derivatives(point: Point) -> bool:
@@ -93,26 +89,22 @@ def knows_derivatives(point: Point) -> bool:
     return point.sim.has_jacobian and point.sim.step_matrix_sizes()[1] == 0
 
 
-def _rates_by_speed(point: Point, still: Array, rows: Indices, v: Indices) -> csc_array:
+def _rates_by_speed(point: Point, still: Array, rows: Indices, v: Indices) -> Matrix:
     """Derivatives of the rates of coordinates and angles by the speeds; unread angles come last."""
-    from scipy.sparse import csc_array, vstack
-
     ones = np.ones(point.program.n_total)  # the rates are linear in the speeds: any step is exact
     n = point.program.n if knows_derivatives(point) else 0
     unread = rows[rows >= n]
-    beside = derivative(lambda y: point.rates(y)[unread], still, v, ones)
+    beside = derivative(lambda y: point.rates(y)[unread], still, v, ones, algebra=point.algebra)
     if n == 0:
         return beside
-    return csc_array(vstack([state_matrix(point.at(y=still))[rows[rows < n]][:, v], beside]))
+    return point.algebra.stacked([[state_matrix(point.at(y=still))[rows[rows < n]][:, v]], [beside]])
 
 
-def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
+def _inertia(point: Point, still: Array, v: Indices) -> Matrix:
     """The mass matrix of the speeds: where the laws do not give it, second derivatives of the kinetic energy."""
-    from scipy.sparse import csc_array
-
     if knows_derivatives(point):
         unknowns = v - point.sim.step_matrix_sizes()[0]
-        return csc_array(point.sim.inertia(point.t, still)[unknowns][:, unknowns])
+        return point.sim.inertia(point.t, still, dense=point.algebra.dense)[unknowns][:, unknowns]
     kinetic = np.array([e.offset for e in point.program.energies if e.part == "kinetic"], dtype=np.intp)
 
     def energy(y: Array) -> Array:
@@ -137,4 +129,4 @@ def _inertia(point: Point, still: Array, v: Indices) -> csc_array:
     left, right = (np.array([pair[side] for pair in pairs], dtype=np.intp) for side in (0, 1))
     rows = np.concatenate([np.arange(len(v)), left, right])
     columns = np.concatenate([np.arange(len(v)), right, left])
-    return csc_array((np.concatenate([diagonal, beside, beside]), (rows, columns)), shape=(len(v), len(v)))
+    return point.algebra.entries(np.concatenate([diagonal, beside, beside]), rows, columns, (len(v), len(v)))

@@ -21,9 +21,11 @@ from typing import Any
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError, GearblocksError
-from gearblocks.solver.binding import Simulation, open_shared
+from gearblocks.solver.binding import Simulation
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, cpu_identity, find_compiler
+from gearblocks.solver.memory import Memory
+from gearblocks.solver.shared_object import open_shared
 from gearblocks.solver.structures import Array
 from gearblocks.solver.variants import asked_flags
 
@@ -64,10 +66,19 @@ class Library:
         self.program = program
         self.path = path
         self.shared: ctypes.CDLL = open_shared(str(path))
+        self._spare: list[Memory] = []
 
     def open(self) -> Simulation:
         """A new simulation of this model."""
         return Simulation(self.shared, self.program)
+
+    def reopen(self) -> Simulation:
+        """A simulation that may have run before: the caller sets all parameters and inputs."""
+        return Simulation(self.shared, self.program, self._spare)
+
+    def __del__(self) -> None:
+        for memory in getattr(self, "_spare", ()):
+            self.shared.gb_close(memory.sim)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return compile_program, (self.program,)

@@ -1,4 +1,4 @@
-"""A model at one point: rates, outputs and energies in frozen modes, and their derivatives as sparse matrices.
+"""A model at one point: rates, outputs and energies in frozen modes, and their derivatives as matrices.
 
 Derivatives of the rates are those of the laws where they exist. All others are central differences: which entry depends on
 which unknown is found first, by changing blocks of unknowns that are halved from round to round; columns that share no row
@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +19,10 @@ from gearblocks.codegen.program import Program
 from gearblocks.errors import SimulationError
 from gearblocks.solver.active_set import ReducedRows, reduced
 from gearblocks.solver.binding import Simulation
+from gearblocks.solver.matrix_algebra import SPARSE, Algebra, Matrix
 from gearblocks.solver.sparse_maps import Indices, disjoint
 from gearblocks.solver.structures import Array, Options
 from gearblocks.solver.switched_constraints import ConstraintsAtPoint
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
 
 _SHARE = 6e-6  # of the size of an unknown: its step, about the cube root of the rounding unit
 _FLOOR = 1e-3  # smallest size of an angle or state taken for its step
@@ -33,7 +31,8 @@ _FLOOR_OF_SPEED = 1.0  # rad/s or m/s
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A model at (t, y) in frozen modes. means: excitations of time alone at their means; u: values of inputs."""
+    """A model at (t, y) in frozen modes. means: excitations of time alone at their means; u: values of inputs; algebra: of
+    its derivatives."""
 
     sim: Simulation
     program: Program
@@ -42,13 +41,14 @@ class Point:
     modes: Array
     u: Array | None = None
     means: bool = False
+    algebra: Algebra = SPARSE
 
     def __repr__(self) -> str:
         return f"<Point of '{self.program.name}' at t = {self.t:g} s: {len(self.y)} states, {len(self.modes)} modes>"
 
     def at(self, **changes: Any) -> Point:
         """The same with other values."""
-        return replace(self, **changes)
+        return Point(**{**self.__dict__, **changes})
 
     def _look(self, wanted: str, y: Array | None, rates: Array | None = None) -> Array:
         where = self.y if y is None else y
@@ -139,14 +139,13 @@ def steps_of(program: Program, y: Array) -> Array:
 
 
 def derivative(
-    function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array, pattern: list[Indices] | None = None
-) -> csc_array:
+    function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array,
+    pattern: list[Indices] | None = None, algebra: Algebra = SPARSE,
+) -> Matrix:  # fmt: skip
     """d function / d y[columns] at y, shape (len(function), len(columns)).
 
     steps: of all entries of y; pattern: what `dependents` found, where it is known.
     """
-    from scipy.sparse import csc_array
-
     pattern = dependents(function, y, columns, steps) if pattern is None else pattern
     rows, numbers, values = [], [], []
     for group in disjoint(pattern):
@@ -162,8 +161,8 @@ def derivative(
             values.append(change[pattern[j]] / width[columns[j]])
     shape = (len(function(y)), len(columns))
     if not rows:
-        return csc_array(shape)
-    return csc_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(numbers))), shape=shape)
+        return algebra.zeros(shape)
+    return algebra.entries(np.concatenate(values), np.concatenate(rows), np.concatenate(numbers), shape)
 
 
 def dependents(function: Callable[[Array], Array], y: Array, columns: Indices, steps: Array) -> list[Indices]:
@@ -210,34 +209,34 @@ def _halved(
     return parts, rows
 
 
-def state_matrix(point: Point) -> csc_array:
-    """d(dy/dt)/dy of the first n states in frozen modes, shape (n, n), sparse: from the derivatives of the laws where they
+def state_matrix(point: Point) -> Matrix:
+    """d(dy/dt)/dy of the first n states in frozen modes, shape (n, n): from the derivatives of the laws where they
     exist, else from differences. The active set stays: G v' = 0."""
     active = point.active_rows()
     if point.sim.has_jacobian and (active is None or point.sim.constraints().plain):
         with suppress(ArithmeticError):
-            A: csc_array = point.sim.jacobian(point.t, point.y, point.modes, inputs=point.u, means=point.means)
+            A: Matrix = point.sim.jacobian(
+                point.t, point.y, point.modes, inputs=point.u, means=point.means, dense=point.algebra.dense
+            )
             return A if active is None else _with_constraint_forces(point, A, active)
     return differenced_state_matrix(point)
 
 
-def _with_constraint_forces(point: Point, A: csc_array, active: ReducedRows) -> csc_array:
+def _with_constraint_forces(point: Point, A: Matrix, active: ReducedRows) -> Matrix:
     """The matrix A with the constraint forces of the active set, which the laws do not know:
 
     A - M^-1 G' (G M^-1 G')^-1 G A    in the rows of the speeds.
     """
-    from scipy.sparse import csc_array, vstack
-
     n = A.shape[0]
     first = n - active.W.shape[1]
-    M = point.sim.inertia(point.t, point.y)
+    M = point.sim.inertia(point.t, point.y, dense=point.algebra.dense)
     unknowns = np.arange(first, n) - point.sim.step_matrix_sizes()[0]
-    rates = active.projected(csc_array(M[unknowns][:, unknowns]), A[first:])
-    return csc_array(vstack([A[:first], rates]))
+    rates = active.projected(M[unknowns][:, unknowns], A[first:], point.algebra)
+    return point.algebra.stacked([[A[:first]], [rates]])
 
 
-def differenced_state_matrix(point: Point) -> csc_array:
+def differenced_state_matrix(point: Point) -> Matrix:
     """The same from differences."""
     n = point.program.n
     steps = steps_of(point.program, point.y)
-    return derivative(lambda y: point.rates(y)[:n], point.y, np.arange(n), steps)
+    return derivative(lambda y: point.rates(y)[:n], point.y, np.arange(n), steps, algebra=point.algebra)

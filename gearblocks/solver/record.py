@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from gearblocks.solver.structures import EVENT, Array, RecordStructure, address
 
+_NONE = np.empty(0, dtype=EVENT)
 _PIECE = 8_000_000  # numbers in one piece of a record
 
 
@@ -21,17 +22,26 @@ class Record:
         if most_rows is not None:
             self._most_rows = max(1, min(most_rows, max(64, _PIECE // width)))
         self.raw = RecordStructure()
-        self._new_rows(min(64, self._most_rows) if most_rows is None else self._most_rows)
+        self._first = min(64, self._most_rows) if most_rows is None else self._most_rows
+        self._new_rows(self._first)
         self._new_events(64)
+
+    @property
+    def is_new(self) -> bool:
+        """Whether it is as it was made: empty, and not grown."""
+        return len(self._rows) == self._first and self.raw.n_rows == self.raw.n_events == 0 and len(self._events) == 64
 
     def take(self) -> tuple[Array, NDArray[np.void]]:
         """The rows and events recorded since the last call, the caller's own; the record is empty afterwards."""
-        rows, events = self._rows[: self.raw.n_rows], self._events[: self.raw.n_events]
+        raw = self.raw
+        rows, events = self._rows[: raw.n_rows], self._events[:n_events] if (n_events := raw.n_events) else _NONE
         if 2 * len(rows) < len(self._rows):
             rows = rows.copy()
-            self.raw.n_rows = 0
+            raw.n_rows = 0
         else:
             self._new_rows(min(4 * len(self._rows), self._most_rows))
+        if events is _NONE:
+            return rows, events
         if 2 * len(events) < len(self._events):
             events = events.copy()
             self.raw.n_events = 0

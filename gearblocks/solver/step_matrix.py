@@ -21,6 +21,9 @@ from gearblocks.codegen.jacobian.sparsity import Pattern
 from gearblocks.solver.sparse_maps import Array, Indices, disjoint, recovered, solved
 from gearblocks.solver.structures import address
 
+FAR = 1e30
+"""The g [s] at which the stiffness shows alone, and nothing overflows."""
+
 
 class _Pattern(ctypes.Structure):
     """gb_pattern."""
@@ -189,13 +192,18 @@ def state_jacobian(
     return full, ColumnGroups(for_right_side, for_rates)
 
 
+def unknowns_of(pattern: Pattern) -> tuple[Indices, Indices, Indices]:
+    """Unknowns in the order of elimination; row and column of each entry below the diagonal."""
+    order = np.array(pattern.order, dtype=np.intp)
+    column = order[np.repeat(np.arange(len(order)), np.diff(pattern.start))]
+    return order, order[np.array(pattern.row, dtype=np.intp)], column
+
+
 def full_matrix(pattern: Pattern, m: StepMatrix) -> Any:
     """The matrix by unknown, a CSC array."""
     from scipy import sparse
 
-    order, n = np.array(pattern.order, dtype=np.intp), len(pattern.order)
-    column = order[np.repeat(np.arange(n), np.diff(pattern.start))]
-    row = order[np.array(pattern.row, dtype=np.intp)]
+    (order, row, column), n = unknowns_of(pattern), len(pattern.order)
     entries = np.concatenate([order, row, column]), np.concatenate([order, column, row])
     made = sparse.csc_array((np.concatenate([m.diag[order], m.lower, m.upper]), entries), shape=(n, n))
     made.eliminate_zeros()
@@ -204,9 +212,12 @@ def full_matrix(pattern: Pattern, m: StepMatrix) -> Any:
 
 def _decades(matrix: Callable[[float], StepMatrix]) -> tuple[int, int]:
     """Powers of ten that enclose, of all unknowns with a stiffness, the g at which it is as large as the inertia."""
-    far = 1e30  # the stiffness shows alone, and nothing overflows
-    inertia = np.abs(matrix(0.0).diag)
-    stiffness = np.abs(matrix(far).diag / 2 + matrix(-far).diag / 2) / far**2
+    return decades_of(*(matrix(g).diag for g in (0.0, FAR, -FAR)))
+
+
+def decades_of(still: Array, far: Array, back: Array) -> tuple[int, int]:
+    """The same from the diagonals at g = 0, FAR and -FAR."""
+    inertia, stiffness = np.abs(still), np.abs(far / 2 + back / 2) / FAR**2
     known = (inertia > 0) & (stiffness > 1e-55 * inertia)
     if not known.any():
         return -9, 0

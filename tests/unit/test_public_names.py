@@ -1,7 +1,9 @@
 """The public names: what dir shows, and that no inner module hides one of them."""
 
+import ast
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -47,3 +49,37 @@ def test_public_functions_stay_what_they_are_when_every_module_is_imported() -> 
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.split("\n")[:4] == ["hidden: []", "modules: []", "not callable: []", "changed: []"]
+
+
+def test_names_are_imported_from_where_type_checkers_see_them() -> None:
+    tree = ast.parse(Path(gb.__file__).read_text(encoding="utf-8"))
+    typed = next(x for x in tree.body if isinstance(x, ast.If)).body
+    seen = {a.name: x.module for x in typed if isinstance(x, ast.ImportFrom) for a in x.names}
+    assert seen == {name: f"gearblocks.{module}" for name, module in gb._HOME.items()}
+    assert sorted(seen) == sorted(gb.__all__)
+    assert all(getattr(gb, name).__module__.startswith(("gearblocks.", "builtins")) for name in ("Shaft", "sweep"))
+
+
+def test_what_is_no_name_is_refused_as_by_any_module() -> None:
+    with pytest.raises(AttributeError, match="module 'gearblocks' has no attribute 'Shafts'"):
+        gb.Shafts  # noqa: B018
+    assert not hasattr(gb, "_HOMES") and not hasattr(gb, "__path_")
+
+
+HEAVY = "gearblocks.analysis", "numpy", "scipy", "sympy", "matplotlib", "xarray", "jinja2", "dask"
+
+
+@pytest.mark.parametrize(
+    ("asked", "allowed"),
+    [
+        ("import gearblocks", ()),
+        ("from gearblocks.cli.main import main; main(['--help'])", ()),
+        ("import gearblocks as gb; gb.GearblocksError, dir(gb)", ()),
+        ("import gearblocks as gb; gb.Drivetrain, gb.Shaft, gb.simulate", ("numpy",)),
+    ],
+)
+def test_what_is_not_used_is_not_imported(asked: str, allowed: tuple[str, ...]) -> None:
+    words = f"{asked}\nimport sys; print([name for name in {HEAVY!r} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == str([name for name in HEAVY if name in allowed])

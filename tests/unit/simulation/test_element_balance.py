@@ -80,3 +80,14 @@ def test_a_ledger_with_names_is_stored_and_sent():
     ledger = _jumpy().energy
     again = pickle.loads(pickle.dumps(ledger))
     assert again.unbalanced == ledger.unbalanced and again.culprit == "jumpy"
+
+
+@pytest.mark.parametrize("arguments", [{}, {"max_step": 1e-4}, {"method": "dp5"}])
+def test_a_second_look_for_the_element_is_not_counted(arguments):
+    """The motion is the same whatever energy is claimed: so is what the solver counts."""
+    sound, wrong = (
+        _told(lambda more=more: gb.simulate(_rig(more), t_end=0.5, **arguments), "") for more in (0.0, -0.25)
+    )
+    assert sound.energy.unbalanced == {} and wrong.energy.culprit == "jumpy"
+    counted = [(s.steps, s.rejected, s.rhs_calls, s.events) for s in (sound.stats, wrong.stats)]
+    assert counted[0] == counted[1]

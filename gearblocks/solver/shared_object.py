@@ -1,0 +1,53 @@
+"""A compiled model as a shared object: the functions of gb_core.h with their types."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import POINTER, c_char_p, c_double, c_int, c_long, c_size_t, c_void_p
+from typing import Any
+
+from gearblocks.errors import CompileError
+from gearblocks.solver.step_matrix import PROTOTYPES
+from gearblocks.solver.structures import Counters, InputFunction, Options, PointStructure, RecordStructure, Report
+from gearblocks.solver.switched_constraints import PROTOTYPES as CONSTRAINT_PROTOTYPES
+
+_PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "gb_get_model": (POINTER(c_char_p), ()),
+    "gb_open": (c_void_p, (c_void_p,)),
+    "gb_close": (None, (c_void_p,)),
+    "gb_parameters": (c_void_p, (c_void_p,)),
+    "gb_inputs": (c_void_p, (c_void_p,)),
+    "gb_changed": (None, (c_void_p,)),
+    "gb_input_table": (c_int, (c_void_p, c_int, c_int, c_int, c_void_p, c_void_p, c_void_p, c_double)),
+    "gb_input_callback": (None, (c_void_p, c_int, InputFunction, c_void_p)),
+    "gb_start": (c_int, (c_void_p, POINTER(Options), c_double, c_void_p)),
+    "gb_advance": (c_int, (c_void_p, c_double)),
+    "gb_time": (c_double, (c_void_p,)),
+    "gb_state": (c_int, (c_void_p, c_void_p)),
+    "gb_outputs": (c_int, (c_void_p, c_void_p)),
+    "gb_energies": (c_int, (c_void_p, c_void_p)),
+    "gb_rounding_energy": (c_double, (c_void_p,)),
+    "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(RecordStructure), c_double)),
+    "gb_evaluate": (c_int, (c_void_p, c_void_p, c_long, c_void_p, c_int, c_void_p, c_void_p)),
+    "gb_quantity_room": (c_size_t, (c_void_p, c_int)),
+    "gb_study_run": (c_int, (c_void_p, c_void_p, c_double)),
+    "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
+    "gb_probe": (c_int, (c_void_p, POINTER(PointStructure), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),
+    "gb_snapshot_size": (c_size_t, (c_void_p,)),
+    "gb_save": (None, (c_void_p, c_void_p)),
+    "gb_restore": (c_int, (c_void_p, c_void_p)),
+    "gb_get_stats": (None, (c_void_p, POINTER(Counters))),
+    "gb_get_report": (None, (c_void_p, POINTER(Report))),
+}
+
+
+def open_shared(path: str) -> ctypes.CDLL:
+    """Loads a shared object and gives its functions their types. Raises CompileError where it is none of ours."""
+    try:
+        handle = ctypes.CDLL(path)
+        for name, (result, arguments) in (_PROTOTYPES | PROTOTYPES | CONSTRAINT_PROTOTYPES).items():
+            function = getattr(handle, name)
+            function.restype, function.argtypes = result, arguments
+    except (OSError, AttributeError) as error:
+        raise CompileError(f"the compiled model {path} cannot be loaded: {error}") from error
+    return handle
