@@ -28,11 +28,13 @@ class Column:
         return len(self.values) > 2 and self._progression() is None
 
     def _progression(self) -> tuple[Any, Any] | None:
-        v = self.values
-        step = v[1] - v[0] if len(v) > 1 else 0
-        if all(isinstance(x, int) for x in v) and all(v[i] == v[0] + i * step for i in range(len(v))):
-            return v[0], step
-        return (v[0], 0) if all(x == v[0] for x in v) else None
+        v: tuple[Any, ...] = self.values
+        start = v[0]
+        if v.count(start) == len(v) and start == start:  # no NaN
+            return start, 0
+        step = v[1] - start
+        whole = set(map(type, v)) == {int} and step != 0
+        return (start, step) if whole and v == (*range(start, start + len(v) * step, step),) else None
 
     def at(self, i: int) -> str:
         """C for the entry of instance i."""

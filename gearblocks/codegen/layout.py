@@ -128,6 +128,8 @@ Bounds: TypeAlias = tuple[float | None, float | None, float | None, float | None
 def _shared_bounds(lay: Layout) -> dict[str, Bounds]:
     """The narrowest bounds of the fields that each Parameter stands in by itself."""
     found: dict[str, list[Field]] = {}
+    if not lay.shared_objects:
+        return {}
     for c in lay.assembly.train.components:
         for _, value, spec in numbers_of(c.block, ""):
             if isinstance(value, Parameter):

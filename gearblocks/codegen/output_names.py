@@ -40,12 +40,13 @@ def flange_outputs(g: Generator) -> Iterator[Quantity]:
         ("rad", "angle"), ("rad/s", "speed"), ("N m", "torque of the block on the flange"),
         ("W", POWER_INTO_FLANGE),
     )):  # fmt: skip
+        along = [(flange_names(s)[i], unit_along(unit, s), words_along(words, s)) for s in (False, True)]
         for code in g.codes:
+            components = components_of(g, code)
             for flange in code.batch.flanges:
-                for c in components_of(g, code):
-                    slides = flange in c.sliders
-                    name = f"{c.path}.{flange}.{flange_names(slides)[i]}"
-                    yield Quantity(name, unit_along(unit, slides), words_along(words, slides))
+                for c in components:
+                    name, shown_unit, shown_words = along[flange in c.sliders]
+                    yield Quantity(f"{c.path}.{flange}.{name}", shown_unit, shown_words)
     for coordinate in g.assembly.train.coordinates:
         yield Quantity(coordinate.name, coordinate.unit, "relative coordinate")
 

@@ -115,7 +115,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "inputs": list(lay.inputs),
         "parts": PARTS,
         "uses": lambda what, name: any(role.value == name for f in functions.get(what, []) for role in f.roles),
-        "numbers": lambda values: ", ".join(str(v) for v in values),
+        "numbers": lambda values: ", ".join(map(str, values)),
         **_SCALAR,
     }
 

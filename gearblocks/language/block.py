@@ -8,6 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 from types import CodeType, FunctionType, MappingProxyType
 from typing import Any, ClassVar, dataclass_transform
 
@@ -58,7 +59,7 @@ class Declared:
             own = {n: v for n, v in members.items() if isinstance(v, kind)}
             setattr(cls, name, MappingProxyType({**getattr(cls, name), **own}))
         starts = [f"{name} ({spec.start})" for name, spec in cls.fields.items() if spec.start is not None]
-        if len(starts) > len(start_fields(cls)):
+        if len(starts) > len(start_fields(cls)):  # type: ignore[arg-type]  # classes can be hashed
             raise ModelError(f"{cls.__name__}: {', '.join(starts)}: declare one start value of each kind")
 
     def __init__(self, *unnamed: Any, **values: Any) -> None:
@@ -150,14 +151,15 @@ def _mentioned(code: CodeType) -> Iterator[str]:
             yield x
 
 
-def start_fields(kind: type[Declared]) -> dict[str, str]:
+@cache
+def start_fields(kind: type[Declared]) -> Mapping[str, str]:
     """Names of the fields that are start values, by what they are of: "angle" and "speed", where they are declared."""
-    return {spec.start: name for name, spec in kind.fields.items() if spec.start is not None}
+    return MappingProxyType({spec.start: name for name, spec in kind.fields.items() if spec.start is not None})
 
 
 def given_start(block: Declared, of: str) -> Any:
     """The start angle or speed that a block gives (a number, Parameter or expression), or None."""
-    name = start_fields(type(block)).get(of)
+    name = start_fields(type(block)).get(of)  # type: ignore[arg-type]  # classes can be hashed
     return None if name is None else block.__dict__[name]
 
 

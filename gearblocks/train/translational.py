@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Protocol, TypeAlias
 
 from gearblocks.language.block import Block, start_fields
@@ -47,7 +48,12 @@ def takes_start(block: Block, of: str) -> bool:
 
 def _slides(block: Block) -> bool:
     """Whether all flanges of a block slide, whatever they are connected to."""
-    return all(f.slider for f in type(block).flanges.values())
+    return _kind_slides(type(block))
+
+
+@cache
+def _kind_slides(kind: type[Block]) -> bool:
+    return all(f.slider for f in kind.flanges.values())
 
 
 def slider_names(components: Iterable[Placed]) -> set[str]:

@@ -18,6 +18,8 @@ from gearblocks.language.fields import Field
 from gearblocks.language.signals import Input, Parameter, Table, constant_value
 from gearblocks.language.tables import Table2
 
+_PLAIN = frozenset((float, int, bool, str, type(None)))
+
 
 def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
     """(path, number or Parameter or expression, field) of every numeric field that is present, effects included."""
@@ -37,6 +39,8 @@ def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
 
 def leaves_of(block: Any) -> Iterator[Parameter | Input]:
     """Every Parameter and Input that a block or its effects refer to."""
+    if _PLAIN.issuperset(map(type, block.__dict__.values())):
+        return
     for _, value, _ in numbers_of(block, ""):
         if isinstance(value, (Parameter, Input)):
             yield value
