@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmu_export.options import SolverOptions
+from gearblocks.codegen.output_list import OutputList, Quantity
 from gearblocks.codegen.program import Program
 
 NAME = "resources/gearblocks.json"
@@ -33,7 +34,7 @@ class Manifest:
 
 def to_json(manifest: Manifest, token: str) -> bytes:
     """The file's bytes; the C text is left out, it lies in sources/model.c."""
-    program = asdict(manifest.program)
+    program = asdict(manifest.program) | {"outputs": [*manifest.program.outputs]}
     del program["source"]
     content = {
         "format": FORMAT,
@@ -67,5 +68,7 @@ def _read(kind: Any, value: Any) -> Any:
     """A field of Program from its JSON form: lists become tuples, of the rows that the field's type names."""
     if not isinstance(value, list):
         return value
+    if kind is OutputList:
+        return OutputList.of(map(Quantity._make, value))
     row = get_args(kind)[0]
     return tuple(row._make(entry) if hasattr(row, "_make") else tuple(entry) for entry in value)

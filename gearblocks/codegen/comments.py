@@ -6,6 +6,8 @@ a text without comments is the same program.
 
 from __future__ import annotations
 
+import hashlib
+import re
 from collections.abc import Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -65,16 +67,35 @@ def tool() -> str:
         return "gearblocks"
 
 
-class Comments:
-    """What the template asks for its comments: the text, or nothing where the bare program is wanted."""
+_FIRST, _LAST = "\x01", "\x02"  # around each comment; names are printable
+_COMMENT = re.compile(f"{_FIRST}[^{_LAST}]*{_LAST}")
 
-    def __init__(self, *, wanted: bool) -> None:
-        self.wanted = wanted
 
-    def before(self, words: str) -> str:
-        """A comment on a line of its own."""
-        return f"/* {words} */\n" if self.wanted else ""
+def before(words: str) -> str:
+    """A comment on a line of its own, for `with_comments` and `without_comments`."""
+    return f"{_FIRST}/* {words} */\n{_LAST}"
 
-    def behind(self, words: str) -> str:
-        """A comment behind a statement."""
-        return f" /* {words} */" if self.wanted and words else ""
+
+def behind(words: str) -> str:
+    """A comment behind a statement."""
+    return f"{_FIRST} /* {words} */{_LAST}" if words else ""
+
+
+def with_comments(text: str) -> str:
+    """The text to read."""
+    return text.replace(_FIRST, "").replace(_LAST, "")
+
+
+def without_comments(text: str) -> str:
+    """The bare program, which names do not change."""
+    return _COMMENT.sub("", text)
+
+
+def key_of(text: str) -> str:
+    """Hash of the bare program, piece by piece: the text of a long train is long."""
+    key, end = hashlib.sha256(), 0
+    for comment in _COMMENT.finditer(text):
+        key.update(text[end : comment.start()].encode())
+        end = comment.end()
+    key.update(text[end:].encode())
+    return key.hexdigest()

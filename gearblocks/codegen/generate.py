@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from typing import Any
 
 import sympy as sp
@@ -10,8 +9,9 @@ import sympy as sp
 from gearblocks.assembly.angle_wrapping import AngleWrapping, find_wrapped_angles, located
 from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Assembly
+from gearblocks.codegen import comments
 from gearblocks.codegen.batch import BatchCode
-from gearblocks.codegen.comments import Comments, in_comment, tool
+from gearblocks.codegen.comments import in_comment, key_of, tool, with_comments, without_comments
 from gearblocks.codegen.enclosures import lay_out_enclosures
 from gearblocks.codegen.feedback import order_signals, reads_angles
 from gearblocks.codegen.function import column, identifier
@@ -63,7 +63,7 @@ def generate(assembly: Assembly, compiled: CompiledTemplates | None = None) -> P
         g.enclosures = lay_out_enclosures(g)
     g.lay.n_total = g.lay.n_padded + padded(g.n_end - g.lay.n_padded)
     g.linear = linear_part(g)
-    g.outputs += flange_outputs(g)
+    g.output_groups += flange_outputs(g)
     return _program(g, *_render(g, angles, templates(compiled)))
 
 
@@ -150,7 +150,7 @@ def _shows(g: Generator, code: BatchCode) -> None:
         unwrapped = (code.number, i) in g.wrapping.unwrapped
         out = Operand(Role.OUTPUTS, len(g.outputs), instance=True)
         shows[unwrapped].append(Assignment(out, "=", located(expr) if unwrapped else expr))
-        g.outputs += shown(g, code, show.name, show.unit, show.words)
+        g.output_groups.append(shown(g, code, show.name, show.unit, show.words))
     g.keep("outputs", code.function("outputs", shows[False]))
     g.keep("outputs", code.function("unwrapped_outputs", shows[True], vector=Role.UNWRAPPED_ANGLES))
 
@@ -249,7 +249,7 @@ def _program(g: Generator, source: str, key: str, lanes: str) -> Program:
     return Program(
         g.assembly.train.name, source, key, tuple(lay.parameters),
         tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(state_quantities(g)), tuple(g.switches),
-        tuple(g.outputs), tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
+        g.outputs, tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
         tuple(start_infos(g)), g.assembly.structural, (*dependent_starts(g), *lossy_starts(g)),
         tuple(prescribed_starts(g)), tuple(unknown_outputs(g)), lanes,
     )  # fmt: skip
@@ -262,10 +262,10 @@ def _render(g: Generator, angles: bool, environment: Any) -> tuple[str, str, str
     def fill(name: str, values: dict[str, Any]) -> str:
         return str(environment.get_template(name).render(values))
 
-    values = view(g, angles, _coordinate_outputs(g))
-    without = {"comment": Comments(wanted=False)}
-    key = hashlib.sha256(fill("model.c.jinja", values | without).encode()).hexdigest()
+    values = view(g, angles, _coordinate_outputs(g)) | {"comment": comments}
+    text = fill("model.c.jinja", values)
+    key = key_of(text)
     words = {"title": f"Train '{in_comment(g.assembly.train.name)}'", "tool": tool(), "contents": contents(g)}
-    body = fill("model.c.jinja", values | {"comment": Comments(wanted=True)})
-    lanes = fill("lanes.c.jinja", lane_values(g, values) | without) if has_lanes(g) else ""
-    return fill("header.c.jinja", words) + body + fill("key.c.jinja", {"key": key}), key, lanes
+    lanes = without_comments(fill("lanes.c.jinja", lane_values(g, values))) if has_lanes(g) else ""
+    source = "".join([fill("header.c.jinja", words), with_comments(text), fill("key.c.jinja", {"key": key})])
+    return source, key, lanes

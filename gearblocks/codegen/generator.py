@@ -10,6 +10,7 @@ from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.function import Column, Function
 from gearblocks.codegen.layout import Layout
 from gearblocks.codegen.operands import Operand, Statement
+from gearblocks.codegen.output_list import OutputGroup, OutputList
 from gearblocks.codegen.parts import (
     Band,
     DependentGroups,
@@ -20,7 +21,7 @@ from gearblocks.codegen.parts import (
     Prediction,
     SwitchedConstraints,
 )
-from gearblocks.codegen.program import EnergyInfo, IntegralInfo, Quantity, SwitchInfo
+from gearblocks.codegen.program import EnergyInfo, IntegralInfo, SwitchInfo
 from gearblocks.language.signals import Table
 from gearblocks.language.tables import Table2
 
@@ -44,7 +45,7 @@ class Generator:
     of_rates: set[Operand] = field(default_factory=set)
     means_shared: list[Statement] = field(default_factory=list)
     functions: dict[str, list[Function]] = field(default_factory=dict)
-    outputs: list[Quantity] = field(default_factory=list)
+    output_groups: list[OutputGroup] = field(default_factory=list)
     energies: list[EnergyInfo] = field(default_factory=list)
     integrals: list[IntegralInfo] = field(default_factory=list)
     switches: list[SwitchInfo] = field(default_factory=list)
@@ -66,6 +67,11 @@ class Generator:
     n_end: int = 0
     linear: Linear | None = None
     enclosures: Enclosures | None = None
+
+    @property
+    def outputs(self) -> OutputList:
+        """The outputs so far."""
+        return OutputList(self.output_groups)
 
     def shared_time_terms(self, outputs_only: bool) -> list[Statement]:
         """Shared time terms: those of the rates, or those that only outputs and energies read."""

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from gearblocks.assembly.assemble import GROUND_GROUP, expand_rows
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator
+from gearblocks.codegen.output_list import OutputGroup, Quantity
 from gearblocks.codegen.program import (
     LOSSY,
     LOSSY_VARYING,
     POWER_INTO_FLANGE,
     DependentStart,
     PrescribedStart,
-    Quantity,
     StartInfo,
 )
 from gearblocks.language.fields import ANGLE, SPEED
@@ -26,29 +26,34 @@ def components_of(g: Generator, code: BatchCode) -> list[Component]:
     return [g.assembly.train.components[i] for i in code.batch.components]
 
 
-def shown(g: Generator, code: BatchCode, name: str, unit: str, words: str) -> list[Quantity]:
+def shown(g: Generator, code: BatchCode, name: str, unit: str, words: str) -> OutputGroup:
     """One output of the blocks of a batch."""
-    return [
-        Quantity(f"{c.path}.{name}", unit_along(unit, c.slides), words_along(words, c.slides))
-        for c in components_of(g, code)
-    ]
+    slides = bytes(c.slides for c in components_of(g, code))
+    return _group(tuple(code.paths), (name, name), unit, words, slides)
 
 
-def flange_outputs(g: Generator) -> Iterator[Quantity]:
+def flange_outputs(g: Generator) -> Iterator[OutputGroup]:
     """Outputs of the flanges and the coordinates for reading, which follow the outputs of the blocks."""
+    flanges = [(code, flange) for code in g.codes for flange in code.batch.flanges]
+    owners = [tuple(f"{path}.{flange}" for path in code.paths) for code, flange in flanges]
+    slides = [bytes(flange in c.sliders for c in components_of(g, code)) for code, flange in flanges]
     for i, (unit, words) in enumerate((
         ("rad", "angle"), ("rad/s", "speed"), ("N m", "torque of the block on the flange"),
         ("W", POWER_INTO_FLANGE),
     )):  # fmt: skip
-        along = [(flange_names(s)[i], unit_along(unit, s), words_along(words, s)) for s in (False, True)]
-        for code in g.codes:
-            components = components_of(g, code)
-            for flange in code.batch.flanges:
-                for c in components:
-                    name, shown_unit, shown_words = along[flange in c.sliders]
-                    yield Quantity(f"{c.path}.{flange}.{name}", shown_unit, shown_words)
+        names = flange_names(False)[i], flange_names(True)[i]
+        yield from (_group(those, names, unit, words, which) for those, which in zip(owners, slides, strict=True))
     for coordinate in g.assembly.train.coordinates:
-        yield Quantity(coordinate.name, coordinate.unit, "relative coordinate")
+        yield _group((coordinate.name,), ("", ""), coordinate.unit, "relative coordinate", b"")
+
+
+def _group(owners: tuple[str, ...], names: tuple[str, str], unit: str, words: str, slides: bytes) -> OutputGroup:
+    """names: of what turns and of what slides; unit, words: of what turns."""
+    turning, sliding = (
+        Quantity(name, unit_along(unit, along), words_along(words, along))
+        for name, along in zip(names, (False, True), strict=True)
+    )
+    return OutputGroup(owners, turning, sliding, slides if any(slides) else b"")
 
 
 def state_quantities(g: Generator) -> list[Quantity]:

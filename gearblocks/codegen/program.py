@@ -15,20 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.codegen.output_list import OutputList, Quantity
+
 POWER_INTO_FLANGE = "power from the block into the flange"
 """Words of the outputs by which a block gives power."""
-
-
-class Quantity(NamedTuple):
-    """Name, SI unit and description of one number in a vector.
-
-    kind, of a state: "coordinate" (relative), "angle" (absolute), "speed", or "state" of a block; positions count as angles.
-    """
-
-    name: str
-    unit: str
-    words: str
-    kind: str = ""
 
 
 class ParameterInfo(NamedTuple):
@@ -158,7 +148,7 @@ class Program:
     inputs: tuple[InputInfo, ...]
     states: tuple[Quantity, ...]
     switches: tuple[SwitchInfo, ...]
-    outputs: tuple[Quantity, ...]
+    outputs: OutputList
     energies: tuple[EnergyInfo, ...]
     integrals: tuple[IntegralInfo, ...]
     n: int
@@ -174,12 +164,12 @@ class Program:
     @cached_property
     def output_numbers(self) -> Mapping[str, int]:
         """Numbers of the outputs by name, in their order."""
-        return MappingProxyType({q.name: i for i, q in enumerate(self.outputs)})
+        return MappingProxyType({name: i for i, name in enumerate(self.outputs.names())})
 
     @cached_property
     def output_units(self) -> Mapping[str, str]:
         """Units of the outputs by name."""
-        return MappingProxyType({q.name: q.unit for q in self.outputs})
+        return MappingProxyType(dict(zip(self.outputs.names(), self.outputs.units(), strict=True)))
 
     @cached_property
     def parameter_numbers(self) -> Mapping[str, int]:
@@ -251,16 +241,18 @@ class Program:
         return f"Program('{self.name}': {numbers}, {lines} lines of C, key {self.key[:8]})"
 
     def to_bytes(self) -> bytes:
-        """The program as bytes; its tables go column by column, which is much faster for long trains."""
-        return pickle.dumps(
-            {f.name: _columns(value) if isinstance(value := getattr(self, f.name), tuple) else value for f in fields(self)},
-            protocol=5,
-        )  # fmt: skip
+        """The program as bytes; its tables go column by column and one by one, which takes less time and memory for long
+        trains."""
+        parts = {f.name: getattr(self, f.name) for f in fields(self)}
+        return pickle.dumps({
+            name: pickle.dumps(_columns(value) if isinstance(value, tuple) else value, protocol=5)
+            for name, value in parts.items()
+        })  # fmt: skip
 
     @staticmethod
     def from_bytes(data: bytes) -> Program:
         """The program that `to_bytes` made. Only for bytes that are known to come from there."""
-        values = pickle.loads(data)
+        values = {name: pickle.loads(part) for name, part in pickle.loads(data).items()}
         fields_: Any = {k: _rows(v) if isinstance(v, _Columns) else v for k, v in values.items()}
         return Program(**fields_)
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate
-from typing import Any, NamedTuple
+from typing import Any
 
 from gearblocks.assembly.elimination import Combination
 from gearblocks.codegen.comments import PARTS
@@ -53,13 +53,20 @@ class WrappedAngle:
 
 def sparse(name: str, rows: Sequence[Mapping[int, Exact]] | Sequence[Mapping[int, float]]) -> Sparse:
     """Rows of exact numbers, sorted by column."""
-    start, index, value = [0], [], []
+    start, index = [0], []
+    value: list[Any] = []
     for row in rows:
         for column in sorted(row):
             index.append(column)
-            value.append(repr(float(row[column])))
+            value.append(row[column])
         start.append(len(index))
-    return Sparse(name, start, index or [0], value or ["0.0"])
+    return Sparse(name, start, index or [0], _texts(value) or ["0.0"])
+
+
+def _texts(values: Sequence[Exact] | Sequence[float]) -> list[str]:
+    """C of numbers, none of them -0.0; equal ones share theirs, as long trains have many."""
+    texts = {x: repr(float(x)) for x in set(values)}
+    return [texts[x] for x in values]
 
 
 def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str, Any]:
@@ -106,7 +113,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "by_offset": sparse("by_offset", [_offsets(g, c) for c in combinations]),
         "phi_gains": [repr(float(over(1, s.phi0_gain))) for s in assembly.starts],
         "w_gains": [repr(float(over(1, s.w0_gain))) for s in assembly.starts],
-        "flanges": _turned(FlangeRow, _flanges(g)),
+        "flanges": _flanges(g),
         "wrapped": _wrapped(g),
         "angle_speeds": [_speed_state(g, group) for group in assembly.angles],
         "turned": sparse("turned", _wrap_counts(g)),
@@ -328,25 +335,19 @@ def _paths(g: Generator, offsets: Mapping[str, Exact]) -> dict[int, Exact]:
     return {g.lay.path_of[path]: value for path, value in offsets.items()}
 
 
-class FlangeRow(NamedTuple):
-    """One flange of one component in the tables of the outputs."""
-
-    group: int
-    gain: str
-    offset: int
-    node: int
-
-
-def _flanges(g: Generator) -> list[FlangeRow]:
-    rows = []
-    for code in g.codes:
-        for flange in code.batch.flanges:
-            for e in range(code.n):
-                node = code.batch.nodes[flange][e]
-                offset = g.assembly.ground_offset.get(node)
-                at = g.lay.path_of[offset] if offset else -1
-                rows.append(FlangeRow(code.batch.groups[flange][e], repr(float(code.batch.gains[flange][e])), at, node))
-    return rows
+def _flanges(g: Generator) -> dict[str, Any]:
+    """The flanges of all components in the tables of the outputs, column by column."""
+    group: list[int] = []
+    gain: list[Exact] = []
+    node: list[int] = []
+    for batch in (code.batch for code in g.codes):
+        for flange in batch.flanges:
+            group += batch.groups[flange]
+            gain += batch.gains[flange]
+            node += batch.nodes[flange]
+    at = {n: g.lay.path_of[path] for n, path in g.assembly.ground_offset.items() if path}
+    offset = [at.get(n, -1) for n in node]
+    return {"count": len(node), "group": group, "gain": _texts(gain), "offset": offset, "node": node}
 
 
 def _flange_numbers(g: Generator) -> dict[str, dict[int, int]]:

@@ -11,13 +11,13 @@ import pytest
 
 import fmu_export
 from fmu_export.checks.instance import Unpacked
+from gearblocks.codegen.output_list import OutputList, Quantity
 from gearblocks.codegen.program import (
     EnergyInfo,
     InputInfo,
     IntegralInfo,
     ParameterInfo,
     Program,
-    Quantity,
     SwitchInfo,
 )
 from gearblocks.solver.library import Model, compile_program
@@ -45,12 +45,14 @@ def oscillator(name: str = "play and spring") -> Program:
         inputs=(InputInfo("tau", "N m", 5.0),),
         states=(Quantity("wheel.phi", "rad", "angle", "angle"), Quantity("wheel.w", "rad/s", "speed", "speed")),
         switches=(SwitchInfo("spring", "contact", "state"),),
-        outputs=(
-            Quantity("wheel.phi", "rad", "angle"),
-            Quantity("wheel.w", "rad/s", "speed"),
-            Quantity("wheel.alpha", "rad/s2", "acceleration"),
-            Quantity("spring.torque", "N m", "torque"),
-            Quantity("spring.contact", "1", "side of the contact"),
+        outputs=OutputList.of(
+            [
+                Quantity("wheel.phi", "rad", "angle"),
+                Quantity("wheel.w", "rad/s", "speed"),
+                Quantity("wheel.alpha", "rad/s2", "acceleration"),
+                Quantity("spring.torque", "N m", "torque"),
+                Quantity("spring.contact", "1", "side of the contact"),
+            ]
         ),
         energies=(EnergyInfo("wheel", "kinetic", 0), EnergyInfo("spring", "stored", 1)),
         integrals=(IntegralInfo("spring", "loss", 8), IntegralInfo("drive", "supplied", 9)),

@@ -18,6 +18,7 @@ import fmu_export
 from fmu_export.checks.file import check_sources
 from fmu_export.checks.instance import Unpacked
 from fmu_export.exporter import model_identifier
+from gearblocks.codegen.output_list import OutputList
 from gearblocks.codegen.program import StartInfo
 from gearblocks.errors import GearblocksError
 from gearblocks.solver.library import Model
@@ -83,7 +84,7 @@ def test_units_are_written_in_base_units_with_known_display_factors(packed: Path
 
 def test_an_output_named_like_a_parameter_is_shown_beside_it(model: Model, tmp_path: Path) -> None:
     quantity = model.program.outputs[3]._replace(name="spring.k")
-    outputs = (*model.program.outputs[:3], quantity, *model.program.outputs[4:])
+    outputs = OutputList.of([*model.program.outputs[:3], quantity, *model.program.outputs[4:]])
     twin = Model(replace(model.program, outputs=outputs), model.library, model.values)
     path = fmu_export.export(twin, tmp_path / "twin.fmu", t_end=0.01)
     assert variable(description(path), "spring.k").get("causality") == "parameter"

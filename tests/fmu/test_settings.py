@@ -18,6 +18,7 @@ import gearblocks as gb
 from fmu_export import binary, exporter
 from fmu_export.checks.instance import Instance, Unpacked
 from fmu_export.tables import token_of
+from gearblocks.codegen.output_list import OutputList
 from gearblocks.errors import ParameterError
 from gearblocks.solver.library import Model
 
@@ -247,9 +248,8 @@ def test_what_is_described_and_what_runs_inside_change_the_token(
     with monkeypatch.context() as changed:
         changed.setattr(exporter, "_tool", lambda: "gearblocks of another year")
         tokens.append(exported("tool"))
-    words = replace(
-        model.program, outputs=(model.program.outputs[0]._replace(words="other"), *model.program.outputs[1:])
-    )
+    first, *others = model.program.outputs
+    words = replace(model.program, outputs=OutputList.of([first._replace(words="other"), *others]))
     tokens.append(
         _token(fmu_export.export(Model(words, model.library, model.values), tmp_path / "w.fmu", platforms=()))
     )

@@ -1,12 +1,22 @@
 """Comments of generated C: any name may stand in them, and none reaches the code or the key."""
 
+import hashlib
 import re
 
 import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.codegen.comments import Comments, in_comment, of_components, of_expression
+from gearblocks.codegen.comments import (
+    before,
+    behind,
+    in_comment,
+    key_of,
+    of_components,
+    of_expression,
+    with_comments,
+    without_comments,
+)
 from gearblocks.solver.compiler import FLAGS, find_compiler
 from gearblocks.solver.library import core_files
 
@@ -50,14 +60,10 @@ def test_a_hoisted_term_stands_in_the_symbols_of_its_law():
 
 
 def test_bare_text_has_no_comments():
-    assert Comments(wanted=True).before("a") == "/* a */\n"
-    assert Comments(wanted=True).behind("a") == " /* a */"
-    assert (
-        Comments(wanted=True).behind("")
-        == Comments(wanted=False).behind("a")
-        == Comments(wanted=False).before("a")
-        == ""
-    )
+    text = f"{before('a, b')}x = 1;{behind('first')}\ny = 2;{behind('')}\n"
+    assert with_comments(text) == "/* a, b */\nx = 1; /* first */\ny = 2;\n"
+    assert without_comments(text) == "x = 1;\ny = 2;\n"
+    assert key_of(text) == hashlib.sha256(b"x = 1;\ny = 2;\n").hexdigest()
 
 
 def _rig(name="rig", first="one", parameter="P"):

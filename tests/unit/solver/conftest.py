@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from gearblocks.codegen.program import EnergyInfo, InputInfo, ParameterInfo, Program, Quantity
+from gearblocks.codegen.output_list import OutputList, Quantity
+from gearblocks.codegen.program import EnergyInfo, InputInfo, ParameterInfo, Program
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Library, compile_program
 from gearblocks.solver.structures import Code, Method, Options
@@ -26,7 +27,7 @@ def _program(note: str = "") -> Program:
         inputs=(InputInfo("u", "m/s2", 0.0),),
         states=(Quantity("x", "m", "deflection"), Quantity("v", "m/s", "its rate")),
         switches=(),
-        outputs=(Quantity("x", "m", "deflection"), Quantity("v", "m/s", "its rate")),
+        outputs=OutputList.of([Quantity("x", "m", "deflection"), Quantity("v", "m/s", "its rate")]),
         energies=(EnergyInfo("mass", "kinetic", 0), EnergyInfo("spring", "stored", 1)),
         integrals=(),
         n=2,
