@@ -121,3 +121,19 @@ def test_a_body_that_is_pulled_off_its_wall_is_struck_apart_from_it(m, M, wall, 
         common, apart = (m * v + M * w) / (m + M), e * (w - v) / (m + M)
         v, w = (-wall * v, w) if v > 1e-12 else (common + M * apart, common - m * apart)
     assert motion.speeds[:, 2] == pytest.approx([v, w], abs=1e-8)
+
+
+@pytest.mark.parametrize("above", [3e-8, 1e-9, 4.5e-8])
+@pytest.mark.parametrize("restitution", [0.5, 0.05])
+def test_a_stop_is_struck_though_the_body_is_pulled_away_from_it_before_the_first_look(above, restitution):
+    speed, pull, gap = 1e-3, 10.0, 0.1
+    body = _body("p", phi0=-gap + above, w0=-speed)
+    train = _train(
+        body, _hits("p", GROUND, restitution, gap), Part("pull", "Torque", (("tau", pull),), (("flange", "p"),))
+    )
+    at = (speed - math.sqrt(speed**2 - 2 * pull * above)) / pull
+    rebound = restitution * (speed - pull * at)
+    t = np.linspace(0.0, 0.05, 6)
+    motion = reference_motion(train, t)
+    assert len(motion.jumps) == 1 and motion.jumps[0] == pytest.approx(at, rel=1e-6)
+    assert motion.speeds[0, 1:] == pytest.approx(rebound + pull * (t[1:] - at), rel=1e-9)

@@ -169,10 +169,11 @@ class Integration:
             low = self._negative(rows[i])
             if low.size:
                 return self._locate(float(times[i - 1]), float(times[i]), f, rows[i - 1], low), None
-            if i >= 2:
-                dip = self._dip(times[i - 2 : i + 1], rows[i - 2 : i + 1], f)
-                if dip is not None:
-                    return dip, None
+            dip = (
+                self._early(f, *times[:2], *rows) if i == 1 else self._dip(times[i - 2 : i + 1], rows[i - 2 : i + 1], f)
+            )
+            if dip is not None:
+                return dip, None
         return None, rows[-1]
 
     def _far(self, f: Piece, first: Array) -> Array | None:
@@ -224,6 +225,20 @@ class Integration:
             if low.size:
                 left = float(times[0] if at <= times[1] else times[1])
                 return self._locate(left, at, f, self._margins(left, f(left)), low)
+        return None
+
+    def _early(self, f: Any, a: float, b: float, first: Array, second: Array) -> tuple[float, list[int]] | None:
+        """A margin that falls as the step begins and is higher at its first look: the vertex of its parabola."""
+        soon = a + 1e-4 * (b - a)
+        with np.errstate(invalid="ignore"):
+            fall = (first - self._margins(soon, f(soon))) * ((b - a) / (soon - a))
+            deep = (fall > first) & (second >= first) & np.isfinite(fall) & np.isfinite(second)
+            deep &= first > self._rounding(len(first))
+        for i in np.flatnonzero(deep):
+            at = float(a + 0.5 * (b - a) * fall[i] / (second[i] - first[i] + fall[i]))
+            low = self._negative(self._margins(at, f(at)))
+            if low.size:
+                return self._locate(a, at, f, first, low)
         return None
 
     def _locate(self, a: float, b: float, f: Any, before: Array, low: Array) -> tuple[float, list[int]]:
