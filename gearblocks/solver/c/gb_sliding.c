@@ -1,4 +1,6 @@
 #include "gb_sliding.h"
+#include "gb_constraint_forces.h"
+#include "gb_constraint_state.h"
 #include "gb_dense_output.h"
 #include "gb_evaluate.h"
 #include "gb_modes.h"
@@ -11,22 +13,45 @@ enum { HALVINGS = 60, LOOKS = 4 };
 
 static const double BEYOND = 1e-9; /* a share this far beyond its end counts as there */
 
-/* Whether another switch asks for the torque that slides: a constraint, or a condition that is not in the same mode on
- * both sides. */
-static int others_depend(gb_sim *sim) {
+/* Event function i tells how far the force of an active constraint is beyond its bounds: that is convex in the force,
+ * so that what holds it with every combination of sides holds it with their mean. */
+static int is_bounded_force(const gb_sim *sim, int i) {
+    const gb_constraint *constraint = sim->model->constraints;
+    for (int c = 0; c < sim->model->n_constraints; c++, constraint++) {
+        if (constraint->active == i) {
+            return gb_is_active(sim, c) && (constraint->kind == GB_FRICTION || constraint->kind == GB_STOP);
+        }
+    }
+    return 0;
+}
+
+/* Event function i asks for the torque that slides: it differs between the sides, and is not of a constraint that holds
+ * on both, or of a condition in its mode on both. */
+static int depends(gb_sim *sim, const double *y, int i, double below, double above) {
+    const gb_model *model = sim->model;
+    if (fabs(above - below) <= 1e-12 * (fabs(above) + fabs(below))) {
+        return 0;
+    }
+    if (is_bounded_force(sim, i)) {
+        double force;
+        return gb_max(below, above) > gb_force_noise(sim, i, sim->instant.time_terms, y, &force);
+    }
+    return sim->events.role[i] != GB_ORDINARY || gb_slides(sim, i) ||
+           model->mode_at(sim->par, i, below) != sim->mode[i] || model->mode_at(sim->par, i, above) != sim->mode[i];
+}
+
+/* Whether another switch asks for the torque that slides, at the time of the time terms at hand and the state y. */
+static int others_depend(gb_sim *sim, const double *y) {
     const gb_model *model = sim->model;
     const int n = model->n_event_functions;
     double *below = sim->sliding.functions, *above = below + n;
-    model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->y, below);
-    for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        gb_set_above(sim, j);
+    model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, below);
+    for (int which = 1; which < 1 << sim->head->events.n_sliding; which++) {
+        gb_set_above(sim, which);
         const double *terms = gb_terms_above(sim, &sim->instant, 0);
-        model->event_functions(sim->par, sim->sliding.mode, terms, sim->y, above);
+        model->event_functions(sim->par, sim->sliding.mode, terms, y, above);
         for (int i = 0; i < n; i++) {
-            const int same = fabs(above[i] - below[i]) <= 1e-12 * (fabs(above[i]) + fabs(below[i]));
-            const int decided = sim->events.role[i] != GB_ORDINARY || gb_slides(sim, i);
-            if (!same && (decided || model->mode_at(sim->par, i, below[i]) != sim->mode[i] ||
-                          model->mode_at(sim->par, i, above[i]) != sim->mode[i])) {
+            if (depends(sim, y, i, below[i], above[i])) {
                 return 1;
             }
         }
@@ -71,7 +96,7 @@ int gb_slide(gb_sim *sim, int i) {
     }
     gb_set_mode(sim, i, below, 0);
     head->events.sliding[head->events.n_sliding++] = i;
-    if (others_depend(sim) || gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2 ||
+    if (others_depend(sim, sim->y) || gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2 ||
         !shares_fit(head->events.n_sliding, share)) {
         forget(sim, i);
         gb_set_mode(sim, i, before, 0);
@@ -99,7 +124,7 @@ int gb_settle_sliding(gb_sim *sim) {
     while (code == GB_DONE && sim->head->events.n_sliding > 0) {
         const int n = sim->head->events.n_sliding;
         const int first = sim->head->events.sliding[0];
-        if (others_depend(sim) || gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2) {
+        if (others_depend(sim, sim->y) || gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2) {
             return gb_fail(sim, GB_ERR_CHATTER, first, sim->head->front.t1, 0.0);
         }
         int worst = 0;
@@ -116,7 +141,8 @@ int gb_settle_sliding(gb_sim *sim) {
     return code;
 }
 
-/* By how much the share nearest to its end is inside, at theta of the step; which one, and where it would go. */
+/* By how much the share nearest to its end is inside, at theta of the step; which one, and where it would go. Outside
+ * where another switch asks for the torque that slides: only the lower sides are searched for what these do. */
 static int inside(gb_sim *sim, double theta, double *margin, int *which, double *mode) {
     double share[GB_SLIDING], *y = sim->z2;
     const int code = gb_time_terms_at(sim, sim->head->front.t0 + theta * sim->head->front.h);
@@ -127,7 +153,7 @@ static int inside(gb_sim *sim, double theta, double *margin, int *which, double 
         return code;
     }
     gb_dense_states(sim, theta, y);
-    if (!gb_find_shares(sim, 0, &sim->instant, 0, y, share)) {
+    if (others_depend(sim, y) || !gb_find_shares(sim, 0, &sim->instant, 0, y, share)) {
         return GB_DONE;
     }
     *margin = 1.0;
