@@ -20,9 +20,11 @@ int gb_slides(const gb_sim *sim, int i) {
     return 0;
 }
 
-void gb_set_above(gb_sim *sim, int j) {
+void gb_set_above(gb_sim *sim, int which) {
     memcpy(sim->sliding.mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
-    sim->sliding.mode[sim->head->events.sliding[j]] += 1.0;
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        sim->sliding.mode[sim->head->events.sliding[j]] += which >> j & 1;
+    }
 }
 
 const double *gb_terms_above(gb_sim *sim, const gb_lanes *at, int lane) {
@@ -47,7 +49,7 @@ static void rates_beside(gb_sim *sim, int full, const gb_lanes *at, int lane, co
     double *rates = sim->sliding.rates;
     (full ? model->rhs_full : model->rhs)(sim->par, sim->mode, at->time_terms + lane, y, rates);
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        gb_set_above(sim, j);
+        gb_set_above(sim, 1 << j);
         const double *terms = gb_terms_above(sim, at, lane);
         rates += model->n_total;
         (full ? model->rhs_full : model->rhs)(sim->par, sim->sliding.mode, terms, y, rates);

@@ -32,8 +32,8 @@ int gb_slides(const gb_sim *sim, int i);
 /* The shares for which no limit is left. 0: there are none; 1: a limit is no place to stay; 2: they all attract. */
 int gb_find_shares(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y, double *share);
 
-/* The present modes with the j-th of those that slide above its limit, into sliding.mode. */
-void gb_set_above(gb_sim *sim, int j);
+/* The present modes with those that slide above their limits of which `which` has the bit, into sliding.mode. */
+void gb_set_above(gb_sim *sim, int which);
 
 /* Time terms of one lane of `at` for the modes in sliding.mode. */
 const double *gb_terms_above(gb_sim *sim, const gb_lanes *at, int lane);

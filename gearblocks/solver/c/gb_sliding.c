@@ -1,4 +1,5 @@
 #include "gb_sliding.h"
+#include "gb_constraint_state.h"
 #include "gb_dense_output.h"
 #include "gb_evaluate.h"
 #include "gb_modes.h"
@@ -10,23 +11,69 @@
 enum { HALVINGS = 60, LOOKS = 4 };
 
 static const double BEYOND = 1e-9; /* a share this far beyond its end counts as there */
+static const double SAME = 1e-12;  /* of the terms of a difference: what is left of it is nothing */
 
-/* Whether another switch asks for the torque that slides: a constraint, or a condition that is not in the same mode on
- * both sides. */
-static int others_depend(gb_sim *sim) {
+/* The constraint by whose force event function i is active: friction or a stop; else -1. */
+static int holding(const gb_sim *sim, int i) {
+    int c = sim->model->n_constraints - 1;
+    while (c >= 0 && sim->model->constraints[c].active != i) {
+        c--;
+    }
+    const int kind = c >= 0 ? (int)sim->model->constraints[c].kind : -1;
+    return (kind == GB_FRICTION || kind == GB_STOP) && gb_is_active(sim, c) ? c : -1;
+}
+
+/* Constraint forces by the mean of both sides, into constraints.peak, and their bounds; returns the largest of the
+ * terms of which any is made: rounding goes on from one to the next. */
+static double mean_forces(gb_sim *sim, const double *y, const double *share) {
+    const gb_model *model = sim->model;
+    struct gb_constraints *c = &sim->constraints;
+    double *below = c->lo, *above = c->hi, *mean = c->peak, largest = 0.0;
+    model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, y, c->bounds);
+    model->constraint_forces(sim->par, sim->mode, sim->instant.time_terms, y, below, c->right);
+    memcpy(mean, below, sizeof(double) * (size_t)model->n_constraints);
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        gb_set_above(sim, 1 << j);
+        const double *terms = gb_terms_above(sim, &sim->instant, 0);
+        model->constraint_forces(sim->par, sim->sliding.mode, terms, y, above, c->right);
+        for (int i = 0; i < model->n_constraints; i++) {
+            mean[i] += share[j] * (above[i] - below[i]);
+            largest = gb_max(largest, fabs(above[i]) + fabs(below[i]));
+        }
+    }
+    return largest;
+}
+
+/* Event function i asks for the torque that slides: it differs between the sides, and is not of a condition that is in
+ * its mode on both, or of a constraint that holds what the mean asks of it, and the lower sides, which are searched for
+ * events. */
+static int depends(gb_sim *sim, int i, double below, double above, double largest) {
+    const gb_model *model = sim->model;
+    if (fabs(above - below) <= SAME * (fabs(above) + fabs(below))) {
+        return 0;
+    }
+    const int constraint = holding(sim, i);
+    if (constraint >= 0) {
+        const double mean = sim->constraints.peak[constraint], *bounds = sim->constraints.bounds + 5 * constraint;
+        return gb_max(below, gb_max(mean - bounds[1], bounds[0] - mean)) > SAME * largest;
+    }
+    return sim->events.role[i] != GB_ORDINARY || gb_slides(sim, i) ||
+           model->mode_at(sim->par, i, below) != sim->mode[i] || model->mode_at(sim->par, i, above) != sim->mode[i];
+}
+
+/* Whether another switch asks for the torque that slides by these shares, at the time terms at hand and the state y. */
+static int others_depend(gb_sim *sim, const double *y, const double *share) {
     const gb_model *model = sim->model;
     const int n = model->n_event_functions;
+    const double largest = model->n_constraints > 0 ? mean_forces(sim, y, share) : 0.0;
     double *below = sim->sliding.functions, *above = below + n;
-    model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->y, below);
-    for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        gb_set_above(sim, j);
+    model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, below);
+    for (int which = 1; which < 1 << sim->head->events.n_sliding; which++) {
+        gb_set_above(sim, which);
         const double *terms = gb_terms_above(sim, &sim->instant, 0);
-        model->event_functions(sim->par, sim->sliding.mode, terms, sim->y, above);
+        model->event_functions(sim->par, sim->sliding.mode, terms, y, above);
         for (int i = 0; i < n; i++) {
-            const int same = fabs(above[i] - below[i]) <= 1e-12 * (fabs(above[i]) + fabs(below[i]));
-            const int decided = sim->events.role[i] != GB_ORDINARY || gb_slides(sim, i);
-            if (!same && (decided || model->mode_at(sim->par, i, below[i]) != sim->mode[i] ||
-                          model->mode_at(sim->par, i, above[i]) != sim->mode[i])) {
+            if (depends(sim, i, below[i], above[i], largest)) {
                 return 1;
             }
         }
@@ -71,8 +118,8 @@ int gb_slide(gb_sim *sim, int i) {
     }
     gb_set_mode(sim, i, below, 0);
     head->events.sliding[head->events.n_sliding++] = i;
-    if (others_depend(sim) || gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2 ||
-        !shares_fit(head->events.n_sliding, share)) {
+    if (gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2 || !shares_fit(head->events.n_sliding, share) ||
+        others_depend(sim, sim->y, share)) {
         forget(sim, i);
         gb_set_mode(sim, i, before, 0);
         return 0;
@@ -99,14 +146,15 @@ int gb_settle_sliding(gb_sim *sim) {
     while (code == GB_DONE && sim->head->events.n_sliding > 0) {
         const int n = sim->head->events.n_sliding;
         const int first = sim->head->events.sliding[0];
-        if (others_depend(sim) || gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2) {
+        const int found = gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share), fit = found && shares_fit(n, share);
+        if (found < 2 || (fit && others_depend(sim, sim->y, share))) {
             return gb_fail(sim, GB_ERR_CHATTER, first, sim->head->front.t1, 0.0);
         }
         int worst = 0;
         for (int j = 1; j < n; j++) {
             worst = fabs(share[j] - 0.5) > fabs(share[worst] - 0.5) ? j : worst;
         }
-        if (shares_fit(n, share)) {
+        if (fit) {
             break;
         }
         const int i = sim->head->events.sliding[worst];
@@ -116,7 +164,8 @@ int gb_settle_sliding(gb_sim *sim) {
     return code;
 }
 
-/* By how much the share nearest to its end is inside, at theta of the step; which one, and where it would go. */
+/* By how much the share nearest to its end is inside, at theta of the step; which one, and where it would go. Outside
+ * where another switch asks for the torque that slides: the search for events sees the lower sides alone. */
 static int inside(gb_sim *sim, double theta, double *margin, int *which, double *mode) {
     double share[GB_SLIDING], *y = sim->z2;
     const int code = gb_time_terms_at(sim, sim->head->front.t0 + theta * sim->head->front.h);
@@ -127,7 +176,8 @@ static int inside(gb_sim *sim, double theta, double *margin, int *which, double 
         return code;
     }
     gb_dense_states(sim, theta, y);
-    if (!gb_find_shares(sim, 0, &sim->instant, 0, y, share)) {
+    if (!gb_find_shares(sim, 0, &sim->instant, 0, y, share) ||
+        (shares_fit(sim->head->events.n_sliding, share) && others_depend(sim, y, share))) {
         return GB_DONE;
     }
     *margin = 1.0;

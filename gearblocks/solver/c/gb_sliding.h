@@ -1,8 +1,8 @@
 /* Sliding along the limit of a condition (Filippov 1960): where a law jumps against the motion, so that both of its
  * modes drive the state back to the limit, the motion stays there, on the mean of both that gb_rates.h forms, as long
  * as its shares lie in 0..1. A controller that goes on and off holds its speed so.
- * Assumed: switched constraints and other conditions do not ask for the torque that slides (else the run stops, as it
- * does where a limit is no place to stay).
+ * Assumed: switched constraints hold what the mean and the lower sides ask of them, and other conditions stay in their
+ * modes on either side (else the run stops, as it does where a limit is no place to stay).
  * Knows nothing of methods and of how a limit is reached. */
 #ifndef GB_SLIDING_H
 #define GB_SLIDING_H
