@@ -176,8 +176,10 @@ class PlanetaryGear(Block):
         teeth = int(self.z_sun) + int(self.z_planet)
         helix = 0.0 if self.helix_angle is None else self.helix_angle
         slant = cos(helix) if isinstance(helix, (int, float)) else _cos(helix)
-        radius = self.module * teeth / (2 * slant)
-        return self.planets * self.planet_mass * radius * radius
+        module: Any = self.module
+        mass: Any = self.planet_mass
+        radius = module * teeth / (2 * slant)
+        return self.planets * mass * radius * radius
 
     def physics(self, s: Any) -> Iterator[Contribution]:  # noqa: ARG002  its parts have the physics
         """None of its own."""
