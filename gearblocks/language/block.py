@@ -76,7 +76,7 @@ class Declared:
             try:
                 if name in values:
                     value = _plain(values[name], spec.many)
-                    if type(value) not in _BARE and spec.role in ("param", "signal"):
+                    if type(value) not in _BARE and (spec.role in ("param", "signal") or spec.unit != "1"):
                         value = _in_si(value, spec)
                     store[name] = value if spec.convert is None else spec.convert(value)
                 elif spec.required:

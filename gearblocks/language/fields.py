@@ -61,7 +61,7 @@ class Field:
     leading: int | None = None
 
     def __post_init__(self) -> None:
-        if self.role in ("param", "signal"):
+        if self.unit != "1":
             declared(f"'{self.words}'", unit_of_entry(self.unit, 1))
 
     def entry(self, i: int) -> Field:
