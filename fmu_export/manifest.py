@@ -71,4 +71,4 @@ def _read(kind: Any, value: Any) -> Any:
     if kind is OutputList:
         return OutputList.of(map(Quantity._make, value))
     row = get_args(kind)[0]
-    return tuple(row._make(entry) if hasattr(row, "_make") else tuple(entry) for entry in value)
+    return tuple(row(*entry) if hasattr(row, "_make") else tuple(entry) for entry in value)

@@ -32,7 +32,7 @@ TIME, RTOL, STEP = 0, 1, 2
 class Variable:
     """One real variable. `index` points into the model's vector of its kind; `start` is None for computed ones.
 
-    open_lower, open_upper: the bound itself is refused.
+    open_lower, open_upper: the bound itself is refused. display: the unit in which it is shown, where that is none of SI.
     """
 
     name: str
@@ -47,6 +47,7 @@ class Variable:
     tunable: bool = False
     open_lower: bool = False
     open_upper: bool = False
+    display: str = ""
 
     @property
     def reference(self) -> int:
@@ -103,14 +104,14 @@ def _parameters(program: Program, values: NDArray[np.float64], tunable_only: boo
         if not math.isfinite(value):
             raise ParameterError(f"parameter '{p.path}' = {value!r} {p.unit} must be finite")
         name = p.path if p.tunable or p.path not in shown else f"{p.path}.start"
-        bounds = (p.lower, p.upper, p.tunable, p.open_lower, p.open_upper)
+        bounds = (p.lower, p.upper, p.tunable, p.open_lower, p.open_upper, p.given_in)
         table.append(Variable(name, "parameter", position, i, p.unit, p.words, value, *bounds))
     return table
 
 
 def _inputs(program: Program) -> list[Variable]:
     return [
-        Variable(u.name, "input", i, i, u.unit, f"input {u.name}", u.start, tunable=True)
+        Variable(u.name, "input", i, i, u.unit, f"input {u.name}", u.start, tunable=True, display=u.given_in)
         for i, u in enumerate(program.inputs)
     ]
 

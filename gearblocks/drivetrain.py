@@ -13,11 +13,12 @@ from gearblocks.errors import GearblocksError, ModelError, by_name, check_argume
 from gearblocks.language.block import Block, Declared, start_fields
 from gearblocks.language.expression import as_expr
 from gearblocks.language.fields import ANGLE, COMPLIANCE, GIVING_WAY
+from gearblocks.language.signals import Input, Parameter
+from gearblocks.language.units import declared, unit_along
 from gearblocks.model.build import build_train, check_user_blocks
 from gearblocks.solver.library import Model
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
 from gearblocks.train.handles import FlangeHandle, Handle
-from gearblocks.train.translational import unit_along
 from gearblocks.train.values import field_paths, replaced, unique_path, value_problems
 
 if TYPE_CHECKING:
@@ -108,6 +109,7 @@ class Drivetrain:
         expression = as_expr(expr)
         if any(leaf.op not in ("sense", "parameter") for leaf in expression.leaves()):
             raise ModelError(f"coordinate '{name}': only gb.sense(...), Parameters and numbers may stand in it")
+        declared(f"coordinate '{name}'", unit)
         self._coordinates.append(Coordinate(name, expression, unit))
 
     def _end(self, flange: FlangeHandle) -> tuple[str, str]:
@@ -377,6 +379,7 @@ def _summary(block: Block, slides: bool) -> str:
     for name, field in type(block).fields.items():
         value = block.__dict__[name]
         if value is not None and value != field.default:
-            unit = "" if field.unit == "1" else f" {unit_along(field.unit, slides)}"
+            bare = field.unit == "1" or isinstance(value, (Parameter, Input))  # these say theirs
+            unit = "" if bare else f" {unit_along(field.unit, slides)}"
             parts.append(f"{name} = {value!r}{unit}" if not isinstance(value, Declared) else f"{name}: {value!r}")
     return ", ".join(parts)

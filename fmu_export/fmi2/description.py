@@ -11,13 +11,12 @@ from typing import TYPE_CHECKING
 
 from fmu_export.options import Experiment
 from fmu_export.variables import Variable
-from gearblocks.errors import ParameterError
-from gearblocks.language.units import base_exponents
+from gearblocks.language.units import base_exponents, parse_unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element
 
-DISPLAY_UNITS = {"rad/s": ("rpm", 30.0 / math.pi), "rad": ("deg", 180.0 / math.pi)}
+DISPLAY_UNITS = {"rad/s": "rpm", "rad": "deg"}
 """SI unit: display unit and its factor (shown value = factor * value)."""
 
 LOG_CATEGORIES = {
@@ -114,14 +113,17 @@ def _units(root: _Element, variables: Sequence[Variable]) -> None:
     definitions = etree.SubElement(root, "UnitDefinitions")
     for unit in units:
         element = etree.SubElement(definitions, "Unit", {"name": unit_name(unit)})
-        try:
-            exponents = base_exponents(unit)
-        except ParameterError:  # a unit of a user's block outside SI: a name without dimensions
-            continue
-        etree.SubElement(element, "BaseUnit", {base: str(power) for base, power in exponents.items()})
-        if unit in DISPLAY_UNITS:
-            name, factor = DISPLAY_UNITS[unit]
-            etree.SubElement(element, "DisplayUnit", {"name": name, "factor": repr(factor)})
+        exponents = base_exponents(unit).items()
+        etree.SubElement(element, "BaseUnit", {base: str(power) for base, power in exponents})
+        shown = dict.fromkeys(name for v in variables if v.unit == unit and (name := display_unit(v)))
+        for name in shown:
+            factor = repr(1.0 / parse_unit(name).factor)
+            etree.SubElement(element, "DisplayUnit", {"name": unit_name(name), "factor": factor})
+
+
+def display_unit(variable: Variable) -> str:
+    """The unit in which a variable is shown: that in which its values are given, else one for its unit; "" for none."""
+    return variable.display or DISPLAY_UNITS.get(variable.unit, "")
 
 
 def unit_name(unit: str) -> str:
@@ -166,8 +168,8 @@ def _variable(parent: _Element, variable: Variable) -> None:
     real = {}
     if unit_name(variable.unit):
         real["unit"] = unit_name(variable.unit)
-    if variable.unit in DISPLAY_UNITS:
-        real["displayUnit"] = DISPLAY_UNITS[variable.unit][0]
+    if display_unit(variable):
+        real["displayUnit"] = unit_name(display_unit(variable))
     for name, value in (*closed_bounds(variable).items(), ("start", variable.start)):
         if value is not None and math.isfinite(value):
             real[name] = repr(float(value))

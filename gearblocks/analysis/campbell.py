@@ -66,7 +66,7 @@ class Campbell:
 def campbell(
     train: Drivetrain | Model, speed: str, speeds: Sequence[float] | Array, *,
     orders: Mapping[str, float] | Sequence[float] | None = None, reference: str | None = None, at: OperatingPoint = "static",
-    count: int | None = None, parameters: Mapping[str, float] | None = None,
+    count: int | None = None, parameters: Mapping[str, float | str] | None = None,
 ) -> Campbell:  # fmt: skip
     """Natural frequencies over a speed [rad/s], orders and their crossings.
 

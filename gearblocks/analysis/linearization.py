@@ -22,6 +22,7 @@ from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError, SimulationError, UnknownNameError, did_you_mean
 from gearblocks.simulation.arguments import (
+    InputSource,
     begin_of,
     checked,
     is_static,
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-OperatingPoint: TypeAlias = "Mapping[str, float] | Trajectory | str | None"
+OperatingPoint: TypeAlias = "Mapping[str, float | str] | Trajectory | str | None"
 Complex = NDArray[np.complex128]
 
 DENSE = 1000
@@ -54,8 +55,8 @@ _SIDES = {-1.0: "coast side", 0.0: "no contact", 1.0: "drive side"}
 
 @contextmanager
 def operating_point(
-    model: Model, at: OperatingPoint, t: float | None = None, parameters: Mapping[str, float] | None = None,
-    inputs: Mapping[str, float] | None = None,
+    model: Model, at: OperatingPoint, t: float | None = None, parameters: Mapping[str, float | str] | None = None,
+    inputs: Mapping[str, InputSource] | None = None,
 ) -> Iterator[Point]:  # fmt: skip
     """The model at an operating point (see above); inputs: their values, else those they start with."""
     program = model.program
@@ -149,8 +150,9 @@ class Linearization:
 
 
 def linearize(
-    train: Drivetrain | Model, at: OperatingPoint = "static", *, inputs: Sequence[str] | Mapping[str, float] | None = None,
-    outputs: str | Sequence[str] = "*", t: float | None = None, parameters: Mapping[str, float] | None = None,
+    train: Drivetrain | Model, at: OperatingPoint = "static", *,
+    inputs: Sequence[str] | Mapping[str, InputSource] | None = None, outputs: str | Sequence[str] = "*",
+    t: float | None = None, parameters: Mapping[str, float | str] | None = None,
 ) -> Linearization:  # fmt: skip
     """The state matrices of a train at a point (see the module for `at`).
 
@@ -338,7 +340,7 @@ class FrequencyResponse:
 
 def frequency_response(
     train: Drivetrain | Model, input: str, outputs: str | Sequence[str], frequencies: Any, *, at: OperatingPoint = "static",
-    t: float | None = None, parameters: Mapping[str, float] | None = None,
+    t: float | None = None, parameters: Mapping[str, float | str] | None = None,
 ) -> FrequencyResponse:  # fmt: skip
     """The response of outputs to an Input, or to a tunable parameter such as "load.tau", at frequencies in rad/s."""
     model = build(train)

@@ -113,7 +113,7 @@ def _most(names: tuple[str, ...], values: Array, words: Callable[[float], str]) 
 
 def modes(
     train: Drivetrain | Model, at: OperatingPoint = "static", *, count: int | None = None, t: float | None = None,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
 ) -> Modes:  # fmt: skip
     """The modes of a train about a point, contacts keeping their side (see gearblocks.analysis.linearization for `at`).
 

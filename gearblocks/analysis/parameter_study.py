@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from gearblocks.analysis.designs import Design, cases, grid
 from gearblocks.analysis.measuring import measure, measure_packed, packed
 from gearblocks.analysis.sections import Section
-from gearblocks.analysis.study_point import Interrupted, Measured, Task
+from gearblocks.analysis.study_point import Interrupted, Measured, Task, points_in_si
 from gearblocks.analysis.study_progress import progress as shown_progress
 from gearblocks.analysis.study_result import Study, listed
 from gearblocks.analysis.study_store import StudyStore, needs_zarr
@@ -45,7 +45,7 @@ def sweep(
     t: ArrayLike | None = None, t_start: float | None = None, section: Section | None = None, transient: int = 300,
     keep: int = 100, method: str = "auto", rtol: float = 1e-6, step: float | None = None, max_step: float | None = None,
     locate: bool = True, steps_per_period: int | None = None, inputs: Mapping[str, Any] | None = None,
-    parameters: Mapping[str, float] | None = None, initial: Any = None, executor: Any = None, threads: int | None = None,
+    parameters: Mapping[str, float | str] | None = None, initial: Any = None, executor: Any = None, threads: int | None = None,
     chunk: int | None = None, store: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], Any] | None = None,
 ) -> Study:  # fmt: skip
@@ -79,7 +79,7 @@ def study(
     t_end: float | None = None, t: ArrayLike | None = None, t_start: float | None = None, section: Section | None = None,
     transient: int = 300, keep: int = 100, method: str = "auto", rtol: float = 1e-6, step: float | None = None,
     max_step: float | None = None, locate: bool = True, steps_per_period: int | None = None,
-    inputs: Mapping[str, Any] | None = None, parameters: Mapping[str, float] | None = None, initial: Any = None,
+    inputs: Mapping[str, Any] | None = None, parameters: Mapping[str, float | str] | None = None, initial: Any = None,
     executor: Any = None, threads: int | None = None, chunk: int | None = None, store: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], Any] | None = None,
 ) -> Study:  # fmt: skip
@@ -120,6 +120,7 @@ class _Run:
 
     def __init__(self, task: Task, design: Design, name_units: Sequence[str]) -> None:
         self.task, self.design, self.name_units = task, design, tuple(name_units)
+        self.points = points_in_si(task.axes, design.points)
         self.values = np.full((len(design.points), sum(task.widths)), np.nan)
         self.done = np.zeros(len(design.points), dtype=np.bool_)
         self.messages: dict[int, str] = {}
@@ -130,12 +131,12 @@ class _Run:
     def chunk_size(self, workers: int, *, keep: bool = False) -> int:
         """Points that take about half a second, by a trial of the first one, which is kept where chunks may begin behind it;
         no fewer chunks than four for each worker. An exception of a function of the user's at the first point is raised."""
-        trial = measure(self.task, self.design.points[:1])
+        trial = measure(self.task, self.points[:1])
         if trial.cause is not None:
             raise trial.cause
         if keep:
             self._take(slice(0, 1), trial)
-        share = -(-len(self.design.points) // (4 * workers))
+        share = -(-len(self.points) // (4 * workers))
         at_once = LANES if self.task.in_lanes else 1  # what the trial could have measured in that time
         return int(np.clip(at_once * _CHUNK_SECONDS / max(trial.took, 1e-9), 1, min(share, _MOST)))
 
@@ -176,7 +177,7 @@ class _Run:
             stopped.set()
 
     def _threads(self, pool: Executor, stopped: threading.Event) -> Callable[[slice], Future[Measured]]:
-        return lambda chunk: pool.submit(measure, self.task, self.design.points[chunk], stopped.is_set)
+        return lambda chunk: pool.submit(measure, self.task, self.points[chunk], stopped.is_set)
 
     def _processes(self, pool: Executor) -> Callable[[slice], Future[Measured]]:
         try:
@@ -186,7 +187,7 @@ class _Run:
                 f"this study cannot be sent to other processes ({error}): functions must be defined at the top of a module, "
                 "and inputs be numbers or tables; threads need no sending"
             ) from error
-        return lambda chunk: pool.submit(measure_packed, data, self.design.points[chunk])
+        return lambda chunk: pool.submit(measure_packed, data, self.points[chunk])
 
     def _take(self, chunk: slice, measured: Measured) -> None:
         if self.store is not None:
@@ -205,7 +206,7 @@ class _Run:
             "seconds": time.perf_counter() - self.began, "solver_seconds": self.solver_seconds,
         }  # fmt: skip
         found = Study(
-            tuple(axis.path for axis in task.axes), tuple(axis.unit for axis in task.axes), design.points,
+            tuple(axis.path for axis in task.axes), tuple(axis.given_in or axis.unit for axis in task.axes), design.points,
             design.shape if design.levels else (),
             names_of(task.measures), self.name_units, task.widths, self.values, self.done, self.messages, meta,
         )  # fmt: skip

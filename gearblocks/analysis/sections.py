@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import ParameterError
-from gearblocks.simulation.arguments import resolve
+from gearblocks.simulation.arguments import parameter_vector, resolve
+from gearblocks.simulation.records import NamedValues
 from gearblocks.simulation.run import run_model
 from gearblocks.simulation.trajectory import matches
 from gearblocks.solver.library import Model
@@ -92,13 +93,14 @@ def classify(train: Drivetrain | Model, section: Section, **arguments: Any) -> L
 
 def section_points(
     model: Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
-    rtol: float = 1e-9, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
+    rtol: float = 1e-9, parameters: Mapping[str, float | str] | None = None, initial: Mapping[str, float | str] | None = None,
 ) -> Points:  # fmt: skip
     """`keep` points after `transient` periods; of: patterns of outputs, in the order
     of the columns (default: all deflections, twists and their rates)."""
     if transient < 0 or keep < 1:
         raise ParameterError(f"transient = {transient} must be >= 0 and keep = {keep} must be >= 1")
-    period = 2 * np.pi / _frequency(model, section, parameters or {})
+    vector = parameter_vector(model.program, model.values, parameters or {}, None)
+    period = section_period(section, NamedValues(model.program.parameter_numbers, vector))
     relative = [q.name for q in model.program.outputs if q.name.rsplit(".", 1)[-1] in _RELATIVE]
     patterns = relative if of is None else [of] if isinstance(of, str) else list(of)
     t = period * np.arange(transient, transient + keep)
@@ -115,20 +117,20 @@ def section_points(
     return Points(t.astype(np.float64), names, values, extent, run)
 
 
-def _frequency(model: Model, section: Section, parameters: Mapping[str, float]) -> float:
-    paths = {p.path: i for i, p in enumerate(model.program.parameters)}
-    wanted = resolve(section.frequency, paths, "parameter")
-    given = {resolve(path, paths, "parameter"): value for path, value in parameters.items()}
-    frequency = float(given.get(wanted, model.values[wanted]))
+def section_period(section: Section, parameters: Mapping[str, float]) -> float:
+    """Period of a stroboscopic section [s]. Raises ParameterError where its frequency is not above 0."""
+    paths = {path: i for i, path in enumerate(parameters)}
+    path = [*parameters][resolve(section.frequency, paths, "parameter")]
+    frequency = parameters[path]
     if not frequency > 0:
         raise ParameterError(f"the frequency '{section.frequency}' = {frequency!r} rad/s must be > 0")
-    return frequency
+    return float(2 * np.pi / frequency)
 
 
 def period_label(
     model: Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
-    longest: int = 16, rtol: float = 1e-10, parameters: Mapping[str, float] | None = None,
-    initial: Mapping[str, float] | None = None,
+    longest: int = 16, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
+    initial: Mapping[str, float | str] | None = None,
 ) -> Label:  # fmt: skip
     """The number of periods after which the motion repeats, at rtol and again at rtol/100.
 

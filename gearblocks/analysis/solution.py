@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.sampled_run import SampledRun
-from gearblocks.analysis.sections import Section
+from gearblocks.analysis.sections import Section, section_period
 from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError, SimulationError
-from gearblocks.simulation.arguments import resolve, set_inputs
+from gearblocks.simulation.arguments import set_inputs
 from gearblocks.simulation.events import Events
 from gearblocks.simulation.failures import reason
 from gearblocks.simulation.measured_runs import Along, Needs, StoppedError, measured_run
@@ -59,16 +59,6 @@ class Span:
         numbers = np.arange(np.ceil(first / period * (1 - 1e-12)), np.floor(self.end / period * (1 + 1e-12)) + 1)
         times: Array = np.minimum(np.maximum(period * numbers, self.begin), self.end)
         return times[: self.most]
-
-
-def section_period(section: Section, parameters: Mapping[str, float]) -> float:
-    """Period of a stroboscopic section [s]. Raises ParameterError where its frequency is not above 0."""
-    paths = {path: i for i, path in enumerate(parameters)}
-    path = [*parameters][resolve(section.frequency, paths, "parameter")]
-    frequency = parameters[path]
-    if not frequency > 0:
-        raise ParameterError(f"the frequency '{section.frequency}' = {frequency!r} rad/s must be > 0")
-    return float(2 * np.pi / frequency)
 
 
 def program_span(program: Program, begin: float, end: float, vector: Array, section: Section | None) -> Span:

@@ -5,7 +5,7 @@ Knows nothing of how points are run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
 
@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.quantity import Quantity
-from gearblocks.analysis.sections import Section
-from gearblocks.analysis.solution import Span, program_span, section_period
+from gearblocks.analysis.sections import Section, section_period
+from gearblocks.analysis.solution import Span, program_span
+from gearblocks.language.units import parse_unit
 from gearblocks.simulation.arguments import parameter_vector
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
@@ -25,12 +26,27 @@ Measure: TypeAlias = "Quantity | Callable[[Trajectory], float]"
 
 
 class Axis(NamedTuple):
-    """What varies: path, unit and place. kind: "parameter", "start" (a start value) or "input" (held constant)."""
+    """What varies: path, unit and place. kind: "parameter", "start" (a start value) or "input" (held constant).
+
+    given_in: the unit of its values where that is none of SI.
+    """
 
     path: str
     unit: str
     kind: str
     offset: int
+    given_in: str = ""
+
+
+def points_in_si(axes: Sequence[Axis], points: Array) -> Array:
+    """Points, shape (points, axes), in SI."""
+    if not any(axis.given_in for axis in axes):
+        return points
+    found = points.copy()
+    for column, axis in zip(found.T, axes, strict=True):
+        unit = parse_unit(axis.given_in)
+        column[:] = [unit.in_si(value) for value in column.tolist()]
+    return found
 
 
 class Window(NamedTuple):

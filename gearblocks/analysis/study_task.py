@@ -17,7 +17,7 @@ from gearblocks.analysis.lane_measuring import fits_lanes
 from gearblocks.analysis.measuring import function_name, widths_of
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.sections import Section
-from gearblocks.analysis.study_point import Axis, Measure, Task, Window, point_vector, span_of
+from gearblocks.analysis.study_point import Axis, Measure, Task, Window, point_vector, points_in_si, span_of
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.language.expression import finite_number
 from gearblocks.language.signals import Table
@@ -56,7 +56,7 @@ class Settings:
     locate: bool
     steps_per_period: int | None
     inputs: Mapping[str, Any] | None
-    parameters: Mapping[str, float] | None
+    parameters: Mapping[str, float | str] | None
     initial: Any
 
 
@@ -71,7 +71,8 @@ def task_of(
     options = _options(s, window)
     base = parameter_vector(program, model.values, s.parameters or {}, s.initial)
     axes = tuple(_axis(model, path, s.initial, fields) for path in design.paths)
-    _check_axes(model, design, axes, s)
+    points = points_in_si(axes, design.points)
+    _check_axes(model, points, axes, s)
     arguments: dict[str, Any] = {
         "t_start": s.t_start, "method": "rk4" if s.steps_per_period else s.method, "rtol": s.rtol, "step": s.step,
         "max_step": s.max_step, "locate": s.locate,
@@ -88,9 +89,9 @@ def task_of(
             raise ParameterError(
                 f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
             )
-    span = span_of(task, point_vector(task, design.points[0]))
+    span = span_of(task, point_vector(task, points[0]))
     units = tuple(m.unit(span) if isinstance(m, Quantity) else "" for m in measures)
-    widths = widths_of(task, design.points)
+    widths = widths_of(task, points)
     in_lanes = s.steps_per_period is not None and fits_lanes(task)
     return replace(task, widths=widths, in_lanes=in_lanes), units
 
@@ -159,7 +160,8 @@ def _axis(model: Model, path: str, initial: Any, fields: Set[str]) -> Axis:
                 ) from None
             return Axis(path, program.output_units.get(path, ""), "start", starts[path])
         if path in inputs:
-            return Axis(path, program.inputs[inputs[path]].unit, "input", inputs[path])
+            source = program.inputs[inputs[path]]
+            return Axis(path, source.unit, "input", inputs[path], source.given_in)
         if "not unique" in str(unknown):
             raise
         if path in fields:
@@ -168,14 +170,14 @@ def _axis(model: Model, path: str, initial: Any, fields: Set[str]) -> Axis:
         raise UnknownNameError(f"there is no parameter, start value or input '{path}'{near}") from None
     if info.path in program.structural_paths:
         raise _structural(info.path)
-    return Axis(info.path, info.unit, "parameter", i)
+    return Axis(info.path, info.unit, "parameter", i, info.given_in)
 
 
 def _structural(path: str) -> ParameterError:
     return ParameterError(f"'{path}' is structural: make one study for each rig.set({{'{path}': ...}})")
 
 
-def _check_axes(model: Model, design: Design, axes: Sequence[Axis], s: Settings) -> None:
+def _check_axes(model: Model, points: Array, axes: Sequence[Axis], s: Settings) -> None:
     """Every value against the bounds of its parameter; nothing is given twice."""
     program = model.program
     fixed = {
@@ -186,7 +188,7 @@ def _check_axes(model: Model, design: Design, axes: Sequence[Axis], s: Settings)
     for i, axis in enumerate(axes):
         if axis.path in fixed[axis.kind] or axis in axes[:i]:
             raise ParameterError(f"'{axis.path}' is given twice: once to vary, once fixed or under another name")
-        low, high = float(design.points[:, i].min()), float(design.points[:, i].max())
+        low, high = float(points[:, i].min()), float(points[:, i].max())
         for value in (low, high):
             if axis.kind == "parameter":
                 p = program.parameters[axis.offset]

@@ -60,14 +60,14 @@ def _is_zero(c: Component, law: Law, inertia: Any, zeros: set[tuple[str, float]]
     for symbol in inertia.free_symbols:
         meaning = law.pool.roles[symbol]
         if meaning.role == "shared":
-            values[symbol] = meaning.of.name, meaning.of.value
+            values[symbol] = meaning.of.name, meaning.of.si
             continue
         if not numbers:
             numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
         value = numbers[meaning.of]
         if isinstance(value, Expr):
-            value = evaluate(value, lambda leaf: float(leaf.args[0].value))
-        values[symbol] = f"{c.path}.{meaning.of}", float(value.value if isinstance(value, Parameter) else value)
+            value = evaluate(value, lambda leaf: leaf.args[0].si)
+        values[symbol] = f"{c.path}.{meaning.of}", float(value.si if isinstance(value, Parameter) else value)
     if all(v != 0 for _, v in values.values()) and values:
         return False
     if inertia.xreplace({x: v for x, (_, v) in values.items()}) != 0:

@@ -103,12 +103,13 @@ class GearMesh(Block):
 
     def _radius_problems(self) -> Iterator[str]:
         assert self.r_base is not None
-        if len(self.r_base) != 2 or not all(isinstance(r, (int, float)) for r in self.r_base):
+        radii = [r for r in self.r_base if isinstance(r, (int, float))]
+        if len(radii) != 2 or len(self.r_base) != 2:
             yield f"r_base = {self.r_base!r} must be two numbers in m"
-        elif not isclose(self.r_base[0] * self.teeth[1], self.r_base[1] * self.teeth[0], rel_tol=1e-9):
+        elif not isclose(radii[0] * self.teeth[1], radii[1] * self.teeth[0], rel_tol=1e-9):
             yield (
                 f"r_base = {self.r_base!r} is not in the ratio of teeth = {self.teeth!r} "
-                f"(r2/r1 = {self.r_base[1] / self.r_base[0]:.10g}, z2/z1 = {self.teeth[1] / self.teeth[0]:.10g})"
+                f"(r2/r1 = {radii[1] / radii[0]:.10g}, z2/z1 = {self.teeth[1] / self.teeth[0]:.10g})"
             )
 
     def _geometry_problems(self) -> Iterator[str]:

@@ -49,7 +49,7 @@ class PlanetaryGear(Block):
     helix_angle: Value | None = param("helix angle", "rad", default=None, gt=-1.5, lt=1.5)
     planet_inertia: Value = param("inertia of one planet about its own axis", "kg m2", ge=0)
     planet_mass: Value | None = param("mass of one planet", "kg", default=None, ge=0)
-    ring_phase: float | None = option("ring mesh against sun mesh", "cycles", default=None)
+    ring_phase: float | None = option("ring mesh against sun mesh, in mesh cycles", default=None)
     sun_mesh: MeshLaw | None = effect("law of the sun's meshes", default=None)
     ring_mesh: MeshLaw | None = effect("law of the ring's meshes", default=None)
 
@@ -176,8 +176,10 @@ class PlanetaryGear(Block):
         teeth = int(self.z_sun) + int(self.z_planet)
         helix = 0.0 if self.helix_angle is None else self.helix_angle
         slant = cos(helix) if isinstance(helix, (int, float)) else _cos(helix)
-        radius = self.module * teeth / (2 * slant)
-        return self.planets * self.planet_mass * radius * radius
+        module: Any = self.module
+        mass: Any = self.planet_mass
+        radius = module * teeth / (2 * slant)
+        return self.planets * mass * radius * radius
 
     def physics(self, s: Any) -> Iterator[Contribution]:  # noqa: ARG002  its parts have the physics
         """None of its own."""

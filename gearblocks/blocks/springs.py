@@ -61,16 +61,19 @@ class Shaft(Block):
         elif self.segments == 1 and self.J is not None:
             yield "J needs segments > 1; a shaft of one segment has no inertia (put an Inertia beside it)"
 
+    def _numbers(self) -> tuple[Any, Any, Any]:
+        return self.k, self.c, self.J
+
     def parts(self) -> Parts | None:
         """The chain of springs and lumps, when there are segments."""
-        n = self.segments
-        if n == 1 or self.k is None or self.J is None:
+        n, k, c, J = self.segments, *self._numbers()
+        if n == 1 or k is None or J is None:
             return None
         blocks: dict[str, Block] = {}
         for i in range(n + 1):
-            blocks[f"lump[{i}]"] = Inertia(J=self.J / n / (2 if i in (0, n) else 1))
+            blocks[f"lump[{i}]"] = Inertia(J=J / n / (2 if i in (0, n) else 1))
         for i in range(1, n + 1):
-            spring = self.changed(segments=1, J=None, k=self.k * n, c=None if self.c is None else self.c * n)
+            spring = self.changed(segments=1, J=None, k=k * n, c=None if c is None else c * n)
             blocks[f"spring[{i}]"] = spring
         links = [((f"lump[{i - 1}]", "b"), (f"spring[{i}]", "a")) for i in range(1, n + 1)]
         links += [((f"spring[{i}]", "b"), (f"lump[{i}]", "a")) for i in range(1, n + 1)]

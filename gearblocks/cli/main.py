@@ -269,7 +269,7 @@ def _train(text: str, without: Sequence[str] = ()) -> Drivetrain:
     return rig.without(*without) if without else rig
 
 
-def _changed(rig: Drivetrain, changes: dict[str, float]) -> tuple[Model, dict[str, float]]:
+def _changed(rig: Drivetrain, changes: dict[str, float | str]) -> tuple[Model, dict[str, float | str]]:
     """The model with what is structural changed, and the rest of the changes, which need no other model."""
     from gearblocks.drivetrain import build
 
@@ -285,14 +285,18 @@ def _changed(rig: Drivetrain, changes: dict[str, float]) -> tuple[Model, dict[st
     return (build(rig.set(rest)) if rest else model), tuned
 
 
-def _assignment(text: str) -> tuple[str, float]:
+def _assignment(text: str) -> tuple[str, float | str]:
+    from gearblocks.language.units import is_quantity
+
     path, equals, value = text.partition("=")
     try:
         if equals and path.strip():
-            return path.strip(), float(value)
+            return path.strip(), value if is_quantity(value) else float(value)
     except ValueError:
         pass
-    raise ParameterError(f"--set {text}: what is asked for is path=number, for example --set mesh.k=1.5e8")
+    raise ParameterError(
+        f"--set {text}: what is asked for is path=number, for example --set mesh.k=1.5e8 or --set mesh.k=150MN/m"
+    )
 
 
 def _check_endings(out: Path | None, plot: Path | None) -> None:

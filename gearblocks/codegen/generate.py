@@ -19,7 +19,7 @@ from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.hoisted_terms import lay_out_terms
 from gearblocks.codegen.jacobian.matrix import linear_part
 from gearblocks.codegen.lanes import has_lanes, lane_values
-from gearblocks.codegen.layout import lay_out, padded
+from gearblocks.codegen.layout import input_info, lay_out, padded
 from gearblocks.codegen.mass_matrix import check_mobility, lay_out_mass, prescribed_motion_functions
 from gearblocks.codegen.massless_groups import lay_out_massless, massless_rows
 from gearblocks.codegen.operands import Assignment, Operand, Role
@@ -34,7 +34,7 @@ from gearblocks.codegen.output_names import (
     unknown_outputs,
 )
 from gearblocks.codegen.parts import FeedbackSignal
-from gearblocks.codegen.program import EnergyInfo, InputInfo, IntegralInfo, Program
+from gearblocks.codegen.program import EnergyInfo, IntegralInfo, Program
 from gearblocks.codegen.switched_constraints import constraint_torques, lay_out_switched_constraints, loss_offsets
 from gearblocks.codegen.switches import event_functions, lay_out_switches
 from gearblocks.codegen.symbol_names import Offsets
@@ -248,7 +248,7 @@ def _program(g: Generator, source: str, key: str, lanes: str) -> Program:
             g.integrals.append(IntegralInfo(g.assembly.starts[group].phi0, "angle", lay.angle0 + i))
     return Program(
         g.assembly.train.name, source, key, tuple(lay.parameters),
-        tuple(InputInfo(x.name, x.unit, x.start) for x in lay.inputs.values()), tuple(state_quantities(g)), tuple(g.switches),
+        tuple(map(input_info, lay.inputs.values())), tuple(state_quantities(g)), tuple(g.switches),
         g.outputs, tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
         tuple(start_infos(g)), g.assembly.structural, (*dependent_starts(g), *lossy_starts(g)),
         tuple(prescribed_starts(g)), tuple(unknown_outputs(g)), lanes,

@@ -11,11 +11,12 @@ from typing import Any, TypeAlias
 
 from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Assembly, Batch
-from gearblocks.codegen.program import ParameterInfo
+from gearblocks.codegen.program import InputInfo, ParameterInfo
 from gearblocks.language.block import given_start
 from gearblocks.language.fields import ANGLE, SPEED, Field
 from gearblocks.language.signals import Input, Parameter
-from gearblocks.train.translational import field_along, slider_names, start_name, unit_along, words_along
+from gearblocks.language.units import parse_unit, unit_along
+from gearblocks.train.translational import field_along, slider_names, start_name, words_along
 from gearblocks.train.values import leaves_of, numbers_of
 
 PAD = 8
@@ -116,9 +117,16 @@ def _parameters(lay: Layout) -> None:
     for name, parameter in sorted(lay.shared_objects.items()):
         lay.shared[name] = len(lay.parameters)
         gt, ge, lt, le = narrowest.get(name, (None, None, None, None))
-        spec = Field(f"parameter {name}", parameter.unit, "param", gt=gt, ge=ge, lt=lt, le=le)
-        _add(lay, name, spec, tunable=True)
+        unit = parse_unit(parameter.unit)
+        spec = Field(f"parameter {name}", unit.si, "param", gt=gt, ge=ge, lt=lt, le=le)
+        _add(lay, name, spec, tunable=True, given_in="" if unit.is_coherent else unit.text)
     _start_values(lay)
+
+
+def input_info(x: Input) -> InputInfo:
+    """The entry of an input."""
+    unit = parse_unit(x.unit)
+    return InputInfo(x.name, unit.si, x.si, "" if unit.is_coherent else unit.text)
 
 
 Bounds: TypeAlias = tuple[float | None, float | None, float | None, float | None]
@@ -144,13 +152,13 @@ def _narrowest(specs: list[Field]) -> Bounds:
     return max(gt, default=None), max(ge, default=None), min(lt, default=None), min(le, default=None)
 
 
-def _add(lay: Layout, path: str, spec: Field, *, tunable: bool, start: str = "") -> int:
+def _add(lay: Layout, path: str, spec: Field, *, tunable: bool, start: str = "", given_in: str = "") -> int:
     open_lower = spec.gt is not None and (spec.ge is None or spec.gt >= spec.ge)
     open_upper = spec.lt is not None and (spec.le is None or spec.lt <= spec.le)
     lower, upper = (spec.gt if open_lower else spec.ge), (spec.lt if open_upper else spec.le)
     lay.path_of[path] = len(lay.parameters)
     lay.parameters.append(
-        ParameterInfo(path, spec.unit, spec.words, lower, upper, tunable, start, open_lower, open_upper)
+        ParameterInfo(path, spec.unit, spec.words, lower, upper, tunable, start, open_lower, open_upper, given_in)
     )
     return len(lay.parameters) - 1
 

@@ -17,8 +17,9 @@ from gearblocks.codegen.program import (
     StartInfo,
 )
 from gearblocks.language.fields import ANGLE, SPEED
+from gearblocks.language.units import unit_along
 from gearblocks.train.graph import Component
-from gearblocks.train.translational import flange_names, slider_names, unit_along, words_along
+from gearblocks.train.translational import flange_names, slider_names, words_along
 
 
 def components_of(g: Generator, code: BatchCode) -> list[Component]:

@@ -25,7 +25,7 @@ class ParameterInfo(NamedTuple):
     """One entry of the parameter vector. `tunable` is False for start values, which are fixed once a run has begun.
 
     start: what a start value is of: "angle" or "speed" of a shaft, or "state" of a block. open_lower, open_upper: the
-    bound itself is no value of it (> lower, < upper).
+    bound itself is no value of it (> lower, < upper). given_in: the unit that values are given in, where that is none of SI.
     """
 
     path: str
@@ -37,14 +37,19 @@ class ParameterInfo(NamedTuple):
     start: str = ""
     open_lower: bool = False
     open_upper: bool = False
+    given_in: str = ""
 
 
 class InputInfo(NamedTuple):
-    """One entry of the input vector, with its unit and its value before anything is connected."""
+    """One entry of the input vector, with its unit and its value before anything is connected, both of SI.
+
+    given_in: the unit that values are given in, where that is none of SI.
+    """
 
     name: str
     unit: str
     start: float
+    given_in: str = ""
 
 
 class SwitchInfo(NamedTuple):

@@ -28,6 +28,7 @@ from gearblocks.language.fields import (
     param,
     signal,
 )
+from gearblocks.language.units import given, has_unit, is_quantity
 
 _TAKEN = {
     "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics",
@@ -75,6 +76,8 @@ class Declared:
             try:
                 if name in values:
                     value = _plain(values[name], spec.many)
+                    if type(value) not in _BARE and (spec.role in ("param", "signal") or spec.unit != "1"):
+                        value = _in_si(value, spec)
                     store[name] = value if spec.convert is None else spec.convert(value)
                 elif spec.required:
                     unit = "" if spec.unit == "1" else f", {spec.unit}"
@@ -108,6 +111,18 @@ class Declared:
     def problems(self) -> Iterator[str]:
         """Problems of the combination of values, each as one sentence without the block's name."""
         return iter(())
+
+
+_BARE = frozenset((float, int, bool, type(None)))
+
+
+def _in_si(value: Any, spec: Field) -> Any:
+    """A value of a field that brings its unit, as a number in SI; any other as it is."""
+    if isinstance(value, tuple):
+        return tuple(_in_si(v, spec.entry(i)) for i, v in enumerate(value))
+    if not has_unit(value) or (isinstance(value, str) and not is_quantity(value)):
+        return value
+    return given(value, spec.unit)
 
 
 _CALLED_STARTS = {"phi0": ANGLE, "s0": ANGLE, "w0": SPEED, "v0": SPEED}

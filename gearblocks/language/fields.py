@@ -7,11 +7,12 @@ What a field means is declared here, never read off its name. Knows nothing of b
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from gearblocks.errors import ModelError
 from gearblocks.language.expression import finite_number
+from gearblocks.language.units import declared, unit_of_entry
 
 
 class _Required:
@@ -58,6 +59,14 @@ class Field:
     start: str | None = None
     absence_of: str | None = None
     leading: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.unit != "1":
+            declared(f"'{self.words}'", unit_of_entry(self.unit, 1))
+
+    def entry(self, i: int) -> Field:
+        """The declaration of number i of a row."""
+        return self if "^-i" not in self.unit else replace(self, unit=unit_of_entry(self.unit, i))
 
     @property
     def required(self) -> bool:
@@ -142,4 +151,5 @@ class State:
     start: float = 0.0
 
     def __post_init__(self) -> None:
+        declared(f"State '{self.words}'", self.unit)
         object.__setattr__(self, "start", finite_number(f"State '{self.words}': start", self.start))

@@ -16,17 +16,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.errors import GearblocksError, ParameterError
-from gearblocks.language.expression import FUNCTIONS, Expr, as_expr, evaluate, finite_number
+from gearblocks.language.expression import FUNCTIONS, Expr, as_expr, evaluate
 from gearblocks.language.numpy_calls import numpy_call
-from gearblocks.language.units import check_unit
+from gearblocks.language.units import check_unit, in_unit, parse_unit
 
 time = Expr("time")  # time in s, for expressions
 twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft
 
-Value: TypeAlias = "float | Parameter | Expr"
+Value: TypeAlias = "float | str | Parameter | Expr"
 _NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 
-Signal: TypeAlias = "float | Parameter | Input | Table | Expr"
+Signal: TypeAlias = "float | str | Parameter | Input | Table | Expr"
 
 
 class _Leaf:
@@ -97,8 +97,9 @@ class _Leaf:
 class Parameter(_Leaf):
     """One tunable value that may stand in any numeric field or expression of a train.
 
-    name: how it is set; value: in `unit`, which is SI and radians, such as "N m/rad"; any other is refused. Two Parameters
-    of one name in a train must be equal.
+    name: how it is set; value: in `unit`, such as "N m/rad" or "rpm", and so are the values that a run gives it; a unit that
+    is not known is refused. si: the value in SI and radians, which laws read. Two Parameters of one name in a train must be
+    equal.
     """
 
     name: str
@@ -107,8 +108,13 @@ class Parameter(_Leaf):
 
     def __post_init__(self) -> None:
         _check_name("Parameter", self.name)
-        check_unit(f"Parameter '{self.name}'", self.unit)
-        object.__setattr__(self, "value", finite_number(f"Parameter '{self.name}': value", self.value))
+        what = f"Parameter '{self.name}'"
+        object.__setattr__(self, "value", in_unit(f"{what}: value", self.value, check_unit(what, self.unit)))
+
+    @property
+    def si(self) -> float:
+        """The value in SI and radians."""
+        return parse_unit(self.unit).in_si(self.value)
 
     def _expr_(self) -> Expr:
         return Expr("parameter", self)
@@ -118,7 +124,8 @@ class Parameter(_Leaf):
 class Input(_Leaf):
     """A value from outside: a number, Table or callable given to simulate, a variable of the FMU.
 
-    start: its value as long as nothing is connected, in `unit` (SI and radians). Inputs of one name are one input.
+    start: its value as long as nothing is connected, in `unit`, in which a run gives its values too. Inputs of one name are
+    one input.
     """
 
     name: str
@@ -127,8 +134,13 @@ class Input(_Leaf):
 
     def __post_init__(self) -> None:
         _check_name("Input", self.name)
-        check_unit(f"Input '{self.name}'", self.unit)
-        object.__setattr__(self, "start", finite_number(f"Input '{self.name}': start", self.start))
+        what = f"Input '{self.name}'"
+        object.__setattr__(self, "start", in_unit(f"{what}: start", self.start, check_unit(what, self.unit)))
+
+    @property
+    def si(self) -> float:
+        """The start value in SI and radians."""
+        return parse_unit(self.unit).in_si(self.start)
 
     def _expr_(self) -> Expr:
         return Expr("input", self)
@@ -246,6 +258,6 @@ def sense(path: str) -> Expr:
 def constant_value(x: Any) -> float:
     """The number of a number, a Parameter or an expression of Parameters; NaN where it has none."""
     try:
-        return evaluate(as_expr(x), lambda leaf: float(leaf.args[0].value))
+        return evaluate(as_expr(x), lambda leaf: float(leaf.args[0].si))
     except (ArithmeticError, AttributeError, ValueError, TypeError):
         return math.nan

@@ -1,20 +1,24 @@
-"""Units: SI and radians. Their text is read, never guessed."""
+"""Units: SI and radians inside, and a closed list of others that values may be given in. Their text is read, never guessed."""
 
 from __future__ import annotations
 
 import math
 import re
-from typing import Any, overload
+from fractions import Fraction
+from functools import cache
+from types import MappingProxyType
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.errors import ParameterError
+from gearblocks.language.expression import finite_number
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 """The base units of FMI, in its order."""
 
-_NAMED: dict[str, dict[str, int]] = {
+_SI: dict[str, dict[str, int]] = {
     **{name: {name: 1} for name in BASE},
     "N": {"kg": 1, "m": 1, "s": -2},
     "Pa": {"kg": 1, "m": -1, "s": -2},
@@ -30,55 +34,285 @@ _NAMED: dict[str, dict[str, int]] = {
     "T": {"kg": 1, "s": -2, "A": -1},
     "H": {"kg": 1, "m": 2, "s": -2, "A": -2},
 }
-_FACTOR = re.compile(r"([A-Za-z]+)\^?([+-]?\d+)?")
+"""Coherent units of SI: a value in them is taken as it stands."""
+_PREFIXES = {
+    "T": 12, "G": 9, "M": 6, "k": 3, "h": 2, "da": 1, "d": -1, "c": -2, "m": -3, "u": -6, "n": -9, "p": -12,
+}  # fmt: skip
+"""Powers of ten before units of SI, g and l."""
+_POUND, _GRAVITY, _INCH = Fraction("0.45359237"), Fraction("9.80665"), Fraction("0.0254")
+_OTHERS: dict[str, tuple[Fraction, int, str]] = {
+    "g": (Fraction(1, 1000), 0, "kg"),
+    "t": (Fraction(1000), 0, "kg"),
+    "l": (Fraction(1, 1000), 0, "m3"),
+    "Nm": (Fraction(1), 0, "N m"),
+    "min": (Fraction(60), 0, "s"),
+    "h": (Fraction(3600), 0, "s"),
+    "rpm": (Fraction(2, 60), 1, "rad/s"),
+    "rev": (Fraction(2), 1, "rad"),
+    "deg": (Fraction(1, 180), 1, "rad"),
+    "arcmin": (Fraction(1, 10800), 1, "rad"),
+    "arcsec": (Fraction(1, 648000), 1, "rad"),
+    "%": (Fraction(1, 100), 0, "1"),
+    "bar": (Fraction(100000), 0, "Pa"),
+    "PS": (75 * _GRAVITY, 0, "W"),
+    "hp": (550 * 12 * _INCH * _POUND * _GRAVITY, 0, "W"),
+    "in": (_INCH, 0, "m"),
+    "ft": (12 * _INCH, 0, "m"),
+    "mi": (63360 * _INCH, 0, "m"),
+    "mph": (63360 * _INCH / 3600, 0, "m/s"),
+    "kph": (Fraction(1000, 3600), 0, "m/s"),
+    "lb": (_POUND, 0, "kg"),
+    "lbf": (_POUND * _GRAVITY, 0, "N"),
+    "psi": (_POUND * _GRAVITY / _INCH**2, 0, "Pa"),
+}
+"""Other units: how many of the SI unit behind them, as a fraction and a power of pi."""
+_PREFIXED = {*_SI, "g", "l", "Nm"} - {"kg", "Ohm"}
+_FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?([+-]?\d+))?")
+_NESTED = re.compile(r"\([^)]*/")
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*")
+_POWERS = re.compile(r"(.*)\((\w+)/(\w+)\)\^-i")
+_SIGNS = str.maketrans({
+    "\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{DEGREE SIGN}": "deg", "\N{OHM SIGN}": "ohm",
+    "\N{GREEK CAPITAL LETTER OMEGA}": "ohm", "·": " ", "⋅": " ", "*": " ", "²": "2", "³": "3", "−": "-",
+    "(": " ", ")": " ", "\N{NO-BREAK SPACE}": " ",
+})  # fmt: skip
+
+
+class Unit(NamedTuple):
+    """A unit as it was written: one of it is ratio * pi^turns of `si`, which reads alike and is coherent.
+
+    exponents: of the base units, zeros left out. cycles: how often it counts whole cycles, as Hz does.
+    """
+
+    text: str
+    ratio: Fraction
+    turns: int
+    si: str
+    exponents: MappingProxyType[str, int]
+    cycles: int
+
+    @property
+    def factor(self) -> float:
+        """SI units in one of it."""
+        return float(self.ratio) * math.pi**self.turns
+
+    @property
+    def is_coherent(self) -> bool:
+        """Whether a value in it is one in SI."""
+        return self.ratio == 1 and self.turns == 0
+
+    def in_si(self, value: float) -> float:
+        """A value in SI; the digits of the value are taken as decimals, so that 0.1 mm is 1e-4 m."""
+        if self.is_coherent or not math.isfinite(value):
+            return value
+        return float(Fraction(repr(float(value))) * self.ratio) * math.pi**self.turns
+
+    def of_si(self, value: float) -> float:
+        """A value of SI in this unit."""
+        if self.is_coherent or not math.isfinite(value):
+            return value
+        return float(Fraction(repr(float(value) / math.pi**self.turns)) / self.ratio)
+
+    def measures(self, other: Unit) -> bool:
+        """Whether both measure the same. A radian counts as 1; a cycle is none of both."""
+        mine, others = ({b: n for b, n in unit.exponents.items() if b != "rad"} for unit in (self, other))
+        angles = self.exponents.get("rad", 0) == other.exponents.get("rad", 0)
+        return mine == others and (angles or self.cycles == other.cycles)
+
+
+@cache
+def parse_unit(text: str) -> Unit:
+    """The unit that a text stands for. Factors are separated by blanks; everything after a slash divides ("W/m2 K" is
+    W m-2 K-1); "m2", "m^2" and "s-2" are powers; "" and "1" are the number one. Raises ParameterError for any other text.
+    """
+    if _NESTED.search(text):
+        raise ParameterError(f"unit '{text}': write it with one slash and without brackets, such as 'N m s/rad'")
+    plain = text.translate(_SIGNS)
+    factors = [
+        (*_factor(word, text), 1 if position == 0 else -1)
+        for position, part in enumerate(plain.split("/")) for word in part.split() if word != "1"
+    ]  # fmt: skip
+    ratio, turns, cycles, exponents = Fraction(1), 0, 0, dict.fromkeys(BASE, 0)
+    for one, power, sign in factors:
+        ratio, turns, cycles = (
+            ratio * one.ratio ** (sign * power), turns + sign * power * one.turns, cycles + sign * power * one.cycles
+        )  # fmt: skip
+        for base, exponent in one.exponents.items():
+            exponents[base] += sign * power * exponent
+    si = text if plain == text and all(one.text in _SI for one, _, _ in factors) else _si_text(factors)
+    return Unit(text, ratio, turns, si, MappingProxyType({b: n for b, n in exponents.items() if n}), cycles)
+
+
+def _factor(word: str, text: str) -> tuple[Unit, int]:
+    """One factor such as "kN" or "s-2": the unit, and its power."""
+    match = _FACTOR.fullmatch(word)
+    one = None if match is None else _named(match[1])
+    if match is None or one is None:
+        raise ParameterError(f"unit '{text}': '{word}' is no unit known here; known are {known_units()}")
+    return one, int(match[2] or 1)
+
+
+@cache
+def _named(name: str) -> Unit | None:
+    if name in _SI:
+        return Unit(name, Fraction(1), 0, name, MappingProxyType(_SI[name]), int(name == "Hz"))
+    if name in _OTHERS:
+        ratio, turns, si = _OTHERS[name]
+        return Unit(name, ratio, turns, si, parse_unit(si).exponents, 0)
+    for prefix, power in _PREFIXES.items():
+        one = _named(name.removeprefix(prefix)) if name.removeprefix(prefix) in _PREFIXED else None
+        if one is not None and name.startswith(prefix):
+            return one._replace(text=name, ratio=one.ratio * Fraction(10) ** power)
+    return None
+
+
+def _si_text(factors: list[tuple[Unit, int, int]]) -> str:
+    """The coherent unit behind factors with their powers: numerator (1) or denominator (-1), as they were written."""
+    lines: dict[int, list[str]] = {1: [], -1: []}
+    for one, power, sign in factors:
+        for below, words in enumerate(one.si.split("/")):
+            for name, exponent in _FACTOR.findall(words):
+                total = power * int(exponent or 1)
+                lines[-sign if below else sign].append(name if total == 1 else f"{name}{total}")
+    above = " ".join(lines[1]) or "1"
+    return f"{above}/{' '.join(lines[-1])}" if lines[-1] else above
+
+
+def known_units() -> str:
+    """The units that are read, for messages."""
+    return f"{', '.join(_SI)} (with prefixes: kN, mm, um, MPa), {', '.join(_OTHERS)}, joined as in 'N m/rad' or 'kg m2'"
 
 
 def base_exponents(unit: str) -> dict[str, int]:
     """Exponents of the SI base units (and rad), zeros left out: "N m/rad" gives kg 1, m 2, s -2, rad -1.
 
-    Factors are separated by blanks; everything after a slash divides ("W/m2 K" is W m-2 K-1); "m2", "m^2" and "s-2" are
-    powers; "" and "1" are the number one. Raises ParameterError for text that is no SI unit known here.
+    Raises ParameterError for text that is no unit known here.
     """
-    total: dict[str, int] = {}
-    for position, part in enumerate(unit.replace("(", " ").replace(")", " ").replace("*", " ").split("/")):
-        for word in part.split():
-            for base, power in _powers(word, unit).items():
-                total[base] = total.get(base, 0) + (power if position == 0 else -power)
-    return {base: total[base] for base in BASE if total.get(base, 0) != 0}
+    return dict(parse_unit(unit).exponents)
 
 
-_WAYS_OUT = {
-    "rpm": "give the value as gb.rpm(...) with the unit 'rad/s'",
-    "deg": "give the value in radians with the unit 'rad'",
-    "Nm": "write 'N m' with a blank",
-}
-
-
-def check_unit(what: str, unit: Any) -> None:
-    """Raises ParameterError where a unit is not text, or no SI unit: its value would be taken as it stands."""
+def check_unit(what: str, unit: Any) -> Unit:
+    """The unit of a value. Raises ParameterError where it is not text, or none that is known here."""
     if not isinstance(unit, str):
         raise ParameterError(f"{what}: unit = {unit!r} must be text such as 'N m'")
     try:
-        base_exponents(unit)
-    except ParameterError:
-        way = next(
-            (words for word, words in _WAYS_OUT.items() if word in unit), "give the value in SI units and radians"
-        )
-        known = ", ".join(_NAMED)
+        return parse_unit(unit)
+    except ParameterError as error:
+        raise ParameterError(f"{what}: {error}") from None
+
+
+def in_unit(what: str, value: Any, unit: Unit) -> float:
+    """A finite number in a unit: a plain one is in it, one that brings a unit is converted."""
+    if has_unit(value):
+        return unit.of_si(number_in_si(what, value, unit.text))
+    return finite_number(what, value)
+
+
+def declared(what: str, unit: Any) -> Unit:
+    """The unit that a block declares. Raises ParameterError where values in it are none in SI, as a bare number is."""
+    found = check_unit(what, unit)
+    if not found.is_coherent:
         raise ParameterError(
-            f"{what}: unit '{unit}' is none that values are taken in ({known}; 'N m/rad', 'kg m2'): {way}"
-        ) from None
+            f"{what}: unit '{unit}': declare it in SI, '{found.si}'; values may be given in {unit} then"
+        )
+    return found
 
 
-def _powers(word: str, unit: str) -> dict[str, int]:
-    """Base exponents of one factor such as "N" or "s-2"."""
-    if word == "1":
-        return {}
-    match = _FACTOR.fullmatch(word)
-    if match is None or match[1] not in _NAMED:
-        raise ParameterError(f"unit '{unit}': '{word}' is no SI unit known here; write it in {', '.join(_NAMED)}")
-    power = int(match[2] or 1)
-    return {base: exponent * power for base, exponent in _NAMED[match[1]].items()}
+def unit_of_entry(unit: str, i: int) -> str:
+    """The unit of number i of a row of coefficients: "N m (rad/s)^-i" stands for N m, N m s/rad, N m s2/rad2."""
+    match = _POWERS.fullmatch(unit)
+    if match is None or i == 0:
+        return unit if match is None else match[1].strip()
+    power = "" if i == 1 else str(i)
+    return f"{match[1]}{match[3]}{power}/{match[2]}{power}"
+
+
+def unit_along(unit: str, slides: bool) -> str:
+    """The unit on a slider of what a flange that takes both declares for a turning one: N m/rad becomes N/m."""
+    return unit.replace("N m", "N").replace("rad", "m") if slides else unit
+
+
+class Given(float):
+    """A number in SI that was given in a unit: of a shaft or of a slider, whichever its block turns out to be."""
+
+    __slots__ = ("unit",)
+    unit: str
+
+    def __new__(cls, number: float, unit: str) -> Given:
+        made = super().__new__(cls, number)
+        made.unit = unit
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Given, (float(self), self.unit)
+
+
+def given(value: Any, unit: str) -> Given:
+    """A value that brings its unit, for a field in `unit`, or on a slider in what that becomes there."""
+    wanted = parse_unit(unit)
+    number, found = _read(_shown(value), value, wanted)
+    if not found.measures(parse_unit(unit_along(unit, True))):
+        same_measure(_shown(value), found, wanted)
+    return Given(found.in_si(number), found.text)
+
+
+def same_measure(what: str, given: Unit, wanted: Unit) -> None:
+    """ParameterError where a unit measures something else than what is wanted."""
+    if not given.measures(wanted):
+        cycles = "; a frequency in Hz counts cycles: give rad/s or rpm" if given.cycles != wanted.cycles else ""
+        raise ParameterError(
+            f"{what} is in {given.text or '1'} ({given.si or '1'}), but what belongs here is in {wanted.text or '1'}{cycles}"
+        )
+
+
+def has_unit(value: Any) -> bool:
+    """Whether a value brings its unit: text, or a quantity of a package for units (pint: with `magnitude` and `units`)."""
+    return isinstance(value, str) or (hasattr(value, "magnitude") and hasattr(value, "to_base_units"))
+
+
+def is_quantity(text: str) -> bool:
+    """Whether a text is a number and something behind it, which may be its unit."""
+    return all(_parts(text))
+
+
+def _parts(text: str) -> tuple[str, str]:
+    """The number that a text begins with, and what is behind it."""
+    plain = text.translate(_SIGNS)
+    match = _NUMBER.match(plain)
+    return ("", plain) if match is None else (match[1], plain[match.end() :].strip())
+
+
+def number_in_si(what: str, value: Any, unit: str) -> float:
+    """The number in SI of a value that brings its unit, such as "200 MN/m". unit: what belongs there.
+
+    Raises ParameterError, which names both, where the value measures something else.
+    """
+    wanted = parse_unit(unit)
+    what = f"{what} = {_shown(value)}"
+    number, found = _read(what, value, wanted)
+    same_measure(what, found, wanted)
+    return found.in_si(number)
+
+
+def _shown(value: Any) -> str:
+    return f"{value!r:.80}" if isinstance(value, str) else str(value)
+
+
+def _text(units: Any) -> str:
+    """Units of pint in our words."""
+    return format(units, "~C").replace("**", "^")
+
+
+def _read(what: str, value: Any, wanted: Unit) -> tuple[float, Unit]:
+    if not isinstance(value, str):
+        base = value.to_base_units()  # SI, angles in radians; Hz becomes 1/s
+        unit = check_unit(what, _text(base.units))
+        return float(base.magnitude), unit._replace(cycles=unit.cycles + ("Hz" in _text(value.units)))
+    number, behind = _parts(value)
+    if not (number and behind):
+        example = f"'3 {wanted.text}'" if wanted.text not in ("", "1") else "3"
+        raise ParameterError(f"{what} must be a number, or text of a number with its unit such as {example}")
+    return float(number), check_unit(what, behind)
 
 
 @overload

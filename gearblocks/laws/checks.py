@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from gearblocks.errors import GearblocksError, ModelError, did_you_mean
+from gearblocks.errors import GearblocksError, ModelError, ParameterError, did_you_mean
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import (
     Acts,
@@ -35,6 +35,7 @@ from gearblocks.language.contributions import (
 )
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import Flange
+from gearblocks.language.units import declared
 from gearblocks.laws.symbols import CONSTANT, FlangeSymbols, Pool, Symbols
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
@@ -234,8 +235,10 @@ class _Check:
         yield from self.named(item, sound)
         if isinstance(item.name, str) and not _WORD.fullmatch(item.name):
             yield f"the name '{item.name}' must be a word of letters, digits and '_'"
-        if not isinstance(item.unit, str):
-            yield f"unit = {item.unit!r} must be text such as 'N m'"
+        try:
+            declared(f"output '{item.name}'", item.unit)
+        except ParameterError as error:
+            yield str(error)
 
     # -- what they share ------------------------------------------------------------------------------------------------
 

@@ -111,7 +111,7 @@ def _values(train: Train) -> tuple[dict[str, float], set[str]]:
             problems[f"{leaf!r} has the name of the parameter '{name}' of a block; give it another name"] = None
     if problems:
         raise ModelError(list(problems))
-    values.update({name: leaf.value for name, leaf in shared.items() if isinstance(leaf, Parameter)})
+    values.update({name: leaf.si for name, leaf in shared.items() if isinstance(leaf, Parameter)})
     return values, set(shared)
 
 

@@ -27,7 +27,7 @@ def start_of(block: Block, of: str) -> float | None:
     value = given_start(block, of)
     if isinstance(value, Expr):
         return evaluate(value, parameter_value)
-    value = getattr(value, "value", value)
+    value = getattr(value, "si", value)
     return float(value) if isinstance(value, (int, float)) else None
 
 
@@ -35,7 +35,7 @@ def parameter_value(leaf: Expr) -> float:
     """The value of a Parameter in a start value. ModelError for anything else."""
     if leaf.op != "parameter":
         raise ModelError(f"a start value cannot depend on '{leaf}'; use numbers and Parameters")
-    return float(leaf.args[0].value)
+    return float(leaf.args[0].si)
 
 
 def contradictions(program: Program, train: Train) -> Iterator[str]:

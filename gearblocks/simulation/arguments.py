@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearblocks.codegen.program import Program
+from gearblocks.codegen.program import InputInfo, ParameterInfo, Program
 from gearblocks.errors import ParameterError, UnknownNameError, by_name, did_you_mean
 from gearblocks.language.expression import finite_number
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Table
+from gearblocks.language.units import has_unit, number_in_si, parse_unit
 from gearblocks.simulation.records import NamedValues
 from gearblocks.simulation.trajectory import Trajectory, matches
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
 
-InputSource: TypeAlias = "float | Table | Callable[[float], float]"
+InputSource: TypeAlias = "float | str | Table | Callable[[float], float]"
 STATIC = ("static", "static_at_start")
 METHODS = {method.name.lower(): method for method in Method if method is not Method.AUTO}
 METHOD_NAMES = tuple(method.name.lower() for method in Method)
@@ -144,7 +146,7 @@ def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
     raise UnknownNameError(f"there is no {what} '{wanted}'{did_you_mean(wanted, names)}")
 
 
-def parameter_vector(program: Program, values: Array, changed: Mapping[str, float], initial: Any) -> Array:
+def parameter_vector(program: Program, values: Array, changed: Mapping[str, float | str], initial: Any) -> Array:
     """The parameter vector with changed parameters and start values, not to be written to."""
     if not changed and initial is None and isinstance(changed, dict):
         return values
@@ -166,7 +168,7 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
                 f"'{info.path}' enters a ratio, which is structural: make a new train with rig.set(...)"
             )
         bounds = (info.lower, info.upper, info.open_lower, info.open_upper)
-        result[i] = checked(info.path, value, info.unit, *bounds)
+        result[i] = checked(info.path, number_of(info.path, value, info), info.unit, *bounds)
     if isinstance(initial, Mapping):
         if initial:
             _initial(program, result, initial)
@@ -178,12 +180,19 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
     return result
 
 
+def number_of(name: str, value: Any, info: ParameterInfo | InputInfo) -> Any:
+    """A value in SI: it brings its unit, or is in that in which values are given; else it is left as it is."""
+    if has_unit(value):
+        return number_in_si(name, value, info.unit)
+    return parse_unit(info.given_in).in_si(finite_number(name, value)) if info.given_in else value
+
+
 def is_static(initial: Any) -> bool:
     """Whether a start asks for the equilibrium."""
     return isinstance(initial, str) and initial in STATIC
 
 
-def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> None:
+def _initial(program: Program, result: Array, initial: Mapping[str, float | str]) -> None:
     starts = program.start_numbers
     dependents = {f.name: f for f in program.dependent_starts if f.of in (ANGLE, SPEED)}
     initial = dict(initial)
@@ -191,14 +200,15 @@ def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> N
     given: dict[int, tuple[str, float]] = {}
     for name, value in initial.items():
         info = program.starts[resolve(name, starts, "initial value")]
-        number = checked(info.name, value, "", None, None) * info.factor
+        number = checked(info.name, _start_number(program, info.name, value), "", None, None) * info.factor
         before = given.setdefault(info.offset, (name, number))
         if abs(before[1] - number) > 1e-12 * max(abs(number), abs(before[1])):
             raise ParameterError(
                 f"the initial values of '{before[0]}' and '{name}' contradict each other through their ties"
             )
         result[info.offset] = number
-    for dependent, value in asked.items():
+    for dependent, wanted in asked.items():
+        value = _start_number(program, dependent.name, wanted)
         follows = sum(f * result[i] for i, f in zip(dependent.offsets, dependent.factors, strict=True))
         if abs(follows - value) > 1e-9 * max(abs(value), abs(follows)):
             names = ", ".join(program.parameters[i].path for i in dependent.offsets)
@@ -206,6 +216,10 @@ def _initial(program: Program, result: Array, initial: Mapping[str, float]) -> N
                 f"initial: '{dependent.name}' = {value!r} contradicts the {follows:.9g} that follows from {names} through "
                 f"its ties: give those"
             )
+
+
+def _start_number(program: Program, name: str, value: Any) -> Any:
+    return number_in_si(name, value, program.output_units.get(name, "1")) if has_unit(value) else value
 
 
 def checked(
@@ -230,6 +244,8 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
     for name, source in by_name("inputs", sources).items():
         i = resolve(name, names, "input")
         info = program.inputs[i]
+        if info.given_in and (isinstance(source, Table) or callable(source)):
+            source = _converted(source, parse_unit(info.given_in).factor)
         if isinstance(source, Table):
             period = float(source.x[-1] - source.x[0]) if source.periodic else 0.0
             kind = {"linear": Kind.LINEAR, "step": Kind.STEP, "cubic": Kind.CUBIC}[source.kind]
@@ -237,7 +253,15 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
         elif callable(source):
             sim.set_function(i, source)
         else:
-            sim.inputs[i] = checked(f"input '{info.name}'", source, info.unit, None, None)
+            what = f"input '{info.name}'"
+            sim.inputs[i] = checked(what, number_of(what, source, info), info.unit, None, None)
+
+
+def _converted(source: Table | Callable[[float], float], factor: float) -> Table | Callable[[float], float]:
+    """A source of values that are not in SI, in SI."""
+    if isinstance(source, Table):
+        return replace(source, y=factor * np.asarray(source.y))
+    return lambda t: factor * source(t)
 
 
 def start_state(program: Program, initial: Any) -> Array | None:

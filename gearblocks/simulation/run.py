@@ -53,7 +53,7 @@ def run_model(
     model: Model, *, t_end: float | None = None, t: ArrayLike | None = None, t_start: float | None = None,
     method: str = "auto", rtol: float = 1e-6, step: float | None = None, max_step: float | None = None,
     locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
-    parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | Trajectory | str | None = None,
+    parameters: Mapping[str, float | str] | None = None, initial: Mapping[str, float | str] | Trajectory | str | None = None,
     outputs: str | Sequence[str] = "*", progress: Callable[[float], None] | None = None,
     residual: float | None = None,
 ) -> Trajectory:  # fmt: skip

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearblocks.errors import GearblocksError, UnknownNameError, did_you_mean
+from gearblocks.language.units import check_unit, same_measure
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import Event, Events
@@ -169,6 +170,15 @@ class Trajectory:
 
     def __len__(self) -> int:
         return len(self._columns)
+
+    def to(self, name: str, unit: str) -> Array:
+        """An output in a unit of its measure, shape of `t`: run.to("mesh.deflection", "um").
+
+        Raises ParameterError for a unit that is not known or measures something else, UnknownNameError as run[name] does.
+        """
+        values, wanted = self[name], check_unit(f"'{name}'", unit)
+        same_measure(f"'{name}'", check_unit(f"'{name}'", "s" if name == "t" else self.units[name]), wanted)
+        return values / wanted.factor
 
     def find(self, *patterns: str) -> tuple[str, ...]:
         """Names that match any of the patterns, in the order of the run; `*` crosses dots.

@@ -14,6 +14,7 @@ from gearblocks.language.expression import Expr
 from gearblocks.train.disjoint_sets import DisjointSets
 from gearblocks.train.nesting import localised
 from gearblocks.train.translational import sliders_of, sliding_nodes
+from gearblocks.train.values import unit_problems
 
 GROUND = -1
 """The node number of a flange that means the ground because nothing is connected to it."""
@@ -137,4 +138,7 @@ def _number(tree: Tree, parts: _Parts, complete: bool) -> Train:
     if not components:
         raise ModelError(f"the drivetrain '{tree.name}' is empty: add blocks")
     flat = tuple(Component(*c, *(sliders_of(c[1], c[2], sliding) if sliding else ())) for c in components)
+    wrong = [problem for c in flat for problem in unit_problems(c.path, c.block, c.slides)]
+    if wrong:
+        raise ModelError(wrong)
     return Train(tree.name, flat, len(numbers), tree.coordinates)

@@ -12,6 +12,7 @@ from typing import Protocol, TypeAlias
 
 from gearblocks.language.block import Block, start_fields
 from gearblocks.language.fields import SPEED, Field
+from gearblocks.language.units import unit_along
 from gearblocks.train.disjoint_sets import DisjointSets
 
 Ends: TypeAlias = "tuple[str, Block, Sequence[int]]"  # path, block, and the node of each flange (below 0: the ground)
@@ -65,11 +66,6 @@ def slider_names(components: Iterable[Placed]) -> set[str]:
 def flange_names(slides: bool) -> tuple[str, str, str, str]:
     """Names of angle, speed, torque and power among the outputs of a flange."""
     return ("s", "v", "f", "power") if slides else ("phi", "w", "tau", "power")
-
-
-def unit_along(unit: str, slides: bool) -> str:
-    """The unit on a slider of what a flange that takes both declares for a turning one: N m/rad becomes N/m."""
-    return unit.replace("N m", "N").replace("rad", "m") if slides else unit
 
 
 def words_along(words: str, slides: bool) -> str:

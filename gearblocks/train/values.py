@@ -17,6 +17,7 @@ from gearblocks.language.expression import Expr
 from gearblocks.language.fields import Field
 from gearblocks.language.signals import Input, Parameter, Table, constant_value
 from gearblocks.language.tables import Table2
+from gearblocks.language.units import Given, parse_unit, unit_along
 
 _PLAIN = frozenset((float, int, bool, str, type(None)))
 
@@ -32,7 +33,7 @@ def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
             continue
         elif isinstance(value, tuple):
             for i, v in enumerate(value[: field.leading]):
-                yield f"{prefix}{name}[{i}]", v, field
+                yield f"{prefix}{name}[{i}]", v, field.entry(i)
         elif field.role != "effect" and not isinstance(value, str):
             yield prefix + name, value, field
 
@@ -81,11 +82,23 @@ def _field_problems(owner: Declared, prefix: str) -> Iterator[str]:
         elif field.many and not isinstance(value, tuple):
             yield f"{prefix}{name} = {value!r:.80} must be a row of numbers such as ({value!r:.40},)"
         elif field.many:
-            yield from filter(None, (_problem(f"{prefix}{name}[{i}]", v, field) for i, v in enumerate(value)))
+            yield from filter(None, (_problem(f"{prefix}{name}[{i}]", v, field.entry(i)) for i, v in enumerate(value)))
         elif not (isinstance(value, str) and value in (field.default, "angle")):  # the effect itself judges "angle"
             problem = _problem(prefix + name, value, field)
             if problem:
                 yield problem
+
+
+def unit_problems(path: str, block: Block, slides: bool) -> Iterator[str]:
+    """Values that were given in a unit of something else than what their field is, on a shaft or on a slider."""
+    if _PLAIN.issuperset(map(type, block.__dict__.values())):
+        return
+    for name, value, field in numbers_of(block, ""):
+        unit = value.unit if isinstance(value, (Given, Parameter, Input)) else "1"
+        wanted = unit_along(field.unit, slides)
+        if unit not in ("", "1") and not parse_unit(unit).measures(parse_unit(wanted)):
+            along = " on a slider" if wanted != field.unit else ""
+            yield f"{type(block).__name__} '{path}': {name} is given in {unit}, but what belongs here is in {wanted}{along}"
 
 
 def _effect_problem(owner: Declared, name: str, value: Any) -> str:

@@ -43,7 +43,7 @@ def _refused(act: Callable[[], Any], *words: str) -> None:
     ("one", "other", "words"),
     [
         (gb.Parameter("P", 1.0), gb.Parameter("P", 2.0), "the name 'P' stands for"),
-        (gb.Parameter("P", 1.0, "N m"), gb.Parameter("P", 1.0, "m"), "the name 'P' stands for"),
+        (gb.Parameter("P", 1.0, "N m"), gb.Parameter("P", 1.0, "J"), "the name 'P' stands for"),
         (gb.Parameter("P", 1.0), gb.Input("P", 1.0), "the name 'P' stands for"),
         (gb.Input("P", 1.0), gb.Input("P", 2.0), "the name 'P' stands for"),
         (gb.Input("P", 1.0), gb.Input("P", 1.0, "N m"), "the name 'P' stands for"),
