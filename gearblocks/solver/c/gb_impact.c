@@ -144,12 +144,20 @@ static void slips_after(gb_sim *sim) {
     }
 }
 
+/* The slip of lock i, which is bounded, has just come to zero. */
+static int ends_slip(const gb_sim *sim, int i) {
+    const gb_constraint *constraint = &sim->model->constraints[i];
+    return constraint->kind == GB_FRICTION && !gb_is_unbounded(sim, i) && gb_is_engaged(sim, i) &&
+           sim->events.pending[constraint->slip] != 0.0;
+}
+
 /* What the impulses of a round did: which constraints were struck, and the largest slip at which they were. */
 static void note_round(gb_sim *sim, const double *impulse, const double *before) {
     const gb_delassus W = gb_delassus_of(sim);
     for (int i = 0; i < sim->model->n_constraints; i++) {
         const double rounding = sim->constraints.slip_rounding[i], own = fabs(impulse[i]) * gb_delassus_diagonal(&W, i);
-        if (!(fabs(before[i]) > rounding && own > 1e-6 * fabs(before[i]) && fabs(impulse[i]) > 0.0)) {
+        if (!(fabs(before[i]) > rounding && own > 1e-6 * fabs(before[i]) && fabs(impulse[i]) > 0.0) ||
+            ends_slip(sim, i)) {
             continue;
         }
         if (gb_is_stop(sim, i) || gb_is_unbounded(sim, i) || !gb_is_active(sim, i)) {
@@ -171,6 +179,26 @@ static void leave_out(gb_sim *sim, int *left) {
         }
     }
     *left += any;
+}
+
+/* What takes part where flights on a stop end as the slip of a lock does: each would throw the other off by a part of
+ * what is left, in a cascade of both that nothing is seen of. They come to rest as one. */
+static void end_together(gb_sim *sim) {
+    double *b = sim->constraints.right;
+    int ends = 0;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        const double slip = sim->constraints.slip[i];
+        ends |= sim->constraints.in[i] && gb_is_stop(sim, i) && sim->constraints.bounds[5 * i + 2] > 0.0 &&
+                slip < -sim->constraints.slip_rounding[i] && b[i] == slip;
+    }
+    for (int i = 0; i < sim->model->n_constraints && ends; i++) {
+        if (!sim->constraints.in[i] && ends_slip(sim, i)) {
+            sim->constraints.in[i] = 1;
+            sim->constraints.lo[i] = -HUGE_VAL;
+            sim->constraints.hi[i] = HUGE_VAL;
+            b[i] = sim->constraints.slip[i];
+        }
+    }
 }
 
 /* Which constraints take part in the next round of an impact, and the one that is hit hardest, or -1 where none is.
@@ -195,6 +223,9 @@ static int find_hit(gb_sim *sim, int round, int *left) {
     }
     if (hit >= 0 && *left <= LEAVING_ROUNDS) {
         leave_out(sim, left);
+    }
+    if (hit >= 0) {
+        end_together(sim);
     }
     return hit;
 }

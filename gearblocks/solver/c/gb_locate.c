@@ -146,8 +146,9 @@ int gb_locate(gb_sim *sim, double *theta) {
         first = look_again(sim);
     }
     if (code == GB_DONE && first <= 1.0) {
+        const double last = gb_min(first + tolerance, 1.0); /* steps may be shorter than time is told */
         for (int i = 0; i < model->n_event_functions; i++) {
-            sim->events.pending[i] = sim->events.located[i] <= first + tolerance ? sim->events.side[i] : 0.0;
+            sim->events.pending[i] = sim->events.located[i] <= last ? sim->events.side[i] : 0.0;
         }
     }
     *theta = first;
