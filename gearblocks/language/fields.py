@@ -62,7 +62,7 @@ class Field:
 
     def __post_init__(self) -> None:
         if self.unit != "1":
-            declared(f"'{self.words}'", unit_of_entry(self.unit, 1))
+            declared(f"'{self.words}'", unit_of_entry(self.unit, 1) if isinstance(self.unit, str) else self.unit)
 
     def entry(self, i: int) -> Field:
         """The declaration of number i of a row."""

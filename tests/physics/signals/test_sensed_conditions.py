@@ -16,7 +16,7 @@ class Shown(gb.Block):
 
     flange = gb.Flange("shaft")
     limit: float = gb.param("speed", "rad/s")
-    kind: str = gb.option("which law", ("jump", "corner", "floor"), default="jump")
+    kind: str = gb.option("which law: jump, corner or floor", default="jump")
 
     def physics(self, s):
         w = s.flange.w

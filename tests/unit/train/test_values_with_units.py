@@ -76,6 +76,7 @@ def test_values_of_something_else_are_refused_by_both_names(given, words):
         (lambda: gb.Backlash(half_gap="3 N"), "half_gap: '3 N'"),
         (lambda: gb.Inertia(J="3 bananas"), "J: .*'bananas' is no unit"),
         (lambda: gb.param("speed", "rpm"), "declare it in SI, 'rad/s'"),
+        (lambda: gb.option("which", ("one", "two")), "must be text such as"),
     ],
 )
 def test_fields_refuse_other_measures(make, words):
