@@ -3,7 +3,14 @@
 set -euo pipefail
 
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+# However it ends, the last line says so.
+at="preparation"
+leave() {
+    local code=$?
+    rm -rf "$work"
+    if [ "$code" -ne 0 ]; then echo "FAILED in: $at (exit $code)"; fi
+}
+trap leave EXIT
 copy="$work/prüf stand"
 mkdir -p "$copy"
 git ls-files -co --exclude-standard -z | while IFS= read -r -d '' file; do
@@ -13,7 +20,10 @@ cd "$copy"
 export GEARBLOCKS_CACHE="$work/cache" PIP_DISABLE_PIP_VERSION_CHECK=1
 bin="$copy/.venv/bin"
 
-step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
+step() {
+    at=$1
+    printf '\n== %s (%d s)\n' "$1" "$SECONDS"
+}
 
 # What this machine does not have is said at the end.
 missing=()

@@ -94,8 +94,14 @@ def build_binary(sources: Mapping[str, bytes], identifier: str) -> dict[str, byt
         f"{name[:-2]}{variant.suffix if variant else ''}.o": data
         for (name, variant), data in zip(units, objects, strict=True)
     }
-    data = produced(compiler, files, ("-shared", "-s", *files, "-o", product, "-lm"), product)
+    data = produced(compiler, files, ("-shared", "-s", *_unused(compiler), *files, "-o", product, "-lm"), product)
     return {f"binaries/{native_platform()}/{product}": data}
+
+
+def _unused(compiler: Compiler) -> tuple[str, ...]:
+    """What makes the linker leave out functions that nothing calls: zig links all of its runtime otherwise, with variables
+    that instances would share."""
+    return ("-Wl,--gc-sections",) if compiler.is_zig and sys.platform == "linux" else ()
 
 
 def is_of_solver(name: str) -> bool:

@@ -104,6 +104,11 @@ def demo(out: Path, say: Say) -> bool:
     }
     write_text(folder / "index.html", page("index.html.jinja", **values))
     tell("done")
+    for regime in found:
+        if not regime.agrees:
+            say(f"at {regime.rpm} rpm: {regime.label}, expected {EXPECTED[regime.rpm]}")
+    if not fmu["ok"]:
+        say(f"the FMU did not pass its check: see {folder / 'check.txt'}")
     return all(regime.agrees for regime in found) and bool(fmu["ok"])
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import platform
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 
 import fmpy
@@ -15,7 +16,7 @@ import fmu_export
 import gearblocks as gb
 from fmu_export.binary import is_of_solver, names_with, source_files
 from fmu_export.checks.instance import Instance, Unpacked
-from gearblocks.solver.compiler import find_compiler
+from gearblocks.solver.compiler import find_compiler, zig_compiler
 from gearblocks.solver.variants import VARIABLE, runs, variants_of
 
 on_x86 = pytest.mark.skipif(platform.machine().lower() not in ("x86_64", "amd64"), reason="levels of x86-64")
@@ -61,6 +62,19 @@ def test_every_kind_of_code_in_a_binary_gives_the_bits_of_the_run_in_process(
                 instance.step(begin, end - begin)
                 rows.append(instance.get(refs))
         np.testing.assert_array_equal(np.array(rows), expected)
+
+
+@pytest.mark.long  # zig builds its runtime first
+def test_a_binary_made_by_zig_shares_no_variables_between_instances(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if find_spec("ziglang") is None:
+        pytest.skip("ziglang is not here")
+    monkeypatch.setattr("fmu_export.binary.find_compiler", zig_compiler)
+    rig = gb.Drivetrain("one")
+    rig.add("body", gb.Inertia(J=1.0, w0=1.0))
+    check = fmu_export.check(fmu_export.export(rig, tmp_path / "one.fmu"))
+    assert "ok      binary" in str(check), check
 
 
 def test_a_name_that_is_none_is_refused_with_those_that_there_are(
