@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -85,7 +86,7 @@ def child(kind: str, points: int, store: str) -> None:
 
 def call(kind: str, points: int, store: str, *, worker_at: float = 2.0, all_at: float = 2.0) -> Round:
     """One call in a process of its own; at these shares of the points a worker, or everything, is killed."""
-    began = time.perf_counter()
+    began, patience = time.perf_counter(), 60.0 + points / 100
     command = [sys.executable, "-m", "benchmarks.interrupted", "--child", kind, str(points), store]
     workers: list[int] = []
     first, last, memory, end = -1, 0, 0.0, ""
@@ -93,6 +94,9 @@ def call(kind: str, points: int, store: str, *, worker_at: float = 2.0, all_at: 
         command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
     ) as process:
         assert process.stdout is not None
+        # a pool of Python before 3.11.5 waits for ever for a worker that was killed while something was sent to it
+        watch = threading.Timer(patience, os.killpg, (process.pid, signal.SIGKILL))
+        watch.start()
         for line in process.stdout:
             told = json.loads(line)
             workers, memory = told.get("workers", workers), told.get("memory", memory)
@@ -107,6 +111,9 @@ def call(kind: str, points: int, store: str, *, worker_at: float = 2.0, all_at: 
                 os.killpg(process.pid, signal.SIGKILL)
                 break
         code = process.wait()
+        watch.cancel()
+    if code == -signal.SIGKILL and time.perf_counter() - began >= patience:
+        return Round(first, last, time.perf_counter() - began, memory, f"{end}no end in {patience:.0f} s")
     end += {0: "complete", -signal.SIGKILL: "all killed"}.get(code, "ended with an error")
     return Round(first, last, time.perf_counter() - began, memory, end)
 

@@ -42,8 +42,11 @@ class Tyre(gb.Block):
         import sympy as sp
 
         shape, sliding = sp.Rational(13, 10), s.radius * s.wheel.w - s.road.v
-        slip, most = sliding / sp.sqrt(s.road.v**2 + s.low_speed**2), s.grip * s.normal
-        force = most * sp.sin(shape * sp.atan(s.stiffness * slip / (shape * most)))
+        slip = s.named("kappa", sliding / sp.sqrt(s.road.v**2 + s.low_speed**2), "slip")
+        most = s.named("D", s.grip * s.normal, "largest force", "N")
+        force = s.named(
+            "F", most * sp.sin(shape * sp.atan(s.stiffness * slip / (shape * most))), "force on the car", "N"
+        )
         yield gb.Acts(s.wheel, -s.radius * force)
         yield gb.Acts(s.road, force)
         yield gb.Energy(loss=force * sliding)

@@ -17,7 +17,7 @@ from gearblocks.language.contributions import Acts, Contribution, Energy, Force,
 class Contact:
     """Symbols of one contact. x: deflection; rate: its rate; k: stiffness with variation; c: damping or None.
 
-    gap: the backlash or None, with its symbols; choice: what damping does in the gap.
+    gap: the backlash or None, with its symbols; choice: what damping does in the gap; force: what readers call the force.
     """
 
     x: Any
@@ -28,15 +28,21 @@ class Contact:
     gap_symbols: Any
     choice: str | HuntCrossley
     choice_symbols: Any
+    force: str = "N"
 
 
-def damping(s: Any, k: Any, compliance_of_bodies: Any) -> Any:
-    """c, given or from the damping ratio: c = 2 zeta sqrt(k / sum(r^2/J)); None when absent."""
+def damping(s: Any, k: Any, compliance_of_bodies: Any, *, unit: str = "N s/m", body: str = "m_e") -> Any:
+    """c, given or from the damping ratio: c = 2 zeta sqrt(k / sum(r^2/J)); None when absent. unit: of c; body: name of the
+    body that would swing as both do, 1/sum(r^2/J)."""
     import sympy as sp
 
-    if s.damping_ratio is not None:
-        return s.named("c", 2 * s.damping_ratio * sp.sqrt(k / compliance_of_bodies))
-    return s.c
+    if s.damping_ratio is None:
+        return s.c
+    if s.reading:
+        of = "kg" if body == "m_e" else "kg m2"
+        at = s.named(body, 1 / compliance_of_bodies, "inertia of both sides against each other", of)
+        return s.named("c", 2 * s.damping_ratio * sp.sqrt(k * at), "damping", unit)
+    return 2 * s.damping_ratio * sp.sqrt(k / compliance_of_bodies)
 
 
 def damping_problems(block: Any) -> Iterator[str]:
@@ -98,13 +104,11 @@ def contact(s: Any, law: Contact) -> Iterator[Contribution]:
     import sympy as sp
 
     x, gap, symbols = law.x, law.gap, law.gap_symbols
-    if gap is None:
-        g, potential, side, pushing = x, x**2 / 2, sp.Integer(1), sp.Integer(1)
-    else:
-        g, potential, side = gap.deflection(symbols, x), gap.potential(symbols, x), gap.side(symbols, x)
-        pushing = gap.pushing_side(symbols, x)
-        if gap.law != "exact" or gap.gaps is not None:  # people read a long law better by its name
-            g, side, pushing = symbols.named("g", g), symbols.named("side", side), symbols.named("sign_g", pushing)
+    g, potential = _deflection(law)
+    side, pushing = sp.Integer(1), sp.Integer(1)
+    if gap is not None:
+        side = symbols.named("side", gap.side(symbols, x), "side of the contact: 1 drive, -1 coast, 0 none")
+        pushing = symbols.named("sign_g", gap.pushing_side(symbols, x), "sign of the deflection beyond the gap")
         yield from gap.watches(symbols, x)
     elastic = law.k * g
     drag: Any = 0
@@ -117,11 +121,68 @@ def contact(s: Any, law: Contact) -> Iterator[Contribution]:
         yield from _clip_switches(choice, elastic, viscous, pushing)
     if drag != 0:
         yield Shows("loss_power", drag * law.rate, "W", "power lost in the contact")
-    yield Force(x, s.named("N", elastic + drag))
+    total = elastic + drag
+    if s.reading:
+        total = s.named(law.force, _for_reading(s, law, elastic, pushing), *_UNITS[law.force][0])
+    yield Force(x, total)
     yield Energy(stored=law.k * potential, loss=drag * law.rate if drag != 0 else None)
     yield Shows("contact", side, "1", "-1 coast side, 0 none, +1 drive side")
     if gap is not None and gap.gaps is not None:
         yield Shows("engaged_teeth", gap.engaged(symbols, x), "1", "teeth that carry load")
+
+
+def _deflection(law: Contact) -> tuple[Any, Any]:
+    """g(x), and its integral; people read them by their names."""
+    x, gap, symbols = law.x, law.gap, law.gap_symbols
+    if gap is None:
+        return x, x**2 / 2
+    g, potential = gap.deflection(symbols, x), gap.potential(symbols, x)
+    if not symbols.reading:
+        return g, potential
+    unit = _UNITS[law.force][1]
+    g = symbols.named("g", g, "deflection beyond the gap", unit)
+    exact = gap.law == "exact" and gap.gaps is None
+    return g, g**2 / 2 if exact else symbols.named("G", potential, "g integrated", f"{unit}2")
+
+
+_UNITS = {
+    "N": (("force of the contact", "N"), "m"),
+    "T": (("torque of the contact", "N m"), "rad"),
+    "M": (("moment of the contact", "N m"), "rad"),
+}
+"""Words and unit of the force of a contact, and the unit of its deflection."""
+
+
+def _for_reading(s: Any, law: Contact, elastic: Any, pushing: Any) -> Any:
+    """The force as people write it, without the switches that locate its corners."""
+    import sympy as sp
+
+    if isinstance(law.choice, HuntCrossley):
+        of = law.choice_symbols
+        growth = s.named("chi", _growth(of), "damping per speed into the contact", "s/m")
+        return elastic * sp.Max(0, 1 + growth * pushing * law.rate)
+    if law.c is None:
+        return elastic
+    viscous = law.c * law.rate
+    if law.gap is None or law.choice == "always":
+        return elastic + viscous
+    if law.choice == "clipped":
+        limit = sp.Abs(elastic)
+        (force, unit), _ = _UNITS[law.force]
+        return elastic + s.named("d", sp.Max(-limit, sp.Min(viscous, limit)), f"damping part of the {force}", unit)
+    if law.gap.gaps is not None:
+        return pushing * sp.Max(0, pushing * (elastic + viscous))
+    b = law.gap_symbols.half_gap
+    return sp.Piecewise(
+        (sp.Max(0, elastic + viscous), law.x > b), (sp.Min(0, elastic + viscous), law.x < -b), (0, True)
+    )
+
+
+def _growth(s: Any) -> Any:
+    """chi of Hunt and Crossley: the damping of a restitution over the speed at which the present contact began."""
+    from gearblocks.laws.functions import RestitutionDamping
+
+    return RestitutionDamping(s.restitution) * s.slowness
 
 
 def _clipped(elastic: Any, viscous: Any, side: Any) -> Any:
@@ -143,10 +204,8 @@ def _impact(law: Contact, elastic: Any, side: Any) -> Generator[Contribution, No
     """The damping of Hunt and Crossley, and the approach speed that each contact keeps."""
     import sympy as sp
 
-    from gearblocks.laws.functions import RestitutionDamping
-
     inward, s = side * law.rate, law.choice_symbols
-    factor = 1 + RestitutionDamping(s.restitution) * s.slowness * inward
+    factor = 1 + _growth(s) * inward
     yield Switch("pushing", factor, when=side**2)
     approaching = 1 - sp.Heaviside(-inward, 1)
     yield Hold(s.slowness, approaching / (approaching * inward + 1 - approaching), side)
@@ -191,15 +250,21 @@ def mesh(block: Any, s: Any, line: Line) -> Iterator[Contribution]:
     if block.stiffness_variation is not None:
         theta, rates = theta_of(block.stiffness_variation, s.stiffness_variation, line.angle, s.time)
         yield from rates
-        factor += block.stiffness_variation.value(s.stiffness_variation, theta)
+        varying = block.stiffness_variation.value(s.stiffness_variation, theta)
+        if varying.is_Piecewise:
+            varying = s.named("v", varying, "variation of the stiffness")
+        factor += varying
     excitation = getattr(block, "transmission_error", None)
     if excitation is not None:
         theta, rates = theta_of(excitation, s.transmission_error, line.angle, s.time)
         yield from rates
         error = excitation.value(s.transmission_error, theta)
         error_rate = s.rate_of(error, rates)
-    x, rate = line.lever - error, line.speed - error_rate
-    stiffness = s.named("k_t", line.k * factor)
+    if error != 0:
+        error = s.named("e", error, "no-load transmission error", "m")
+    x = s.named("x", line.lever - error, "deflection", "m")
+    rate = s.named("x'", line.speed - error_rate, "rate of the deflection", "m/s")
+    stiffness = s.named("k_t", line.k * factor, "stiffness with its variation", "N/m")
     law = Contact(x, rate, stiffness, line.c, block.backlash, s.backlash, block.contact_damping, s.contact_damping)
     for item in contact(s, law):
         yield item
@@ -216,9 +281,11 @@ def mesh(block: Any, s: Any, line: Line) -> Iterator[Contribution]:
 
 def _parametric_torque(block: Any, s: Any, law: Contact, k: Any) -> Iterator[Contribution]:
     """-dk/dphi G(x) on every flange whose angle k depends on; k is written out (law.k may be a name for it)."""
-    potential = law.x**2 / 2 if law.gap is None else law.gap.potential(law.gap_symbols, law.x)
-    for name in type(block).flanges:
-        flange = getattr(s, name)
-        slope = s.slope(k, flange)
+    potential = _deflection(law)[1]
+    slopes = {name: s.slope(k, getattr(s, name)) for name in type(block).flanges}
+    first = next((slope for slope in slopes.values() if slope != 0), 0)
+    named = s.named("kappa", first, "slope of the stiffness over the angle", "N/m")
+    for name, slope in slopes.items():
         if slope != 0:
-            yield Acts(flange, -slope * potential)
+            of = {first: named, -first: -named}.get(slope, slope)
+            yield Acts(getattr(s, name), -of * potential)

@@ -60,9 +60,9 @@ class TorqueConverter(Block):
         import sympy as sp
 
         w_i, w_t = s.impeller.w - s.housing.w, s.turbine.w - s.housing.w
-        nu = w_t * w_i / (w_i**2 + sp.Float(_REST**2))
-        taken = s.local("capacity", nu=nu) * w_i * sp.Abs(w_i)
-        given = s.local("ratio", nu=nu) * taken
+        nu = s.named("nu", w_t * w_i / (w_i**2 + sp.Float(_REST**2)), "speed ratio")
+        taken = s.named("T_i", s.local("capacity", nu=nu) * w_i * sp.Abs(w_i), "torque that the impeller takes", "N m")
+        given = s.named("T_t", s.local("ratio", nu=nu) * taken, "torque on the turbine", "N m")
         yield Acts(s.impeller, -taken)
         yield Acts(s.turbine, given)
         yield Acts(s.housing, taken - given)
@@ -115,10 +115,11 @@ class BeltDrive(Block):
             return
         w_a = s.a.w - s.housing.w
         sliding = w_a - s.ratio * (s.b.w - s.housing.w)
-        slip = sliding / sp.sqrt(w_a**2 + s.slip.low_speed**2)
+        slip = s.named("s", sliding / sp.sqrt(w_a**2 + s.slip.low_speed**2), "relative slip")
         tau = s.slip.stiffness * slip
         if s.slip.limit is not None:
             tau = tau / sp.sqrt(1 + (tau / s.slip.limit) ** 2)
+        tau = s.named("T", tau, "torque of the belt on the driving pulley", "N m")
         yield Acts(s.a, -tau)
         yield Acts(s.b, s.ratio * tau)
         yield Acts(s.housing, (1 - s.ratio) * tau)

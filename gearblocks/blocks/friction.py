@@ -64,10 +64,14 @@ def dry_friction(block: Any, s: Any, slip: Any) -> DryFriction:
     import sympy as sp
 
     if block.capacity is not None:
-        return DryFriction(s.capacity, s.capacity, s.peak * s.capacity)
-    pressed = s.geometry * s.force_max * s.engagement
+        capacity = s.named("C", s.capacity, "torque that it transmits while it slips", "N m")
+        return DryFriction(capacity, capacity, s.peak * capacity)
+    engaged = s.named("f_n", s.engagement, "normal force over the largest one")
+    pressed = s.geometry * s.force_max * engaged
     mu, mu_0 = s.local("mu", slip=sp.Abs(slip)), s.local("mu", slip=sp.Integer(0))
-    return DryFriction(s.engagement, pressed * mu, s.peak * pressed * mu_0)
+    sliding = s.named("C", pressed * mu, "torque that it transmits while it slips", "N m")
+    at_rest = sliding if mu == mu_0 else s.named("C_0", pressed * mu_0, "that torque where the slip is 0", "N m")
+    return DryFriction(engaged, sliding, s.peak * at_rest)
 
 
 def relative_motion(s: Any, slip: Any, angle: Any, direction: Any, stuck: Any) -> Iterator[Contribution]:

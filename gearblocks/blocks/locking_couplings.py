@@ -60,7 +60,7 @@ class OneWayClutch(Block):
         if self.capacity is None:
             least = sp.Float(_LEAST) * s.geometry * s.force_max * s.local("mu", slip=sp.Integer(0))
             yield Switch("break-away", found.limit - least)
-        on = 1 - sp.Heaviside(-found.engaged, 1)
+        on = s.named("n", 1 - sp.Heaviside(-found.engaged, 1), "1 while it is engaged, else 0")
         yield Switch("engagement", -found.engaged, low=1.0, high=0.0)
         lower = -on * found.limit if self.capacity is not None else -sp.Max(found.limit, least)
         yield from friction_element(

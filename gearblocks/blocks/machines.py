@@ -35,6 +35,7 @@ class EddyCurrentBrake(Block):
         """The torque against the motion, and its reaction."""
         w = s.flange.w - s.housing.w
         slope = 2 * s.excitation * s.tau_nominal * s.w_nominal / (w**2 + s.w_nominal**2)
+        slope = s.named("d", slope, "braking torque over speed", "N m s/rad")
         yield Acts(s.flange, -slope * w)
         yield Acts(s.housing, slope * w)
         yield Energy(loss=slope * w**2)
@@ -125,9 +126,10 @@ class Governor(Block):
         """The control law and its states."""
         import sympy as sp
 
-        error = s.target - s.flange.w
+        error = s.named("e", s.target - s.flange.w, "speed error", "rad/s")
         wanted = s.bias + s.gain * error + (s.integral if self.integral_gain is not None else 0)
-        held = sp.Min(sp.Max(wanted, s.lower), s.upper)
+        wanted = s.named("u", wanted, "command before its limits")
+        held = s.named("y", sp.Min(sp.Max(wanted, s.lower), s.upper), "command within its limits")
         if self.integral_gain is not None:
             yield Rate(s.integral, s.integral_gain * (error + (held - wanted) / s.gain))
         if self.time_constant is not None:

@@ -199,10 +199,17 @@ class GearMesh(Block):
             return
         k = s.k
         if k is None:
-            k = s.named("k_iso", mesh_stiffness(self._pair(s, SYMBOLS), s.face_width, self._first_is_smaller))
+            k = s.named(
+                "k_iso", mesh_stiffness(self._pair(s, SYMBOLS), s.face_width, self._first_is_smaller),
+                "stiffness after ISO 6336-1", "N/m",
+            )  # fmt: skip
         speeds = s.pinion.w - s.carrier.w, s.wheel.w - s.carrier.w
-        r2 = r1 * s.teeth[1] / s.teeth[0]
+        r1 = s.named("r_1", r1, "base radius of gear 1", "m")
+        r2 = s.named("r_2", r1 * s.teeth[1] / s.teeth[0], "base radius of gear 2", "m")
         c = damping(s, k, r1**2 * s.pinion.mobility + r2**2 * s.wheel.mobility)
         line = Line(r1 * (turn + ratio * back), r1 * (speeds[0] + ratio * speeds[1]), k, c, s.teeth[0] * turn)
+        if s.reading:
+            lever, speed = r1 * turn + sign * r2 * back, r1 * speeds[0] + sign * r2 * speeds[1]
+            line = Line(lever, speed, k, c, line.angle)
         found = mesh(self, s, line)
         yield from found if self.friction is None else with_tooth_friction(self, s, found, line, self._pair(s, SYMBOLS))

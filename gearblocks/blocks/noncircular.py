@@ -89,11 +89,11 @@ class NonCircularGear(Block):
         import sympy as sp
 
         phase, at_start, moves = yield from self._phase(s)
-        theta = s.a.phi - s.carrier.phi + phase
-        turned = s.turned(self.law, theta) - at_start
+        theta = s.named("theta", s.a.phi - s.carrier.phi + phase, "angle of gear 1 over which the law is given", "rad")
+        turned = s.named("F", s.turned(self.law, theta), "law: angle of gear 2 over that of gear 1", "rad") - at_start
         sign = 1 if self.external else -1
         q = turned + sign * (s.b.phi - s.carrier.phi)
-        m = s.slope(turned, s.a)
+        m = s.named("m", s.slope(turned, s.a), "F', the ratio of the speeds")
         yield Shows("ratio", m, "1", "m, speed of b over that of a without its sign")
         yield Shows("driver_angle", theta, "rad", "angle of gear 1 over which the law is given")
         if self.k is None:
@@ -104,14 +104,19 @@ class NonCircularGear(Block):
             angle, rates = theta_of(self.transmission_error, s.transmission_error, theta, s.time)
             yield from rates
             error = self.transmission_error.value(s.transmission_error, angle)
+            error = s.named("e", error, "no-load transmission error", "rad")
             rate = s.rate_of(q, moves) - s.rate_of(error, [*moves, *rates])
             q -= error
         else:
             rate = s.rate_of(q, moves)
         k = s.local("k", driver_angle=theta)
-        stiffness = s.named("k_t", k)
-        c = damping(s, k, sp.Rational(self.law.n1, self.law.n2) ** 2 * s.a.mobility + s.b.mobility)
-        law = Contact(q, rate, stiffness, c, self.backlash, s.backlash, self.contact_damping, s.contact_damping)
+        q = s.named("q", q, "deflection about gear 2", "rad")
+        rate = s.named("q'", rate, "rate of the deflection", "rad/s")
+        stiffness = s.named("k_t", k, "stiffness about gear 2", "N m/rad")
+        mean = sp.Rational(self.law.n1, self.law.n2)
+        c = damping(s, k, mean**2 * s.a.mobility + s.b.mobility, unit="N m s/rad", body="J_e")
+        choice = self.contact_damping, s.contact_damping
+        law = Contact(q, rate, stiffness, c, self.backlash, s.backlash, *choice, "M")
         for item in contact(s, law):
             if isinstance(item, Force) and self.friction is not None:
                 extra = s.friction.mu * s.friction.wave * item.force

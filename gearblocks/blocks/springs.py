@@ -82,6 +82,8 @@ class Shaft(Block):
     def physics(self, s: Any) -> Iterator[Contribution]:
         """torque = k twist + c twist'."""
         twist, rate = s.b.phi - s.a.phi, s.b.w - s.a.w
+        if not self.rigid:
+            twist, rate = s.named("theta", twist, "twist", "rad"), s.named("theta'", rate, "rate of the twist", "rad/s")
         yield Shows("twist", twist, "rad", "phi_b - phi_a")
         yield Shows("twist_rate", rate, "rad/s", "w_b - w_a")
         if self.k is None and self.torque is None:
@@ -89,9 +91,9 @@ class Shaft(Block):
             yield Shows("torque", s.b.tau, "N m", "torque on flange b")
             return
         elastic = s.k * twist if self.k is not None else s.local("torque", twist=twist)
-        c = damping(s, s.k, s.a.mobility + s.b.mobility)
+        c = damping(s, s.k, s.a.mobility + s.b.mobility, unit="N m s/rad", body="J_e")
         drag = c * rate if c is not None else 0
-        yield Force(twist, elastic + drag)
+        yield Force(twist, s.named("T", elastic + drag, "torque that pulls the ends together", "N m"))
         stored = s.k * twist**2 / 2 if self.k is not None else s.energy_of("torque", "twist", twist)
         yield Energy(stored=stored, loss=drag * rate if c is not None else None)
         inner, lost = yield from _inner_friction(self, s, twist, rate)
@@ -129,7 +131,7 @@ class Damper(Block):
     def physics(self, s: Any) -> Iterator[Contribution]:
         """torque = c w_rel."""
         rate = s.b.w - s.a.w
-        yield Force(s.b.phi - s.a.phi, s.c * rate)
+        yield Force(s.b.phi - s.a.phi, s.named("T", s.c * rate, "torque of the damper", "N m"))
         yield Energy(loss=s.c * rate**2)
         yield Shows("w_rel", rate, "rad/s", "w_b - w_a")
         yield Shows("torque", -s.c * rate, "N m", "torque on flange b")
@@ -163,6 +165,8 @@ class Lash(Block):
     def physics(self, s: Any) -> Iterator[Contribution]:
         """torque = k g(twist) + damping."""
         twist, rate = s.b.phi - s.a.phi, s.b.w - s.a.w
+        if self.k is not None:
+            twist, rate = s.named("theta", twist, "twist", "rad"), s.named("theta'", rate, "rate of the twist", "rad/s")
         yield Shows("twist", twist, "rad", "phi_b - phi_a")
         if hits(self):
             force = yield from impact(self, s, twist, 1)
@@ -172,9 +176,9 @@ class Lash(Block):
             yield Tie(twist)
             yield Shows("torque", s.b.tau, "N m", "torque on flange b")
             return
-        c = damping(s, s.k, s.a.mobility + s.b.mobility)
+        c = damping(s, s.k, s.a.mobility + s.b.mobility, unit="N m s/rad", body="J_e")
         gap = None if self.half_gap is None else Backlash(half_gap=self.half_gap)
-        for item in contact(s, Contact(twist, rate, s.k, c, gap, s, self.contact_damping, s.contact_damping)):
+        for item in contact(s, Contact(twist, rate, s.k, c, gap, s, self.contact_damping, s.contact_damping, "T")):
             yield item
             if isinstance(item, Force):
                 yield Shows("torque", -item.force, "N m", "torque on flange b")

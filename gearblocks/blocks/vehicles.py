@@ -66,6 +66,7 @@ class Vehicle(Block):
         wheel = s.wheel_radius * s.flange.w
         v = wheel if rigid else s.v
         resistance, climb, normal = self._forces(s, v)
+        resistance = s.named("R", resistance, "drag of the air and rolling resistance", "N")
         force = -s.flange.tau / s.wheel_radius
         if rigid:
             yield Body(s.flange, s.mass * s.wheel_radius**2)
@@ -77,7 +78,7 @@ class Vehicle(Block):
                 direction, _, held = s.stick("rolling")
                 resistance = resistance + direction * most - held / s.wheel_radius
         else:
-            force, slip = _grip(s.tyre, wheel, v, normal)
+            force, slip = _grip(s, wheel, v, normal)
             yield Acts(s.flange, -s.wheel_radius * force)
             yield Rate(s.v, (force - resistance - climb) / s.mass)
             yield Rate(s.s, v)
@@ -106,10 +107,12 @@ class Vehicle(Block):
         return resistance, climb, normal
 
 
-def _grip(tyre: Any, wheel: Any, v: Any, normal: Any) -> tuple[Any, Any]:
+def _grip(s: Any, wheel: Any, v: Any, normal: Any) -> tuple[Any, Any]:
     """Force on the tyres and their slip."""
     import sympy as sp
 
-    slip = (wheel - v) / sp.sqrt(v**2 + tyre.low_speed**2)
-    most = tyre.grip * normal
-    return most * sp.sin(tyre.shape * sp.atan(tyre.stiffness * slip / (tyre.shape * most))), slip
+    tyre = s.tyre
+    slip = s.named("kappa", (wheel - v) / sp.sqrt(v**2 + tyre.low_speed**2), "slip of the tyres")
+    most = s.named("D", tyre.grip * normal, "largest force on the tyres", "N")
+    force = most * sp.sin(tyre.shape * sp.atan(tyre.stiffness * slip / (tyre.shape * most)))
+    return s.named("F", force, "force of the road on the tyres", "N"), slip

@@ -14,11 +14,11 @@ from gearblocks import __version__
 from gearblocks.analysis.sections import Label, classify, stroboscopic
 from gearblocks.cli import scripts
 from gearblocks.cli.report import precision, regimes
-from gearblocks.cli.report.pages import equations_page, page
 from gearblocks.drivetrain import Drivetrain, build
 from gearblocks.errors import GearblocksError
 from gearblocks.files import make_folder, write_text
 from gearblocks.language.units import rpm as radians_per_second
+from gearblocks.pages import page
 from gearblocks.simulation.plotting import Curve, Plane, cost, planes
 from gearblocks.solver.library import Model
 
@@ -102,7 +102,7 @@ def demo(out: Path, say: Say) -> bool:
         "half_gap": coupling.half_gap_path,
         "files": [{"name": name, "words": words} for name, words in listed.items() if (folder / name).is_file()],
     }
-    write_text(folder / "index.html", page("index.html.jinja", **values))
+    write_text(folder / "index.html", page("gearblocks.cli.report", "index.html.jinja", **values))
     tell("done")
     for regime in found:
         if not regime.agrees:
@@ -115,7 +115,7 @@ def demo(out: Path, say: Say) -> bool:
 def _equations(rig: Drivetrain, folder: Path) -> Model:
     equations = rig.equations()
     write_text(folder / "equations.tex", equations.latex() + "\n")
-    write_text(folder / "equations.html", equations_page(equations))
+    write_text(folder / "equations.html", equations.html())
     model = build(rig)
     write_text(folder / "model.c", model.program.source)
     return model

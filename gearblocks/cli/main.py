@@ -176,9 +176,7 @@ def equations(
 
         typer.echo(build(rig).program.source)
     elif form is Form.html:
-        from gearblocks.cli.report.pages import equations_page
-
-        typer.echo(equations_page(rig.equations()))
+        typer.echo(rig.equations().html())
     else:
         eq = rig.equations()
         typer.echo(eq.latex() if form is Form.latex else str(eq))

@@ -38,14 +38,18 @@ class DependentGroups:
         """An expression over groups that are not dependent."""
         return sp.sympify(expr).xreplace(self.symbols) if self.symbols else expr
 
-    def balance(self, masses: Sequence[Any], torques: Sequence[Any]) -> tuple[Any, list[Any]]:
-        """K' J K and K' (tau - J a) from the inertias and torques of all groups."""
+    def balance(self, masses: Sequence[Any], torques: Sequence[Mapping[str, Any]]) -> tuple[Any, list[dict[str, Any]]]:
+        """K' J K, and the terms of K' (tau - J a) by the part of the train that they come from ("": of inertias), from the
+        inertias and torques of all groups."""
         mass = sp.zeros(self.n, self.n)
-        forcing = [sp.Integer(0)] * self.n
+        forcing: list[dict[str, Any]] = [{} for _ in range(self.n)]
         for group in range(self.n_groups):
-            torque = self.put(torques[group])
+            terms = {path: self.put(torque) for path, torque in torques[group].items()}
+            if self.acceleration_bias[group] != 0:
+                terms[""] = -masses[group] * self.acceleration_bias[group]
             for i, a in self.gains[group].items():
-                forcing[i] += a * (torque - masses[group] * self.acceleration_bias[group])
+                for path, term in terms.items():
+                    forcing[i][path] = forcing[i].get(path, 0) + a * term
                 for j, b in self.gains[group].items():
                     mass[i, j] += a * b * masses[group]
         return mass, forcing

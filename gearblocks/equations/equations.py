@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
-from gearblocks.equations.latex import latex_name
-from gearblocks.equations.switched_constraints import Sentence, SwitchedConstraint, constraint_torques, in_order, wanted
-from gearblocks.laws.functions import ContactSide, DeadZone
-from gearblocks.laws.printer import latex_text, plain_text
+from gearblocks.equations import sections
+from gearblocks.equations.document import Document, Nomenclature, Section
+from gearblocks.equations.latex import aligned, latex
+from gearblocks.equations.names import Name
+from gearblocks.equations.nomenclature import Entry
+from gearblocks.equations.switched_constraints import SwitchedConstraint, constraint_torques, wanted
+from gearblocks.errors import ParameterError, did_you_mean
 from gearblocks.laws.symbols import time_symbol
 
 
@@ -25,7 +28,8 @@ class Equations:
     value at an event (a contact starts, say) and keep it; definitions: symbols that stand for longer expressions (a mesh
     force N); parameters: all other symbols with their paths. forcing names the defined symbols; `expanded` has them put in.
     switched_constraints: their constraint forces are symbols of the forcing whose values depend on the active set;
-    `in_modes` gives them.
+    `in_modes` gives them. contributions: the forcing term by term, (path, term), in the order of the train; names, entries,
+    owners: what symbols are called, what they mean, and to which part they belong; kinds: class of each part.
     """
 
     name: str
@@ -37,9 +41,14 @@ class Equations:
     definitions: Mapping[Any, Any]
     parameters: Mapping[Any, str]
     coordinates: Mapping[Any, Any]
-    symbol_names: Mapping[Any, str]
+    names: Mapping[Any, Name]
     held: Mapping[Any, Any] = dataclasses.field(default_factory=dict)
     switched_constraints: tuple[SwitchedConstraint, ...] = ()
+    contributions: tuple[tuple[tuple[str, Any], ...], ...] = ()
+    inputs: frozenset[Any] = frozenset()
+    entries: Mapping[Any, Entry] = dataclasses.field(default_factory=dict)
+    owners: Mapping[Any, str] = dataclasses.field(default_factory=dict)
+    kinds: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def __repr__(self) -> str:
         counts = f"{len(self.q)} angles, {len(self.states)} states of blocks, {len(self.definitions)} definitions"
@@ -74,6 +83,7 @@ class Equations:
         definitions = {**{s: e.xreplace(shown) for s, e in self.definitions.items()}, **torques, **slips}
         made = dataclasses.replace(
             self, definitions=definitions, forcing=self.forcing.xreplace(shown),
+            contributions=tuple(tuple((p, e.xreplace(shown)) for p, e in row) for row in self.contributions),
             switched_constraints=tuple(r for r in self.switched_constraints if r not in given),
             states={s: e.xreplace(shown) for s, e in self.states.items()},
         )  # fmt: skip
@@ -105,16 +115,29 @@ class Equations:
         inverse = self.mass_matrix.inv() if self.mass_matrix.is_diagonal() else None
         if inverse is None:
             return []
-        acceleration = list(inverse * self.forcing)
         result = []
         for x, expr in self.coordinates.items():
-            total = sum((sp.diff(expr, q) * a for q, a in zip(self.q, acceleration, strict=True)), sp.Integer(0))
-            total = sp.expand(sp.sympify(total).xreplace(replace))
-            terms = [*(s for x in self.coordinates for s in (x, _dot(x))), *self.definitions]
-            result.append(sp.Eq(_dot(_dot(x)), sp.collect(total, terms), evaluate=False))
+            gains = [sp.diff(expr, q) * inverse[i, i] for i, q in enumerate(self.q)]
+            total = sp.Add(*(_collapse(sp.sympify(part).xreplace(replace)) for part in self._along(gains)))
+            result.append(sp.Eq(_dot(_dot(x)), total, evaluate=False))
         absolute = {*self.q, *self.v}
         closed = not any(e.rhs.free_symbols & absolute for e in [*result, *self.relative_definitions()])
         return result if closed else []
+
+    def _along(self, gains: list[Any]) -> Iterator[Any]:
+        """The terms of gains times forcing: of each part of the train one, where it acts on all shafts by one expression."""
+        by_part: dict[Any, list[tuple[Any, Any]]] = {}
+        for gain, row in zip(gains, self.contributions, strict=True):
+            for path, term in row if gain != 0 else ():
+                by_part.setdefault(path, []).append((gain, term))
+        for found in by_part.values():
+            base = next((term for _, term in found if term != 0), sp.Integer(1))
+            shares = [sp.cancel(term / base) if base.is_Mul or base.is_Symbol else None for _, term in found]
+            if all(share is not None and share.is_number for share in shares):
+                whole = sp.factor_terms(sp.Add(*(gain * share for (gain, _), share in zip(found, shares, strict=True))))
+                yield base * whole
+            else:
+                yield from (gain * term for gain, term in found)
 
     def relative_definitions(self) -> list[Any]:
         """Definitions of the named symbols in relative coordinates."""
@@ -133,79 +156,80 @@ class Equations:
         speed = dict(zip(self.q, self.v, strict=True)) | {x: _dot(x) for x in self.coordinates}
         return {**angles, **{speed[q]: e.xreplace(speed) for q, e in angles.items()}}
 
-    def notes(self) -> list[Any]:
-        """The piecewise functions that occur, spelled out."""
-        exprs = [*self.forcing, *self.definitions.values()]
-        x, b = sp.symbols("x b", real=True)
-        found = []
-        if any(e.has(DeadZone) for e in exprs):
-            found.append(sp.Eq(DeadZone(x, b, 0), DeadZone(x, b, 0).spelled_out(), evaluate=False))
-        if any(isinstance(f, DeadZone) and f.args[2] == -1 for e in exprs for f in e.atoms(DeadZone)):
-            found.append(sp.Eq(DeadZone(x, b, -1), DeadZone(x, b, -1).spelled_out(), evaluate=False))
-        if any(e.has(ContactSide) for e in exprs):
-            found.append(sp.Eq(ContactSide(x, b), sp.Piecewise((1, x > b), (-1, x < -b), (0, True)), evaluate=False))
-        return found
-
-    def _used(self) -> set[Any]:
-        """Symbols of everything that is written out beside the cases of friction."""
-        parts = [*self.forcing, *self.states.values(), *self.definitions.values()]
-        switched_constraints = [e for r in self.switched_constraints for e in r.expressions()]
-        return {x for e in [*parts, *switched_constraints] for x in sp.sympify(e).free_symbols}
-
-    def sections(self) -> list[tuple[str, list[Any]]]:
-        """(heading, equations) in the order for reading."""
-        rates = [sp.Eq(sp.Symbol(f"{s.name}'", real=True), e, evaluate=False) for s, e in self.states.items()]
-        relative = self.relative_form()
-        meaning = [sp.Eq(x, e, evaluate=False) for x, e in self.coordinates.items()] if relative else []
-        parts = [
-            ("Angle form", self.angle_form()),
-            ("Friction and stops", in_order(self.switched_constraints, self._used())),
-            ("States of blocks", rates),
-            ("taken at an event and held", [sp.Eq(s, e, evaluate=False) for s, e in self.held.items()]),
-            ("where", [sp.Eq(s, e, evaluate=False) for s, e in self.definitions.items()]),
-            ("Relative coordinates", meaning),
-            ("Relative form", relative),
-            ("where, in relative coordinates", self.relative_definitions() if relative else []),
-            ("Functions", self.notes()),
+    def used(self) -> set[Any]:
+        """Symbols of everything that is written out."""
+        exprs = [
+            *self.forcing,
+            *self.mass_matrix,
+            *self.states.values(),
+            *self.definitions.values(),
+            *self.held.values(),
         ]
-        return [(heading, equations) for heading, equations in parts if equations]
+        exprs += [e for r in self.switched_constraints for e in r.expressions()]
+        return {x for e in exprs for x in sp.sympify(e).free_symbols}
+
+    # -- as people read them ------------------------------------------------------------------------------------------
+
+    def document(self) -> Document:
+        """Everything: balances, parts, relative form, functions and the symbols."""
+        ends = (sections.others(self), sections.active(self), *sections.relative(self), sections.functions(self))
+        found = [sections.balances(self), *sections.parts(self), *(x for x in ends if x is not None)]
+        return Document(f"Equations of motion of '{self.name}'", tuple(found), self.nomenclature())
+
+    def form(self, name: str) -> Document:
+        """The balances alone: "angle" of the shafts, "relative" in relative coordinates. Raises ParameterError where there is
+        no such form."""
+        if name == "angle":
+            found = [sections.balances(self)]
+        elif name == "relative":
+            found = list(sections.relative(self))
+        else:
+            raise ParameterError(f"form = {name!r} must be 'angle' or 'relative'")
+        if not found:
+            raise ParameterError(
+                f"'{self.name}' has no relative form: its laws read absolute angles, or its deflections do not tell its motion"
+            )
+        return Document(f"'{self.name}', {name} form", tuple(found), Nomenclature(()))
+
+    def element(self, path: str) -> Document:
+        """What one part of the train introduces. Raises ParameterError for a name that there is not."""
+        if path not in self.kinds:
+            raise ParameterError(f"'{path}' is no part of '{self.name}'{did_you_mean(path, self.kinds)}")
+        lines = tuple(sections.part(self, path))
+        mine = {s for s, owner in self.owners.items() if owner == path}
+        section = Section(f"{path} ({self.kinds[path]})", lines)
+        return Document(f"'{path}' of '{self.name}'", (section,) if lines else (), sections.nomenclature(self, mine))
+
+    def nomenclature(self) -> Nomenclature:
+        """The symbols with words, value, unit and path."""
+        return sections.nomenclature(self, {*self.q, *self.coordinates, *self.states, *self.definitions, *self.used()})
 
     def latex(self) -> str:
-        """All sections as LaTeX display equations."""
-        blocks = []
-        for heading, equations in self.sections():
-            lines = " \\\\\n".join(map(self._latex_line, equations))
-            blocks.append(f"% {heading}\n\\begin{{align*}}\n{lines}\n\\end{{align*}}")
-        return "\n\n".join(blocks)
+        """Everything as LaTeX, for a document with amsmath."""
+        return self.document().latex()
 
-    def _latex_line(self, line: Any) -> str:
-        if isinstance(line, Sentence):
-            return "&" + "".join(rf"\text{{{x}}}" if isinstance(x, str) else self.latex_of(x) for x in line.parts)
-        return f"{self.latex_of(line.lhs)} &= {self.latex_of(line.rhs)}"
+    def html(self) -> str:
+        """Everything as a page that a browser shows without a network."""
+        return self.document().html()
+
+    def mathml(self) -> str:
+        """The equations as <math> elements, one in a line."""
+        return self.document().mathml()
 
     def latex_of(self, expr: Any) -> str:
         """LaTeX of one expression with the names of this train."""
-        return latex_text(expr, self._names(expr))
-
-    def _names(self, expr: Any) -> dict[Any, str]:
-        names = dict(self.symbol_names)
-        for x in sp.sympify(expr).free_symbols - set(names):
-            names[x] = latex_name(x.name)
-        return names
+        return latex(sections.reader(self).read(expr))
 
     def _repr_latex_(self) -> str:
-        lines = [self._latex_line(e) for _, part in self.sections() for e in part]
-        return "$$\\begin{aligned}" + r" \\ ".join(lines) + "\\end{aligned}$$"
+        lines = (line for s in self.document().sections for line in s.lines)
+        rows = [aligned(line.left, line.right) for line in lines if line.left is not None]
+        return "$$\\begin{aligned}\n" + " \\\\\n".join(rows).replace(r" \notag", "") + "\n\\end{aligned}$$"
+
+    def _repr_html_(self) -> str:
+        return self.html()
 
     def __str__(self) -> str:
-        blocks = [f"Equations of motion of '{self.name}'"]
-        for heading, equations in self.sections():
-            blocks.append("\n".join([heading, *("    " + _line(e) for e in equations)]))
-        return "\n\n".join(blocks)
-
-
-def _line(line: Any) -> str:
-    return str(line) if isinstance(line, Sentence) else plain_text(line)
+        return str(self.document())
 
 
 def _dot(symbol: Any) -> Any:

@@ -1,39 +1,243 @@
-"""LaTeX for the names of symbols in equations for people."""
+"""Notation as LaTeX (amsmath): aligned equations whose lines fit a column."""
 
 from __future__ import annotations
 
 import re
+from typing import Any
 
-_LETTERS = {
-    "half_gap": "b", "damping_ratio": r"\zeta", "radius": "r", "driven_by": r"\omega", "phase": r"\vartheta",
-    "teeth": "z", "module": "m", "pressure_angle": r"\alpha", "helix_angle": r"\beta", "r_base": "r", "tau": r"\tau",
-    "coeffs": "c", "ripple": r"\epsilon", "contact_ratio": r"\epsilon_\alpha", "ratio": "i", "cos": "a", "sin": "b",
-    "k_t": "k", "torque": "T", "torque_variation": r"\varepsilon", "speed": r"\omega",
-    "w_rel": r"\Delta\dot{\varphi}", "v_rel": r"\Delta\dot{s}",
+from gearblocks.equations.line_breaking import Style, lines
+from gearblocks.equations.names import GREEK, Name
+from gearblocks.equations.notation import (
+    Call,
+    Cases,
+    Fence,
+    Fraction,
+    Node,
+    Num,
+    Op,
+    Power,
+    Root,
+    Row,
+    Sym,
+    Times,
+    Words,
+)
+
+_GREEK = {letter: f"\\{name}" for name, letter in GREEK.items()} | {
+    "φ": r"\varphi", "ε": r"\varepsilon", "π": r"\pi", "∞": r"\infty",
 }  # fmt: skip
+COLUMN = 38.0
+"""Letters in a column of a two-column article, beside a number of the equation."""
+
+_DOTS = {1: r"\dot", 2: r"\ddot", 3: r"\dddot"}
+_SIGNS = {
+    "neg": "-", "<=": r" \le ", ">=": r" \ge ", "≠": r" \ne ", "and": r"\ \text{and}\ ", "or": r"\ \text{or}\ ",
+    "×": r" \times ", ",": r",\, ",
+}  # fmt: skip
+_SPECIAL = {
+    "_": r"\_",
+    "%": r"\%",
+    "&": r"\&",
+    "#": r"\#",
+    "$": r"\$",
+    "{": r"\{",
+    "}": r"\}",
+    "~": r"\sim ",
+    "^": r"\^{}",
+}
+_FENCES = {"⌊": r"\lfloor ", "⌋": r"\rfloor ", "|": "|", "(": "(", ")": ")"}
+_MACROS = {"sin", "cos", "tan", "arctan", "arcsin", "arccos", "exp", "ln", "tanh", "sinh", "cosh", "max", "min"}
 
 
-def latex_name(name: str) -> str:
-    """LaTeX of a symbol's name: phi_disc' as a dotted letter with an index."""
-    base = name.rstrip("'")
-    dots = len(name) - len(base)
-    match = re.fullmatch(r"([A-Za-z]|phi)(?:_(.+)|(\d+))?", base)
-    letter, index = (match[1], match[2] or match[3] or "") if match else (word(base), "")
-    for field in sorted(_LETTERS, key=len, reverse=True):
-        match = re.fullmatch(rf"{field}(\d*)(?:_(.*))?", base)
-        if match:
-            letter, index = _LETTERS[field], " ".join(x for x in match.groups() if x)
-            break
-    if base.startswith("k_t_"):
-        return rf"k_{{{word(index)}}}\!\left(t\right)"
-    letter = {"phi": r"\varphi", "w": r"\varphi"}.get(letter, letter)
-    dots += 1 if base.startswith("w_") and not base.startswith("w_rel") else 0
-    if dots:
-        letter = {1: rf"\dot{{{letter}}}", 2: rf"\ddot{{{letter}}}", 3: rf"\dddot{{{letter}}}"}[dots]
-    return f"{letter}_{{{index if index.isdigit() else word(index)}}}" if index else letter
+def word(words: str) -> str:
+    """Words upright within mathematics."""
+    return r"\mathrm{" + "".join(_SPECIAL.get(c, "\\," if c == " " else c) for c in words) + "}"
 
 
-def word(text: str) -> str:
-    """A word upright, its underscores as such."""
-    escaped = text.replace("_", r"\_")
-    return rf"\mathrm{{{escaped}}}"
+def prose(words: str) -> str:
+    """Words as text."""
+    return "".join(_SPECIAL.get(c, (_GREEK.get(c) and f"${_GREEK[c]}$") or c) for c in words)
+
+
+def name_latex(name: Name) -> str:
+    """A name such as \\ddot{\\varphi}_{\\mathrm{motor}}."""
+    differs = name.letter.startswith("Δ") and len(name.letter) > 1
+    change, letter = (r"\Delta ", name.letter[1:]) if differs else ("", name.letter)
+    letter = change + (_GREEK.get(letter) or (letter if len(letter) == 1 else word(letter)))
+    if name.dots > 3:
+        letter = f"{letter}^{{({name.dots})}}"
+    elif name.dots:
+        letter = f"{_DOTS[name.dots]}{{{letter}}}"
+    number = "" if not name.number else name.number if name.number.isdigit() else word(name.number)
+    index = ",".join(x for x in (number, word(name.owner) if name.owner else "") if x)
+    return f"{letter}_{{{index}}}" if index else letter
+
+
+def latex(node: Node) -> str:
+    """A node in one line."""
+    return str(_SHOWN[type(node)](node))
+
+
+def _op(node: Op) -> str:
+    if node.sign.startswith(("left ", "right ")):
+        return _FENCES[node.sign.split()[1]]
+    return _SIGNS.get(node.sign) or f" {node.sign} "
+
+
+def _call(node: Call) -> str:
+    function = node.function
+    if isinstance(function, Words):
+        name = f"\\{function.text}" if function.text in _MACROS else rf"\operatorname{{{function.text}}}"
+    else:
+        name = latex(function)
+    if node.primes:
+        name = f"{{{name}}}" + "'" * node.primes
+    arguments = ",\\, ".join(map(latex, node.arguments))
+    return f"{name}{_fenced('(', arguments, ')', node.arguments)}"
+
+
+def _fenced(left: str, inner: str, right: str, nodes: tuple[Any, ...]) -> str:
+    """Brackets, as tall as what stands in them where that is more than a line."""
+    if any(_is_tall(node) for node in nodes):
+        return f"\\left{_FENCES[left]}{inner}\\right{_FENCES[right]}"
+    return f"{_FENCES[left]}{inner}{_FENCES[right]}"
+
+
+def _is_tall(node: Any) -> bool:
+    if isinstance(node, (Fraction, Cases, Root)):
+        return True
+    parts = {Row: "items", Times: "factors", Call: "arguments"}.get(type(node))
+    inner = getattr(node, parts) if parts else (node.inner,) if isinstance(node, Fence) else ()
+    return any(_is_tall(part) for part in inner)
+
+
+def _fraction(node: Fraction) -> str:
+    small = isinstance(node.top, Num) and isinstance(node.bottom, Num)
+    return rf"\{'tfrac' if small else 'frac'}{{{latex(node.top)}}}{{{latex(node.bottom)}}}"
+
+
+def _cases(node: Cases) -> str:
+    room = COLUMN - 7.0
+    beside = min(max(_when_width(c) for _, c in node.rows), 0.6 * room)
+    rows = [f"{_stacked(value, room - beside)}, & {_when(condition, beside)}" for value, condition in node.rows]
+    return r"\begin{cases} " + r" \\ ".join(rows) + r" \end{cases}"
+
+
+def _stacked(node: Node, room: float) -> str:
+    """A cell of cases, in lines where it is wide."""
+    broken = lines([node], STYLE, room, room - 2)
+    if len(broken) == 1:
+        return broken[0]
+    return r"\begin{aligned}[t]&" + r"\\ &\quad ".join(broken) + r"\end{aligned}"
+
+
+def _when(condition: Any, room: float = COLUMN) -> str:
+    return r"\text{otherwise}" if condition is None else _stacked(condition, room)
+
+
+def _when_width(condition: Any) -> float:
+    return 6.5 if condition is None else width(condition)
+
+
+_SHOWN: dict[Any, Any] = {
+    Sym: lambda node: name_latex(node.name),
+    Num: lambda node: node.digits,
+    Words: lambda node: rf"\text{{{prose(node.text)}}}" if node.text else "",
+    Op: _op,
+    Row: lambda node: "".join(map(latex, node.items)),
+    Times: lambda node: r"\,".join(map(latex, node.factors)),
+    Fraction: _fraction,
+    Power: lambda node: f"{latex(node.base)}^{{{latex(node.exponent)}}}",
+    Root: lambda node: rf"\sqrt{{{latex(node.inner)}}}",
+    Fence: lambda node: _fenced(node.left, latex(node.inner), node.right, (node.inner,)),
+    Call: _call,
+    Cases: _cases,
+}
+
+
+# -- how wide it will be, in letters ----------------------------------------------------------------------------------
+
+_WIDE = {"=": 2.6, "+": 2.4, "-": 2.4, "neg": 1.4, "and": 5.0, "or": 4.0}
+
+
+def name_width(name: Name) -> float:
+    """The width of a name, in letters of the mathematics."""
+    index = len(name.number) + len(name.owner)
+    return 1.1 * len(name.letter) + 0.72 * index + (0.4 if name.number and name.owner else 0.0)
+
+
+def width(node: Node) -> float:
+    """The width of a node, in letters of the mathematics."""
+    kind = type(node)
+    if kind in _WIDTHS:
+        return float(_WIDTHS[kind](node))
+    return len(latex(node))
+
+
+def _sum(nodes: tuple[Any, ...], between: float = 0.0) -> float:
+    return sum(map(width, nodes)) + between * (len(nodes) - 1)
+
+
+_WIDTHS: dict[Any, Any] = {
+    Sym: lambda node: name_width(node.name),
+    Num: lambda node: len(node.digits),
+    Words: lambda node: 0.9 * len(node.text),
+    Op: lambda node: _WIDE.get(node.sign, 2.4),
+    Row: lambda node: _sum(node.items),
+    Times: lambda node: _sum(node.factors, 0.35),
+    Fraction: lambda node: max(width(node.top), width(node.bottom)) + 0.5,
+    Power: lambda node: width(node.base) + 0.75 * width(node.exponent),
+    Root: lambda node: width(node.inner) + 1.8,
+    Fence: lambda node: width(node.inner) + 1.8,
+    Call: lambda node: width(node.function) + _sum(node.arguments, 1.2) + 2.0,
+    Cases: lambda node: min(
+        COLUMN, 7.0 + max(map(width, (v for v, _ in node.rows))) + max(_when_width(c) for _, c in node.rows)
+    ),
+}
+
+STYLE = Style(latex, width, r"\,")
+
+
+def is_wide(left: Node, right: Node) -> bool:
+    """Whether the left side needs lines of its own; aligned with others it would push them out of the column."""
+    head = width(left) + 2.6
+    return head > 0.45 * COLUMN or (isinstance(right, Cases) and head + width(right) > COLUMN)
+
+
+def aligned(left: Node, right: Node) -> str:
+    """One equation as lines of an align environment; the number stands at the last."""
+    head = width(left) + 2.6
+    if not is_wide(left, right):
+        broken = lines([right], STYLE, COLUMN - head, COLUMN - head - 2)
+        found = [f"{latex(left)} &= {broken[0]}", *(rf"&\quad {x}" for x in broken[1:])]
+    elif isinstance(right, Cases):
+        found = [f"&{latex(left)} =", rf"&\quad {latex(right)}"]
+    else:
+        above = lines([left], STYLE, COLUMN, COLUMN - 2)
+        broken = lines([Op("="), right], STYLE, COLUMN - 2, COLUMN - 2)
+        found = [f"&{above[0]}", *(rf"&\quad {x}" for x in [*above[1:], *broken])]
+    return " \\notag \\\\\n".join(found)
+
+
+def sentence(node: Node) -> str:
+    """Words and symbols that a paragraph breaks by itself."""
+    items = node.items if isinstance(node, Row) else (node,)
+    return "".join(prose(x.text) if isinstance(x, Words) else _within(x) for x in items)
+
+
+def _within(node: Node) -> str:
+    """Mathematics within a sentence; what is wide stands in lines of its own."""
+    if width(node) <= 0.6 * COLUMN:
+        return f"${latex(node)}$"
+    return r"\[" + _stacked(node, COLUMN).replace("{aligned}[t]", "{aligned}") + r"\]"
+
+
+def unit(text: str) -> str:
+    """A unit such as N m s/rad."""
+    if text in ("", "1"):
+        return ""
+    return (
+        r"$\mathrm{"
+        + re.sub(r"(-?\d+)", r"^{\1}", text).replace("^{", "^{").replace(" ", r"\,").replace("%", r"\%")
+        + "}$"
+    )

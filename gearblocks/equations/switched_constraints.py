@@ -121,17 +121,21 @@ class SwitchedConstraint:
 
     def _of_stick(self) -> Iterator[Any]:
         zero = sp.Integer(0)
-        if self.lower is not None or self.upper is not None:
+        both = self.lower is not None and self.upper is not None
+        if both and self.forward == self.backward and self.slip not in self.forward.free_symbols:
+            law = sp.Eq(self.torque, -self.forward * sp.sign(self.slip), evaluate=False)
+            yield Sentence(("slides, ", sp.Ne(self.slip, zero, evaluate=False), ": ", law))
+        elif self.lower is not None or self.upper is not None:
             for words, relation, mode in (("forward", sp.Gt, 1), ("backward", sp.Lt, -1)):
                 law = sp.Eq(self.torque, self.torque_in(mode), evaluate=False)
                 if (self.upper if mode < 0 else self.lower) is not None:
                     yield Sentence((f"slides {words}, ", relation(self.slip, zero, evaluate=False), ": ", law))
         still = sp.Eq(self.slip, zero, evaluate=False)
-        yield Sentence(("stuck, ", still, ": ", self.torque, f" is what keeps the slip at 0{self._within()[0]}",
-                        *self._within()[1:]))  # fmt: skip
+        held = sp.Eq(sp.Symbol(f"{self.slip.name}'", real=True), zero, evaluate=False)
+        yield Sentence(("sticks, ", still, ": ", held, " determines ", self.torque, *self._within()))
         if not self.engaged.is_positive:
             law = sp.Eq(self.torque, zero, evaluate=False)
-            yield Sentence(("free while ", sp.Le(self.engaged, zero, evaluate=False), ": ", law))
+            yield Sentence(("free, ", sp.Le(self.engaged, zero, evaluate=False), ": ", law))
 
     def _within(self) -> tuple[Any, ...]:
         """Words for the bounds of the constraint torque."""
@@ -139,10 +143,10 @@ class SwitchedConstraint:
         if lower is None and upper is None:
             return (", without limit",)
         if lower is not None and upper is not None and sp.expand(lower + upper) == 0:
-            return (", up to ", sp.Le(sp.Abs(self.torque), upper, evaluate=False))
+            return (", ", sp.Le(sp.Abs(self.torque), upper, evaluate=False))
         bounds = [sp.Ge(self.torque, lower, evaluate=False)] if lower is not None else []
         bounds += [sp.Le(self.torque, upper, evaluate=False)] if upper is not None else []
-        return (", as long as ", bounds[0], *((" and ", bounds[1]) if len(bounds) == 2 else ()))
+        return (", ", bounds[0], *((" and ", bounds[1]) if len(bounds) == 2 else ()))
 
     def _of_tie(self) -> Iterator[Any]:
         still = sp.Eq(self.slip, sp.Integer(0), evaluate=False)
@@ -159,7 +163,7 @@ class SwitchedConstraint:
             yield Sentence((f"{words}, ", turns, " and ", relation(inside, zero, evaluate=False), ": ", law))
         still = sp.Eq(self.slip, zero, evaluate=False)
         yield Sentence(
-            ("stuck, ", still, ": ", self.torque, " is what keeps it at rest, between its values in either direction")
+            ("sticks, ", still, ": ", self.torque, " is what keeps it at rest, between its values in either direction")
         )
 
     def _of_stop(self) -> Iterator[Any]:

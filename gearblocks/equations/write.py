@@ -12,12 +12,13 @@ import sympy as sp
 
 from gearblocks.assembly.assemble import assemble
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly
+from gearblocks.equations import names, nomenclature
 from gearblocks.equations.dependent_groups import over_independent_groups
 from gearblocks.equations.equations import Equations
-from gearblocks.equations.latex import latex_name
 from gearblocks.equations.switched_constraints import SwitchedConstraint
 from gearblocks.errors import ModelError
 from gearblocks.language.expression import to_sympy
+from gearblocks.language.units import unit_along
 from gearblocks.laws.derivation import derive
 from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import PrescribedMotion, frozen_motion
@@ -35,6 +36,14 @@ _OF_SWITCHED = {
     "constraint_force": "held",
 }
 """Names of the symbols of switched constraints, by role."""
+_SWITCHED = {
+    "friction": ("T", "torque of the constraint", "N m"),
+    "slip": ("Δω", "slip, or rate of the gap", "rad/s"),
+    "direction": ("σ", "direction of sliding: 1, -1, or 0 while it does not slide", "1"),
+    "stuck": ("s", "1 while stuck or closed, else 0", "1"),
+    "constraint_force": ("λ", "torque while stuck or closed, else 0", "N m"),
+}
+"""Letter, words and unit of the symbols of switched constraints, by role."""
 
 
 def write_equations(train: Train) -> Equations:
@@ -53,14 +62,22 @@ class _Writer:
         self.assembly = assembly
         self.laws: dict[Any, Law] = {}
         sliders = slider_names(assembly.train.components)
-        names = [(*flange_names(start.phi0 in sliders), _flat(start.phi0)) for start in assembly.starts]
-        names += [(*flange_names(False), f"shaft{group}") for group in range(len(names), assembly.n_groups)]
-        self.q = [sp.Symbol(f"{angle}_{owner}", real=True) for angle, _, _, _, owner in names]
-        self.v = [sp.Symbol(f"{speed}_{owner}", real=True) for _, speed, _, _, owner in names]
+        names_of_groups = [(*flange_names(start.phi0 in sliders), start.phi0) for start in assembly.starts]
+        names_of_groups += [
+            (*flange_names(False), f"shaft{group}") for group in range(len(names_of_groups), assembly.n_groups)
+        ]
+        self.q = [sp.Symbol(f"{angle}_{_flat(owner)}", real=True) for angle, *_, owner in names_of_groups]
+        self.v = [sp.Symbol(f"{speed}_{_flat(owner)}", real=True) for _, speed, *_, owner in names_of_groups]
         n = assembly.n_groups
+        feet = names.owners([owner for *_, owner in names_of_groups])
+        self.names: dict[Any, names.Name] = {}
+        self.entries: dict[Any, nomenclature.Entry] = {}
+        self.owners: dict[Any, str] = {}
+        for q, v, (angle, *_, owner) in zip(self.q, self.v, names_of_groups, strict=True):
+            self._coordinate(q, v, angle == "s", feet[owner])
         self.prescribed: dict[tuple[int, int], PrescribedMotion] = {}
         self.mass: list[Any] = [sp.Integer(0)] * n
-        self.torque: list[Any] = [sp.Integer(0)] * n
+        self.torque: list[dict[str, Any]] = [{} for _ in range(n)]
         self.states: dict[Any, Any] = {}
         self.held: dict[Any, Any] = {}
         self.definitions: dict[Any, Any] = {}
@@ -87,7 +104,8 @@ class _Writer:
         for flange, tau in law.torques.items():
             group, gain = groups[flange]
             if group != GROUND_GROUP:
-                self.torque[group] += sp.Rational(gain.numerator, gain.denominator) * tau.xreplace(replace)
+                part = sp.Rational(gain.numerator, gain.denominator) * tau.xreplace(replace)
+                self.torque[group][c.path] = self.torque[group].get(c.path, 0) + part
         for flange, inertia in law.bodies:
             group, gain = groups[flange]
             if group != GROUND_GROUP:
@@ -102,18 +120,17 @@ class _Writer:
         for state, rate in law.rates.items():
             if state in counts:  # impulses and counts of impacts move nothing
                 continue
-            symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
-            self.states[symbol] = rate.xreplace(replace)
+            self.states[self._state(c, state)] = rate.xreplace(replace)
         for state, value, _when in law.holds:
-            symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
-            self.held[symbol] = value.xreplace(replace)
+            self.held[self._state(c, state)] = value.xreplace(replace)
         for symbol, expr in law.pool.definitions.items():
             self.definitions[replace[symbol]] = expr.xreplace(replace)
+            self._define(c, replace[symbol], str(symbol.name), *law.pool.words[symbol])
         for show in law.shows:
             expr = show.expr.xreplace(replace)
             self.shows[f"{c.path}.{show.name}"] = expr
             if show.name in ("twist", "deflection") and law.torques:
-                self.deflections[sp.Symbol(f"x_{_flat(c.path)}", real=True)] = expr
+                self._deflection(c, expr)
 
     def _symbol(self, c: Component, meaning: Any, text: str, groups: Mapping[str, Any]) -> Any:
         """The symbol of the whole train for one of a kind."""
@@ -125,22 +142,84 @@ class _Writer:
             return sp.Rational(gain.numerator, gain.denominator) * (self.q if role == "phi" else self.v)[group]
         if role == "mobility":
             return self._mobility(groups.get(of))
-        if role in ("own", "exact", "named", "state"):
-            kind = "own" if role == "exact" else role
-            symbol = self._claim(f"{_flat(of.split('.')[-1])}_{_flat(c.path)}", (kind, c.path, of))
-            if role in ("own", "exact"):
-                self.parameters[symbol] = f"{c.path}.{of}"
+        if role == "state":
+            return self._state(c, of)
+        if role == "named":
+            return self._claim(f"{_flat(of.split('.')[-1])}_{_flat(c.path)}", (role, c.path, of))
+        if role in ("own", "exact"):
+            symbol = self._claim(f"{_flat(of.split('.')[-1])}_{_flat(c.path)}", ("own", c.path, of))
+            self.parameters[symbol] = f"{c.path}.{of}"
+            self._note(symbol, names.of_field(of, self._foot(c)), nomenclature.of_number(c, of), c)
             return symbol
+        if role in ("table", "table2"):
+            return self._table(c, of)
         if role in _OF_SWITCHED:
             letter = ("F" if c.slides else "T") if role == "friction" else _OF_SWITCHED[role]
-            return self._claim(f"{letter}_{_flat(c.path)}{'_' if of else ''}{_flat(of)}", (role, c.path, of))
+            symbol = self._claim(f"{letter}_{_flat(c.path)}{'_' if of else ''}{_flat(of)}", (role, c.path, of))
+            shown, words, unit = _SWITCHED[role]
+            shown = {"T": "F", "Δω": "Δv"}.get(shown, shown) if c.slides else shown
+            unit = unit_along(unit, c.slides)
+            owner = f"{self._foot(c)} {of}".rstrip()
+            self._note(symbol, names.Name(shown, "", owner), nomenclature.Entry(words, "", unit, c.path), c)
+            return symbol
         if role in ("shared", "input"):
             symbol = self._claim(text, (role, of.name))
             self.parameters[symbol] = of.name
+            self._note(symbol, names.of_shared(of.name), nomenclature.of_shared(of), None)
             if role == "input":
                 self.inputs.add(symbol)
             return symbol
         return None
+
+    # -- names and meanings -------------------------------------------------------------------------------------------
+
+    def _foot(self, c: Component) -> str:
+        return names.owners([c.path])[c.path]
+
+    def _note(self, symbol: Any, name: names.Name, entry: nomenclature.Entry, c: Component | None) -> None:
+        """Keeps what a symbol is called and means, and the part that it belongs to."""
+        self.names[symbol], self.entries[symbol] = name, entry
+        if c is not None:
+            self.owners[symbol] = c.path
+
+    def _coordinate(self, q: Any, v: Any, slides: bool, owner: str) -> None:
+        letter, words, unit = ("s", "position", "m") if slides else ("φ", "angle", "rad")
+        self.names[q] = names.Name(letter, "", owner)
+        self.names[v] = self.names[q].rate()
+        self.entries[q] = nomenclature.Entry(f"{words} of {owner}", "", unit)
+
+    def _state(self, c: Component, state: str) -> Any:
+        """The symbol of a state of a block."""
+        symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
+        name = names.plain(state.split(".")[-1])
+        self._note(symbol, names.Name(name.letter, name.number, self._foot(c)), nomenclature.of_state(c, state), c)
+        return symbol
+
+    def _define(self, c: Component, symbol: Any, name: str, words: str, unit: str) -> None:
+        """Keeps what a symbol is that a law defines; a mean stiffness beside one that varies is k_0."""
+        called = names.of_defined(name, self._foot(c), c.slides)
+        self._note(symbol, called, nomenclature.Entry(words, "", unit_along(unit, c.slides), c.path), c)
+        if name == "k_t":
+            mean = self._claim(f"k_{_flat(c.path)}", ("own", c.path, "k"))
+            if mean in self.names:
+                self.names[mean] = names.of_field("k", self._foot(c), varies=True)
+
+    def _table(self, c: Component, table: Any) -> Any:
+        """The symbol of a table, named by the field that it stands in."""
+        path = next((p for p, own in nomenclature.tables_of(c.block) if _same_table(own, table)), "law")
+        symbol = self._claim(f"{_flat(path.split('.')[-1])}_table_{_flat(c.path)}", ("table", c.path, path))
+        entry = nomenclature.of_table(c, path, table)
+        self._note(symbol, names.of_table(path, self._foot(c)), entry, c)
+        return symbol
+
+    def _deflection(self, c: Component, expr: Any) -> None:
+        """A relative coordinate: the name that the law has for it, else x."""
+        if expr.is_Symbol:
+            self.deflections[expr] = self.definitions.get(expr, expr)
+            return
+        symbol = sp.Symbol(f"x_{_flat(c.path)}", real=True)
+        self.names[symbol] = names.Name("x", "", self._foot(c))
+        self.deflections[symbol] = expr
 
     def _switched(
         self, c: Component, constraint: ConstraintLaw, law: Law, replace: Mapping[Any, Any]
@@ -202,6 +281,8 @@ class _Writer:
             return sp.Integer(0)
         symbol = self._claim(f"{name}_{_flat(path)}", ("own", path, name))
         self.parameters[symbol] = offset
+        c = next(other for other in self.assembly.train.components if other.path == path)
+        self._note(symbol, names.Name("φ", "0", self._foot(c)), nomenclature.of_number(c, name), c)
         return symbol
 
     def _mobility(self, group: Any) -> Any:
@@ -213,11 +294,19 @@ class _Writer:
     def finish(self) -> Equations:
         """The frozen equations."""
         dependent = over_independent_groups(self.assembly, self.prescribed, self.q, self.v, self._offset)
-        mass, torque = dependent.balance(self.mass, self.torque)
+        mass, terms = dependent.balance(self.mass, self.torque)
         mobility = {
             sp.Symbol(f"__J{i}"): m if self.assembly.plain else dependent.inertia(mass, i) for i, m in enumerate(self.mass)
         }  # fmt: skip
-        torque = [self._sensed(e.xreplace(mobility)) for e in torque]
+        order = {c.path: i for i, c in enumerate(self.assembly.train.components)}
+        contributions = tuple(
+            tuple(
+                (p, self._sensed(row[p].xreplace(mobility)))
+                for p in sorted(row, key=lambda p: order.get(p, len(order)))
+            )
+            for row in terms
+        )
+        torque = [sp.Add(*(e for _, e in row)) for row in contributions]
         definitions = {s: self._sensed(dependent.put(e).xreplace(mobility)) for s, e in self.definitions.items()}
         self.states = {s: self._sensed(dependent.put(e)) for s, e in self.states.items()} | dependent.rates
         self.shows = {path: dependent.put(e) for path, e in self.shows.items()}
@@ -236,13 +325,21 @@ class _Writer:
                 used |= definitions[s].free_symbols
         ordered = {s: kept[s] for s in definitions if s in kept}
         parameters = {s: p for s, p in self.parameters.items() if s in used or s in mass.free_symbols}
-        everything = [*self.q, *self.v, *self.states, *ordered, *parameters]
-        everything += [x for r in self.switched_constraints for x in (r.torque, r.slip, *r.shown)]
         return Equations(
             self.assembly.train.name, tuple(self.q), tuple(self.v), mass, sp.Matrix(torque), self.states,
-            ordered, parameters, self._coordinates(), {s: latex_name(s.name) for s in everything},
-            {s: self._sensed(e) for s, e in self.held.items()}, tuple(self.switched_constraints),
+            ordered, parameters, self._coordinates(), self._distinct(), {s: self._sensed(e) for s, e in self.held.items()},
+            tuple(self.switched_constraints), contributions, frozenset(self.inputs), self.entries, self.owners,
+            {c.path: type(c.block).__name__ for c in self.assembly.train.components},
         )  # fmt: skip
+
+    def _distinct(self) -> dict[Any, names.Name]:
+        """The names; where two things would share one, each by the words of its path."""
+        spare = {
+            s: e.path.split(".")[-1].partition("[")[0]
+            for s, e in self.entries.items()
+            if e.path and (s in self.parameters or e.table is not None)
+        }
+        return names.distinct(self.names, spare)
 
     def _sensed(self, expr: Any) -> Any:
         """An expression with the outputs that it senses written out, where blocks show them."""
@@ -272,12 +369,17 @@ class _Writer:
             if x.op == "parameter":
                 symbol = self._claim(x.args[0].name, ("shared", x.args[0].name))
                 self.parameters[symbol] = x.args[0].name
+                self._note(symbol, names.of_shared(x.args[0].name), nomenclature.of_shared(x.args[0]), None)
                 return symbol
             if x.args[0] not in self.shows:
                 raise ModelError(f"a coordinate reads '{x.args[0]}', which no block shows")
             return self.shows[x.args[0]]
 
         return to_sympy(expr, leaf)
+
+
+def _same_table(one: Any, other: Any) -> bool:
+    return type(one) is type(other) and one.digest() == other.digest()
 
 
 def _flat(path: str) -> str:

@@ -125,12 +125,13 @@ def _flange_name(flanges: Mapping[str, Any], wanted: Any) -> str:
 def _relation(law: Law, tie: Tie, flanges: Mapping[str, Any], inverted: bool) -> Any:
     """What stays 0, solved for its other flange where that is wanted, or where the first one is grounded; notes which flange
     that is."""
-    zero = sp.expand(sp.sympify(tie.zero))
+    angles = {f.phi for f in flanges.values()}
+    zero = sp.expand(law.pool.spelled(tie.zero, angles))
     if tie.inverse is None or not tie.inverse[0].phi.is_Symbol:
         return zero
     law.invertible = _flange_name(flanges, tie.inverse[0])
     if inverted or not can_be_solved(zero, flanges):
-        return sp.expand(sp.sympify(tie.inverse[1]()))
+        return sp.expand(law.pool.spelled(tie.inverse[1](), angles))
     return zero
 
 
@@ -169,10 +170,11 @@ def _torques(
                 add(name, -c * symbol)
             continue
         for name, flange in flanges.items():
-            add(name, -sp.sympify(force.force) * sp.diff(force.deflection, flange.phi))
+            along = law.pool.by_name(sp.diff(law.pool.spelled(force.deflection, {flange.phi}), flange.phi))
+            add(name, -sp.sympify(force.force) * along)
     for potential in found[Potential]:
         for name, flange in flanges.items():
-            add(name, -sp.diff(potential.energy, flange.phi))
+            add(name, -sp.diff(law.pool.spelled(potential.energy, {flange.phi}), flange.phi))
     for act in found[Acts]:
         if act.flange.phi.is_Symbol:
             add(_flange_name(flanges, act.flange), sp.sympify(act.tau))

@@ -105,11 +105,6 @@ def _c_printer() -> _CPrinter:
     return _CPrinter()
 
 
-def latex_text(expr: Any, names: Mapping[Any, str] | None = None) -> str:
-    """LaTeX for an expression or equation."""
-    return str(sp.latex(_decimal(expr), symbol_names=dict(names or {}), mul_symbol=r"\,"))
-
-
 def plain_text(expr: Any) -> str:
     """One line of plain text for an expression or equation."""
     if isinstance(expr, sp.Equality):
@@ -123,4 +118,4 @@ def _decimal(expr: Any) -> Any:
     return sp.sympify(expr).xreplace({x: sp.Float(float(x)) for x in long}) if long else expr
 
 
-__all__ = ["c_text", "latex_text", "plain_text"]
+__all__ = ["c_text", "plain_text"]

@@ -59,6 +59,8 @@ class Pool:
     def __init__(self, *, reading: bool = False) -> None:
         self.reading = reading
         self.definitions: dict[Any, Any] = {}
+        self.words: dict[Any, tuple[str, str]] = {}
+        """Words and unit of the symbols that are defined."""
         self.roles: dict[Any, SymbolRole] = {time_symbol(): SymbolRole("time", None)}
         self.nonzero: set[str] = set()
         """Numbers of the block that its bounds keep from 0."""
@@ -102,6 +104,33 @@ class Pool:
     def table(self, table: Table) -> Any:
         """The symbol of a table."""
         return self.symbol("table", table, f"table_{table.digest()}")
+
+    def spelled(self, expr: Any, moving: set[Any]) -> Any:
+        """The expression with those defined symbols put in that depend on one of `moving`."""
+        expr = sp.sympify(expr)
+        while within := {
+            x: self.definitions[x] for x in expr.free_symbols & set(self.definitions) if self._reads(x, moving)
+        }:
+            expr = expr.xreplace(within)
+        return expr
+
+    def _reads(self, symbol: Any, moving: set[Any]) -> bool:
+        """Whether one of `moving` stands in the definition of a symbol, or in those that it names."""
+        found = self.definitions[symbol].free_symbols
+        return bool(found & moving) or any(self._reads(x, moving) for x in found & set(self.definitions))
+
+    def by_name(self, expr: Any) -> Any:
+        """The symbol that stands for an expression, or for its opposite, where there is one."""
+        for symbol, definition in self.definitions.items():
+            if definition == expr:
+                return symbol
+            if definition == -expr:
+                return -symbol
+        return expr
+
+    def moving(self) -> set[Any]:
+        """Symbols that change by themselves as the train moves: time, angles, states."""
+        return {x for x, role in self.roles.items() if role.role in ("time", "phi", "state")}
 
     def level(self, expr: Any) -> int:
         """CONSTANT, TIMED or MOVING: what can change the expression during a run."""
@@ -197,12 +226,17 @@ class Symbols:
         """Whether a signal can only change when a parameter is set."""
         return self._pool.level(getattr(self, name)) == CONSTANT
 
-    def named(self, name: str, expr: Any) -> Any:
-        """The expression; in equations for reading a symbol of that name, with the expression as its definition."""
-        if not self._pool.reading or sp.sympify(expr).is_Symbol:
+    def named(self, name: str, expr: Any, words: str = "", unit: str = "1") -> Any:
+        """The expression; in equations for reading a symbol of that name, with the expression as its definition.
+
+        A name that ends in ' is the rate of the one without it. words, unit: for the list of symbols.
+        """
+        expr = sp.sympify(expr)
+        if not self._pool.reading or expr.is_number or (expr.is_Symbol and expr not in self._pool.definitions):
             return expr
         symbol = self._pool.symbol("named", self._prefix + name, name)
-        self._pool.definitions[symbol] = sp.sympify(expr)
+        self._pool.definitions[symbol] = expr
+        self._pool.words[symbol] = words, unit
         return symbol
 
     def turned(self, law: RatioLaw, x: Any) -> Any:
@@ -246,10 +280,11 @@ class Symbols:
 
     def slope(self, expr: Any, flange: FlangeSymbols) -> Any:
         """d expr / d phi of a flange; 0 at the ground."""
-        return sp.diff(expr, flange.phi) if flange.phi.is_Symbol else sp.Integer(0)
+        return sp.diff(self._pool.spelled(expr, {flange.phi}), flange.phi) if flange.phi.is_Symbol else sp.Integer(0)
 
     def rate_of(self, expr: Any, rates: Iterable[Rate] = ()) -> Any:
         """d expr / dt along the motion, for expressions of angles, time and states with the given rates."""
+        expr = self._pool.spelled(expr, self._pool.moving())
         total = sp.diff(expr, time_symbol())
         for name in type(self._owner).flanges:
             flange = getattr(self, name)

@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 ROOMS: tuple[tuple[str, ...], ...] = (
-    ("gearblocks.errors", "gearblocks.files"),
+    ("gearblocks.errors", "gearblocks.files", "gearblocks.pages"),
     ("gearblocks.language",),
     ("gearblocks.geometry",),
     ("gearblocks.laws",),

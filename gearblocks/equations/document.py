@@ -1,0 +1,194 @@
+"""Printed equations: sections of lines in notation, shown as text, LaTeX and a page of MathML.
+
+Knows nothing of trains: what the lines say is decided in `sections.py`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, final
+
+from gearblocks.equations import latex as tex
+from gearblocks.equations import mathml as web
+from gearblocks.equations import text as plain
+from gearblocks.equations.names import Name
+from gearblocks.equations.nomenclature import Entry
+from gearblocks.equations.notation import Node
+from gearblocks.language.signals import Table
+from gearblocks.pages import page
+
+WIDTH = 100
+"""Characters in a line of text."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Line:
+    """left = right, or where left is None what is said in words and symbols; equations are numbered."""
+
+    left: Node | None
+    right: Node
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Lines under a heading."""
+
+    heading: str
+    lines: tuple[Line, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Nomenclature:
+    """Symbols with their meaning. Shown by str(), latex() and html()."""
+
+    entries: tuple[tuple[Name, Entry], ...]
+
+    def __len__(self) -> int:
+        return len(self.entries)
+
+    def __iter__(self) -> Iterator[tuple[str, str, str, str, str]]:
+        """(symbol, words, value, unit, path) of each, as text."""
+        for name, entry in self.entries:
+            yield plain.name_text(name), entry.words, entry.value, "" if entry.unit == "1" else entry.unit, entry.path
+
+    def __str__(self) -> str:
+        rows = [(symbol, words, f"{value} {unit}".strip(), path) for symbol, words, value, unit, path in self]
+        wide = [min(max((len(row[i]) for row in rows), default=0), most) for i, most in ((0, 28), (1, 46), (2, 24))]
+        found = ["Nomenclature"]
+        for symbol, words, value, path in rows:
+            first, *more = textwrap.wrap(words, wide[1]) or [""]
+            found.append(f"    {symbol:<{wide[0]}}  {first:<{wide[1]}}  {value:<{wide[2]}}  {path}".rstrip())
+            found += [f"    {'':<{wide[0]}}  {line}" for line in more]
+        return "\n".join(found)
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def latex(self) -> str:
+        """A description list."""
+        rows = []
+        for name, entry in self.entries:
+            value = (
+                f", {tex.prose(entry.value)} {tex.unit(entry.unit)}".rstrip() if entry.value else _in_brackets(entry)
+            )
+            rows.append(rf"\item[${tex.name_latex(name)}$] {tex.prose(entry.words)}{value}")
+        return "\n".join([r"\begin{description}", *rows, r"\end{description}"])
+
+    def html(self) -> str:
+        """A table."""
+        return page("gearblocks.equations", "nomenclature.html.jinja", rows=self.rows())
+
+    def rows(self) -> list[dict[str, Any]]:
+        """What the table shows."""
+        return [
+            {"symbol": web.math(web.name_mathml(name)), "entry": entry, "points": _picture(entry.table)}
+            for name, entry in self.entries
+        ]
+
+    def _repr_html_(self) -> str:
+        return self.html()
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Document:
+    """Sections and the symbols in them. Shown by str(), latex(), html() and mathml()."""
+
+    title: str
+    sections: tuple[Section, ...]
+    nomenclature: Nomenclature
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def __str__(self) -> str:
+        number, blocks = 0, [self.title]
+        for section in self.sections:
+            shown = [section.heading]
+            for line in section.lines:
+                broken = plain.equation_lines(line.left, line.right, WIDTH - 10)
+                if line.left is not None:
+                    number += 1
+                    middle = (len(broken) - 1) // 2 if _is_block(broken) else len(broken) - 1
+                    broken[middle] = f"{broken[middle]:<{WIDTH - 10}}  ({number})"
+                shown += ["    " + part for part in broken]
+            blocks.append("\n".join(part.rstrip() for part in shown))
+        return "\n\n".join([*blocks, str(self.nomenclature)] if len(self.nomenclature) else blocks)
+
+    def latex(self) -> str:
+        """Equations for a document with amsmath, as wide as a column of a two-column article."""
+        blocks = ["% needs amsmath"]
+        for section in self.sections:
+            blocks.append(rf"\paragraph{{{tex.prose(section.heading)}}}")
+            for group in _grouped(section.lines):
+                if group[0].left is not None:
+                    rows = " \\\\\n".join(tex.aligned(line.left, line.right) for line in group if line.left is not None)
+                    blocks.append(f"\\begin{{align}}\n{rows}\n\\end{{align}}")
+                else:
+                    blocks += [rf"\noindent {tex.sentence(line.right)}\par" for line in group]
+        if len(self.nomenclature):
+            blocks += [r"\paragraph{Nomenclature}", self.nomenclature.latex()]
+        return "\n\n".join(blocks)
+
+    def mathml(self) -> str:
+        """<math> elements, one in a line."""
+        return "\n".join(
+            x for s in self.sections for line in s.lines for x in web.equation_mathml(line.left, line.right)
+        )
+
+    def html(self) -> str:
+        """A page that a browser shows without a network."""
+        number, sections = 0, []
+        for section in self.sections:
+            rows = []
+            for line in section.lines:
+                number += line.left is not None
+                shown = web.equation_mathml(line.left, line.right)
+                rows.append({"lines": shown, "number": number if line.left is not None else None})
+            sections.append({"heading": section.heading, "rows": rows})
+        values = {"title": self.title, "sections": sections, "rows": self.nomenclature.rows()}
+        return page("gearblocks.equations", "equations.html.jinja", **values)
+
+    def _repr_html_(self) -> str:
+        return self.html()
+
+
+def _in_brackets(entry: Entry) -> str:
+    return f" [{tex.unit(entry.unit)}]" if entry.unit not in ("", "1") else ""
+
+
+def _is_block(broken: list[str]) -> bool:
+    return any(brace in broken[0] for brace in "⎧")
+
+
+def _grouped(all_lines: tuple[Line, ...]) -> Iterator[list[Line]]:
+    """Equations that are aligned with each other, and sentences; one that is wide stands alone."""
+
+    def kind(line: Line) -> str:
+        if line.left is None:
+            return "sentence"
+        return "wide" if tex.is_wide(line.left, line.right) else "aligned"
+
+    for of, group in itertools.groupby(all_lines, kind):
+        if of == "wide":
+            yield from ([line] for line in group)
+        else:
+            yield list(group)
+
+
+def _picture(table: Any) -> str:
+    """Points of a table over one quantity as those of a polyline in a box of 120 by 40."""
+    if not isinstance(table, Table):
+        return ""
+    x, y = [float(v) for v in table.x], [float(v) for v in table.y]
+    wide, high = x[-1] - x[0], (max(y) - min(y)) or 1.0
+    pairs = [(120 * (a - x[0]) / wide, 38 - 36 * (b - min(y)) / high) for a, b in zip(x, y, strict=True)]
+    if table.kind == "step":
+        pairs = [p for (a, b), (c, _) in zip(pairs, [*pairs[1:], pairs[-1]], strict=True) for p in ((a, b), (c, b))]
+    return " ".join(f"{a:.1f},{b:.1f}" for a, b in pairs)

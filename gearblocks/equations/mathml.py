@@ -1,0 +1,119 @@
+"""Notation as presentation MathML, which browsers show without help and without a network."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from markupsafe import escape
+
+from gearblocks.equations.latex import width
+from gearblocks.equations.line_breaking import Style, lines
+from gearblocks.equations.names import Name
+from gearblocks.equations.notation import (
+    Call,
+    Cases,
+    Fence,
+    Fraction,
+    Node,
+    Num,
+    Op,
+    Power,
+    Root,
+    Row,
+    Sym,
+    Times,
+    Words,
+)
+
+_DOTS = {1: "\N{DOT ABOVE}", 2: "\N{DIAERESIS}", 3: "\N{COMBINING THREE DOTS ABOVE}"}
+_SIGNS = {"-": "\N{MINUS SIGN}", "<=": "≤", ">=": "≥"}
+_WORDS = ("and", "or")
+_THIN = '<mspace width="0.17em"></mspace>'
+
+
+def name_mathml(name: Name) -> str:
+    """A name: letter, dots above, number and part of the train at its foot."""
+    letter = (
+        f'<mi mathvariant="normal">{escape(name.letter)}</mi>' if name.is_word else f"<mi>{escape(name.letter)}</mi>"
+    )
+    if name.dots:
+        above = _DOTS.get(name.dots) or f"({name.dots})"
+        letter = f"<mover>{letter}<mo>{above}</mo></mover>"
+    foot = ",".join(x for x in (name.number, name.owner.replace("_", " ")) if x)
+    tag = "mn" if foot.isdigit() else "mtext"
+    return f"<msub>{letter}<{tag}>{escape(foot)}</{tag}></msub>" if foot else letter
+
+
+def mathml(node: Node) -> str:
+    """A node as MathML elements."""
+    return str(_SHOWN[type(node)](node))
+
+
+def _row(*parts: str) -> str:
+    return f"<mrow>{''.join(parts)}</mrow>"
+
+
+def _op(node: Op) -> str:
+    sign = node.sign
+    if sign.startswith(("left ", "right ")):
+        return _fence(sign.split()[1])
+    if sign == "neg":
+        return '<mo form="prefix">\N{MINUS SIGN}</mo>'
+    if sign in _WORDS:
+        return f"<mtext>\N{NO-BREAK SPACE}{sign}\N{NO-BREAK SPACE}</mtext>"
+    return f"<mo>{escape(_SIGNS.get(sign, sign))}</mo>"
+
+
+def _fence(sign: str) -> str:
+    return f'<mo stretchy="false">{sign}</mo>'
+
+
+def _call(node: Call) -> str:
+    function = node.function
+    name = f"<mi>{escape(function.text)}</mi>" if isinstance(function, Words) else mathml(function)
+    name += f"<mo>{'′' * node.primes}</mo>" if node.primes else ""
+    arguments = "<mo>,</mo>".join(map(mathml, node.arguments))
+    return _row(name, "<mo>(</mo>", arguments, "<mo>)</mo>")
+
+
+def _cell(inner: str) -> str:
+    return f'<mtd style="text-align: left; padding: 0.1em 0.8em 0.1em 0">{_row(inner)}</mtd>'
+
+
+def _cases(node: Cases) -> str:
+    rows = [f"<mtr>{_cell(mathml(value))}{_cell(_when(condition))}</mtr>" for value, condition in node.rows]
+    return _row("<mo>{</mo>", f"<mtable>{''.join(rows)}</mtable>")
+
+
+def _when(condition: Any) -> str:
+    return "<mtext>otherwise</mtext>" if condition is None else mathml(condition)
+
+
+_SHOWN: dict[Any, Any] = {
+    Sym: lambda node: name_mathml(node.name),
+    Num: lambda node: f"<mn>{node.digits.replace('-', _SIGNS['-'])}</mn>",
+    Words: lambda node: f"<mtext>{escape(node.text).replace(' ', chr(160))}</mtext>" if node.text else "",
+    Op: _op,
+    Row: lambda node: _row(*map(mathml, node.items)),
+    Times: lambda node: _row(_THIN.join(map(mathml, node.factors))),
+    Fraction: lambda node: f"<mfrac>{_row(mathml(node.top))}{_row(mathml(node.bottom))}</mfrac>",
+    Power: lambda node: f"<msup>{_row(mathml(node.base))}{_row(mathml(node.exponent))}</msup>",
+    Root: lambda node: f"<msqrt>{mathml(node.inner)}</msqrt>",
+    Fence: lambda node: _row(f"<mo>{node.left}</mo>", mathml(node.inner), f"<mo>{node.right}</mo>"),
+    Call: _call,
+    Cases: _cases,
+}
+
+STYLE = Style(mathml, width, _THIN)
+LINE = 84.0  # letters of a line on a page
+
+
+def math(inner: str) -> str:
+    """A <math> element."""
+    return f'<math xmlns="http://www.w3.org/1998/Math/MathML" displaystyle="true">{inner}</math>'
+
+
+def equation_mathml(left: Node | None, right: Node) -> list[str]:
+    """left = right as <math> elements, one for each line."""
+    nodes = [right] if left is None else [left, Op("="), right]
+    return [math(line) for line in lines(nodes, STYLE, LINE, LINE - 4)]

@@ -1,0 +1,117 @@
+"""Names of symbols as papers have them: a letter, a number, the part of the train it belongs to, dots.
+
+Knows nothing of how a name is shown.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+GREEK = {
+    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ",
+    "vartheta": "ϑ", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "xi": "ξ", "rho": "ρ", "sigma": "σ", "tau": "τ",
+    "phi": "φ", "chi": "χ", "psi": "ψ", "omega": "ω", "Omega": "Ω", "Delta": "Δ",
+}  # fmt: skip
+
+_FIELDS = {
+    "half_gap": "b", "damping_ratio": "ζ", "radius": "r", "wheel_radius": "r", "driven_by": "ω", "phase": "ϑ",
+    "teeth": "z", "module": "m", "pressure_angle": "α", "helix_angle": "β", "r_base": "r", "coeffs": "c",
+    "ripple": "ε", "ratio": "i", "cos": "a", "sin": "a", "mass": "m", "capacity": "C", "profile_shift": "X",
+    "face_width": "B", "efficiency": "η", "stiffness": "k", "friction": "M", "restitution": "e", "addendum": "h",
+    "gain": "K", "throttle": "u", "sliding": "C", "w": "ω", "law": "F",
+}  # fmt: skip
+_FROM_ZERO = ("coeffs", "coefficients")  # rows whose first entry belongs to the power 0
+_WORDS = {"torque": "T", "torque_variation": "ε", "speed": "ω", "radius": "r", "frequency": "f"}
+_DEFINED = {
+    "k_t": ("k", ""), "k_iso": ("k", "iso"), "m_e": ("m", "e"), "J_e": ("J", "e"), "sign_g": ("sgn g", ""),
+    "side_N": ("sgn N", ""), "g_f": ("g", "f"), "p_b": ("p", "b"), "two_pairs": ("n", "2"),
+}  # fmt: skip
+_IN_EFFECT = {"transmission_error": "e", "friction": "f", "slip": "s", "tyre": "s"}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Name:
+    """letter: one, Greek or Latin, or a word; number: what stands at its foot; owner: part of the train; dots: how often it is
+    differentiated in time."""
+
+    letter: str
+    number: str = ""
+    owner: str = ""
+    dots: int = 0
+
+    def rate(self, dots: int = 1) -> Name:
+        """The name of its derivative in time."""
+        return replace(self, dots=self.dots + dots)
+
+    @property
+    def is_word(self) -> bool:
+        """Whether the letter is a word, which stands upright."""
+        return len(self.letter.removeprefix("Δ")) > 1
+
+
+def of_shared(name: str) -> Name:
+    """A Parameter or an Input, by the name that the user gave it."""
+    return Name(_WORDS[name]) if name in _WORDS else plain(name)
+
+
+def of_field(field: str, owner: str, varies: bool = False) -> Name:
+    """A number of a block: `field` with the effect before it and its place in a row. varies: as the mean of what varies."""
+    *effects, last = field.split(".")
+    match = re.fullmatch(r"(\w+?)(?:\[(\d+)\])?", last)
+    word, place = (match[1], match[2]) if match else (last, None)
+    letter = _FIELDS.get(word) or plain(word).letter
+    number = "" if place is None else str(int(place) + (word not in _FROM_ZERO))
+    if word == "sin":
+        number = f"s{number}"
+    number = "".join(_IN_EFFECT.get(effect, "") for effect in effects) + number
+    if word == "k" and varies:
+        number = "0"
+    return Name(letter, number, owner)
+
+
+def of_defined(name: str, owner: str, slides: bool = False) -> Name:
+    """A symbol that a law defines; slides: of a spring between sliders."""
+    base = name.rstrip("'")
+    dots = len(name) - len(base)
+    base = base.split(".")[-1]
+    if slides:
+        base = {"theta": "x", "T": "F"}.get(base, base)
+    parsed = plain(base)
+    letter, number = _DEFINED.get(base) or (parsed.letter, parsed.number or parsed.owner)
+    return Name(letter, number, owner, dots)
+
+
+def of_table(field: str, owner: str) -> Name:
+    """A table in a field of a block: the capital of the field's letter, or its word."""
+    letter = _FIELDS.get(field.split(".")[-1], field.split(".")[-1])
+    return Name(letter.upper() if len(letter) == 1 else letter, "", owner)
+
+
+def plain(name: str) -> Name:
+    """A name by its spelling: w_1, omega, x2, phi_disc', else a word."""
+    base = name.rstrip("'")
+    dots = len(name) - len(base)
+    match = re.fullmatch(r"([A-Za-z]|" + "|".join(GREEK) + r")(?:_?(\d+))?(?:_(\w+))?", base)
+    if match is None:
+        return Name(base, "", "", dots)
+    return Name(GREEK.get(match[1], match[1]), match[2] or "", match[3] or "", dots)
+
+
+def distinct(names: Mapping[Any, Name], spare: Mapping[Any, str]) -> dict[Any, Name]:
+    """The names, where two things would share one each with the words of `spare` in place of its letter."""
+    shared: dict[Name, list[Any]] = {}
+    for symbol, name in names.items():
+        shared.setdefault(name, []).append(symbol)
+    return {
+        symbol: name if len(shared[name]) == 1 or symbol not in spare else replace(name, letter=spare[symbol])
+        for symbol, name in names.items()
+    }
+
+
+def owners(paths: Iterable[str]) -> dict[str, str]:
+    """What stands at the foot of a symbol for each part of the train: its path without brackets."""
+    return {path: path.replace("[", "").replace("]", "").replace(".", " ") for path in paths}

@@ -1,0 +1,110 @@
+"""What the symbols of printed equations mean: words, value, unit and path of each.
+
+Knows nothing of how they are shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, final
+
+from gearblocks.language.block import Declared
+from gearblocks.language.expression import Expr
+from gearblocks.language.fields import Field
+from gearblocks.language.signals import Input, Parameter, Table
+from gearblocks.language.tables import Table2
+from gearblocks.language.units import Given, parse_unit, unit_along
+from gearblocks.train.graph import Component
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """Words, value (text, empty where there is none), unit and path of a symbol; table: what it stands for, if that is one."""
+
+    words: str
+    value: str = ""
+    unit: str = "1"
+    path: str = ""
+    table: Any = None
+
+
+def of_number(c: Component, path: str) -> Entry:
+    """A number of a block, by its path inside it."""
+    field, value = _found(c.block, path)
+    unit = unit_along(field.unit, c.slides)
+    return Entry(field.words, _value(value), _unit(value, unit), f"{c.path}.{path}")
+
+
+def of_shared(leaf: Parameter | Input) -> Entry:
+    """A Parameter or an Input."""
+    if isinstance(leaf, Input):
+        return Entry("input", f"{leaf.start:.6g}", leaf.unit, leaf.name)
+    return Entry("parameter", f"{leaf.value:.6g}", leaf.unit, leaf.name)
+
+
+def of_state(c: Component, path: str) -> Entry:
+    """A state of a block or of one of its effects."""
+    owner: Any = c.block
+    *effects, name = path.split(".")
+    for effect in effects:
+        owner = getattr(owner, effect)
+    state = type(owner).states.get(name)
+    return Entry(state.words if state else name, "", state.unit if state else "1", f"{c.path}.{path}")
+
+
+def of_table(c: Component, path: str, table: Any) -> Entry:
+    """A table in a field of a block."""
+    field, _ = _found(c.block, path)
+    if isinstance(table, Table2):
+        words = f"{field.words}: {len(table.x)} by {len(table.y)} points"
+    elif not isinstance(table, Table):
+        words = "periodic part of the ratio law, over the angle of gear 1"
+    else:
+        ends = "periodic" if table.periodic else "held outside"
+        words = f"{field.words}: {len(table.x)} points from {table.x[0]:.4g} to {table.x[-1]:.4g}, {table.kind}, {ends}"
+    return Entry(words, "", unit_along(field.unit, c.slides), f"{c.path}.{path}", table)
+
+
+def tables_of(block: Declared, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """(path, table) of every table and ratio curve in the fields of a block and its effects."""
+    for name in type(block).fields:
+        value = block.__dict__[name]
+        if isinstance(value, Declared):
+            yield from tables_of(value, f"{prefix}{name}.")
+        elif isinstance(value, (Table, Table2)):
+            yield prefix + name, value
+        elif isinstance(value, Expr):
+            found = [leaf.args[0] for leaf in value.leaves() if leaf.op in ("table", "table2")]
+            yield from (
+                (prefix + name + (f"[{i}]" if i else ""), table) for i, table in enumerate(dict.fromkeys(found))
+            )
+        elif hasattr(value, "curve"):
+            yield prefix + name, value.curve
+
+
+def _found(block: Declared, path: str) -> tuple[Field, Any]:
+    """The declaration and the value of a field."""
+    owner: Any = block
+    *effects, last = path.split(".")
+    for effect in effects:
+        owner = getattr(owner, effect)
+    name, _, place = last.partition("[")
+    field, value = type(owner).fields[name], owner.__dict__[name]
+    if not place or not isinstance(value, tuple):
+        return field, value
+    i = int(place.rstrip("]"))
+    return field.entry(i), value[i]
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, Given) and value.unit:
+        return f"{parse_unit(value.unit).of_si(float(value)):.6g}"
+    if isinstance(value, Parameter):
+        return value.name
+    return f"{value:.6g}" if isinstance(value, (int, float)) else str(value)
+
+
+def _unit(value: Any, unit: str) -> str:
+    return value.unit if isinstance(value, Given) and value.unit else unit

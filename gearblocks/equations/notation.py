@@ -1,0 +1,375 @@
+"""Mathematics as it is set: fractions, roots, cases, calls; and the way from sympy to it.
+
+    read(expression, names) -> a tree of the nodes below, which text, LaTeX and MathML show each in its way
+
+Knows nothing of trains, nor of characters.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction as Exact
+from typing import Any, TypeAlias, final
+
+import sympy as sp
+
+from gearblocks.equations.names import Name, plain
+from gearblocks.laws.functions import (
+    ContactSide,
+    DeadZone,
+    EllipseLead,
+    InverseInvolute,
+    RestitutionDamping,
+    Table2At,
+    TableAt,
+)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Sym:
+    """A symbol."""
+
+    name: Name
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Num:
+    """A number, in digits."""
+
+    digits: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Words:
+    """Words between symbols."""
+
+    text: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Op:
+    """A sign between terms, or a relation: + - = < > <= >= and or. A line may break before it."""
+
+    sign: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Row:
+    """Terms and the signs between them."""
+
+    items: tuple[Any, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Times:
+    """A product."""
+
+    factors: tuple[Any, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Fraction:
+    """A fraction."""
+
+    top: Any
+    bottom: Any
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Power:
+    """A power."""
+
+    base: Any
+    exponent: Any
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Root:
+    """A square root."""
+
+    inner: Any
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Fence:
+    """What stands between ( ), | | or floor signs."""
+
+    left: str
+    right: str
+    inner: Any
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A function of arguments; function: a Sym, or words such as cos; primes: how often it is differentiated."""
+
+    function: Any
+    arguments: tuple[Any, ...]
+    primes: int = 0
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Cases:
+    """(value, condition) pairs; the condition None: otherwise."""
+
+    rows: tuple[tuple[Any, Any], ...]
+
+
+Node: TypeAlias = "Sym | Num | Words | Op | Row | Times | Fraction | Power | Root | Fence | Call | Cases"
+
+_FUNCTIONS = {
+    "sin": "sin", "cos": "cos", "tan": "tan", "atan": "arctan", "asin": "arcsin", "acos": "arccos", "exp": "exp",
+    "log": "ln", "tanh": "tanh", "sinh": "sinh", "cosh": "cosh", "asinh": "arsinh", "sign": "sgn", "Max": "max",
+    "Min": "min", "atan2": "atan2", "frac": "frac", "Heaviside": "H", "re": "Re", "Mod": "mod",
+}  # fmt: skip
+_RELATIONS = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Reader:
+    """From sympy to notation; names: of its symbols; order: of those that move, by which terms and factors are put in a row,
+    behind what does not move in a product, before it in a sum."""
+
+    names: Mapping[Any, Name]
+    order: Mapping[Any, int] = dataclasses.field(default_factory=dict)
+
+    def name(self, symbol: Any) -> Name:
+        """The name of a symbol, its rate or the rate of that."""
+        if symbol in self.names:
+            return self.names[symbol]
+        base = sp.Symbol(symbol.name.rstrip("'"), real=True)
+        dots = len(symbol.name) - len(base.name)
+        return self.names[base].rate(dots) if dots and base in self.names else plain(symbol.name)
+
+    def read(self, expr: Any) -> Node:
+        """The notation of an expression or a relation."""
+        expr = sp.sympify(expr)
+        if expr.is_Symbol:
+            return Sym(self.name(expr))
+        if expr.is_Relational or expr.func in (sp.And, sp.Or, sp.Not):
+            return self._condition(expr)
+        if expr.is_number and not expr.has(sp.Function, sp.pi) and expr.is_real and (expr.is_Rational or expr.is_Float):
+            return _number(expr)
+        kind = next((k for k in type(expr).__mro__ if k in _READERS), None)
+        return self._function(expr) if kind is None else _READERS[kind](self, expr)
+
+    def terms(self, terms: Iterable[Any]) -> Node:
+        """A sum in the order that is given."""
+        items: list[Any] = []
+        for term in terms:
+            minus, size = _sign(term)
+            if items:
+                items.append(Op("-" if minus else "+"))
+            elif minus:
+                items.append(Op("neg"))
+            inner = self.read(size)
+            items.append(Fence("(", ")", inner) if minus and size.is_Add else inner)
+        if not items:
+            return Num("0")
+        return items[0] if len(items) == 1 else Row(tuple(items))
+
+    def sorted_terms(self, expr: Any) -> list[Any]:
+        """The terms of a sum: numbers, what moves, in its order, what does not."""
+        return sorted(sp.Add.make_args(expr) if not expr.is_Add else expr.as_ordered_terms(), key=self._place)
+
+    def _place(self, term: Any) -> tuple[int, int]:
+        if term.is_number:
+            return 0, 0
+        places = [self.order[x] for x in term.free_symbols if x in self.order]
+        return (1, max(places)) if places else (2, 0)
+
+    # -- kinds of expressions -----------------------------------------------------------------------------------------
+
+    def _sum(self, expr: Any) -> Node:
+        ordered = self.sorted_terms(expr)
+        first = next((i for i, term in enumerate(ordered) if not _sign(term)[0]), 0)
+        return self.terms([ordered[first], *ordered[:first], *ordered[first + 1 :]])
+
+    def _product(self, expr: Any) -> Node:
+        minus, size = _sign(expr)
+        if minus:
+            return Row((Op("neg"), self._factor(size)))
+        number, rest = size.as_coeff_Mul()
+        top: list[Any] = []
+        bottom: list[Any] = []
+        for factor in sp.Mul.make_args(rest):
+            exponent = factor.as_base_exp()[1]
+            below = exponent.is_number and exponent.is_negative and factor.func is not sp.exp
+            (bottom if below else top).append(1 / factor if below else factor)
+        exact = _exact(number)
+        if not exact:
+            top = [number, *top] if number != 1 else top
+        elif bottom or (exact.numerator == 1 and len(top) == 1):
+            top = [sp.Integer(exact.numerator), *top] if exact.numerator != 1 else top
+            bottom = [sp.Integer(exact.denominator), *bottom] if exact.denominator != 1 else bottom
+        elif exact != 1:
+            return Times((_ratio(exact), *self._factors(top)))
+        if not bottom:
+            return self._times(top)
+        return Fraction(self._times(top), self._times(bottom))
+
+    def _times(self, factors: list[Any]) -> Node:
+        if not factors:
+            return Num("1")
+        return self.read(factors[0]) if len(factors) == 1 else Times(tuple(self._factors(factors)))
+
+    def _factors(self, factors: list[Any]) -> list[Node]:
+        return [self._factor(x) for x in sorted(factors, key=self._rank)]
+
+    def _rank(self, factor: Any) -> tuple[int, int]:
+        base = factor.as_base_exp()[0]
+        if factor.is_number:
+            return 0, 0
+        if base.is_Symbol:
+            return (2, self.order[base]) if base in self.order else (1, 0)
+        return (4 if base.is_Add else 3), 0
+
+    def _factor(self, expr: Any) -> Node:
+        node = self.read(expr)
+        if isinstance(node, (Row, Cases)):
+            return Fence("(", ")", node)
+        return node
+
+    def _power(self, expr: Any) -> Node:
+        base, exponent = expr.as_base_exp()
+        if exponent == sp.Rational(1, 2):
+            return Root(self.read(base))
+        if exponent.is_number and exponent.is_negative:
+            return Fraction(Num("1"), self.read(1 / expr))
+        inner = self.read(base)
+        if not isinstance(inner, (Sym, Num)):
+            inner = Fence("(", ")", inner)
+        return Power(inner, self.read(exponent))
+
+    def _function(self, expr: Any) -> Node:
+        name = _FUNCTIONS.get(type(expr).__name__, type(expr).__name__)
+        arguments = expr.args[:1] if name == "H" else expr.args
+        return self._call(Words(name), arguments)
+
+    def _call(self, function: Node, arguments: Iterable[Any], primes: int = 0) -> Node:
+        return Call(function, tuple(self.read(x) for x in arguments), primes)
+
+    def _table(self, expr: Any) -> Node:
+        return self._call(Sym(self.name(expr.args[0])), expr.args[1:2], int(expr.args[2]))
+
+    def _table2(self, expr: Any) -> Node:
+        name, by = self.name(expr.args[0]), "x" * int(expr.args[3]) + "y" * int(expr.args[4])
+        return self._call(Sym(Name(name.letter, f"{name.number}{by}", name.owner)), expr.args[1:3])
+
+    def _piecewise(self, expr: Any) -> Node:
+        rows = [(value, condition) for value, condition in expr.args]
+        if len(rows) == 2 and rows[0][0] == -rows[1][0] and rows[0][1] in (rows[0][0] >= 0, rows[0][0] > 0):
+            return Fence("|", "|", self.read(rows[0][0]))
+        return Cases(tuple((self.read(v), None if c == True else self.read(c)) for v, c in rows))  # noqa: E712
+
+    def _condition(self, expr: Any) -> Node:
+        if expr.func is sp.Not:
+            return Row((Words("not"), self._condition(expr.args[0])))
+        if expr.func in (sp.And, sp.Or):
+            word = "and" if expr.func is sp.And else "or"
+            items: list[Any] = []
+            for part in expr.args:
+                items += [*([Op(word)] if items else []), *self._relation(part)]
+            return Row(tuple(items))
+        return Row(tuple(self._relation(expr)))
+
+    def _relation(self, expr: Any) -> list[Any]:
+        if not expr.is_Relational:
+            return [self._condition(expr)]
+        left, sign, right = expr.lhs, {"==": "=", "!=": "≠"}.get(expr.rel_op, expr.rel_op), expr.rhs
+        if sign in _RELATIONS and not self._moves(left) and self._moves(right):
+            left, sign, right = right, _RELATIONS[sign], left
+        if sign in _RELATIONS and self._moves(left) and not left.is_Add and left.could_extract_minus_sign():
+            left, sign, right = -left, _RELATIONS[sign], -right
+        return [self.read(left), Op(sign), self.read(right)]
+
+    def _moves(self, expr: Any) -> bool:
+        return any(x in self.order for x in expr.free_symbols)
+
+
+def _fenced(left: str, right: str) -> Callable[[Reader, Any], Node]:
+    return lambda reader, expr: Fence(left, right, reader.read(expr.args[0]))
+
+
+_READERS: dict[Any, Callable[[Reader, Any], Node]] = {
+    sp.Add: Reader._sum,
+    sp.Mul: Reader._product,
+    sp.Pow: Reader._power,
+    sp.Abs: _fenced("|", "|"),
+    sp.floor: _fenced("⌊", "⌋"),
+    sp.Piecewise: Reader._piecewise,
+    TableAt: Reader._table,
+    Table2At: Reader._table2,
+    DeadZone: lambda reader, expr: reader.read(expr.spelled_out()),
+    ContactSide: lambda reader, expr: reader.read(
+        sp.Piecewise((1, expr.args[0] > expr.args[1]), (-1, expr.args[0] < -expr.args[1]), (0, True))
+    ),
+    EllipseLead: lambda reader, expr: reader.read(expr.written_out()),
+    InverseInvolute: lambda reader, expr: reader._call(Words("arcinv"), expr.args),
+    RestitutionDamping: lambda reader, expr: reader._call(Words("a"), expr.args),
+    type(sp.pi): lambda _reader, _expr: Sym(Name("π")),
+    type(sp.oo): lambda _reader, _expr: Sym(Name("∞")),
+    type(sp.E): lambda _reader, _expr: Sym(Name("e")),
+}
+
+
+def _sign(expr: Any) -> tuple[bool, Any]:
+    """Whether a minus sign stands before a term, and the term without it."""
+    number, rest = sp.sympify(expr).as_coeff_Mul()
+    minus = bool(number.is_real and number < 0)
+    for factor in rest.args if rest.is_Mul else ():
+        if factor.is_Add and all(_below(term) for term in factor.args):
+            minus, rest = not minus, sp.Mul(*(-f if f is factor else f for f in rest.args))
+    return minus, sp.Mul(abs(number) if number.is_real else number, rest)
+
+
+def _below(term: Any) -> bool:
+    number, _ = term.as_coeff_Mul()
+    return bool(number.is_real and number < 0)
+
+
+def _exact(number: Any) -> Exact | None:
+    """A rational number in short terms, where it has some: ratios given as decimals are long fractions."""
+    if not number.is_Rational:
+        return None
+    value = Exact(int(number.p), int(number.q))
+    if value.denominator <= 10**6:
+        return value
+    near = value.limit_denominator(10**4)
+    return near if abs(near - value) <= Exact(1, 10**15) * abs(value) else None
+
+
+def _number(number: Any) -> Node:
+    exact = _exact(number)
+    if number.is_Rational and exact is not None:
+        if exact < 0:
+            return Row((Op("neg"), _ratio(-exact)))
+        return _ratio(exact)
+    value = float(number)
+    digits, _, power = repr(abs(value)).partition("e")
+    node: Node = Num(digits.removesuffix(".0"))
+    if power:
+        ten = Power(Num("10"), Num(str(int(power))))
+        node = ten if digits == "1" else Times((node, Op("×"), ten))
+    return Row((Op("neg"), node)) if value < 0 else node
+
+
+def _ratio(exact: Exact) -> Node:
+    if exact.denominator == 1:
+        return Num(str(exact.numerator))
+    return Fraction(Num(str(exact.numerator)), Num(str(exact.denominator)))
