@@ -26,7 +26,7 @@ from gearblocks.equations.notation import (
 _GREEK = {letter: f"\\{name}" for name, letter in GREEK.items()} | {
     "φ": r"\varphi", "ε": r"\varepsilon", "π": r"\pi", "∞": r"\infty",
 }  # fmt: skip
-COLUMN = 38.0
+COLUMN = 40.0
 """Letters in a column of a two-column article, beside a number of the equation."""
 
 _DOTS = {1: r"\dot", 2: r"\ddot", 3: r"\dddot"}

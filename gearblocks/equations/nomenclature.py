@@ -67,6 +67,13 @@ def of_table(c: Component, path: str, table: Any) -> Entry:
     return Entry(words, "", unit_along(field.unit, c.slides), f"{c.path}.{path}", table)
 
 
+def of_law_table(c: Component, table: Any) -> Entry:
+    """A table that the law of a block makes from its fields."""
+    return Entry(
+        f"made by its law: {len(table.x)} points from {table.x[0]:.4g} to {table.x[-1]:.4g}", "", "1", c.path, table
+    )
+
+
 def tables_of(block: Declared, prefix: str = "") -> Iterator[tuple[str, Any]]:
     """(path, table) of every table and ratio curve in the fields of a block and its effects."""
     for name in type(block).fields:

@@ -12,13 +12,12 @@ import sympy as sp
 
 from gearblocks.assembly.assemble import assemble
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly
-from gearblocks.equations import names, nomenclature
 from gearblocks.equations.dependent_groups import over_independent_groups
 from gearblocks.equations.equations import Equations
+from gearblocks.equations.lexicon import Lexicon, flat
 from gearblocks.equations.switched_constraints import SwitchedConstraint
 from gearblocks.errors import ModelError
 from gearblocks.language.expression import to_sympy
-from gearblocks.language.units import unit_along
 from gearblocks.laws.derivation import derive
 from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import PrescribedMotion, frozen_motion
@@ -27,23 +26,6 @@ from gearblocks.laws.symbols import SymbolRole, time_symbol
 from gearblocks.train.graph import GROUND, Component, Train
 from gearblocks.train.structure import structure_of
 from gearblocks.train.translational import flange_names, slider_names
-
-_OF_SWITCHED = {
-    "friction": "T",
-    "slip": "w_rel",
-    "direction": "direction",
-    "stuck": "stuck",
-    "constraint_force": "held",
-}
-"""Names of the symbols of switched constraints, by role."""
-_SWITCHED = {
-    "friction": ("T", "torque of the constraint", "N m"),
-    "slip": ("Δω", "slip, or rate of the gap", "rad/s"),
-    "direction": ("σ", "direction of sliding: 1, -1, or 0 while it does not slide", "1"),
-    "stuck": ("s", "1 while stuck or closed, else 0", "1"),
-    "constraint_force": ("λ", "torque while stuck or closed, else 0", "N m"),
-}
-"""Letter, words and unit of the symbols of switched constraints, by role."""
 
 
 def write_equations(train: Train) -> Equations:
@@ -66,28 +48,22 @@ class _Writer:
         names_of_groups += [
             (*flange_names(False), f"shaft{group}") for group in range(len(names_of_groups), assembly.n_groups)
         ]
-        self.q = [sp.Symbol(f"{angle}_{_flat(owner)}", real=True) for angle, *_, owner in names_of_groups]
-        self.v = [sp.Symbol(f"{speed}_{_flat(owner)}", real=True) for _, speed, *_, owner in names_of_groups]
+        self.q = [sp.Symbol(f"{angle}_{flat(owner)}", real=True) for angle, *_, owner in names_of_groups]
+        self.v = [sp.Symbol(f"{speed}_{flat(owner)}", real=True) for _, speed, *_, owner in names_of_groups]
         n = assembly.n_groups
-        feet = names.owners([owner for *_, owner in names_of_groups])
-        self.names: dict[Any, names.Name] = {}
-        self.entries: dict[Any, nomenclature.Entry] = {}
-        self.owners: dict[Any, str] = {}
+        self.lexicon = Lexicon()
         for q, v, (angle, *_, owner) in zip(self.q, self.v, names_of_groups, strict=True):
-            self._coordinate(q, v, angle == "s", feet[owner])
+            self.lexicon.coordinate(q, v, owner, slides=angle == "s")
         self.prescribed: dict[tuple[int, int], PrescribedMotion] = {}
         self.mass: list[Any] = [sp.Integer(0)] * n
         self.torque: list[dict[str, Any]] = [{} for _ in range(n)]
         self.states: dict[Any, Any] = {}
         self.held: dict[Any, Any] = {}
         self.definitions: dict[Any, Any] = {}
-        self.parameters: dict[Any, str] = {}
         self.shows: dict[str, Any] = {}
         self.switched_constraints: list[SwitchedConstraint] = []
         self.deflections: dict[Any, Any] = {}
-        self.inputs: set[Any] = set()
         self.number = 0
-        self.claimed: dict[str, Any] = {x.name: x for x in (*self.q, *self.v)}
 
     def write(self, c: Component) -> None:
         """Adds one component."""
@@ -120,12 +96,12 @@ class _Writer:
         for state, rate in law.rates.items():
             if state in counts:  # impulses and counts of impacts move nothing
                 continue
-            self.states[self._state(c, state)] = rate.xreplace(replace)
+            self.states[self.lexicon.symbol(c, "state", state)] = rate.xreplace(replace)
         for state, value, _when in law.holds:
-            self.held[self._state(c, state)] = value.xreplace(replace)
+            self.held[self.lexicon.symbol(c, "state", state)] = value.xreplace(replace)
         for symbol, expr in law.pool.definitions.items():
             self.definitions[replace[symbol]] = expr.xreplace(replace)
-            self._define(c, replace[symbol], str(symbol.name), *law.pool.words[symbol])
+            self.lexicon.define(c, replace[symbol], str(symbol.name), *law.pool.words[symbol])
         for show in law.shows:
             expr = show.expr.xreplace(replace)
             self.shows[f"{c.path}.{show.name}"] = expr
@@ -142,84 +118,16 @@ class _Writer:
             return sp.Rational(gain.numerator, gain.denominator) * (self.q if role == "phi" else self.v)[group]
         if role == "mobility":
             return self._mobility(groups.get(of))
-        if role == "state":
-            return self._state(c, of)
-        if role == "named":
-            return self._claim(f"{_flat(of.split('.')[-1])}_{_flat(c.path)}", (role, c.path, of))
-        if role in ("own", "exact"):
-            symbol = self._claim(f"{_flat(of.split('.')[-1])}_{_flat(c.path)}", ("own", c.path, of))
-            self.parameters[symbol] = f"{c.path}.{of}"
-            self._note(symbol, names.of_field(of, self._foot(c)), nomenclature.of_number(c, of), c)
-            return symbol
-        if role in ("table", "table2"):
-            return self._table(c, of)
-        if role in _OF_SWITCHED:
-            letter = ("F" if c.slides else "T") if role == "friction" else _OF_SWITCHED[role]
-            symbol = self._claim(f"{letter}_{_flat(c.path)}{'_' if of else ''}{_flat(of)}", (role, c.path, of))
-            shown, words, unit = _SWITCHED[role]
-            shown = {"T": "F", "Δω": "Δv"}.get(shown, shown) if c.slides else shown
-            unit = unit_along(unit, c.slides)
-            owner = f"{self._foot(c)} {of}".rstrip()
-            self._note(symbol, names.Name(shown, "", owner), nomenclature.Entry(words, "", unit, c.path), c)
-            return symbol
         if role in ("shared", "input"):
-            symbol = self._claim(text, (role, of.name))
-            self.parameters[symbol] = of.name
-            self._note(symbol, names.of_shared(of.name), nomenclature.of_shared(of), None)
-            if role == "input":
-                self.inputs.add(symbol)
-            return symbol
-        return None
-
-    # -- names and meanings -------------------------------------------------------------------------------------------
-
-    def _foot(self, c: Component) -> str:
-        return names.owners([c.path])[c.path]
-
-    def _note(self, symbol: Any, name: names.Name, entry: nomenclature.Entry, c: Component | None) -> None:
-        """Keeps what a symbol is called and means, and the part that it belongs to."""
-        self.names[symbol], self.entries[symbol] = name, entry
-        if c is not None:
-            self.owners[symbol] = c.path
-
-    def _coordinate(self, q: Any, v: Any, slides: bool, owner: str) -> None:
-        letter, words, unit = ("s", "position", "m") if slides else ("φ", "angle", "rad")
-        self.names[q] = names.Name(letter, "", owner)
-        self.names[v] = self.names[q].rate()
-        self.entries[q] = nomenclature.Entry(f"{words} of {owner}", "", unit)
-
-    def _state(self, c: Component, state: str) -> Any:
-        """The symbol of a state of a block."""
-        symbol = self._claim(f"{_flat(state.split('.')[-1])}_{_flat(c.path)}", ("state", c.path, state))
-        name = names.plain(state.split(".")[-1])
-        self._note(symbol, names.Name(name.letter, name.number, self._foot(c)), nomenclature.of_state(c, state), c)
-        return symbol
-
-    def _define(self, c: Component, symbol: Any, name: str, words: str, unit: str) -> None:
-        """Keeps what a symbol is that a law defines; a mean stiffness beside one that varies is k_0."""
-        called = names.of_defined(name, self._foot(c), c.slides)
-        self._note(symbol, called, nomenclature.Entry(words, "", unit_along(unit, c.slides), c.path), c)
-        if name == "k_t":
-            mean = self._claim(f"k_{_flat(c.path)}", ("own", c.path, "k"))
-            if mean in self.names:
-                self.names[mean] = names.of_field("k", self._foot(c), varies=True)
-
-    def _table(self, c: Component, table: Any) -> Any:
-        """The symbol of a table, named by the field that it stands in."""
-        path = next((p for p, own in nomenclature.tables_of(c.block) if _same_table(own, table)), "law")
-        symbol = self._claim(f"{_flat(path.split('.')[-1])}_table_{_flat(c.path)}", ("table", c.path, path))
-        entry = nomenclature.of_table(c, path, table)
-        self._note(symbol, names.of_table(path, self._foot(c)), entry, c)
-        return symbol
+            return self.lexicon.shared(of, text)
+        return self.lexicon.symbol(c, role, of)
 
     def _deflection(self, c: Component, expr: Any) -> None:
         """A relative coordinate: the name that the law has for it, else x."""
         if expr.is_Symbol:
             self.deflections[expr] = self.definitions.get(expr, expr)
-            return
-        symbol = sp.Symbol(f"x_{_flat(c.path)}", real=True)
-        self.names[symbol] = names.Name("x", "", self._foot(c))
-        self.deflections[symbol] = expr
+        else:
+            self.deflections[self.lexicon.deflection(c)] = expr
 
     def _switched(
         self, c: Component, constraint: ConstraintLaw, law: Law, replace: Mapping[Any, Any]
@@ -257,13 +165,6 @@ class _Writer:
             (symbol("direction"), symbol("stuck"), symbol("constraint_force")), constraint.kind, tie, lost, inside,
         )  # fmt: skip
 
-    def _claim(self, text: str, meaning: Any) -> Any:
-        """The symbol of one thing: its short name, with the path inside the block or a dash where that is taken."""
-        longer = f"{_flat(meaning[2])}_{_flat(meaning[1])}" if len(meaning) == 3 else text
-        while self.claimed.setdefault(text, meaning) != meaning:
-            text = longer if text != longer and not text.startswith(longer) else text + "_"
-        return sp.Symbol(text, real=True)
-
     def _ground_angle(self, c: Component, flange: str) -> Any:
         """The angle of a grounded flange: 0 where the ground is given as 0."""
         node = c.nodes[list(type(c.block).flanges).index(flange)]
@@ -279,11 +180,8 @@ class _Writer:
         block = next(other.block for other in self.assembly.train.components if other.path == path)
         if getattr(block, name) == 0:
             return sp.Integer(0)
-        symbol = self._claim(f"{name}_{_flat(path)}", ("own", path, name))
-        self.parameters[symbol] = offset
         c = next(other for other in self.assembly.train.components if other.path == path)
-        self._note(symbol, names.Name("φ", "0", self._foot(c)), nomenclature.of_number(c, name), c)
-        return symbol
+        return self.lexicon.offset(c, name)
 
     def _mobility(self, group: Any) -> Any:
         """1/J of a shaft as a symbol, defined when everything is added up."""
@@ -324,22 +222,14 @@ class _Writer:
                 kept[s] = definitions[s]
                 used |= definitions[s].free_symbols
         ordered = {s: kept[s] for s in definitions if s in kept}
-        parameters = {s: p for s, p in self.parameters.items() if s in used or s in mass.free_symbols}
+        parameters = {s: p for s, p in self.lexicon.parameters.items() if s in used or s in mass.free_symbols}
+        words = self.lexicon
         return Equations(
             self.assembly.train.name, tuple(self.q), tuple(self.v), mass, sp.Matrix(torque), self.states,
-            ordered, parameters, self._coordinates(), self._distinct(), {s: self._sensed(e) for s, e in self.held.items()},
-            tuple(self.switched_constraints), contributions, frozenset(self.inputs), self.entries, self.owners,
+            ordered, parameters, self._coordinates(), words.distinct(), {s: self._sensed(e) for s, e in self.held.items()},
+            tuple(self.switched_constraints), contributions, frozenset(words.inputs), words.entries, words.owners,
             {c.path: type(c.block).__name__ for c in self.assembly.train.components},
         )  # fmt: skip
-
-    def _distinct(self) -> dict[Any, names.Name]:
-        """The names; where two things would share one, each by the words of its path."""
-        spare = {
-            s: e.path.split(".")[-1].partition("[")[0]
-            for s, e in self.entries.items()
-            if e.path and (s in self.parameters or e.table is not None)
-        }
-        return names.distinct(self.names, spare)
 
     def _sensed(self, expr: Any) -> Any:
         """An expression with the outputs that it senses written out, where blocks show them."""
@@ -357,7 +247,7 @@ class _Writer:
         named = {x: e for x, e in named.items() if not sp.sympify(e).free_symbols & set(self.v)}
         for candidate in (named, self.deflections):
             rows = [[sp.diff(e, q) for q in self.q] for e in candidate.values()]
-            moving = {time_symbol(), *self.states, *self.inputs}
+            moving = {time_symbol(), *self.states, *self.lexicon.inputs}
             linear = all(not x.free_symbols & {*self.q, *moving} for row in rows for x in row)
             linear &= not any(sp.sympify(e).free_symbols & moving for e in candidate.values())
             if len(candidate) == wanted > 0 and linear and sp.Matrix(rows).rank() == wanted:
@@ -367,20 +257,9 @@ class _Writer:
     def _read(self, expr: Any) -> Any:
         def leaf(x: Any) -> Any:
             if x.op == "parameter":
-                symbol = self._claim(x.args[0].name, ("shared", x.args[0].name))
-                self.parameters[symbol] = x.args[0].name
-                self._note(symbol, names.of_shared(x.args[0].name), nomenclature.of_shared(x.args[0]), None)
-                return symbol
+                return self.lexicon.shared(x.args[0], x.args[0].name)
             if x.args[0] not in self.shows:
                 raise ModelError(f"a coordinate reads '{x.args[0]}', which no block shows")
             return self.shows[x.args[0]]
 
         return to_sympy(expr, leaf)
-
-
-def _same_table(one: Any, other: Any) -> bool:
-    return type(one) is type(other) and one.digest() == other.digest()
-
-
-def _flat(path: str) -> str:
-    return path.replace(".", "_").replace("[", "").replace("]", "")

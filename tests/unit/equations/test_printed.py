@@ -41,7 +41,7 @@ MODELS = [f"{name}:{maker.name}" for name in scripts.shipped() for maker in scri
 
 def _spur_pair():
     """The train of the README."""
-    code = re.search(r"```python\n(import gearblocks.*?)\nprint\(rig\.equations", (Path(__file__).parents[3] / "README.md")
+    code = re.search(r"```python\n(import gearblocks.*?)\neq = rig", (Path(__file__).parents[3] / "README.md")
                      .read_text(encoding="utf-8"), re.DOTALL)  # fmt: skip
     found = {}
     exec(code[1], found)  # noqa: S102 - the README's own lines

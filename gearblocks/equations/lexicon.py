@@ -1,0 +1,164 @@
+"""The symbols of a whole train: each thing has one, with a name for print, a meaning, and the part it belongs to.
+
+Knows nothing of equations.
+"""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import sympy as sp
+
+from gearblocks.equations import names, nomenclature
+from gearblocks.language.signals import Input, Parameter
+from gearblocks.language.units import unit_along
+from gearblocks.train.graph import Component
+
+_SWITCHED = {
+    "friction": ("T", "T", "torque of the constraint", "N m"),
+    "slip": ("w_rel", "Δω", "slip, or rate of the gap", "rad/s"),
+    "direction": ("direction", "σ", "direction of sliding: 1, -1, or 0 while it does not slide", "1"),
+    "stuck": ("stuck", "s", "1 while stuck or closed, else 0", "1"),
+    "constraint_force": ("held", "λ", "torque while stuck or closed, else 0", "N m"),
+}
+"""Spelling, letter, words and unit of the symbols of switched constraints, by role."""
+_OF_SLIDERS = {"T": "F", "Δω": "Δv"}
+
+
+def flat(path: str) -> str:
+    """A path as part of a symbol's spelling."""
+    return path.replace(".", "_").replace("[", "").replace("]", "")
+
+
+@final
+class Lexicon:
+    """names, entries, owners: of each symbol what it is called, what it means, and to which part it belongs. parameters: paths
+    of numbers, Parameters and Inputs. inputs: symbols of Inputs."""
+
+    def __init__(self) -> None:
+        self.names: dict[Any, names.Name] = {}
+        self.entries: dict[Any, nomenclature.Entry] = {}
+        self.owners: dict[Any, str] = {}
+        self.parameters: dict[Any, str] = {}
+        self.inputs: set[Any] = set()
+        self._claimed: dict[str, Any] = {}
+
+    def symbol(self, c: Component, role: str, of: Any) -> Any:
+        """The symbol of one thing of a part by its role (see SymbolRole); None for a role that has none of its own."""
+        if role in ("own", "exact"):
+            return self._number(c, of)
+        if role == "state":
+            return self._state(c, of)
+        if role == "named":
+            return self._claim(_spelled(c, of), (role, c.path, of))
+        if role in ("table", "table2"):
+            return self._table(c, of)
+        return self._switched(c, role, of) if role in _SWITCHED else None
+
+    def shared(self, leaf: Parameter | Input, text: str) -> Any:
+        """The symbol of a Parameter or an Input."""
+        symbol = self._claim(text, ("input" if isinstance(leaf, Input) else "shared", leaf.name))
+        self.parameters[symbol] = leaf.name
+        self.names[symbol], self.entries[symbol] = names.of_shared(leaf.name), nomenclature.of_shared(leaf)
+        if isinstance(leaf, Input):
+            self.inputs.add(symbol)
+        return symbol
+
+    def coordinate(self, q: Any, v: Any, owner: str, *, slides: bool) -> None:
+        """The angle and the speed of a shaft, or position and speed of a slider."""
+        letter, words, unit = ("s", "position", "m") if slides else ("φ", "angle", "rad")
+        self._claimed |= {q.name: q, v.name: v}
+        foot = names.owners([owner])[owner]
+        self.names[q] = names.Name(letter, "", foot)
+        self.names[v] = self.names[q].rate()
+        self.entries[q] = nomenclature.Entry(f"{words} of {foot}", "", unit)
+
+    def define(self, c: Component, symbol: Any, name: str, words: str, unit: str) -> None:
+        """Keeps what a symbol is that a law defines; a mean stiffness beside one that varies is k_0."""
+        called = names.of_defined(name, _foot(c), c.slides)
+        self._note(symbol, called, nomenclature.Entry(words, "", unit_along(unit, c.slides), c.path), c)
+        if name == "k_t":
+            mean = self._claim(f"k_{flat(c.path)}", ("own", c.path, "k"))
+            if mean in self.names:
+                self.names[mean] = names.of_field("k", _foot(c), varies=True)
+
+    def offset(self, c: Component, name: str) -> Any:
+        """The symbol of a ground angle."""
+        symbol = self._number(c, name)
+        self.names[symbol] = names.Name("φ", "0", _foot(c))
+        return symbol
+
+    def deflection(self, c: Component) -> Any:
+        """The symbol of a deflection that its law does not name."""
+        symbol = sp.Symbol(f"x_{flat(c.path)}", real=True)
+        self.names[symbol] = names.Name("x", "", _foot(c))
+        return symbol
+
+    def distinct(self) -> dict[Any, names.Name]:
+        """The names; where two things would share one, each by the words of its path."""
+        spare = {
+            s: e.path.split(".")[-1].partition("[")[0]
+            for s, e in self.entries.items()
+            if e.path and (s in self.parameters or e.table is not None)
+        }
+        return names.distinct(self.names, spare)
+
+    # -- one for each role --------------------------------------------------------------------------------------------
+
+    def _number(self, c: Component, path: str) -> Any:
+        symbol = self._claim(_spelled(c, path), ("own", c.path, path))
+        self.parameters[symbol] = f"{c.path}.{path}"
+        self._note(symbol, names.of_field(path, _foot(c)), nomenclature.of_number(c, path), c)
+        return symbol
+
+    def _state(self, c: Component, path: str) -> Any:
+        symbol = self._claim(_spelled(c, path), ("state", c.path, path))
+        name = names.plain(path.split(".")[-1])
+        self._note(symbol, names.Name(name.letter, name.number, _foot(c)), nomenclature.of_state(c, path), c)
+        return symbol
+
+    def _table(self, c: Component, table: Any) -> Any:
+        """Named by the field that it stands in; a law may make one itself."""
+        path = next((p for p, own in nomenclature.tables_of(c.block) if _is_same(own, table)), None)
+        if path is None:
+            symbol = self._claim(f"table_{flat(c.path)}", ("table", c.path, table.digest()))
+            entry = nomenclature.of_law_table(c, table)
+            before = [s for s, name in self.names.items() if name.letter == "table" and self.owners.get(s) == c.path]
+            number = 1 + (before.index(symbol) if symbol in before else len(before))
+            self._note(symbol, names.Name("table", str(number), _foot(c)), entry, c)
+            return symbol
+        symbol = self._claim(f"{flat(path.split('.')[-1])}_table_{flat(c.path)}", ("table", c.path, path))
+        self._note(symbol, names.of_table(path, _foot(c)), nomenclature.of_table(c, path, table), c)
+        return symbol
+
+    def _switched(self, c: Component, role: str, of: str) -> Any:
+        spelling, letter, words, unit = _SWITCHED[role]
+        if c.slides:
+            letter, spelling = _OF_SLIDERS.get(letter, letter), _OF_SLIDERS.get(spelling, spelling)
+        symbol = self._claim(f"{spelling}_{flat(c.path)}{'_' if of else ''}{flat(of)}", (role, c.path, of))
+        owner = f"{_foot(c)} {of}".rstrip()
+        entry = nomenclature.Entry(words, "", unit_along(unit, c.slides), c.path)
+        self._note(symbol, names.Name(letter, "", owner), entry, c)
+        return symbol
+
+    def _note(self, symbol: Any, name: names.Name, entry: nomenclature.Entry, c: Component) -> None:
+        self.names[symbol], self.entries[symbol], self.owners[symbol] = name, entry, c.path
+
+    def _claim(self, text: str, meaning: Any) -> Any:
+        """The symbol of one thing: its short name, with the path inside the block or a dash where that is taken."""
+        longer = f"{flat(meaning[2])}_{flat(meaning[1])}" if len(meaning) == 3 else text
+        while self._claimed.setdefault(text, meaning) != meaning:
+            text = longer if text != longer and not text.startswith(longer) else text + "_"
+        return sp.Symbol(text, real=True)
+
+
+def _spelled(c: Component, path: str) -> str:
+    return f"{flat(path.split('.')[-1])}_{flat(c.path)}"
+
+
+def _foot(c: Component) -> str:
+    return names.owners([c.path])[c.path]
+
+
+def _is_same(one: Any, other: Any) -> bool:
+    return type(one) is type(other) and one.digest() == other.digest()
