@@ -106,6 +106,7 @@ if TYPE_CHECKING:
     from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
     from gearblocks.language.tables import Table2
     from gearblocks.language.units import rpm
+    from gearblocks.simulation.comparison import compare
     from gearblocks.simulation.trajectory import Trajectory
     from gearblocks.solver.library import Model
 
@@ -122,7 +123,7 @@ __all__ = [
     "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start",
     "State", "Stick", "Stop", "Stribeck", "Study", "Switch", "Synchronizer", "Table", "Table2", "Tie",
     "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError",
-    "Vehicle", "Worm", "at", "build", "campbell", "classify", "cos", "count", "design_ratio", "driver_angle",
+    "Vehicle", "Worm", "at", "build", "campbell", "classify", "compare", "cos", "count", "design_ratio", "driver_angle",
     "effect", "energy_lost", "event_time", "exact", "frequency_response", "last", "latin_hypercube", "linearize",
     "mean", "modes", "option", "param", "peak", "piecewise", "poincare", "points", "random_cases", "rms", "rpm",
     "sense", "signal", "simulate", "sin", "stroboscopic", "study", "sweep", "time", "trough", "twist",
@@ -160,6 +161,7 @@ _NAMES = {
     "language.signals": "Input Parameter Table sense time twist",
     "language.tables": "Table2",
     "language.units": "rpm",
+    "simulation.comparison": "compare",
     "simulation.trajectory": "Trajectory",
     "solver.library": "Model",
 }

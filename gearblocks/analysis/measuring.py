@@ -20,10 +20,11 @@ from gearblocks.analysis.lane_measuring import measure_in_lanes
 from gearblocks.analysis.quantities import SectionPoints
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.run_measuring import RunMeasuring
-from gearblocks.analysis.solution import Span, solution_of
+from gearblocks.analysis.span import Span
 from gearblocks.analysis.study_point import Interrupted, Measure, Measured, Task, options_until, point_vector, span_of
 from gearblocks.errors import GearblocksError
 from gearblocks.simulation.run import run_model
+from gearblocks.simulation.solution import solution_of
 from gearblocks.simulation.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -116,7 +117,7 @@ def _of_a_trajectory(task: Task, point: Array) -> tuple[list[float | Array], flo
 
 def _of(measure: Measure, run: Trajectory, span: Span) -> float | Array:
     if isinstance(measure, Quantity):
-        with solution_of(run, measure.needs(span)) as solution:
+        with solution_of(run, run.case, measure.needs(span)) as solution:
             return measure.measure(solution, span)
     try:
         return float(measure(run))

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.quantity import Quantity, belongs, known
 from gearblocks.analysis.sections import Section
-from gearblocks.analysis.solution import Solution, Span
+from gearblocks.analysis.span import Span
 from gearblocks.errors import ParameterError
 from gearblocks.language.expression import finite_number
-from gearblocks.simulation.measured_runs import Along, Needs
+from gearblocks.simulation.needs import Along, Needs, Solution
 
 Array = NDArray[np.float64]
 

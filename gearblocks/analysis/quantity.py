@@ -8,10 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.solution import Solution, Span, solution_of, span_of_run
+from gearblocks.analysis.span import Span, span_of_run
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.simulation.events import KINDS, Events
-from gearblocks.simulation.measured_runs import Needs
+from gearblocks.simulation.needs import Needs, Solution
+from gearblocks.simulation.solution import solution_of
 from gearblocks.simulation.trajectory import Trajectory, matches
 
 Array = NDArray[np.float64]
@@ -43,7 +44,7 @@ class Quantity:
         `gb.simulate` in this process, else (a stored run) on splines through its samples."""
         span = span_of_run(run)
         self.unit(span)
-        with solution_of(run, self.needs(span)) as solution:
+        with solution_of(run, run.case, self.needs(span)) as solution:
             return self.measure(solution, span)
 
     def unit(self, span: Span) -> str:

@@ -13,14 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.quantity import Quantity
-from gearblocks.analysis.solution import Span
+from gearblocks.analysis.span import Span
 from gearblocks.analysis.study_point import Interrupted, Task, options_until, point_vector, span_of
 from gearblocks.codegen.program import Program
 from gearblocks.errors import GearblocksError, SimulationError
 from gearblocks.simulation.arguments import is_static, set_inputs, start_state
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.failures import reason
-from gearblocks.simulation.measured_runs import MeasuredRun, Measuring, Needs, Runs, StoppedError, merged
+from gearblocks.simulation.measured_runs import MeasuredRun, Measuring, Runs, StoppedError, merged
+from gearblocks.simulation.needs import Needs
 from gearblocks.simulation.run import RESIDUAL, STILL
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.structures import Code

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.sections import Section, section_period
-from gearblocks.analysis.solution import Span, program_span
+from gearblocks.analysis.span import Span, program_span
 from gearblocks.language.units import parse_unit
 from gearblocks.simulation.arguments import parameter_vector
 from gearblocks.simulation.trajectory import Trajectory

@@ -5,10 +5,12 @@ Knows nothing of what is recorded.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, final
 
+from gearblocks.simulation.needs import Needs, Solution
 from gearblocks.solver.library import Library
 from gearblocks.solver.structures import Array, Options
 
@@ -16,7 +18,8 @@ from gearblocks.solver.structures import Array, Options
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
-    """What a run follows from, besides its model: parameters, inputs by name, options, start and end [s], start state."""
+    """What a run follows from, besides its model: parameters, inputs by name, options, start and end [s], start state; again:
+    what does it once more."""
 
     library: Library
     parameters: Array
@@ -25,3 +28,4 @@ class Case:
     begin: float
     end: float
     y0: Array | None
+    again: Callable[[Case, Needs], AbstractContextManager[Solution]] | None = None

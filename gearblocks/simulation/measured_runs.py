@@ -8,18 +8,23 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from time import thread_time
-from typing import NamedTuple, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.codegen.program import Program
+from gearblocks.errors import SimulationError
+from gearblocks.simulation.arguments import set_inputs
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.events import Events, net_events, shown
-from gearblocks.simulation.run import memory_limit
+from gearblocks.simulation.failures import reason
+from gearblocks.simulation.needs import Along, Needs
+from gearblocks.simulation.recorded_memory import memory_limit
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.structures import Array, Code
 from gearblocks.solver.study_runs import Points, QuantityKind, StudyRuns, Wanted
@@ -35,27 +40,6 @@ class StoppedError(Exception):
     def __init__(self, code: Code | None) -> None:
         super().__init__(code)
         self.code = code
-
-
-class Along(NamedTuple):
-    """What is kept of an output along a run, in the window [after, before] of time [s]; kind: peak, trough, mean or rms."""
-
-    kind: str
-    output: str
-    after: float
-    before: float
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Needs:
-    """What is asked of a run: outputs by name and the energy that components (losses) have lost, at times [s]; what outputs
-    are along the run."""
-
-    outputs: tuple[str, ...] = ()
-    times: tuple[float, ...] = ()
-    losses: tuple[str, ...] = ()
-    along: tuple[Along, ...] = ()
 
 
 @final
@@ -83,6 +67,12 @@ class MeasuredRun:
     def value(self, output: str, time: float) -> float:
         """The output at one of the times that were asked for, or at the end."""
         return float(self.values[self.times.searchsorted(time), self.needs.outputs.index(output)])
+
+    def table(self, outputs: Sequence[str], times: Array) -> Array:
+        """Outputs at times that were asked for, shape (times, outputs)."""
+        picks = [self.needs.outputs.index(output) for output in outputs]
+        found: Array = self.values[self.times.searchsorted(times)][:, picks]
+        return found
 
     def lost(self, component: str, time: float) -> float:
         """What the losses of a component have come to at the begin, at one of the times, or at the end [J]."""
@@ -198,6 +188,19 @@ class Measuring:
                 study.skip()
         pieces.append(study.take_events())
         return lost, shown(self.program.event_table, np.concatenate(pieces))
+
+
+@contextmanager
+def run_again(case: Case, needs: Needs) -> Iterator[MeasuredRun]:
+    """A run done again, to the bit, for what is needed of it. Raises SimulationError."""
+    program = case.library.program
+    with case.library.open() as sim:
+        set_inputs(sim, program, case.inputs)
+        try:
+            yield measured_run(sim, case, needs)
+        except StoppedError as stopped:
+            code = stopped.code or Code.ERR_MEMORY
+            raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None
 
 
 def measured_run(sim: Simulation, case: Case, needs: Needs) -> MeasuredRun:

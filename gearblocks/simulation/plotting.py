@@ -61,6 +61,7 @@ _KINDS = {
     "J": "energy",
 }
 _MOST_SAMPLES = 200_000
+_MOST_EVENTS = 300
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,9 +86,11 @@ class Curve:
 
 
 def over_time(
-    t: Array, series: Sequence[Series], *, title: str = "", path: str | os.PathLike[str] | None = None
-) -> Figure:
-    """Traces over time, those of one unit in one panel, names written beside them; saved to `path` where given."""
+    t: Array, series: Sequence[Series], *, title: str = "", path: str | os.PathLike[str] | None = None,
+    events: Array | None = None,
+) -> Figure:  # fmt: skip
+    """Traces over time, those of one unit in one panel, names written beside them, equal ones together; whole numbers as steps;
+    events: times of ticks at the foot; saved to `path` where given."""
     panels: dict[str, list[Series]] = {}
     for item in series:
         panels.setdefault(item[0].rpartition(".")[2] if item[1] in NO_UNIT else item[1], []).append(item)
@@ -96,16 +99,49 @@ def over_time(
         clock, clock_unit = prefixed([t], "s")
         for axis, group in zip(axes, panels.values(), strict=False):
             factor, unit = prefixed([values for _, _, values in group], group[0][1])
-            for number, (name, _, values) in enumerate(group):
+            curves = _distinct(group)
+            for number, (label, values) in enumerate(curves):
                 time, shown = _thinned(t * clock, values * factor)
-                axis.plot(time, shown, color=COLOURS[number % 8], label=name, linestyle=("-", "--")[number // 8 % 2])
+                how = "steps-post" if _is_whole(group[0][1], values) else "default"
+                dashes = ("-", "--")[number // 8 % 2]
+                axis.plot(time, shown, color=COLOURS[number % 8], label=label, linestyle=dashes, drawstyle=how)
+            if events is not None and 0 < len(events) <= _MOST_EVENTS:
+                foot = axis.get_xaxis_transform()
+                axis.plot(events * clock, np.zeros(len(events)), "|", color="#555555", markersize=10, transform=foot)
+            if all(_is_whole(group[0][1], values) for _, values in curves):
+                axis.locator_params(axis="y", integer=True)
             axis.set_ylabel(_axis_words(group, unit))
-            if len(group) > 1:
+            if len(curves) > 1 or len(curves) < len(group):
                 axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
         axes[-1].set_xlabel(f"time in {clock_unit}")
         if title:
             figure.suptitle(title, x=0.01, ha="left", fontsize=10)
         return finished(figure, path)
+
+
+def _distinct(group: Sequence[Series]) -> list[tuple[str, Array]]:
+    """(label, values) of each curve, those that are equal as one."""
+    found: list[tuple[list[str], Array]] = []
+    for name, _, values in group:
+        same = next((names for names, other in found if np.array_equal(values, other, equal_nan=True)), None)
+        if same is None:
+            found.append(([name], values))
+        else:
+            same.append(name)
+    return [(names[0] + _also(names[1:]), values) for names, values in found]
+
+
+def _also(names: Sequence[str]) -> str:
+    """Words for further names of a curve."""
+    if not names:
+        return ""
+    return f" = {names[0]}" + (f" and {len(names) - 1} more" if len(names) > 1 else "")
+
+
+def _is_whole(unit: str, values: Array) -> bool:
+    """Whether a quantity without a unit takes a few whole numbers only: a mode, a side, a gear."""
+    whole = unit in NO_UNIT and len(values) > 0 and bool((values == np.round(values)).all())
+    return whole and float(np.ptp(values)) <= 20
 
 
 def planes(items: Sequence[Plane], *, path: str | os.PathLike[str] | None = None, columns: int = 2) -> Figure:

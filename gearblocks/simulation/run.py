@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time as _time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -41,6 +39,8 @@ from gearblocks.simulation.element_balance import Rerun, element_imbalances
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import events_of
 from gearblocks.simulation.failures import component_of, reason
+from gearblocks.simulation.measured_runs import run_again
+from gearblocks.simulation.recorded_memory import memory_limit
 from gearblocks.simulation.records import FinalState, NamedValues, Stats
 from gearblocks.simulation.samples import Outputs, Samples
 from gearblocks.simulation.trajectory import Trajectory
@@ -79,7 +79,7 @@ def run_model(
             "parameters": NamedValues(program.parameter_numbers, values),
         })  # fmt: skip
         y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)
-        run.case = Case(model.library, values, dict(inputs or {}), options, begin, end, y0)
+        run.case = Case(model.library, values, dict(inputs or {}), options, begin, end, y0, run_again)
         return run.go(options, begin, y0, why)
 
 
@@ -329,14 +329,3 @@ class _Line:
         """Clears the line."""
         if self._open:
             sys.stderr.write("\r" + " " * 79 + "\r")
-
-
-@cache
-def memory_limit(sampled: bool) -> int:
-    """Bytes that the record of a run may take: half of the memory (4 GiB where that is not known) with sample times, whose
-    number is known, and no more than 2 GiB with every step."""
-    try:
-        half = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
-    except (AttributeError, ValueError, OSError):
-        half = 1 << 32
-    return half if sampled else min(half, 2 << 30)

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearblocks.errors import GearblocksError, UnknownNameError, did_you_mean
+from gearblocks.errors import GearblocksError, ParameterError, UnknownNameError, did_you_mean
 from gearblocks.language.units import check_unit, same_measure
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import Event, Events
 from gearblocks.simulation.records import Array, Content, EnergyLedger, FinalState, Stats, frozen
 from gearblocks.simulation.samples import Outputs
+from gearblocks.simulation.solution import Extremes, Spectrum
 
 if TYPE_CHECKING:
     import pandas
@@ -202,15 +203,66 @@ class Trajectory:
             return f"the run has no {what} {name!r}: it has no outputs at all"
         return f"the run has no {what} {name!r}{_hint(str(name), self.names)}"
 
+    # -- between the samples ------------------------------------------------------------------------------------
+    def extremes(self, name: str, *, after: float | None = None, before: float | None = None) -> Extremes:
+        """(low, low_at, high, high_at): the lowest and the highest value of an output [its unit] and their times [s], located
+        on the solution between the samples, in a window [s]. Equal to gb.trough and gb.peak. Raises UnknownNameError,
+        ParameterError."""
+        from gearblocks.simulation import solution
+
+        return solution.extremes(self, self.case, self._known(name), solution.window_of(self, after, before))
+
+    def rms(self, name: str, *, after: float | None = None, before: float | None = None) -> float:
+        """Root mean square of an output [its unit] over time, integrated; equal to gb.rms."""
+        return self._along("rms", name, after, before)
+
+    def mean(self, name: str, *, after: float | None = None, before: float | None = None) -> float:
+        """Mean of an output [its unit] over time, integrated; equal to gb.mean."""
+        return self._along("mean", name, after, before)
+
+    def spectrum(
+        self, name: str, *, after: float | None = None, before: float | None = None, samples: int | None = None
+    ) -> Spectrum:
+        """(frequency [Hz], amplitude [unit of the output]): Fourier's transform of the solution at `samples` equal distances
+        under the window of Hann (whose lines are two distances of frequency wide); a part a cos(2 pi f t) has the amplitude
+        a."""
+        from gearblocks.simulation import solution
+
+        window = solution.window_of(self, after, before)
+        return solution.spectrum(self, self.case, self._known(name), window, samples)
+
+    def between(self, t0: float, t1: float, *, samples: int = 1001) -> Trajectory:
+        """The part from t0 to t1 [s] at so many equal distances, found by running it again; events as they were."""
+        from gearblocks.simulation import solution
+
+        window = solution.window_of(self, t0, t1)
+        if not isinstance(samples, int) or samples < 2:
+            raise ParameterError(f"samples = {samples!r} must be a whole number >= 2")
+        times = np.linspace(*window, samples)
+        table = solution.values_at(self, self.case, self.names, times)
+        events = [event for event in self.events if window[0] <= event.t <= window[1]]
+        return Trajectory(times, (self.names, table), self.units, events=events, meta=self.meta)
+
+    def _along(self, kind: str, name: str, after: float | None, before: float | None) -> float:
+        from gearblocks.simulation import solution
+
+        return solution.along(self, self.case, (kind,), self._known(name), solution.window_of(self, after, before))[0]
+
+    def _known(self, name: str) -> str:
+        if name not in self:
+            raise UnknownNameError(self._unknown("output", name))
+        return name
+
     # -- elsewhere ----------------------------------------------------------------------------------------------
     def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Figure of outputs (names or patterns, else all) over time, one panel per unit; saved to `path`."""
-        from gearblocks.simulation import plotting
+        """Figure of outputs (names or patterns, else all) over time, one panel per unit; saved to `path`. Between the samples
+        curves follow the solution; what takes whole numbers only is drawn in steps; ticks at the foot are events."""
+        from gearblocks.simulation import plotting, solution
 
-        chosen = [item for pattern in names or ("*",) for item in self.find(pattern)]
-        columns = self.content(*dict.fromkeys(chosen)).arrays()
-        series = [(name, self.units[name], values) for name, values in columns.items()]
-        return plotting.over_time(self.t, series, title=self.name, path=path)
+        chosen = dict.fromkeys(item for pattern in names or ("*",) for item in self.find(pattern))
+        t, columns = solution.drawn(self, self.case, tuple(chosen))
+        series = [(name, self.units[name], columns[name]) for name in chosen]
+        return plotting.over_time(t, series, title=self.name, path=path, events=solution.event_times(self, chosen))
 
     def to_dataframe(self) -> pandas.DataFrame:
         """One column per output over the index `t`; both sides of an event are two rows of the same t."""

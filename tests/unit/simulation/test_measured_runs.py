@@ -11,7 +11,8 @@ import gearblocks as gb
 from gearblocks.simulation import measured_runs
 from gearblocks.simulation.arguments import method_options, set_inputs
 from gearblocks.simulation.case import Case
-from gearblocks.simulation.measured_runs import Along, MeasuredRun, Needs, measured_run, merged
+from gearblocks.simulation.measured_runs import MeasuredRun, measured_run, merged
+from gearblocks.simulation.needs import Along, Needs
 from gearblocks.solver import study_runs
 
 

@@ -5,26 +5,40 @@ As good as its samples lie close. Knows nothing of models and solvers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import final
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.extrema import NODES, WEIGHTS, extremum
 from gearblocks.errors import ParameterError
 from gearblocks.simulation.events import Events
-from gearblocks.simulation.measured_runs import Along
-from gearblocks.simulation.trajectory import Trajectory
+from gearblocks.simulation.extrema import NODES, WEIGHTS, extremum
+from gearblocks.simulation.needs import Along
+from gearblocks.simulation.records import EnergyLedger
 
 Array = NDArray[np.float64]
+
+
+class Run(Protocol):
+    """What is read of a run (see `Trajectory`)."""
+
+    t: Array
+
+    @property
+    def events(self) -> Events: ...
+    @property
+    def energy(self) -> EnergyLedger: ...
+    @property
+    def meta(self) -> Mapping[str, Any]: ...
+    def __getitem__(self, name: str) -> Array: ...
 
 
 @final
 class SampledRun:
     """A run with its values between the samples, of which nothing but the samples is known; times: edges of segments too."""
 
-    def __init__(self, run: Trajectory, times: Sequence[float] = ()) -> None:
+    def __init__(self, run: Run, times: Sequence[float] = ()) -> None:
         if len(run.t) < 2:
             raise ParameterError("a quantity needs a run of at least two samples")
         self._run = run
@@ -75,6 +89,10 @@ class SampledRun:
     def value(self, output: str, time: float) -> float:
         """The output at a time, the right limit at an event."""
         return float(self._sample(output, np.array([time]))[0])
+
+    def table(self, outputs: Sequence[str], times: Array) -> Array:
+        """Outputs at times, shape (times, outputs)."""
+        return np.column_stack([self._sample(output, times) for output in outputs])
 
     def _sample(self, output: str, times: Array) -> Array:
         """The output at times [s]."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gearblocks.analysis.extrema import NODES, WEIGHTS, extremum
+from gearblocks.simulation.extrema import NODES, WEIGHTS, extremum
 
 Array = NDArray[np.float64]
 

@@ -1,38 +1,21 @@
-"""What quantities are measured on: a run with its values between the samples, and what is known of it beforehand."""
+"""What is known of a run before quantities are measured on it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.sampled_run import SampledRun
 from gearblocks.analysis.sections import Section, section_period
 from gearblocks.codegen.program import Program
-from gearblocks.errors import ParameterError, SimulationError
-from gearblocks.simulation.arguments import set_inputs
-from gearblocks.simulation.events import Events
-from gearblocks.simulation.failures import reason
-from gearblocks.simulation.measured_runs import Along, Needs, StoppedError, measured_run
+from gearblocks.errors import ParameterError
 from gearblocks.simulation.records import NamedValues
 from gearblocks.simulation.trajectory import Trajectory
-from gearblocks.solver.structures import Code
 
 Array = NDArray[np.float64]
-
-
-class Solution(Protocol):
-    """What quantities are measured on (`simulation/measured_runs.py`)."""
-
-    @property
-    def events(self) -> Events: ...
-    def value(self, output: str, time: float) -> float: ...
-    def lost(self, component: str, time: float) -> float: ...
-    def along_run(self, wanted: Along) -> float: ...
 
 
 @final
@@ -78,20 +61,3 @@ def span_of_run(run: Trajectory) -> Span:
         return Span(float(run.t[0]), float(run.t[-1]), run.units, None, (*run.energy.dissipated,), parameters)
     case = run.case
     return program_span(case.library.program, case.begin, float(run.t[-1]), case.parameters, None)
-
-
-@contextmanager
-def solution_of(run: Trajectory, needs: Needs) -> Iterator[Solution]:
-    """The solution that a run shows: its steps done again where the run knows what it follows from, else its samples."""
-    case = run.case
-    if case is None:
-        yield SampledRun(run, [time for one in needs.along for time in (one.after, one.before)])
-        return
-    program = case.library.program
-    with case.library.open() as sim:
-        set_inputs(sim, program, case.inputs)
-        try:
-            yield measured_run(sim, case, needs)
-        except StoppedError as stopped:
-            code = stopped.code or Code.ERR_MEMORY
-            raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None
