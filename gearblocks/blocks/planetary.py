@@ -225,6 +225,6 @@ class PlanetaryGear(Block):
 
 
 def _cos(angle: Any) -> Any:
-    from gearblocks.language.expression import cos as cosine
+    from gearblocks.language.functions import cos as cosine
 
     return cosine(angle)
