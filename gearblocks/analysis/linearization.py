@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 from gearblocks.analysis.printed_linearization import document
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
-from gearblocks.drivetrain import Drivetrain, build
+from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, UnknownNameError, did_you_mean
+from gearblocks.running import build
 from gearblocks.simulation.arguments import (
     InputSource,
     begin_of,

@@ -105,7 +105,7 @@ def run(
     _check_endings(out, plot)
     changes = dict(_assignment(item) for item in change or [])
     rig = _train(train, without or [])
-    from gearblocks.drivetrain import simulate
+    from gearblocks.running import simulate
 
     model, tuned = _changed(rig, changes)
     options: dict[str, Any] = {"rtol": rtol, "method": method, "step": step, "initial": initial, "parameters": tuned}
@@ -182,7 +182,7 @@ def equations(
     """Print the equations of motion."""
     rig = _train(train)
     if form is Form.c:
-        from gearblocks.drivetrain import build
+        from gearblocks.running import build
 
         typer.echo(build(rig).program.source)
     elif form is Form.html:
@@ -279,7 +279,7 @@ def _train(text: str, without: Sequence[str] = ()) -> Drivetrain:
 
 def _changed(rig: Drivetrain, changes: dict[str, float | str]) -> tuple[Model, dict[str, float | str]]:
     """The model with what is structural changed, and the rest of the changes, which need no other model."""
-    from gearblocks.drivetrain import build
+    from gearblocks.running import build
 
     model = build(rig)
     structural = {path for path, _ in model.program.structural}
