@@ -101,8 +101,21 @@ if TYPE_CHECKING:
         Switch,
         Tie,
     )
-    from gearblocks.language.expression import cos, piecewise, sin
     from gearblocks.language.fields import Flange, State, effect, exact, option, param, signal
+    from gearblocks.language.functions import (
+        Heaviside,
+        cos,
+        exp,
+        log,
+        maximum,
+        minimum,
+        pi,
+        piecewise,
+        sin,
+        sqrt,
+        tan,
+        tanh,
+    )
     from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
     from gearblocks.language.tables import Table2
     from gearblocks.language.units import rpm
@@ -116,17 +129,18 @@ __all__ = [
     "Acts", "Angle", "Backlash", "BearingFriction", "BeltDrive", "Block", "Body", "Brake", "Campbell", "Clutch",
     "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain", "EddyCurrentBrake",
     "Effect", "Energy", "Engine", "Fixed", "Flange", "Force", "Fourier", "Freewheel", "FrequencyResponse",
-    "GearMesh", "GearblocksError", "Governor", "HardStop", "Harmonic", "Hold", "HuntCrossley", "Hysteresis",
-    "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear", "LossyTie", "Mass",
-    "MeshLaw", "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch", "Parameter",
-    "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate", "RatioLaw",
-    "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start",
-    "State", "Stick", "Stop", "Stribeck", "Study", "Switch", "Synchronizer", "Table", "Table2", "Tie",
-    "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError",
-    "Vehicle", "Worm", "at", "build", "campbell", "classify", "compare", "cos", "count", "design_ratio", "driver_angle",
-    "effect", "energy_lost", "event_time", "exact", "frequency_response", "last", "latin_hypercube", "linearize",
-    "mean", "modes", "option", "param", "peak", "piecewise", "poincare", "points", "random_cases", "rms", "rpm",
-    "sense", "signal", "simulate", "sin", "stroboscopic", "study", "sweep", "time", "trough", "twist",
+    "GearMesh", "GearblocksError", "Governor", "HardStop", "Harmonic", "Heaviside", "Hold", "HuntCrossley",
+    "Hysteresis", "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear",
+    "LossyTie", "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch",
+    "Parameter", "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate",
+    "RatioLaw", "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling",
+    "Square", "Start", "State", "Stick", "Stop", "Stribeck", "Study", "Switch", "Synchronizer", "Table", "Table2",
+    "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint",
+    "UnknownNameError", "Vehicle", "Worm", "at", "build", "campbell", "classify", "compare", "cos", "count",
+    "design_ratio", "driver_angle", "effect", "energy_lost", "event_time", "exact", "exp", "frequency_response",
+    "last", "latin_hypercube", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak",
+    "pi", "piecewise", "poincare", "points", "random_cases", "rms", "rpm", "sense", "signal", "simulate", "sin",
+    "sqrt", "stroboscopic", "study", "sweep", "tan", "tanh", "time", "trough", "twist",
 ]  # fmt: skip
 
 _NAMES = {
@@ -156,8 +170,8 @@ _NAMES = {
     "language.contributions": (
         "Acts Body Energy Hold LossyTie Motion Parts Potential Rate Shows Start Stick Stop Switch Tie"
     ),
-    "language.expression": "cos piecewise sin",
     "language.fields": "Flange State effect exact option param signal",
+    "language.functions": "Heaviside cos exp log maximum minimum pi piecewise sin sqrt tan tanh",
     "language.signals": "Input Parameter Table sense time twist",
     "language.tables": "Table2",
     "language.units": "rpm",

@@ -28,6 +28,10 @@ class Backlash(Effect):
     the ledger needs max_step of about w over the speed: where damping cancels the spring, nothing else asks for short steps.
     gaps=(b_1, ..., b_n) in place of half_gap: a gap of every tooth on the drive side, [coast_gaps] on the coast side
     (default: the same). Each tooth carries 1/n of k: g(x) = (sum of max(x - b_j, 0) - sum of max(-x - c_j, 0))/n.
+
+    Example:
+        gap = gb.Backlash(half_gap="30 um")
+        pair = gb.GearMesh(teeth=(20, 30), external=True, module=2e-3, pressure_angle=0.35, k=1e8, c=500.0, backlash=gap)
     """
 
     half_gap: Value | None = param("half of the backlash", "m", default=None, ge=0)
@@ -202,6 +206,9 @@ class HuntCrossley(Effect):
     1975, J. Appl. Mech. 42, 440-445; their a = 3 (1 - e)/2 is the limit for e near 1). Where N would pull it is 0. Takes
     the place of c; needs a gap with exact corners. A run that begins in contact has no damping until the teeth have
     parted once.
+
+    Example:
+        lash = gb.Lash(k=1e4, half_gap=0.01, contact_damping=gb.HuntCrossley(restitution=0.8))
     """
 
     restitution: Value = param("speed after an impact over the speed before", gt=0, le=1)

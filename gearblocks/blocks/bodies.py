@@ -14,7 +14,14 @@ from gearblocks.language.signals import Value
 class Inertia(Block):
     """A rigid rotating body; both flanges turn by the same angle.
 
+        a o---[ J ]---o b        phi = phi_a = phi_b
+
     phi0, w0: start values. Left out, they follow from tied neighbours, else they are 0.
+
+    Example:
+        rig = gb.Drivetrain("flywheel")
+        rig.chain(rig.add("drive", gb.Torque(tau=2.0)), rig.add("flywheel", gb.Inertia(J=0.5, w0="3000 rpm")))
+        print(gb.simulate(rig, t_end=1.0)["flywheel.w"][-1])
     """
 
     a, b = Flange("left end", spare=True), Flange("right end", spare=True)
@@ -35,7 +42,14 @@ class Inertia(Block):
 class Fixed(Block):
     """The ground: holds its flange at the angle phi0. Output torque: what the ground exerts on the flange.
 
+        flange o---#        phi = phi0
+
     On a slider phi0 is a position in m, and torque a force in N.
+
+    Example:
+        rig = gb.Drivetrain("torsion pendulum")
+        disc = rig.add("disc", gb.Inertia(J=0.01, phi0="10 deg"))
+        rig.chain(rig.add("ground", gb.Fixed()), rig.add("wire", gb.Shaft(k=0.5)), disc)
     """
 
     flange = Flange("held flange", slider=None)

@@ -18,12 +18,21 @@ _REST = 1e-6  # rad/s: keeps the speed ratio of a torque converter defined at re
 class TorqueConverter(Block):
     """Hydrodynamic torque converter or coupling, quasi-static, with tables over the speed ratio nu = w_t/w_i.
 
+        impeller o---(|)---o turbine
+
         impeller torque  T_i = capacity(nu) w_i abs(w_i),    turbine torque  T_t = ratio(nu) T_i
 
     Speeds are against the housing (the ground when not connected), which takes the difference of the torques. Outside
     the tables the end values are held, so capacity must reach 0 (free) or less (the turbine drives) at its upper end.
     nu is taken as w_t w_i/(w_i^2 + 1e-12 rad2/s2). Tables by which the converter would give more power than it takes
     are refused. torque: T_t.
+
+    Example:
+        rig = gb.Drivetrain("start on a converter")
+        capacity = gb.Table([0.0, 0.9, 1.0], [2e-3, 1.5e-3, 0.0])
+        converter = rig.add("converter", gb.TorqueConverter(capacity=capacity, ratio=gb.Table([0.0, 0.9], [2.0, 1.0])))
+        engine, axle = rig.add("engine", gb.Inertia(J=0.2, w0=100.0)), rig.add("axle", gb.Inertia(J=2.0))
+        rig.chain(rig.add("drive", gb.Torque(tau=60.0)), engine, converter, axle)
     """
 
     impeller, turbine = Flange("impeller, the driving side"), Flange("turbine, the driven side")
@@ -82,6 +91,9 @@ class Creep(Effect):
     the two forces over the axial stiffness E A of the belt (Reynolds, On the efficiency of belts or straps as
     communicators of work, 1874): stiffness = radius_a E A. limit: torque at which the belt slides as a whole,
     approached as tau = stiffness slip / sqrt(1 + (stiffness slip/limit)^2). Below low_speed the law is a viscous one.
+
+    Example:
+        belt = gb.BeltDrive(ratio=0.8, slip=gb.Creep(stiffness=2e3, low_speed=1.0, limit=80.0))
     """
 
     stiffness: Value = param("torque on a per relative slip", "N m", gt=0)
@@ -92,7 +104,14 @@ class Creep(Effect):
 class BeltDrive(Block):
     """Belt between two pulleys turning the same way: phi_a = ratio phi_b without slip (ratio = r_b/r_a), about the housing.
 
+        a o---( )======(   )---o b
+
     A rigid tie, or with slip=Creep(...) a torque through slip speed. A crossed belt has a negative ratio.
+
+    Example:
+        rig = gb.Drivetrain("fan drive")
+        engine, fan = rig.add("engine", gb.Inertia(J=0.1)), rig.add("fan", gb.Inertia(J=0.02))
+        rig.chain(rig.add("drive", gb.Torque(tau=5.0)), engine, rig.add("belt", gb.BeltDrive(ratio=0.8)), fan)
     """
 
     a, b = Flange("driving pulley"), Flange("driven pulley")
@@ -132,11 +151,18 @@ class BeltDrive(Block):
 class UniversalJoint(Block):
     """Universal (Hooke's, Cardan) joint between two shafts that meet at an angle: tan phi_b = tan phi_a / cos(angle).
 
+        a o---<X>---o b        at an angle between the shafts
+
         phi_b = phi_a + atan(q sin(2 phi)/(1 - q cos(2 phi))),    phi = phi_a + phase,  q = tan(angle/2)^2
 
     w_b/w_a swings between cos(angle) and 1/cos(angle) twice a turn: cos(angle) where the fork of a lies across the plane
     of both shafts (phi = 90 degrees), 1/cos(angle) where it lies in it. The same law over all turns, without jumps.
     torque: on flange b.
+
+    Example:
+        rig = gb.Drivetrain("propeller shaft")
+        joint = rig.add("joint", gb.UniversalJoint(angle="20 deg"))
+        rig.chain(rig.add("engine", gb.Speed(w=100.0)), joint, rig.add("axle", gb.Inertia(J=0.2)))
     """
 
     a, b = Flange("driving fork"), Flange("driven fork")

@@ -31,6 +31,10 @@ class Fourier(Effect):
 
     theta is the mesh phase: of the teeth when driven_by="angle" (the law then derives from a potential and keeps the
     energy), or the integral of a frequency in rad/s (the papers' form, which feeds energy in and out); plus `phase`.
+
+    Example:
+        stiffness = gb.Fourier(cos=(0.2, 0.05), sin=(0.1,))
+        law = gb.MeshLaw(k=1e8, c=500.0, stiffness_variation=stiffness)  # or a field of gb.GearMesh
     """
 
     cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", default=(), many=True)
@@ -62,7 +66,12 @@ class Fourier(Effect):
 
 
 class Harmonic(Fourier):
-    """Transmission error e = sum_j cos[j] cos(j theta) + sin[j] sin(j theta) in m; theta as for `Fourier`."""
+    """Transmission error e = sum_j cos[j] cos(j theta) + sin[j] sin(j theta) in m; theta as for `Fourier`.
+
+    Example:
+        error = gb.Harmonic(sin=("5 um",))
+        law = gb.MeshLaw(k=1e8, c=500.0, transmission_error=error)  # or a field of gb.GearMesh
+    """
 
     cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", "m", default=(), many=True)
     sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", "m", default=(), many=True)
@@ -73,6 +82,11 @@ class Profile(Effect):
 
     table: x in cycles from 0 to 1, periodic. Driven like `Fourier`; its joints are located. Where an effect is wanted,
     a bare Table stands for Profile(table=...).
+
+    Example:
+        measured = gb.Table([0.0, 0.4, 0.5, 1.0], [0.1, 0.1, -0.1, 0.1], "cubic", periodic=True)
+        stiffness = gb.Profile(table=measured)
+        law = gb.MeshLaw(k=1e8, c=500.0, stiffness_variation=stiffness)  # or a field of gb.GearMesh
     """
 
     table: Table = option("points over one cycle, x from 0 to 1, periodic")
@@ -111,6 +125,10 @@ class Square(Effect):
 
     The upper value holds for the share contact_ratio - 1 of a cycle from theta = 0; upper - lower = 2 ripple.
     The jumps are located. Driven like `Fourier`; by angle it has no potential (jumps), so only a frequency is taken.
+
+    Example:
+        stiffness = gb.Square(ripple=0.3, contact_ratio=1.6, driven_by="500 rad/s")
+        law = gb.MeshLaw(k=1e8, c=500.0, stiffness_variation=stiffness)  # or a field of gb.GearMesh
     """
 
     ripple: Value = param("half of the jump, relative to the mean", ge=0)
@@ -157,6 +175,10 @@ class ToothFriction(Effect):
 
     direction="square_wave": N (1 + mu wave) along the line of action on both bodies, wave = +1 or -1 from a signal (the
     form of papers; it may feed power in, which the ledger counts as supplied).
+
+    Example:
+        rubbing = gb.ToothFriction(mu=0.06, transition="10 mm/s")
+        law = gb.MeshLaw(k=1e8, c=500.0, friction=rubbing)  # or a field of gb.GearMesh
     """
 
     mu: Value = param("coefficient of friction", ge=0)
@@ -186,6 +208,9 @@ class Hysteresis(Effect):
     Iwan, J. Appl. Mech. 33, 1966, 893-900): beside a spring k the shaft has k + stiffness while the slider holds, and k
     while it slips. A cycle of the twist between -x and x loses 4 friction (x - friction/stiffness), without stiffness
     4 friction x, whatever the speed.
+
+    Example:
+        shaft = gb.Shaft(k=2e3, hysteresis=gb.Hysteresis(friction=1.5, stiffness=500.0))
     """
 
     friction: Value = param("torque at which the slider slips", "N m", gt=0)
@@ -194,7 +219,14 @@ class Hysteresis(Effect):
 
 
 class MeshLaw(Effect):
-    """Law of the meshes of a composite: compliance and the effects that rest on it; the fields of GearMesh."""
+    """Law of the meshes of a composite: compliance and the effects that rest on it; the fields of GearMesh.
+
+    Example:
+        law = gb.MeshLaw(k="300 MN/m", damping_ratio=0.05, backlash=gb.Backlash(half_gap="20 um"))
+        gear = gb.PlanetaryGear(
+            z_sun=42, z_planet=18, z_ring=78, module=2e-3, pressure_angle=0.35, planet_inertia=1e-4, sun_mesh=law, ring_mesh=law
+        )
+    """
 
     face_width: Value | None = param("common face width", "m", default=None, gt=0)
     profile_shift: tuple[Value, Value] | None = param(

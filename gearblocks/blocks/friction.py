@@ -109,6 +109,13 @@ class Clutch(Block):
     (Coulomb friction with a static peak; the fields are those of Modelica.Mechanics.Rotational.Components.Clutch, whose
     cgeo is geometry: n (r_o + r_i)/2 for n faces). capacity or engagement <= 0: free. mode: 0 stuck, +1 where w_rel > 0,
     -1 where w_rel < 0, 2 free. loss_power: power lost by slipping.
+
+    Example:
+        rig = gb.Drivetrain("start of a car")
+        engine, car = rig.add("engine", gb.Inertia(J=0.2, w0=200.0)), rig.add("car", gb.Inertia(J=1.0))
+        clutch = rig.add("clutch", gb.Clutch(capacity=gb.Table([0.0, 1.0], [0.0, 80.0])))
+        rig.chain(engine, clutch, car)
+        print(gb.simulate(rig, t_end=2.0)["clutch.mode"][-1])  # 0: it sticks
     """
 
     a, b = Flange("driving side", slider=None), Flange("driven side", slider=None)
@@ -137,6 +144,10 @@ class Brake(Block):
 
     Law, fields and modes as of `Clutch`. torque > 0 brakes forward rotation: the shaft gets -torque, the housing
     +torque. While it holds, torque is what it takes to hold, of either sign.
+
+    Example:
+        rig = gb.Drivetrain("stopping")
+        rig.chain(rig.add("wheel", gb.Inertia(J=0.5, w0=100.0)), rig.add("brake", gb.Brake(capacity=40.0)))
     """
 
     a = Flange("braked shaft", slider=None)
@@ -163,6 +174,9 @@ class Stribeck(Effect):
     """More friction near rest: rise exp(-(w/speed)^2) on top of the Coulomb part.
 
     The form of Bo and Pavelescu (1982, Wear 82, 277-289) with the exponent 2.
+
+    Example:
+        bearing = gb.BearingFriction(coulomb=0.2, viscous=1e-3, stribeck=gb.Stribeck(rise=0.1, speed=2.0))
     """
 
     rise: Value = param("friction torque at rest above the Coulomb part", "N m", ge=0)
@@ -172,10 +186,17 @@ class Stribeck(Effect):
 class BearingFriction(Block):
     """Friction of a bearing between a shaft and its housing (the ground when not connected); it sticks at rest.
 
+        a o---(o)---# housing
+
         abs(torque) = coulomb + rise exp(-(w/speed)^2) + viscous abs(w),   or a Table over abs(w)
 
     rise and speed: of stribeck=Stribeck(...). Stuck, it holds up to peak times the value at w = 0. Signs, outputs and
     modes as of `Brake`; it is never free.
+
+    Example:
+        rig = gb.Drivetrain("coasting down")
+        bearing = rig.add("bearing", gb.BearingFriction(coulomb=0.2, viscous=1e-3))
+        rig.chain(rig.add("rotor", gb.Inertia(J=0.05, w0=50.0)), bearing)
     """
 
     a = Flange("shaft", slider=None)

@@ -14,7 +14,15 @@ from gearblocks.language.fields import Flange, exact, option
 class IdealGear(Block):
     """Rigid gear pair without inertia: phi_a = ratio phi_b, both about the housing (the ground when not connected).
 
+        a o---||        w_a = ratio w_b, torque: on b
+              ||---o b
+
     Either ratio, or teeth=(za, zb) with external=True/False: ratio = zb/za, negative when external.
+
+    Example:
+        rig = gb.Drivetrain("reduction")
+        motor, load = rig.add("motor", gb.Inertia(J=1e-3)), rig.add("load", gb.Inertia(J=0.1))
+        rig.chain(rig.add("drive", gb.Torque(tau=1.0)), motor, rig.add("gear", gb.IdealGear(ratio=10)), load)
     """
 
     a, b = Flange("driving side"), Flange("driven side")
@@ -42,10 +50,22 @@ class IdealGear(Block):
 class IdealPlanetary(Block):
     """Rigid planetary set without inertia, seen from sun, carrier and ring (Willis 1841):
 
+            |===|---o ring
+            |-+-|---o carrier
+            |===|---o sun
+
         phi_sun + ratio phi_ring = (1 + ratio) phi_carrier
 
     ratio = z_ring/z_sun of a simple set; a negative one is a set with two planets in mesh, other values belong to
     compound planets.
+
+    Example:
+        rig = gb.Drivetrain("planetary reduction")
+        gear = rig.add("gear", gb.IdealPlanetary(ratio=78 / 42))
+        motor, load = rig.add("motor", gb.Inertia(J=1e-3)), rig.add("load", gb.Inertia(J=0.1))
+        rig.connect(motor.b, gear.sun)
+        rig.connect(gear.ring, rig.add("case", gb.Fixed()).flange)
+        rig.connect(gear.carrier, load.a)
     """
 
     sun, carrier, ring = Flange("sun"), Flange("planet carrier"), Flange("ring")
@@ -64,7 +84,20 @@ class IdealPlanetary(Block):
 
 
 class Differential(Block):
-    """Rigid differential without inertia: phi_left + phi_right = 2 phi_carrier / ratio."""
+    """Rigid differential without inertia: phi_left + phi_right = 2 phi_carrier / ratio.
+
+                  o carrier
+                  |
+        left o---[+]---o right
+
+    Example:
+        rig = gb.Drivetrain("axle")
+        axle = rig.add("axle", gb.Differential(ratio=3.5))
+        left, right = rig.add("left", gb.Inertia(J=1.0)), rig.add("right", gb.Inertia(J=1.2))
+        rig.connect(rig.add("drive", gb.Torque(tau=50.0)).flange, axle.carrier)
+        rig.connect(axle.left, left.a)
+        rig.connect(axle.right, right.a)
+    """
 
     carrier, left, right = Flange("driven side"), Flange("left output"), Flange("right output")
     ratio: float = exact("phi_carrier over the mean of the outputs", default=1)

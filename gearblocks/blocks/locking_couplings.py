@@ -35,6 +35,11 @@ class OneWayClutch(Block):
     engagement, against it; not engaged (<= 0) it turns freely. Stuck, w_rel is exactly 0 until the torque that pulls b
     ahead exceeds peak times the slip torque at rest, or where it is not engaged 1e-4 mu(0) geometry force_max (with
     capacity: 0). The law of Modelica.Mechanics.Rotational.Components.OneWayClutch. mode: 0 stuck, 1 turning ahead.
+
+    Example:
+        rig = gb.Drivetrain("starter")
+        starter, engine = rig.add("starter", gb.Inertia(J=1e-3, w0=100.0)), rig.add("engine", gb.Inertia(J=0.1, w0=120.0))
+        rig.chain(starter, rig.add("clutch", gb.OneWayClutch(capacity=1.0)), engine)
     """
 
     a, b = Flange("side that drives", slider=None), Flange("side that may run ahead", slider=None)
@@ -75,6 +80,11 @@ class Freewheel(Block):
 
     Where b would fall behind it locks: w_rel is exactly 0, until the torque on b falls to 0. mode: 0 stuck, 1 running
     ahead.
+
+    Example:
+        rig = gb.Drivetrain("bicycle")
+        crank, wheel = rig.add("crank", gb.Inertia(J=0.01)), rig.add("wheel", gb.Inertia(J=0.2, w0=10.0))
+        rig.chain(rig.add("rider", gb.Torque(tau=5.0)), crank, rig.add("freewheel", gb.Freewheel()), wheel)
     """
 
     a, b = Flange("side that drives", slider=None), Flange("side that may run ahead", slider=None)
@@ -98,6 +108,11 @@ class DogClutch(Block):
     Closing on a speed difference is a plastic impact: both sides go on with one speed, momentum is kept, the energy of
     the difference is lost; impulse [N m s] is that of the last one. mode: 0 locked, 2 free. Where several locks leave no
     motion or contradict each other (tie-up), the run says so by name.
+
+    Example:
+        rig = gb.Drivetrain("gear shift")
+        shaft, gear = rig.add("shaft", gb.Inertia(J=0.1, w0=50.0)), rig.add("gear", gb.Inertia(J=0.02))
+        rig.chain(shaft, rig.add("dog", gb.DogClutch(engaged=gb.Table([0.0, 0.5], [0.0, 1.0], "step"))), gear)
     """
 
     a, b = Flange("one side", slider=None), Flange("other side", slider=None)
@@ -126,6 +141,11 @@ class Synchronizer(Block):
     free, go in without an impact once the cone sticks, and stay in until engaged <= 0, whatever the cone does
     then. The cone must be pressed (capacity or engagement > 0) for them to go in, at equal speeds too. locked: 1 while
     the teeth are in. mode: 0 one speed, +1 the cone slips with w_rel > 0, -1 with w_rel < 0, 2 free.
+
+    Example:
+        rig = gb.Drivetrain("synchronised shift")
+        shaft, gear = rig.add("shaft", gb.Inertia(J=0.1, w0=50.0)), rig.add("gear", gb.Inertia(J=0.02))
+        rig.chain(shaft, rig.add("sleeve", gb.Synchronizer(engaged=1.0, capacity=10.0)), gear)
     """
 
     a, b = Flange("one side", slider=None), Flange("other side", slider=None)

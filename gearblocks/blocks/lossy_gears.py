@@ -17,6 +17,9 @@ from gearblocks.language.signals import Table
 class LossyGear(Block):
     """A rigid gear pair with losses of its teeth and bearings, without inertia: phi_a = ratio phi_b about the housing.
 
+        a o---||        w_a = ratio w_b
+              ||---o b
+
         tau_b = -ratio T,   tau_a: what enters at a,   T: what leaves at b (both positive where a drives forward)
         a drives b, sign(w_a) T + tau1 >= 0:  tau_a = (T + sign(w_a) tau1)/eta1
         b drives a, sign(w_a) T + tau2 < 0:   tau_a = (T + sign(w_a) tau2) eta2
@@ -32,6 +35,12 @@ class LossyGear(Block):
     Raises SimulationError where the losses admit no acceleration: a self-locking gear that b drives while it turns jams,
     as the friction grows faster than what slows it down, where J_a ratio^2 < -eta2 J_b. A run that begins with such a gear
     turning against its load is refused too: there it has two accelerations.
+
+    Example:
+        rig = gb.Drivetrain("hoist")
+        motor, drum = rig.add("motor", gb.Inertia(J=1e-3)), rig.add("drum", gb.Inertia(J=0.5))
+        gear = rig.add("gear", gb.LossyGear(ratio=20, efficiency=(0.9, 0.85)))
+        rig.chain(rig.add("drive", gb.Torque(tau=1.0)), motor, gear, drum)
     """
 
     a, b = Flange("driving side"), Flange("driven side")
@@ -147,11 +156,20 @@ def _table_problems(rows: tuple[Any, ...]) -> Iterator[str]:
 class Worm(Block):
     """A worm gear with the losses of its teeth: a LossyGear between the worm a and the wheel b, phi_a = ratio phi_b.
 
+        a o---[//////]
+                (  )---o b
+
         eta1 = (cos(alpha) - mu tan(gamma))/(cos(alpha) + mu/tan(gamma))     the worm drives
         eta2 = (cos(alpha) - mu/tan(gamma))/(cos(alpha) + mu tan(gamma))     the wheel drives; <= 0: self-locking
 
     with the lead angle gamma at the pitch cylinder, the normal pressure angle alpha and the coefficient of friction mu
     (Niemann, Winter: Maschinenelemente III, 1983). Wheel and worm need inertia.
+
+    Example:
+        rig = gb.Drivetrain("self-locking lift")
+        motor, lift = rig.add("motor", gb.Inertia(J=1e-3)), rig.add("lift", gb.Inertia(J=0.5))
+        worm = rig.add("worm", gb.Worm(ratio=40, lead_angle="4 deg", friction=0.1))
+        rig.chain(rig.add("drive", gb.Torque(tau=2.0)), motor, worm, lift)
     """
 
     a, b = Flange("worm"), Flange("wheel")

@@ -18,6 +18,11 @@ class EddyCurrentBrake(Block):
     The torque is largest, excitation tau_nominal, at w = w_nominal (Wouterse, Critical torque and speed of eddy
     current brake, IEE Proceedings B 138, 1991); it is 0 at rest. excitation: 1 for the nominal field, in proportion to
     the square of the field; it must not be negative. All power is lost.
+
+    Example:
+        rig = gb.Drivetrain("retarder")
+        retarder = gb.EddyCurrentBrake(tau_nominal=500.0, w_nominal="1500 rpm", excitation=gb.Input("field", start=1.0))
+        rig.chain(rig.add("shaft", gb.Inertia(J=3.0, w0="2000 rpm")), rig.add("retarder", retarder))
     """
 
     flange = Flange("braked flange")
@@ -46,7 +51,14 @@ class EddyCurrentBrake(Block):
 class DCMotor(Block):
     """DC machine with a constant field: L i' = u - R i - k w, torque k i, w against the housing.
 
+        u o--[R]--[L]--(M)---o flange
+
     The current i is a state, 0 at the start (another value: initial={"motor.i": ...}).
+
+    Example:
+        rig = gb.Drivetrain("motor and fan")
+        motor = rig.add("motor", gb.DCMotor(R=0.5, L=1e-3, k=0.05, u=gb.Input("u", start=12.0, unit="V")))
+        rig.chain(motor, rig.add("fan", gb.Inertia(J=1e-4)), rig.add("air", gb.SpeedLoad(coeffs=(0.0, 0.0, 1e-6))))
     """
 
     flange = Flange("shaft")
@@ -74,6 +86,13 @@ class Engine(Block):
 
     torque_map: a Table2 with x the speed of the flange against the housing in rad/s, y the throttle (0 to 1, or what
     the map uses), z the torque in N m, negative where the engine brakes. Outside, the map is held at its edge.
+
+    Example:
+        rig = gb.Drivetrain("engine on a load")
+        torque = gb.Table2([0.0, 200.0, 600.0], [0.0, 1.0], [[-10.0, 150.0], [-20.0, 200.0], [-40.0, 120.0]])
+        engine = rig.add("engine", gb.Engine(torque_map=torque, throttle=gb.Input("throttle", start=0.3)))
+        crank, load = rig.add("crank", gb.Inertia(J=0.2, w0=100.0)), rig.add("load", gb.SpeedLoad(coeffs=(0.0, 0.2, 0.0)))
+        rig.chain(engine, crank, load)
     """
 
     flange = Flange("shaft")
@@ -104,6 +123,12 @@ class Governor(Block):
     Without integral_gain a speed droop remains. The last term keeps the integral from running away while the command is
     at a limit (back-calculation: Åström and Hägglund, PID Controllers, 1995). With time_constant the command passes
     an actuator: command' = (held u - command)/time_constant. Both states start at 0.
+
+    Example:
+        rig = gb.Drivetrain("governed motor")
+        drive = rig.add("drive", gb.Torque(tau=20.0 * gb.sense("governor.command")))
+        rotor, governor = rig.add("rotor", gb.Inertia(J=0.1)), gb.Governor(target="1500 rpm", gain=0.05, integral_gain=0.1)
+        rig.chain(drive, rotor, rig.add("governor", governor))
     """
 
     flange = Flange("sensed flange")

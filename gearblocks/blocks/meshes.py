@@ -31,6 +31,9 @@ class GearMesh(Block):
     """Mesh of two gears along the line of action; without k or stiffness a rigid tie by the teeth, or, with backlash and
     contact_damping=HuntCrossley(...), a rigid impact of that restitution at both ends of the gap.
 
+        pinion o---|===|            positive N drives the wheel, and brakes the pinion
+                   |===|---o wheel  (the wheel of an external pair turns backward)
+
         external: x = r1 (phi_1 - phi_c) + r2 (phi_2 - phi_c) - e        internal: r1 (..) - r2 (..) - e
         N = c x' + k(.) g(x),    torques -N dx/dphi on pinion (1), wheel (2) and carrier (c)
 
@@ -46,6 +49,14 @@ class GearMesh(Block):
     `gearblocks.geometry.involute.single_stiffness` for the formula. It holds for solid steel gears loaded by 100 N per mm
     of face width or more, helix angles up to 30 degrees, eps_alpha >= 1.2, x1 >= x2 (1: the smaller gear) and
     -0.5 <= x1 + x2 <= 2; the wheel of an internal pair counts as a rack.
+
+    Example:
+        rig = gb.Drivetrain("spur pair")
+        pair = gb.GearMesh(teeth=(23, 41), module="3 mm", pressure_angle="20 deg", external=True, k="200 MN/m")
+        pinion, wheel = rig.add("pinion", gb.Inertia(J=2e-4)), rig.add("wheel", gb.Inertia(J=0.05))
+        drive, load = rig.add("drive", gb.Torque(tau=20.0)), rig.add("load", gb.Torque(tau=35.0))
+        rig.chain(drive, pinion, rig.add("mesh", pair), wheel, load)
+        print(gb.simulate(rig, t_end=0.01, initial="static")["mesh.force"][-1])
     """
 
     pinion, wheel = Flange("gear 1"), Flange("gear 2")

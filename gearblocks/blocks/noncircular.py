@@ -20,6 +20,9 @@ _CORNERS = {"Abs", "sign", "Min", "Max", "Heaviside", "Piecewise"}
 class NonCircularGear(Block):
     """Pair of non-circular gears a and b on a carrier c; without k a rigid tie.
 
+        a o---|==|        w_b = F'(theta) w_a without its sign
+              |==|---o b
+
         theta = phi_a - phi_c + phase                            angle of gear 1 (the driver) over which the law is given
         internal: q = F(theta) - F(phase at start) - (phi_b - phi_c) - e        torques of M: -m M on a, +M on b, (m-1) M on c
         external: q = F(theta) - F(phase at start) + (phi_b - phi_c) - e        torques of M: -m M on a, -M on b, (1+m) M on c
@@ -30,6 +33,11 @@ class NonCircularGear(Block):
     A stiffness k over the angle derives from a potential: a gets -k'(theta) G(q) besides, c the opposite. The joints of the
     law are located. q' contains the rate of a phase that is an expression or table of time, or filtered; that of another
     Input or sensed output counts as 0. Large absolute angles cost theta its last digits, and leave q as it is.
+
+    Example:
+        rig = gb.Drivetrain("elliptical pair")
+        pair = rig.add("pair", gb.NonCircularGear(law=gb.RatioLaw.ellipse(e=0.3), external=True))
+        rig.chain(rig.add("drive", gb.Speed(w=10.0)), pair, rig.add("load", gb.Inertia(J=0.1)))
     """
 
     a, b = Flange("gear 1, the driver of the law"), Flange("gear 2")

@@ -20,6 +20,10 @@ from gearblocks.language.signals import Value
 class PlanetaryGear(Block):
     """Sun, ring, carrier and planets with their inertias: a composite of GearMesh and Inertia.
 
+            |===|---o ring
+            |(o)|---o carrier        (o) planets, with their inertia
+            |===|---o sun
+
     Parts: planet[i], sun_mesh[i], ring_mesh[i], i = 1, 2, ..., so that paths read `gear.sun_mesh[1].force`; and
     carrier_mass where planet_mass is given: the planets' mass on the carrier, at the orbit radius
     m (z_sun + z_planet)/(2 cos(beta)). Inertias of sun, ring and carrier themselves are connected from outside. Every
@@ -36,6 +40,18 @@ class PlanetaryGear(Block):
 
     sun_mesh and ring_mesh: gb.MeshLaw(k=..., ...); left out, that mesh is rigid. The flank of their friction is meant as
     the sun sees it ("drive": the sun turns forward and drives); the other flank of the planets drives the ring.
+
+    Example:
+        rig = gb.Drivetrain("reduction stage")
+        law = gb.MeshLaw(k=3e8, damping_ratio=0.05)
+        gear = gb.PlanetaryGear(
+            z_sun=42, z_planet=18, z_ring=78, module="2 mm", pressure_angle="20 deg", planet_inertia=1e-4,
+            sun_mesh=law, ring_mesh=law,
+        )
+        stage, motor, load = rig.add("gear", gear), rig.add("motor", gb.Inertia(J=1e-3)), rig.add("load", gb.Inertia(J=0.01))
+        rig.connect(motor.b, stage.sun)
+        rig.connect(stage.ring, rig.add("case", gb.Fixed()).flange)
+        rig.connect(stage.carrier, load.a)
     """
 
     sun, ring, carrier = Flange("sun"), Flange("ring gear"), Flange("planet carrier")
@@ -209,6 +225,6 @@ class PlanetaryGear(Block):
 
 
 def _cos(angle: Any) -> Any:
-    from gearblocks.language.expression import cos as cosine
+    from gearblocks.language.functions import cos as cosine
 
     return cosine(angle)

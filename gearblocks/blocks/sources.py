@@ -12,7 +12,14 @@ from gearblocks.language.signals import Value
 
 
 class Torque(Block):
-    """A given torque on the flange, its reaction on the housing (the ground when not connected)."""
+    """A given torque on the flange, its reaction on the housing (the ground when not connected).
+
+        housing #---(->)---o flange        positive tau drives forward
+
+    Example:
+        rig = gb.Drivetrain("shaker")
+        rig.chain(rig.add("drive", gb.Torque(tau=5.0 + gb.sin(300 * gb.time))), rig.add("disc", gb.Inertia(J=0.01)))
+    """
 
     flange = Flange("driven flange")
     housing = Flange("housing", ground=True)
@@ -32,6 +39,11 @@ class Speed(Block):
 
     w must be continuous (a ramp may have corners, which are located). An Input takes filter=: the speed then follows it
     as x' = filter (w - x), from w at the start; so does a law that jumps.
+
+    Example:
+        rig = gb.Drivetrain("ramp")
+        ramp = gb.Table([0.0, 1.0], [0.0, 100.0])
+        rig.chain(rig.add("drive", gb.Speed(w=ramp)), rig.add("disc", gb.Inertia(J=0.01)))
     """
 
     flange = Flange("driven flange", slider=None)
@@ -58,6 +70,11 @@ class Angle(Block):
 
     phi must be smooth twice over. An Input takes filter=: the angle then follows it through a critically damped filter
     of second order, x'' = filter^2 (phi - x) - 2 filter x', from phi and rest at the start.
+
+    Example:
+        rig = gb.Drivetrain("positioning")
+        drive = rig.add("drive", gb.Angle(phi=0.1 * gb.sin(20 * gb.time)))
+        rig.chain(drive, rig.add("shaft", gb.Shaft(k=100.0, c=0.1)), rig.add("disc", gb.Inertia(J=0.01)))
     """
 
     flange = Flange("driven flange", slider=None)
@@ -84,6 +101,11 @@ class SpeedLoad(Block):
 
     On a slider w is its speed in m/s and tau a force in N. The constant part is dry friction: at w = 0 it holds the shaft
     against up to c0.
+
+    Example:
+        rig = gb.Drivetrain("pump")
+        drive, pump = rig.add("drive", gb.Torque(tau=5.0)), rig.add("pump", gb.SpeedLoad(coeffs=(0.5, 0.01, 1e-4)))
+        rig.chain(drive, rig.add("rotor", gb.Inertia(J=0.01)), pump)
     """
 
     flange = Flange("loaded flange", slider=None)

@@ -17,6 +17,8 @@ from gearblocks.language.signals import Value
 class SplineCoupling(Block):
     """Involute spline: all teeth as one contact at the pitch radius.
 
+        a o---=[####]=---o b        positive N drives b
+
         x = radius (phi_a - phi_b),   N = c x' + k(t) g(x),   torques -radius N on a, +radius N on b
 
     With contact_damping="always" the damping acts in the gap too, and N can be tensile there: the model of Xue, Wang
@@ -28,6 +30,12 @@ class SplineCoupling(Block):
 
     Without compliance it is a rigid tie, or with backlash and contact_damping=HuntCrossley(...) a rigid impact of that
     restitution at both ends of the (smallest) gap.
+
+    Example:
+        rig = gb.Drivetrain("spline")
+        spline = gb.SplineCoupling(teeth=24, radius="20 mm", k="500 MN/m", c=500.0, backlash=gb.Backlash(half_gap="20 um"))
+        hub, shaft = rig.add("hub", gb.Inertia(J=0.01)), rig.add("shaft", gb.Inertia(J=0.02))
+        rig.chain(rig.add("drive", gb.Torque(tau=10.0)), hub, rig.add("spline", spline), shaft)
     """
 
     a, b = Flange("external spline"), Flange("internal spline")

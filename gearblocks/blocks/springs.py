@@ -24,6 +24,12 @@ class Shaft(Block):
     Either k (a number or signal), or torque: an expression of gb.twist or a Table over the twist, the torque that
     pulls the ends together. Damping by c or damping_ratio. With segments > 1 and the shaft's own inertia J it becomes a
     chain of that many springs with J lumped at their ends. hysteresis=Hysteresis(...): inner friction beside the spring.
+
+    Example:
+        rig = gb.Drivetrain("two discs")
+        left, right = rig.add("left", gb.Inertia(J=0.02, phi0=0.01)), rig.add("right", gb.Inertia(J=0.05))
+        rig.chain(left, rig.add("shaft", gb.Shaft(k=2.0e4, c=3.0)), right)
+        print(gb.simulate(rig, t_end=0.1).extremes("shaft.torque"))
     """
 
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)
@@ -123,7 +129,15 @@ def _inner_friction(block: Shaft, s: Any, twist: Any, rate: Any) -> Generator[Co
 
 
 class Damper(Block):
-    """Massless damper between two flanges: torque on b = -c w_rel."""
+    """Massless damper between two flanges: torque on b = -c w_rel.
+
+        a o---[]--o b        w_rel = w_b - w_a
+
+    Example:
+        rig = gb.Drivetrain("disc that slows down")
+        disc = rig.add("disc", gb.Inertia(J=0.01, w0=50.0))
+        rig.chain(rig.add("ground", gb.Fixed()), rig.add("damper", gb.Damper(c=0.2)), disc)
+    """
 
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)
     c: Value = param("torsional damping", "N m s/rad", ge=0)
@@ -139,10 +153,17 @@ class Damper(Block):
 
 
 class Lash(Block):
-    """Torsional spring with a gap: twist = phi_b - phi_a, no torque while abs(twist) <= half_gap.
+    r"""Torsional spring with a gap: twist = phi_b - phi_a, no torque while abs(twist) <= half_gap.
+
+        a o---| |-/\/\/---o b        positive torque pulls a forward and b back
 
     Without compliance it is a rigid tie, or with contact_damping=HuntCrossley(...) a rigid impact of that restitution at
     both ends of the gap.
+
+    Example:
+        rig = gb.Drivetrain("coupling with play")
+        left, right = rig.add("left", gb.Inertia(J=0.02, w0=1.0)), rig.add("right", gb.Inertia(J=0.05))
+        rig.chain(left, rig.add("lash", gb.Lash(k=1.0e4, half_gap="0.5 deg", c=2.0)), right)
     """
 
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)

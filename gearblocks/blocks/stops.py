@@ -54,6 +54,11 @@ class HardStop(Block):
     time end in rest; the contact then stays closed as long as it is pressed, and never pulls. gap: distance to the nearer
     stop, exactly 0 in contact; contact: -1 at the lower stop, +1 at the upper one, 0 between; impacts: how many there
     were; impulse [N m s] of the last one.
+
+    Example:
+        rig = gb.Drivetrain("flap")
+        flap, stop = rig.add("flap", gb.Inertia(J=0.01)), gb.HardStop(upper="90 deg", restitution=0.3)
+        rig.chain(rig.add("drive", gb.Torque(tau=0.5)), flap, rig.add("stop", stop))
     """
 
     a = Flange("stopped shaft", slider=None)

@@ -15,7 +15,13 @@ from gearblocks.language.signals import Value
 class Mass(Block):
     """A rigid sliding body; both flanges have the same position.
 
+        a o---[ m ]---o b        s = s_a = s_b
+
     s0, v0: start values. Left out, they follow from tied neighbours, else they are 0.
+
+    Example:
+        rig = gb.Drivetrain("sledge")
+        rig.chain(rig.add("push", gb.Force(f="20 N")), rig.add("sledge", gb.Mass(m="5 kg", v0=0.5)))
     """
 
     a, b = Flange("left end", spare=True, slider=True), Flange("right end", spare=True, slider=True)
@@ -36,7 +42,19 @@ class Mass(Block):
 class Rack(Block):
     """Rack and pinion, or a wheel that rolls without slip: s = radius phi. A negative radius turns the other way.
 
+           o flange
+           |
+          (+)
+        =======---o slider
+
     force is what the rack exerts on its slider; the flange gets -radius force.
+
+    Example:
+        rig = gb.Drivetrain("steering")
+        pinion, rack = rig.add("pinion", gb.Inertia(J=1e-4)), rig.add("rack", gb.Rack(radius=0.01))
+        rig.connect(rig.add("hand", gb.Torque(tau=1.0)).flange, pinion.a)
+        rig.connect(pinion.b, rack.flange)
+        rig.connect(rack.slider, rig.add("rod", gb.Mass(m=2.0)).a)
     """
 
     flange = Flange("pinion or wheel")
@@ -57,7 +75,14 @@ class Rack(Block):
 class Force(Block):
     """A given force on a slider, its reaction on the housing (the ground when not connected): Force(f=...).
 
+        housing #---(->)---o flange        positive f pushes forward
+
     With a deflection and a force it is the contribution that laws yield: `yield Force(deflection, force)`.
+
+    Example:
+        rig = gb.Drivetrain("oscillator")
+        push, mass = rig.add("push", gb.Force(f=10.0 * gb.sin(50 * gb.time))), rig.add("mass", gb.Mass(m=2.0))
+        rig.chain(push, mass, rig.add("spring", gb.Shaft(k=5e3, c=2.0)), rig.add("ground", gb.Fixed()))
     """
 
     flange = Flange("driven slider", slider=True)

@@ -19,6 +19,9 @@ class TyreSlip(Effect):
         slip = (radius w - v)/sqrt(v^2 + low_speed^2),   F = D sin(C atan(stiffness slip/(C D))),   D = grip normal force
 
     C: shape; 1 rises to D without falling again. Below low_speed the tyre is a viscous coupling.
+
+    Example:
+        car = gb.Vehicle(mass=1200.0, wheel_radius=0.3, tyre=gb.TyreSlip(stiffness=1e5, grip=1.0, low_speed=0.5))
     """
 
     stiffness: Value = param("force per slip at small slip", "N", gt=0)
@@ -30,6 +33,9 @@ class TyreSlip(Effect):
 class Vehicle(Block):
     """A vehicle as its driven wheels feel it: mass, drag of the air, rolling resistance, slope. Forward is positive.
 
+        flange o---( )            v = wheel_radius w where the wheels roll
+                ~~~~~~~ road
+
         m v' = F - air_density drag_area/2 v abs(v) - rolling m g cos(grade) sign(v) - m g sin(grade)
 
     F: force of the road on the tyres (output force). Without tyre the wheels roll: v = wheel_radius w, and the mass is
@@ -39,6 +45,11 @@ class Vehicle(Block):
     rolling m g cos(grade). With tyre, v is no speed of a shaft and nothing holds: the resistance then jumps at v = 0, unless
     rolling_speed is given: sign(v) is then v/sqrt(v^2 + rolling_speed^2), with or without tyre. Work on the slope counts as
     supplied.
+
+    Example:
+        rig = gb.Drivetrain("car")
+        car = rig.add("car", gb.Vehicle(mass=1200.0, wheel_radius=0.3, drag_area=0.6, rolling=0.012, grade="2 deg"))
+        rig.chain(rig.add("drive", gb.Torque(tau=400.0)), car)
     """
 
     flange = Flange("axle of the driven wheels")

@@ -1,4 +1,4 @@
-"""The shell: demo, list, run, sweep, equations, export, draw, check, hard.
+"""The shell: demo, list, doc, run, sweep, equations, draw, export, check, hard.
 
 Exit status: 0 done; 1 it ran and the answer is no; 2 bad input. Errors are one message on standard error.
 """
@@ -74,6 +74,16 @@ def list_models(file: Annotated[str | None, typer.Argument(metavar="[FILE]", hel
     if not rows:
         _say("nothing here makes a train" if file else "no model is shipped")
         raise typer.Exit(NO)
+
+
+@app.command()
+def doc(
+    name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="A public name, such as GearMesh.")] = None,
+) -> None:
+    """Fields, flanges, outputs and an example of a block; without NAME: all blocks, a line each."""
+    from gearblocks.cli import block_help
+
+    typer.echo(block_help.listing() if name is None else block_help.page(name))
 
 
 @app.command()

@@ -28,6 +28,7 @@ from gearblocks.language.fields import (
     param,
     signal,
 )
+from gearblocks.language.reference import Documented
 from gearblocks.language.units import given, has_unit, is_quantity
 
 _TAKEN = {
@@ -37,7 +38,7 @@ _TAKEN = {
 """Names that blocks, effects and their symbols use themselves."""
 
 
-class Declared:
+class Declared(metaclass=Documented):
     """Frozen keyword-only object whose class attributes declare its fields."""
 
     fields: ClassVar[Mapping[str, Field]] = MappingProxyType({})
@@ -60,7 +61,7 @@ class Declared:
             own = {n: v for n, v in members.items() if isinstance(v, kind)}
             setattr(cls, name, MappingProxyType({**getattr(cls, name), **own}))
         starts = [f"{name} ({spec.start})" for name, spec in cls.fields.items() if spec.start is not None]
-        if len(starts) > len(start_fields(cls)):  # type: ignore[arg-type]  # classes can be hashed
+        if len(starts) > len(start_fields(cls)):
             raise ModelError(f"{cls.__name__}: {', '.join(starts)}: declare one start value of each kind")
 
     def __init__(self, *unnamed: Any, **values: Any) -> None:
@@ -174,7 +175,7 @@ def start_fields(kind: type[Declared]) -> Mapping[str, str]:
 
 def given_start(block: Declared, of: str) -> Any:
     """The start angle or speed that a block gives (a number, Parameter or expression), or None."""
-    name = start_fields(type(block)).get(of)  # type: ignore[arg-type]  # classes can be hashed
+    name = start_fields(type(block)).get(of)
     return None if name is None else block.__dict__[name]
 
 

@@ -121,7 +121,7 @@ class Expr:
 
     def __float__(self) -> float:
         raise ParameterError(
-            f"'{self}' is an expression, not a number: use gb.sin, gb.cos, gb.piecewise or sympy's functions"
+            f"'{self}' is an expression, not a number: use gb.sin, gb.sqrt, gb.piecewise and their like, or sympy's functions"
         )
 
     def __str__(self) -> str:
@@ -210,28 +210,6 @@ def _sympy_binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | N
 def function(name: str, *args: Any) -> Expr:
     """A named function of expressions, for example function("sin", 3 * time)."""
     return Expr(name, *(as_expr(a) for a in args))
-
-
-def sin(x: Any) -> Expr:
-    """Sine of an expression in rad."""
-    return function("sin", x)
-
-
-def cos(x: Any) -> Expr:
-    """Cosine of an expression in rad."""
-    return function("cos", x)
-
-
-def piecewise(*pairs: tuple[Any, Any]) -> Expr:
-    """(value, condition) pairs, the first true condition wins; the last condition may be True."""
-    flat: list[Expr] = []
-    for pair in pairs:
-        if not isinstance(pair, tuple) or len(pair) != 2 or pair[1] is False:
-            raise ParameterError(f"piecewise: {pair!r:.80} must be (value, condition), the condition made with < or >")
-        flat += [as_expr(pair[0]), number(1.0) if pair[1] is True else as_expr(pair[1])]
-    if not pairs or pairs[-1][1] is not True:
-        raise ParameterError("piecewise has no value where no condition holds: end it with (value, True)")
-    return Expr("Piecewise", *flat)
 
 
 # -- text ------------------------------------------------------------------------------------------------------------

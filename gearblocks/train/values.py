@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import functools
-import inspect
 import math
 import re
-import sys
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import Any, get_args
+from typing import Any
 
 from gearblocks.errors import ModelError, did_you_mean
 from gearblocks.language.block import Block, Declared, Effect
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import Field
+from gearblocks.language.reference import effect_classes
 from gearblocks.language.signals import Input, Parameter, Table, constant_value
 from gearblocks.language.tables import Table2
 from gearblocks.language.units import Given, parse_unit, unit_along
@@ -105,26 +103,13 @@ def _effect_problem(owner: Declared, name: str, value: Any) -> str:
     """An effect that is no effect object, or not of a class that the field is annotated with."""
     if isinstance(value, Effect):
         kind: Any = type(owner)
-        allowed = _annotated(kind, name)
+        allowed = effect_classes(kind, name)
         if not allowed or type(value) in allowed:
             return ""
         if not type(value).__module__.startswith("gearblocks.") and isinstance(value, allowed):
             return ""
         return f"{name} = {value!r:.80} must be {' or '.join(f'gb.{kind.__name__}(...)' for kind in allowed)}, or None"
     return f"{name} = {value!r:.80} must be an effect object such as gb.Backlash(...), or None"
-
-
-@functools.cache
-def _annotated(kind: type, name: str) -> tuple[type, ...]:
-    """The effect classes that the annotation of a field names; empty where it names none."""
-    for base in kind.__mro__:
-        annotation = inspect.get_annotations(base).get(name)
-        if annotation is not None:
-            words = re.findall(r"\w+", annotation) if isinstance(annotation, str) else []
-            known = vars(sys.modules[base.__module__])
-            found = [known.get(word) for word in words] or [*get_args(annotation), annotation]
-            return tuple(t for t in found if isinstance(t, type) and issubclass(t, Effect))
-    return ()
 
 
 def _problem(name: str, value: Any, field: Field) -> str:
