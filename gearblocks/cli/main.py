@@ -1,4 +1,4 @@
-"""The shell: demo, list, doc, run, sweep, equations, export, check, hard.
+"""The shell: demo, list, doc, run, sweep, equations, draw, export, check, hard.
 
 Exit status: 0 done; 1 it ran and the answer is no; 2 bad input. Errors are one message on standard error.
 """
@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from gearblocks.cli.arguments import Train
+from gearblocks.cli.drawing import draw
 from gearblocks.errors import CompileError, GearblocksError, ParameterError, SimulationError
 
 if TYPE_CHECKING:
@@ -43,9 +45,6 @@ class Form(StrEnum):
     latex = "latex"
     html = "html"
     c = "c"
-
-
-Train = Annotated[str, typer.Argument(metavar="FILE[:NAME]", help="A script or shipped model; NAME: a function in it.")]
 
 
 @app.command()
@@ -210,6 +209,9 @@ def export(
         rig, out, fmi=fmi, platforms=tuple(platform or ("native",)), rtol=rtol, method=method, step=step
     )
     typer.echo(f"wrote {path} ({path.stat().st_size / 1024:.0f} KiB)")
+
+
+app.command()(draw)
 
 
 @app.command()

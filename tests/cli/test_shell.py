@@ -46,7 +46,7 @@ def broken() -> gb.Drivetrain:
     return undefined_name
 '''
 
-COMMANDS = ("demo", "list", "run", "sweep", "equations", "export", "check", "hard")
+COMMANDS = ("demo", "list", "run", "sweep", "equations", "export", "draw", "check", "hard")
 
 
 @pytest.fixture
