@@ -110,7 +110,7 @@ def doc(
     """Fields, flanges, outputs and an example of a block; without NAME: all blocks, a line each."""
     from gearblocks.cli import block_help
 
-    typer.echo(block_help.listing() if name is None else block_help.page(name))
+    say(block_help.listing() if name is None else block_help.page(name))
 
 
 @app.command()
