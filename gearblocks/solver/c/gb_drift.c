@@ -9,8 +9,9 @@
 /* What a run may end with, in units of rtol times the turnover: less than the ledger promises. */
 static const double GOAL = 3.0;
 
-/* Part of that which must be there before anything is wrong: a transient tells nothing of the rest. */
-static const double ENOUGH = 0.05;
+/* Part of that which must be there before anything is wrong, and while the turnover grows: a transient tells little of
+ * the rest. */
+static const double ENOUGH = 0.05, GROWING = 0.3;
 
 /* Growth of the turnover from one look to the next up to which it is one that may be compared with. */
 static const double GROWTH = 1.25;
@@ -107,14 +108,14 @@ static int decide(gb_sim *sim, double turnover) {
     const int grows = turnover > GROWTH * drift->turnover;
     drift->turnover = turnover;
     const double room = gb_max(goal - now, 0.2 * goal);
-    if (more <= room || now < ENOUGH * goal || grows) {
+    if (more <= room || now < (grows ? GROWING : ENOUGH) * goal) {
         drift->strictness = gb_max(0.0, drift->strictness - (4.0 * more < room ? LESS : 0.0));
         return 4.0 * more > room;
     }
     if (drift->strictness <= 0.0) {
-        drift->rate = gb_max(drift->rate, rate);
+        drift->rate = gb_max(drift->rate, rate / turnover);
     }
-    drift->tries = drift->strictness > USELESS && rate > 0.5 * drift->rate ? drift->tries + 1 : 0;
+    drift->tries = drift->strictness > USELESS && rate / turnover > 0.5 * drift->rate ? drift->tries + 1 : 0;
     drift->strictness += gb_max(0.0, gb_min(1.0 + log2(more / room), MOST_AT_ONCE));
     drift->strictness = gb_min(drift->strictness, STRICTEST);
     drift->chosen = drift->sum;

@@ -6,14 +6,18 @@
 
 #include "gb_internal.h"
 
-/* log2 of what the step of size h just computed adds to the balance, in units of its tolerance. Where gains change with
- * the position few states move much at once, and an embedded estimate passes zero by chance; -100 in all other trains,
- * and for a while where a shorter try of a step did not help. Assumed: the stages and the end of the step, in lanes and
- * z. */
+/* log2 of what the step of size h just computed adds to the balance, in units of its tolerance: an embedded estimate
+ * passes zero by chance. -100 for a while where a shorter try of a step did not help. Assumed: the stages and the end
+ * of the step, in lanes and z. */
 double gb_log_imbalance(gb_sim *sim, double h);
 
-static inline int gb_imbalance_is_due(const gb_sim *sim) {
-    return sim->model->varying_inertia && sim->model->energy_sign && sim->head->options.locate &&
+/* Where gains change with the position few states move much at once: every step; else one that is longer than those
+ * before, or moves a narrow feature of a law. */
+static inline int gb_imbalance_is_due(const gb_sim *sim, double h) {
+    const struct gb_pace *control = &sim->head->control;
+    const int longer = h > 1.2 * control->h_trusted && sim->head->counts.steps >= 16;
+    const int feature = control->h_feature > 0.0 && h > 0.1 * control->h_feature;
+    return (sim->model->varying_inertia || longer || feature) && sim->model->energy_sign && sim->head->options.locate &&
            !sim->head->choice.large_step;
 }
 

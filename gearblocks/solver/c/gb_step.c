@@ -151,7 +151,7 @@ static double other_errors(gb_sim *sim, double h, double error) {
     if (error <= 0.0 && gb_reach_is_due(sim)) {
         error = gb_max(error, gb_log_reach(sim, h));
     }
-    if (error <= 0.0 && gb_imbalance_is_due(sim)) {
+    if (error <= 0.0 && gb_imbalance_is_due(sim, h)) {
         error = gb_max(error, gb_log_imbalance(sim, h));
     }
     if (error <= 0.0 && gb_defect_is_due(sim, h)) {

@@ -136,3 +136,26 @@ def test_what_is_no_error_of_steps_makes_no_run_longer():
         model, t_end=10.0, inputs={"u": gb.Table([0, 0.25, 0.5], [1, -1, 1], kind="step", periodic=True)}
     )
     assert run.stats.steps < 20 * smooth.stats.steps
+
+
+def _work(phi, torque, level, ripple):
+    """Of a torque that acts where cos(3 phi) > level, and of ripple * abs(sin(phi)), from 0 to phi."""
+    half, period = np.arccos(level) / 3.0, 2.0 * np.pi / 3.0
+    turns = np.floor((phi + half) / period)
+    on = 2.0 * half * turns + min(phi + half - turns * period, 2.0 * half) - half
+    halves = np.floor(phi / np.pi)
+    return torque * on + ripple * (2.0 * halves + 1.0 - np.cos(phi - halves * np.pi))
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-7, 1e-8])
+@pytest.mark.parametrize(("J", "level"), [(0.03, 0.0521), (0.0641, 0.3), (0.15, 0.0521), (0.15, 0.3)])
+def test_a_body_that_switches_drive_faster_and_faster_has_the_energy_that_its_angle_says(J, level, rtol):
+    torque, ripple, phi = 3.9, 0.335, gb.sense("body.phi")
+    rig = gb.Drivetrain("rig")
+    body = rig.add("body", gb.Inertia(J=J))
+    drive = gb.piecewise((torque, gb.cos(3 * phi) > level), (0.0, True)) + ripple * sp.Abs(gb.sin(phi))
+    rig.connect(body.a, rig.add("drive", gb.Torque(tau=drive)).flange)
+    run = gb.simulate(rig, t_end=3.0, method="dp5", rtol=rtol, outputs=["body.phi", "body.w"])
+    work = _work(run["body.phi"][-1], torque, level, ripple)
+    assert run.energy.residual <= 10.0 * rtol
+    assert 0.5 * J * run["body.w"][-1] ** 2 == pytest.approx(work, rel=20.0 * rtol)
