@@ -12,7 +12,7 @@ from gearblocks.blocks.rigid_impact import hits, impact, without
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Energy, Force, Parts, Rate, Shows, Stick, Tie
 from gearblocks.language.fields import Flange, effect, option, param, signal
-from gearblocks.language.signals import Value
+from gearblocks.language.signals import Signal, Value
 
 
 class Shaft(Block):
@@ -33,8 +33,10 @@ class Shaft(Block):
     """
 
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)
-    k: Any = signal("torsional stiffness", "N m/rad", default=None, belongs_to="compliance")
-    torque: Any = signal("restoring torque over gb.twist", "N m", default=None, belongs_to="compliance", over="twist")
+    k: Signal | None = signal("torsional stiffness", "N m/rad", default=None, belongs_to="compliance")
+    torque: Signal | None = signal(
+        "restoring torque over gb.twist", "N m", default=None, belongs_to="compliance", over="twist"
+    )
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     allow_negative: bool = option("admit k < 0", default=False)
