@@ -9,19 +9,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from gearblocks.errors import ModelError, by_name, did_you_mean
-from gearblocks.language.block import Block, Declared, start_fields
+from gearblocks.language.block import Block, start_fields
 from gearblocks.language.expression import as_expr
 from gearblocks.language.fields import ANGLE, COMPLIANCE, GIVING_WAY, Flange
-from gearblocks.language.signals import Input, Parameter
-from gearblocks.language.units import declared, unit_along
+from gearblocks.language.units import declared
 from gearblocks.model.build import check_user_blocks
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
 from gearblocks.train.handles import FlangeHandle, Handle, bare
+from gearblocks.train.summary import field_texts
 from gearblocks.train.values import field_paths, replaced, unique_path, value_problems
 
 if TYPE_CHECKING:
+    from gearblocks.drawing.drawing import Drawing
     from gearblocks.equations.equations import Equations
     from gearblocks.model.listing import Listing
+    from gearblocks.simulation.trajectory import Trajectory
 
 _B = TypeVar("_B", bound=Block)
 _NAME = re.compile(r"[A-Za-z_]\w*")
@@ -309,12 +311,22 @@ class Drivetrain:
 
         return listing.flanges(self.tree(), patterns)
 
+    def draw(self, *, values: bool = False, run: Trajectory | None = None, at: float | None = None) -> Drawing:
+        """The train as a kinematic scheme in SVG; values printed too; the state of a run at a time (its end) as colour."""
+        from gearblocks.drawing.drawing import drawing_of
+
+        return drawing_of(self.tree(), values=values, run=run, at=at)
+
+    def _repr_svg_(self) -> str | None:
+        return self.draw().text if self._parts else None
+
     def describe(self) -> str:
         """A table of all blocks with their values and effects."""
         flat = flatten(self.tree(), complete=False).components if self._parts else ()
         slides = {c.path: c.slides for c in flat}
         rows = [
-            (path, type(block).__name__, _summary(block, slides.get(path, False))) for path, _, _, block in self._walk()
+            (path, type(block).__name__, ", ".join(field_texts(block, slides.get(path, False))))
+            for path, _, _, block in self._walk()
         ]
         widths = [max((len(r[i]) for r in rows), default=0) for i in range(2)]
         head = f"{self.name}: {len(rows)} blocks, {len(self.effects())} effects"
@@ -358,14 +370,3 @@ def _part_problems(path: str, part: Any) -> Iterator[str]:
         yield f"'{path}': {part!r:.200} is neither a block nor a Drivetrain"
     elif isinstance(part, Block):
         yield from value_problems(path, part)
-
-
-def _summary(block: Block, slides: bool) -> str:
-    parts = []
-    for name, field in type(block).fields.items():
-        value = block.__dict__[name]
-        if value is not None and value != field.default:
-            bare = field.unit == "1" or isinstance(value, (Parameter, Input))  # these say theirs
-            unit = "" if bare else f" {unit_along(field.unit, slides)}"
-            parts.append(f"{name} = {value!r}{unit}" if not isinstance(value, Declared) else f"{name}: {value!r}")
-    return ", ".join(parts)

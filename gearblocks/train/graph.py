@@ -67,9 +67,12 @@ class Train:
         return f"<Train '{self.name}': {len(self.components)} components, {self.n_nodes} nodes>"
 
 
-def flatten(tree: Tree, *, complete: bool = True) -> Train:
-    """The train with full paths. All problems are gathered into one ModelError; complete=False accepts open ends."""
-    parts = _Parts([], DisjointSets(), set())
+def flatten(tree: Tree, *, complete: bool = True, whole: bool = False) -> Train:
+    """The train with full paths. All problems are gathered into one ModelError; complete=False accepts open ends.
+
+    whole=True leaves composite blocks as they are, where else their parts stand for them.
+    """
+    parts = _Parts([], DisjointSets(), set(), whole)
     parts.enter(tree, "")
     return _number(tree, parts, complete)
 
@@ -79,11 +82,15 @@ _End: TypeAlias = "tuple[str, str]"  # full path of a block, name of its flange
 
 @dataclass(frozen=True, slots=True)
 class _Parts:
-    """Blocks with their full paths; nodes: flanges that are connected are one; joined: flanges that stand in a link."""
+    """Blocks with their full paths; nodes: flanges that are connected are one; joined: flanges that stand in a link.
+
+    whole: composite blocks stay as they are.
+    """
 
     blocks: list[tuple[str, Block]]
     nodes: DisjointSets[_End]
     joined: set[_End]
+    whole: bool
 
     def enter(self, node: Tree, prefix: str) -> dict[str, _End]:
         """Takes the parts and links of a tree; what its exposed flanges are."""
@@ -93,7 +100,7 @@ class _Parts:
             path = prefix + name
             if prefix and isinstance(part, Block):
                 part = localised(part, prefix, names)
-            inner = _inside(name, part)
+            inner = _inside(name, part, self.whole)
             if inner is not None:
                 local |= {(name, flange): end for flange, end in self.enter(inner, path + ".").items()}
                 continue
@@ -106,10 +113,12 @@ class _Parts:
         return {name: local[end] for name, end in node.exposed}
 
 
-def _inside(name: str, part: Any) -> Tree | None:
-    """The tree inside a nested train or a composite block, None for a plain block."""
+def _inside(name: str, part: Any, whole: bool) -> Tree | None:
+    """The tree inside a nested train or a composite block, None for a plain block, or a composite one that stays whole."""
     if isinstance(part, Tree):
         return part
+    if whole:
+        return None
     parts = part.parts()
     if parts is None:
         return None

@@ -16,6 +16,7 @@ ROOMS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.laws",),
     ("gearblocks.blocks",),
     ("gearblocks.train",),
+    ("gearblocks.drawing",),
     ("gearblocks.assembly",),
     ("gearblocks.equations",),
     ("gearblocks.codegen",),

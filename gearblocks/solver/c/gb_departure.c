@@ -148,11 +148,15 @@ static int rests(gb_sim *sim, double longest) {
     return !moves;
 }
 
-/* Limit `side` of event function i is not watched until `time`. */
-static void hold(gb_sim *sim, int i, double side, double time) {
-    sim->events.held_side[i] = side;
-    sim->events.held[i] = time;
-    sim->head->events.held_until = gb_min(sim->head->events.held_until, time);
+/* What was held and of which nothing is plain yet is held on. */
+static void hold_on(gb_sim *sim) {
+    for (int i = 0; i < sim->model->n_event_functions; i++) {
+        const int held = fabs(sim->events.side[i]) == MARKED && sim->events.held[i] > sim->head->front.t1;
+        if (held && sim->events.role[i] == GB_ORDINARY) {
+            gb_hold_limit(sim, i, sim->events.side[i], sim->events.held[i]);
+        }
+    }
+    gb_mode_limits(sim);
 }
 
 /* Takes the modes behind the limits through which something leaves; how many. Limits of what stays are not watched.
@@ -172,10 +176,10 @@ static int take_modes(gb_sim *sim, int log) {
         } else if (size == LEAVES) {
             gb_set_mode(sim, i, gb_far_side(sim, i, way), log);
         } else if (size == STAYS) {
-            hold(sim, i, way, sim->events.held[i]);
+            gb_hold_limit(sim, i, way, sim->events.held[i]);
         }
     }
-    gb_mode_limits(sim);
+    hold_on(sim);
     return flipped;
 }
 
@@ -197,7 +201,7 @@ static void hold_begun(gb_sim *sim) {
     for (int i = 0; i < sim->model->n_event_functions && sim->head->events.look_ahead > 0.0; i++) {
         const int opened = sim->events.role[i] == GB_CONSTRAINED && fabs(sim->events.side[i]) == MARKED;
         if (opened) { /* in a round before, and it moves only now */
-            hold(sim, i, sim->events.side[i], time);
+            gb_hold_limit(sim, i, sim->events.side[i], time);
         }
     }
     for (int i = 0; i < sim->model->n_constraints && sim->head->events.look_ahead > 0.0; i++) {
@@ -206,12 +210,12 @@ static void hold_begun(gb_sim *sim) {
         const int slip = constraint->slip;
         const int sign = constraint->kind == GB_LOSS ? sim->model->constraints[constraint->partner].slip : slip;
         if (left && constraint->kind == GB_STOP) {
-            hold(sim, slip, -1.0, time);
+            gb_hold_limit(sim, slip, -1.0, time);
         } else if (left) {
-            hold(sim, slip, -sim->mode[slip], time);
+            gb_hold_limit(sim, slip, -sim->mode[slip], time);
         }
         if (left && constraint->kind == GB_LOSS) {
-            hold(sim, sign, -sim->mode[sign], time);
+            gb_hold_limit(sim, sign, -sim->mode[sign], time);
         }
     }
     sim->head->events.look_ahead = 0.0;
@@ -241,6 +245,7 @@ static int decide(gb_sim *sim, int log, double shortest, int *flipped) {
     if (rests(sim, longest)) {
         events->look_gap = events->look_gap < PATIENCE ? 2 * events->look_gap + 1 : PATIENCE;
         events->look_at = sim->head->counts.events + events->look_gap;
+        hold_on(sim);
         return GB_DONE;
     }
     events->look_gap = 0;

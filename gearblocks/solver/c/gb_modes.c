@@ -39,6 +39,12 @@ void gb_mode_limits(gb_sim *sim) {
     }
 }
 
+void gb_hold_limit(gb_sim *sim, int i, double side, double time) {
+    sim->events.held_side[i] = side;
+    sim->events.held[i] = time;
+    sim->head->events.held_until = gb_min(sim->head->events.held_until, time);
+}
+
 /* It stands on a limit of its mode but for rounding: the mode is that of the side to which it goes. */
 static int stands_on_limit(const gb_sim *sim, int i, double s) {
     const double lo = sim->events.lo[i], hi = sim->events.hi[i], unit = 64.0 * DBL_EPSILON;

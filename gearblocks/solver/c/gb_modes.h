@@ -22,9 +22,11 @@ static inline double gb_limit_rounding(const gb_sim *sim, int i, double limit) {
 /* Gives switch i its mode; with `log` that is an event. */
 void gb_set_mode(gb_sim *sim, int i, double mode, int log);
 
-/* The limits of all event functions in the present modes; those that are held or that slide have none.
- */
+/* The limits of all event functions in the present modes; those that are held or that slide have none. */
 void gb_mode_limits(gb_sim *sim);
+
+/* Limit `side` of event function i is not watched until `time`. */
+void gb_hold_limit(gb_sim *sim, int i, double side, double time);
 
 /* Segments of tables over sizes of slips, where these have just been given directions (the start) or are others (an
  * impact), before a law is read on a segment far from them. Time terms are those of `instant`. */

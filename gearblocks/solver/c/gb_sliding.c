@@ -8,10 +8,12 @@
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
-enum { HALVINGS = 60, LOOKS = 4 };
+enum { HALVINGS = 60, LOOKS = 4, IN_VAIN = 8 }; /* so many flips without progress tell that none is to come */
 
-static const double BEYOND = 1e-9; /* a share this far beyond its end counts as there */
-static const double SAME = 1e-12;  /* of the terms of a difference: what is left of it is nothing */
+static const double BEYOND = 1e-9;  /* a share this far beyond its end counts as there */
+static const double SAME = 1e-12;   /* of the terms of a difference: what is left of it is nothing */
+static const double NO_STEP = 1e-6; /* of the largest step: flips that follow so closely come of rounding, or in vain */
+static const double UNTOLD = 1e-3;  /* of the tolerance: how far two motions may come apart and be taken for one */
 
 /* The constraint by whose force event function i is active: friction or a stop; else -1. */
 static int holding(const gb_sim *sim, int i) {
@@ -219,10 +221,70 @@ int gb_sliding_end(gb_sim *sim, double *theta) {
     return code;
 }
 
+/* The rates in the present modes and in those in sliding.mode are the same over a time h, as far as the tolerance of a
+ * run can tell. */
+static int moves_alike(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    double *here = sim->sliding.rates, *there = here + model->n_total, sum = 0.0;
+    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, here);
+    model->rhs(sim->par, sim->sliding.mode, gb_terms_above(sim, &sim->instant, 0), sim->y, there);
+    for (int j = 0; j < model->n; j++) {
+        const double weight = sim->control.error_weight[j], apart = fabs(here[j] - there[j]);
+        sum += weight > 0.0 ? apart * h * weight : apart > SAME * (fabs(here[j]) + fabs(there[j]));
+    }
+    return sum <= UNTOLD;
+}
+
+/* No other switch differs between the present modes and those in sliding.mode. */
+static int others_agree(gb_sim *sim, int i) {
+    const gb_model *model = sim->model;
+    const int n = model->n_event_functions;
+    double *here = sim->sliding.functions, *there = here + n;
+    model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->y, here);
+    model->event_functions(sim->par, sim->sliding.mode, gb_terms_above(sim, &sim->instant, 0), sim->y, there);
+    for (int other = 0; other < n; other++) {
+        const double limit = sim->events.hi[other] + SAME * fabs(there[other]);
+        const int opens = sim->events.role[other] == GB_CONSTRAINED && here[other] <= limit && there[other] > limit;
+        if (other != i &&
+            (opens || model->mode_at(sim->par, other, here[other]) != model->mode_at(sim->par, other, there[other]))) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+int gb_stay_on_limit(gb_sim *sim, int i) {
+    const double h = ldexp(gb_rounding(sim->head->front.t1, sim->head->front.h), 2 * (int)sim->events.flips[i]);
+    if (sim->events.role[i] != GB_ORDINARY || i >= sim->model->n_event_functions || !sim->head->options.locate ||
+        sim->head->events.n_sliding > 0 || gb_event_functions_now(sim) != GB_DONE ||
+        gb_time_terms_at(sim, sim->head->front.t1) != GB_DONE) {
+        return 0;
+    }
+    gb_mode_limits(sim);
+    const double s = sim->events.s[i];
+    const double side = fabs(s - sim->events.lo[i]) < fabs(s - sim->events.hi[i]) ? -1.0 : 1.0;
+    memcpy(sim->sliding.mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
+    sim->sliding.mode[i] = gb_far_side(sim, i, side);
+    if (!moves_alike(sim, h) || !others_agree(sim, i)) {
+        return 0;
+    }
+    gb_hold_limit(sim, i, side, sim->head->front.t1 + h);
+    gb_mode_limits(sim);
+    sim->events.armed[i] = sim->events.pending[i] = 0.0;
+    return 1;
+}
+
 int gb_count_flip_or_slide(gb_sim *sim, int i) {
+    const double before = sim->events.flips[i], since = sim->head->front.t1 - sim->events.flip_time[i];
     const int code = gb_count_flip(sim, i);
-    if (code == GB_DONE && sim->events.flips[i] > 2.0) {
-        gb_slide(sim, i);
+    if (code != GB_DONE || (sim->events.flips[i] > 2.0 && gb_slide(sim, i))) {
+        return code;
+    }
+    if (sim->events.flips[i] == 1.0 && since <= NO_STEP * sim->head->control.h_largest) {
+        sim->events.flips[i] = gb_min(before + 1.0, IN_VAIN + 1.0);
+    }
+    if (sim->events.flips[i] > IN_VAIN) {
+        gb_stay_on_limit(sim, i);
     }
     return code;
 }

@@ -1,0 +1,94 @@
+"""Captions: the name of an element above its symbol, its values below it where they are wanted, and the words on hover."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import final
+
+from gearblocks.drawing.scheme import Element
+from gearblocks.drawing.shapes import Shape, Words, text_width
+from gearblocks.train.summary import field_texts
+
+NAME, VALUE = 11.0, 9.0
+_WIDEST, _LINE = 92.0, 13.0
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Caption:
+    """Lines above and below a symbol, and all that is said on hover."""
+
+    names: tuple[str, ...]
+    values: tuple[str, ...]
+    title: str
+
+    @property
+    def width(self) -> float:
+        """Room for the widest line."""
+        return max(
+            (text_width(t, s) for lines, s in ((self.names, NAME), (self.values, VALUE)) for t in lines), default=0.0
+        )
+
+    @property
+    def above(self) -> float:
+        """Height of the names."""
+        return _LINE * len(self.names) + 2.0
+
+    @property
+    def below(self) -> float:
+        """Height of the values."""
+        return 11.0 * len(self.values) + (2.0 if self.values else 0.0)
+
+    def shapes(self, up: float, down: float) -> Iterator[Shape]:
+        """Names whose last line ends above -up, values whose first begins below down."""
+        for i, text in enumerate(reversed(self.names)):
+            yield Words(0.0, -up - 4.0 - _LINE * i, text, NAME)
+        for i, text in enumerate(self.values):
+            yield Words(0.0, down + 10.0 + 11.0 * i, text, VALUE, grey=True)
+
+
+def caption(e: Element, values: bool) -> Caption:
+    """The caption of an element; values: whether its values are printed too."""
+    shown = (
+        tuple(_short(t, 28) for t in field_texts(e.block, e.slides)[:3])
+        if values and e.gearing is None and not e.parallel
+        else ()
+    )
+    return Caption(tuple(wrapped(e.name)), shown, title(e))
+
+
+def title(e: Element) -> str:
+    """Name, class and values of every block."""
+    lines = []
+    for path, block in e.blocks:
+        told = field_texts(block, e.slides)
+        lines.append(f"{path}: {type(block).__name__}" + (f" ({', '.join(told)})" if told else ""))
+    return "\n".join(lines)
+
+
+def wrapped(name: str) -> list[str]:
+    """A name in at most two lines, broken after a dot, a comma or an underscore, or between words written together."""
+    if text_width(name, NAME) <= _WIDEST:
+        return [name]
+    pieces = re.findall(r"[^._, ]*?[._, ]+|[^._, ]+?(?=[A-Z][a-z])|[^._, ]+", name)
+    lines = [""]
+    for piece in pieces:
+        if lines[-1] and text_width(lines[-1] + piece, NAME) > _WIDEST:
+            lines.append("")
+        lines[-1] += piece
+    lines = [line.strip() for line in lines]
+    if len(lines) > 2:
+        lines = [lines[0], f"… {lines[-1]}"]
+    return [_cut(line) for line in lines]
+
+
+def _cut(text: str) -> str:
+    while text_width(text, NAME) > 1.4 * _WIDEST:
+        text = text.removesuffix("…")[:-1] + "…"
+    return text
+
+
+def _short(text: str, longest: int) -> str:
+    return text if len(text) <= longest else text[: longest - 1] + "…"

@@ -1,0 +1,58 @@
+"""The drawing of a train: from its composition to a scheme, a layout and SVG."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, final
+
+from gearblocks.drawing import states
+from gearblocks.drawing.layout import Layout, layout
+from gearblocks.drawing.scheme import Scheme, scheme_of
+from gearblocks.drawing.writing import svg
+from gearblocks.errors import ParameterError
+from gearblocks.files import write_text
+from gearblocks.train.graph import Tree, flatten
+
+
+@final
+@dataclass(frozen=True, slots=True, repr=False)
+class Drawing:
+    """A kinematic scheme as SVG: str() is the text, save() writes a file, a notebook shows it."""
+
+    name: str
+    text: str
+    scheme: Scheme
+    layout: Layout
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        return f"<Drawing of '{self.name}': {self.layout.width:.0f} x {self.layout.height:.0f} px>"
+
+    def _repr_svg_(self) -> str:
+        return self.text
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the picture to a file. Raises ParameterError where the name does not end in .svg."""
+        check_ending(path)
+        write_text(path, self.text)
+
+
+def check_ending(path: str | os.PathLike[str]) -> None:
+    """Refuses a file that would not be read as SVG."""
+    if Path(path).suffix.lower() != ".svg":
+        raise ParameterError(f"drawing: '{path}' must end in .svg, the only form that a drawing has")
+
+
+def drawing_of(tree: Tree, *, values: bool = False, run: Any = None, at: float | None = None) -> Drawing:
+    """The drawing of a train, open ends and all. run, at: colours show its state at that time (the end)."""
+    if run is None and at is not None:
+        raise ParameterError("draw: at = ... is a time of a run: give run= too")
+    scheme = scheme_of(flatten(tree, complete=False, whole=True))
+    placed = layout(scheme, values)
+    found = states.colours(scheme, run, at) if run is not None else {}
+    legend = {colour: words for colour, words in states.LEGEND.items() if colour in {c for c, _ in found.values()}}
+    return Drawing(tree.name, svg(tree.name, placed, scheme.shafts, found, legend), scheme, placed)

@@ -1,0 +1,221 @@
+"""Symbols of blocks: shapes about an anchor on the lane, the room they take, and where their ports are.
+
+ISO 3952-1 to -4 (1981-1997) where it has one, else as gearbox textbooks draw it; a block of a class that is not of the
+catalogue is a box with the name of the class. Knows nothing of lanes and of places on the paper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, final
+
+from gearblocks.blocks import (
+    BearingFriction,
+    Brake,
+    Clutch,
+    Damper,
+    DogClutch,
+    Freewheel,
+    HardStop,
+    Lash,
+    OneWayClutch,
+    Shaft,
+    SplineCoupling,
+    Synchronizer,
+    TorqueConverter,
+    UniversalJoint,
+)
+from gearblocks.drawing.shapes import (
+    FILLED,
+    PAPER,
+    THICK,
+    THIN,
+    Circle,
+    Shape,
+    Words,
+    arc,
+    arrow,
+    box,
+    line,
+    mirrored,
+    moved,
+    text_width,
+    turned,
+)
+from gearblocks.language.block import Block
+
+HALF = 22.0
+"""Half the width of a usual symbol in line."""
+_ROW = 18.0
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """Shapes about (0, 0), the room to each side of it, and the height of each port (y downward)."""
+
+    shapes: tuple[Shape, ...]
+    left: float
+    right: float
+    up: float
+    down: float
+    ports: tuple[float, ...] = (0.0,)
+
+    def mirrored(self) -> Symbol:
+        """Left and right exchanged."""
+        return Symbol(mirrored(self.shapes), self.right, self.left, self.up, self.down, self.ports)
+
+    def turned(self) -> Symbol:
+        """A quarter turn: the left end on top."""
+        return Symbol(turned(self.shapes), self.down, self.up, self.left, self.right)
+
+
+def series(block: Block) -> Symbol:
+    """A block between two shafts in line, its first flange at the left."""
+    if isinstance(block, Shaft):
+        return _shaft(block)
+    made = _SERIES.get(type(block))
+    return made() if made is not None else named_box(block, ((-1, 0.0, ""), (1, 0.0, "")))
+
+
+def side_by_side(symbols: tuple[Symbol, ...]) -> Symbol:
+    """Symbols in line between the same two shafts, one above the other."""
+    if len(symbols) == 1:
+        return symbols[0]
+    half = max(max(s.left, s.right) for s in symbols)
+    height = sum(s.up + s.down for s in symbols) + 4.0 * (len(symbols) - 1)
+    y, shapes, rows = -height / 2, list[Shape](), list[float]()
+    for s in symbols:
+        y += s.up
+        rows.append(y)
+        shapes += [*moved(s.shapes, 0, y), line((-half, y), (-s.left, y)), line((s.right, y), (half, y))]
+        y += s.down + 4.0
+    for x, out in ((-half, -half - 6), (half, half + 6)):
+        shapes += [line((x, rows[0]), (x, rows[-1])), line((x, 0), (out, 0))]
+    return Symbol(tuple(shapes), half + 6, half + 6, height / 2, height / 2, (0.0, 0.0))
+
+
+def named_box(block: Block, ports: tuple[tuple[int, float, str], ...], rows: float = 0.0) -> Symbol:
+    """A box with the name of the class. ports: side (-1 left, 1 right), height and name of each."""
+    name = type(block).__name__
+    names = max((text_width(words, 8) + 4 for _, _, words in ports if words), default=0.0)
+    half, high = text_width(name, 10) / 2 + 6 + names, 11.0 + rows
+    shapes: list[Shape] = [box(-half, -high, 2 * half, 2 * high, PAPER), Words(0, 3.5, name, 10)]
+    for side, y, words in ports:
+        shapes.append(line((side * half, y), (side * (half + 8), y)))
+        if words:
+            shapes.append(Words(side * (half - 2 - text_width(words, 8) / 2), y + 3, words, 8, grey=True))
+    return Symbol(tuple(shapes), half + 8, half + 8, high, high, tuple(y for _, y, _ in ports))
+
+
+def _made(shapes: tuple[Shape, ...], high: float, half: float = HALF) -> Symbol:
+    return Symbol(shapes, half, half, high, high, (0.0, 0.0))
+
+
+def _shaft(block: Any) -> Symbol:
+    """A spring, beside it a damper and inner friction where there are any; a thick line where it is rigid."""
+    if block.rigid:
+        return _made((line((-HALF, 0), (HALF, 0), look=THICK),), 6)
+    rows = [_spring()]
+    if block.torque is not None:
+        s = rows[0]
+        rows[0] = Symbol((*s.shapes, *arrow((-11, 10), (11, -10), 4)), s.left, s.right, 11, 11, s.ports)
+    if block.c is not None or block.damping_ratio is not None:
+        rows.append(_dashpot())
+    if block.hysteresis is not None:
+        rows.append(_plates(7.0))
+    return side_by_side(tuple(rows))
+
+
+def _spring() -> Symbol:
+    zigzag = [(-12.5 + 5 * i, 6.0 if i % 2 else -6.0) for i in range(6)]
+    return _made((line((-HALF, 0), (-15, 0), *zigzag, (15, 0), (HALF, 0)),), 7)
+
+
+def _dashpot() -> Symbol:
+    cup = line((-10, -6), (7, -6), (7, 6), (-10, 6))
+    return _made((line((-HALF, 0), (-2, 0)), line((-2, -4), (-2, 4)), cup, line((7, 0), (HALF, 0))), 7)
+
+
+def _play(x: float) -> tuple[Shape, ...]:
+    """A plate with play in a cage about x; 18 wide, its left end open for the shaft."""
+    cage = line((x - 8, -3), (x - 8, -8), (x + 9, -8), (x + 9, 8), (x - 8, 8), (x - 8, 3))
+    return (cage, line((x, -5), (x, 5)))
+
+
+def _lash() -> Symbol:
+    s = moved(_spring().shapes, 14, 0)
+    return _made((line((-36, 0), (-18, 0)), *_play(-18), line((-9, 0), (-8, 0)), *s), 9, 36)
+
+
+def _stop() -> Symbol:
+    return _made((line((-HALF, 0), (0, 0)), *_play(0), line((9, 0), (HALF, 0))), 9)
+
+
+def _plates(high: float = 12.0) -> Symbol:
+    left, right = line((-HALF, 0), (-3, 0)), line((3, 0), (HALF, 0))
+    return _made((left, line((-3, -high), (-3, high)), line((3, -high), (3, high)), right), high + 1)
+
+
+def _claws() -> tuple[Shape, ...]:
+    edge = [(-4, -12), (-4, -6), (0, -6), (0, 0), (-4, 0), (-4, 6), (0, 6), (0, 12)]
+    return (line(*((float(x), float(y)) for x, y in edge)), line(*((x + 4.0, float(y)) for x, y in edge)))
+
+
+def _dog() -> Symbol:
+    return _made((line((-HALF, 0), (-4, 0)), *_claws(), line((4, 0), (HALF, 0))), 13)
+
+
+def _synchronizer() -> Symbol:
+    cones = [line((-15, s * 5), (-8, s * 12)) for s in (-1, 1)] + [line((-11, s * 4), (-4, s * 11)) for s in (-1, 1)]
+    shapes = (
+        line((-28, 0), (-15, 0)),
+        line((-15, -5), (-15, 5)),
+        *cones,
+        line((-11, -4), (-11, 4)),
+        line((-11, 0), (2, 0)),
+    )
+    return _made((*shapes, *moved(_claws(), 6, 0), line((10, 0), (28, 0))), 13, 28)
+
+
+def _freewheel(friction: bool) -> Symbol:
+    wedge = tuple(arrow((0, 9), (0, -9), 4.5))
+    left, right = line((-HALF, 0), (-6, 0)), line((6, 0), (HALF, 0))
+    plates = (line((-6, -12), (-6, 12)), line((6, -12), (6, 12)))
+    more = (line((-10, -12), (-10, 12)),) if friction else ()
+    return _made((left, *plates, *more, *wedge, right), 13)
+
+
+def _spline() -> Symbol:
+    teeth = [line((x, s * 4.5), (x, s * 9), look=THIN) for x in (-3, 0, 3, 6) for s in (-1, 1)]
+    sleeve = line((-6, -9), (13, -9), (13, 9), (-6, 9))
+    return _made((line((-HALF, 0), (-12, 0)), box(-12, -4.5, 21, 9), sleeve, *teeth, line((13, 0), (HALF, 0))), 10)
+
+
+def _joint() -> Symbol:
+    forks = (arc(0, 0, 10, 100, 260), arc(0, 0, 10, -50, 50))
+    return _made((line((-HALF, 0), (-10, 0)), *forks, Circle(0, 0, 3.5, FILLED), line((10, 0), (HALF, 0))), 11)
+
+
+def _converter() -> Symbol:
+    halves = (arc(-2, 0, 15, 90, 270, squeeze=0.6), arc(2, 0, 15, -90, 90, squeeze=0.6))
+    walls = (line((-2, -15), (-2, 15)), line((2, -15), (2, 15)))
+    return _made((line((-HALF, 0), (-11, 0)), *halves, *walls, line((11, 0), (HALF, 0))), 16)
+
+
+_SERIES: dict[type[Block], Callable[[], Symbol]] = {
+    Damper: _dashpot,
+    Lash: _lash,
+    HardStop: _stop,
+    Clutch: _plates,
+    Brake: _plates,
+    BearingFriction: _plates,
+    DogClutch: _dog,
+    Synchronizer: _synchronizer,
+    OneWayClutch: lambda: _freewheel(True),
+    Freewheel: lambda: _freewheel(False),
+    SplineCoupling: _spline,
+    UniversalJoint: _joint,
+    TorqueConverter: _converter,
+}

@@ -1,0 +1,188 @@
+"""Drawings: no two boxes overlap, no line crosses a box, every block is there; and what each of them shows."""
+
+from collections.abc import Iterator
+from itertools import combinations, pairwise
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+import gearblocks as gb
+from gearblocks.cli import scripts
+from gearblocks.drawing.layout import WIDTH, Box, Layout, layout
+from gearblocks.drawing.scheme import scheme_of
+from gearblocks.train.graph import flatten
+from tests.random.description import build
+from tests.random.families import FAMILIES, draw
+
+MODELS = [f"{name}:{maker.name}" for name, path in scripts.shipped().items() for maker in scripts.makers(path)]
+RANDOM = [(family, seed) for seed in range(5) for family in FAMILIES]
+SLACK = 1e-6  # rounding of sums of widths
+
+
+def _overlap(a: Box, b: Box) -> bool:
+    return (
+        a.x < b.x + b.width - SLACK and b.x < a.x + a.width - SLACK
+        and a.y < b.y + b.height - SLACK and b.y < a.y + a.height - SLACK
+    )  # fmt: skip
+
+
+def _stretches(found: Layout) -> list[Box]:
+    """Every straight piece of a line as a box without width."""
+    pieces = [(a, b) for wire in found.wires for a, b in pairwise(wire.points)]
+    assert all(a[0] == b[0] or a[1] == b[1] for a, b in pieces)
+    return [Box(min(a[0], b[0]), min(a[1], b[1]), abs(a[0] - b[0]), abs(a[1] - b[1]), -1) for a, b in pieces]
+
+
+def _inside(a: Box, found: Layout) -> bool:
+    return a.x >= 0 and a.y >= 0 and a.x + a.width <= found.width and a.y + a.height <= found.height
+
+
+def _check(rig: gb.Drivetrain) -> None:
+    drawing = rig.draw()
+    found = drawing.layout
+    assert [(a, b) for a, b in combinations(found.boxes, 2) if _overlap(a, b)] == []
+    stretches = _stretches(found)
+    assert [(a, b) for a in stretches for b in found.boxes if _overlap(a, b)] == []
+    assert [a for a in (*found.boxes, *stretches) if not _inside(a, found)] == []
+    assert {box.element for box in found.boxes} == set(range(len(drawing.scheme.elements)))
+    ElementTree.fromstring(drawing.text)
+    for path in (c.path for c in flatten(rig.tree(), whole=True).components):
+        assert f"{path}: " in drawing.text
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_in_drawings_of_shipped_models_nothing_overlaps_and_no_line_crosses_a_box(model: str) -> None:
+    _check(scripts.make(model))
+
+
+@pytest.mark.parametrize(("family", "seed"), RANDOM)
+def test_in_drawings_of_random_trains_nothing_overlaps_and_no_line_crosses_a_box(family: str, seed: int) -> None:
+    _check(build(draw(family, seed), gb))
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_values_printed_beside_the_symbols_overlap_nothing(model: str) -> None:
+    found = scripts.make(model).draw(values=True).layout
+    assert [(a, b) for a, b in combinations(found.boxes, 2) if _overlap(a, b)] == []
+    assert [(a, b) for a in _stretches(found) for b in found.boxes if _overlap(a, b)] == []
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_drawing_fits_the_width_of_a_page(model: str) -> None:
+    assert scripts.make(model).draw().layout.width <= WIDTH
+
+
+def _pair(**mesh: Any) -> gb.Drivetrain:
+    rig = gb.Drivetrain("a pair")
+    parts = [
+        rig.add("drive", gb.Torque(tau=1.0)), rig.add("pinion", gb.Inertia(J=1.0)),
+        rig.add("gear", gb.IdealGear(teeth=(20, 40), external=True, **mesh)), rig.add("wheel", gb.Inertia(J=1.0)),
+    ]  # fmt: skip
+    rig.chain(*parts)
+    return rig
+
+
+def test_the_shafts_of_a_gear_pair_are_two_parallel_lines() -> None:
+    scheme = scheme_of(flatten(_pair().tree(), whole=True))
+    found = layout(scheme)
+    assert scheme.shafts == ("pinion", "wheel")
+    heights = {wire.shaft: {y for _, y in wire.points} for wire in found.wires}
+    assert len(heights[0]) == len(heights[1]) == 1 and heights[0] != heights[1]
+
+
+def test_bodies_and_springs_in_a_row_lie_on_one_line() -> None:
+    found = scripts.make("spline_coupling").draw().layout
+    assert len({y for wire in found.wires for _, y in wire.points}) == 1
+
+
+def test_a_long_chain_is_folded() -> None:
+    found = scripts.make("stiff_chain").draw().layout
+    assert found.width <= WIDTH and len({round(box.y + box.height / 2, -2) for box in found.boxes}) > 5
+
+
+def test_four_planets_that_mesh_alike_are_one_set() -> None:
+    scheme = scripts.make("planetary_backlash").draw().scheme
+    sets = [e for e in scheme.elements if e.gearing is not None]
+    assert len(sets) == 1 and len(sets[0].blocks) == 12
+    assert sets[0].gearing is not None and sets[0].gearing.counts == (4,)
+    assert [name for name, _ in sets[0].ports] == ["sun", "carrier", "ring"]
+
+
+def test_a_ravigneaux_set_is_one_symbol_with_two_suns_two_planets_and_a_ring() -> None:
+    (gearing,) = (e.gearing for e in scripts.make("planetary_sets").draw().scheme.elements if e.gearing is not None)
+    assert gearing.suns == ("small", "large") and gearing.rings == ("ring",) and gearing.counts == (1, 1)
+
+
+def test_elements_side_by_side_are_one_symbol() -> None:
+    rig = gb.Drivetrain("spring beside damper")
+    a, b = rig.add("a", gb.Inertia(J=1.0)), rig.add("b", gb.Inertia(J=1.0))
+    rig.chain(a, rig.add("spring", gb.Shaft(k=1.0)), b)
+    rig.chain(a, rig.add("damper", gb.Damper(c=1.0)), b)
+    assert len(rig.draw().layout.boxes) == 3
+
+
+def test_a_fixed_end_is_drawn_where_something_stands_on_it() -> None:
+    rig = gb.Drivetrain("pendulum")
+    rig.chain(rig.add("wall", gb.Fixed()), rig.add("spring", gb.Shaft(k=1.0)), rig.add("disc", gb.Inertia(J=1.0)))
+    drawing = rig.draw()
+    assert [e.grounded for e in drawing.scheme.elements] == [("a",), ()]
+    assert "wall: Fixed" in drawing.text
+
+
+def test_a_block_of_ones_own_is_a_box_with_the_name_of_its_class() -> None:
+    class Gizmo(gb.Block):
+        a, b, c = gb.Flange("one"), gb.Flange("two"), gb.Flange("three")
+
+        def physics(self, s: Any) -> Iterator[gb.Tie]:
+            yield gb.Tie(s.a.phi - s.b.phi + s.c.phi)
+
+    rig = gb.Drivetrain("with a gizmo")
+    gizmo = rig.add("gizmo", Gizmo())
+    for name in "abc":
+        rig.connect(getattr(gizmo, name), rig.add(f"body_{name}", gb.Inertia(J=1.0)).a)
+    text = str(rig.draw())
+    assert ">Gizmo</text>" in text and ">a</text>" in text and ">c</text>" in text
+
+
+def test_blocks_of_nested_trains_are_drawn_with_their_paths() -> None:
+    inner = _pair()
+    outer = gb.Drivetrain("outer")
+    outer.add("stage", inner)
+    assert "stage.gear: IdealGear" in str(outer.draw())
+
+
+def test_names_are_escaped() -> None:
+    rig = gb.Drivetrain("a < b & c")
+    rig.add("body", gb.Inertia(J=1.0))
+    assert ElementTree.fromstring(rig._repr_svg_() or "")[0].text == "a < b & c"
+
+
+def test_open_ends_are_drawn_and_an_empty_train_is_not() -> None:
+    rig = gb.Drivetrain("begun")
+    assert rig._repr_svg_() is None
+    rig.add("spring", gb.Shaft(k=1.0))
+    assert len(rig.draw().layout.boxes) == 1
+
+
+def test_a_drawing_is_saved_as_svg_alone(tmp_path: Path) -> None:
+    drawing = _pair().draw()
+    drawing.save(tmp_path / "pair.svg")
+    assert (tmp_path / "pair.svg").read_text(encoding="utf-8") == str(drawing) == drawing._repr_svg_()
+    with pytest.raises(gb.ParameterError, match=r"must end in \.svg"):
+        drawing.save(tmp_path / "pair.png")
+
+
+def test_the_state_of_a_run_is_shown_as_colour() -> None:
+    rig = gb.Drivetrain("brake that slides, then sticks")
+    body, brake = rig.add("body", gb.Inertia(J=1.0, w0=1.0)), rig.add("brake", gb.Brake(capacity=1.0))
+    rig.connect(body.a, brake.a)
+    run = gb.simulate(rig, t_end=2.0)
+    early, late = str(rig.draw(run=run, at=0.0)), str(rig.draw(run=run))
+    assert "brake: slides forward" in early and "brake: stuck" in late
+    assert 'color="#d55e00"' in early and 'color="#0072b2"' in late
+    with pytest.raises(gb.ParameterError, match=r"must lie within the run, 0 \.\. 2 s"):
+        rig.draw(run=run, at=3.0)
+    with pytest.raises(gb.ParameterError, match="give run= too"):
+        rig.draw(at=1.0)
