@@ -321,7 +321,9 @@ class Drivetrain:
         return self.draw().text if self._parts else None
 
     def describe(self) -> str:
-        """A table of all blocks with their values and effects."""
+        """A table of all blocks with their values and effects, and what among them is hardly meant (mm typed as m ...)."""
+        from gearblocks.model.plausibility import implausible
+
         flat = flatten(self.tree(), complete=False).components if self._parts else ()
         slides = {c.path: c.slides for c in flat}
         rows = [
@@ -330,7 +332,8 @@ class Drivetrain:
         ]
         widths = [max((len(r[i]) for r in rows), default=0) for i in range(2)]
         head = f"{self.name}: {len(rows)} blocks, {len(self.effects())} effects"
-        return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows)])
+        doubts = [f"is it meant? {words}" for words in implausible(self.tree())]
+        return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows), *doubts])
 
     def __repr__(self) -> str:
         names = [*self._parts]

@@ -228,7 +228,7 @@ class MeshLaw(Effect):
         )
     """
 
-    face_width: Value | None = param("common face width", "m", default=None, gt=0)
+    face_width: Value | None = param("common face width", "m", default=None, gt=0, usual=5.0)
     profile_shift: tuple[Value, Value] | None = param(
         "profile shifts (x1, x2) over the module", default=None, many=True
     )

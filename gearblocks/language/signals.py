@@ -274,5 +274,5 @@ def constant_value(x: Any) -> float:
     """The number of a number, a Parameter or an expression of Parameters; NaN where it has none."""
     try:
         return evaluate(as_expr(x), lambda leaf: float(leaf.args[0].si))
-    except (ArithmeticError, AttributeError, ValueError, TypeError):
+    except (ArithmeticError, AttributeError, LookupError, ValueError, TypeError):
         return math.nan
