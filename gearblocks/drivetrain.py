@@ -160,6 +160,15 @@ class Drivetrain:
             return part[rest]
         raise ModelError(f"'{path}': {name} is a block and has no parts")
 
+    def __contains__(self, path: object) -> bool:
+        name, _, rest = str(path).partition(".")
+        part = self._parts.get(name)
+        return part is not None and (not rest or (isinstance(part, Drivetrain) and rest in part))
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the parts."""
+        return iter(self._parts)
+
     def _walk(self, prefix: str = "") -> Iterator[tuple[str, Drivetrain, str, Block]]:
         """(path, owner, name, block) of every block."""
         for name, part in self._parts.items():

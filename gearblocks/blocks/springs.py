@@ -157,7 +157,7 @@ class Damper(Block):
 class Lash(Block):
     r"""Torsional spring with a gap: twist = phi_b - phi_a, no torque while abs(twist) <= half_gap.
 
-        a o---| |-/\/\/---o b        positive torque pulls a forward and b back
+        a o---| |-/\/\/---o b        twist > 0 pulls a forward and b back
 
     Without compliance it is a rigid tie, or with contact_damping=HuntCrossley(...) a rigid impact of that restitution at
     both ends of the gap.
