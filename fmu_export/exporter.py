@@ -22,7 +22,7 @@ from fmu_export.tables import TOKEN_DIGITS, render_table, token_of
 from fmu_export.templates import render
 from fmu_export.variables import Variable, variables_of
 from gearblocks.codegen.program import Program
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.simulation.arguments import parameter_vector
 from gearblocks.solver.library import Model
 
@@ -33,6 +33,7 @@ FMI_VERSIONS = ("2.0",)
 _PLANNED = ("3.0",)
 
 
+@by_name_only
 def export(
     train: Drivetrain | Model,
     path: str | os.PathLike[str],

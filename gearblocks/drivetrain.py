@@ -6,12 +6,12 @@ import fnmatch
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from gearblocks.errors import ModelError, by_name, did_you_mean
 from gearblocks.language.block import Block, start_fields
 from gearblocks.language.expression import as_expr
-from gearblocks.language.fields import ANGLE, COMPLIANCE, GIVING_WAY
+from gearblocks.language.fields import ANGLE, COMPLIANCE, GIVING_WAY, Flange
 from gearblocks.language.units import declared
 from gearblocks.model.build import check_user_blocks
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from gearblocks.model.listing import Listing
     from gearblocks.simulation.trajectory import Trajectory
 
+_B = TypeVar("_B", bound=Block)
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
 
@@ -46,23 +47,28 @@ class Drivetrain:
 
     # -- composing ----------------------------------------------------------------------------------------------------
 
-    def add(self, name: str, part: Block | Drivetrain) -> Handle:
-        """Adds a block, or a copy of a train, under a name; returns a handle with its flanges.
+    @overload
+    def add(self, name: str, part: Drivetrain | Handle) -> Handle: ...
+    @overload
+    def add(self, name: str, part: _B) -> _B: ...
+    def add(self, name: str, part: Block | Drivetrain | Handle) -> Any:
+        """Adds a block, or a copy of a train, under a name; returns a handle with its flanges and fields.
 
+        To a type checker the handle of a block is that block, so that it finds flanges and fields that are not there.
         Raises ModelError for a name that is taken or odd, and for values out of bounds.
         """
         if not isinstance(name, str) or not _NAME.fullmatch(name):
             raise ModelError(f"part name {name!r} must be a word of letters, digits and '_' that starts with a letter")
         if name in self._parts:
             raise ModelError(f"'{self.name}' already has a part named '{name}'")
-        part = bare(part)
-        problems = list(_part_problems(name, part))
+        whole = bare(part)
+        problems = list(_part_problems(name, whole))
         if problems:
             raise ModelError(problems)
-        self._parts[name] = part._copy() if isinstance(part, Drivetrain) else part
+        self._parts[name] = whole._copy() if isinstance(whole, Drivetrain) else whole
         return Handle(self, name, self._parts[name])
 
-    def connect(self, *flanges: FlangeHandle) -> None:
+    def connect(self, *flanges: FlangeHandle | Flange) -> None:
         """Joins two or more flanges to one shaft. May be repeated; joined flanges turn together."""
         ends = [self._end(f) for f in flanges]
         if len(ends) < 2:
@@ -72,27 +78,27 @@ class Drivetrain:
             raise ModelError(f"flange {twice[0]}.{twice[1]} is connected to itself")
         self._links.append(tuple(ends))
 
-    def chain(self, *parts: Handle) -> None:
+    def chain(self, *parts: Handle | Block) -> None:
         """Connects parts in a row by their two main flanges; one with a single flange attaches to the running shaft."""
         if len(parts) < 2:
             raise ModelError(f"chain needs at least two parts, one by one, not {parts!r:.200}")
         running: tuple[str, str] | None = None
         waiting: list[tuple[str, str]] = []
         for part in parts:
-            ends = self._main_flanges(part)
-            attach = [*waiting, *([running] if running else []), (part._name, ends[0])]
+            ends = self._main_ends(part)
+            attach = [*waiting, *([running] if running else []), ends[0]]
             if len(ends) == 1 and running is None:
-                waiting.append((part._name, ends[0]))
+                waiting.append(ends[0])
                 continue
             if len(attach) > 1:
                 self._links.append(tuple(attach))
             waiting = []
             if len(ends) == 2:
-                running = (part._name, ends[1])
+                running = ends[1]
         if waiting and running is None and len(waiting) > 1:
             self._links.append(tuple(waiting))
 
-    def expose(self, name: str, flange: FlangeHandle) -> None:
+    def expose(self, name: str, flange: FlangeHandle | Flange) -> None:
         """Makes a flange of a part a flange of this train, for use inside another one."""
         if not isinstance(name, str) or not _NAME.fullmatch(name) or name in self._exposed:
             raise ModelError(f"'{self.name}': the name {name!r} for an exposed flange is taken or no word")
@@ -113,14 +119,14 @@ class Drivetrain:
         declared(f"coordinate '{name}'", unit)
         self._coordinates.append(Coordinate(name, expression, unit))
 
-    def _end(self, flange: FlangeHandle) -> tuple[str, str]:
+    def _end(self, flange: Any) -> tuple[str, str]:
         if isinstance(flange, Handle):
             raise ModelError(f"connect joins flanges: name one of {flange._name}.{{{', '.join(flange.flanges)}}}")
         if not isinstance(flange, FlangeHandle) or flange.owner is not self:
             raise ModelError(f"{flange!r} is no flange of '{self.name}': use the handle that add returned")
         return (flange.part, flange.flange)
 
-    def _main_flanges(self, part: Handle) -> list[str]:
+    def _main_ends(self, part: Any) -> list[tuple[str, str]]:
         if not isinstance(part, Handle) or part._owner is not self:
             raise ModelError(f"{part!r} is no part of '{self.name}': use the handle that add returned")
         if isinstance(part._part, Block):
@@ -131,7 +137,7 @@ class Drivetrain:
             raise ModelError(
                 f"'{part._name}' has {len(main)} flanges ({', '.join(main)}), so a chain cannot pass through it: use connect"
             )
-        return main
+        return [(part._name, flange) for flange in main]
 
     # -- changing -----------------------------------------------------------------------------------------------------
 
@@ -153,6 +159,15 @@ class Drivetrain:
         if isinstance(part, Drivetrain):
             return part[rest]
         raise ModelError(f"'{path}': {name} is a block and has no parts")
+
+    def __contains__(self, path: object) -> bool:
+        name, _, rest = str(path).partition(".")
+        part = self._parts.get(name)
+        return part is not None and (not rest or (isinstance(part, Drivetrain) and rest in part))
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the parts."""
+        return iter(self._parts)
 
     def _walk(self, prefix: str = "") -> Iterator[tuple[str, Drivetrain, str, Block]]:
         """(path, owner, name, block) of every block."""
@@ -315,7 +330,9 @@ class Drivetrain:
         return self.draw().text if self._parts else None
 
     def describe(self) -> str:
-        """A table of all blocks with their values and effects."""
+        """A table of all blocks with their values and effects, and what among them is hardly meant (mm typed as m ...)."""
+        from gearblocks.model.plausibility import implausible
+
         flat = flatten(self.tree(), complete=False).components if self._parts else ()
         slides = {c.path: c.slides for c in flat}
         rows = [
@@ -324,7 +341,8 @@ class Drivetrain:
         ]
         widths = [max((len(r[i]) for r in rows), default=0) for i in range(2)]
         head = f"{self.name}: {len(rows)} blocks, {len(self.effects())} effects"
-        return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows)])
+        doubts = [f"is it meant? {words}" for words in implausible(self.tree())]
+        return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows), *doubts])
 
     def __repr__(self) -> str:
         names = [*self._parts]

@@ -65,7 +65,8 @@ def selected(delta: float, *, dogs: bool = False) -> gb.Drivetrain:
         rig.connect(differential.right, shaft.a)
         rig.connect(shaft.b, branch.a)
         select = _dog(j, delta, angle) if dogs else gb.Clutch(capacity=CAPACITY * _ramp(j, delta, angle))
-        selector = rig.add(f"selector_{j}", select)
+        rig.add(f"selector_{j}", select)
+        selector = rig[f"selector_{j}"]
         rig.connect(branch.b, selector.a)
         rig.connect(selector.b, output.a)
     return rig

@@ -9,12 +9,7 @@ Angles count about one axis, turning the same way for all shafts; a negative rat
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import gearblocks as gb
-
-if TYPE_CHECKING:
-    from gearblocks.train.handles import Handle
 
 INPUT, LOAD, SUN, PLANET, CARRIER, RING = 0.08, 1.5, 1.0e-3, 2.0e-4, 8.0e-3, 1.2e-2
 """Moments of inertia, kg m2."""
@@ -85,12 +80,13 @@ def ravigneaux(gear: int = 1) -> gb.Drivetrain:
     return _driven(rig, {-1: [large], 3: [small, large], 4: [carrier]}.get(gear, [small]), ring)
 
 
-def _bodies(rig: gb.Drivetrain, **inertias: float) -> list[Handle]:
+def _bodies(rig: gb.Drivetrain, **inertias: float) -> list[gb.Inertia]:
     return [rig.add(name, gb.Inertia(J=J)) for name, J in inertias.items()]
 
 
 def _mesh(
-    rig: gb.Drivetrain, name: str, pinion: Handle, wheel: Handle, carrier: Handle, teeth: tuple[int, int], *, external: bool
+    rig: gb.Drivetrain, name: str, pinion: gb.Inertia, wheel: gb.Inertia, carrier: gb.Inertia, teeth: tuple[int, int], *,
+    external: bool,
 ) -> None:  # fmt: skip
     """A rigid mesh on the carrier."""
     mesh = rig.add(name, gb.GearMesh(teeth=teeth, external=external))
@@ -99,11 +95,11 @@ def _mesh(
     rig.connect(mesh.carrier, carrier.a)
 
 
-def _hold(rig: gb.Drivetrain, body: Handle) -> None:
+def _hold(rig: gb.Drivetrain, body: gb.Inertia) -> None:
     rig.connect(rig.add("brake", gb.Fixed()).flange, body.a)
 
 
-def _driven(rig: gb.Drivetrain, inputs: list[Handle], output: Handle) -> gb.Drivetrain:
+def _driven(rig: gb.Drivetrain, inputs: list[gb.Inertia], output: gb.Inertia) -> gb.Drivetrain:
     """100 N m on the input inertia, which sits on all `inputs`; a load inertia on the output."""
     engine, load = _bodies(rig, engine=INPUT, load=LOAD)
     rig.connect(rig.add("drive", gb.Torque(tau=100.0)).flange, engine.a)

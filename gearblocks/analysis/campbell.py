@@ -11,7 +11,7 @@ import numpy as np
 from gearblocks.analysis.linearization import OperatingPoint, operating_point
 from gearblocks.analysis.modes import body_speeds, modes_at
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
@@ -64,6 +64,7 @@ class Campbell:
         return campbell_picture(self, path)
 
 
+@by_name_only
 def campbell(
     train: Drivetrain | Model, speed: str, speeds: Sequence[float] | Array, *,
     orders: Mapping[str, float] | Sequence[float] | None = None, reference: str | None = None, at: OperatingPoint = "static",

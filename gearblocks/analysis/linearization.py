@@ -21,7 +21,7 @@ from gearblocks.analysis.printed_linearization import document
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError, SimulationError, UnknownNameError, did_you_mean
+from gearblocks.errors import ParameterError, SimulationError, UnknownNameError, by_name_only, did_you_mean
 from gearblocks.running import build
 from gearblocks.simulation.arguments import (
     InputSource,
@@ -164,6 +164,7 @@ class Linearization:
             return np.full(self.B.shape, np.nan, dtype=complex)
 
 
+@by_name_only
 def linearize(
     train: Drivetrain | Model, at: OperatingPoint = "static", *,
     inputs: Sequence[str] | Mapping[str, InputSource] | None = None, outputs: str | Sequence[str] = "*",
@@ -353,6 +354,7 @@ class FrequencyResponse:
         return bode(self, path)
 
 
+@by_name_only
 def frequency_response(
     train: Drivetrain | Model, input: str, outputs: str | Sequence[str], frequencies: Any, *, at: OperatingPoint = "static",
     t: float | None = None, parameters: Mapping[str, float | str] | None = None,

@@ -17,7 +17,7 @@ from gearblocks.analysis.linearization import DENSE, Complex, OperatingPoint, op
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.running import build
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.solver.kinematics import Kinematics, kinematics
@@ -112,6 +112,7 @@ def _most(names: tuple[str, ...], values: Array, words: Callable[[float], str]) 
     return ", ".join(f"{names[i]} {words(float(values[i]))}" for i in order if values[i] > 0.2 * values[order[0]])
 
 
+@by_name_only
 def modes(
     train: Drivetrain | Model, at: OperatingPoint = "static", *, count: int | None = None, t: float | None = None,
     parameters: Mapping[str, float | str] | None = None,

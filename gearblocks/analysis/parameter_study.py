@@ -27,7 +27,7 @@ from gearblocks.analysis.study_store import StudyStore, needs_zarr
 from gearblocks.analysis.study_task import Settings, identity, names_of, task_of
 from gearblocks.analysis.workers import as_done, executor_of
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import GearblocksWarning, ParameterError
+from gearblocks.errors import GearblocksWarning, ParameterError, by_name_only
 from gearblocks.running import build
 from gearblocks.solver.lanes import POINTS as LANES
 from gearblocks.solver.library import Model
@@ -41,6 +41,7 @@ _CHUNK_SECONDS = 0.5  # what a chunk should take: long against sending it, short
 _MOST = 4096  # points in a chunk
 
 
+@by_name_only
 def sweep(
     train: Drivetrain | Model, values: Mapping[str, ArrayLike], *, quantity: Any, t_end: float | None = None,
     t: ArrayLike | None = None, t_start: float | None = None, section: Section | None = None, transient: int = 300,
@@ -75,6 +76,7 @@ def sweep(
     return _studied(train, grid(values), quantity, settings, executor, threads, chunk, store, progress)
 
 
+@by_name_only
 def study(
     train: Drivetrain | Model, cases_: Sequence[Mapping[str, float]] | Mapping[str, ArrayLike], *, quantity: Any,
     t_end: float | None = None, t: ArrayLike | None = None, t_start: float | None = None, section: Section | None = None,
@@ -218,6 +220,6 @@ class _Run:
                 f"study of '{task.model.program.name}': {len(found.doubts)} of {len(found)} points are in doubt "
                 f"(study.doubts):\n  {listed(found.doubts)}",
                 GearblocksWarning,
-                stacklevel=4,
+                stacklevel=5,
             )
         return found

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.model.listing import matches
 from gearblocks.running import build
 from gearblocks.simulation.arguments import parameter_vector, resolve
@@ -82,14 +82,35 @@ def stroboscopic(frequency: str) -> Section:
     return Section(frequency)
 
 
-def poincare(train: Drivetrain | Model, section: Section, **arguments: Any) -> Points:
-    """Points of a section; see `section_points` for of, transient, keep, rtol, parameters, initial."""
-    return section_points(build(train), section, **arguments)
+@by_name_only
+def poincare(
+    train: Drivetrain | Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
+    rtol: float = 1e-9, parameters: Mapping[str, float | str] | None = None, initial: Mapping[str, float | str] | None = None,
+) -> Points:  # fmt: skip
+    """Points of a section: `keep` of them after `transient` periods.
+
+    of: patterns of outputs, in the order of the columns (default: all deflections, twists and their rates). rtol, parameters
+    and initial: as for `simulate`.
+    """
+    return section_points(
+        build(train), section, of=of, transient=transient, keep=keep, rtol=rtol, parameters=parameters, initial=initial
+    )
 
 
-def classify(train: Drivetrain | Model, section: Section, **arguments: Any) -> Label:
-    """After how many periods the motion repeats; see `period_label` for the arguments."""
-    return period_label(build(train), section, **arguments)
+@by_name_only
+def classify(
+    train: Drivetrain | Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
+    longest: int = 16, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
+    initial: Mapping[str, float | str] | None = None,
+) -> Label:  # fmt: skip
+    """After how many periods, at most `longest`, the motion repeats: at rtol and again at rtol/100.
+
+    Judged by `keep` points after `transient` periods; of, parameters and initial: as for `poincare`.
+    """
+    return period_label(
+        build(train), section, of=of, transient=transient, keep=keep, longest=longest, rtol=rtol, parameters=parameters,
+        initial=initial,
+    )  # fmt: skip
 
 
 def section_points(

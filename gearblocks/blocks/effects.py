@@ -11,7 +11,7 @@ import numpy as np
 from gearblocks.blocks.backlash import Backlash, HuntCrossley
 from gearblocks.language.block import Effect
 from gearblocks.language.fields import State, effect, option, param, signal
-from gearblocks.language.signals import Table, Value, constant_value
+from gearblocks.language.signals import Signal, Table, Value, constant_value
 
 __all__ = [
     "Backlash",
@@ -39,8 +39,8 @@ class Fourier(Effect):
 
     cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", default=(), many=True)
     sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", default=(), many=True)
-    driven_by: Any = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
-    phase: Any = param("phase added to theta", "rad", default=None)
+    driven_by: Signal = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
+    phase: Value | None = param("phase added to theta", "rad", default=None)
     angle = State("integrated phase", "rad")
 
     def value(self, s: Any, theta: Any) -> Any:
@@ -90,8 +90,8 @@ class Profile(Effect):
     """
 
     table: Table = option("points over one cycle, x from 0 to 1, periodic")
-    driven_by: Any = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
-    phase: Any = param("phase added to theta", "rad", default=None)
+    driven_by: Signal = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
+    phase: Value | None = param("phase added to theta", "rad", default=None)
     angle = State("integrated phase", "rad")
 
     def problems(self) -> Iterator[str]:
@@ -133,8 +133,8 @@ class Square(Effect):
 
     ripple: Value = param("half of the jump, relative to the mean", ge=0)
     contact_ratio: Value = param("transverse contact ratio, between 1 and 2", gt=1, lt=2)
-    driven_by: Any = signal("the frequency of the excitation", "rad/s")
-    phase: Any = param("phase added to theta", "rad", default=None)
+    driven_by: Signal = signal("the frequency of the excitation", "rad/s")
+    phase: Value | None = param("phase added to theta", "rad", default=None)
     angle = State("integrated phase", "rad")
 
     def problems(self) -> Iterator[str]:
@@ -183,9 +183,9 @@ class ToothFriction(Effect):
 
     mu: Value = param("coefficient of friction", ge=0)
     direction: str = option("'geometry' or 'square_wave'", default="geometry")
-    wave: Any = signal("direction of sliding, +1 or -1, for 'square_wave'", default=None)
-    driven_by: Any = signal("'angle', or the mesh frequency", "rad/s", default="angle")
-    phase: Any = param("phase added to theta", "rad", default=None)
+    wave: Signal | None = signal("direction of sliding, +1 or -1, for 'square_wave'", default=None)
+    driven_by: Signal = signal("'angle', or the mesh frequency", "rad/s", default="angle")
+    phase: Value | None = param("phase added to theta", "rad", default=None)
     flank: str = option("loaded flank: 'drive' or 'coast'", default="drive")
     transition: Value | None = param("sliding speed where friction takes hold", "m/s", default=None, gt=0)
     angle = State("integrated phase", "rad")
@@ -228,7 +228,7 @@ class MeshLaw(Effect):
         )
     """
 
-    face_width: Value | None = param("common face width", "m", default=None, gt=0)
+    face_width: Value | None = param("common face width", "m", default=None, gt=0, usual=5.0)
     profile_shift: tuple[Value, Value] | None = param(
         "profile shifts (x1, x2) over the module", default=None, many=True
     )

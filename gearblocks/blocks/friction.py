@@ -14,7 +14,7 @@ import numpy as np
 from gearblocks.language.block import Block, Effect
 from gearblocks.language.contributions import Contribution, Rate, Shows, Start, Stick
 from gearblocks.language.fields import Flange, State, effect, option, param, signal
-from gearblocks.language.signals import Table, Value
+from gearblocks.language.signals import Signal, Table, Value
 
 CAPACITY: Any = signal("torque that it transmits while it slips", "N m", default=None, ge=0)
 MU: Any = signal("coefficient of friction, or a Table of it over abs(slip)", default=None, ge=0, over="slip")
@@ -119,10 +119,10 @@ class Clutch(Block):
     """
 
     a, b = Flange("driving side", slider=None), Flange("driven side", slider=None)
-    capacity: Any = CAPACITY
-    mu: Any = MU
+    capacity: Signal | None = CAPACITY
+    mu: Signal | None = MU
     force_max: Value | None = FORCE_MAX
-    engagement: Any = ENGAGEMENT
+    engagement: Signal | None = ENGAGEMENT
     geometry: Value = GEOMETRY
     peak: Value = PEAK
     phi_rel = State("relative angle", "rad")
@@ -152,10 +152,10 @@ class Brake(Block):
 
     a = Flange("braked shaft", slider=None)
     housing = Flange("housing", ground=True, slider=None)
-    capacity: Any = CAPACITY
-    mu: Any = MU
+    capacity: Signal | None = CAPACITY
+    mu: Signal | None = MU
     force_max: Value | None = FORCE_MAX
-    engagement: Any = ENGAGEMENT
+    engagement: Signal | None = ENGAGEMENT
     geometry: Value = GEOMETRY
     peak: Value = PEAK
     phi_rel = State("angle from the housing", "rad")

@@ -21,7 +21,7 @@ from gearblocks.blocks.friction import (
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Stick, Switch
 from gearblocks.language.fields import Flange, State, signal
-from gearblocks.language.signals import Value
+from gearblocks.language.signals import Signal, Value
 
 _LEAST = 1e-4  # break-away torque while not engaged, over that of the largest normal force
 
@@ -43,10 +43,10 @@ class OneWayClutch(Block):
     """
 
     a, b = Flange("side that drives", slider=None), Flange("side that may run ahead", slider=None)
-    capacity: Any = CAPACITY
-    mu: Any = MU
+    capacity: Signal | None = CAPACITY
+    mu: Signal | None = MU
     force_max: Value | None = FORCE_MAX
-    engagement: Any = ENGAGEMENT
+    engagement: Signal | None = ENGAGEMENT
     geometry: Value = GEOMETRY
     peak: Value = PEAK
     phi_rel = State("relative angle", "rad")
@@ -116,7 +116,7 @@ class DogClutch(Block):
     """
 
     a, b = Flange("one side", slider=None), Flange("other side", slider=None)
-    engaged: Any = signal("locked while > 0")
+    engaged: Signal = signal("locked while > 0")
     phi_rel = State("relative angle", "rad")
     impulse = State("impulse of the last closing", "N m s")
 
@@ -149,11 +149,11 @@ class Synchronizer(Block):
     """
 
     a, b = Flange("one side", slider=None), Flange("other side", slider=None)
-    engaged: Any = signal("asks for the teeth while > 0")
-    capacity: Any = CAPACITY
-    mu: Any = MU
+    engaged: Signal = signal("asks for the teeth while > 0")
+    capacity: Signal | None = CAPACITY
+    mu: Signal | None = MU
     force_max: Value | None = FORCE_MAX
-    engagement: Any = ENGAGEMENT
+    engagement: Signal | None = ENGAGEMENT
     geometry: Value = GEOMETRY
     peak: Value = PEAK
     phi_rel = State("relative angle", "rad")

@@ -8,7 +8,7 @@ from typing import Any
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Acts, Contribution, Energy, Rate, Shows
 from gearblocks.language.fields import Flange, State, option, param, signal
-from gearblocks.language.signals import Value
+from gearblocks.language.signals import Signal, Value
 from gearblocks.language.tables import Table2
 
 
@@ -29,7 +29,7 @@ class EddyCurrentBrake(Block):
     housing = Flange("housing", ground=True)
     tau_nominal: Value = param("largest torque", "N m", ge=0)
     w_nominal: Value = param("speed of the largest torque", "rad/s", gt=0)
-    excitation: Any = signal("factor on the torque", default=1.0)
+    excitation: Signal = signal("factor on the torque", default=1.0)
 
     def problems(self) -> Iterator[str]:
         """An excitation that would drive."""
@@ -66,7 +66,7 @@ class DCMotor(Block):
     R: Value = param("resistance", "ohm", ge=0)
     L: Value = param("inductance", "H", gt=0)
     k: Value = param("torque constant, and voltage per speed", "N m/A")
-    u: Any = signal("terminal voltage", "V")
+    u: Signal = signal("terminal voltage", "V")
     i = State("current", "A")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
@@ -98,7 +98,7 @@ class Engine(Block):
     flange = Flange("shaft")
     housing = Flange("housing", ground=True)
     torque_map: Table2 = option("torque over speed in rad/s and throttle, a gb.Table2")
-    throttle: Any = signal("throttle, as in the map")
+    throttle: Signal = signal("throttle, as in the map")
 
     def problems(self) -> Iterator[str]:
         """A map that is none."""
@@ -132,7 +132,7 @@ class Governor(Block):
     """
 
     flange = Flange("sensed flange")
-    target: Any = signal("target speed", "rad/s")
+    target: Signal = signal("target speed", "rad/s")
     gain: Value = param("command per speed error", "s/rad", gt=0)
     integral_gain: Value | None = param("command per integrated speed error", "1/rad", default=None, ge=0)
     time_constant: Value | None = param("time constant of the actuator", "s", default=None, gt=0)

@@ -63,13 +63,13 @@ class GearMesh(Block):
     carrier = Flange("carrier of both axes", ground=True)
     teeth: tuple[int, int] = exact("tooth counts (z1, z2)", many=True)
     external: bool = option("whether the teeth are outside on both")
-    module: Value | None = param("normal module", "m", default=None, gt=0)
+    module: Value | None = param("normal module", "m", default=None, gt=0, usual=0.1)
     pressure_angle: Value | None = param("normal pressure angle", "rad", default=None, ge=0, lt=1.5)
     helix_angle: Value | None = param("helix angle", "rad", default=None, gt=-1.5, lt=1.5)
     r_base: tuple[Value, Value] | None = param(
         "base radii (r1, r2), r2 in the ratio of the teeth", "m", default=None, gt=0, many=True, leading=1
     )
-    face_width: Value | None = param("common face width", "m", default=None, gt=0)
+    face_width: Value | None = param("common face width", "m", default=None, gt=0, usual=5.0)
     profile_shift: tuple[Value, Value] | None = param(
         "profile shifts (x1, x2) over the module", default=None, many=True
     )

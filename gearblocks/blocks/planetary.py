@@ -60,7 +60,7 @@ class PlanetaryGear(Block):
     z_ring: int = exact("tooth number of the ring, z_sun + 2 z_planet")
     planets: int = option("number of planets", default=3)
     planet_angles: tuple[float, ...] | None = option("carrier angles of the planets", "rad", default=None, many=True)
-    module: Value = param("normal module", "m", gt=0)
+    module: Value = param("normal module", "m", gt=0, usual=0.1)
     pressure_angle: Value = param("normal pressure angle", "rad", ge=0, lt=1.5)
     helix_angle: Value | None = param("helix angle", "rad", default=None, gt=-1.5, lt=1.5)
     planet_inertia: Value = param("inertia of one planet about its own axis", "kg m2", ge=0)

@@ -8,7 +8,7 @@ from typing import Any
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Acts, Contribution, Energy, Motion, Rate, Shows, Start, Stick, Tie
 from gearblocks.language.fields import Flange, State, param, signal
-from gearblocks.language.signals import Value
+from gearblocks.language.signals import Signal, Value
 
 
 class Torque(Block):
@@ -23,7 +23,7 @@ class Torque(Block):
 
     flange = Flange("driven flange")
     housing = Flange("housing", ground=True)
-    tau: Any = signal("torque on the flange", "N m")
+    tau: Signal = signal("torque on the flange", "N m")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Action and reaction."""
@@ -48,7 +48,7 @@ class Speed(Block):
 
     flange = Flange("driven flange", slider=None)
     housing = Flange("housing", ground=True, slider=None)
-    w: Any = signal("prescribed speed", "rad/s")
+    w: Signal = signal("prescribed speed", "rad/s")
     filter: Value | None = param("cut-off frequency of the filter", "rad/s", default=None, gt=0)
     filtered_speed = State("speed behind the filter", "rad/s")
 
@@ -79,7 +79,7 @@ class Angle(Block):
 
     flange = Flange("driven flange", slider=None)
     housing = Flange("housing", ground=True, slider=None)
-    phi: Any = signal("prescribed angle", "rad")
+    phi: Signal = signal("prescribed angle", "rad")
     filter: Value | None = param("cut-off frequency of the filter", "rad/s", default=None, gt=0)
     filtered_angle = State("angle behind the filter", "rad")
     filtered_speed = State("its rate", "rad/s")

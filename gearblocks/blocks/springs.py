@@ -12,7 +12,7 @@ from gearblocks.blocks.rigid_impact import hits, impact, without
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Energy, Force, Parts, Rate, Shows, Stick, Tie
 from gearblocks.language.fields import Flange, effect, option, param, signal
-from gearblocks.language.signals import Value
+from gearblocks.language.signals import Signal, Value
 
 
 class Shaft(Block):
@@ -33,8 +33,10 @@ class Shaft(Block):
     """
 
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)
-    k: Any = signal("torsional stiffness", "N m/rad", default=None, belongs_to="compliance")
-    torque: Any = signal("restoring torque over gb.twist", "N m", default=None, belongs_to="compliance", over="twist")
+    k: Signal | None = signal("torsional stiffness", "N m/rad", default=None, belongs_to="compliance")
+    torque: Signal | None = signal(
+        "restoring torque over gb.twist", "N m", default=None, belongs_to="compliance", over="twist"
+    )
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     allow_negative: bool = option("admit k < 0", default=False)
@@ -155,7 +157,7 @@ class Damper(Block):
 class Lash(Block):
     r"""Torsional spring with a gap: twist = phi_b - phi_a, no torque while abs(twist) <= half_gap.
 
-        a o---| |-/\/\/---o b        positive torque pulls a forward and b back
+        a o---| |-/\/\/---o b        twist > 0 pulls a forward and b back
 
     Without compliance it is a rigid tie, or with contact_damping=HuntCrossley(...) a rigid impact of that restitution at
     both ends of the gap.

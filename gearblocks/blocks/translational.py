@@ -9,7 +9,7 @@ from gearblocks.language import contributions
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Acts, Body, Contribution, Shows, Tie
 from gearblocks.language.fields import Flange, exact, param, signal
-from gearblocks.language.signals import Value
+from gearblocks.language.signals import Signal, Value
 
 
 class Mass(Block):
@@ -87,7 +87,7 @@ class Force(Block):
 
     flange = Flange("driven slider", slider=True)
     housing = Flange("housing", ground=True, slider=True)
-    f: Any = signal("force on the slider", "N")
+    f: Signal = signal("force on the slider", "N")
 
     def __new__(cls, *values: Any, **named: Any) -> Any:
         """The block, or the contribution of a law."""

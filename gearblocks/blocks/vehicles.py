@@ -8,7 +8,7 @@ from typing import Any
 from gearblocks.language.block import Block, Effect
 from gearblocks.language.contributions import Acts, Body, Contribution, Energy, Rate, Shows, Stick
 from gearblocks.language.fields import Flange, State, effect, param, signal
-from gearblocks.language.signals import Value
+from gearblocks.language.signals import Signal, Value
 
 GRAVITY = 9.80665  # m/s2, standard
 
@@ -58,7 +58,7 @@ class Vehicle(Block):
     drag_area: Value | None = param("drag coefficient times front area", "m2", default=None, ge=0)
     rolling: Value | None = param("rolling resistance over normal force", default=None, ge=0)
     rolling_speed: Value | None = param("speed below which rolling resistance fades", "m/s", default=None, gt=0)
-    grade: Any = signal("angle of the slope", "rad", default=None)
+    grade: Signal | None = signal("angle of the slope", "rad", default=None)
     air_density: Value = param("density of the air", "kg/m3", default=1.2, ge=0)
     tyre: TyreSlip | None = effect("slip of the tyres", default=None)
     v = State("speed of the vehicle", "m/s")

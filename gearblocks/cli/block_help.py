@@ -9,7 +9,7 @@ from typing import Any
 import gearblocks as gb
 from gearblocks.errors import UnknownNameError, did_you_mean
 from gearblocks.language.block import Block, Effect
-from gearblocks.language.reference import Verbatim, written_doc
+from gearblocks.language.reference import Documented, Verbatim, written_doc
 
 WIDTH = 118
 
@@ -23,20 +23,54 @@ def page(name: str) -> str:
             "`gearblocks doc` lists the blocks"
         )
     value = getattr(gb, bare)
-    return f"{_call(bare, value)}\n\n{inspect.getdoc(value) or 'There are no words about it.'}"
+    return "\n".join([
+        _call(f"gb.{bare}", value), "", inspect.getdoc(value) or "There are no words about it.", *_methods(value)
+    ])  # fmt: skip
 
 
 def _call(name: str, value: Any) -> str:
     """How it is written: with its arguments, one per line where they do not fit into one."""
     if not callable(value):
-        return f"gb.{name}"
+        return name
     try:
-        parameters = inspect.signature(value).parameters.values()
+        given = _arguments(value)
     except (TypeError, ValueError):
-        return f"gb.{name}(...)"
-    given = [str(p.replace(annotation=Verbatim(a)) if isinstance(a := p.annotation, str) else p) for p in parameters]
-    line = f"gb.{name}({', '.join(given)})"
-    return line if len(line) <= WIDTH else "\n".join([f"gb.{name}(", *(f"    {x}," for x in given), ")"])
+        return f"{name}(...)"
+    line = f"{name}({', '.join(given)})"
+    return line if len(line) <= WIDTH else "\n".join([f"{name}(", *(f"    {x}," for x in given), ")"])
+
+
+def _arguments(value: Any) -> list[str]:
+    """The arguments as they are declared; "*" where those begin that are given by name, which blocks take alone."""
+    shown: list[str] = []
+    for p in inspect.signature(value).parameters.values():
+        if p.kind is p.KEYWORD_ONLY and "*" not in shown and not isinstance(value, Documented):
+            shown.append("*")
+        annotation = Verbatim(p.annotation) if isinstance(p.annotation, str) else p.annotation
+        shown.append(str(p.replace(annotation=annotation)))
+    return shown
+
+
+def _methods(value: Any) -> list[str]:
+    """What objects of a class can do and what they have, a line each; blocks and effects have tables in place of that."""
+    if not isinstance(value, type) or issubclass(value, Block | Effect | BaseException):
+        return []
+    members = {
+        n: x for n, x in vars(value).items() if not n.startswith("_") and (callable(x) or isinstance(x, property))
+    }
+    found = []
+    for name, member in sorted(members.items()):
+        words = " ".join((inspect.getdoc(member) or "").split("\n\n")[0].split())
+        head = f"  .{name}" if isinstance(member, property) else f"  .{name}({', '.join(_names(member))})"
+        found += [head, *textwrap.wrap(words, WIDTH, initial_indent="      ", subsequent_indent="      ")]
+    return ["", "Has", *found] if found else []
+
+
+def _names(method: Any) -> list[str]:
+    """The arguments of a method by name."""
+    given = inspect.signature(method).parameters.values()
+    stars = {"VAR_POSITIONAL": "*", "VAR_KEYWORD": "**"}
+    return [f"{stars.get(p.kind.name, '')}{p.name}" for p in given if p.name != "self"]
 
 
 def listing() -> str:

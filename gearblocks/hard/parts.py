@@ -24,7 +24,8 @@ def driven(name: str, *loads: tuple[str, gb.Block], J: float = 1.0, tau: Any = N
     if tau is not None:
         rig.connect(rig.add("torque", gb.Torque(tau=tau)).flange, body.a)
     for part, block in loads:
-        rig.connect(rig.add(part, block).a, body.a)
+        rig.add(part, block)
+        rig.connect(rig[part].a, body.a)
     return rig
 
 

@@ -18,7 +18,7 @@ def _loop(last: float) -> gb.Drivetrain:
     """w1 = -2 w2, w2 = w3, w3 = -w4/last, w4 = w1: four shafts in a ring, a torque of 1 on the first."""
     rig = gb.Drivetrain("power loop")
     bodies = [rig.add(f"j{i}", gb.Inertia(J=J)) for i, J in enumerate(INERTIAS, 1)]
-    ties = [
+    ties: list[gb.IdealGear | gb.Shaft] = [
         rig.add("down", gb.IdealGear(ratio=-2.0)), rig.add("shaft", gb.Shaft(rigid=True)),
         rig.add("up", gb.IdealGear(ratio=-1 / last)), rig.add("close", gb.Shaft(rigid=True)),
     ]  # fmt: skip

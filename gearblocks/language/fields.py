@@ -42,6 +42,7 @@ class Field:
     ("twist") that an expression in the field may contain, and a Table in it is read at. start: the start value that the
     field is, of the shaft that its block has a body at: "angle" or "speed". absence_of: the effect that True in this
     option says is absent. leading: of a row, how many of its first numbers the law takes; the others follow from them.
+    usual: the largest size that one expects, above which rig.describe() asks whether it is meant.
     """
 
     words: str
@@ -59,6 +60,7 @@ class Field:
     start: str | None = None
     absence_of: str | None = None
     leading: int | None = None
+    usual: float | None = None
 
     def __post_init__(self) -> None:
         if self.unit != "1":
@@ -77,17 +79,20 @@ class Field:
 def param(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
     lt: float | None = None, le: float | None = None, many: bool = False, belongs_to: str | None = None,
-    start: str | None = None, leading: int | None = None,
+    start: str | None = None, leading: int | None = None, usual: float | None = None,
 ) -> Any:  # fmt: skip
     """A number in SI units; a `Parameter` may stand for it. Bounds: gt (>), ge (>=), lt (<), le (<=).
 
     default=None makes it optional: None means absent. many=True: a tuple of numbers. start="angle" or "speed": the start
     angle [rad, m] or start speed [rad/s, m/s] of the shaft that the block has a Body at, fixed once a run has begun; the
     physics of the block cannot read it. leading: only so many first numbers of a row run as values, the others follow.
+    usual: the largest size that one expects; above it rig.describe() asks whether it is meant.
     """
     if start not in (None, ANGLE, SPEED) or (start is not None and many):
         raise ModelError(f"param '{words}': start = {start!r} must be 'angle' or 'speed', of one number")
-    return Field(words, unit, "param", default, gt, ge, lt, le, many, belongs_to, start=start, leading=leading)
+    return Field(
+        words, unit, "param", default, gt, ge, lt, le, many, belongs_to, start=start, leading=leading, usual=usual
+    )
 
 
 def exact(words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False) -> Any:

@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,10 +23,25 @@ from gearblocks.language.units import check_unit, in_unit, parse_unit
 time = Expr("time")  # time in s, for expressions
 twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft
 
-Value: TypeAlias = "float | str | Parameter | Expr"
+
+class SympyExpression(Protocol):
+    """An expression of sympy, as type checkers see it."""
+
+    @property
+    def free_symbols(self) -> Any: ...
+
+
+class PintQuantity(Protocol):
+    """A quantity of pint, as type checkers see it."""
+
+    @property
+    def magnitude(self) -> Any: ...
+
+
+Value: TypeAlias = "float | str | Parameter | Expr | SympyExpression | PintQuantity"
 _NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 
-Signal: TypeAlias = "float | str | Parameter | Input | Table | Expr"
+Signal: TypeAlias = "float | str | Parameter | Input | Table | Expr | SympyExpression | PintQuantity"
 
 
 class _Leaf:
@@ -259,5 +274,5 @@ def constant_value(x: Any) -> float:
     """The number of a number, a Parameter or an expression of Parameters; NaN where it has none."""
     try:
         return evaluate(as_expr(x), lambda leaf: float(leaf.args[0].si))
-    except (ArithmeticError, AttributeError, ValueError, TypeError):
+    except (ArithmeticError, AttributeError, LookupError, ValueError, TypeError):
         return math.nan

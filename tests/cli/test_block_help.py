@@ -73,6 +73,22 @@ def test_doc_knows_every_public_name_with_or_without_its_package(
     assert says in capsys.readouterr().out
 
 
+def test_what_a_train_or_a_run_can_do_is_told_a_line_each(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["doc", "Drivetrain"]) == 0
+    out = capsys.readouterr().out
+    assert "\n  .add(name, part)\n      Adds a block, or a copy of a train, under a name" in out
+    assert "\n  .outputs(*patterns)\n" in out
+    assert main(["doc", "Trajectory"]) == 0
+    assert "\n  .names\n      Names of all recorded outputs." in capsys.readouterr().out
+
+
+def test_arguments_that_are_given_by_name_are_marked(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["doc", "simulate"]) == 0
+    assert capsys.readouterr().out.startswith(
+        "gb.simulate(\n    train: Drivetrain | Model,\n    *,\n    t_end: float | None"
+    )
+
+
 def test_doc_alone_lists_blocks_and_effects_with_a_line_each(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["doc"]) == 0
     lines = capsys.readouterr().out.splitlines()

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+import fmu_export
 import gearblocks as gb
 from gearblocks.errors import by_name_only
 from gearblocks.simulation.run import run_model
@@ -40,6 +41,20 @@ def test_a_misspelt_or_nameless_argument_is_refused_by_name(act: Callable[[], An
     with pytest.raises(gb.ParameterError) as caught:
         act()
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "name", ["sweep", "study", "linearize", "frequency_response", "modes", "campbell", "poincare", "classify"]
+)
+def test_every_tool_names_the_argument_that_it_has_not(name: str) -> None:
+    with pytest.raises(gb.ParameterError, match=f"{name} has no argument 'parametres'; .* did you mean 'parameters'"):
+        getattr(gb, name)(_rig(), parametres={})
+    assert "arguments" not in inspect.signature(getattr(gb, name)).parameters
+
+
+def test_the_export_names_the_argument_that_it_has_not() -> None:
+    with pytest.raises(gb.ParameterError, match=r"export has no argument 'outptus'; .* did you mean 'outputs'"):
+        fmu_export.export(_rig(), "rig.fmu", outptus="*")
 
 
 def test_a_train_may_be_named_too() -> None:

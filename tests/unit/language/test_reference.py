@@ -117,7 +117,7 @@ def test_the_example_is_what_stands_under_its_word() -> None:
 def test_annotations_are_told_as_they_were_written() -> None:
     assert annotation_of(Motor, "R") == "float"
     assert annotation_of(Motor, "u") is None
-    assert annotation_of(gb.Harmonic, "driven_by") == "Any"
+    assert annotation_of(gb.Harmonic, "driven_by") == "Signal"
 
 
 def test_the_classes_of_an_effect_are_those_of_its_annotation() -> None:

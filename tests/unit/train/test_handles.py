@@ -77,6 +77,14 @@ def test_a_handle_stands_for_its_part_where_a_part_is_wanted() -> None:
     assert isinstance(changed["disc"], Handle)
 
 
+def test_a_train_tells_which_parts_it_has() -> None:
+    rig = _rig()
+    assert [*rig] == ["mesh", "stage", "disc"]
+    assert "mesh" in rig
+    assert "stage.body" in rig
+    assert not [x for x in ("msh", "mesh.k", "stage.lost", "", 3) if x in rig]
+
+
 def test_a_path_of_nothing_is_named() -> None:
     with pytest.raises(gb.ModelError, match="'rig' has no part 'msh' - did you mean 'mesh'"):
         _ = _rig()["msh"]

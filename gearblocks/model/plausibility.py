@@ -1,0 +1,208 @@
+"""What in a train is possible and yet hardly meant, in words: values beyond what their field expects, parts that are joined to
+nothing, stiffnesses below zero within their cycle, natural frequencies above 1 MHz.
+
+The largest natural frequency w of a train has a bound from below by each spring alone (Rayleigh's quotient):
+
+    w^2 >= k g' M^-1 g        g: the deflection per speed, M: inertias of the rigid groups that it joins
+
+so that no mode has to be computed. Springs at massless or dependent groups are left out. Knows nothing of runs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from gearblocks.assembly.tables import GROUND_GROUP, Assembly, Batch
+from gearblocks.errors import GearblocksError
+from gearblocks.language.block import Block
+from gearblocks.language.expression import Expr, as_expr, evaluate
+from gearblocks.language.fields import COMPLIANCE, Field
+from gearblocks.language.signals import Table, constant_value
+from gearblocks.language.units import parse_unit
+from gearblocks.model.build import check_user_blocks
+from gearblocks.train.graph import Component, Train, Tree, flatten
+from gearblocks.train.values import numbers_of
+
+HIGHEST = 1e6
+"""Natural frequency [Hz] above which a spring is too stiff, or an inertia too small, to be meant."""
+_STIFFNESS = tuple(parse_unit(unit) for unit in ("N/m", "N m/rad"))
+
+
+def implausible(tree: Tree) -> Iterator[str]:
+    """Each thing as one sentence, with what it may have been meant to be."""
+    blocks = list(_blocks(tree, ""))
+    for path, block in blocks:
+        yield from _unusual(path, block)
+        yield from _negative(path, block)
+    if len(blocks) > 1:
+        yield from _alone(tree)
+    try:
+        train = flatten(tree)
+        check_user_blocks(train)
+        yield from _too_stiff(train)
+    except GearblocksError:
+        return  # it is not finished, or cannot be built; what is wrong is said there
+
+
+def _blocks(tree: Tree, prefix: str) -> Iterator[tuple[str, Block]]:
+    """Path and block of every part, composites whole."""
+    for name, part in tree.parts:
+        if isinstance(part, Tree):
+            yield from _blocks(part, f"{prefix}{name}.")
+        else:
+            yield prefix + name, part
+
+
+def _unusual(path: str, block: Block) -> Iterator[str]:
+    """Numbers above what their field expects."""
+    for name, value, spec in numbers_of(block, f"{path}."):
+        number = abs(constant_value(value)) if spec.usual is not None else math.nan
+        if spec.usual is not None and number > spec.usual:
+            milli = (
+                f'; {number:g} mm is written as {name.rpartition(".")[2]}="{number:g} mm"' if spec.unit == "m" else ""
+            )
+            yield f"{name} = {number:g} {spec.unit} ({spec.words}) is more than {spec.usual:g} {spec.unit}{milli}"
+
+
+# -- stiffness below zero ---------------------------------------------------------------------------------------------
+
+
+def _is_stiffness(spec: Field) -> bool:
+    return spec.belongs_to == COMPLIANCE and any(parse_unit(spec.unit) == unit for unit in _STIFFNESS)
+
+
+def _negative(path: str, block: Block) -> Iterator[str]:
+    """Stiffnesses over time or an angle that fall below zero somewhere; where inputs decide, nothing is known."""
+    for name, spec in type(block).fields.items():
+        value = block.__dict__[name]
+        if isinstance(value, (Table, Expr)) and _is_stiffness(spec):
+            least, at = _least(value)
+            if least < 0:
+                yield (
+                    f"{path}.{name} ({spec.words}) falls to {least:.4g} {spec.unit} at {at}, below zero, where it drives "
+                    "its ends apart; let it stay above 0"
+                )
+
+
+def _least(value: Table | Expr) -> tuple[float, str]:
+    """The least value found and where: at the points of a table, else on grids of time and of the angle."""
+    if isinstance(value, Table):
+        x = np.unique(np.concatenate([value.x, np.linspace(value.x[0], value.x[-1], 721)]))
+        values = value.values(x)
+        return float(values.min()), f"{x[values.argmin()]:.4g}"
+    leaves = {leaf.op for leaf in value.leaves()}
+    if leaves & {"input", "sense", "table2"}:
+        return 0.0, ""
+    if "local" in leaves:
+        grid, unit = np.linspace(0.0, 8 * math.pi, 1441), "rad"
+    else:
+        grid, unit = np.concatenate([np.linspace(0.0, end, 361) for end in (1e-3, 1e-2, 0.1, 1.0, 10.0)]), "s"
+    found = [_at(value, float(x)) for x in grid]
+    least = int(np.nanargmin(found)) if not np.isnan(found).all() else 0
+    return (found[least] if math.isfinite(found[least]) else 0.0), f"{grid[least]:.4g} {unit}"
+
+
+def _at(value: Expr, x: float) -> float:
+    """The value where time, and what the block itself knows, is x."""
+
+    def leaf(e: Expr) -> float:
+        if e.op == "parameter":
+            return float(e.args[0].si)
+        return float(e.args[0].values(_at(as_expr(e.args[1]), x))) if e.op == "table" else x
+
+    try:
+        return evaluate(value, leaf)
+    except (ArithmeticError, ValueError):
+        return math.nan
+
+
+# -- parts that are joined to nothing ---------------------------------------------------------------------------------
+
+
+def _alone(tree: Tree, prefix: str = "") -> Iterator[str]:
+    """Parts of which no flange is joined to another one, in trains inside too."""
+    joined = {end for link in tree.links for end in link} | {end for _, end in tree.exposed}
+    for name, part in tree.parts:
+        flanges = [*(type(part).flanges if isinstance(part, Block) else dict(part.exposed))]
+        if flanges and not any((name, flange) in joined for flange in flanges):
+            ways = " or ".join(f"{prefix}{name}.{flange}" for flange in flanges)
+            yield f"'{prefix}{name}' is joined to nothing and moves by itself; connect {ways}"
+        if isinstance(part, Tree):
+            yield from _alone(part, f"{prefix}{name}.")
+
+
+# -- natural frequencies ----------------------------------------------------------------------------------------------
+
+
+def _too_stiff(train: Train) -> Iterator[str]:
+    """Springs that alone give a natural frequency above HIGHEST."""
+    if not any(_is_stiffness(spec) for c in train.components for spec in type(c.block).fields.values()):
+        return
+    from gearblocks.assembly.assemble import assemble
+
+    assembly = assemble(train)
+    inertia = _inertias(assembly)
+    for batch in assembly.batches:
+        for e, index in enumerate(batch.components):
+            c = train.components[index]
+            for name, k in _stiffnesses(c):
+                frequency = math.sqrt(k * _mobility(assembly, batch, e, c, inertia)) / (2 * math.pi)
+                if frequency > HIGHEST:
+                    yield (
+                        f"{c.path}.{name} = {k:.4g} on the inertias beside it gives a natural frequency of "
+                        f"{frequency / 1e6:.3g} MHz, above 1 MHz, which costs steps and tells nothing; look at the units of "
+                        f'both, or leave it out: rig.without("{c.path}.{COMPLIANCE}")'
+                    )
+
+
+def _stiffnesses(c: Component) -> Iterator[tuple[str, float]]:
+    """Constant stiffnesses of a block."""
+    for name, spec in type(c.block).fields.items():
+        k = constant_value(v) if _is_stiffness(spec) and (v := c.block.__dict__[name]) is not None else math.nan
+        if k > 0 and math.isfinite(k):
+            yield name, k
+
+
+def _inertias(assembly: Assembly) -> dict[int, float]:
+    """Inertia of every independent group that nothing dependent rests on; NaN for the others."""
+    found = {g: math.nan for f in assembly.dependent_groups for g in (f.group, *f.sources)}
+    for batch in assembly.batches:
+        for flange, expression in batch.law.bodies:
+            for e, index in enumerate(batch.components):
+                group, gain = batch.groups[flange][e], float(batch.gains[flange][e])
+                number = _number(batch, assembly.train.components[index], expression)
+                found[group] = found.get(group, 0.0) + gain**2 * number
+    return found
+
+
+def _mobility(assembly: Assembly, batch: Batch, e: int, c: Component, inertia: dict[int, float]) -> float:
+    """g' M^-1 g of the first deflection of a block; 0 where it cannot be told."""
+    if not batch.law.forms:
+        return 0.0
+    form = batch.law.forms[0]
+    row: dict[int, float] = {}
+    for flange, coefficient in form.coefficients.items():
+        if flange in batch.groups and (group := batch.groups[flange][e]) != GROUND_GROUP:
+            lever = _number(batch, c, form.scale * coefficient) * float(batch.gains[flange][e])
+            row[group] = row.get(group, 0.0) + lever
+    if not all(group < assembly.n_speeds and inertia.get(group, 0.0) > 0 for group in row):
+        return 0.0
+    found = sum(lever**2 / inertia[group] for group, lever in row.items())
+    return found if math.isfinite(found) else 0.0
+
+
+def _number(batch: Batch, c: Component, expression: Any) -> float:
+    """An expression of numbers of a block; NaN where it holds anything else."""
+    numbers = {path: constant_value(value) for path, value, _ in numbers_of(c.block, "")}
+    values = {}
+    for symbol in getattr(expression, "free_symbols", ()):
+        meaning = batch.law.pool.roles[symbol]
+        values[symbol] = meaning.of.si if meaning.role == "shared" else numbers.get(meaning.of, math.nan)
+    try:
+        return float(expression.xreplace(values)) if values else float(expression)
+    except (TypeError, ValueError):
+        return math.nan
