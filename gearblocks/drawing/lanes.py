@@ -13,8 +13,9 @@ from typing import final
 
 from gearblocks.drawing.scheme import Element
 
-BROKEN, CROSSING, A_LANE = 1.5, 2.0, 1.5
-"""Costs beside one for each lane that an element reaches across: a series element out of line, a crossing, one lane more."""
+BROKEN, CROSSING, A_LANE, LEANS = 1.5, 2.0, 1.5, 0.4
+"""Costs beside one for each lane that an element reaches across: a series element out of line, a crossing, one lane more, a
+port whose shaft is not on the side of the symbol on which the port is."""
 ROUNDS, MANY = 12, 120
 """How often all changes are tried, and above how many lines no new lanes are."""
 
@@ -96,7 +97,18 @@ class _Search:
             return min(self.lane[s] for s in e.shafts)
         lanes = [self.lane[s] for s in e.shafts if i in (self.first[s], self.last[s])]
         everyone = [self.lane[s] for s in e.shafts]
-        return min(lanes, key=lambda lane: (-lanes.count(lane), sum(abs(lane - other) for other in everyone), lane))
+        return min(
+            lanes,
+            key=lambda lane: (self._leaning(e, lane) - lanes.count(lane), sum(abs(lane - x) for x in everyone), lane),
+        )
+
+    def _leaning(self, e: Element, home: int) -> float:
+        """What it costs that ports are not where their shafts are."""
+        leans = e.leans()
+        return LEANS * sum(
+            (self.lane[s] > home) - (self.lane[s] < home) != lean
+            for s, lean in zip(e.shafts, leans, strict=bool(leans))
+        )
 
     def cost_of(self, i: int) -> float:
         """What one element costs where its lines are."""
@@ -108,7 +120,7 @@ class _Search:
         low, high = min(*lanes, home), max(*lanes, home)
         between = sum(low < self.lane[s] < high and s not in e.shafts for s in self.alive[i])
         broken = e.is_boxed and len(lanes) == 2 and lanes[0] != lanes[1]
-        return (high - low) + CROSSING * between + BROKEN * broken
+        return (high - low) + CROSSING * between + BROKEN * broken + self._leaning(e, home)
 
     def cost(self) -> float:
         """What the whole costs."""

@@ -23,7 +23,7 @@ from gearblocks.drawing.shapes import Point, Shape, line, moved
 
 WIDTH = 900.0
 """Width in pixels that a drawing does not pass, but for an element that is wider by itself."""
-EDGE, GAP, TRACK, ROW_GAP = 14.0, 6.0, 7.0, 12.0
+EDGE, GAP, TRACK, ROW_GAP = 14.0, 4.0, 7.0, 12.0
 LEAST_PAIR, LEAST_APART = 58.0, 34.0
 
 
@@ -108,7 +108,9 @@ class _Sheet:
         self.order = order
         self.elements = [scheme.elements[i] for i in order]
         self.lanes: Lanes = laid_out(self.elements, len(scheme.shafts))
-        self.captions = [caption(e, values) for e in self.elements]
+        self.prints = [
+            footprint(i, e, self.lanes, caption(e, values), self._alive(i)) for i, e in enumerate(self.elements)
+        ]
         self.joints: list[Point] = []
         self.wires: list[Wire] = []
         self.boxes: list[Box] = []
@@ -116,7 +118,9 @@ class _Sheet:
 
     def drawn(self) -> Layout:
         """Rows filled from left to right, given their heights, then drawn."""
-        self.rows = self._rows()
+        self.rows = self._rows(WIDTH - 2 * EDGE)
+        if len(self.rows) > 1:
+            self.rows = self._folded()
         self.breaks = [self._crossing(row.begin) for row in self.rows[1:]]
         margin = EDGE + TRACK * (max(map(len, self.breaks), default=0) + 1) * bool(self.breaks)
         right = max(row.right for row in self.rows)
@@ -148,13 +152,22 @@ class _Sheet:
         found = [s for s in range(len(first)) if first[s] < i <= last[s]]
         return sorted(found, key=lambda s: self.lanes.of_shaft[s])
 
-    def _rows(self) -> list[_Row]:
+    def _folded(self) -> list[_Row]:
+        """As few rows as there must be, with few shafts that go on from row to row, and of much the same width."""
+        widest = WIDTH - 2 * (EDGE + 3 * TRACK)
+        tried = [self._rows(widest - 25.0 * i) for i in range(12)]
+        fewest = min(len(rows) for rows in tried)
+
+        def worth(rows: list[_Row]) -> tuple[int, float]:
+            return sum(len(self._crossing(row.begin)) for row in rows[1:]), max(row.right for row in rows)
+
+        return min((rows for rows in tried if len(rows) == fewest), key=worth)
+
+    def _rows(self, room: float) -> list[_Row]:
         """Each element right of what lies before it on its lanes; a new row where the width is used up."""
         rows = [_Row(0, [])]
         front = defaultdict[int, float](float)
-        room = WIDTH - 2 * (EDGE + 3 * TRACK)
-        for i, e in enumerate(self.elements):
-            p = footprint(i, e, self.lanes, self.captions[i], self._alive(i))
+        for i, p in enumerate(self.prints):
             x = max(front[lane] - a + GAP for lane, (a, _) in p.spans.items())
             if rows[-1].prints and x + max(b for _, b in p.spans.values()) > room:
                 rows.append(_Row(i, []))
