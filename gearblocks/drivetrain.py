@@ -288,7 +288,10 @@ class Drivetrain:
         return drawing_of(self.tree(), values=values, run=run, at=at)
 
     def _repr_svg_(self) -> str | None:
-        return self.draw().text if self._parts else None
+        from gearblocks.drawing.drawing import shown_drawing
+
+        found = shown_drawing(self.tree())
+        return None if found is None else found.text
 
     def describe(self) -> str:
         """A table of all blocks with their values and effects."""

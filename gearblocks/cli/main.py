@@ -185,7 +185,7 @@ def equations(
 
         typer.echo(build(rig).program.source)
     elif form is Form.html:
-        typer.echo(rig.equations().html(str(rig.draw())))
+        typer.echo(rig.equations().html(rig._repr_svg_() or ""))
     else:
         eq = rig.equations()
         typer.echo(eq.latex() if form is Form.latex else str(eq))

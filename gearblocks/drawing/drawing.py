@@ -15,6 +15,9 @@ from gearblocks.errors import ParameterError
 from gearblocks.files import write_text
 from gearblocks.train.graph import Tree, flatten
 
+SHOWN = 500
+"""Blocks of the largest train that is drawn unasked."""
+
 
 @final
 @dataclass(frozen=True, slots=True, repr=False)
@@ -25,6 +28,12 @@ class Drawing:
     text: str
     scheme: Scheme
     layout: Layout
+
+    def icon(self) -> bytes:
+        """The picture without words as a small PNG file."""
+        from gearblocks.drawing.icon import png
+
+        return png(self.layout)
 
     def __str__(self) -> str:
         return self.text
@@ -45,6 +54,15 @@ def check_ending(path: str | os.PathLike[str]) -> None:
     """Refuses a file that would not be read as SVG."""
     if Path(path).suffix.lower() != ".svg":
         raise ParameterError(f"drawing: '{path}' must end in .svg, the only form that a drawing has")
+
+
+def shown_drawing(tree: Tree) -> Drawing | None:
+    """The drawing for places where nobody asked for it, notebooks and documents: none of an empty or very large train."""
+    return drawing_of(tree) if 0 < _blocks(tree) <= SHOWN else None
+
+
+def _blocks(tree: Tree) -> int:
+    return sum(_blocks(part) if isinstance(part, Tree) else 1 for _, part in tree.parts)
 
 
 def drawing_of(tree: Tree, *, values: bool = False, run: Any = None, at: float | None = None) -> Drawing:

@@ -108,9 +108,9 @@ class _Sheet:
         self.order = order
         self.elements = [scheme.elements[i] for i in order]
         self.lanes: Lanes = laid_out(self.elements, len(scheme.shafts))
-        self.prints = [
-            footprint(i, e, self.lanes, caption(e, values), self._alive(i)) for i, e in enumerate(self.elements)
-        ]
+        self.order_of = {id(e): i for i, e in enumerate(self.elements)}
+        alive = self._alive()
+        self.prints = [footprint(i, e, self.lanes, caption(e, values), alive[i]) for i, e in enumerate(self.elements)]
         self.joints: list[Point] = []
         self.wires: list[Wire] = []
         self.boxes: list[Box] = []
@@ -142,9 +142,13 @@ class _Sheet:
 
     # -- places -------------------------------------------------------------------------------------------------------
 
-    def _alive(self, i: int) -> list[int]:
-        first, last = self.lanes.first, self.lanes.last
-        return [s for s in range(len(first)) if first[s] <= i <= last[s]]
+    def _alive(self) -> list[list[int]]:
+        """Shafts that are there at each element."""
+        found: list[list[int]] = [[] for _ in self.elements]
+        for s, (a, b) in enumerate(zip(self.lanes.first, self.lanes.last, strict=True)):
+            for i in range(a, b + 1):
+                found[i].append(s)
+        return found
 
     def _crossing(self, i: int) -> list[int]:
         """Shafts that go on from before element i, the uppermost first."""
@@ -244,11 +248,6 @@ class _Sheet:
             if inner != outer:
                 found.append(line((x + inner, y + at), (x + outer, y + at)))
         return found
-
-    @property
-    def order_of(self) -> dict[int, int]:
-        """Place in the order of each element."""
-        return {id(e): i for i, e in enumerate(self.elements)}
 
     def _draw_pair(self, p: Footprint, x: float, y: float, low: float, number: int) -> list[Shape]:
         e, lanes = p.element, self.lanes
