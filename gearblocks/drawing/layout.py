@@ -42,7 +42,7 @@ class Box:
 @final
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """Part of a shaft outside of all boxes; element: for the lead from a box to its shaft, which belongs to it."""
+    """Part of a shaft outside of all boxes; shaft = -1: what joins the two wheels of a pair, which lie apart."""
 
     points: tuple[Point, ...]
     shaft: int

@@ -43,7 +43,7 @@ class _Flow:
         for i, e in enumerate(self.elements):
             for shaft in e.shafts:
                 self.on_shaft[shaft].append(i)
-        self.sources: set[int] = set()
+        self.sources: dict[int, int] = {}  # the element that a train or a part by itself starts from, and its place
         self.level = self._levels(len(scheme.shafts))
         self.needs = [set[int]() for _ in self.elements]
         for shaft, here in self.on_shaft.items():
@@ -64,7 +64,7 @@ class _Flow:
             shaft = self.elements[start].shafts[0]
             if level[shaft] >= 0:
                 continue
-            self.sources.add(start)
+            self.sources[start] = len(self.sources)
             level[shaft], waiting = 0, deque([shaft])
             while waiting:
                 here = waiting.popleft()
@@ -98,7 +98,10 @@ class _Flow:
             for needed in needs:
                 follow[needed].append(i)
         ready = deque(
-            sorted((i for i, needs in enumerate(missing) if not needs), key=lambda i: (i not in self.sources, i))
+            sorted(
+                (i for i, needs in enumerate(missing) if not needs),
+                key=lambda i: (self.sources.get(i, len(missing)), i),
+            )
         )
         found: list[int] = []
         while ready:
