@@ -256,8 +256,7 @@ class _Sheet:
         shapes = [*moved(pairs.pair(e.block, low - y, first_is_upper, p.together), x, y)]
         for shaft in e.shafts:
             at = y if lanes.of_shaft[shaft] == p.home else low
-            half = p.left if p.together or at == y else pairs.HALF
-            ends = (-half if lanes.first[shaft] < i else 0.0, half if lanes.last[shaft] > i else 0.0)
+            ends = (-p.left if lanes.first[shaft] < i else 0.0, p.right if lanes.last[shaft] > i else 0.0)
             shapes.append(line((x + ends[0], at), (x + ends[1], at)))
         out = pairs.OUTWARD + 2
         shapes += [*moved(p.caption.shapes(out, out + low - y), x, y)]

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import TypeAlias, final
 
 from gearblocks.drawing.planet_sets import CARRIER, Gearing
-from gearblocks.drawing.shapes import FILLED, PAPER, Circle, Shape, box, hatch, line
+from gearblocks.drawing.shapes import FILLED, PAPER, Circle, Shape, Words, box, hatch, line
 from gearblocks.drawing.symbols import Symbol
 
 _SLOT, _RISE, _RADIUS, _ROW, _TEETH = 22.0, 26.0, 13.0, 12.0, 2.5
@@ -72,6 +72,8 @@ class _Sticks:
         for planet, y in enumerate(self.pins):
             at = self.on_pin(planet)
             self.shapes.append(line((min(at) - 5, y), (max(at) + 5, y)))
+            if self.gearing.counts[planet] > 1:
+                self.shapes.append(Words(min(at) - 13, y + 3, f"{self.gearing.counts[planet]}×", 8, grey=True))
 
     def sun(self, name: str) -> None:
         """A wheel on the axis below its planets."""

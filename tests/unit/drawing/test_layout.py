@@ -12,8 +12,9 @@ import gearblocks as gb
 from gearblocks import blocks
 from gearblocks.cli import scripts
 from gearblocks.drawing.drawing import drawing_of
-from gearblocks.drawing.layout import WIDTH, Box, Layout, layout
+from gearblocks.drawing.layout import WIDTH, Box, Layout, Wire, layout
 from gearblocks.drawing.scheme import scheme_of
+from gearblocks.drawing.shapes import Stroke
 from gearblocks.train.graph import Tree, flatten
 from tests.random.description import build
 from tests.random.families import FAMILIES, draw
@@ -33,7 +34,11 @@ def _overlap(a: Box, b: Box) -> bool:
 
 def _stretches(found: Layout) -> list[Box]:
     """Every straight piece of a line as a box without width."""
-    pieces = [(a, b) for wire in found.wires for a, b in pairwise(wire.points)]
+    return [piece for wire in found.wires for piece in _stretches_of(wire)]
+
+
+def _stretches_of(wire: Wire) -> list[Box]:
+    pieces = [*pairwise(wire.points)]
     assert all(a[0] == b[0] or a[1] == b[1] for a, b in pieces)
     return [Box(min(a[0], b[0]), min(a[1], b[1]), abs(a[0] - b[0]), abs(a[1] - b[1]), -1) for a, b in pieces]
 
@@ -47,6 +52,28 @@ def _check_geometry(found: Layout) -> None:
     stretches = _stretches(found)
     assert [(a, b) for a in stretches for b in found.boxes if _overlap(a, b)] == []
     assert [a for a in (*found.boxes, *stretches) if not _inside(a, found)] == []
+    _check_ends(found)
+
+
+def _check_ends(found: Layout) -> None:
+    """A line ends at a symbol, which goes on there, or at another line of its shaft."""
+    drawn = {box: {p for s in figure.shapes if isinstance(s, Stroke) for p in s.points}
+             for box in found.boxes for figure in found.figures if figure.number == box.element}  # fmt: skip
+    for wire in found.wires:
+        others = [s for w in found.wires if w.shaft == wire.shaft and w is not wire for s in _stretches_of(w)]
+        for x, y in (wire.points[0], wire.points[-1]):
+            at = Box(x, y, 0.0, 0.0, -1)
+            at_line = any(_touches(at, other) for other in others)
+            at_symbol = any(_touches(at, box) and any(abs(x - a) + abs(y - b) < SLACK for a, b in points)
+                            for box, points in drawn.items())  # fmt: skip
+            assert at_line or at_symbol or wire.shaft == -1, f"the end ({x}, {y}) hangs in the air"
+
+
+def _touches(a: Box, b: Box) -> bool:
+    return (
+        a.x <= b.x + b.width + SLACK and b.x <= a.x + a.width + SLACK
+        and a.y <= b.y + b.height + SLACK and b.y <= a.y + a.height + SLACK
+    )  # fmt: skip
 
 
 def _check(rig: gb.Drivetrain, **options: Any) -> None:
