@@ -19,6 +19,6 @@ def draw(
     from gearblocks.cli import scripts
     from gearblocks.drawing.drawing import check_ending
 
-    check_ending(out)
-    scripts.make(train).draw(values=values).save(out)
+    check_ending(out)  # before the train is made
+    scripts.make(train).draw(out, values=values)
     typer.echo(f"wrote {out}")

@@ -65,12 +65,19 @@ def _blocks(tree: Tree) -> int:
     return sum(_blocks(part) if isinstance(part, Tree) else 1 for _, part in tree.parts)
 
 
-def drawing_of(tree: Tree, *, values: bool = False, run: Any = None, at: float | None = None) -> Drawing:
-    """The drawing of a train, open ends and all. run, at: colours show its state at that time (the end)."""
+def drawing_of(
+    tree: Tree, path: str | os.PathLike[str] | None = None, *, values: bool = False, run: Any = None, at: float | None = None
+) -> Drawing:  # fmt: skip
+    """The drawing of a train, open ends and all, also written to `path`. run, at: colours show its state at a time."""
+    if path is not None:
+        check_ending(path)
     if run is None and at is not None:
         raise ParameterError("draw: at = ... is a time of a run: give run= too")
     scheme = scheme_of(flatten(tree, complete=False, whole=True))
     placed = layout(scheme, values)
     found = states.colours(scheme, run, at) if run is not None else {}
     legend = {colour: words for colour, words in states.LEGEND.items() if colour in {c for c, _ in found.values()}}
-    return Drawing(tree.name, svg(tree.name, placed, scheme.shafts, found, legend), scheme, placed)
+    drawing = Drawing(tree.name, svg(tree.name, placed, scheme.shafts, found, legend), scheme, placed)
+    if path is not None:
+        drawing.save(path)
+    return drawing

@@ -21,6 +21,7 @@ from gearblocks.blocks import (
     Torque,
 )
 from gearblocks.drawing.scheme import Element, Scheme
+from gearblocks.language.block import Block
 
 _FIRST = {Engine: 0, DCMotor: 0, Speed: 1, Angle: 1, Torque: 2, Force: 2}
 """What a train starts from, the lowest number first."""
@@ -31,6 +32,12 @@ def orders(scheme: Scheme) -> list[list[int]]:
     flow = _Flow(scheme)
     found = [flow.order(deep) for deep in (True, False)]
     return found if found[0] != found[1] else found[:1]
+
+
+def _start_rank(block: Block) -> int:
+    """How likely a train starts from a block, the lowest number first; a constant torque below 0 is a load."""
+    given = block.__dict__.get("tau", block.__dict__.get("f"))
+    return 3 if isinstance(given, (int, float)) and given < 0 else _FIRST.get(type(block), 9)
 
 
 @final
@@ -59,7 +66,7 @@ class _Flow:
 
     def _levels(self, n: int) -> list[int]:
         level = [-1] * n
-        starts = sorted(range(len(self.elements)), key=lambda i: (_FIRST.get(type(self.elements[i].block), 9), i))
+        starts = sorted(range(len(self.elements)), key=lambda i: (_start_rank(self.elements[i].block), i))
         for start in starts:
             shaft = self.elements[start].shafts[0]
             if level[shaft] >= 0:

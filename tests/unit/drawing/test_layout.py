@@ -251,17 +251,3 @@ def test_a_drawing_is_saved_as_svg_alone(tmp_path: Path) -> None:
     assert (tmp_path / "pair.svg").read_text(encoding="utf-8") == str(drawing) == drawing._repr_svg_()
     with pytest.raises(gb.ParameterError, match=r"must end in \.svg"):
         drawing.save(tmp_path / "pair.png")
-
-
-def test_the_state_of_a_run_is_shown_as_colour() -> None:
-    rig = gb.Drivetrain("brake that slides, then sticks")
-    body, brake = rig.add("body", gb.Inertia(J=1.0, w0=1.0)), rig.add("brake", gb.Brake(capacity=1.0))
-    rig.connect(body.a, brake.a)
-    run = gb.simulate(rig, t_end=2.0)
-    early, late = str(rig.draw(run=run, at=0.0)), str(rig.draw(run=run))
-    assert "brake: slides forward" in early and "brake: stuck" in late
-    assert 'color="#d55e00"' in early and 'color="#0072b2"' in late
-    with pytest.raises(gb.ParameterError, match=r"must lie within the run, 0 \.\. 2 s"):
-        rig.draw(run=run, at=3.0)
-    with pytest.raises(gb.ParameterError, match="give run= too"):
-        rig.draw(at=1.0)
