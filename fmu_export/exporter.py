@@ -63,7 +63,7 @@ def export(
     None: however long it takes.
     Raises ParameterError or UnknownNameError for what cannot be exported; an existing file is replaced whole or kept.
     """
-    from gearblocks.drivetrain import build
+    from gearblocks.running import build
 
     fmi = _version(fmi)
     chosen = checked_platforms(platforms)

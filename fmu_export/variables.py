@@ -20,7 +20,7 @@ from fmu_export.options import RTOL_RANGE, SolverOptions
 from fmu_export.start import start_offsets
 from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
-from gearblocks.simulation.trajectory import matches
+from gearblocks.model.listing import matches
 
 KINDS = ("solver", "parameter", "input", "output", "start")
 KIND_SHIFT = 24

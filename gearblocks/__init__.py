@@ -70,7 +70,7 @@ if TYPE_CHECKING:
         Square,
         ToothFriction,
     )
-    from gearblocks.drivetrain import Drivetrain, build, simulate
+    from gearblocks.drivetrain import Drivetrain
     from gearblocks.errors import (
         CompileError,
         GearblocksError,
@@ -119,6 +119,7 @@ if TYPE_CHECKING:
     from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
     from gearblocks.language.tables import Table2
     from gearblocks.language.units import rpm
+    from gearblocks.running import build, simulate
     from gearblocks.simulation.comparison import compare
     from gearblocks.simulation.trajectory import Trajectory
     from gearblocks.solver.library import Model
@@ -160,7 +161,7 @@ _NAMES = {
         "SplineCoupling Stribeck Synchronizer Torque TorqueConverter TyreSlip UniversalJoint Vehicle Worm"
     ),
     "blocks.effects": "Backlash Fourier Harmonic HuntCrossley Hysteresis MeshLaw Profile Square ToothFriction",
-    "drivetrain": "Drivetrain build simulate",
+    "drivetrain": "Drivetrain",
     "errors": "CompileError GearblocksError ModelError ParameterError SimulationError UnknownNameError",
     "geometry.ratio_curves": "RatioLawError",
     "geometry.ratio_design": "design_ratio",
@@ -175,6 +176,7 @@ _NAMES = {
     "language.signals": "Input Parameter Table sense time twist",
     "language.tables": "Table2",
     "language.units": "rpm",
+    "running": "build simulate",
     "simulation.comparison": "compare",
     "simulation.trajectory": "Trajectory",
     "solver.library": "Model",

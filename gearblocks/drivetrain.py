@@ -4,26 +4,25 @@ from __future__ import annotations
 
 import fnmatch
 import re
-from collections.abc import Callable, Iterator, Mapping
-from functools import cache
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gearblocks.errors import GearblocksError, ModelError, by_name, check_arguments, did_you_mean
+from gearblocks.errors import ModelError, by_name, did_you_mean
 from gearblocks.language.block import Block, start_fields
 from gearblocks.language.expression import as_expr
 from gearblocks.language.fields import ANGLE, COMPLIANCE, GIVING_WAY
 from gearblocks.language.units import declared
-from gearblocks.model.build import build_train, check_user_blocks
-from gearblocks.solver.library import Model
+from gearblocks.model.build import check_user_blocks
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
-from gearblocks.train.handles import FlangeHandle, Handle
+from gearblocks.train.handles import FlangeHandle, Handle, bare
 from gearblocks.train.summary import field_texts
 from gearblocks.train.values import field_paths, replaced, unique_path, value_problems
 
 if TYPE_CHECKING:
     from gearblocks.drawing.drawing import Drawing
     from gearblocks.equations.equations import Equations
+    from gearblocks.model.listing import Listing
     from gearblocks.simulation.trajectory import Trajectory
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
@@ -56,6 +55,7 @@ class Drivetrain:
             raise ModelError(f"part name {name!r} must be a word of letters, digits and '_' that starts with a letter")
         if name in self._parts:
             raise ModelError(f"'{self.name}' already has a part named '{name}'")
+        part = bare(part)
         problems = list(_part_problems(name, part))
         if problems:
             raise ModelError(problems)
@@ -142,14 +142,14 @@ class Drivetrain:
         other._coordinates = list(self._coordinates)
         return other
 
-    def __getitem__(self, path: str) -> Block | Drivetrain:
-        """The block or train at a path."""
+    def __getitem__(self, path: str) -> Handle:
+        """The part at a path, "mesh" or "stage.mesh", as `add` returned it: with its flanges and fields."""
         name, _, rest = str(path).partition(".")
         if name not in self._parts:
             raise ModelError(f"'{self.name}' has no part '{name}'{did_you_mean(name, self._parts)}")
         part = self._parts[name]
         if not rest:
-            return part
+            return Handle(self, name, part)
         if isinstance(part, Drivetrain):
             return part[rest]
         raise ModelError(f"'{path}': {name} is a block and has no parts")
@@ -172,7 +172,7 @@ class Drivetrain:
             try:
                 found = unique_path(path, paths)
                 owner, name, rest = other._locate(found)
-                owner._parts[name] = replaced(owner._parts[name], rest.split("."), value) if rest else value
+                owner._parts[name] = replaced(owner._parts[name], rest.split("."), value) if rest else bare(value)
                 changed[found[: -len(rest) - 1] if rest else found] = (owner, name)
             except ModelError as error:
                 problems += error.problems
@@ -281,6 +281,30 @@ class Drivetrain:
         check_user_blocks(train)
         return write_equations(train)
 
+    def outputs(self, *patterns: str) -> Listing:
+        """Names, units and words of what a run records, all or those that match ("mesh.*"; `*` crosses dots)."""
+        from gearblocks.model import listing
+
+        return listing.outputs(self.train(), patterns)
+
+    def parameters(self, *patterns: str) -> Listing:
+        """Names, values, units and words of what simulate(parameters={...}) takes, all or those that match."""
+        from gearblocks.model import listing
+
+        return listing.parameters(self.train(), patterns)
+
+    def inputs(self, *patterns: str) -> Listing:
+        """Names, units and values of the inputs before anything is connected, all or those that match."""
+        from gearblocks.model import listing
+
+        return listing.inputs(self.tree(), patterns)
+
+    def flanges(self, *patterns: str) -> Listing:
+        """The flanges of all parts and what they are joined to, all or those that match; open ends may be left."""
+        from gearblocks.model import listing
+
+        return listing.flanges(self.tree(), patterns)
+
     def draw(
         self, path: str | Path | None = None, *, values: bool = False, run: Trajectory | None = None, at: float | None = None
     ) -> Drawing:  # fmt: skip
@@ -348,46 +372,3 @@ def _part_problems(path: str, part: Any) -> Iterator[str]:
         yield f"'{path}': {part!r:.200} is neither a block nor a Drivetrain"
     elif isinstance(part, Block):
         yield from value_problems(path, part)
-
-
-def build(train: Drivetrain | Model) -> Model:
-    """Equations, program and compiled library of a train, for repeated use: simulate(model, ...), export(model, ...)."""
-    if isinstance(train, Model):
-        return train
-    if not isinstance(train, Drivetrain):
-        raise GearblocksError(f"{train!r:.200} is no Drivetrain and no Model (as gb.Drivetrain and gb.build make them)")
-    return build_train(train.train())
-
-
-def simulate(train: Drivetrain | Model, *unnamed: Any, **arguments: Any) -> Trajectory:
-    """Runs a train or model.
-
-    t_end: end of the run [s]; the samples are the accepted steps with both sides of each event. Or t: sample times [s].
-    t_start: start [s], default 0. method: "auto", "rk4" (needs step), "dp5", "dp8", "rodas". rtol: tolerance relative to the
-    largest value of each state so far. step: fixed step [s] for any method. max_step: longest step [s].
-    locate: False locates nothing: every stage of a step takes the side it is on, as an `if` in the right-hand side does (to see
-    what that costs); friction, stops and lossy gears then change at the ends of steps.
-    inputs: by name a number, a `Table` over time, or a function of time (called per stage: slow; a Table is fast).
-    parameters: other values by path ("mesh.k"), without recompiling. initial: start values by name ("motor.w",
-    "motor.phi", states of blocks), an earlier run to continue, "static" (the equilibrium with every excitation by time at
-    its mean, contact side from the load; speeds and absolute angles stay) or "static_at_start" (under everything as it is
-    at t_start). outputs: a pattern or several ("mesh.*").
-    residual: the run stops where its energy residual (run.energy.residual), looked at between samples about every 50 ms of
-    CPU time and at the end, exceeds this.
-    progress: called with the share done (0..1), five times a second at most; without it a run of more than two seconds
-    says on a terminal how far it is.
-
-    Raises UnknownNameError and ParameterError for bad arguments, SimulationError (with the trajectory so far) when the
-    run cannot go on. Ctrl-C returns what is done; run.complete is then False.
-    """
-    run_model, known = _runner()
-    check_arguments("simulate", known, unnamed, arguments)
-    return run_model(build(train), **arguments)
-
-
-@cache
-def _runner() -> tuple[Callable[..., Trajectory], frozenset[str]]:
-    """What runs models, imported when the first one runs, and the arguments that it takes."""
-    from gearblocks.simulation.run import ARGUMENTS, run_model
-
-    return run_model, ARGUMENTS

@@ -5,8 +5,12 @@ Every error can be pickled, so that it survives the way back from a worker proce
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
 
 
 class GearblocksError(Exception):
@@ -28,6 +32,10 @@ class ModelError(GearblocksError):
         if len(self.problems) == 1:
             return self.problems[0]
         return "\n".join((f"{len(self.problems)} problems:", *(f"  - {problem}" for problem in self.problems)))
+
+
+class UnknownAttributeError(ModelError, AttributeError):
+    """A flange or field that a part has not, said with the near ones; hasattr understands it."""
 
 
 class ParameterError(GearblocksError, ValueError):
@@ -77,16 +85,26 @@ class SimulationError(GearblocksError):
         return f"{place}{self.cause} at t = {self.time:.9g} s{remedy}"
 
 
-def check_arguments(what: str, known: Collection[str], unnamed: Sequence[Any], given: Iterable[str]) -> None:
-    """ParameterError for values without a name and for names that are not among the known ones."""
-    if unnamed:
-        raise ParameterError(f"{what}: {unnamed[0]!r:.80} is given without a name; name it: {', '.join(sorted(known))}")
-    for name in given:
-        if name not in known:
-            names = sorted(known)
-            raise ParameterError(
-                f"{what} has no argument '{name}'; it has {', '.join(names)}{did_you_mean(name, names)}"
-            )
+def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """The function, with ParameterErrors for values without a name that need one, and for names that it has not."""
+    code = function.__code__
+    n, name = code.co_argcount, function.__name__
+    known = code.co_varnames[: n + code.co_kwonlyargcount]
+
+    @wraps(function)
+    def checked(*given: _P.args, **named: _P.kwargs) -> _R:
+        if len(given) > n:
+            listed = ", ".join(sorted(known[n:]))
+            raise ParameterError(f"{name}: {given[n]!r:.80} is given without a name; name it: {listed}")
+        for argument in named:
+            if argument not in known:
+                listed = ", ".join(sorted(known[n:] or known))
+                raise ParameterError(
+                    f"{name} has no argument '{argument}'; it has {listed}{did_you_mean(argument, known)}"
+                )
+        return function(*given, **named)
+
+    return checked
 
 
 def by_name(what: str, values: Any) -> Mapping[str, Any]:

@@ -10,8 +10,9 @@ import numpy as np
 
 from gearblocks.analysis.linearization import OperatingPoint, operating_point
 from gearblocks.analysis.modes import body_speeds, modes_at
-from gearblocks.drivetrain import Drivetrain, build
+from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError
+from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.solver.kinematics import kinematics

@@ -17,10 +17,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.analysis.printed_linearization import document
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
-from gearblocks.drivetrain import Drivetrain, build
+from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, UnknownNameError, did_you_mean
+from gearblocks.running import build
 from gearblocks.simulation.arguments import (
     InputSource,
     begin_of,
@@ -42,6 +44,8 @@ from gearblocks.solver.structures import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from gearblocks.equations.document import Document
 
 
 OperatingPoint: TypeAlias = "Mapping[str, float | str] | Trajectory | str | None"
@@ -118,6 +122,17 @@ class Linearization:
     def __repr__(self) -> str:
         counts = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
         return f"<Linearization of {self.words.partition(':')[0]!r} at t = {self.t:g} s: {counts}>"
+
+    def document(self) -> Document:
+        """The matrices as printed equations: str(), latex(), html() and mathml() of it."""
+        return document(self)
+
+    def latex(self) -> str:
+        """The matrices as LaTeX, for a document with amsmath."""
+        return self.document().latex()
+
+    def _repr_html_(self) -> str:
+        return self.document().html()
 
     def response(self, frequencies: Any) -> Complex:
         """C (i w - A)^-1 B + D at angular frequencies [rad/s], shape (frequencies, outputs, inputs).

@@ -16,8 +16,9 @@ import numpy as np
 from gearblocks.analysis.linearization import DENSE, Complex, OperatingPoint, operating_point
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
-from gearblocks.drivetrain import Drivetrain, build
+from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError
+from gearblocks.running import build
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.solver.kinematics import Kinematics, kinematics
 from gearblocks.solver.library import Model

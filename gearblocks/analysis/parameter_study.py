@@ -26,8 +26,9 @@ from gearblocks.analysis.study_result import Study, listed
 from gearblocks.analysis.study_store import StudyStore, needs_zarr
 from gearblocks.analysis.study_task import Settings, identity, names_of, task_of
 from gearblocks.analysis.workers import as_done, executor_of
-from gearblocks.drivetrain import Drivetrain, build
+from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import GearblocksWarning, ParameterError
+from gearblocks.running import build
 from gearblocks.solver.lanes import POINTS as LANES
 from gearblocks.solver.library import Model
 

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.span import Span, span_of_run
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
+from gearblocks.model.listing import matches
 from gearblocks.simulation.events import KINDS, Events
 from gearblocks.simulation.needs import Needs, Solution
 from gearblocks.simulation.solution import solution_of
-from gearblocks.simulation.trajectory import Trajectory, matches
+from gearblocks.simulation.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
@@ -85,7 +86,7 @@ class Quantity:
         name = getattr(self, "output")  # noqa: B009  declared by those that have one
         if name not in span.units:
             raise UnknownNameError(
-                f"{self.name}: there is no output '{name}'{did_you_mean(name, span.units)}; list them with rig.describe()"
+                f"{self.name}: there is no output '{name}'{did_you_mean(name, span.units)}; rig.outputs() lists them"
             )
         return span.units[name]
 

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.drivetrain import Drivetrain, build
+from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError
+from gearblocks.model.listing import matches
+from gearblocks.running import build
 from gearblocks.simulation.arguments import parameter_vector, resolve
 from gearblocks.simulation.records import NamedValues
 from gearblocks.simulation.run import run_model
-from gearblocks.simulation.trajectory import matches
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:

@@ -14,11 +14,12 @@ from gearblocks import __version__
 from gearblocks.analysis.sections import Label, classify, stroboscopic
 from gearblocks.cli import scripts
 from gearblocks.cli.report import precision, regimes
-from gearblocks.drivetrain import Drivetrain, build
+from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import GearblocksError
 from gearblocks.files import make_folder, write_text
 from gearblocks.language.units import rpm as radians_per_second
 from gearblocks.pages import page
+from gearblocks.running import build
 from gearblocks.simulation.plotting import Curve, Plane, cost, planes
 from gearblocks.solver.library import Model
 

@@ -7,18 +7,20 @@ from typing import Annotated
 
 import typer
 
-from gearblocks.cli.arguments import Train
+from gearblocks.cli.terminal import say
+from gearblocks.cli.trains import Change, Train, Without, named
 
 
 def draw(
     train: Train,
     out: Annotated[Path, typer.Option("-o", "--out", help="The picture to write: .svg.")],
+    change: Change = None,
+    without: Without = None,
     values: Annotated[bool, typer.Option("--values", help="Print values beside the symbols.")] = False,
 ) -> None:
     """Draw a train as a kinematic scheme."""
-    from gearblocks.cli import scripts
     from gearblocks.drawing.drawing import check_ending
 
     check_ending(out)  # before the train is made
-    scripts.make(train).draw(out, values=values)
-    typer.echo(f"wrote {out}")
+    named(train, change, without).draw(out, values=values)
+    say(f"wrote {out}")

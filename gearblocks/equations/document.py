@@ -165,7 +165,7 @@ def _in_brackets(entry: Entry) -> str:
 
 
 def _is_block(broken: list[str]) -> bool:
-    return any(brace in broken[0] for brace in "⎧")
+    return any(brace in broken[0] for brace in "⎧⎡")
 
 
 def _grouped(all_lines: tuple[Line, ...]) -> Iterator[list[Line]]:

@@ -12,6 +12,7 @@ import sympy as sp
 from gearblocks.equations import sections
 from gearblocks.equations.document import Document, Nomenclature, Section
 from gearblocks.equations.latex import aligned, latex
+from gearblocks.equations.linearized import sections as of_small_deviations
 from gearblocks.equations.names import Name
 from gearblocks.equations.nomenclature import Entry
 from gearblocks.equations.switched_constraints import SwitchedConstraint, constraint_torques, wanted
@@ -190,6 +191,11 @@ class Equations:
                 f"'{self.name}' has no relative form: its laws read absolute angles, or its deflections do not tell its motion"
             )
         return Document(f"'{self.name}', {name} form", tuple(found), Nomenclature(()))
+
+    def linearized(self) -> Document:
+        """The equations for small deviations, M Δq'' = -C Δq' - K Δq, with their matrices; contacts keep their side, the
+        torques of friction and stops are as they are (see in_modes)."""
+        return Document(f"Small deviations of '{self.name}'", tuple(of_small_deviations(self)), Nomenclature(()))
 
     def element(self, path: str) -> Document:
         """What one part of the train introduces. Raises ParameterError for a name that there is not."""

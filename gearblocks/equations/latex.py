@@ -12,6 +12,7 @@ from gearblocks.equations.notation import (
     Cases,
     Fence,
     Fraction,
+    Matrix,
     Node,
     Num,
     Op,
@@ -29,6 +30,7 @@ _GREEK = {letter: f"\\{name}" for name, letter in GREEK.items()} | {
 COLUMN = 40.0
 """Letters in a column of a two-column article, beside a number of the equation."""
 
+_CHANGES = {"Δ": r"\Delta ", "∂": r"\partial "}
 _DOTS = {1: r"\dot", 2: r"\ddot", 3: r"\dddot"}
 _SIGNS = {
     "neg": "-", "<=": r" \le ", ">=": r" \ge ", "≠": r" \ne ", "and": r"\ \text{and}\ ", "or": r"\ \text{or}\ ",
@@ -61,16 +63,16 @@ def prose(words: str) -> str:
 
 def name_latex(name: Name) -> str:
     """A name such as \\ddot{\\varphi}_{\\mathrm{motor}}."""
-    differs = name.letter.startswith("Δ") and len(name.letter) > 1
-    change, letter = (r"\Delta ", name.letter[1:]) if differs else ("", name.letter)
-    letter = change + (_GREEK.get(letter) or (letter if len(letter) == 1 else word(letter)))
+    differs = name.letter[0] in _CHANGES and len(name.letter) > 1
+    change, letter = (_CHANGES[name.letter[0]], name.letter[1:]) if differs else ("", name.letter)
+    letter = _GREEK.get(letter) or (letter if len(letter) == 1 else word(letter))
     if name.dots > 3:
         letter = f"{letter}^{{({name.dots})}}"
     elif name.dots:
         letter = f"{_DOTS[name.dots]}{{{letter}}}"
     number = "" if not name.number else name.number if name.number.isdigit() else word(name.number)
     index = ",".join(x for x in (number, word(name.owner) if name.owner else "") if x)
-    return f"{letter}_{{{index}}}" if index else letter
+    return f"{change}{letter}_{{{index}}}" if index else change + letter
 
 
 def latex(node: Node) -> str:
@@ -104,7 +106,7 @@ def _fenced(left: str, inner: str, right: str, nodes: tuple[Any, ...]) -> str:
 
 
 def _is_tall(node: Any) -> bool:
-    if isinstance(node, (Fraction, Cases, Root)):
+    if isinstance(node, (Fraction, Cases, Root, Matrix)):
         return True
     parts = {Row: "items", Times: "factors", Call: "arguments"}.get(type(node))
     inner = getattr(node, parts) if parts else (node.inner,) if isinstance(node, Fence) else ()
@@ -121,6 +123,11 @@ def _cases(node: Cases) -> str:
     beside = min(max(_when_width(c) for _, c in node.rows), 0.6 * room)
     rows = [f"{_stacked(value, room - beside)}, & {_when(condition, beside)}" for value, condition in node.rows]
     return r"\begin{cases} " + r" \\ ".join(rows) + r" \end{cases}"
+
+
+def _matrix(node: Matrix) -> str:
+    rows = r" \\ ".join(" & ".join(map(latex, row)) for row in node.rows)
+    return rf"\begin{{bmatrix}} {rows} \end{{bmatrix}}"
 
 
 def _stacked(node: Node, room: float) -> str:
@@ -152,6 +159,7 @@ _SHOWN: dict[Any, Any] = {
     Fence: lambda node: _fenced(node.left, latex(node.inner), node.right, (node.inner,)),
     Call: _call,
     Cases: _cases,
+    Matrix: _matrix,
 }
 
 
@@ -178,7 +186,12 @@ def _sum(nodes: tuple[Any, ...], between: float = 0.0) -> float:
     return sum(map(width, nodes)) + between * (len(nodes) - 1)
 
 
+def _matrix_width(node: Matrix) -> float:
+    return 2.0 + sum(2.0 + max(map(width, column)) for column in zip(*node.rows, strict=True))
+
+
 _WIDTHS: dict[Any, Any] = {
+    Matrix: _matrix_width,
     Sym: lambda node: name_width(node.name),
     Num: lambda node: len(node.digits),
     Words: lambda node: 0.9 * len(node.text),

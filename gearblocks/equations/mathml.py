@@ -14,6 +14,7 @@ from gearblocks.equations.notation import (
     Cases,
     Fence,
     Fraction,
+    Matrix,
     Node,
     Num,
     Op,
@@ -33,15 +34,16 @@ _THIN = '<mspace width="0.17em"></mspace>'
 
 def name_mathml(name: Name) -> str:
     """A name: letter, dots above, number and part of the train at its foot."""
-    letter = (
-        f'<mi mathvariant="normal">{escape(name.letter)}</mi>' if name.is_word else f"<mi>{escape(name.letter)}</mi>"
-    )
+    whole = name.letter
+    change, plain = (whole[0], whole[1:]) if whole[0] in "Δ∂" and len(whole) > 1 else ("", whole)
+    letter = f'<mi mathvariant="normal">{escape(plain)}</mi>' if name.is_word else f"<mi>{escape(plain)}</mi>"
     if name.dots:
         above = _DOTS.get(name.dots) or f"({name.dots})"
         letter = f"<mover>{letter}<mo>{above}</mo></mover>"
     foot = ",".join(x for x in (name.number, name.owner.replace("_", " ")) if x)
     tag = "mn" if foot.isdigit() else "mtext"
-    return f"<msub>{letter}<{tag}>{escape(foot)}</{tag}></msub>" if foot else letter
+    letter = f"<msub>{letter}<{tag}>{escape(foot)}</{tag}></msub>" if foot else letter
+    return f'<mrow><mo form="prefix">{change}</mo>{letter}</mrow>' if change else letter
 
 
 def mathml(node: Node) -> str:
@@ -85,6 +87,11 @@ def _cases(node: Cases) -> str:
     return _row("<mo>{</mo>", f"<mtable>{''.join(rows)}</mtable>")
 
 
+def _matrix(node: Matrix) -> str:
+    rows = "".join(f"<mtr>{''.join(f'<mtd>{mathml(x)}</mtd>' for x in row)}</mtr>" for row in node.rows)
+    return _row("<mo>[</mo>", f"<mtable>{rows}</mtable>", "<mo>]</mo>")
+
+
 def _when(condition: Any) -> str:
     return "<mtext>otherwise</mtext>" if condition is None else mathml(condition)
 
@@ -102,6 +109,7 @@ _SHOWN: dict[Any, Any] = {
     Fence: lambda node: _row(f"<mo>{node.left}</mo>", mathml(node.inner), f"<mo>{node.right}</mo>"),
     Call: _call,
     Cases: _cases,
+    Matrix: _matrix,
 }
 
 STYLE = Style(mathml, width, _THIN)

@@ -47,10 +47,18 @@ class Name:
         """The name of its derivative in time."""
         return replace(self, dots=self.dots + dots)
 
+    def difference(self) -> Name:
+        """The name of a small deviation of it."""
+        return replace(self, letter=f"Δ{self.letter}")
+
+    def change(self) -> Name:
+        """The name of a small change of it, as in a partial derivative."""
+        return replace(self, letter=f"∂{self.letter}")
+
     @property
     def is_word(self) -> bool:
         """Whether the letter is a word, which stands upright."""
-        return len(self.letter.removeprefix("Δ")) > 1
+        return len(self.letter.lstrip("Δ∂")) > 1
 
 
 def of_shared(name: str) -> Name:

@@ -129,7 +129,15 @@ class Cases:
     rows: tuple[tuple[Any, Any], ...]
 
 
-Node: TypeAlias = "Sym | Num | Words | Op | Row | Times | Fraction | Power | Root | Fence | Call | Cases"
+@final
+@dataclass(frozen=True, slots=True)
+class Matrix:
+    """Rows of entries between brackets."""
+
+    rows: tuple[tuple[Any, ...], ...]
+
+
+Node: TypeAlias = "Sym | Num | Words | Op | Row | Times | Fraction | Power | Root | Fence | Call | Cases | Matrix"
 
 _FUNCTIONS = {
     "sin": "sin", "cos": "cos", "tan": "tan", "atan": "arctan", "asin": "arcsin", "acos": "arccos", "exp": "exp",
@@ -203,7 +211,7 @@ class Reader:
     def _product(self, expr: Any) -> Node:
         minus, size = _sign(expr)
         if minus:
-            return Row((Op("neg"), self._factor(size)))
+            return Row((Op("neg"), self.factor(size)))
         number, rest = size.as_coeff_Mul()
         top: list[Any] = []
         bottom: list[Any] = []
@@ -229,7 +237,7 @@ class Reader:
         return self.read(factors[0]) if len(factors) == 1 else Times(tuple(self._factors(factors)))
 
     def _factors(self, factors: list[Any]) -> list[Node]:
-        return [self._factor(x) for x in sorted(factors, key=self._rank)]
+        return [self.factor(x) for x in sorted(factors, key=self._rank)]
 
     def _rank(self, factor: Any) -> tuple[int, int]:
         base = factor.as_base_exp()[0]
@@ -239,7 +247,8 @@ class Reader:
             return (2, self.order[base]) if base in self.order else (1, 0)
         return (4 if base.is_Add else 3), 0
 
-    def _factor(self, expr: Any) -> Node:
+    def factor(self, expr: Any) -> Node:
+        """An expression as a factor of a product."""
         node = self.read(expr)
         if isinstance(node, (Row, Cases)):
             return Fence("(", ")", node)
@@ -313,6 +322,9 @@ _READERS: dict[Any, Callable[[Reader, Any], Node]] = {
     sp.Abs: _fenced("|", "|"),
     sp.floor: _fenced("⌊", "⌋"),
     sp.Piecewise: Reader._piecewise,
+    sp.Derivative: lambda reader, expr: Fraction(
+        *(Sym(reader.name(x).change()) for x in (expr.expr, expr.variables[0]))
+    ),
     TableAt: Reader._table,
     Table2At: Reader._table2,
     DeadZone: lambda reader, expr: reader.read(expr.spelled_out()),

@@ -11,6 +11,7 @@ from gearblocks.equations.notation import (
     Cases,
     Fence,
     Fraction,
+    Matrix,
     Node,
     Num,
     Op,
@@ -24,6 +25,7 @@ from gearblocks.equations.notation import (
 
 _SUPERSCRIPTS = {"2": "²", "3": "³", "4": "⁴"}
 _SIGNS = {"neg": "-", "×": "×", "/": "/", ",": ", "}
+_BRACKETS = {1: ("[", "]"), 2: ("⎡⎣", "⎤⎦")}
 _BRACES = {2: "⎧⎩", 3: "⎧⎨⎩", 4: "⎧⎨⎪⎩"}
 
 
@@ -73,6 +75,10 @@ def _cases(node: Cases) -> str:
     return "{" + "; ".join(rows) + "}"
 
 
+def _matrix(node: Matrix) -> str:
+    return "[" + "; ".join(", ".join(map(text, row)) for row in node.rows) + "]"
+
+
 def _when(condition: Any) -> str:
     return "otherwise" if condition is None else text(condition)
 
@@ -90,6 +96,7 @@ _SHOWN: dict[Any, Any] = {
     Fence: lambda node: f"{node.left}{text(node.inner)}{node.right}",
     Call: _call,
     Cases: _cases,
+    Matrix: _matrix,
 }
 
 STYLE = Style(text, lambda node: float(len(text(node))), " ")
@@ -100,6 +107,8 @@ def equation_lines(left: Node | None, right: Node, width: int) -> list[str]:
     head = "" if left is None else f"{text(left)} = "
     if isinstance(right, Cases) and len(right.rows) > 1:
         return _block(head, right, width)
+    if isinstance(right, Matrix):
+        return _in_brackets(head, right)
     if len(head) > width // 2:
         broken = lines([left, Op("="), right], STYLE, width, width - 8)  # type: ignore[list-item]
         return [broken[0], *("        " + x.strip() for x in broken[1:])]
@@ -121,4 +130,16 @@ def _block(head: str, cases: Cases, width: int) -> list[str]:
         found.append(f"{head if i == middle else ' ' * len(head)}{braces[i]} {value:<{wide}}  {when[0].strip()}")
         going_on = " " if i == len(values) - 1 else "⎪"
         found += [f"{' ' * len(head)}{going_on} {' ' * wide}  {more.strip()}" for more in when[1:]]
+    return found
+
+
+def _in_brackets(head: str, matrix: Matrix) -> list[str]:
+    cells = [[text(entry) for entry in row] for row in matrix.rows]
+    wide = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    n = len(cells)
+    left, right = _BRACKETS.get(n) or (f"⎡{'⎢' * (n - 2)}⎣", f"⎤{'⎥' * (n - 2)}⎦")
+    found = []
+    for i, row in enumerate(cells):
+        inner = "  ".join(cell.center(room) for cell, room in zip(row, wide, strict=True))
+        found.append(f"{head if i == (n - 1) // 2 else ' ' * len(head)}{left[i]} {inner} {right[i]}")
     return found

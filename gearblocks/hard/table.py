@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from gearblocks.hard.suite import Case, Outcome, judge
 
 if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
+    from rich.console import Console, Group
 
 SOLVERS = ("RK45", "Radau", "LSODA")
-WIDTH = 150
-"""Columns where the output is no terminal."""
+WIDTH = 80
+"""Columns where the output is no terminal; the figures fit, longer texts are wrapped."""
+INDENT = 5
 
 
 def run(cases: Sequence[Case]) -> bool:
@@ -37,23 +37,25 @@ def run(cases: Sequence[Case]) -> bool:
     return all(outcome.passed for outcome in done)
 
 
-def _row(outcome: Outcome, *, first: bool) -> Table:
-    """One row under the heading, or without it; the columns have the same widths in all of them."""
+def _row(outcome: Outcome, *, first: bool) -> Group:
+    """Figures in columns of the same widths in all rows, and under them what is promised and what was measured."""
+    from rich.console import Group
+    from rich.padding import Padding
     from rich.table import Column, Table
 
-    names = ("case", "promise", "measured", "", "steps", "CPU s", "of it runs", *SOLVERS)
-    widths = (5, None, None, 4, 10, 7, 10, 9, 9, 9)
+    names = ("case", "", "steps", "CPU s", "of it runs", *SOLVERS)
+    widths = (4, 4, 10, 7, 10, 9, 9, 9)
     columns = [
-        Column(name, width=width, ratio=None if width else 1, justify="right" if i > 3 else "left", overflow="fold")
+        Column(name, width=width, justify="right" if i > 1 else "left", overflow="fold")
         for i, (name, width) in enumerate(zip(names, widths, strict=True))
     ]
-    table = Table(*columns, box=None, expand=True, show_header=first, padding=(0, 1, 0, 0))
+    table = Table(*columns, box=None, show_header=first, padding=(0, 1, 0, 0))
     case = outcome.case
     figures = (f"{outcome.steps:,}", f"{outcome.seconds:.2f}", f"{outcome.solver_seconds:.3f}")
     verdict = "[green]pass[/]" if outcome.passed else "[red]FAIL[/]"
-    texts = (case.id, f"{_plain(case.title)}: {_plain(case.promise)}", _plain(outcome.measured), verdict)
-    table.add_row(*texts, *figures, *(_attempt(case, solver) for solver in SOLVERS))
-    return table
+    table.add_row(case.id, verdict, *figures, *(_attempt(case, solver) for solver in SOLVERS))
+    texts = (f"{_plain(case.title)}: {_plain(case.promise)}", f"measured: {_plain(outcome.measured)}")
+    return Group(table, *(Padding(text, (0, 0, 0, INDENT)) for text in texts))
 
 
 def _attempt(case: Case, solver: str) -> str:

@@ -110,7 +110,7 @@ def signal(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, ge: float | None = None, belongs_to: str | None = None,
     over: str | None = None,
 ) -> Any:  # fmt: skip
-    """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense).
+    """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense), by sympy too.
 
     ge: the least value of a number or Parameter; what varies is not judged. over: a quantity of the block that may stand
     in it too, see Symbols.local; a Table then goes over that quantity.

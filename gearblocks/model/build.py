@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -41,16 +41,28 @@ def _without_collector() -> Iterator[None]:
             gc.enable()
 
 
-def _build(train: Train) -> Model:
+def program_of(train: Train) -> tuple[Program, dict[str, float]]:
+    """The program of a train and the values of its parameters by path; nothing is compiled."""
+    with _without_collector():
+        return _program(train)
+
+
+def _program(train: Train, first: Callable[[], object] = lambda: None) -> tuple[Program, dict[str, float]]:
+    """The program, from the cache where it was made before, and the values. first: called before one is made."""
     values, names = _values(train)
     cache = user_cache()
     key = digest("program", package_digest(), classes_digest(train), structural_text(train))
     program = _stored(cache.read("programs", key), values)
     if program is None:
-        start_core_build()
+        first()
         program = make_program(train)
         cache.write("programs", key, program.to_bytes())
     _check_against(program, train, values, names)
+    return program, values
+
+
+def _build(train: Train) -> Model:
+    program, values = _program(train, start_core_build)
     start = np.array([values.get(p.path, 0.0) for p in program.parameters])
     start.setflags(write=False)
     model = Model(program, compile_program(program), start)

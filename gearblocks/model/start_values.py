@@ -113,6 +113,16 @@ def _is_open(program: Program, blocks: dict[str, Block], offset: int) -> bool:
     return info.start in (ANGLE, SPEED) and (path not in blocks or start_of(blocks[path], info.start) is None)
 
 
+def fitted_later(program: Program, train: Train) -> frozenset[int]:
+    """Offsets of the open start values that `fit_prescribed` and `fit_lossy` may choose, for which a model must be compiled."""
+    blocks: dict[str, Block] = {c.path: c.block for c in train.components}
+    given = any(start_of(blocks[x.name.rpartition(".")[0]], x.of) is not None for x in program.prescribed_starts)
+    if not given and all(x.of != LOSSY_VARYING for x in program.dependent_starts):
+        return frozenset()
+    starts = (s.offset for s in program.starts if s.of in (ANGLE, SPEED))
+    return frozenset(i for i in starts if _is_open(program, blocks, i))
+
+
 def fit_prescribed(model: Model, train: Train) -> None:
     """The same for groups with a prescribed motion, compared with their outputs at t = 0: open start values are found (into
     model.values). ModelError for given start values that cannot be."""

@@ -17,8 +17,9 @@ from gearblocks.language.expression import finite_number
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Table
 from gearblocks.language.units import has_unit, number_in_si, parse_unit
+from gearblocks.model.listing import matches, near_patterns
 from gearblocks.simulation.records import NamedValues
-from gearblocks.simulation.trajectory import Trajectory, matches
+from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
 
@@ -126,7 +127,7 @@ def picked_outputs(program: Program, outputs: str | Sequence[str]) -> Mapping[st
         found = [names[pattern]] if pattern in names else [i for name, i in names.items() if matches(name, pattern)]
         if not found:
             raise UnknownNameError(
-                f"no output matches '{pattern}'{did_you_mean(pattern, names)}; list them with rig.describe()"
+                f"no output matches '{pattern}'{near_patterns(pattern, names)}; rig.outputs() lists them"
             )
         chosen.update(found)
     return {program.outputs[i].name: i for i in sorted(chosen)}

@@ -91,8 +91,6 @@ BALANCED = 1e-12
 """The energy residual from which on it is asked whether all motion was rounding."""
 WIDE = 1000
 """Numbers in a row from which on a run with few outputs evaluates them as it goes."""
-ARGUMENTS = frozenset(run_model.__annotations__) - {"model", "return"}
-"""The names that `run_model` takes."""
 
 
 # -- the run ----------------------------------------------------------------------------------------------------------
@@ -170,7 +168,7 @@ class _Run:
                 f"only{where}: {'a shorter step' if self.meta['step'] else 'a smaller rtol'} makes it better; "
                 f"residual={RESIDUAL:g} makes it an error",
                 GearblocksWarning,
-                stacklevel=5,
+                stacklevel=6,
             )
 
     def _lost(self, first: tuple[Array, Array]) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fnmatch
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from gearblocks.errors import GearblocksError, ParameterError, UnknownNameError, did_you_mean
 from gearblocks.language.units import check_unit, same_measure
+from gearblocks.model.listing import matches
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import Event, Events
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-__all__ = ["EnergyLedger", "Event", "Events", "FinalState", "Stats", "Trajectory", "matches"]
+__all__ = ["EnergyLedger", "Event", "Events", "FinalState", "Stats", "Trajectory"]
 
 RESERVED = ("t", "event_t", "event_component", "event_kind", "event_before", "event_after")
 """Names that columns cannot have: stored runs use them."""
@@ -304,13 +304,6 @@ class Trajectory:
         head += "" if self.complete else ", stopped early"
         listed = ", ".join(self.names[:6]) + (f", ... ({len(self)} outputs)" if len(self) > 6 else "")
         return f"{head}\n  {self.stats}\n  energy residual {self.energy.residual:.1e}\n  {listed}>"
-
-
-def matches(name: str, pattern: str) -> bool:
-    """Whether `pattern` means `name`: equal, or with `*` for any characters (dots too) and `?` for one."""
-    if name == pattern:
-        return True
-    return fnmatch.fnmatchcase(name, pattern.replace("[", "[[]"))
 
 
 def _from_content(content: Content, case: Case | None = None) -> Trajectory:

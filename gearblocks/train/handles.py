@@ -1,11 +1,11 @@
-"""Handles of parts and flanges, as `Drivetrain.add` returns them."""
+"""Handles of parts and flanges, as `Drivetrain.add` and `rig["mesh"]` return them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
+from typing import Any, Protocol, final
 
-from gearblocks.errors import ModelError, did_you_mean
+from gearblocks.errors import UnknownAttributeError, did_you_mean
 from gearblocks.language.block import Block
 
 
@@ -16,6 +16,7 @@ class Composition(Protocol):
     def _exposed(self) -> Mapping[str, tuple[str, str]]: ...
 
 
+@final
 class FlangeHandle:
     """A flange of a part of one drivetrain, for `connect`."""
 
@@ -28,27 +29,58 @@ class FlangeHandle:
         return f"<flange {self.part}.{self.flange}>"
 
 
+@final
 class Handle:
-    """A part of one drivetrain: its flanges as attributes."""
+    """A part of one drivetrain: its flanges (for `connect`) and its fields as attributes, and what else the part has.
+
+    part: the block or train itself. A name that the part has not raises an error that is an AttributeError too, so that
+    hasattr and getattr(handle, name, default) work.
+    """
 
     def __init__(self, owner: Composition, name: str, part: Block | Composition) -> None:
         self._owner, self._name, self._part = owner, name, part
+
+    @property
+    def part(self) -> Any:
+        """The block or train that it is a handle of."""
+        return self._part
 
     @property
     def flanges(self) -> tuple[str, ...]:
         """Names of the flanges."""
         return tuple(self._part._exposed) if not isinstance(self._part, Block) else tuple(type(self._part).flanges)
 
-    def __getattr__(self, name: str) -> FlangeHandle:
-        if name.startswith("__"):
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
             raise AttributeError(name)
         if name in self.flanges:
             return FlangeHandle(self._owner, self._name, name)
+        if hasattr(self._part, name):
+            return getattr(self._part, name)
+        fields = tuple(type(self._part).fields) if isinstance(self._part, Block) else ()
         kind = type(self._part).__name__
-        raise ModelError(
-            f"block '{self._name}' ({kind}) has no flange '{name}'; it has {', '.join(self.flanges) or 'none'}"
-            f"{did_you_mean(name, self.flanges)}"
+        raise UnknownAttributeError(
+            f"'{self._name}' ({kind}) has no flange '{name}'{' and no such field' if fields else ''}; "
+            f"flanges: {', '.join(self.flanges) or 'none'}{'; fields: ' if fields else ''}{', '.join(fields)}"
+            f"{did_you_mean(name, (*self.flanges, *fields))}"
         )
+
+    def __dir__(self) -> list[str]:
+        """Flanges and fields first of all: what a prompt completes."""
+        fields = type(self._part).fields if isinstance(self._part, Block) else ()
+        return sorted({"flanges", "part", *self.flanges, *fields})
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both stand for equal parts of one name."""
+        return isinstance(other, Handle) and (self._name, self._part) == (other._name, other._part)
+
+    def __hash__(self) -> int:
+        return hash((self._name, self._part))
 
     def __repr__(self) -> str:
         return f"<{self._name}: {self._part!r}>"
+
+
+def bare(part: Any) -> Any:
+    """The block or train that a handle is one of; anything else as it is."""
+    return part._part if isinstance(part, Handle) else part

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import csv
+import re
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
 
+import gearblocks
 from gearblocks.cli.main import main
 from gearblocks.simulation.trajectory import Trajectory
 
@@ -46,7 +49,7 @@ def broken() -> gb.Drivetrain:
     return undefined_name
 '''
 
-COMMANDS = ("demo", "list", "run", "sweep", "equations", "export", "draw", "check", "hard")
+COMMANDS = ("demo", "new", "copy", "list", "run", "sweep", "equations", "draw", "export", "check", "hard")
 
 
 @pytest.fixture
@@ -68,6 +71,19 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--help"]) == 0
     out, _ = said(capsys)
     assert all(f"\n  {command} " in out for command in COMMANDS)
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_every_command_answers_a_short_help(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*command.split(), "-h"]) == 0
+    out, _ = said(capsys)
+    assert out.startswith(f"Usage: gearblocks {command}".strip())
+
+
+def test_the_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    out, _ = said(capsys)
+    assert out == f"gearblocks {gearblocks.__version__}\n"
 
 
 def test_help_loads_nothing_heavy() -> None:
@@ -140,6 +156,19 @@ def test_equations_are_printed(script: Path, form: str, part: str, capsys: pytes
     assert main(["equations", str(script), "--format", form]) == 0
     out, _ = said(capsys)
     assert part in out
+
+
+def test_equations_and_fmus_are_those_of_the_changed_train(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    change = ["--set", "shaft.k=50", "--without", "shaft.damping"]
+    assert main(["equations", str(script), *change]) == 0
+    out, _ = said(capsys)
+    assert "damping" not in out and re.search(r"k_shaft +stiffness +50 N m/rad|k_shaft .* 50 ", out)
+    fmu = script.with_suffix(".fmu")
+    assert main(["export", str(script), "-o", str(fmu), *change]) == 0
+    with zipfile.ZipFile(fmu) as packed:
+        described = packed.read("modelDescription.xml").decode()
+    assert "shaft.c" not in described
+    assert re.search(r'name="shaft.k".*?start="50(\.0)?"', described, re.S)
 
 
 @pytest.mark.parametrize(

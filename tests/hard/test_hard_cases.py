@@ -37,8 +37,9 @@ def test_every_case_has_a_judge_and_every_judge_a_case() -> None:
 def test_the_shell_prints_a_row_per_case_and_says_how_many_passed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["hard", "h21", "H41"]) == 0
     text = capsys.readouterr().out
-    assert re.search(r"^case +promise +measured", text, re.M)
-    assert re.search(r"^H21 .*pass .*pass 1\.5 +pass 13\.5 +fail 0\.45", text, re.M)
+    assert re.search(r"^case +steps +CPU s +of it runs +RK45", text, re.M)
+    assert re.search(r"^H21 +pass .*pass 1\.5 +pass 13\.5 +fail 0\.45", text, re.M)
+    assert re.search(r"^     measured: ", text, re.M) and max(map(len, text.splitlines())) <= 80
     assert re.search(r"^H41 ", text, re.M) and "2 of 2 passed" in text
 
 

@@ -23,7 +23,7 @@ ROOMS: tuple[tuple[str, ...], ...] = (
     ("gearblocks.solver",),
     ("gearblocks.model",),
     ("gearblocks.simulation",),
-    ("gearblocks.drivetrain",),
+    ("gearblocks.drivetrain", "gearblocks.running"),
     ("gearblocks.analysis",),
     ("gearblocks",),
     ("gearblocks.hard",),

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.drivetrain import simulate
 from gearblocks.errors import SimulationError
+from gearblocks.running import simulate
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.drivetrain import simulate
+from gearblocks.running import simulate
 from gearblocks.simulation.plotting import Plane, over_time
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model

@@ -12,7 +12,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
-from gearblocks.train.handles import FlangeHandle, Handle
+from gearblocks.train.handles import FlangeHandle
 
 NAN = float("nan")
 
@@ -176,7 +176,7 @@ def _refused(act: Callable[[], Any], *words: str) -> None:
 
 def test_a_train_survives_its_file(tmp_path: Path) -> None:
     rig = _rig()
-    rig.connect(rig.add("gear", gb.IdealGear(ratio=Fraction(1, 3))).a, Handle(rig, "wheel", rig["wheel"]).b)
+    rig.connect(rig.add("gear", gb.IdealGear(ratio=Fraction(1, 3))).a, rig["wheel"].b)
     rig.to_json(tmp_path / "rig.json")
     again = gb.Drivetrain.from_json(tmp_path / "rig.json")
     assert again.describe() == rig.describe()

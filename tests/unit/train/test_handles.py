@@ -1,0 +1,84 @@
+"""Handles: flanges and fields of a part as attributes, also by its path; hasattr understands what a part has not."""
+
+from __future__ import annotations
+
+import pytest
+
+import gearblocks as gb
+from gearblocks.errors import UnknownAttributeError
+from gearblocks.train.handles import FlangeHandle, Handle
+
+
+def _rig() -> gb.Drivetrain:
+    inner = gb.Drivetrain("stage")
+    body = inner.add("body", gb.Inertia(J=1.0))
+    inner.expose("input", body.a)
+    rig = gb.Drivetrain("rig")
+    rig.add("mesh", gb.GearMesh(teeth=(20, 30), external=True, r_base=(0.02, 0.03), k=1e8))
+    rig.add("stage", inner)
+    rig.add("disc", gb.Inertia(J=0.1))
+    return rig
+
+
+def test_a_part_by_its_path_is_what_add_returned() -> None:
+    rig = _rig()
+    disc = rig.add("more", gb.Inertia(J=0.2))
+    assert rig["more"] == disc
+    assert hash(rig["more"]) == hash(disc)
+    assert rig["more"] != rig["disc"]
+    rig.connect(rig["mesh"].pinion, rig["disc"].a, rig["stage"].input)
+    rig.chain(rig["disc"], rig["more"])
+    assert rig.flanges("more.a")[0].value == "joined to disc.b"
+
+
+def test_flanges_and_fields_are_attributes() -> None:
+    mesh = _rig()["mesh"]
+    assert isinstance(mesh.pinion, FlangeHandle)
+    assert mesh.flanges == ("pinion", "wheel", "carrier")
+    assert mesh.k == 1e8
+    assert mesh.teeth == (20, 30)
+    assert mesh.effects() == {"compliance": 1e8}
+    assert {"pinion", "k", "teeth", "flanges", "part"} <= set(dir(mesh))
+    assert isinstance(mesh.part, gb.GearMesh)
+
+
+def test_a_part_of_a_train_inside_is_reached_by_its_path_but_not_connected_past_it() -> None:
+    rig = _rig()
+    assert rig["stage.body"].J == 1.0
+    assert isinstance(rig["stage"].part, gb.Drivetrain)
+    assert isinstance(rig["stage"].input, FlangeHandle)
+    with pytest.raises(gb.ModelError, match="is no flange of 'rig'"):
+        rig.connect(rig["stage.body"].b, rig["disc"].a)
+
+
+def test_what_a_part_has_not_is_named_and_hasattr_works() -> None:
+    mesh = _rig()["mesh"]
+    assert hasattr(mesh, "wheel") and hasattr(mesh, "k")
+    assert not hasattr(mesh, "pinon")
+    assert not hasattr(mesh, "_repr_html_")
+    assert getattr(mesh, "whel", None) is None
+    for error in (UnknownAttributeError, gb.ModelError, AttributeError):
+        with pytest.raises(
+            error, match=r"'mesh' \(GearMesh\) has no flange 'pinon' and no such field; flanges: pinion, whe"
+        ):
+            _ = mesh.pinon
+    with pytest.raises(gb.ModelError, match="did you mean 'stiffness'"):
+        _ = mesh.stifness
+
+
+def test_a_handle_stands_for_its_part_where_a_part_is_wanted() -> None:
+    rig, other = _rig(), gb.Drivetrain("other")
+    other.add("mesh", rig["mesh"])
+    other.add("stage", rig["stage"])
+    assert other["mesh"] == rig["mesh"]
+    assert other["stage.body"] == rig["stage.body"]
+    changed = rig.set({"mesh": rig["mesh"].changed(k=2e8), "disc": rig["stage.body"]})
+    assert (changed["mesh"].k, changed["disc"].J) == (2e8, 1.0)
+    assert isinstance(changed["disc"], Handle)
+
+
+def test_a_path_of_nothing_is_named() -> None:
+    with pytest.raises(gb.ModelError, match="'rig' has no part 'msh' - did you mean 'mesh'"):
+        _ = _rig()["msh"]
+    with pytest.raises(gb.ModelError, match="mesh is a block and has no parts"):
+        _ = _rig()["mesh.k"]
