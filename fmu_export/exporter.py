@@ -22,6 +22,7 @@ from fmu_export.tables import TOKEN_DIGITS, render_table, token_of
 from fmu_export.templates import render
 from fmu_export.variables import Variable, variables_of
 from gearblocks.codegen.program import Program
+from gearblocks.drawing.drawing import Drawing, shown_drawing
 from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.simulation.arguments import parameter_vector
 from gearblocks.solver.library import Model
@@ -29,6 +30,7 @@ from gearblocks.solver.library import Model
 if TYPE_CHECKING:
     from gearblocks.drivetrain import Drivetrain
 
+ICON = "model.png"
 FMI_VERSIONS = ("2.0",)
 _PLANNED = ("3.0",)
 
@@ -77,7 +79,9 @@ def export(
     program = replace(program, parameters=opened_bounds(model, values, start, solver))
     variables = variables_of(program, values, outputs, solver, start)
     experiment = Experiment(t_end, solver.rtol, communication_step)
-    content = Content(fmi, Manifest(program, values, solver, start, _shown(variables)), variables, experiment, patience)
+    drawing = None if isinstance(train, Model) else shown_drawing(train.tree())
+    made = Manifest(program, values, solver, start, _shown(variables))
+    content = Content(fmi, made, variables, experiment, patience, drawing)
     files = content.files(token_of(content.files("0" * TOKEN_DIGITS)))
     if chosen:
         sources = {name.removeprefix("sources/"): data for name, data in files.items() if name.startswith("sources/")}
@@ -96,6 +100,7 @@ class Content:
     variables: tuple[Variable, ...]
     experiment: Experiment
     patience: float | None
+    drawing: Drawing | None
 
     def files(self, token: str) -> dict[str, bytes]:
         """Every file but the binary, by its name in the archive, with `token` wherever the token stands."""
@@ -108,8 +113,9 @@ class Content:
         return {
             **{f"sources/{name}": data for name, data in sources.items()},
             "modelDescription.xml": describe(header, self.variables),
-            "documentation/index.html": _documentation(program, self.variables, made.solver),
+            "documentation/index.html": _documentation(program, self.variables, made.solver, self.drawing),
             manifest.NAME: manifest.to_json(made, token),
+            **({ICON: self.drawing.icon()} if self.drawing is not None else {}),
         }
 
 
@@ -140,12 +146,15 @@ def _tool() -> str:
         return "gearblocks"
 
 
-def _documentation(program: Program, variables: Sequence[Variable], solver: SolverOptions) -> bytes:
-    """A short page: the settings and every variable with its unit and start value."""
+def _documentation(
+    program: Program, variables: Sequence[Variable], solver: SolverOptions, drawing: Drawing | None
+) -> bytes:
+    """A short page: the scheme of the train, the settings and every variable with its unit and start value."""
     control = f"fixed steps of {solver.step!r} s" if solver.step is not None else f"relative tolerance {solver.rtol!r}"
     text = render(
         "documentation.html.jinja",
         name=program.name,
+        drawing="" if drawing is None else drawing.text,
         n_states=program.n,
         n_switches=len(program.switches),
         steps=f"{solver.method}, {control}",

@@ -320,14 +320,22 @@ class Drivetrain:
 
         return listing.flanges(self.tree(), patterns)
 
-    def draw(self, *, values: bool = False, run: Trajectory | None = None, at: float | None = None) -> Drawing:
-        """The train as a kinematic scheme in SVG; values printed too; the state of a run at a time (its end) as colour."""
+    def draw(
+        self, path: str | Path | None = None, *, values: bool = False, run: Trajectory | None = None, at: float | None = None
+    ) -> Drawing:  # fmt: skip
+        """The train as a kinematic scheme in SVG, written to `path` where one is given.
+
+        values: printed beside the symbols too. run, at: what is stuck, slides or touches at a time [s] (its end), as colour.
+        """
         from gearblocks.drawing.drawing import drawing_of
 
-        return drawing_of(self.tree(), values=values, run=run, at=at)
+        return drawing_of(self.tree(), path, values=values, run=run, at=at)
 
     def _repr_svg_(self) -> str | None:
-        return self.draw().text if self._parts else None
+        from gearblocks.drawing.drawing import shown_drawing
+
+        found = shown_drawing(self.tree())
+        return None if found is None else found.text
 
     def describe(self) -> str:
         """A table of all blocks with their values and effects, and what among them is hardly meant (mm typed as m ...)."""

@@ -31,6 +31,7 @@ EXPECTED = {300: "period 1", 348: "period 2", 360: "period 5", 1080: "not period
 LEVELS = (1e-3, 1e-6, 1e-9)
 TOLERANCES = tuple(10.0**-k for k in range(3, 13))
 FILES = {
+    "scheme.svg": "the coupling as a kinematic scheme",
     "equations.html": "equations of motion, for a browser",
     "equations.tex": "equations of motion, LaTeX",
     "model.c": "the C generated from them",
@@ -116,7 +117,9 @@ def demo(out: Path, say: Say) -> bool:
 def _equations(rig: Drivetrain, folder: Path) -> Model:
     equations = rig.equations()
     write_text(folder / "equations.tex", equations.latex() + "\n")
-    write_text(folder / "equations.html", equations.html())
+    drawing = rig.draw()
+    drawing.save(folder / "scheme.svg")
+    write_text(folder / "equations.html", equations.html(str(drawing)))
     model = build(rig)
     write_text(folder / "model.c", model.program.source)
     return model

@@ -21,6 +21,6 @@ def draw(
     """Draw a train as a kinematic scheme."""
     from gearblocks.drawing.drawing import check_ending
 
-    check_ending(out)
-    named(train, change, without).draw(values=values).save(out)
+    check_ending(out)  # before the train is made
+    named(train, change, without).draw(out, values=values)
     say(f"wrote {out}")

@@ -213,7 +213,7 @@ def equations(
 
         say(build(rig).program.source)
     elif form is Form.html:
-        say_page(rig.equations().html())
+        say_page(rig.equations().html(rig._repr_svg_() or ""))
     else:
         eq = rig.equations()
         say(eq.latex() if form is Form.latex else str(eq))

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
+from gearblocks.blocks import Fixed
 from gearblocks.drawing.scheme import Element
 from gearblocks.drawing.shapes import Shape, Words, text_width
-from gearblocks.train.summary import field_texts
+from gearblocks.train.summary import field_texts, short_texts
 
 NAME, VALUE = 11.0, 9.0
 _WIDEST, _LINE = 92.0, 13.0
@@ -51,9 +52,10 @@ class Caption:
 
 def caption(e: Element, values: bool) -> Caption:
     """The caption of an element; values: whether its values are printed too."""
+    single = sum(not isinstance(block, Fixed) for _, block in e.blocks) <= 1
     shown = (
-        tuple(_short(t, 28) for t in field_texts(e.block, e.slides)[:3])
-        if values and e.gearing is None and not e.parallel
+        tuple(_cut(t, VALUE) for t in short_texts(e.block, e.slides)[:3])
+        if values and single and not e.parallel
         else ()
     )
     return Caption(tuple(wrapped(e.name)), shown, title(e))
@@ -84,11 +86,7 @@ def wrapped(name: str) -> list[str]:
     return [_cut(line) for line in lines]
 
 
-def _cut(text: str) -> str:
-    while text_width(text, NAME) > 1.4 * _WIDEST:
+def _cut(text: str, size: float = NAME) -> str:
+    while text_width(text, size) > 1.4 * _WIDEST:
         text = text.removesuffix("…")[:-1] + "…"
     return text
-
-
-def _short(text: str, longest: int) -> str:
-    return text if len(text) <= longest else text[: longest - 1] + "…"

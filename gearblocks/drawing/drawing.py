@@ -15,6 +15,9 @@ from gearblocks.errors import ParameterError
 from gearblocks.files import write_text
 from gearblocks.train.graph import Tree, flatten
 
+SHOWN = 500
+"""Blocks of the largest train that is drawn unasked."""
+
 
 @final
 @dataclass(frozen=True, slots=True, repr=False)
@@ -25,6 +28,12 @@ class Drawing:
     text: str
     scheme: Scheme
     layout: Layout
+
+    def icon(self) -> bytes:
+        """The picture without words as a small PNG file."""
+        from gearblocks.drawing.icon import png
+
+        return png(self.layout)
 
     def __str__(self) -> str:
         return self.text
@@ -47,12 +56,28 @@ def check_ending(path: str | os.PathLike[str]) -> None:
         raise ParameterError(f"drawing: '{path}' must end in .svg, the only form that a drawing has")
 
 
-def drawing_of(tree: Tree, *, values: bool = False, run: Any = None, at: float | None = None) -> Drawing:
-    """The drawing of a train, open ends and all. run, at: colours show its state at that time (the end)."""
+def shown_drawing(tree: Tree) -> Drawing | None:
+    """The drawing for places where nobody asked for it, notebooks and documents: none of an empty or very large train."""
+    return drawing_of(tree) if 0 < _blocks(tree) <= SHOWN else None
+
+
+def _blocks(tree: Tree) -> int:
+    return sum(_blocks(part) if isinstance(part, Tree) else 1 for _, part in tree.parts)
+
+
+def drawing_of(
+    tree: Tree, path: str | os.PathLike[str] | None = None, *, values: bool = False, run: Any = None, at: float | None = None
+) -> Drawing:  # fmt: skip
+    """The drawing of a train, open ends and all, also written to `path`. run, at: colours show its state at a time."""
+    if path is not None:
+        check_ending(path)
     if run is None and at is not None:
         raise ParameterError("draw: at = ... is a time of a run: give run= too")
     scheme = scheme_of(flatten(tree, complete=False, whole=True))
     placed = layout(scheme, values)
     found = states.colours(scheme, run, at) if run is not None else {}
     legend = {colour: words for colour, words in states.LEGEND.items() if colour in {c for c, _ in found.values()}}
-    return Drawing(tree.name, svg(tree.name, placed, scheme.shafts, found, legend), scheme, placed)
+    drawing = Drawing(tree.name, svg(tree.name, placed, scheme.shafts, found, legend), scheme, placed)
+    if path is not None:
+        drawing.save(path)
+    return drawing

@@ -11,15 +11,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
-from gearblocks.blocks import Differential
+from gearblocks.blocks import Differential, GearMesh, IdealGear, LossyGear, NonCircularGear, Worm
 from gearblocks.drawing import pairs
 from gearblocks.drawing.captions import Caption
 from gearblocks.drawing.lanes import Lanes
 from gearblocks.drawing.riders import rider
 from gearblocks.drawing.scheme import Element
 from gearblocks.drawing.sets import differential, stick_scheme
-from gearblocks.drawing.symbols import Symbol, named_box, series, side_by_side
+from gearblocks.drawing.symbols import Symbol, framed_pair, named_box, series, side_by_side
 
+FRAMED = (IdealGear, LossyGear, GearMesh, NonCircularGear, Worm)
+"""Pairs that are drawn in a frame where their housing or carrier turns."""
 CHANNEL, MARGIN = 8.0, 4.0
 """Distance of channels from each other and from the box; free room beside what a lane carries."""
 
@@ -66,7 +68,11 @@ def footprint(i: int, e: Element, lanes: Lanes, caption: Caption, alive: Sequenc
         symbol = rider(e, *goes[e.shafts[0]])
         return _whole(e, symbol, caption, home, ())
     sides = _sides(e, lanes, goes, home)
-    return _whole(e, boxed_symbol(e, sides), caption, home, tuple(zip(e.shafts, sides, strict=True)), lanes)
+    symbol = boxed_symbol(e, sides)
+    straight = [y for s, y in zip(e.shafts, symbol.ports, strict=True) if lanes.of_shaft[s] == home]
+    if straight and 0.0 not in straight:
+        symbol = symbol.lifted(straight[0])
+    return _whole(e, symbol, caption, home, tuple(zip(e.shafts, sides, strict=True)), lanes)
 
 
 def _sides(e: Element, lanes: Lanes, goes: dict[int, tuple[bool, bool]], home: int) -> list[int]:
@@ -97,6 +103,8 @@ def boxed_symbol(e: Element, sides: Sequence[int]) -> Symbol:
             symbols = [_oriented(one, one.shafts[0] == first) for one in e.parallel]
             return side_by_side(tuple(symbols))
         return _oriented(e, sides[0] < 0)
+    if len(e.ports) == 3 and not e.grounded and isinstance(e.block, FRAMED):
+        return framed_pair((sides[0], sides[1], sides[2]))
     rows = {-1: 0, 1: 0}
     heights = list[float]()
     for side in sides:

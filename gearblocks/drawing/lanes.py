@@ -9,14 +9,16 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import final
 
 from gearblocks.drawing.scheme import Element
 
-BROKEN, CROSSING, A_LANE = 1.5, 2.0, 1.5
-"""Costs beside one for each lane that an element reaches across: a series element out of line, a crossing, one lane more."""
-ROUNDS, MANY = 12, 120
-"""How often all changes are tried, and above how many lines no new lanes are."""
+BROKEN, CROSSING, A_LANE, LEANS = 1.5, 2.0, 1.5, 0.4
+"""Costs beside one for each lane that an element reaches across: a series element out of line, a crossing, one lane more, a
+port whose shaft is not on the side of the symbol on which the port is."""
+ROUNDS, WORK = 12, 300_000
+"""How often all changes are tried at most, and how many lines are looked at in all; more is not bettered."""
 
 
 @final
@@ -96,7 +98,18 @@ class _Search:
             return min(self.lane[s] for s in e.shafts)
         lanes = [self.lane[s] for s in e.shafts if i in (self.first[s], self.last[s])]
         everyone = [self.lane[s] for s in e.shafts]
-        return min(lanes, key=lambda lane: (-lanes.count(lane), sum(abs(lane - other) for other in everyone), lane))
+        return min(
+            lanes,
+            key=lambda lane: (self._leaning(e, lane) - lanes.count(lane), sum(abs(lane - x) for x in everyone), lane),
+        )
+
+    def _leaning(self, e: Element, home: int) -> float:
+        """What it costs that ports are not where their shafts are."""
+        leans = e.leans()
+        return LEANS * sum(
+            (self.lane[s] > home) - (self.lane[s] < home) != lean
+            for s, lean in zip(e.shafts, leans, strict=bool(leans))
+        )
 
     def cost_of(self, i: int) -> float:
         """What one element costs where its lines are."""
@@ -108,7 +121,7 @@ class _Search:
         low, high = min(*lanes, home), max(*lanes, home)
         between = sum(low < self.lane[s] < high and s not in e.shafts for s in self.alive[i])
         broken = e.is_boxed and len(lanes) == 2 and lanes[0] != lanes[1]
-        return (high - low) + CROSSING * between + BROKEN * broken
+        return (high - low) + CROSSING * between + BROKEN * broken + self._leaning(e, home)
 
     def cost(self) -> float:
         """What the whole costs."""
@@ -118,9 +131,11 @@ class _Search:
     def improve(self) -> None:
         """Moves single lines and exchanges lanes while that costs less."""
         best = self.cost()
+        left = WORK // sum(map(len, self.alive))
         for _ in range(ROUNDS):
             before = best
-            for lanes in self._changes():
+            for lanes in islice(self._changes(), left):
+                left -= 1
                 kept = list(self.lane)
                 self._take(lanes)
                 now = self.cost()
@@ -133,12 +148,11 @@ class _Search:
 
     def _changes(self) -> Iterator[list[int]]:
         """Lanes that differ by one line on another lane or on a new one, or by two lanes exchanged."""
-        many = len(self.lane) > MANY
         for line in range(len(self.lane)):
             for lane in range(self.count):
                 if lane != self.lane[line] and self.fits(line, lane):
                     yield [lane if s == line else x for s, x in enumerate(self.lane)]
-            for new in range(0 if many else self.count + 1):
+            for new in range(self.count + 1):
                 yield [new if s == line else x + (x >= new) for s, x in enumerate(self.lane)]
         for a in range(self.count):
             for b in range(a):

@@ -23,7 +23,7 @@ from gearblocks.drawing.shapes import Point, Shape, line, moved
 
 WIDTH = 900.0
 """Width in pixels that a drawing does not pass, but for an element that is wider by itself."""
-EDGE, GAP, TRACK, ROW_GAP = 14.0, 6.0, 7.0, 12.0
+EDGE, GAP, TRACK, ROW_GAP = 14.0, 4.0, 7.0, 12.0
 LEAST_PAIR, LEAST_APART = 58.0, 34.0
 
 
@@ -42,7 +42,7 @@ class Box:
 @final
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """Part of a shaft outside of all boxes; element: for the lead from a box to its shaft, which belongs to it."""
+    """Part of a shaft outside of all boxes; shaft = -1: what joins the two wheels of a pair, which lie apart."""
 
     points: tuple[Point, ...]
     shaft: int
@@ -108,7 +108,9 @@ class _Sheet:
         self.order = order
         self.elements = [scheme.elements[i] for i in order]
         self.lanes: Lanes = laid_out(self.elements, len(scheme.shafts))
-        self.captions = [caption(e, values) for e in self.elements]
+        self.order_of = {id(e): i for i, e in enumerate(self.elements)}
+        alive = self._alive()
+        self.prints = [footprint(i, e, self.lanes, caption(e, values), alive[i]) for i, e in enumerate(self.elements)]
         self.joints: list[Point] = []
         self.wires: list[Wire] = []
         self.boxes: list[Box] = []
@@ -116,7 +118,9 @@ class _Sheet:
 
     def drawn(self) -> Layout:
         """Rows filled from left to right, given their heights, then drawn."""
-        self.rows = self._rows()
+        self.rows = self._rows(WIDTH - 2 * EDGE)
+        if len(self.rows) > 1:
+            self.rows = self._folded()
         self.breaks = [self._crossing(row.begin) for row in self.rows[1:]]
         margin = EDGE + TRACK * (max(map(len, self.breaks), default=0) + 1) * bool(self.breaks)
         right = max(row.right for row in self.rows)
@@ -138,9 +142,13 @@ class _Sheet:
 
     # -- places -------------------------------------------------------------------------------------------------------
 
-    def _alive(self, i: int) -> list[int]:
-        first, last = self.lanes.first, self.lanes.last
-        return [s for s in range(len(first)) if first[s] <= i <= last[s]]
+    def _alive(self) -> list[list[int]]:
+        """Shafts that are there at each element."""
+        found: list[list[int]] = [[] for _ in self.elements]
+        for s, (a, b) in enumerate(zip(self.lanes.first, self.lanes.last, strict=True)):
+            for i in range(a, b + 1):
+                found[i].append(s)
+        return found
 
     def _crossing(self, i: int) -> list[int]:
         """Shafts that go on from before element i, the uppermost first."""
@@ -148,13 +156,22 @@ class _Sheet:
         found = [s for s in range(len(first)) if first[s] < i <= last[s]]
         return sorted(found, key=lambda s: self.lanes.of_shaft[s])
 
-    def _rows(self) -> list[_Row]:
+    def _folded(self) -> list[_Row]:
+        """As few rows as there must be, with few shafts that go on from row to row, and of much the same width."""
+        widest = WIDTH - 2 * (EDGE + 3 * TRACK)
+        tried = [self._rows(widest - 25.0 * i) for i in range(12)]
+        fewest = min(len(rows) for rows in tried)
+
+        def worth(rows: list[_Row]) -> tuple[int, float]:
+            return sum(len(self._crossing(row.begin)) for row in rows[1:]), max(row.right for row in rows)
+
+        return min((rows for rows in tried if len(rows) == fewest), key=worth)
+
+    def _rows(self, room: float) -> list[_Row]:
         """Each element right of what lies before it on its lanes; a new row where the width is used up."""
         rows = [_Row(0, [])]
         front = defaultdict[int, float](float)
-        room = WIDTH - 2 * (EDGE + 3 * TRACK)
-        for i, e in enumerate(self.elements):
-            p = footprint(i, e, self.lanes, self.captions[i], self._alive(i))
+        for i, p in enumerate(self.prints):
             x = max(front[lane] - a + GAP for lane, (a, _) in p.spans.items())
             if rows[-1].prints and x + max(b for _, b in p.spans.values()) > room:
                 rows.append(_Row(i, []))
@@ -232,11 +249,6 @@ class _Sheet:
                 found.append(line((x + inner, y + at), (x + outer, y + at)))
         return found
 
-    @property
-    def order_of(self) -> dict[int, int]:
-        """Place in the order of each element."""
-        return {id(e): i for i, e in enumerate(self.elements)}
-
     def _draw_pair(self, p: Footprint, x: float, y: float, low: float, number: int) -> list[Shape]:
         e, lanes = p.element, self.lanes
         i = self.order_of[id(e)]
@@ -244,8 +256,7 @@ class _Sheet:
         shapes = [*moved(pairs.pair(e.block, low - y, first_is_upper, p.together), x, y)]
         for shaft in e.shafts:
             at = y if lanes.of_shaft[shaft] == p.home else low
-            half = p.left if p.together or at == y else pairs.HALF
-            ends = (-half if lanes.first[shaft] < i else 0.0, half if lanes.last[shaft] > i else 0.0)
+            ends = (-p.left if lanes.first[shaft] < i else 0.0, p.right if lanes.last[shaft] > i else 0.0)
             shapes.append(line((x + ends[0], at), (x + ends[1], at)))
         out = pairs.OUTWARD + 2
         shapes += [*moved(p.caption.shapes(out, out + low - y), x, y)]

@@ -21,6 +21,7 @@ from gearblocks.blocks import (
     Torque,
 )
 from gearblocks.drawing.scheme import Element, Scheme
+from gearblocks.language.block import Block
 
 _FIRST = {Engine: 0, DCMotor: 0, Speed: 1, Angle: 1, Torque: 2, Force: 2}
 """What a train starts from, the lowest number first."""
@@ -33,6 +34,12 @@ def orders(scheme: Scheme) -> list[list[int]]:
     return found if found[0] != found[1] else found[:1]
 
 
+def _start_rank(block: Block) -> int:
+    """How likely a train starts from a block, the lowest number first; a constant torque below 0 is a load."""
+    given = block.__dict__.get("tau", block.__dict__.get("f"))
+    return 3 if isinstance(given, (int, float)) and given < 0 else _FIRST.get(type(block), 9)
+
+
 @final
 class _Flow:
     """Levels of the shafts, and what must come before each element."""
@@ -43,7 +50,7 @@ class _Flow:
         for i, e in enumerate(self.elements):
             for shaft in e.shafts:
                 self.on_shaft[shaft].append(i)
-        self.sources: set[int] = set()
+        self.sources: dict[int, int] = {}  # the element that a train or a part by itself starts from, and its place
         self.level = self._levels(len(scheme.shafts))
         self.needs = [set[int]() for _ in self.elements]
         for shaft, here in self.on_shaft.items():
@@ -59,12 +66,12 @@ class _Flow:
 
     def _levels(self, n: int) -> list[int]:
         level = [-1] * n
-        starts = sorted(range(len(self.elements)), key=lambda i: (_FIRST.get(type(self.elements[i].block), 9), i))
+        starts = sorted(range(len(self.elements)), key=lambda i: (_start_rank(self.elements[i].block), i))
         for start in starts:
             shaft = self.elements[start].shafts[0]
             if level[shaft] >= 0:
                 continue
-            self.sources.add(start)
+            self.sources[start] = len(self.sources)
             level[shaft], waiting = 0, deque([shaft])
             while waiting:
                 here = waiting.popleft()
@@ -98,7 +105,10 @@ class _Flow:
             for needed in needs:
                 follow[needed].append(i)
         ready = deque(
-            sorted((i for i, needs in enumerate(missing) if not needs), key=lambda i: (i not in self.sources, i))
+            sorted(
+                (i for i, needs in enumerate(missing) if not needs),
+                key=lambda i: (self.sources.get(i, len(missing)), i),
+            )
         )
         found: list[int] = []
         while ready:

@@ -81,7 +81,7 @@ def _mass(block: Any, slides: bool, left: bool, right: bool) -> Symbol:  # noqa:
 def _fixed(block: Any, slides: bool, left: bool, right: bool) -> Symbol:  # noqa: ARG001
     if left != right:
         outward, x = ("right", 6.0) if left else ("left", -6.0)
-        return Symbol((line((-x * 2, 0), (x, 0)), *hatch(x, 0, 12, outward)), 13, 13, 13, 13)
+        return Symbol((line((-13.0 if left else 13.0, 0), (x, 0)), *hatch(x, 0, 12, outward)), 13, 13, 13, 13)
     return Symbol((*_axis(left, right, 0, 12), line((0, 0), (0, 12)), *hatch(0, 12, 12)), 13, 13, 4, 19)
 
 

@@ -14,6 +14,7 @@ from typing import final
 
 from gearblocks.blocks import (
     BeltDrive,
+    Differential,
     Fixed,
     GearMesh,
     IdealGear,
@@ -77,6 +78,14 @@ class Element:
     def is_boxed(self) -> bool:
         """Whether it has a place of its own, with lines to its shafts."""
         return not self.is_rider and not self.is_pair
+
+    def leans(self) -> tuple[int, ...]:
+        """Whether each port is on top (-1), in the middle (0) or below (1) of the symbol; empty where that is alike."""
+        if self.gearing is not None:
+            return tuple(-1 if name in self.gearing.rings else 0 for name, _ in self.ports)
+        if isinstance(self.block, Differential):
+            return tuple({"left": -1, "right": 1}.get(name, 0) for name, _ in self.ports)
+        return ()
 
 
 @final

@@ -7,153 +7,138 @@ the axis where the way is free, else below it; rings at the top.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import final
+from typing import TypeAlias, final
 
 from gearblocks.drawing.planet_sets import CARRIER, Gearing
-from gearblocks.drawing.shapes import FILLED, PAPER, Circle, Shape, box, hatch, line
+from gearblocks.drawing.shapes import FILLED, PAPER, Circle, Shape, Words, box, hatch, line
 from gearblocks.drawing.symbols import Symbol
 
-_SLOT, _RISE, _STEP = 22.0, 26.0, 13.0
+_SLOT, _RISE, _RADIUS, _ROW, _TEETH = 22.0, 26.0, 13.0, 12.0, 2.5
+"""Width of a mesh, height of a row of planets, radius of a planet, height of a row of ports, gap between two rims."""
 
-
-@final
-class _Sticks:
-    """Columns of the meshes, and heights of the planets; the axis is y = 0."""
-
-    def __init__(self, gearing: Gearing) -> None:
-        self.gearing = gearing
-        self.pins = [-_RISE * (1 + i) for i in range(len(gearing.counts))]
-        self.slots: list[list[tuple[int, str | int]]] = []
-        order = sorted(gearing.meshes, key=lambda m: (m[1] in gearing.rings, m[0]))
-        for planet, mate in order:
-            beside = next((s for s in self.slots if self._shares(s, planet, mate)), None)
-            if beside is not None:
-                beside.append((planet, mate))
-            else:
-                self.slots.append([(planet, mate)])
-        n = len(self.slots)
-        self.x = [_SLOT * (i - (n - 1) / 2) for i in range(n)]
-        self.top = self.pins[-1] - _STEP
-
-    def _shares(self, slot: list[tuple[int, str | int]], planet: int, mate: str | int) -> bool:
-        """A ring goes above the stick that meshes with a sun."""
-        return (
-            mate in self.gearing.rings and len(slot) == 1 and slot[0][0] == planet and slot[0][1] in self.gearing.suns
-        )
-
-    def wheel_x(self, name: str) -> list[float]:
-        """Columns of a sun or ring."""
-        return [x for x, s in zip(self.x, self.slots, strict=True) if any(mate == name for _, mate in s)]
-
-    def planets(self) -> list[Shape]:
-        """Sticks of the planets, with their rims, and their pins."""
-        shapes: list[Shape] = []
-        for x, slot in zip(self.x, self.slots, strict=True):
-            for planet, mate in slot:
-                y = self.pins[planet]
-                other = (
-                    self.pins[mate] if isinstance(mate, int) else 0.0 if mate in self.gearing.suns else self.top - _STEP
-                )
-                contact = (y + other) / 2 if not isinstance(mate, str) else _contact(y, mate in self.gearing.suns)
-                shapes += [line((x, y), (x, contact)), line((x - 5, contact), (x + 5, contact))]
-                if isinstance(mate, int):
-                    shapes += [line((x, other), (x, contact)), line((x - 5, contact + 2.5), (x + 5, contact + 2.5))]
-        for planet, y in enumerate(self.pins):
-            at = self.pin_x(planet)
-            shapes.append(line((min(at) - 5, y), (max(at) + 5, y)))
-        return shapes
-
-    def pin_x(self, planet: int) -> list[float]:
-        """Columns at which a planet has a wheel."""
-        return [x for x, s in zip(self.x, self.slots, strict=True) for p, mate in s if planet in (p, mate)]
-
-
-def _contact(pin: float, below: bool) -> float:
-    return pin + _STEP if below else pin - _STEP
+Mesh: TypeAlias = "tuple[int, str | int]"
 
 
 def stick_scheme(gearing: Gearing, ports: Sequence[str], sides: Sequence[int], grounded: Sequence[str]) -> Symbol:
     """The symbol of a set; sides: -1 left or 1 right for each port; grounded: wheels or carrier that are held fast."""
-    sticks = _Sticks(gearing)
-    shapes = sticks.planets()
-    side_of = dict(zip(ports, sides, strict=True))
-    half = _SLOT * len(sticks.slots) / 2 + 16
-    heights = dict[str, float]()
-    rows = _Rows(half)
+    sticks = _Sticks(gearing, dict(zip(ports, sides, strict=True)), frozenset(grounded))
+    sticks.planets()
     for name in gearing.suns:
-        at = sticks.wheel_x(name)
-        side = side_of.get(name, -1)
-        y = rows.take(min(at), max(at), side)
-        heights[name] = y
-        for x in at:
-            contact = _contact(min(sticks.pins[p] for p, m in gearing.meshes if m == name), True) + 2.5
-            shapes += [line((x, y), (x, contact)), line((x - 5, contact), (x + 5, contact))]
-        shapes += _exit(min(at), max(at), y, side, half, name in grounded)
-    shapes += _carrier(sticks, rows, side_of.get(CARRIER, 1), half, CARRIER in grounded, heights)
-    top = sticks.top
-    for i, name in enumerate(gearing.rings):
-        at = sticks.wheel_x(name)
-        y = top - 10 - 10 * i
-        heights[name] = y
-        for x in at:
-            contact = min(sticks.pins[p] for p, m in gearing.meshes if m == name) - _STEP - 2.5
-            shapes += [line((x - 7, contact), (x + 7, contact)), line((x, contact), (x, y))]
-        shapes += _exit(min(at), max(at), y, side_of.get(name, 1), half, name in grounded, up=True)
-        top = y + 10
-    up = 3 - min([*heights.values(), sticks.top]) + (8 if any(name in grounded for name in gearing.rings) else 0)
-    down = max([*heights.values(), 0.0]) + (10 if grounded else 4)
-    return Symbol(tuple(shapes), half, half, up, down, tuple(heights[p] for p in ports))
+        sticks.sun(name)
+    sticks.carrier()
+    for name in gearing.rings:
+        sticks.ring(name)
+    heights = sticks.heights
+    up = 3 - min(*heights.values(), sticks.top) + (8 if any(name in grounded for name in gearing.rings) else 0)
+    down = max(*heights.values(), 0.0) + (10 if grounded else 4)
+    return Symbol(tuple(sticks.shapes), sticks.half, sticks.half, up, down, tuple(heights[p] for p in ports))
 
 
 @final
-class _Rows:
-    """Heights at and below the axis that are still free along a stretch."""
+class _Sticks:
+    """Columns of the meshes, heights of the pins and of the ports (the axis is y = 0), and what is drawn so far."""
 
-    def __init__(self, half: float) -> None:
-        self.half = half
+    def __init__(self, gearing: Gearing, side: dict[str, int], grounded: frozenset[str]) -> None:
+        self.gearing, self.side, self.grounded = gearing, side, grounded
+        self.pins = [-_RISE * (1 + i) for i in range(len(gearing.counts))]
+        self.slots = _slots(gearing)
+        n = len(self.slots)
+        self.x = [_SLOT * (i - (n - 1) / 2) for i in range(n)]
+        self.half = _SLOT * n / 2 + 16
+        self.top = self.pins[-1] - _RADIUS
+        self.heights: dict[str, float] = {}
         self.used: list[tuple[float, float, float]] = []
+        self.shapes: list[Shape] = []
 
-    def take(self, low: float, high: float, side: int) -> float:
-        """The highest row free from a wheel to the side of its port."""
+    def columns(self, name: str) -> list[float]:
+        """Where a sun or ring has a wheel."""
+        return [x for x, slot in zip(self.x, self.slots, strict=True) if any(mate == name for _, mate in slot)]
+
+    def on_pin(self, planet: int) -> list[float]:
+        """Where a planet has a wheel."""
+        return [x for x, s in zip(self.x, self.slots, strict=True) if any(planet in mesh for mesh in s)]
+
+    def planets(self) -> None:
+        """Sticks of the planets up to their rims, and their pins."""
+        for x, slot in zip(self.x, self.slots, strict=True):
+            for planet, mate in slot:
+                y = self.pins[planet]
+                if isinstance(mate, int):
+                    middle = (y + self.pins[mate]) / 2
+                    self._stick(x, y, middle, 5)
+                    self._stick(x, self.pins[mate], middle - _TEETH if self.pins[mate] < y else middle + _TEETH, 5)
+                else:
+                    self._stick(x, y, y + _RADIUS if mate in self.gearing.suns else y - _RADIUS, 5)
+        for planet, y in enumerate(self.pins):
+            at = self.on_pin(planet)
+            self.shapes.append(line((min(at) - 5, y), (max(at) + 5, y)))
+            if self.gearing.counts[planet] > 1:
+                self.shapes.append(Words(min(at) - 13, y + 3, f"{self.gearing.counts[planet]}×", 8, grey=True))
+
+    def sun(self, name: str) -> None:
+        """A wheel on the axis below its planets."""
+        at = self.columns(name)
+        y = self._row(min(at), max(at), self.side.get(name, -1))
+        for x in at:
+            self._stick(x, y, self._pin_of(name) + _RADIUS + _TEETH, 5)
+        self._leave(name, min(at), max(at), y, "down")
+
+    def ring(self, name: str) -> None:
+        """A wheel with inner teeth above its planets."""
+        at = self.columns(name)
+        y = self.top - 10
+        self.top = y
+        for x in at:
+            self._stick(x, y, self._pin_of(name) - _RADIUS - _TEETH, 7)
+        self._leave(name, min(at), max(at), y, "up")
+
+    def carrier(self) -> None:
+        """An arm beside the wheels that holds the pins."""
+        side = self.side.get(CARRIER, 1)
+        edge = side * (_SLOT * len(self.slots) / 2 + 3)
+        y = self._row(edge, edge, side)
+        self.shapes.append(line((edge, self.pins[-1]), (edge, y)))
+        for planet, pin in enumerate(self.pins):
+            outermost = max(self.on_pin(planet), key=lambda x: side * x)
+            self.shapes += [line((outermost, pin), (edge, pin)), Circle(outermost, pin, 1.8, FILLED)]
+        self._leave(CARRIER, edge, edge, y, "down")
+
+    def _stick(self, x: float, hub: float, rim: float, half: float) -> None:
+        self.shapes += [line((x, hub), (x, rim)), line((x - half, rim), (x + half, rim))]
+
+    def _pin_of(self, name: str) -> float:
+        return min(self.pins[planet] for planet, mate in self.gearing.meshes if mate == name)
+
+    def _row(self, low: float, high: float, side: int) -> float:
+        """The highest row at or below the axis that is free from a wheel to the side of its port."""
         low, high = (-self.half, high) if side < 0 else (low, self.half)
         y = 0.0
         while any(y == row and low < b + 3 and a < high + 3 for row, a, b in self.used):
-            y += 12.0
+            y += _ROW
         self.used.append((y, low, high))
         return y
 
-
-def _exit(low: float, high: float, y: float, side: int, half: float, grounded: bool, up: bool = False) -> list[Shape]:
-    """The line of a wheel to its port, or to the ground."""
-    if grounded:
-        end = low - 8 if side < 0 else high + 8
-        return (
-            [line((low, y), (high, y)), *hatch((low + high) / 2, y, 9, "up" if up else "down")]
-            if low == high
-            else [
-                line((low, y), (high, y)),
-                *hatch(end, y, 8, "left" if side < 0 else "right"),
-                line((low if side < 0 else high, y), (end, y)),
-            ]
-        )
-    return [line((-half if side < 0 else low, y), (half if side > 0 else high, y))]
+    def _leave(self, name: str, low: float, high: float, y: float, outward: str) -> None:
+        """The line from a wheel to its port, or ground at the wheel."""
+        self.heights[name] = y
+        if name in self.grounded:
+            self.shapes += [line((low, y), (high, y)), *hatch((low + high) / 2, y, 9, outward)]
+            return
+        left = self.side[name] < 0
+        self.shapes.append(line((-self.half if left else low, y), (high if left else self.half, y)))
 
 
-def _carrier(
-    sticks: _Sticks, rows: _Rows, side: int, half: float, grounded: bool, heights: dict[str, float]
-) -> list[Shape]:
-    """Pins joined by an arm beside the wheels, and the line to the port."""
-    edge = side * (_SLOT * len(sticks.slots) / 2 + 3)
-    y = rows.take(edge, edge, side)
-    heights[CARRIER] = y
-    shapes: list[Shape] = [line((edge, sticks.pins[-1]), (edge, y))]
-    for planet, pin in enumerate(sticks.pins):
-        at = sticks.pin_x(planet)
-        shapes.append(line(((max(at) if side > 0 else min(at)), pin), (edge, pin)))
-        shapes.append(Circle(max(at) if side > 0 else min(at), pin, 1.8, FILLED))
-    if grounded:
-        return [*shapes, *hatch(edge, y, 8, "down")]
-    return [*shapes, line((edge, y), (side * half, y))]
+def _slots(gearing: Gearing) -> list[list[Mesh]]:
+    """Meshes column by column: a ring goes above the stick of a planet that meshes with a sun alone."""
+    slots: list[list[Mesh]] = []
+    for planet, mate in sorted(gearing.meshes, key=lambda m: (m[1] in gearing.rings, m[0])):
+        alone = (s for s in slots if len(s) == 1 and s[0][0] == planet and s[0][1] in gearing.suns)
+        below = next(alone, None) if mate in gearing.rings else None
+        if below is None:
+            slots.append([(planet, mate)])
+        else:
+            below.append((planet, mate))
+    return slots
 
 
 def differential(sides: Sequence[int], ports: Sequence[str], grounded: Sequence[str]) -> Symbol:

@@ -121,5 +121,12 @@ def hatch(x: float, y: float, half: float, outward: str = "down") -> tuple[Shape
 
 def text_width(text: str, size: float = 11.0) -> float:
     """An upper bound of the width of a text in the widest of the usual sans-serif fonts (DejaVu Sans)."""
-    wide = sum(0.36 if c in "iljI.,:;'|! " else 0.99 if c in "mwMW@%" else 0.82 if c.isupper() else 0.66 for c in text)
-    return wide * size
+    return sum(map(_letter_width, text)) * size
+
+
+def _letter_width(c: str) -> float:
+    if c in "mwMW@%" or ord(c) > 126:
+        return 1.0
+    if c in "=+<>#~^&" or c.isupper():
+        return 0.84
+    return 0.42 if c in "iljI.,:;'|!/()[]tfr " else 0.66

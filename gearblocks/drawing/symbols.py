@@ -11,18 +11,23 @@ from dataclasses import dataclass
 from typing import Any, final
 
 from gearblocks.blocks import (
+    Angle,
     BearingFriction,
     Brake,
     Clutch,
     Damper,
+    DCMotor,
     DogClutch,
+    Force,
     Freewheel,
     HardStop,
     Lash,
     OneWayClutch,
     Shaft,
+    Speed,
     SplineCoupling,
     Synchronizer,
+    Torque,
     TorqueConverter,
     UniversalJoint,
 )
@@ -65,6 +70,11 @@ class Symbol:
     def mirrored(self) -> Symbol:
         """Left and right exchanged."""
         return Symbol(mirrored(self.shapes), self.right, self.left, self.up, self.down, self.ports)
+
+    def lifted(self, dy: float) -> Symbol:
+        """The same about an anchor that lies dy lower."""
+        ports = tuple(y - dy for y in self.ports)
+        return Symbol(moved(self.shapes, 0, -dy), self.left, self.right, self.up + dy, self.down - dy, ports)
 
     def turned(self) -> Symbol:
         """A quarter turn: the left end on top."""
@@ -150,7 +160,10 @@ def _lash() -> Symbol:
 
 
 def _stop() -> Symbol:
-    return _made((line((-HALF, 0), (0, 0)), *_play(0), line((9, 0), (HALF, 0))), 9)
+    """A plate between two pairs of blocks."""
+    blocks = tuple(box(x, y, 4, 6, FILLED) for x in (-10, 7) for y in (-10, 4))
+    cage = line((-8, -10), (9, -10), (9, 10), (-8, 10))
+    return _made((line((-HALF, 0), (0, 0)), line((0, -7), (0, 7)), *blocks, cage, line((9, 0), (HALF, 0))), 11)
 
 
 def _plates(high: float = 12.0) -> Symbol:
@@ -204,6 +217,25 @@ def _converter() -> Symbol:
     return _made((line((-HALF, 0), (-11, 0)), *halves, *walls, line((11, 0), (HALF, 0))), 16)
 
 
+def framed_pair(sides: tuple[int, int, int]) -> Symbol:
+    """A gear pair whose bearings stand in a frame that turns itself: the first axis above, the second below, then the frame."""
+    shapes: list[Shape] = [box(-20, -27, 40, 54, THIN)]
+    for side, y, out in ((sides[0], -13.0, -1), (sides[1], 13.0, 1)):
+        rim = y - out * 11.5
+        shapes += [line((side * 28, y), (0, y)), line((0, y + out * 9), (0, rim)), line((-5, rim), (5, rim))]
+        shapes += [line((-5, y + out * 9), (5, y + out * 9)), line((side * 16, y - 3), (side * 24, y - 3), look=THIN)]
+        shapes.append(line((side * 16, y + 3), (side * 24, y + 3), look=THIN))
+    shapes.append(line((sides[2] * 20, 0), (sides[2] * 28, 0)))
+    return Symbol(tuple(shapes), 28, 28, 28, 28, (-13.0, 13.0, 0.0))
+
+
+def _lettered(letter: str) -> Symbol:
+    """A source between two shafts."""
+    return _made(
+        (line((-HALF, 0), (-12, 0)), Circle(0, 0, 12), Words(0, 4.5, letter, 13), line((12, 0), (HALF, 0))), 13
+    )
+
+
 _SERIES: dict[type[Block], Callable[[], Symbol]] = {
     Damper: _dashpot,
     Lash: _lash,
@@ -218,4 +250,9 @@ _SERIES: dict[type[Block], Callable[[], Symbol]] = {
     SplineCoupling: _spline,
     UniversalJoint: _joint,
     TorqueConverter: _converter,
+    Torque: lambda: _lettered("τ"),
+    Force: lambda: _lettered("F"),
+    Speed: lambda: _lettered("ω"),
+    Angle: lambda: _lettered("φ"),
+    DCMotor: lambda: _lettered("M"),
 }

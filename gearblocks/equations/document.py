@@ -142,8 +142,8 @@ class Document:
             x for s in self.sections for line in s.lines for x in web.equation_mathml(line.left, line.right)
         )
 
-    def html(self) -> str:
-        """A page that a browser shows without a network."""
+    def html(self, drawing: str = "") -> str:
+        """A page that a browser shows without a network; drawing: SVG that stands above the equations."""
         number, sections = 0, []
         for section in self.sections:
             rows = []
@@ -152,7 +152,8 @@ class Document:
                 shown = web.equation_mathml(line.left, line.right)
                 rows.append({"lines": shown, "number": number if line.left is not None else None})
             sections.append({"heading": section.heading, "rows": rows})
-        values = {"title": self.title, "sections": sections, "rows": self.nomenclature.rows()}
+        rows = self.nomenclature.rows()
+        values = {"title": self.title, "sections": sections, "rows": rows, "drawing": drawing}
         return page("gearblocks.equations", "equations.html.jinja", **values)
 
     def _repr_html_(self) -> str:

@@ -214,9 +214,9 @@ class Equations:
         """Everything as LaTeX, for a document with amsmath."""
         return self.document().latex()
 
-    def html(self) -> str:
-        """Everything as a page that a browser shows without a network."""
-        return self.document().html()
+    def html(self, drawing: str = "") -> str:
+        """Everything as a page that a browser shows without a network. drawing: SVG of the train, str(rig.draw())."""
+        return self.document().html(str(drawing))
 
     def mathml(self) -> str:
         """The equations as <math> elements, one in a line."""

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from typing import Any
+
 from gearblocks.language.block import Block, Declared
-from gearblocks.language.signals import Input, Parameter
-from gearblocks.language.units import unit_along
+from gearblocks.language.expression import Expr
+from gearblocks.language.signals import Input, Parameter, Table
+from gearblocks.language.tables import Table2
+from gearblocks.language.units import Given, parse_unit, unit_along
 
 
 def field_texts(block: Block, slides: bool) -> list[str]:
@@ -17,3 +22,38 @@ def field_texts(block: Block, slides: bool) -> list[str]:
             unit = "" if bare else f" {unit_along(field.unit, slides)}"
             parts.append(f"{name} = {value!r}{unit}" if not isinstance(value, Declared) else f"{name}: {value!r}")
     return parts
+
+
+def short_texts(block: Block, slides: bool) -> list[str]:
+    """ "k = 2e+04 N m/rad" and the like for the parameters and signals alone, start values left out."""
+    found = []
+    for name, field in type(block).fields.items():
+        value = block.__dict__[name]
+        if (
+            value is not None
+            and value != field.default
+            and field.start is None
+            and field.role not in ("option", "effect")
+        ):
+            text = _short(value, unit_along(field.unit, slides))
+            found += [f"{name} = {text}"] if text else []
+    return found
+
+
+def _short(value: Any, unit: str) -> str:
+    """A value of a few letters; empty for what has none."""
+    if isinstance(value, Given) and value.unit:
+        value, unit = parse_unit(value.unit).of_si(float(value)), value.unit
+    if isinstance(value, Parameter):
+        value, unit = value.value, value.unit
+    if isinstance(value, Input):
+        return "an input"
+    if isinstance(value, tuple):
+        return ":".join(f"{x:.4g}" for x in value) if all(isinstance(x, (int, float)) for x in value) else ""
+    if isinstance(value, (Table, Table2)):
+        return "a table"
+    if isinstance(value, Expr):
+        return str(value) if len(str(value)) < 20 else "f(...)"
+    if isinstance(value, (int, float, Fraction)) and not isinstance(value, bool):
+        return f"{float(value):.4g}".replace("e+0", "e").replace("e-0", "e-") + (f" {unit}" if unit != "1" else "")
+    return ""

@@ -87,6 +87,13 @@ def test_the_picture_of_the_rooms_is_that_of_the_sources() -> None:
     assert text == drawing.picture(), "the picture is stale: python docs/draw_rooms.py"
 
 
+def test_the_schemes_of_the_readme_are_those_of_its_trains() -> None:
+    drawing = _loaded(DOCS / "draw_trains.py")
+    for name, text in drawing.pictures().items():
+        there = (drawing.PICTURES / name).read_text(encoding="utf-8")
+        assert there == text, f"{name} is stale: python docs/draw_trains.py"
+
+
 @pytest.mark.parametrize("path", MARKDOWN, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_links_between_documents_lead_somewhere(path: Path) -> None:
     for target in re.findall(r"\]\(([^)#]+)[^)]*\)", path.read_text(encoding="utf-8")):

@@ -9,15 +9,19 @@ from xml.etree import ElementTree
 import pytest
 
 import gearblocks as gb
+from gearblocks import blocks
 from gearblocks.cli import scripts
-from gearblocks.drawing.layout import WIDTH, Box, Layout, layout
+from gearblocks.drawing.drawing import drawing_of
+from gearblocks.drawing.layout import WIDTH, Box, Layout, Wire, layout
 from gearblocks.drawing.scheme import scheme_of
-from gearblocks.train.graph import flatten
+from gearblocks.drawing.shapes import Stroke
+from gearblocks.train.graph import Tree, flatten
 from tests.random.description import build
 from tests.random.families import FAMILIES, draw
 
 MODELS = [f"{name}:{maker.name}" for name, path in scripts.shipped().items() for maker in scripts.makers(path)]
 RANDOM = [(family, seed) for seed in range(5) for family in FAMILIES]
+PLAIN, PLAIN_WHERE_HOUSED = {gb.Governor}, {gb.BeltDrive, gb.TorqueConverter, gb.Engine, gb.EddyCurrentBrake}
 SLACK = 1e-6  # rounding of sums of widths
 
 
@@ -30,7 +34,11 @@ def _overlap(a: Box, b: Box) -> bool:
 
 def _stretches(found: Layout) -> list[Box]:
     """Every straight piece of a line as a box without width."""
-    pieces = [(a, b) for wire in found.wires for a, b in pairwise(wire.points)]
+    return [piece for wire in found.wires for piece in _stretches_of(wire)]
+
+
+def _stretches_of(wire: Wire) -> list[Box]:
+    pieces = [*pairwise(wire.points)]
     assert all(a[0] == b[0] or a[1] == b[1] for a, b in pieces)
     return [Box(min(a[0], b[0]), min(a[1], b[1]), abs(a[0] - b[0]), abs(a[1] - b[1]), -1) for a, b in pieces]
 
@@ -39,13 +47,39 @@ def _inside(a: Box, found: Layout) -> bool:
     return a.x >= 0 and a.y >= 0 and a.x + a.width <= found.width and a.y + a.height <= found.height
 
 
-def _check(rig: gb.Drivetrain) -> None:
-    drawing = rig.draw()
-    found = drawing.layout
+def _check_geometry(found: Layout) -> None:
     assert [(a, b) for a, b in combinations(found.boxes, 2) if _overlap(a, b)] == []
     stretches = _stretches(found)
     assert [(a, b) for a in stretches for b in found.boxes if _overlap(a, b)] == []
     assert [a for a in (*found.boxes, *stretches) if not _inside(a, found)] == []
+    _check_ends(found)
+
+
+def _check_ends(found: Layout) -> None:
+    """A line ends at a symbol, which goes on there, or at another line of its shaft."""
+    drawn = {box: {p for s in figure.shapes if isinstance(s, Stroke) for p in s.points}
+             for box in found.boxes for figure in found.figures if figure.number == box.element}  # fmt: skip
+    for wire in found.wires:
+        others = [s for w in found.wires if w.shaft == wire.shaft and w is not wire for s in _stretches_of(w)]
+        for x, y in (wire.points[0], wire.points[-1]):
+            at = Box(x, y, 0.0, 0.0, -1)
+            at_line = any(_touches(at, other) for other in others)
+            at_symbol = any(_touches(at, box) and any(abs(x - a) + abs(y - b) < SLACK for a, b in points)
+                            for box, points in drawn.items())  # fmt: skip
+            assert at_line or at_symbol or wire.shaft == -1, f"the end ({x}, {y}) hangs in the air"
+
+
+def _touches(a: Box, b: Box) -> bool:
+    return (
+        a.x <= b.x + b.width + SLACK and b.x <= a.x + a.width + SLACK
+        and a.y <= b.y + b.height + SLACK and b.y <= a.y + a.height + SLACK
+    )  # fmt: skip
+
+
+def _check(rig: gb.Drivetrain, **options: Any) -> None:
+    drawing = rig.draw(**options)
+    found = drawing.layout
+    _check_geometry(found)
     assert {box.element for box in found.boxes} == set(range(len(drawing.scheme.elements)))
     ElementTree.fromstring(drawing.text)
     for path in (c.path for c in flatten(rig.tree(), whole=True).components):
@@ -64,9 +98,7 @@ def test_in_drawings_of_random_trains_nothing_overlaps_and_no_line_crosses_a_box
 
 @pytest.mark.parametrize("model", MODELS)
 def test_values_printed_beside_the_symbols_overlap_nothing(model: str) -> None:
-    found = scripts.make(model).draw(values=True).layout
-    assert [(a, b) for a, b in combinations(found.boxes, 2) if _overlap(a, b)] == []
-    assert [(a, b) for a in _stretches(found) for b in found.boxes if _overlap(a, b)] == []
+    _check(scripts.make(model), values=True)
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -131,6 +163,53 @@ def test_a_fixed_end_is_drawn_where_something_stands_on_it() -> None:
     assert "wall: Fixed" in drawing.text
 
 
+BLOCKS = [
+    kind for name in blocks.__all__ if isinstance(kind := getattr(blocks, name), type) and issubclass(kind, gb.Block)
+]
+
+
+@pytest.mark.parametrize("housed", [False, True])
+@pytest.mark.parametrize("kind", BLOCKS)
+def test_every_block_of_the_catalogue_has_a_symbol(kind: type[gb.Block], housed: bool) -> None:
+    block = object.__new__(kind)  # a symbol hangs on the class; values are not needed
+    block.__dict__.update(dict.fromkeys(kind.fields))
+    block.__dict__.update({"planets": 3, "ratio": 2.0})
+    sliding = any(f.slider for f in kind.flanges.values())
+    parts: list[tuple[str, Any]] = [("part", block)]
+    links = []
+    for flange, spec in kind.flanges.items():
+        if spec.ground and not spec.spare and not housed:
+            continue
+        body: gb.Block = gb.Mass(m=1.0) if spec.slider or (sliding and spec.slider is None) else gb.Inertia(J=1.0)
+        parts.append((f"body_{flange}", body))
+        links.append((("part", flange), (f"body_{flange}", "a")))
+    drawing = drawing_of(Tree("one block", tuple(parts), tuple(links)))
+    _check_geometry(drawing.layout)
+    plain = PLAIN | (PLAIN_WHERE_HOUSED if housed else set())
+    assert (f">{kind.__name__}</text>" in drawing.text) == (kind in plain)
+
+
+def test_a_wheel_that_a_fixed_holds_is_grounded_within_the_set() -> None:
+    rig = gb.Drivetrain("reduction")
+    sun, carrier = rig.add("sun", gb.Inertia(J=1.0)), rig.add("carrier", gb.Inertia(J=1.0))
+    gear, wall = rig.add("gear", gb.IdealPlanetary(ratio=2)), rig.add("wall", gb.Fixed())
+    rig.connect(sun.a, gear.sun)
+    rig.connect(gear.carrier, carrier.a)
+    rig.connect(gear.ring, wall.flange)
+    drawing = rig.draw()
+    assert len(drawing.layout.boxes) == 3
+    assert [e.grounded for e in drawing.scheme.elements if e.gearing is not None] == [("ring",)]
+
+
+def test_parts_that_are_not_connected_are_drawn_beside_each_other() -> None:
+    rig = gb.Drivetrain("two trains")
+    rig.connect(rig.add("a", gb.Inertia(J=1.0)).a, rig.add("b", gb.Inertia(J=1.0)).a)
+    rig.connect(rig.add("drive", gb.Torque(tau=1.0)).flange, rig.add("c", gb.Inertia(J=1.0)).a)
+    found = rig.draw()
+    _check_geometry(found.layout)
+    assert found.layout.figures[0].title.startswith("drive:")
+
+
 def test_a_block_of_ones_own_is_a_box_with_the_name_of_its_class() -> None:
     class Gizmo(gb.Block):
         a, b, c = gb.Flange("one"), gb.Flange("two"), gb.Flange("three")
@@ -172,17 +251,3 @@ def test_a_drawing_is_saved_as_svg_alone(tmp_path: Path) -> None:
     assert (tmp_path / "pair.svg").read_text(encoding="utf-8") == str(drawing) == drawing._repr_svg_()
     with pytest.raises(gb.ParameterError, match=r"must end in \.svg"):
         drawing.save(tmp_path / "pair.png")
-
-
-def test_the_state_of_a_run_is_shown_as_colour() -> None:
-    rig = gb.Drivetrain("brake that slides, then sticks")
-    body, brake = rig.add("body", gb.Inertia(J=1.0, w0=1.0)), rig.add("brake", gb.Brake(capacity=1.0))
-    rig.connect(body.a, brake.a)
-    run = gb.simulate(rig, t_end=2.0)
-    early, late = str(rig.draw(run=run, at=0.0)), str(rig.draw(run=run))
-    assert "brake: slides forward" in early and "brake: stuck" in late
-    assert 'color="#d55e00"' in early and 'color="#0072b2"' in late
-    with pytest.raises(gb.ParameterError, match=r"must lie within the run, 0 \.\. 2 s"):
-        rig.draw(run=run, at=3.0)
-    with pytest.raises(gb.ParameterError, match="give run= too"):
-        rig.draw(at=1.0)
