@@ -177,7 +177,16 @@ def __getattr__(name: str) -> Any:
         return value
     if not name.startswith("_") and find_spec(f"{__name__}.{name}") is not None:
         return import_module(f"{__name__}.{name}")
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'{_near(name)}")
+
+
+def _near(name: str) -> str:
+    """What to do about a name that is not there; names with an underscore are asked for by machines, in great number."""
+    if name.startswith("_"):
+        return ""
+    from gearblocks.errors import did_you_mean
+
+    return f"; dir({__name__}) lists its names{did_you_mean(name, __all__)}"
 
 
 def __dir__() -> list[str]:

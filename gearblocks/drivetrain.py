@@ -19,6 +19,7 @@ from gearblocks.model.build import build_train, check_user_blocks
 from gearblocks.solver.library import Model
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
 from gearblocks.train.handles import FlangeHandle, Handle
+from gearblocks.train.plausibility import warn_of_doubts
 from gearblocks.train.values import field_paths, replaced, unique_path, value_problems
 
 if TYPE_CHECKING:
@@ -54,10 +55,13 @@ class Drivetrain:
         if not isinstance(name, str) or not _NAME.fullmatch(name):
             raise ModelError(f"part name {name!r} must be a word of letters, digits and '_' that starts with a letter")
         if name in self._parts:
-            raise ModelError(f"'{self.name}' already has a part named '{name}'")
+            raise ModelError(
+                f"'{self.name}' already has a part named '{name}'; take another name, or change it with rig.set"
+            )
         problems = list(_part_problems(name, part))
         if problems:
             raise ModelError(problems)
+        warn_of_doubts(name, part)
         self._parts[name] = part._copy() if isinstance(part, Drivetrain) else part
         return Handle(self, name, self._parts[name])
 
@@ -179,6 +183,8 @@ class Drivetrain:
             problems += [*_part_problems(path, owner._parts[name])] or [*owner._lost_flanges(name)]
         if problems:
             raise ModelError(problems)
+        for path, (owner, name) in changed.items():
+            warn_of_doubts(path, owner._parts[name])
         return other
 
     def field_paths(self) -> frozenset[str]:

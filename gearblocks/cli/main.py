@@ -17,8 +17,8 @@ import typer
 from gearblocks import __version__
 from gearblocks.cli import beginnings, run_report
 from gearblocks.cli.terminal import accept_every_character, complain, progress, say, say_page
-from gearblocks.cli.trains import Change, Initial, Method, Rtol, Step, Train, Without, built, named
-from gearblocks.errors import CompileError, GearblocksError, ParameterError, SimulationError
+from gearblocks.cli.trains import Change, End, Initial, Method, Rtol, Step, Train, Without, built, named
+from gearblocks.errors import CompileError, GearblocksError, SimulationError
 
 NO, BAD_INPUT = 1, 2
 
@@ -105,7 +105,7 @@ def list_models(file: Annotated[str | None, typer.Argument(metavar="FILE", help=
 @app.command()
 def run(
     train: Train,
-    t_end: Annotated[float, typer.Option(help="End of the run in s.")] = 1.0,
+    t_end: End = 1.0,
     initial: Initial = None,
     change: Change = None,
     without: Without = None,
@@ -155,7 +155,7 @@ def sweep(
     of: Annotated[
         list[str] | None, typer.Option(metavar="OUTPUT", help="An output, or peak(OUTPUT), rms(OUTPUT) ...")
     ] = None,
-    t_end: Annotated[float, typer.Option(help="End of each run in s.")] = 1.0,
+    t_end: End = 1.0,
     initial: Initial = None,
     change: Change = None,
     without: Without = None,
@@ -233,8 +233,6 @@ def export(
 @app.command()
 def check(fmu: Annotated[Path, typer.Argument(metavar="X.fmu", help="The FMU to check.")]) -> None:
     """Check an FMU: validity, a run, comparison with the run in this process."""
-    if not fmu.is_file():
-        raise ParameterError(f"there is no file '{fmu}'")
     import fmu_export
 
     report = fmu_export.check(fmu)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearblocks.errors import GearblocksError, ParameterError, UnknownNameError, did_you_mean
-from gearblocks.language.units import check_unit, same_measure
+from gearblocks.language.units import check_unit
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import Event, Events
@@ -178,7 +178,12 @@ class Trajectory:
         Raises ParameterError for a unit that is not known or measures something else, UnknownNameError as run[name] does.
         """
         values, wanted = self[name], check_unit(f"'{name}'", unit)
-        same_measure(f"'{name}'", check_unit(f"'{name}'", "s" if name == "t" else self.units[name]), wanted)
+        known = check_unit(f"'{name}'", "s" if name == "t" else self.units[name])
+        if not known.measures(wanted):
+            own = known.text or "1"
+            raise ParameterError(
+                f"'{name}' is in {own}, which '{unit}' does not measure; ask for {own} or a multiple of it"
+            )
         return values / wanted.factor
 
     def find(self, *patterns: str) -> tuple[str, ...]:
