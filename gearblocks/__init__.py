@@ -3,6 +3,7 @@
 A name is imported with its module when it is first used: the shell's help needs none of them, a run no linear tools.
 """
 
+import logging
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -166,6 +167,8 @@ _NAMES = {
     "solver.library": "Model",
 }
 """Public names by the module that they come from, below this one."""
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # what is logged appears where the user asks for it
+
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 

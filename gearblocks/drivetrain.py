@@ -361,8 +361,8 @@ def simulate(train: Drivetrain | Model, *unnamed: Any, **arguments: Any) -> Traj
     at t_start). outputs: a pattern or several ("mesh.*").
     residual: the run stops where its energy residual (run.energy.residual), looked at between samples about every 50 ms of
     CPU time and at the end, exceeds this.
-    progress: called with the share done (0..1), five times a second at most; without it a run of more than two seconds
-    says on a terminal how far it is.
+    progress: called with the share done (0..1), five times a second at most; without it a long run says how far it is, on
+    a terminal and in a notebook after two seconds, in a log by a line every so often.
 
     Raises UnknownNameError and ParameterError for bad arguments, SimulationError (with the trajectory so far) when the
     run cannot go on. Ctrl-C returns what is done; run.complete is then False.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gearblocks.codegen.program import Program
-from gearblocks.errors import ModelError
+from gearblocks.errors import ModelError, log
 from gearblocks.language.block import Declared
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Input, Parameter
@@ -48,8 +49,12 @@ def _build(train: Train) -> Model:
     program = _stored(cache.read("programs", key), values)
     if program is None:
         start_core_build()
+        began = time.perf_counter()
         program = make_program(train)
+        log.info("'%s': equations and C text made in %.3g s", train.name, time.perf_counter() - began)
         cache.write("programs", key, program.to_bytes())
+    else:
+        log.debug("'%s': equations and C text are in the cache", train.name)
     _check_against(program, train, values, names)
     start = np.array([values.get(p.path, 0.0) for p in program.parameters])
     start.setflags(write=False)

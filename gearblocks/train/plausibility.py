@@ -5,10 +5,9 @@ Knows nothing of bounds, which refuse; a value that brings its unit is meant as 
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 
-from gearblocks.errors import GearblocksWarning
+from gearblocks.errors import warn
 from gearblocks.language.block import Block
 
 _LARGEST = {"module": (0.1, "m", "mm")}
@@ -29,4 +28,4 @@ def doubts(path: str, block: Block) -> Iterator[str]:
 def warn_of_doubts(path: str, part: object) -> None:
     """A GearblocksWarning, at the line that called the caller, for every implausible value of a part that is a block."""
     for doubt in doubts(path, part) if isinstance(part, Block) else ():
-        warnings.warn(doubt, GearblocksWarning, stacklevel=3)
+        warn(doubt, stacklevel=3)
