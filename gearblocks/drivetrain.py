@@ -354,7 +354,8 @@ def simulate(train: Drivetrain | Model, *unnamed: Any, **arguments: Any) -> Traj
     largest value of each state so far. step: fixed step [s] for any method. max_step: longest step [s].
     locate: False locates nothing: every stage of a step takes the side it is on, as an `if` in the right-hand side does (to see
     what that costs); friction, stops and lossy gears then change at the ends of steps.
-    inputs: by name a number, a `Table` over time, or a function of time (called per stage: slow; a Table is fast).
+    inputs: by name a number, a `Table` over time, a pair (t, y) or a Series of pandas over time [s] (straight lines between
+    the samples), or a function of time (called per stage: slow; a Table is fast).
     parameters: other values by path ("mesh.k"), without recompiling. initial: start values by name ("motor.w",
     "motor.phi", states of blocks), an earlier run to continue, "static" (the equilibrium with every excitation by time at
     its mean, contact side from the load; speeds and absolute angles stay) or "static_at_start" (under everything as it is

@@ -17,12 +17,13 @@ from gearblocks.language.expression import finite_number
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Table, check_increasing
 from gearblocks.language.units import has_unit, number_in_si, parse_unit
+from gearblocks.simulation.input_series import TimeSeries, table_of_series
 from gearblocks.simulation.records import NamedValues
 from gearblocks.simulation.trajectory import Trajectory, matches
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
 
-InputSource: TypeAlias = "float | str | Table | Callable[[float], float]"
+InputSource: TypeAlias = "float | str | Table | Callable[[float], float] | tuple[ArrayLike, ArrayLike] | TimeSeries"
 STATIC = ("static", "static_at_start")
 METHODS = {method.name.lower(): method for method in Method if method is not Method.AUTO}
 METHOD_NAMES = tuple(method.name.lower() for method in Method)
@@ -250,7 +251,8 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
         return
     names = program.input_numbers
     sim.inputs[:] = program.input_starts
-    for name, source in by_name("inputs", sources).items():
+    for name, given in by_name("inputs", sources).items():
+        source = table_of_series(name, given)
         i = resolve(name, names, "input")
         info = program.inputs[i]
         if info.given_in and (isinstance(source, Table) or callable(source)):

@@ -33,6 +33,7 @@ from gearblocks.simulation.element_balance import Rerun, element_imbalances
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import events_of
 from gearblocks.simulation.failures import component_of, reason
+from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.measured_runs import run_again
 from gearblocks.simulation.progress import Progress
 from gearblocks.simulation.recorded_memory import memory_limit
@@ -61,6 +62,7 @@ def run_model(
         raise ParameterError(f"residual = {residual!r} must be > 0")
     begin = begin_of(t_start, initial)
     samples, end = sample_times(begin, t_end, t)
+    inputs = with_tables(inputs)
     options, why = method_options(method, rtol, step, max_step, locate, end)
     pick = picked_outputs(program, outputs)
     with model.library.reopen() as sim:
@@ -69,13 +71,13 @@ def run_model(
             raise ParameterError(
                 f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
             )
-        set_inputs(sim, program, inputs or {})
+        set_inputs(sim, program, inputs)
         run = _Run(model, sim, samples, end, pick, values, progress, residual, meta={
             "train": program.name, "method": METHOD_NAMES[options.method], "rtol": rtol, "step": step,
             "parameters": NamedValues(program.parameter_numbers, values),
         })  # fmt: skip
         y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)
-        run.case = Case(model.library, values, dict(inputs or {}), options, begin, end, y0, run_again)
+        run.case = Case(model.library, values, dict(inputs), options, begin, end, y0, run_again)
         return run.go(options, begin, y0, why)
 
 
