@@ -69,6 +69,7 @@ if TYPE_CHECKING:
         MeshLaw,
         Profile,
         Square,
+        Superposition,
         ToothFriction,
     )
     from gearblocks.drivetrain import Drivetrain, build, simulate
@@ -122,7 +123,7 @@ __all__ = [
     "MeshLaw", "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch", "Parameter",
     "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate", "RatioLaw",
     "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start",
-    "State", "Stick", "Stop", "Stribeck", "Study", "Switch", "Synchronizer", "Table", "Table2", "Tie",
+    "State", "Stick", "Stop", "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table", "Table2", "Tie",
     "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError",
     "Vehicle", "Worm", "at", "build", "campbell", "classify", "compare", "cos", "count", "design_ratio", "driver_angle",
     "effect", "energy_lost", "event_time", "exact", "frequency_response", "last", "latin_hypercube", "linearize",
@@ -146,7 +147,7 @@ _NAMES = {
         "Inertia Lash LossyGear Mass NonCircularGear OneWayClutch PlanetaryGear Rack Shaft Speed SpeedLoad "
         "SplineCoupling Stribeck Synchronizer Torque TorqueConverter TyreSlip UniversalJoint Vehicle Worm"
     ),
-    "blocks.effects": "Backlash Fourier Harmonic HuntCrossley Hysteresis MeshLaw Profile Square ToothFriction",
+    "blocks.effects": "Backlash Fourier Harmonic HuntCrossley Hysteresis MeshLaw Profile Square Superposition ToothFriction",
     "drivetrain": "Drivetrain build simulate",
     "errors": "CompileError GearblocksError ModelError ParameterError SimulationError UnknownNameError",
     "geometry.ratio_curves": "RatioLawError",
