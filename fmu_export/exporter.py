@@ -67,6 +67,9 @@ def export(
     from gearblocks.running import build
 
     fmi = _version(fmi)
+    target = Path(path)
+    if target.suffix.lower() != ".fmu":
+        raise ParameterError(f"'{target}': the name of an FMU ends in .fmu, such as {target.with_suffix('.fmu').name}")
     chosen = checked_platforms(platforms)
     model = build(train)
     program = model.program
@@ -86,7 +89,6 @@ def export(
     if chosen:
         sources = {name.removeprefix("sources/"): data for name, data in files.items() if name.startswith("sources/")}
         files.update(build_binary(sources, model_identifier(program.name)))
-    target = Path(path)
     write_archive(target, files)
     return target
 

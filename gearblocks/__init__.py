@@ -3,6 +3,7 @@
 A name is imported with its module when it is first used: the shell's help needs none of them, a run no linear tools.
 """
 
+import logging
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -68,6 +69,7 @@ if TYPE_CHECKING:
         MeshLaw,
         Profile,
         Square,
+        Superposition,
         ToothFriction,
     )
     from gearblocks.drivetrain import Drivetrain
@@ -135,8 +137,8 @@ __all__ = [
     "LossyTie", "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch",
     "Parameter", "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate",
     "RatioLaw", "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling",
-    "Square", "Start", "State", "Stick", "Stop", "Stribeck", "Study", "Switch", "Synchronizer", "Table", "Table2",
-    "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint",
+    "Square", "Start", "State", "Stick", "Stop", "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table",
+    "Table2", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint",
     "UnknownNameError", "Vehicle", "Worm", "at", "build", "campbell", "classify", "compare", "cos", "count",
     "design_ratio", "driver_angle", "effect", "energy_lost", "event_time", "exact", "exp", "frequency_response",
     "last", "latin_hypercube", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak",
@@ -160,7 +162,9 @@ _NAMES = {
         "Inertia Lash LossyGear Mass NonCircularGear OneWayClutch PlanetaryGear Rack Shaft Speed SpeedLoad "
         "SplineCoupling Stribeck Synchronizer Torque TorqueConverter TyreSlip UniversalJoint Vehicle Worm"
     ),
-    "blocks.effects": "Backlash Fourier Harmonic HuntCrossley Hysteresis MeshLaw Profile Square ToothFriction",
+    "blocks.effects": (
+        "Backlash Fourier Harmonic HuntCrossley Hysteresis MeshLaw Profile Square Superposition ToothFriction"
+    ),
     "drivetrain": "Drivetrain",
     "errors": "CompileError GearblocksError ModelError ParameterError SimulationError UnknownNameError",
     "geometry.ratio_curves": "RatioLawError",
@@ -182,6 +186,8 @@ _NAMES = {
     "solver.library": "Model",
 }
 """Public names by the module that they come from, below this one."""
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # what is logged appears where the user asks for it
+
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 
@@ -193,7 +199,16 @@ def __getattr__(name: str) -> Any:
         return value
     if not name.startswith("_") and find_spec(f"{__name__}.{name}") is not None:
         return import_module(f"{__name__}.{name}")
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'{_near(name)}")
+
+
+def _near(name: str) -> str:
+    """What to do about a name that is not there; names with an underscore are asked for by machines, in great number."""
+    if name.startswith("_"):
+        return ""
+    from gearblocks.errors import did_you_mean
+
+    return f"; dir({__name__}) lists its names{did_you_mean(name, __all__)}"
 
 
 def __dir__() -> list[str]:

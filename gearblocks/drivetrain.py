@@ -16,6 +16,7 @@ from gearblocks.language.units import declared
 from gearblocks.model.build import check_user_blocks
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
 from gearblocks.train.handles import FlangeHandle, Handle, bare
+from gearblocks.train.plausibility import warn_of_doubts
 from gearblocks.train.summary import field_texts
 from gearblocks.train.values import field_paths, replaced, unique_path, value_problems
 
@@ -60,11 +61,14 @@ class Drivetrain:
         if not isinstance(name, str) or not _NAME.fullmatch(name):
             raise ModelError(f"part name {name!r} must be a word of letters, digits and '_' that starts with a letter")
         if name in self._parts:
-            raise ModelError(f"'{self.name}' already has a part named '{name}'")
+            raise ModelError(
+                f"'{self.name}' already has a part named '{name}'; take another name, or change it with rig.set"
+            )
         whole = bare(part)
         problems = list(_part_problems(name, whole))
         if problems:
             raise ModelError(problems)
+        warn_of_doubts(name, whole)
         self._parts[name] = whole._copy() if isinstance(whole, Drivetrain) else whole
         return Handle(self, name, self._parts[name])
 
@@ -195,6 +199,8 @@ class Drivetrain:
             problems += [*_part_problems(path, owner._parts[name])] or [*owner._lost_flanges(name)]
         if problems:
             raise ModelError(problems)
+        for path, (owner, name) in changed.items():
+            warn_of_doubts(path, owner._parts[name])
         return other
 
     def field_paths(self) -> frozenset[str]:

@@ -5,12 +5,17 @@ Every error can be pickled, so that it survives the way back from a worker proce
 
 from __future__ import annotations
 
+import logging
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
+
+log = logging.getLogger("gearblocks")
+"""What was built, compiled or taken from the cache (INFO, DEBUG), what ran (DEBUG), and every GearblocksWarning."""
 
 
 class GearblocksError(Exception):
@@ -19,6 +24,12 @@ class GearblocksError(Exception):
 
 class GearblocksWarning(UserWarning):
     """Something went another way than asked, or a result is less right than one would take it to be: by name, with a remedy."""
+
+
+def warn(message: str, stacklevel: int) -> None:
+    """A GearblocksWarning at the line so many calls up (1: where this function is called), and the same in the log."""
+    log.warning("%s", message)
+    warnings.warn(message, GearblocksWarning, stacklevel=stacklevel + 1)
 
 
 class ModelError(GearblocksError):

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO, cast
 
-from gearblocks.errors import GearblocksError, StorageError
+from gearblocks.errors import GearblocksError, ParameterError, StorageError
 
 
 def reason(error: OSError) -> str:
@@ -66,6 +66,19 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
     except OSError as error:
         raise StorageError(f"cannot make the folder '{folder}': {reason(error)}; choose another place") from error
     return folder
+
+
+def check_place(what: str, path: Path) -> None:
+    """ParameterError where no file can be made at `path`, to be known before long work and not after it."""
+    if not path.parent.is_dir():
+        raise ParameterError(f"{what} {path}: there is no folder '{path.parent}'; make it or choose another place")
+    try:
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise ParameterError(
+            f"{what} {path}: the folder '{path.parent}' cannot be written to ({reason(error)}); choose another place"
+        ) from error
 
 
 def _mode(target: Path) -> int:

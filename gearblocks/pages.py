@@ -1,8 +1,11 @@
-"""Pages from templates: one frame for all, nothing fetched from elsewhere."""
+"""HTML from templates: pages in one frame, small tables for notebooks; nothing is fetched from elsewhere."""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from typing import Any
+
+MOST_ROWS = 40
 
 
 def page(package: str, template: str, **values: Any) -> str:
@@ -17,3 +20,16 @@ def page(package: str, template: str, **values: Any) -> str:
         undefined=jinja2.StrictUndefined,
     )
     return environment.get_template(template).render(**values)
+
+
+def small_table(
+    title: str, rows: Sequence[Sequence[object]], *, head: Sequence[str] = (), numbers: Collection[int] = (),
+    notes: Sequence[str] = (),
+) -> str:  # fmt: skip
+    """A table for a notebook (`_repr_html_`), text escaped; numbers: columns that are aligned to the right. Of a long one the
+    first MOST_ROWS rows."""
+    more = len(rows) - MOST_ROWS
+    said = [*notes, f"and {more} more rows"] if more > 0 else [*notes]
+    return page(
+        "gearblocks", "table.html.jinja", title=title, rows=rows[:MOST_ROWS], head=head, numbers=numbers, notes=said
+    )

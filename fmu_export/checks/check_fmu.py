@@ -40,9 +40,11 @@ def check(path: str | os.PathLike[str], *, t_end: float | None = None, steps: in
     """
     fmu = Path(path)
     if not fmu.is_file():
-        raise ParameterError(f"there is no file '{fmu}'")
+        raise ParameterError(f"there is no file '{fmu}'; fmu_export.export, or `gearblocks export`, writes an FMU")
     if not zipfile.is_zipfile(fmu):
-        raise ParameterError(f"'{fmu}' is no FMU: it is not a zip file")
+        raise ParameterError(
+            f"'{fmu}' is no FMU: it is not a zip file; name a file that ends in .fmu and export it anew"
+        )
     with tempfile.TemporaryDirectory(prefix="gearblocks-check-", ignore_cleanup_errors=True) as place:
         work = _Work(fmu.resolve(), Path(place), t_end, steps)
         while not work.done:

@@ -18,6 +18,7 @@ from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.pages import small_table
 from gearblocks.running import build
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.solver.kinematics import Kinematics, kinematics
@@ -78,24 +79,32 @@ class Modes:
         span = f", {self.hertz.min():.6g} .. {self.hertz.max():.6g} Hz" if len(self) else ""
         return f"<Modes of '{self.name}': {len(self)} modes, {self.free} of them free rotation{span}>"
 
-    def __str__(self) -> str:
-        head = f"{self.name}: {len(self)} modes, {self.free} of them free rotation"
-        rows = [("", "Hz", "rad/s", "damping", "moves most", "strained most")]
+    def _rows(self) -> list[tuple[str, ...]]:
+        """Heading and a row for each mode."""
+        rows: list[tuple[str, ...]] = [("", "Hz", "rad/s", "damping", "moves most", "strained most")]
         for i in range(len(self)):
             moves = _most(self.bodies, np.abs(self.shapes[i]), lambda x: f"{x:.2f}")
             strained = _most(self.elements, 100 * self.strain[i], lambda x: f"{x:.0f} %" if x >= 1 else f"{x:.1g} %")
             damping = self.damping[i] if abs(self.damping[i]) > _ROUNDING else 0.0
             numbers = (f"{self.hertz[i]:.6g}", f"{self.frequencies[i]:.6g}", f"{100 * damping:.3g} %")
             rows.append((str(i), *numbers, moves, strained))
+        return rows
+
+    def _words(self) -> tuple[str, list[str]]:
+        """What stands above and below the rows."""
+        decays = f"decays without swinging: {', '.join(f'{x:.4g}' for x in self.decays[:8])} 1/s"
+        return f"{self.name}: {len(self)} modes, {self.free} of them free rotation", [decays] * (len(self.decays) > 0)
+
+    def _repr_html_(self) -> str:
+        (head, *rows), (title, notes) = self._rows(), self._words()
+        return small_table(title, rows, head=head, numbers=(0, 1, 2, 3), notes=notes)
+
+    def __str__(self) -> str:
+        rows, (head, tail) = self._rows(), self._words()
         widths = [max(len(row[c]) for row in rows) for c in range(6)]
         lines = [
             "  ".join(row[c].rjust(widths[c]) if c < 4 else row[c].ljust(widths[c]) for c in range(6)) for row in rows
         ]
-        tail = (
-            [f"decays without swinging: {', '.join(f'{x:.4g}' for x in self.decays[:8])} 1/s"]
-            if len(self.decays)
-            else []
-        )
         return "\n".join([head, *(line.rstrip() for line in lines), *tail])
 
     def plot(self, path: Any = None, *, most: int = 6) -> Figure:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import pickle
 import threading
 import time
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from typing import TYPE_CHECKING, Any
@@ -27,7 +26,7 @@ from gearblocks.analysis.study_store import StudyStore, needs_zarr
 from gearblocks.analysis.study_task import Settings, identity, names_of, task_of
 from gearblocks.analysis.workers import as_done, executor_of
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import GearblocksWarning, ParameterError, by_name_only
+from gearblocks.errors import ParameterError, by_name_only, warn
 from gearblocks.running import build
 from gearblocks.solver.lanes import POINTS as LANES
 from gearblocks.solver.library import Model
@@ -63,7 +62,8 @@ def sweep(
     executor: any of concurrent.futures, or a Dask client; else `threads` (default: every core).
     chunk: points that go to a worker at once (default: about half a second of them). store: a folder (Zarr, needs
     gearblocks[zarr]) that is written as it goes; the same call goes on after a kill and runs what is missing.
-    progress: called with the points done and their number; without it a terminal shows points per second and time left.
+    progress: called with the points done and their number; without it a terminal shows points per second and time left,
+    a notebook or a log a line.
 
     A point whose run fails is NaN and stands in `failures`. Ctrl-C answers what is done; `complete` is then False. Raises
     ParameterError and UnknownNameError for bad arguments before anything is run, StorageError for a store of another study.
@@ -216,10 +216,9 @@ class _Run:
         for array in (found.points, found.values, found.done):
             array.flags.writeable = False
         if found.doubts:
-            warnings.warn(
+            warn(
                 f"study of '{task.model.program.name}': {len(found.doubts)} of {len(found)} points are in doubt "
                 f"(study.doubts):\n  {listed(found.doubts)}",
-                GearblocksWarning,
                 stacklevel=5,
             )
         return found

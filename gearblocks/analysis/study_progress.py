@@ -1,4 +1,4 @@
-"""Progress of a study on a terminal: points done, points per second, time left. Nothing where there is no terminal."""
+"""Progress of a study: on a terminal a bar with points done, points per second and time left; elsewhere words now and then."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from gearblocks.simulation.progress import Progress
+
 _PATIENCE = 1.0  # seconds before anything is shown
 
 
@@ -16,8 +18,14 @@ def progress(total: int, done: int, tell: Callable[[int, int], Any] | None) -> I
     """A function that takes how many points are done; tell(done, total) is called instead where it is given."""
     if tell is not None:
         yield lambda count: tell(count, total)
-    elif total < 2 or not sys.stderr.isatty():
+    elif total < 2:
         yield lambda _: None
+    elif not sys.stderr.isatty():
+        said = Progress("study")
+        try:
+            yield lambda count: said((count - done) / (total - done), f"{count} of {total} points")
+        finally:
+            said.close()
     else:
         with _bar(total, done) as show:
             yield show

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from gearblocks.errors import StorageError, UnknownNameError, did_you_mean
 from gearblocks.files import reason, replacing, write_bytes
+from gearblocks.pages import small_table
 
 if TYPE_CHECKING:
     import xarray
@@ -96,20 +97,35 @@ class Study:
     def __len__(self) -> int:
         return len(self.points)
 
-    def __repr__(self) -> str:
+    def _title(self) -> str:
         size = " x ".join(map(str, self.shape)) if self.shape else f"{len(self.points)} cases"
-        lines = [f"<study of '{self.meta.get('train', '')}': {size} over {', '.join(self.paths)}"]
+        return f"study of '{self.meta.get('train', '')}': {size} over {', '.join(self.paths)}"
+
+    def _spans(self) -> list[tuple[str, str]]:
+        """Each quantity and the range of its values."""
+        rows = []
         for name, unit in zip(self.names, self.name_units, strict=True):
             found = self[name]
             known = found[np.isfinite(found)]
             span = f"{known.min():.6g} .. {known.max():.6g}" if known.size else "no value"
-            lines.append(f"  {name}: {span}{'' if unit in ('', '1') else ' ' + unit}")
-        if not self.complete:
-            lines.append(f"  stopped early: {int(self.done.sum())} of {len(self.points)} points are done")
-        for what, found_ in (("failed", self.failures), ("in doubt", self.doubts)):
-            if found_:
-                lines.append(f"  {len(found_)} points {what}; first {_words(found_[0].point)}: {found_[0].message}")
-        return "\n".join(lines) + ">"
+            rows.append((name, f"{span}{'' if unit in ('', '1') else ' ' + unit}"))
+        return rows
+
+    def _notes(self) -> list[str]:
+        """What was stopped, failed, or is in doubt."""
+        lines = [f"stopped early: {int(self.done.sum())} of {len(self.points)} points are done"] * (not self.complete)
+        for what, found in (("failed", self.failures), ("in doubt", self.doubts)):
+            if found:
+                lines.append(f"{len(found)} points {what}; first {_words(found[0].point)}: {found[0].message}")
+        return lines
+
+    def _repr_html_(self) -> str:
+        title = self._title()
+        return small_table(title[0].upper() + title[1:], self._spans(), head=("quantity", "range"), notes=self._notes())
+
+    def __repr__(self) -> str:
+        lines = [f"<{self._title()}", *(f"  {name}: {span}" for name, span in self._spans())]
+        return "\n".join([*lines, *(f"  {note}" for note in self._notes())]) + ">"
 
     # -- elsewhere ----------------------------------------------------------------------------------------------------
 

@@ -31,6 +31,7 @@ from gearblocks.simulation.arguments import (
     sample_times,
     set_inputs,
 )  # fmt: skip
+from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.cache import digest
 from gearblocks.solver.library import Model
@@ -80,7 +81,7 @@ def task_of(
     if s.t is not None:
         arguments["t"] = s.t
     task = Task(
-        model, axes, base, measures, (), window, options, dict(s.inputs or {}), s.initial, arguments,
+        model, axes, base, measures, (), window, options, dict(with_tables(s.inputs)), s.initial, arguments,
         steps_per_period=int(s.steps_per_period or 0),
     )  # fmt: skip
     with model.library.open() as sim:

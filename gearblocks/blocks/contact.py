@@ -9,7 +9,7 @@ from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from gearblocks.blocks.effects import Backlash, HuntCrossley
+from gearblocks.blocks.effects import Backlash, HuntCrossley, Superposition
 from gearblocks.language.contributions import Acts, Contribution, Energy, Force, Hold, Rate, Shows, Switch
 
 
@@ -93,6 +93,16 @@ def theta_of(block_effect: Any, s: Any, mesh_angle: Any, time: Any) -> tuple[Any
     if s.is_constant("driven_by"):
         return s.driven_by * time + phase, []
     return s.angle + phase, [Rate(s.angle, s.driven_by)]
+
+
+def error_of(excitation: Any, s: Any, mesh_angle: Any, time: Any) -> tuple[Any, list[Contribution]]:
+    """A transmission error, or the sum of several, and the contributions that their phases need."""
+    if isinstance(excitation, Superposition):
+        first, of_first = error_of(excitation.first, s.first, mesh_angle, time)
+        second, of_second = error_of(excitation.second, s.second, mesh_angle, time)
+        return first + second, [*of_first, *of_second]
+    theta, rates = theta_of(excitation, s, mesh_angle, time)
+    return excitation.value(s, theta), rates
 
 
 def contact(s: Any, law: Contact) -> Iterator[Contribution]:
@@ -256,9 +266,8 @@ def mesh(block: Any, s: Any, line: Line) -> Iterator[Contribution]:
         factor += varying
     excitation = getattr(block, "transmission_error", None)
     if excitation is not None:
-        theta, rates = theta_of(excitation, s.transmission_error, line.angle, s.time)
+        error, rates = error_of(excitation, s.transmission_error, line.angle, s.time)
         yield from rates
-        error = excitation.value(s.transmission_error, theta)
         error_rate = s.rate_of(error, rates)
     if error != 0:
         error = s.named("e", error, "no-load transmission error", "m")

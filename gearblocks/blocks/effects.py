@@ -22,6 +22,7 @@ __all__ = [
     "MeshLaw",
     "Profile",
     "Square",
+    "Superposition",
     "ToothFriction",
 ]
 
@@ -118,6 +119,32 @@ class Profile(Effect):
 def as_profile(value: Any) -> Any:
     """A bare Table as a Profile; everything else as it is."""
     return Profile(table=value) if isinstance(value, Table) else value
+
+
+class Superposition(Effect):
+    """Sum of two transmission errors, e = first + second, each with a phase of its own: that of the teeth and, driven by the
+    frequency of a shaft, its run-out. `transmission_error=(a, b, c)` stands for a sum of sums.
+    """
+
+    first: Harmonic | Profile | Superposition | None = effect("first error", default=None)
+    second: Harmonic | Profile | Superposition | None = effect("second error", default=None)
+
+    def problems(self) -> Iterator[str]:
+        """A part that is missing, and what is wrong in the parts."""
+        for name in ("first", "second"):
+            part = self.__dict__[name]
+            if part is None:
+                yield f"transmission_error: the {name} of two errors is missing; give both, or the other one alone"
+            elif isinstance(part, Effect):
+                yield from part.problems()
+
+
+def as_error(value: Any) -> Any:
+    """A bare Table as a Profile, several errors as their sum; everything else as it is."""
+    if isinstance(value, (tuple, list)) and value:
+        first, *others = map(as_error, value)
+        return Superposition(first=first, second=as_error(others)) if others else first
+    return as_profile(value)
 
 
 class Square(Effect):
@@ -240,8 +267,8 @@ class MeshLaw(Effect):
     stiffness_variation: Fourier | Square | Profile | None = effect("variation of k", default=None, convert=as_profile)
     backlash: Backlash | None = effect("dead zone", default=None)
     contact_damping: str | HuntCrossley = option("damping and gap: as for GearMesh", default="clipped")
-    transmission_error: Harmonic | Profile | None = effect(
-        "no-load transmission error", default=None, convert=as_profile
+    transmission_error: Harmonic | Profile | Superposition | tuple[Harmonic | Profile, ...] | None = effect(
+        "no-load transmission error, or several that add up", default=None, convert=as_error
     )
     friction: ToothFriction | None = effect("friction of the teeth", default=None)
 
@@ -255,10 +282,19 @@ class MeshLaw(Effect):
             return self
         moved = {}
         for name, value in self.values().items():
-            if isinstance(value, Effect) and "phase" in type(value).fields and not _is_wave(value):
-                given = value.__dict__["phase"]
-                moved[name] = value.changed(phase=phase if given is None else given + phase)
+            if isinstance(value, Effect) and not _is_wave(value):
+                moved[name] = _shifted(value, phase)
         return self.changed(**moved)  # type: ignore[no-any-return]
+
+
+def _shifted(excitation: Effect, phase: float) -> Any:
+    """An excitation, or every part of a sum, ahead by a phase; other effects as they are."""
+    if isinstance(excitation, Superposition):
+        return excitation.changed(**{name: _shifted(part, phase) for name, part in excitation.__dict__.items()})
+    if "phase" not in type(excitation).fields:
+        return excitation
+    given = excitation.__dict__["phase"]
+    return excitation.changed(phase=phase if given is None else given + phase)
 
 
 def _is_wave(value: Effect) -> bool:

@@ -14,7 +14,9 @@ from gearblocks.blocks.effects import (
     HuntCrossley,
     Profile,
     Square,
+    Superposition,
     ToothFriction,
+    as_error,
     as_profile,
 )
 from gearblocks.blocks.gears import teeth_problems
@@ -85,8 +87,8 @@ class GearMesh(Block):
     contact_damping: str | HuntCrossley = option(
         "damping and gap: 'clipped', 'clipped_force', 'always' or HuntCrossley", default="clipped", belongs_to="damping"
     )
-    transmission_error: Harmonic | Profile | None = effect(
-        "no-load transmission error e, subtracted from the deflection", default=None, convert=as_profile
+    transmission_error: Harmonic | Profile | Superposition | tuple[Harmonic | Profile, ...] | None = effect(
+        "no-load transmission error e, subtracted from the deflection", default=None, convert=as_error
     )
     friction: ToothFriction | None = effect("friction of the teeth", default=None)
 

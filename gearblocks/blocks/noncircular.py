@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 from typing import Any
 
-from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, theta_of
-from gearblocks.blocks.effects import Backlash, Harmonic, Profile, ToothFriction, as_profile
+from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, error_of
+from gearblocks.blocks.effects import Backlash, Harmonic, Profile, Superposition, ToothFriction, as_error
 from gearblocks.geometry.ratio_law import RatioLaw
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Acts, Contribution, Force, Rate, Shows, Start, Tie
@@ -59,8 +59,8 @@ class NonCircularGear(Block):
     )
     backlash: Backlash | None = effect("dead zone of q, half_gap in rad about b", default=None)
     contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
-    transmission_error: Harmonic | Profile | None = effect(
-        "no-load error e in rad about b, over turns of gear 1", default=None, convert=as_profile
+    transmission_error: Harmonic | Profile | Superposition | tuple[Harmonic | Profile, ...] | None = effect(
+        "no-load error e in rad about b, over turns of gear 1", default=None, convert=as_error
     )
     friction: ToothFriction | None = effect(
         "friction in the form of papers: M (1 + mu wave), direction='square_wave'", default=None
@@ -109,9 +109,8 @@ class NonCircularGear(Block):
             yield Shows("torque", s.b.tau, "N m", "torque on flange b")
             return
         if self.transmission_error is not None:
-            angle, rates = theta_of(self.transmission_error, s.transmission_error, theta, s.time)
+            error, rates = error_of(self.transmission_error, s.transmission_error, theta, s.time)
             yield from rates
-            error = self.transmission_error.value(s.transmission_error, angle)
             error = s.named("e", error, "no-load transmission error", "rad")
             rate = s.rate_of(q, moves) - s.rate_of(error, [*moves, *rates])
             q -= error

@@ -18,8 +18,8 @@ from gearblocks import __version__
 from gearblocks.cli import beginnings, run_report
 from gearblocks.cli.drawing import draw
 from gearblocks.cli.terminal import accept_every_character, complain, progress, say, say_page
-from gearblocks.cli.trains import Change, Initial, Method, Rtol, Step, Train, Without, built, named
-from gearblocks.errors import CompileError, GearblocksError, ParameterError, SimulationError
+from gearblocks.cli.trains import Change, End, Initial, Method, Rtol, Step, Train, Without, built, named
+from gearblocks.errors import CompileError, GearblocksError, SimulationError
 
 NO, BAD_INPUT = 1, 2
 
@@ -116,7 +116,7 @@ def doc(
 @app.command()
 def run(
     train: Train,
-    t_end: Annotated[float, typer.Option(help="End of the run in s.")] = 1.0,
+    t_end: End = 1.0,
     initial: Initial = None,
     change: Change = None,
     without: Without = None,
@@ -166,7 +166,7 @@ def sweep(
     of: Annotated[
         list[str] | None, typer.Option(metavar="OUTPUT", help="An output, or peak(OUTPUT), rms(OUTPUT) ...")
     ] = None,
-    t_end: Annotated[float, typer.Option(help="End of each run in s.")] = 1.0,
+    t_end: End = 1.0,
     initial: Initial = None,
     change: Change = None,
     without: Without = None,
@@ -247,8 +247,6 @@ app.command()(draw)
 @app.command()
 def check(fmu: Annotated[Path, typer.Argument(metavar="X.fmu", help="The FMU to check.")]) -> None:
     """Check an FMU: validity, a run, comparison with the run in this process."""
-    if not fmu.is_file():
-        raise ParameterError(f"there is no file '{fmu}'")
     import fmu_export
 
     report = fmu_export.check(fmu)

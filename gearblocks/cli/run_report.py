@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from gearblocks.cli.terminal import say
 from gearblocks.errors import ParameterError
+from gearblocks.files import check_place
 
 if TYPE_CHECKING:
     from gearblocks.simulation.trajectory import Trajectory
@@ -22,10 +23,7 @@ def check_endings(out: Path | None, plot: Path | None) -> None:
             continue
         if path.suffix.lower() not in endings:
             raise ParameterError(f"{option} {path}: the ending must be one of {', '.join(endings)}")
-        if not path.parent.is_dir():
-            raise ParameterError(
-                f"{option} {path}: there is no folder '{path.parent}'; make it or choose another place"
-            )
+        check_place(option, path)
 
 
 def grid(t_end: float) -> Any:

@@ -59,7 +59,10 @@ def locate(text: str) -> tuple[Path, str]:
     if path.is_dir():
         raise StorageError(f"'{file}' is a folder; name the script in it")
     if path.suffix in (".py", ".json") or len(path.parts) > 1:
-        raise StorageError(f"there is no file '{file}'")
+        near = [one.name for one in path.parent.glob(f"*{path.suffix}")] if path.parent.is_dir() else []
+        raise StorageError(
+            f"there is no file '{file}'; `gearblocks new` writes a script to start from{did_you_mean(path.name, near)}"
+        )
     listed = f"shipped are {', '.join(models)}" if models else "none is shipped"
     raise StorageError(f"there is no file and no shipped model '{file}'; {listed}{did_you_mean(file, models)}")
 
@@ -85,7 +88,9 @@ def make(text: str) -> Drivetrain:
         return thing
     train = _called(thing, path, name)
     if not isinstance(train, Drivetrain):
-        raise ModelError(f"'{name}' in {path.name} answers with {type(train).__name__}, not with a Drivetrain")
+        raise ModelError(
+            f"'{name}' in {path.name} answers with {type(train).__name__}, not with a Drivetrain; end it with `return rig`"
+        )
     return train
 
 
@@ -93,7 +98,9 @@ def load(path: Path) -> ModuleType:
     """The script as a module; it sees the files beside it, as when Python runs it."""
     spec = importlib.util.spec_from_file_location(f"gearblocks_script_{path.stem}", path)
     if spec is None or spec.loader is None:
-        raise StorageError(f"'{path}' is no Python script")
+        raise StorageError(
+            f"file '{path}' is no Python script; name a .py script, a stored train (.json) or a shipped model"
+        )
     module = importlib.util.module_from_spec(spec)
     sys.modules[module.__name__] = module
     folder = str(path.resolve().parent)
@@ -120,7 +127,13 @@ def _attribute(module: ModuleType, path: Path, name: str) -> object:
     if hasattr(module, name):
         return getattr(module, name)
     names = [key for key, thing in vars(module).items() if _makes_a_train(module, key, thing)]
-    listed = f"it has {', '.join(names)}" if names else "nothing in it makes a train"
+    listed = (
+        f"it has {', '.join(names)}"
+        if names
+        else (
+            f"nothing in it makes a train: write `def {name}() -> gb.Drivetrain`, as in the script of `gearblocks new`"
+        )
+    )
     raise ModelError(f"{path.name} has no function '{name}'; {listed}{did_you_mean(name, names)}")
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
+from gearblocks.files import check_place as place_of_file
 
 if TYPE_CHECKING:
     from gearblocks.analysis.study_result import Study
@@ -63,8 +64,7 @@ def check_place(out: Path | None) -> None:
         return
     if out.suffix and out.suffix.lower() not in ENDINGS:
         raise ParameterError(f"--out {out}: a folder, or a file that ends in one of {', '.join(ENDINGS)}")
-    if not out.parent.is_dir():
-        raise ParameterError(f"--out {out}: there is no folder '{out.parent}'")
+    place_of_file("--out", out)
 
 
 def written(study: Study, out: Path) -> list[Path]:

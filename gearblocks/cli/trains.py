@@ -16,9 +16,30 @@ if TYPE_CHECKING:
 Train = Annotated[str, typer.Argument(metavar="FILE[:NAME]", help="A script or shipped model; NAME: a function in it.")]
 Change = Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="A parameter; repeatable.")]
 Without = Annotated[list[str] | None, typer.Option(metavar="PATTERN", help="Leave effects out; repeatable.")]
-Rtol = Annotated[float, typer.Option(help="Relative tolerance.")]
+
+
+def number(text: str | float) -> float:
+    """A number of an option."""
+    try:
+        return float(text)
+    except ValueError:
+        raise typer.BadParameter(f"'{text}' is no number; give one such as 0.5 or 1e-6") from None
+
+
+def seconds(text: str | float) -> float:
+    """A time of an option, in s or with its unit."""
+    from gearblocks.language.units import is_quantity, number_in_si
+
+    try:
+        return number_in_si("the time", text, "s") if isinstance(text, str) and is_quantity(text) else number(text)
+    except ParameterError as error:
+        raise typer.BadParameter(str(error)) from None
+
+
+Rtol = Annotated[float, typer.Option(parser=number, metavar="NUMBER", help="Relative tolerance.")]
 Method = Annotated[str, typer.Option(help="auto, rk4, dp5, dp8 or rodas.")]
-Step = Annotated[float | None, typer.Option(help="Fixed step in s.")]
+Step = Annotated[float | None, typer.Option(parser=seconds, metavar="TIME", help="Fixed step in s.")]
+End = Annotated[float, typer.Option(parser=seconds, metavar="TIME", help="End of a run in s, or such as 20ms.")]
 Initial = Annotated[str | None, typer.Option(help="static or static_at_start.")]
 
 

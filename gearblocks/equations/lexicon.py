@@ -113,8 +113,7 @@ class Lexicon:
 
     def _state(self, c: Component, path: str) -> Any:
         symbol = self._claim(_spelled(c, path), ("state", c.path, path))
-        name = names.plain(path.split(".")[-1])
-        self._note(symbol, names.Name(name.letter, name.number, _foot(c)), nomenclature.of_state(c, path), c)
+        self._note(symbol, names.of_state(path, _foot(c)), nomenclature.of_state(c, path), c)
         return symbol
 
     def _table(self, c: Component, table: Any) -> Any:

@@ -29,7 +29,7 @@ _DEFINED = {
     "k_t": ("k", ""), "k_iso": ("k", "iso"), "m_e": ("m", "e"), "J_e": ("J", "e"), "sign_g": ("sgn g", ""),
     "side_N": ("sgn N", ""), "g_f": ("g", "f"), "p_b": ("p", "b"), "two_pairs": ("n", "2"),
 }  # fmt: skip
-_IN_EFFECT = {"transmission_error": "e", "friction": "f", "slip": "s", "tyre": "s"}
+_IN_EFFECT = {"transmission_error": "e", "friction": "f", "slip": "s", "tyre": "s", "first": "a", "second": "b"}
 
 
 @final
@@ -75,10 +75,22 @@ def of_field(field: str, owner: str, varies: bool = False) -> Name:
     number = "" if place is None else str(int(place) + (word not in _FROM_ZERO))
     if word == "sin":
         number = f"s{number}"
-    number = "".join(_IN_EFFECT.get(effect, "") for effect in effects) + number
+    number = _of_effects(effects) + number
     if word == "k" and varies:
         number = "0"
     return Name(letter, number, owner)
+
+
+def of_state(state: str, owner: str) -> Name:
+    """A state of a block: `state` with the effect before it."""
+    *effects, last = state.split(".")
+    name = plain(last)
+    return Name(name.letter, _of_effects(effects) + name.number, owner)
+
+
+def _of_effects(effects: Iterable[str]) -> str:
+    """What stands at the foot of a symbol for the effects that it is of."""
+    return "".join(_IN_EFFECT.get(effect, "") for effect in effects)
 
 
 def of_defined(name: str, owner: str, slides: bool = False) -> Name:

@@ -178,6 +178,17 @@ def _row(name: str, values: Any) -> NDArray[np.float64]:
         raise ParameterError(f"Table: {name} = {values!r:.80} must be a row of numbers") from None
 
 
+def check_increasing(name: str, values: NDArray[np.float64]) -> None:
+    """ParameterError where a row of numbers does not increase, with the first number that is not above the one before."""
+    wrong = np.flatnonzero(np.diff(values) <= 0)
+    if len(wrong):
+        i = int(wrong[0]) + 1
+        raise ParameterError(
+            f"{name} must increase, but {name.split()[-1]}[{i}] = {values[i]} follows {values[i - 1]}; "
+            "sort the points and drop repeated ones"
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Table(_Leaf):
     """Points (x, y) joined by straight lines ("linear"), a spline ("cubic") or held from the left ("step").
@@ -199,11 +210,16 @@ class Table(_Leaf):
     def __post_init__(self) -> None:
         x, y = _row("x", self.x), _row("y", self.y)
         if x.ndim != 1 or x.shape != y.shape or len(x) < 2:
-            raise ParameterError(f"Table: x {x.shape} and y {y.shape} must be two lists of the same length >= 2")
-        if not (np.isfinite(x).all() and np.isfinite(y).all()):
-            raise GearblocksError("Table: x and y must be finite numbers")
-        if not (np.diff(x) > 0).all():
-            raise GearblocksError("Table: x must increase; sort the points and drop repeated ones")
+            raise ParameterError(
+                f"Table: x {x.shape} and y {y.shape} must be two lists of the same length >= 2; give one y for each x"
+            )
+        for name, row in (("x", x), ("y", y)):
+            if not np.isfinite(row).all():
+                i = int(np.argmin(np.isfinite(row)))
+                raise ParameterError(
+                    f"Table: {name}[{i}] = {row[i]} must be a finite number; drop the point or repair it"
+                )
+        check_increasing("Table: x", x)
         if self.kind not in ("linear", "cubic", "step"):
             raise ParameterError(f"Table: kind = {self.kind!r} must be 'linear', 'cubic' or 'step'")
         if self.ends not in ("not-a-knot", "flat"):

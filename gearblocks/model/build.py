@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gearblocks.codegen.program import Program
-from gearblocks.errors import ModelError
+from gearblocks.errors import ModelError, log
 from gearblocks.language.block import Declared
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Input, Parameter
@@ -55,8 +56,12 @@ def _program(train: Train, first: Callable[[], object] = lambda: None) -> tuple[
     program = _stored(cache.read("programs", key), values)
     if program is None:
         first()
+        began = time.perf_counter()
         program = make_program(train)
+        log.info("'%s': equations and C text made in %.3g s", train.name, time.perf_counter() - began)
         cache.write("programs", key, program.to_bytes())
+    else:
+        log.debug("'%s': equations and C text are in the cache", train.name)
     _check_against(program, train, values, names)
     return program, values
 

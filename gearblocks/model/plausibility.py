@@ -25,6 +25,7 @@ from gearblocks.language.signals import Table, constant_value
 from gearblocks.language.units import parse_unit
 from gearblocks.model.build import check_user_blocks
 from gearblocks.train.graph import Component, Train, Tree, flatten
+from gearblocks.train.plausibility import unusual
 from gearblocks.train.values import numbers_of
 
 HIGHEST = 1e6
@@ -36,7 +37,7 @@ def implausible(tree: Tree) -> Iterator[str]:
     """Each thing as one sentence, with what it may have been meant to be."""
     blocks = list(_blocks(tree, ""))
     for path, block in blocks:
-        yield from _unusual(path, block)
+        yield from unusual(path, block)
         yield from _negative(path, block)
     if len(blocks) > 1:
         yield from _alone(tree)
@@ -55,17 +56,6 @@ def _blocks(tree: Tree, prefix: str) -> Iterator[tuple[str, Block]]:
             yield from _blocks(part, f"{prefix}{name}.")
         else:
             yield prefix + name, part
-
-
-def _unusual(path: str, block: Block) -> Iterator[str]:
-    """Numbers above what their field expects."""
-    for name, value, spec in numbers_of(block, f"{path}."):
-        number = abs(constant_value(value)) if spec.usual is not None else math.nan
-        if spec.usual is not None and number > spec.usual:
-            milli = (
-                f'; {number:g} mm is written as {name.rpartition(".")[2]}="{number:g} mm"' if spec.unit == "m" else ""
-            )
-            yield f"{name} = {number:g} {spec.unit} ({spec.words}) is more than {spec.usual:g} {spec.unit}{milli}"
 
 
 # -- stiffness below zero ---------------------------------------------------------------------------------------------

@@ -15,15 +15,16 @@ from gearblocks.codegen.program import InputInfo, ParameterInfo, Program
 from gearblocks.errors import ParameterError, UnknownNameError, by_name, did_you_mean
 from gearblocks.language.expression import finite_number
 from gearblocks.language.fields import ANGLE, SPEED
-from gearblocks.language.signals import Table
+from gearblocks.language.signals import Table, check_increasing
 from gearblocks.language.units import has_unit, number_in_si, parse_unit
 from gearblocks.model.listing import matches, near_patterns
+from gearblocks.simulation.input_series import TimeSeries, table_of_series
 from gearblocks.simulation.records import NamedValues
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
 
-InputSource: TypeAlias = "float | str | Table | Callable[[float], float]"
+InputSource: TypeAlias = "float | str | Table | Callable[[float], float] | tuple[ArrayLike, ArrayLike] | TimeSeries"
 STATIC = ("static", "static_at_start")
 METHODS = {method.name.lower(): method for method in Method if method is not Method.AUTO}
 METHOD_NAMES = tuple(method.name.lower() for method in Method)
@@ -32,7 +33,7 @@ METHOD_NAMES = tuple(method.name.lower() for method in Method)
 
 def begin_of(t_start: float | None, initial: Any) -> float:
     if t_start is not None:
-        return finite_number("t_start", t_start)
+        return _seconds("t_start", t_start)
     if isinstance(initial, Trajectory) and initial.final_state is not None:
         return initial.final_state.t
     return 0.0
@@ -44,7 +45,7 @@ def sample_times(begin: float, t_end: float | None, t: ArrayLike | None) -> tupl
         raise ParameterError("give either t_end (records every step) or t (an array of sample times)")
     if t is None:
         assert t_end is not None
-        end = finite_number("t_end", t_end)
+        end = _seconds("t_end", t_end)
         if end <= begin:
             raise ParameterError(f"t_end = {end!r} s must be later than the start at {begin!r} s")
         return None, end
@@ -54,9 +55,16 @@ def sample_times(begin: float, t_end: float | None, t: ArrayLike | None) -> tupl
         raise ParameterError(f"t = {t!r:.80} must be a row of numbers") from None
     if samples.ndim != 1 or len(samples) == 0 or not np.isfinite(samples).all():
         raise ParameterError(f"t must be a row of finite times, not an array of shape {samples.shape}")
-    if (np.diff(samples) <= 0).any() or samples[0] < begin:
-        raise ParameterError(f"t must increase and not begin before the start at {begin!r} s")
+    if samples[0] < begin:
+        raise ParameterError(
+            f"t[0] = {samples[0]} s must not be before the start at {begin!r} s; give t_start= or later times"
+        )
+    check_increasing("t", samples)
     return samples, float(samples[-1])
+
+
+def _seconds(name: str, value: float | str) -> float:
+    return number_in_si(name, value, "s") if has_unit(value) else finite_number(name, value)
 
 
 def method_options(
@@ -144,7 +152,9 @@ def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
         return names[ends[0]]
     if ends:
         raise UnknownNameError(f"{what} '{wanted}' is not unique: it could be {', '.join(sorted(ends))}")
-    raise UnknownNameError(f"there is no {what} '{wanted}'{did_you_mean(wanted, names)}")
+    listed = ", ".join([*names][:12]) + ", ..." * (len(names) > 12)
+    there = f"there are {listed}" if listed else f"the train has no {what}"
+    raise UnknownNameError(f"there is no {what} '{wanted}'; {there}{did_you_mean(wanted, names)}")
 
 
 def parameter_vector(program: Program, values: Array, changed: Mapping[str, float | str], initial: Any) -> Array:
@@ -242,7 +252,8 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
         return
     names = program.input_numbers
     sim.inputs[:] = program.input_starts
-    for name, source in by_name("inputs", sources).items():
+    for name, given in by_name("inputs", sources).items():
+        source = table_of_series(name, given)
         i = resolve(name, names, "input")
         info = program.inputs[i]
         if info.given_in and (isinstance(source, Table) or callable(source)):

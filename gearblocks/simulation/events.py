@@ -67,6 +67,12 @@ class Events(Sequence[Event]):
     def __len__(self) -> int:
         return len(self.array)
 
+    def counts(self) -> dict[str, int]:
+        """How many events each component has, most first."""
+        found = np.bincount(self.array["component"], minlength=len(self.components))
+        order = np.argsort(-found, kind="stable")
+        return {self.components[i]: int(found[i]) for i in order if found[i]}
+
     def __iter__(self) -> Iterator[Event]:
         for start in range(0, len(self.array), 4096):
             yield from self._objects(self.array[start : start + 4096])

@@ -8,7 +8,8 @@ from __future__ import annotations
 import io
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -254,12 +255,15 @@ def _thinned(t: Array, values: Array) -> tuple[Array, Array]:
     return t[kept], values[kept]
 
 
-def style() -> Any:
+@contextmanager
+def style() -> Iterator[None]:
     """The look of all pictures, as a context."""
     import matplotlib as mpl
 
-    style: Any = _STYLE
-    return mpl.rc_context(style)
+    with mpl.rc_context(_STYLE):
+        yield
+        interactive = mpl.is_interactive()  # a notebook turns it on with the first figure, in here
+    mpl.interactive(interactive)
 
 
 def new_figure(
@@ -269,7 +273,9 @@ def new_figure(
     if path is None:
         from matplotlib import pyplot
 
-        figure: Figure = pyplot.figure(figsize=size, layout="constrained")
+        from gearblocks.simulation.notebook_figure import NotebookFigure
+
+        figure: Figure = pyplot.figure(figsize=size, layout="constrained", FigureClass=NotebookFigure)
     else:
         from matplotlib.figure import Figure as PlainFigure
 

@@ -10,6 +10,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gearblocks.pages import small_table
 from gearblocks.simulation.events import Events
 from gearblocks.simulation.samples import Outputs
 
@@ -68,6 +69,18 @@ class Stats:
         words = f"{self.method}: {self.steps} steps, {self.rejected} rejected, {self.rhs_calls} right-hand sides"
         words += f", {self.jacobians} Jacobians" if self.jacobians else ""
         return f"{words}, {self.events} events, {1e3 * self.cpu_seconds:.3g} ms of CPU time"
+
+    def table(self) -> list[tuple[str, str]]:
+        """Words and numbers of every counter."""
+        counts = {
+            "steps": self.steps, "rejected": self.rejected, "right-hand sides": self.rhs_calls, "Jacobians": self.jacobians,
+            "events": self.events,
+        }  # fmt: skip
+        shown = [(words, f"{count:,}") for words, count in counts.items()]
+        return [("method", self.method), *shown, ("CPU time", f"{1e3 * self.cpu_seconds:.3g} ms")]
+
+    def _repr_html_(self) -> str:
+        return small_table("Counters of the solver", self.table(), numbers=(1,), notes=[self.why] if self.why else ())
 
 
 @final
@@ -144,19 +157,27 @@ class EnergyLedger:
         most = f", most of it in '{self.culprit}'" if self.culprit else ""
         return f"<EnergyLedger: {counts}; residual {self.residual:.1e} of a turnover of {self.turnover:.6g} J{most}>"
 
-    def __str__(self) -> str:
+    def _rows(self) -> list[tuple[str, float]]:
         rows = [("stored at the start", self.start), ("stored at the end", self.end)]
         rows += [(f"supplied by {name}", value) for name, value in self.supplied.items()]
         rows += [(f"dissipated in {name}", value) for name, value in self.dissipated.items()]
-        rows.append(("left over", self.imbalance))
+        return [*rows, ("left over", self.imbalance)]
+
+    def _culprit_words(self) -> list[str]:
+        missing = f"misses {self.unbalanced[self.culprit]:.2g} J in the first steps" if self.culprit else ""
+        return [f"the balance of '{self.culprit}' {missing}"] if missing else []
+
+    def _repr_html_(self) -> str:
+        rows = [(words, f"{value:.6e}", "J") for words, value in self._rows()]
+        residual = f"residual {self.residual:.1e} of a turnover of {self.turnover:.6g} J"
+        return small_table("Energy of the run", rows, numbers=(1,), notes=[residual, *self._culprit_words()])
+
+    def __str__(self) -> str:
+        rows = self._rows()
         width = max(len(words) for words, _ in rows)
         lines = [f"{words:<{width}}  {value: .6e} J" for words, value in rows]
         lines.append(f"{'residual':<{width}}  {self.residual: .1e} of a turnover of {self.turnover:.6e} J")
-        if self.culprit:
-            lines.append(
-                f"the balance of '{self.culprit}' misses {self.unbalanced[self.culprit]:.2g} J in the first steps"
-            )
-        return "\n".join(lines)
+        return "\n".join([*lines, *self._culprit_words()])
 
 
 def _ledger(fields: dict[str, Any]) -> EnergyLedger:

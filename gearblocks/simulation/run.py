@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 import time as _time
-import warnings
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from logging import DEBUG
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.codegen.program import Program
-from gearblocks.errors import (
-    GearblocksError,
-    GearblocksWarning,
-    ParameterError,
-    SimulationError,
-)  # fmt: skip
+from gearblocks.errors import GearblocksError, ParameterError, SimulationError, log, warn
 from gearblocks.language.expression import finite_number
 from gearblocks.simulation.arguments import (
     METHOD_NAMES,
@@ -39,13 +33,16 @@ from gearblocks.simulation.element_balance import Rerun, element_imbalances
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import events_of
 from gearblocks.simulation.failures import component_of, reason
+from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.measured_runs import run_again
+from gearblocks.simulation.progress import Progress
 from gearblocks.simulation.recorded_memory import memory_limit
 from gearblocks.simulation.records import FinalState, NamedValues, Stats
 from gearblocks.simulation.samples import Outputs, Samples
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
+from gearblocks.solver.record import Record
 from gearblocks.solver.structures import Array, Code, Counters, Method, Options
 
 
@@ -65,6 +62,7 @@ def run_model(
         raise ParameterError(f"residual = {residual!r} must be > 0")
     begin = begin_of(t_start, initial)
     samples, end = sample_times(begin, t_end, t)
+    inputs = with_tables(inputs)
     options, why = method_options(method, rtol, step, max_step, locate, end)
     pick = picked_outputs(program, outputs)
     with model.library.reopen() as sim:
@@ -73,13 +71,13 @@ def run_model(
             raise ParameterError(
                 f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
             )
-        set_inputs(sim, program, inputs or {})
+        set_inputs(sim, program, inputs)
         run = _Run(model, sim, samples, end, pick, values, progress, residual, meta={
             "train": program.name, "method": METHOD_NAMES[options.method], "rtol": rtol, "step": step,
             "parameters": NamedValues(program.parameter_numbers, values),
         })  # fmt: skip
         y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)
-        run.case = Case(model.library, values, dict(inputs or {}), options, begin, end, y0, run_again)
+        run.case = Case(model.library, values, dict(inputs), options, begin, end, y0, run_again)
         return run.go(options, begin, y0, why)
 
 
@@ -150,6 +148,8 @@ class _Run:
         if code < 0:
             raise self._failure(code, result) from self.sim.error
         self._judged(result, balance, complete)
+        if log.isEnabledFor(DEBUG):
+            log.debug("run of '%s' to t = %g s: %s", result.name, result.t[-1], result.stats)
         return result
 
     def _judged(self, result: Trajectory, balance: EnergyBalance | None, complete: bool) -> None:
@@ -163,11 +163,10 @@ class _Run:
             raise SimulationError(float(result.t[-1]), energy.culprit, words, "give a smaller rtol", result)
         if complete and energy.turnover > STILL and not energy.residual <= RESIDUAL:
             where = f", most of it is missing in '{energy.culprit}'" if energy.culprit else ""
-            warnings.warn(
+            warn(
                 f"run of '{self.model.program.name}': its energy is balanced to {energy.residual:.2g} of the turnover "
                 f"only{where}: {'a shorter step' if self.meta['step'] else 'a smaller rtol'} makes it better; "
                 f"residual={RESIDUAL:g} makes it an error",
-                GearblocksWarning,
                 stacklevel=6,
             )
 
@@ -180,16 +179,23 @@ class _Run:
 
     def _loop(self, begin: float, first: tuple[Array, Array]) -> Code:
         record = self.sim.record(None if self.samples is None else len(self.samples))
+        tell = self.progress or Progress(self.model.program.name, " (Ctrl-C keeps what is done)")
+        try:
+            return self._advanced(begin, first, record, tell)
+        finally:
+            if isinstance(tell, Progress):
+                tell.close()
+
+    def _advanced(
+        self, begin: float, first: tuple[Array, Array], record: Record, tell: Callable[[float], None]
+    ) -> Code:
         shown = _time.monotonic()
-        tell = self.progress or _Line(self.model.program.name)
         while True:
             before = _time.thread_time()
             code = self.sim.run(self.samples, self.end, record)
             self.cpu += _time.thread_time() - before
             taken = self._take(*record.take())
             if code == Code.DONE or min(code, taken) < 0:
-                if isinstance(tell, _Line):
-                    tell.close()
                 self.sim.give(record)
                 return code if code < 0 else taken
             if self._lost(first):
@@ -305,25 +311,3 @@ def _stats(counters: Counters, cpu: float, method: str, why: str) -> Stats:
 def _final_state(program: Program, row: Array) -> FinalState:
     end = 1 + program.n_total
     return FinalState(float(row[0]), row[1:end].copy(), row[end : end + len(program.switches)].copy(), program.key)
-
-
-class _Line:
-    """One line on a terminal about a run that takes longer than two seconds: share done and time left."""
-
-    def __init__(self, name: str) -> None:
-        self._name, self._start, self._open = name, _time.monotonic(), False
-
-    def __call__(self, share: float) -> None:
-        spent = _time.monotonic() - self._start
-        if spent > 2.0 and share > 0 and sys.stderr.isatty():
-            self._open = True
-            left = spent * (1 - share) / share
-            sys.stderr.write(
-                f"\r{self._name}: {100 * share:.0f} % done, {left:.0f} s left (Ctrl-C keeps what is done) "
-            )
-            sys.stderr.flush()
-
-    def close(self) -> None:
-        """Clears the line."""
-        if self._open:
-            sys.stderr.write("\r" + " " * 79 + "\r")

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearblocks.errors import GearblocksError, ParameterError, UnknownNameError, did_you_mean
-from gearblocks.language.units import check_unit, same_measure
+from gearblocks.language.units import check_unit
 from gearblocks.model.listing import matches
+from gearblocks.pages import small_table
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import Event, Events
@@ -178,7 +179,12 @@ class Trajectory:
         Raises ParameterError for a unit that is not known or measures something else, UnknownNameError as run[name] does.
         """
         values, wanted = self[name], check_unit(f"'{name}'", unit)
-        same_measure(f"'{name}'", check_unit(f"'{name}'", "s" if name == "t" else self.units[name]), wanted)
+        known = check_unit(f"'{name}'", "s" if name == "t" else self.units[name])
+        if not known.measures(wanted):
+            own = known.text or "1"
+            raise ParameterError(
+                f"'{name}' is in {own}, which '{unit}' does not measure; ask for {own} or a multiple of it"
+            )
         return values / wanted.factor
 
     def find(self, *patterns: str) -> tuple[str, ...]:
@@ -302,8 +308,26 @@ class Trajectory:
             return f"<run of '{self.name}': empty>"
         head = f"<run of '{self.name}': {self.t[0]:.6g} .. {self.t[-1]:.6g} s, {len(self.t)} samples"
         head += "" if self.complete else ", stopped early"
-        listed = ", ".join(self.names[:6]) + (f", ... ({len(self)} outputs)" if len(self) > 6 else "")
+        listed = _few(self.names, 6) + (f" ({len(self)} outputs)" if len(self) > 6 else "")
         return f"{head}\n  {self.stats}\n  energy residual {self.energy.residual:.1e}\n  {listed}>"
+
+    def _repr_html_(self) -> str:
+        if not len(self.t):
+            return small_table(f"Run of '{self.name}'", (), notes=["empty"])
+        switched = [f"{name}: {number:,}" for name, number in self.events.counts().items()]
+        rows = [
+            ("time", f"{self.t[0]:.6g} .. {self.t[-1]:.6g} s{'' if self.complete else ', stopped early'}"),
+            ("samples", f"{len(self.t):,}"),
+            ("outputs", f"{len(self):,}: {_few(self.names, 8)}"),
+            ("events", f"{len(self.events):,}{': ' if switched else ''}{_few(switched, 8)}"),
+            ("energy residual", f"{self.energy.residual:.1e} of a turnover of {self.energy.turnover:.6g} J"),
+        ]
+        kept = (row for row in self.stats.table() if row[0] != "events")
+        return small_table(f"Run of '{self.name}'", [*rows, *kept], notes=[self.stats.why] if self.stats.why else ())
+
+
+def _few(words: Sequence[str], most: int) -> str:
+    return ", ".join(words[:most]) + (", ..." if len(words) > most else "")
 
 
 def _from_content(content: Content, case: Case | None = None) -> Trajectory:
@@ -321,8 +345,7 @@ def _from_content(content: Content, case: Case | None = None) -> Trajectory:
 
 
 def _hint(name: str, names: Sequence[str]) -> str:
-    listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
-    return f"; it has {listed}{did_you_mean(name, names)}"
+    return f"; it has {_few(names, 12)}{did_you_mean(name, names)}"
 
 
 def _by_name(columns: Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike]) -> dict[str, Array]:

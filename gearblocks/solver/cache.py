@@ -16,10 +16,9 @@ import shutil
 import tempfile
 import threading
 import time
-import warnings
 from pathlib import Path
 
-from gearblocks.errors import GearblocksWarning, StorageError
+from gearblocks.errors import StorageError, warn
 
 _STALE_TEMPORARY = 3600.0
 _UNUSED = 90 * 86400.0
@@ -87,10 +86,9 @@ class Cache:
             spare = self._spare_root()
         if told:
             return
-        warnings.warn(
+        warn(
             f"the cache {self.root} cannot be written ({_reason(error)}); "
             f"using {spare} until this process ends: set GEARBLOCKS_CACHE to a directory that can be written",
-            GearblocksWarning,
             stacklevel=4,
         )
 

@@ -13,6 +13,7 @@ import random
 import re
 import tempfile
 import threading
+import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -20,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from gearblocks.codegen.program import Program
-from gearblocks.errors import CompileError, GearblocksError
+from gearblocks.errors import CompileError, GearblocksError, log
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, cpu_identity, find_compiler
@@ -108,8 +109,12 @@ def compile_program(program: Program) -> Library:
     key = digest(core, *compiler.generated_flags, _EXPORTS, program.source)
     path = cache.find("models", key, SHARED_SUFFIX)
     if path is None:
+        began = time.perf_counter()
         objects = _core_objects(compiler, core).result()
         path = cache.write("models", key, _linked(compiler, program.source, objects), SHARED_SUFFIX)
+        log.info("'%s': compiled in %.3g s", program.name, time.perf_counter() - began)
+    else:
+        log.debug("'%s': its library is in the cache", program.name)
     return Library(program, path)
 
 

@@ -139,7 +139,9 @@ def _number(tree: Tree, parts: _Parts, complete: bool) -> Train:
                 problems.append(f"flange '{flange}' of {who} is open: connect it (to an Inertia, a Fixed, ...)")
             nodes.append(numbers.setdefault(parts.nodes.root((path, flange)), len(numbers)))
         if len({n for n in nodes if n != GROUND}) < sum(n != GROUND for n in nodes) and len(nodes) > 1:
-            problems.append(f"{who} is connected to itself: two of its flanges share one node")
+            problems.append(
+                f"{who} is connected to itself: two of its flanges share one node; connect them to different shafts"
+            )
         components.append((path, block, tuple(nodes)))
     sliding, mixed = sliding_nodes(components, len(numbers))
     if (problems or mixed) and complete:

@@ -39,9 +39,9 @@ def read(path: Path) -> Tree:
     except OSError as error:
         raise StorageError(f"{path} cannot be read: {error.strerror or error}") from error
     except (ValueError, RecursionError) as error:
-        raise StorageError(f"{path} is no JSON text: {error}") from error
+        raise StorageError(f"{path} is no JSON text: {error}; name a file that rig.to_json wrote") from error
     if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise StorageError(f"{path} is no train of format '{FORMAT}'")
+        raise StorageError(f"{path} is no train of format '{FORMAT}'; name a file that rig.to_json wrote")
     try:
         leaves = {name: _leaf(item) for name, item in data["leaves"].items()}
         return _read_tree(data, leaves)

@@ -122,14 +122,25 @@ def _problem(name: str, value: Any, field: Field) -> str:
     elif isinstance(value, Table2):
         return f"{name} = {value!r} is no signal by itself: call it with two quantities, such as table(gb.sense('motor.w'), u)"
     elif isinstance(value, bool) or not isinstance(value, (int, float, Fraction if field.role == "exact" else int)):
-        return (
-            f"{name} = {value!r:.80} is no number{', Parameter, Input, Table or expression' * (field.role == 'signal')}"
-        )
+        kinds = ", Parameter, Input, Table or expression" * (field.role == "signal")
+        return f"{name} = {value!r:.80} is no number{kinds}: give {_example(field)}"
     else:
         number, shown = _float(value), ""
     if not math.isfinite(number):
         return f"{name} = {number!r}{unit}{shown} must be a finite number"
-    return bound_problem(name, number, unit + shown, (field.gt, field.ge, field.lt, field.le))
+    problem = bound_problem(name, number, unit + shown, (field.gt, field.ge, field.lt, field.le))
+    degrees = type(value) in (int, float) and field.unit == "rad" and 1.6 < abs(number) <= 360
+    return (
+        f"{problem}; a bare number is in rad: give '{number:g} deg' if that is meant"
+        if problem and degrees
+        else problem
+    )
+
+
+def _example(field: Field) -> str:
+    if field.unit in ("", "1"):
+        return "a plain number"
+    return f"one in {field.unit}, or text with its unit such as '3 {field.unit}'"
 
 
 def _float(value: float | Fraction) -> float:
@@ -200,8 +211,8 @@ def unique_path(path: str, known: set[str]) -> str:
     if len(ends) == 1:
         return ends[0]
     if ends:
-        raise ModelError(f"'{path}' is not unique: it could be {', '.join(ends)}")
-    raise ModelError(f"'{path}' does not exist{did_you_mean(path, known)}")
+        raise ModelError(f"'{path}' is not unique: it could be {', '.join(ends)}; give one of them in full")
+    raise ModelError(f"'{path}' does not exist; rig.describe() lists all values{did_you_mean(path, known)}")
 
 
 def replaced(owner: Any, path: list[str], value: Any) -> Any:

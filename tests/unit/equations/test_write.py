@@ -41,7 +41,7 @@ def _train(name):
         rig.chain(drive, a, one, b, two, c)
         rig.connect(one.carrier, c.b)
     elif name == "teeth":
-        shape = {"module": 0.2, "pressure_angle": 0.35, "profile_shift": (0.3, 0.1), "helix_angle": 0.2}
+        shape = {"module": "0.2 m", "pressure_angle": 0.35, "profile_shift": (0.3, 0.1), "helix_angle": 0.2}
         one = rig.add("one", gb.GearMesh(
             teeth=(20, 30), external=True, **shape, face_width=1e-8, stiffness="iso6336", damping_ratio=0.1,
             backlash=gb.Backlash(half_gap=0.2, law="smooth", width=0.1), friction=gb.ToothFriction(mu=0.1, phase=0.2),
@@ -53,7 +53,7 @@ def _train(name):
         rig.chain(drive, a, one, b, two, c)
         rig.chain(c, rig.add("spare", spare), rig.add("wall", gb.Fixed()))
         rub = gb.ToothFriction(mu=0.2, flank="coast", transition=0.3)
-        inner = gb.GearMesh(teeth=(20, 73), external=False, module=0.2, pressure_angle=0.35, k=3.0, friction=rub)
+        inner = gb.GearMesh(teeth=(20, 73), external=False, module="0.2 m", pressure_angle=0.35, k=3.0, friction=rub)
         rig.chain(a, rig.add("inner", inner), c)
     elif name == "excited":
         one = rig.add("one", gb.GearMesh(

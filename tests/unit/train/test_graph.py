@@ -27,7 +27,7 @@ def _refused(act: Callable[[], Any], *words: str) -> None:
 
 def test_a_mistaken_flange_is_named_with_the_near_one() -> None:
     rig = gb.Drivetrain("rig")
-    mesh = rig.add("mesh", gb.GearMesh(teeth=(1, 2), external=True, module=1.0, pressure_angle=0.3, k=1.0))
+    mesh = rig.add("mesh", gb.GearMesh(teeth=(1, 2), external=True, module=1e-3, pressure_angle=0.3, k=1.0))
     _refused(lambda: mesh.pinon, "'mesh' (GearMesh) has no flange 'pinon'", "did you mean 'pinion'?")
 
 

@@ -98,7 +98,9 @@ def test_a_number_that_follows_from_others_is_no_parameter_of_a_run(teeth: tuple
     model = gb.build(rig)
     paths = [p.path for p in model.program.parameters]
     assert "g.r_base[0]" in paths and "g.r_base[1]" not in paths
-    with pytest.raises(gb.UnknownNameError, match=r"no parameter 'g\.r_base\[1\]' - did you mean 'g\.r_base\[0\]'"):
+    with pytest.raises(
+        gb.UnknownNameError, match=r"no parameter 'g\.r_base\[1\]'; there are .* - did you mean 'g\.r_base\[0\]'"
+    ):
         gb.simulate(model, t_end=0.1, parameters={"g.r_base[1]": 0.05})
     larger = gb.simulate(model, t_end=1e-3, parameters={"g.r_base[0]": 0.04})
     scaled = gb.simulate(rig.set({"g.r_base": (0.04, 2 * radii[1])}), t_end=1e-3)

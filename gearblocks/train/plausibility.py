@@ -1,0 +1,31 @@
+"""Values that are admissible in SI and yet hardly meant: a field says up to where its values are usual.
+
+Knows nothing of bounds, which refuse.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from gearblocks.errors import warn
+from gearblocks.language.block import Block
+from gearblocks.language.signals import constant_value
+from gearblocks.train.values import numbers_of
+
+
+def unusual(path: str, block: Block, *, bare: bool = False) -> Iterator[str]:
+    """Numbers above what their field expects; bare: of those that are given without a unit alone."""
+    for name, value, spec in numbers_of(block, f"{path}."):
+        number = abs(constant_value(value)) if spec.usual is not None else math.nan
+        if spec.usual is not None and number > spec.usual and not (bare and type(value) not in (int, float)):
+            milli = (
+                f'; {number:g} mm is written as {name.rpartition(".")[2]}="{number:g} mm"' if spec.unit == "m" else ""
+            )
+            yield f"{name} = {number:g} {spec.unit} ({spec.words}) is more than {spec.usual:g} {spec.unit}{milli}"
+
+
+def warn_of_doubts(path: str, part: object) -> None:
+    """A GearblocksWarning, at the line that called the caller, for every unusual value of a part that is a block."""
+    for doubt in unusual(path, part, bare=True) if isinstance(part, Block) else ():
+        warn(f"{type(part).__name__} {doubt}", stacklevel=3)

@@ -1,0 +1,30 @@
+"""Values that are admissible but hardly meant are warned of, at the line that gave them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import gearblocks as gb
+from gearblocks.errors import GearblocksWarning
+
+
+def pair(module: float | str) -> gb.GearMesh:
+    return gb.GearMesh(teeth=(23, 41), external=True, module=module, pressure_angle=0.35, k=2e8)
+
+
+def test_a_module_in_millimetres_is_warned_of_where_it_is_added_and_set() -> None:
+    rig = gb.Drivetrain("rig")
+    words = r"GearMesh 'mesh': module = 3 m is implausible, above 0\.1 m; a bare number is SI: give '3 mm'"
+    with pytest.warns(GearblocksWarning, match=words) as added:
+        rig.add("mesh", pair(3))
+    assert Path(added[0].filename) == Path(__file__)
+    with pytest.warns(GearblocksWarning, match=r"module = 2\.0 m is implausible") as changed:
+        rig.set({"mesh.module": 2.0})
+    assert Path(changed[0].filename) == Path(__file__)
+
+
+@pytest.mark.parametrize("module", [3e-3, 0.1, "3 mm", "0.2 m"])
+def test_a_plausible_module_and_one_with_its_unit_pass(module: float | str) -> None:
+    gb.Drivetrain("rig").add("mesh", pair(module))
