@@ -124,6 +124,10 @@ def as_profile(value: Any) -> Any:
 class Superposition(Effect):
     """Sum of two transmission errors, e = first + second, each with a phase of its own: that of the teeth and, driven by the
     frequency of a shaft, its run-out. `transmission_error=(a, b, c)` stands for a sum of sums.
+
+    Example:
+        teeth, run_out = gb.Harmonic(cos=(5e-6,)), gb.Harmonic(cos=(2e-5,), driven_by="300 rpm")
+        error = gb.Superposition(first=teeth, second=run_out)  # as transmission_error=(teeth, run_out)
     """
 
     first: Harmonic | Profile | Superposition | None = effect("first error", default=None)

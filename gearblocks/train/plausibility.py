@@ -22,7 +22,7 @@ def unusual(path: str, block: Block, *, bare: bool = False) -> Iterator[str]:
             milli = (
                 f'; {number:g} mm is written as {name.rpartition(".")[2]}="{number:g} mm"' if spec.unit == "m" else ""
             )
-            yield f"{name} = {number:g} {spec.unit} ({spec.words}) is more than {spec.usual:g} {spec.unit}{milli}"
+            yield f"{name} = {number:g} {spec.unit} ({spec.words}) is implausible, more than {spec.usual:g} {spec.unit}{milli}"
 
 
 def warn_of_doubts(path: str, part: object) -> None:

@@ -14,6 +14,8 @@ from gearblocks.model.plausibility import HIGHEST, implausible
 
 PAIR: dict[str, Any] = {"teeth": (23, 41), "module": 3e-3, "pressure_angle": 0.35, "external": True, "k": 2e8}
 
+pytestmark = pytest.mark.filterwarnings("ignore::gearblocks.errors.GearblocksWarning")  # also told where it is added
+
 
 def _chain(**blocks: gb.Block) -> gb.Drivetrain:
     rig = gb.Drivetrain("rig")
@@ -41,7 +43,9 @@ def _doubts(rig: gb.Drivetrain) -> list[str]:
 
 def test_a_module_of_millimetres_typed_as_metres_is_asked_about() -> None:
     (words,) = _doubts(_pair(module=3))
-    assert words == 'mesh.module = 3 m (normal module) is more than 0.1 m; 3 mm is written as module="3 mm"'
+    assert (
+        words == 'mesh.module = 3 m (normal module) is implausible, more than 0.1 m; 3 mm is written as module="3 mm"'
+    )
     assert _doubts(_pair(module=0.1)) == []
     assert _doubts(_pair(module=gb.Parameter("m", 3, "mm"))) == []
     assert len(_doubts(_pair(module=gb.Parameter("m", 3, "m")))) == 1
@@ -69,10 +73,10 @@ def test_a_block_of_a_user_says_what_is_usual() -> None:
             yield gb.Body(s.hub, s.r**2)
 
     assert _doubts(_chain(wheel=Wheel(r=300, T=300), shaft=gb.Shaft(k=1.0), disc=gb.Inertia(J=1.0))) == [
-        'wheel.r = 300 m (radius) is more than 2 m; 300 mm is written as r="300 mm"'
+        'wheel.r = 300 m (radius) is implausible, more than 2 m; 300 mm is written as r="300 mm"'
     ]
     (words,) = _doubts(_chain(wheel=Wheel(r=1, T=500), shaft=gb.Shaft(k=1.0), disc=gb.Inertia(J=1.0)))
-    assert words == "wheel.T = 500 K (temperature) is more than 400 K"
+    assert words == "wheel.T = 500 K (temperature) is implausible, more than 400 K"
 
 
 # -- parts that are joined to nothing ---------------------------------------------------------------------------------
