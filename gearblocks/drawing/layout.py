@@ -100,6 +100,11 @@ class _Row:
     bottom: float = 0.0
 
 
+def _margin(crossing: Sequence[int]) -> float:
+    """Room beside the rows, where shafts are led around that go on from row to row."""
+    return EDGE + (TRACK * (max(crossing) + 1) if crossing else 0.0)
+
+
 @final
 class _Sheet:
     """The rows of one order of the elements."""
@@ -122,7 +127,7 @@ class _Sheet:
         if len(self.rows) > 1:
             self.rows = self._folded()
         self.breaks = [self._crossing(row.begin) for row in self.rows[1:]]
-        margin = EDGE + TRACK * (max(map(len, self.breaks), default=0) + 1) * bool(self.breaks)
+        margin = _margin([*map(len, self.breaks)])
         right = max(row.right for row in self.rows)
         self.left, self.right = margin, margin + right
         y = EDGE
@@ -160,12 +165,13 @@ class _Sheet:
         """As few rows as there must be, with few shafts that go on from row to row, and of much the same width."""
         widest = WIDTH - 2 * (EDGE + 3 * TRACK)
         tried = [self._rows(widest - 25.0 * i) for i in range(12)]
-        fewest = min(len(rows) for rows in tried)
 
-        def worth(rows: list[_Row]) -> tuple[int, float]:
-            return sum(len(self._crossing(row.begin)) for row in rows[1:]), max(row.right for row in rows)
+        def worth(rows: list[_Row]) -> tuple[bool, int, int, float]:
+            crossing = [len(self._crossing(row.begin)) for row in rows[1:]]
+            width = max(row.right for row in rows)
+            return width + 2 * _margin(crossing) > WIDTH, len(rows), sum(crossing), width
 
-        return min((rows for rows in tried if len(rows) == fewest), key=worth)
+        return min(tried, key=worth)
 
     def _rows(self, room: float) -> list[_Row]:
         """Each element right of what lies before it on its lanes; a new row where the width is used up."""

@@ -80,6 +80,7 @@ def _check(rig: gb.Drivetrain, **options: Any) -> None:
     drawing = rig.draw(**options)
     found = drawing.layout
     _check_geometry(found)
+    assert found.width <= WIDTH
     assert {box.element for box in found.boxes} == set(range(len(drawing.scheme.elements)))
     ElementTree.fromstring(drawing.text)
     for path in (c.path for c in flatten(rig.tree(), whole=True).components):
@@ -87,23 +88,20 @@ def _check(rig: gb.Drivetrain, **options: Any) -> None:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_in_drawings_of_shipped_models_nothing_overlaps_and_no_line_crosses_a_box(model: str) -> None:
+def test_drawings_of_shipped_models_fit_a_page_and_in_them_no_box_overlaps_a_box_or_a_line(model: str) -> None:
     _check(scripts.make(model))
 
 
 @pytest.mark.parametrize(("family", "seed"), RANDOM)
-def test_in_drawings_of_random_trains_nothing_overlaps_and_no_line_crosses_a_box(family: str, seed: int) -> None:
+def test_drawings_of_random_trains_fit_a_page_and_in_them_no_box_overlaps_a_box_or_a_line(
+    family: str, seed: int
+) -> None:
     _check(build(draw(family, seed), gb))
 
 
 @pytest.mark.parametrize("model", MODELS)
 def test_values_printed_beside_the_symbols_overlap_nothing(model: str) -> None:
     _check(scripts.make(model), values=True)
-
-
-@pytest.mark.parametrize("model", MODELS)
-def test_a_drawing_fits_the_width_of_a_page(model: str) -> None:
-    assert scripts.make(model).draw().layout.width <= WIDTH
 
 
 def _pair(**mesh: Any) -> gb.Drivetrain:
