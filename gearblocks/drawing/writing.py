@@ -50,8 +50,9 @@ def svg(
         for s, wires in sorted(lines.items())
     ]  # fmt: skip
     items, below = _legend(layout, legend)
+    title = "".join(c for c in name if c.isprintable())  # XML has no other control characters than ends of lines
     return page(
-        "gearblocks.drawing", "drawing.svg.jinja", title=name, width=_n(layout.width), height=_n(layout.height + below),
+        "gearblocks.drawing", "drawing.svg.jinja", title=title, width=_n(layout.width), height=_n(layout.height + below),
         shafts=drawn, joints=[(_n(x), _n(y)) for x, y in layout.joints], figures=figures, legend=items,
     )  # fmt: skip
 

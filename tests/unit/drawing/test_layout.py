@@ -231,7 +231,7 @@ def test_blocks_of_nested_trains_are_drawn_with_their_paths() -> None:
 
 
 def test_names_are_escaped() -> None:
-    rig = gb.Drivetrain("a < b & c")
+    rig = gb.Drivetrain("a < b\x00 & c")
     rig.add("body", gb.Inertia(J=1.0))
     assert ElementTree.fromstring(rig._repr_svg_() or "")[0].text == "a < b & c"
 
