@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import final
 
 from gearblocks.drawing import pairs
-from gearblocks.drawing.captions import caption
+from gearblocks.drawing.captions import caption, title
 from gearblocks.drawing.footprints import Footprint, footprint
 from gearblocks.drawing.lanes import Lanes, laid_out
 from gearblocks.drawing.ordering import orders
@@ -51,12 +51,13 @@ class Wire:
 @final
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """The shapes of one element, and its words on hover."""
+    """The shapes of one element, and its words on hover; part: it is one of those drawn as a bundle."""
 
     element: Element
     number: int
     shapes: tuple[Shape, ...]
     title: str
+    part: bool = False
 
 
 @final
@@ -238,6 +239,9 @@ class _Sheet:
                 edge = x + (-p.left if c.side < 0 else p.right)
                 self.wires.append(Wire(((edge, y + c.y), (x + c.x, y + c.y), (x + c.x, row.y[c.lane])), c.shaft))
         self.figures.append(Figure(p.element, number, tuple(shapes), p.caption.title))
+        parts = p.symbol.parts if p.symbol is not None else ()
+        for one, drawn in zip(p.element.parallel, parts, strict=True):
+            self.figures.append(Figure(one, number, moved(drawn, x, y), title(one), part=True))
 
     def _stubs(self, p: Footprint, x: float, y: float) -> list[Shape]:
         """Lines from the symbol to the sides of its box, where the words are wider."""

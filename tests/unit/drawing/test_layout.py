@@ -57,16 +57,21 @@ def _check_geometry(found: Layout) -> None:
 
 def _check_ends(found: Layout) -> None:
     """A line ends at a symbol, which goes on there, or at another line of its shaft."""
-    drawn = {box: {p for s in figure.shapes if isinstance(s, Stroke) for p in s.points}
-             for box in found.boxes for figure in found.figures if figure.number == box.element}  # fmt: skip
+    drawn = [(box, _points(found, box.element)) for box in found.boxes]
     for wire in found.wires:
         others = [s for w in found.wires if w.shaft == wire.shaft and w is not wire for s in _stretches_of(w)]
         for x, y in (wire.points[0], wire.points[-1]):
             at = Box(x, y, 0.0, 0.0, -1)
             at_line = any(_touches(at, other) for other in others)
             at_symbol = any(_touches(at, box) and any(abs(x - a) + abs(y - b) < SLACK for a, b in points)
-                            for box, points in drawn.items())  # fmt: skip
+                            for box, points in drawn)  # fmt: skip
             assert at_line or at_symbol or wire.shaft == -1, f"the end ({x}, {y}) hangs in the air"
+
+
+def _points(found: Layout, element: int) -> set[tuple[float, float]]:
+    """Corners of all that is drawn of an element."""
+    shapes = (s for figure in found.figures if figure.number == element for s in figure.shapes)
+    return {p for s in shapes if isinstance(s, Stroke) for p in s.points}
 
 
 def _touches(a: Box, b: Box) -> bool:
