@@ -147,7 +147,7 @@ class _Search:
                 return
 
     def _changes(self) -> Iterator[list[int]]:
-        """Lanes that differ by one line on another lane or on a new one, or by two lanes exchanged."""
+        """Lanes with one line on another lane or on a new one, with two lanes or two lines exchanged, or upside down."""
         for line in range(len(self.lane)):
             for lane in range(self.count):
                 if lane != self.lane[line] and self.fits(line, lane):
@@ -157,6 +157,16 @@ class _Search:
         for a in range(self.count):
             for b in range(a):
                 yield [b if x == a else a if x == b else x for x in self.lane]
+        yield [-x for x in self.lane]
+        for one in range(len(self.lane)):
+            for other in range(one):
+                if self.lane[one] != self.lane[other] and self._may_exchange(one, other):
+                    yield [self.lane[{one: other, other: one}.get(s, s)] for s in range(len(self.lane))]
+
+    def _may_exchange(self, one: int, other: int) -> bool:
+        """Whether each of two lines is free to go where the other one is."""
+        pairs = ((one, other), (other, one))
+        return all(s == b or self._beside(a, s) for a, b in pairs for s in self.on_lane[self.lane[b]])
 
     def _take(self, lanes: list[int]) -> None:
         """Takes lanes as they are, empty ones closed up."""

@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import final
 
 from gearblocks.drawing import pairs
-from gearblocks.drawing.captions import caption
+from gearblocks.drawing.captions import caption, title
 from gearblocks.drawing.footprints import Footprint, footprint
 from gearblocks.drawing.lanes import Lanes, laid_out
 from gearblocks.drawing.ordering import orders
@@ -51,12 +51,13 @@ class Wire:
 @final
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """The shapes of one element, and its words on hover."""
+    """The shapes of one element, and its words on hover; part: it is one of those drawn as a bundle."""
 
     element: Element
     number: int
     shapes: tuple[Shape, ...]
     title: str
+    part: bool = False
 
 
 @final
@@ -100,6 +101,11 @@ class _Row:
     bottom: float = 0.0
 
 
+def _margin(crossing: Sequence[int]) -> float:
+    """Room beside the rows, where shafts are led around that go on from row to row."""
+    return EDGE + (TRACK * (max(crossing) + 1) if crossing else 0.0)
+
+
 @final
 class _Sheet:
     """The rows of one order of the elements."""
@@ -122,7 +128,7 @@ class _Sheet:
         if len(self.rows) > 1:
             self.rows = self._folded()
         self.breaks = [self._crossing(row.begin) for row in self.rows[1:]]
-        margin = EDGE + TRACK * (max(map(len, self.breaks), default=0) + 1) * bool(self.breaks)
+        margin = _margin([*map(len, self.breaks)])
         right = max(row.right for row in self.rows)
         self.left, self.right = margin, margin + right
         y = EDGE
@@ -160,12 +166,13 @@ class _Sheet:
         """As few rows as there must be, with few shafts that go on from row to row, and of much the same width."""
         widest = WIDTH - 2 * (EDGE + 3 * TRACK)
         tried = [self._rows(widest - 25.0 * i) for i in range(12)]
-        fewest = min(len(rows) for rows in tried)
 
-        def worth(rows: list[_Row]) -> tuple[int, float]:
-            return sum(len(self._crossing(row.begin)) for row in rows[1:]), max(row.right for row in rows)
+        def worth(rows: list[_Row]) -> tuple[bool, int, int, float]:
+            crossing = [len(self._crossing(row.begin)) for row in rows[1:]]
+            width = max(row.right for row in rows)
+            return width + 2 * _margin(crossing) > WIDTH, len(rows), sum(crossing), width
 
-        return min((rows for rows in tried if len(rows) == fewest), key=worth)
+        return min(tried, key=worth)
 
     def _rows(self, room: float) -> list[_Row]:
         """Each element right of what lies before it on its lanes; a new row where the width is used up."""
@@ -232,6 +239,9 @@ class _Sheet:
                 edge = x + (-p.left if c.side < 0 else p.right)
                 self.wires.append(Wire(((edge, y + c.y), (x + c.x, y + c.y), (x + c.x, row.y[c.lane])), c.shaft))
         self.figures.append(Figure(p.element, number, tuple(shapes), p.caption.title))
+        parts = p.symbol.parts if p.symbol is not None else ()
+        for one, drawn in zip(p.element.parallel, parts, strict=True):
+            self.figures.append(Figure(one, number, moved(drawn, x, y), title(one), part=True))
 
     def _stubs(self, p: Footprint, x: float, y: float) -> list[Shape]:
         """Lines from the symbol to the sides of its box, where the words are wider."""

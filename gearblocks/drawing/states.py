@@ -27,8 +27,8 @@ LEGEND = {
 }  # fmt: skip
 
 
-def colours(scheme: Scheme, run: Any, at: float | None) -> dict[int, tuple[str, str]]:
-    """(colour, words) of every element with a mode or a contact side among the outputs of a run, at a time (its end).
+def colours(scheme: Scheme, run: Any, at: float | None) -> dict[str, tuple[str, str]]:
+    """(colour, words) by name of every element with a mode or a contact side among the outputs of a run, at a time (its end).
 
     Raises ParameterError for a time outside of the run, and for a run of another train.
     """
@@ -37,7 +37,7 @@ def colours(scheme: Scheme, run: Any, at: float | None) -> dict[int, tuple[str, 
     if len(run.names) and not any(name.startswith(f"{path}.") for path in paths for name in run.names):
         raise ParameterError(f"draw: the run is of another train: none of its outputs is of a part of '{scheme.name}'")
     found = {}
-    for i, e in enumerate(scheme.elements):
+    for e in (one for whole in scheme.elements for one in (whole.parallel or (whole,))):
         told = [
             (name.rpartition(".")[0], *state) for path, block in e.blocks for name in outputs[path]
             if (state := _state(block, name, float(run[name][index]))) is not None
@@ -45,7 +45,7 @@ def colours(scheme: Scheme, run: Any, at: float | None) -> dict[int, tuple[str, 
         if told:
             words = "\n".join(dict.fromkeys(f"{name}: {state}" for name, _, state in told))
             shown = [colour for _, colour, _ in told]
-            found[i] = next((colour for colour in shown if colour != FREE), FREE), words
+            found[e.name] = next((colour for colour in shown if colour != FREE), FREE), words
     return found
 
 

@@ -58,7 +58,10 @@ _ROW = 18.0
 @final
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """Shapes about (0, 0), the room to each side of it, and the height of each port (y downward)."""
+    """Shapes about (0, 0), the room to each side of it, and the height of each port (y downward).
+
+    parts: the shapes of each element of a bundle, which are not among `shapes`.
+    """
 
     shapes: tuple[Shape, ...]
     left: float
@@ -66,6 +69,7 @@ class Symbol:
     up: float
     down: float
     ports: tuple[float, ...] = (0.0,)
+    parts: tuple[tuple[Shape, ...], ...] = ()
 
     def mirrored(self) -> Symbol:
         """Left and right exchanged."""
@@ -74,7 +78,9 @@ class Symbol:
     def lifted(self, dy: float) -> Symbol:
         """The same about an anchor that lies dy lower."""
         ports = tuple(y - dy for y in self.ports)
-        return Symbol(moved(self.shapes, 0, -dy), self.left, self.right, self.up + dy, self.down - dy, ports)
+        return Symbol(
+            moved(self.shapes, 0, -dy), self.left, self.right, self.up + dy, self.down - dy, ports, self.parts
+        )
 
     def turned(self) -> Symbol:
         """A quarter turn: the left end on top."""
@@ -91,19 +97,17 @@ def series(block: Block) -> Symbol:
 
 def side_by_side(symbols: tuple[Symbol, ...]) -> Symbol:
     """Symbols in line between the same two shafts, one above the other."""
-    if len(symbols) == 1:
-        return symbols[0]
     half = max(max(s.left, s.right) for s in symbols)
     height = sum(s.up + s.down for s in symbols) + 4.0 * (len(symbols) - 1)
-    y, shapes, rows = -height / 2, list[Shape](), list[float]()
+    y, shapes, parts, rows = -height / 2, list[Shape](), list[tuple[Shape, ...]](), list[float]()
     for s in symbols:
         y += s.up
         rows.append(y)
-        shapes += [*moved(s.shapes, 0, y), line((-half, y), (-s.left, y)), line((s.right, y), (half, y))]
+        parts.append((*moved(s.shapes, 0, y), line((-half, y), (-s.left, y)), line((s.right, y), (half, y))))
         y += s.down + 4.0
     for x, out in ((-half, -half - 6), (half, half + 6)):
         shapes += [line((x, rows[0]), (x, rows[-1])), line((x, 0), (out, 0))]
-    return Symbol(tuple(shapes), half + 6, half + 6, height / 2, height / 2, (0.0, 0.0))
+    return Symbol(tuple(shapes), half + 6, half + 6, height / 2, height / 2, (0.0, 0.0), tuple(parts))
 
 
 def named_box(block: Block, ports: tuple[tuple[int, float, str], ...], rows: float = 0.0) -> Symbol:
@@ -135,7 +139,10 @@ def _shaft(block: Any) -> Symbol:
         rows.append(_dashpot())
     if block.hysteresis is not None:
         rows.append(_plates(7.0))
-    return side_by_side(tuple(rows))
+    if len(rows) == 1:
+        return rows[0]
+    s = side_by_side(tuple(rows))
+    return Symbol((*s.shapes, *(shape for part in s.parts for shape in part)), s.left, s.right, s.up, s.down, s.ports)
 
 
 def _spring() -> Symbol:

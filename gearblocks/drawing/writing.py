@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping
+from dataclasses import astuple
 from typing import Any
 
 from gearblocks.drawing.layout import Layout
@@ -25,20 +26,19 @@ def svg(
     name: str,
     layout: Layout,
     shafts: tuple[str, ...],
-    colours: Mapping[int, tuple[str, str]],
+    colours: Mapping[str, tuple[str, str]],
     legend: Mapping[str, str],
 ) -> str:
-    """The text of the picture. colours: (colour, words) of elements by number; legend: words by colour."""
+    """The text of the picture. colours: (colour, words) of elements by name; legend: words by colour."""
     from markupsafe import Markup
 
     rooms: dict[int, Any] = {box.element: box for box in reversed(layout.boxes)}
     figures = []
     for figure in layout.figures:
-        room = rooms[figure.number]
-        colour, words = colours.get(figure.number, ("", ""))
+        colour, words = colours.get(figure.element.name, ("", ""))
         figures.append({
             "title": figure.title + (f"\n{words}" if words else ""), "colour": colour,
-            "x": _n(room.x), "y": _n(room.y), "width": _n(room.width), "height": _n(room.height),
+            "room": None if figure.part else [_n(x) for x in astuple(rooms[figure.number])[:4]],
             "shapes": [{**s, "look": Markup(s.get("look", ""))} for s in map(_written, figure.shapes)],
         })  # fmt: skip
     lines = defaultdict[int, list[tuple[Point, ...]]](list)
@@ -50,8 +50,9 @@ def svg(
         for s, wires in sorted(lines.items())
     ]  # fmt: skip
     items, below = _legend(layout, legend)
+    title = "".join(c for c in name if c.isprintable())  # XML has no other control characters than ends of lines
     return page(
-        "gearblocks.drawing", "drawing.svg.jinja", title=name, width=_n(layout.width), height=_n(layout.height + below),
+        "gearblocks.drawing", "drawing.svg.jinja", title=title, width=_n(layout.width), height=_n(layout.height + below),
         shafts=drawn, joints=[(_n(x), _n(y)) for x, y in layout.joints], figures=figures, legend=items,
     )  # fmt: skip
 

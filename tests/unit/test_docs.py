@@ -10,6 +10,7 @@ from types import ModuleType
 import pytest
 
 import gearblocks as gb
+from gearblocks import blocks
 
 ROOT = Path(__file__).parents[2]
 DOCS, PACKAGE = ROOT / "docs", ROOT / "gearblocks"
@@ -87,11 +88,18 @@ def test_the_picture_of_the_rooms_is_that_of_the_sources() -> None:
     assert text == drawing.picture(), "the picture is stale: python docs/draw_rooms.py"
 
 
-def test_the_schemes_of_the_readme_are_those_of_its_trains() -> None:
+def test_the_schemes_in_the_documents_are_those_of_their_trains() -> None:
     drawing = _loaded(DOCS / "draw_trains.py")
     for name, text in drawing.pictures().items():
         there = (drawing.PICTURES / name).read_text(encoding="utf-8")
         assert there == text, f"{name} is stale: python docs/draw_trains.py"
+
+
+def test_every_block_of_the_catalogue_is_among_the_symbols() -> None:
+    drawing = _loaded(DOCS / "draw_trains.py")
+    shown = {type(block).__name__ for name, make in drawing.TRAINS.items() if name.startswith("symbols_")
+             for _, _, _, block in make()._walk()}  # fmt: skip
+    assert shown == {name for name in blocks.__all__ if issubclass(getattr(blocks, name), gb.Block)}
 
 
 @pytest.mark.parametrize("path", MARKDOWN, ids=lambda path: path.relative_to(ROOT).as_posix())

@@ -1,5 +1,6 @@
 """The state of a run in the drawing of its train: by colour, in words on hover, and in a legend."""
 
+import re
 from typing import Any
 
 import pytest
@@ -50,6 +51,16 @@ def test_planets_show_the_contact_of_their_meshes_though_these_are_parts_of_one_
     within = next(i for i in range(len(contact) - 1) if contact[i] == contact[i + 1] == 1 and run.t[i] < run.t[i + 1])
     drawing = rig.draw(run=run, at=run.t[within])
     assert _shows(drawing, DRIVE) and "gear.sun_mesh[4]: contact on the drive side" in str(drawing)
+
+
+def test_of_elements_side_by_side_each_shows_its_own_state() -> None:
+    rig = gb.Drivetrain("clutch beside a spring")
+    a, b = rig.add("a", gb.Inertia(J=1.0, w0=1.0)), rig.add("b", gb.Inertia(J=1.0))
+    rig.chain(a, rig.add("clutch", gb.Clutch(capacity=0.1)), b)
+    rig.chain(a, rig.add("spring", gb.Shaft(k=1.0)), b)
+    text = str(rig.draw(run=gb.simulate(rig, t_end=0.1)))
+    coloured = re.findall(r'<g class="element" color="(.+?)"><title>(\w+): ', text)
+    assert coloured == [(SLIDING, "clutch")]
 
 
 def test_a_gear_with_losses_is_no_friction_that_slides() -> None:
