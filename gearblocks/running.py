@@ -28,28 +28,30 @@ def build(train: Drivetrain | Model) -> Model:
 
 @by_name_only
 def simulate(
-    train: Drivetrain | Model, *, t_end: float | None = None, t: ArrayLike | None = None, t_start: float | None = None,
-    method: str = "auto", rtol: float = 1e-6, step: float | None = None, max_step: float | None = None,
-    locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
+    train: Drivetrain | Model, *, t_end: float | str | None = None, t: ArrayLike | None = None,
+    t_start: float | str | None = None, method: str = "auto", rtol: float = 1e-6, step: float | None = None,
+    max_step: float | None = None, locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
     parameters: Mapping[str, float | str] | None = None, initial: Mapping[str, float | str] | Trajectory | str | None = None,
     outputs: str | Sequence[str] = "*", progress: Callable[[float], None] | None = None, residual: float | None = None,
 ) -> Trajectory:  # fmt: skip
     """Runs a train or model.
 
-    t_end: end of the run [s]; the samples are the accepted steps with both sides of each event. Or t: sample times [s].
+    t_end: end of the run [s], or such as "20 ms"; the samples are the accepted steps with both sides of each event. Or t:
+    sample times [s].
     t_start: start [s], default 0. method: "auto", "rk4" (needs step), "dp5", "dp8", "rodas". rtol: tolerance relative to the
     largest value of each state so far. step: fixed step [s] for any method. max_step: longest step [s].
     locate: False locates nothing: every stage of a step takes the side it is on, as an `if` in the right-hand side does (to see
     what that costs); friction, stops and lossy gears then change at the ends of steps.
-    inputs: by name a number, a `Table` over time, or a function of time (called per stage: slow; a Table is fast).
+    inputs: by name a number, a `Table` over time, a pair (t, y) or a Series of pandas over time [s] (straight lines between
+    the samples), or a function of time (called per stage: slow; a Table is fast).
     parameters: other values by path ("mesh.k"), without recompiling. initial: start values by name ("motor.w",
     "motor.phi", states of blocks), an earlier run to continue, "static" (the equilibrium with every excitation by time at
     its mean, contact side from the load; speeds and absolute angles stay) or "static_at_start" (under everything as it is
     at t_start). outputs: a pattern or several ("mesh.*").
     residual: the run stops where its energy residual (run.energy.residual), looked at between samples about every 50 ms of
     CPU time and at the end, exceeds this.
-    progress: called with the share done (0..1), five times a second at most; without it a run of more than two seconds
-    says on a terminal how far it is.
+    progress: called with the share done (0..1), five times a second at most; without it a long run says how far it is, on
+    a terminal and in a notebook after two seconds, in a log by a line every so often.
 
     Raises UnknownNameError and ParameterError for bad arguments, SimulationError (with the trajectory so far) when the
     run cannot go on. Ctrl-C returns what is done; run.complete is then False.

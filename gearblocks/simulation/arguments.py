@@ -31,7 +31,7 @@ METHOD_NAMES = tuple(method.name.lower() for method in Method)
 """By number."""
 
 
-def begin_of(t_start: float | None, initial: Any) -> float:
+def begin_of(t_start: float | str | None, initial: Any) -> float:
     if t_start is not None:
         return _seconds("t_start", t_start)
     if isinstance(initial, Trajectory) and initial.final_state is not None:
@@ -39,7 +39,7 @@ def begin_of(t_start: float | None, initial: Any) -> float:
     return 0.0
 
 
-def sample_times(begin: float, t_end: float | None, t: ArrayLike | None) -> tuple[Array | None, float]:
+def sample_times(begin: float, t_end: float | str | None, t: ArrayLike | None) -> tuple[Array | None, float]:
     """The samples (None: every accepted step) and the end of the run."""
     if (t is None) == (t_end is None):
         raise ParameterError("give either t_end (records every step) or t (an array of sample times)")

@@ -47,7 +47,8 @@ from gearblocks.solver.structures import Array, Code, Counters, Method, Options
 
 
 def run_model(
-    model: Model, *, t_end: float | None = None, t: ArrayLike | None = None, t_start: float | None = None,
+    model: Model, *, t_end: float | str | None = None, t: ArrayLike | None = None,
+    t_start: float | str | None = None,
     method: str = "auto", rtol: float = 1e-6, step: float | None = None, max_step: float | None = None,
     locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
     parameters: Mapping[str, float | str] | None = None, initial: Mapping[str, float | str] | Trajectory | str | None = None,
