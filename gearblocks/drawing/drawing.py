@@ -52,6 +52,8 @@ class Drawing:
 
 def check_ending(path: str | os.PathLike[str]) -> None:
     """Refuses a file that would not be read as SVG."""
+    if not isinstance(path, (str, os.PathLike)):
+        raise ParameterError(f"drawing: {path!r:.80} is no name of a file; give one that ends in .svg")
     if Path(path).suffix.lower() != ".svg":
         raise ParameterError(f"drawing: '{path}' must end in .svg, the only form that a drawing has")
 

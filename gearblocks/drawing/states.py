@@ -10,6 +10,8 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from gearblocks.blocks import HardStop, LossyGear, Worm
 from gearblocks.drawing.scheme import Scheme
 from gearblocks.errors import ParameterError
@@ -32,7 +34,8 @@ def colours(scheme: Scheme, run: Any, at: float | None) -> dict[str, tuple[str, 
 
     Raises ParameterError for a time outside of the run, and for a run of another train.
     """
-    index, outputs = _sample(run, at), _outputs(run.names)
+    index = _sample(run, at)
+    outputs = _outputs(run.names)
     paths = [path for e in scheme.elements for path, _ in e.blocks]
     if len(run.names) and not any(name.startswith(f"{path}.") for path in paths for name in run.names):
         raise ParameterError(f"draw: the run is of another train: none of its outputs is of a part of '{scheme.name}'")
@@ -70,13 +73,17 @@ def _state(block: Block, name: str, value: float) -> tuple[str, str] | None:
     return table.get(value)  # type: ignore[call-overload, no-any-return]  # whole numbers as floats
 
 
-def _sample(run: Any, at: float | None) -> int:
-    """The last sample at or before a time; ParameterError where there is none."""
+def _sample(run: Any, at: Any) -> int:
+    """The last sample at or before a time; ParameterError where there is none, or what is given is no run or no time."""
+    if not hasattr(run, "names") or not hasattr(run, "t"):
+        raise ParameterError(f"draw: run = {run!r:.80} must be a run, as gb.simulate answers with")
     times: Sequence[float] = [float(t) for t in run.t]
     if not times:
         raise ParameterError("draw: the run has no samples, so it has no state to show")
     if at is None:
         return len(times) - 1
+    if isinstance(at, bool) or not isinstance(at, (int, float, np.number)):
+        raise ParameterError(f"draw: at = {at!r:.80} must be a time in s")
     if not times[0] <= at <= times[-1]:
         raise ParameterError(f"draw: at = {at!r} s must lie within the run, {times[0]:.6g} .. {times[-1]:.6g} s")
     return max(i for i, t in enumerate(times) if t <= at)

@@ -254,3 +254,6 @@ def test_a_drawing_is_saved_as_svg_alone(tmp_path: Path) -> None:
     assert (tmp_path / "pair.svg").read_text(encoding="utf-8") == str(drawing) == drawing._repr_svg_()
     with pytest.raises(gb.ParameterError, match=r"must end in \.svg"):
         drawing.save(tmp_path / "pair.png")
+    with pytest.raises(gb.ParameterError, match="is no name of a file"):
+        _pair().draw(5)  # type: ignore[arg-type]
+    assert _pair().draw(tmp_path / "again.svg").text == (tmp_path / "again.svg").read_text(encoding="utf-8")

@@ -79,6 +79,10 @@ def test_what_is_no_state_of_the_train_is_refused() -> None:
     run = gb.simulate(rig, t_end=2.0)
     with pytest.raises(gb.ParameterError, match=r"must lie within the run, 0 \.\. 2 s"):
         rig.draw(run=run, at=3.0)
+    with pytest.raises(gb.ParameterError, match="must be a time in s"):
+        rig.draw(run=run, at="late")  # type: ignore[arg-type]
+    with pytest.raises(gb.ParameterError, match="must be a run, as gb"):
+        rig.draw(run=2.0)  # type: ignore[arg-type]
     with pytest.raises(gb.ParameterError, match="give run= too"):
         rig.draw(at=1.0)
     with pytest.raises(gb.ParameterError, match="the run is of another train"):
