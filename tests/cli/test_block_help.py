@@ -85,7 +85,7 @@ def test_what_a_train_or_a_run_can_do_is_told_a_line_each(capsys: pytest.Capture
 def test_arguments_that_are_given_by_name_are_marked(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["doc", "simulate"]) == 0
     assert capsys.readouterr().out.startswith(
-        "gb.simulate(\n    train: Drivetrain | Model,\n    *,\n    t_end: float | None"
+        "gb.simulate(\n    train: Drivetrain | Model,\n    *,\n    t_end: float | str | None"
     )
 
 

@@ -84,6 +84,9 @@ double gb_log_imbalance(gb_sim *sim, double h) {
     const double size = gb_max(head->ledger.stored, gb_max(before, after)) + head->ledger.turnover;
     const double tolerance = MOST_OF_A_STEP * gb_max(head->options.rtol, LEAST) * size;
     const double error = tolerance > 0.0 ? gb_rough_log2(added / tolerance + 1e-30) : -100.0;
+    if (error > 0.0 && head->front.t1 > head->front.t_start && gb_moves_by_rounding(sim)) {
+        return -100.0;
+    }
     if (error > 0.0) {
         if (drift->imbalanced && error > drift->imbalance + LEAST_POWER * gb_rough_log2(h / drift->h_imbalance)) {
             drift->balance_gap = 2 * drift->balance_gap + LEFT_OUT;

@@ -302,16 +302,25 @@ static double energy_at(gb_sim *sim, const double *y) {
     return sum;
 }
 
-/* That of the speeds that the noise of their rates may make in the run, all of one sign, where none has been larger. */
+int gb_moves_by_rounding(const gb_sim *sim) {
+    const double time = sim->head->front.t1 - sim->head->front.t_start;
+    for (int i = sim->model->n - sim->model->n_speeds; i < sim->model->n; i++) {
+        if (!(sim->control.largest[i] <= time * sim->control.noise[i])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 double gb_rounding_energy(gb_sim *sim) {
     const gb_model *model = sim->model;
     const double time = sim->head->front.t1 - sim->head->front.t_start;
+    if (!gb_moves_by_rounding(sim)) {
+        return 0.0;
+    }
     memcpy(sim->z2, sim->y, sizeof(double) * (size_t)model->n_total);
     for (int i = model->n - model->n_speeds; i < model->n; i++) {
         sim->z2[i] = time * sim->control.noise[i];
-        if (!(sim->control.largest[i] <= sim->z2[i])) {
-            return 0.0;
-        }
     }
     const int told = gb_time_terms_at(sim, sim->head->front.t1) == GB_DONE;
     return told ? gb_max(energy_at(sim, sim->z2) - energy_at(sim, sim->y), 0.0) : 0.0;

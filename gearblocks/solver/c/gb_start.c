@@ -50,6 +50,7 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     memset(sim->events.armed, 0, switches);
     memset(sim->events.pending, 0, switches);
     memset(sim->events.flips, 0, switches);
+    memset(sim->events.held, 0, switches);
     memset(sim->events.held_side, 0, switches);
     memset(sim->constraints.impacts, 0, sizeof(double) * (size_t)m->n_constraints);
     for (int i = 0; i < m->n_switches; i++) {
