@@ -142,7 +142,8 @@ int gb_drift_look(gb_sim *sim) {
         drift->t_chosen = head->front.t1;
     } else if (drift->based) {
         drift->sum += sum - drift->last;
-        soon = head->front.t1 > drift->t_chosen && decide(sim, head->ledger.turnover + head->ledger.stored);
+        soon = head->front.t1 > drift->t_chosen && !gb_moves_by_rounding(sim) &&
+               decide(sim, head->ledger.turnover + head->ledger.stored);
     }
     drift->gap = first ? FIRST : soon ? SOON : drift->gap < SELDOM ? 2 * drift->gap : SELDOM;
     drift->look_at = head->counts.steps + drift->gap;

@@ -11,13 +11,12 @@
  * of the step, in lanes and z. */
 double gb_log_imbalance(gb_sim *sim, double h);
 
-/* Where gains change with the position few states move much at once: every step; else one that is longer than those
- * before, or moves a narrow feature of a law. */
+/* Where gains change with the position few states move much at once: every step; else one that moves a narrow feature
+ * of a law. */
 static inline int gb_imbalance_is_due(const gb_sim *sim, double h) {
     const struct gb_pace *control = &sim->head->control;
-    const int longer = h > 1.2 * control->h_trusted && sim->head->counts.steps >= 16;
     const int feature = control->h_feature > 0.0 && h > 0.1 * control->h_feature;
-    return (sim->model->varying_inertia || longer || feature) && sim->model->energy_sign && sim->head->options.locate &&
+    return (sim->model->varying_inertia || feature) && sim->model->energy_sign && sim->head->options.locate &&
            !sim->head->choice.large_step;
 }
 

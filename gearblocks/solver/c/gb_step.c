@@ -27,6 +27,10 @@
 /* Another try with a shorter step, and how often in one step. */
 enum { AGAIN = 100, MOST_AGAIN = 8, MOST_DOUBTS = 3 };
 
+/* A step of fewer roundings of the time than these locates what jumps in an event function: no polynomial follows that
+ * in any step, and the end of this one tells where it is. */
+static const double LEAST_AGAIN = 64.0;
+
 static void last_derivative(gb_sim *sim) {
     const int last = sim->method->stages;
     double *k = sim->k + (size_t)last * (size_t)sim->model->n_total;
@@ -90,7 +94,8 @@ static int accept(gb_sim *sim, double end, int again) {
             return head->report.code;
         }
         const int most = sim->events.undersampled ? MOST_AGAIN : sim->events.in_doubt ? MOST_DOUBTS : 0;
-        if (again < most && !(head->options.step > 0.0)) { /* what was located may not be there in the next try */
+        const int longer = head->front.h > LEAST_AGAIN * gb_rounding(from, head->control.h_largest);
+        if (again < most && longer && !(head->options.step > 0.0)) { /* it may not be there in the next try */
             memset(sim->events.pending, 0, sizeof(double) * (size_t)model->n_event_functions);
             return AGAIN;
         }

@@ -61,3 +61,30 @@ def test_it_breaks_away_when_and_as_fast_as_the_load_says(
         assert run["held.w"][-1] == pytest.approx(swept / inertia, rel=10 * rtol), rtol
         assert run.energy.residual < 10 * rtol
         assert run.stats.steps < 2000, rtol
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+@pytest.mark.parametrize("late", [0.0, 1.06])
+@pytest.mark.parametrize(
+    ("tau1", "tau2", "eta2"), [(0.09, 0.009, 0.9), (0.7, 0.3, 0.5), (0.2, 0.2, 0.9), (0.02, 0.3, 0.8)]
+)
+def test_a_lossy_gear_breaks_away_where_its_losses_jump(
+    tau1: float, tau2: float, eta2: float, late: float, method: str
+) -> None:
+    """b is driven, nothing enters at a: it holds the larger loss, and turns against the smaller one if a drives worse."""
+    rig, slope = gb.Drivetrain("jump"), 2.0
+    first, second = rig.add("first", gb.Inertia(J=FREE)), rig.add("second", gb.Inertia(J=OTHER))
+    gear = rig.add("gear", gb.LossyGear(ratio=1.0, efficiency=(0.9, eta2), bearing=(tau1, tau2)))
+    rig.connect(first.a, gear.a)
+    rig.connect(gear.b, second.a)
+    ramp = gb.piecewise((slope * (gb.time - late), gb.time > late), (0.0, True))
+    rig.chain(rig.add("torque", gb.Torque(tau=ramp)), second)
+    holds = max(tau1, tau2)
+    breaks, end = late + holds / slope, late + 1.5 * holds / slope
+    swept = slope * ((end - late) ** 2 - (breaks - late) ** 2) / 2 - tau2 * (end - breaks)
+    for rtol in (1e-3, 1e-6, 1e-9):
+        run = gb.simulate(rig, t_end=end, method=method, rtol=rtol)
+        assert run.events[-1].t == pytest.approx(breaks, rel=1e-8), rtol
+        assert run["second.w"][-1] == pytest.approx(swept / (OTHER + FREE / eta2), rel=10 * rtol), rtol
+        assert run.energy.residual < 10 * rtol
+        assert run.stats.steps < 2000, rtol
