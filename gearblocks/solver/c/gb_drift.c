@@ -120,7 +120,7 @@ static int decide(gb_sim *sim, double turnover) {
     }
     drift->tries = drift->strictness > USELESS && rate / turnover > 0.5 * drift->rate ? drift->tries + 1 : 0;
     drift->strictness += gb_max(0.0, gb_min(1.0 + log2(more / room), MOST_AT_ONCE));
-    drift->strictness = gb_min(drift->strictness, STRICTEST);
+    drift->strictness = gb_min(drift->strictness, gb_min(STRICTEST, log2(sim->head->options.rtol / LEAST)));
     drift->chosen = drift->sum;
     drift->t_chosen = t;
     return 1;
