@@ -37,6 +37,8 @@ from gearblocks.solver.structures import Array
 
 _ROUNDS = 200
 _WEAK, _WEAKEST = 1e-2, 1e-6  # spring on a coordinate relative to its stiffness, after a change of modes and at the end
+_FADES = 10.0  # of it, from step to step in the same modes
+_FIRM, _FADES_SLOWLY = 1.0, 1.5  # both where full steps come round to the same modes
 _NOTHING = 1e-14  # the same where the torques that are left do not shrink
 _AHEAD = 1e-9  # rad, of how far the train has turned: by so much it turns on
 _ROUNDING = 1e-13  # of the state
@@ -156,13 +158,23 @@ class _Search:
             assert force_rows is not None
             self.L = force_rows.basis(self.algebra).T
             self.n_t = self.L.shape[0]
-        self.weak = _WEAK
+        self.weak = 0.0
         self.patterns: dict[bytes, list[Indices]] = {}
         self.turn = self._turned_on()
         self.springs = self._stiffness()
 
     def run(self) -> Point:
-        """The equilibrium."""
+        """The equilibrium. Where full steps lead back to modes that were left, short ones go the way of an overdamped motion."""
+        start, carried = self.point, np.zeros(0)
+        for spring, fades in ((_WEAK, _FADES), (_FIRM, _FADES_SLOWLY)):
+            self.point, self.weak = start, spring
+            found, carried = self._followed(spring, fades)
+            if found is not None:
+                return found
+        raise self._failure(carried)
+
+    def _followed(self, spring: float, fades: float) -> tuple[Point | None, Array]:
+        """The equilibrium, or None, and what the weak springs carried at last."""
         last, carried = np.inf, np.zeros(0)
         for _ in range(_ROUNDS):
             matrix = self._matrix()
@@ -174,14 +186,14 @@ class _Search:
             fit = self._fitting(y)
             same = np.array_equal(fit.modes, self.point.modes)
             if same and (error <= _NEAR or (error <= _STALLED and error > 0.3 * last)):
-                return fit.at(y=restarted(fit)) if self.kin.massless else fit
+                return (fit.at(y=restarted(fit)) if self.kin.massless else fit), carried
             lowest = _WEAKEST if error < 0.3 * last else _NOTHING  # a small load crosses a wide gap
-            self.weak = max(self.weak / 10, lowest) if same else _WEAK
+            self.weak = max(self.weak / fades, lowest) if same else spring
             last = error if same else np.inf
             self.point = fit
             if overlaps(fit):  # beyond a gap that a stop closes, nothing else may carry the load
-                return fit
-        raise self._failure(carried)
+                return fit, carried
+        return None, carried
 
     def _fitting(self, y: Array) -> Point:
         """The point at y in the modes of the instant just after, in which the train has turned on.

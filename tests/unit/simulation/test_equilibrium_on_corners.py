@@ -136,3 +136,44 @@ def test_a_load_on_a_joint_of_a_torque_over_the_twist(load, twist):
     rig.chain(rig.add("load", gb.Torque(tau=load)), body, spring, rig.add("ground", gb.Fixed()))
     run = _start(rig)
     assert run["spring.twist"][0] == pytest.approx(twist, rel=1e-12, abs=1e-15)
+
+
+def _set_behind_a_soft_shaft(k: float, error: float, torque: float, half_gap: float) -> gb.Drivetrain:
+    """Its sun hangs on a shaft whose twist turns the meshes through more than a cycle of their stiffness and error."""
+    rig = gb.Drivetrain("soft")
+    held, sun, carrier, ring = (
+        rig.add(name, gb.Inertia(J=J)) for name, J in (("held", 0.2), ("sun", 0.09), ("carrier", 0.4), ("ring", 0.26))
+    )
+    mesh = gb.MeshLaw(
+        k=7270.0, c=9.19, stiffness_variation=gb.Fourier(cos=(0.276,)), transmission_error=gb.Harmonic(cos=(error,)),
+        backlash=gb.Backlash(half_gap=half_gap),
+    )  # fmt: skip
+    planets = gb.PlanetaryGear(
+        z_sun=30, z_planet=15, z_ring=60, planets=3, module=0.01, pressure_angle=0.35, planet_inertia=0.1,
+        sun_mesh=mesh, ring_mesh=gb.MeshLaw(k=11400.0, c=8.43),
+    )  # fmt: skip
+    gears = rig.add("set", planets)
+    shaft, anchor = rig.add("shaft", gb.Shaft(k=k, c=0.0139)), rig.add("anchor", gb.Shaft(k=290.0))
+    rig.connect(rig.add("ground", gb.Fixed()).flange, anchor.a)
+    rig.connect(anchor.b, held.a, shaft.a, rig.add("near", gb.Torque(tau=2.7)).flange)
+    rig.connect(shaft.b, sun.a, gears.sun)
+    rig.connect(carrier.a, gears.carrier)
+    rig.connect(ring.a, gears.ring, rig.add("far", gb.Torque(tau=-torque)).flange)
+    return rig
+
+
+@pytest.mark.parametrize(
+    ("k", "error", "torque", "half_gap"),
+    [
+        (0.3, 1.7e-4, 0.4, 1e-4), (0.3, 1.7e-4, 4.0, 1e-4), (1.55, 1.7e-4, 1.42, 1e-4), (1.55, 1.7e-4, 1.42, 2.45e-4),
+        (8.0, 1.7e-4, 1.42, 1e-4), (8.0, 1.7e-4, 4.0, 1e-3), (8.0, 6e-4, 0.4, 1e-3), (1.55, 6e-4, 1.42, 1e-4),
+    ],
+)  # fmt: skip
+def test_full_steps_that_lead_back_to_the_same_contacts_are_followed_by_short_ones(k, error, torque, half_gap):
+    """Sun and shafts stand still, the carrier follows the ring as the numbers of teeth say (Willis)."""
+    rig = _set_behind_a_soft_shaft(k, error, torque, half_gap)
+    run = gb.simulate(rig, t=[0.0], initial="static", outputs=["*.alpha"])
+    held, sun, carrier, ring = (float(run[f"{name}.alpha"][0]) for name in ("held", "sun", "carrier", "ring"))
+    assert ring < 0.0
+    assert max(abs(held), abs(sun)) < 1e-9 * abs(ring)
+    assert carrier == pytest.approx(ring * 60 / 90, rel=1e-9)
