@@ -164,7 +164,7 @@ class _Search:
         self.springs = self._stiffness()
 
     def run(self) -> Point:
-        """The equilibrium. Where full steps lead back to modes that were left, short ones go the way of an overdamped motion."""
+        """The equilibrium. Where full steps lead back to modes that were left, short ones follow an overdamped motion."""
         start, carried = self.point, np.zeros(0)
         for spring, fades in ((_WEAK, _FADES), (_FIRM, _FADES_SLOWLY)):
             self.point, self.weak = start, spring
