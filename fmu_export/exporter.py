@@ -23,7 +23,8 @@ from fmu_export.templates import render
 from fmu_export.variables import Variable, variables_of
 from gearblocks.codegen.program import Program
 from gearblocks.drawing.drawing import Drawing, shown_drawing
-from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.errors import ParameterError, by_name_only, warn
+from gearblocks.model.following_starts import numbers_of_their_own
 from gearblocks.simulation.arguments import parameter_vector
 from gearblocks.solver.library import Model
 
@@ -74,7 +75,8 @@ def export(
     model = build(train)
     program = model.program
     by_name = initial if isinstance(initial, Mapping) else None
-    values = parameter_vector(program, model.values, parameters or {}, by_name)
+    values = parameter_vector(model, parameters or {}, by_name)
+    _say_what_does_not_follow(model)
     start = start_vector(program, initial)
     solver = solver_options(method, rtol, step, max_step, locate)
     if patience is not None and not patience >= 0:
@@ -91,6 +93,17 @@ def export(
         files.update(build_binary(sources, model_identifier(program.name)))
     write_archive(target, files)
     return target
+
+
+def _say_what_does_not_follow(model: Model) -> None:
+    """A warning where start values follow from Parameters."""
+    if fixed := numbers_of_their_own(model):
+        given = ", ".join(sorted(model.start_parameters))
+        warn(
+            f"'{model.program.name}': {', '.join(fixed)} follow from {given} here, but stay in an FMU as they are: set them there "
+            f"together",
+            stacklevel=4,
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from gearblocks.errors import (
         CompileError,
         GearblocksError,
+        GearblocksWarning,
         ModelError,
         ParameterError,
         SimulationError,
@@ -132,7 +133,7 @@ __all__ = [
     "Acts", "Angle", "Backlash", "BearingFriction", "BeltDrive", "Block", "Body", "Brake", "Campbell", "Clutch",
     "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain", "EddyCurrentBrake",
     "Effect", "Energy", "Engine", "Fixed", "Flange", "Force", "Fourier", "Freewheel", "FrequencyResponse",
-    "GearMesh", "GearblocksError", "Governor", "HardStop", "Harmonic", "Heaviside", "Hold", "HuntCrossley",
+    "GearMesh", "GearblocksError", "GearblocksWarning", "Governor", "HardStop", "Harmonic", "Heaviside", "Hold", "HuntCrossley",
     "Hysteresis", "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear",
     "LossyTie", "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch",
     "Parameter", "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate",
@@ -166,7 +167,7 @@ _NAMES = {
         "Backlash Fourier Harmonic HuntCrossley Hysteresis MeshLaw Profile Square Superposition ToothFriction"
     ),
     "drivetrain": "Drivetrain",
-    "errors": "CompileError GearblocksError ModelError ParameterError SimulationError UnknownNameError",
+    "errors": "CompileError GearblocksError GearblocksWarning ModelError ParameterError SimulationError UnknownNameError",
     "geometry.ratio_curves": "RatioLawError",
     "geometry.ratio_design": "design_ratio",
     "geometry.ratio_fit": "driver_angle",

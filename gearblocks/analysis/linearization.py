@@ -66,7 +66,7 @@ def operating_point(
     program = model.program
     begin = begin_of(t, at)
     with model.library.open() as sim:
-        sim.parameters[:] = parameter_vector(program, model.values, parameters or {}, at)
+        sim.parameters[:] = parameter_vector(model, parameters or {}, at)
         set_inputs(sim, program, inputs or {})
         y0 = start_state(program, at)
         with _named(begin), opened(sim, program, begin, y0) as point:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.span import Span
-from gearblocks.analysis.study_point import Interrupted, Task, options_until, point_vector, span_of
+from gearblocks.analysis.study_point import Interrupted, Task, moves_starts, options_until, point_vector, span_of
 from gearblocks.codegen.program import Program
 from gearblocks.errors import GearblocksError, SimulationError
 from gearblocks.simulation.arguments import is_static, set_inputs, start_state
@@ -76,7 +76,7 @@ class RunMeasuring:
         task, program = self.task, self.task.model.program
         static = is_static(task.initial)
         alike = task.window.section is None
-        plain = all(axis.kind != "start" for axis in task.axes)
+        plain = not moves_starts(task)
         for i, vector in enumerate(self._plain_vectors() if plain else self.points):
             if self.stop is not None and self.stop():
                 raise Interrupted

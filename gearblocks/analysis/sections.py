@@ -121,7 +121,7 @@ def section_points(
     of the columns (default: all deflections, twists and their rates)."""
     if transient < 0 or keep < 1:
         raise ParameterError(f"transient = {transient} must be >= 0 and keep = {keep} must be >= 1")
-    vector = parameter_vector(model.program, model.values, parameters or {}, None)
+    vector = parameter_vector(model, parameters or {}, None)
     period = section_period(section, NamedValues(model.program.parameter_numbers, vector))
     relative = [q.name for q in model.program.outputs if q.name.rsplit(".", 1)[-1] in _RELATIVE]
     patterns = relative if of is None else [of] if isinstance(of, str) else list(of)

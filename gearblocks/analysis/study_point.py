@@ -16,7 +16,7 @@ from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.sections import Section, section_period
 from gearblocks.analysis.span import Span, program_span
 from gearblocks.language.units import parse_unit
-from gearblocks.simulation.arguments import parameter_vector
+from gearblocks.simulation.arguments import parameter_vector, with_followed
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Options
@@ -63,7 +63,8 @@ class Window(NamedTuple):
 @dataclass(frozen=True, slots=True, eq=False)
 class Task:
     """All that a chunk of points needs besides the points. widths: how many columns each quantity has; steps_per_period: fixed
-    steps in each period of the section (0: steps as the method wants them); in_lanes: points are stepped side by side."""
+    steps in each period of the section (0: steps as the method wants them); in_lanes: points are stepped side by side;
+    given_starts: offsets of start values that do not follow from Parameters."""
 
     model: Model
     axes: tuple[Axis, ...]
@@ -77,6 +78,7 @@ class Task:
     arguments: Mapping[str, Any]
     steps_per_period: int = 0
     in_lanes: bool = False
+    given_starts: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,16 +100,22 @@ class Interrupted(Exception):  # noqa: N818  no error: the caller asked for it
 
 def point_vector(task: Task, point: Array) -> Array:
     """The parameter vector of a point."""
-    vector = task.base.copy()
-    starts = {}
+    model, vector, starts = task.model, task.base.copy(), {}
     for axis, value in zip(task.axes, point, strict=True):
         if axis.kind == "parameter":
             vector[axis.offset] = value
         elif axis.kind == "start":
             starts[axis.path] = float(value)
+    if any(axis.path in model.start_parameters for axis in task.axes):
+        vector = with_followed(model, vector, task.given_starts)
     if starts:
-        vector = parameter_vector(task.model.program, vector, {}, {**(task.initial or {}), **starts})
+        vector = parameter_vector(model, {}, {**(task.initial or {}), **starts}, vector)
     return vector
+
+
+def moves_starts(task: Task) -> bool:
+    """Whether start values differ from point to point."""
+    return any(axis.kind == "start" or axis.path in task.model.start_parameters for axis in task.axes)
 
 
 def span_of(task: Task, vector: Array) -> Span:

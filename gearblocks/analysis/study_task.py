@@ -70,7 +70,7 @@ def task_of(
     measures = _measures(quantity)
     window = _window(s)
     options = _options(s, window)
-    base = parameter_vector(program, model.values, s.parameters or {}, s.initial)
+    base = parameter_vector(model, s.parameters or {}, s.initial)
     axes = tuple(_axis(model, path, s.initial, fields) for path in design.paths)
     points = points_in_si(axes, design.points)
     _check_axes(model, points, axes, s)
@@ -82,7 +82,7 @@ def task_of(
         arguments["t"] = s.t
     task = Task(
         model, axes, base, measures, (), window, options, dict(with_tables(s.inputs)), s.initial, arguments,
-        steps_per_period=int(s.steps_per_period or 0),
+        steps_per_period=int(s.steps_per_period or 0), given_starts=_given_starts(model, s),
     )  # fmt: skip
     with model.library.open() as sim:
         set_inputs(sim, program, task.inputs)
@@ -95,6 +95,16 @@ def task_of(
     widths = widths_of(task, points)
     in_lanes = s.steps_per_period is not None and fits_lanes(task)
     return replace(task, widths=widths, in_lanes=in_lanes), units
+
+
+def _given_starts(model: Model, s: Settings) -> frozenset[int]:
+    """Offsets of the start values that parameters and initial give."""
+    program = model.program
+    given = {program.parameter_numbers.get(path) for path in s.parameters or {}}
+    if isinstance(s.initial, Mapping):
+        starts = program.start_numbers
+        given |= {program.starts[starts[name]].offset for name in s.initial if name in starts}
+    return frozenset(i for i in given if i is not None)
 
 
 def names_of(measures: Sequence[Measure]) -> tuple[str, ...]:

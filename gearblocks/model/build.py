@@ -16,6 +16,7 @@ from gearblocks.language.block import Declared
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Input, Parameter
 from gearblocks.model.cache_key import classes_digest, package_digest
+from gearblocks.model.following_starts import with_starts
 from gearblocks.model.start_values import contradictions, fit_lossy, fit_prescribed, parameter_value, solve_dependent
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.library import Model, compile_program, start_core_build
@@ -73,7 +74,7 @@ def _build(train: Train) -> Model:
     model = Model(program, compile_program(program), start)
     fit_prescribed(model, train)
     fit_lossy(model, train)
-    return model
+    return with_starts(model, train)
 
 
 def make_program(train: Train) -> Program:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any, TypeAlias
@@ -17,11 +17,13 @@ from gearblocks.language.expression import finite_number
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Table, check_increasing
 from gearblocks.language.units import has_unit, number_in_si, parse_unit
+from gearblocks.model.following_starts import followed
 from gearblocks.model.listing import matches, near_patterns
 from gearblocks.simulation.input_series import TimeSeries, table_of_series
 from gearblocks.simulation.records import NamedValues
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.binding import Simulation
+from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
 
 InputSource: TypeAlias = "float | str | Table | Callable[[float], float] | tuple[ArrayLike, ArrayLike] | TimeSeries"
@@ -157,8 +159,12 @@ def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
     raise UnknownNameError(f"there is no {what} '{wanted}'; {there}{did_you_mean(wanted, names)}")
 
 
-def parameter_vector(program: Program, values: Array, changed: Mapping[str, float | str], initial: Any) -> Array:
-    """The parameter vector with changed parameters and start values, not to be written to."""
+def parameter_vector(
+    model: Model, changed: Mapping[str, float | str], initial: Any, values: Array | None = None
+) -> Array:
+    """The parameter vector (values: instead of that of the model) with changed parameters and start values, not to be written
+    to. Start values follow the Parameters that they are given by, but for those that are given here."""
+    program, values = model.program, model.values if values is None else values
     if not changed and initial is None and isinstance(changed, dict):
         return values
     result = np.array(values)
@@ -171,6 +177,7 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
             for path, value in dict(before).items():
                 if path in names:
                     result[names[path]] = value
+    given: list[int] = []
     for path, value in by_name("parameters", changed).items():
         i = resolve(path, names, "parameter")
         info = program.parameters[i]
@@ -180,6 +187,9 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
             )
         bounds = (info.lower, info.upper, info.open_lower, info.open_upper)
         result[i] = checked(info.path, number_of(info.path, value, info), info.unit, *bounds)
+        given.append(i)
+    if any(program.parameters[i].path in model.start_parameters for i in given):
+        result = with_followed(model, result, given)
     if isinstance(initial, Mapping):
         if initial:
             _initial(program, result, initial)
@@ -188,6 +198,14 @@ def parameter_vector(program: Program, values: Array, changed: Mapping[str, floa
             f"initial = {initial!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static' or "
             f"'static_at_start'{did_you_mean(initial, STATIC)}"
         )
+    return result
+
+
+def with_followed(model: Model, vector: Array, given: Collection[int]) -> Array:
+    """The vector with the start values that follow from its Parameters, but for those at the offsets given."""
+    starts = [i for i, p in enumerate(model.program.parameters) if p.start in (ANGLE, SPEED) and i not in given]
+    result = np.array(vector)
+    result[starts] = followed(model, vector)[starts]
     return result
 
 

@@ -67,7 +67,7 @@ def run_model(
     options, why = method_options(method, rtol, step, max_step, locate, end)
     pick = picked_outputs(program, outputs)
     with model.library.reopen() as sim:
-        values = sim.parameters[:] = parameter_vector(program, model.values, parameters or {}, initial)
+        values = sim.parameters[:] = parameter_vector(model, parameters or {}, initial)
         if options.method == Method.RODAS and not sim.has_jacobian:
             raise ParameterError(
                 f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"

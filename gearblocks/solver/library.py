@@ -29,6 +29,7 @@ from gearblocks.solver.memory import Memory
 from gearblocks.solver.shared_object import open_shared
 from gearblocks.solver.structures import Array
 from gearblocks.solver.variants import asked_flags
+from gearblocks.train.graph import Train
 
 SOURCES = Path(__file__).parent / "c"
 METHOD_SOURCES = ("methods.py", "rosenbrock.py")
@@ -90,11 +91,14 @@ class Library:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """A train that is ready to run. values: start values of the parameters, in the order of `program.parameters`."""
+    """A train that is ready to run. values: start values of the parameters, in the order of `program.parameters`; starts: the
+    train, where start values follow from Parameters, and the names of those."""
 
     program: Program
     library: Library
     values: Array
+    starts: Train | None = None
+    start_parameters: frozenset[str] = frozenset()
 
     def __repr__(self) -> str:
         p = self.program
