@@ -100,8 +100,8 @@ def _say_what_does_not_follow(model: Model) -> None:
     if fixed := numbers_of_their_own(model):
         given = ", ".join(sorted(model.start_parameters))
         warn(
-            f"'{model.program.name}': {', '.join(fixed)} follow from {given} here, but stay in an FMU as they are: set them there "
-            f"together",
+            f"'{model.program.name}': {', '.join(fixed)} follow from {given} here, but stay in an FMU as they are: set them "
+            f"there together",
             stacklevel=4,
         )
 
