@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+_SHOWN = 20  # rows that are printed; iteration and names reach all
+
 
 class Difference(NamedTuple):
     """Of one output: the largest difference [unit], when it was [s], and its share of the largest size of the output."""
@@ -55,11 +57,14 @@ class Comparison:
         raise UnknownNameError(f"'{name}' was not compared; there are {', '.join(self.names[:12])}")
 
     def __str__(self) -> str:
-        wide = max((len(row.name) for row in self.rows), default=0)
+        shown = self.rows[:_SHOWN]
+        wide = max((len(row.name) for row in shown), default=0)
         lines = []
-        for row in self.rows:
+        for row in shown:
             largest = f"{row.largest:.3e} {row.unit if row.unit != '1' else ''}".rstrip()
             lines.append(f"{row.name:<{wide}}  {row.share:8.1e} of its size  {largest} at {row.at:.6g} s")
+        if len(self.rows) > len(shown):
+            lines.append(f"and {len(self.rows) - len(shown)} more by {shown[-1].share:.1e} of their size or less")
         return "\n".join(lines)
 
     def __repr__(self) -> str:

@@ -120,6 +120,27 @@ def over_time(
         return finished(figure, path)
 
 
+def spectrum_picture(
+    frequency: Array, lines: Series, *, title: str = "", path: str | os.PathLike[str] | None = None
+) -> Figure:
+    """Amplitudes over the frequency [Hz], up to where no line is more than a hundredth of the largest. Those of the mean, which
+    is two lines wide under the window, are left out."""
+    name, unit, amplitude = lines
+    large = np.flatnonzero(amplitude[2:] > 1e-2 * np.max(amplitude[2:], initial=0.0))
+    shown = slice(2, 4 + int(large[-1]) * 21 // 20 if len(large) else None)
+    f, a = frequency[shown], amplitude[shown]
+    (f_factor, f_unit), (a_factor, a_unit) = prefixed([f], "Hz"), prefixed([a], unit)
+    with style():
+        figure, (axis,) = new_figure(path, size=(7.2, 2.6))
+        axis.vlines(f * f_factor, 0.0, a * a_factor, color=COLOURS[0], linewidth=1.1)
+        axis.set_ylim(bottom=0.0)
+        axis.set_xlabel(f"frequency in {f_unit}")
+        axis.set_ylabel(_label(name, a_unit))
+        if title:
+            figure.suptitle(title, x=0.01, ha="left", fontsize=10)
+        return finished(figure, path)
+
+
 def _distinct(group: Sequence[Series]) -> list[tuple[str, Array]]:
     """(label, values) of each curve, those that are equal as one."""
     found: list[tuple[list[str], Array]] = []
@@ -238,6 +259,8 @@ def _axis_words(group: Sequence[Series], unit: str) -> str:
 
 
 def _label(words: str, unit: str) -> str:
+    if len(words) > 26:  # longer than a panel is high
+        words = ".\n".join(words.rsplit(".", 1))
     if unit in NO_UNIT:
         return words
     return f"{words}\nin {unit}" if len(words) > 18 else f"{words} in {unit}" if words else f"in {unit}"

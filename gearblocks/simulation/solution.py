@@ -5,9 +5,11 @@ Dense segments are not stored: what was not asked for while it ran is found by r
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,9 @@ from gearblocks.errors import ParameterError
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.needs import Along, Needs, Solution
 from gearblocks.simulation.sampled_run import Run, SampledRun
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -33,11 +38,34 @@ class Extremes(NamedTuple):
     high_at: float
 
 
-class Spectrum(NamedTuple):
-    """Amplitudes [unit of the output] of the parts of an output at frequencies [Hz], shape (n,) each."""
+@final
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Spectrum:
+    """Amplitudes [unit] of the parts of an output, by name, at frequencies [Hz], shape (n,) each. It unpacks into both."""
 
     frequency: Array
     amplitude: Array
+    name: str = ""
+    unit: str = ""
+    title: str = ""
+
+    def __iter__(self) -> Iterator[Array]:
+        """Frequencies, then amplitudes."""
+        return iter((self.frequency, self.amplitude))
+
+    def __repr__(self) -> str:
+        mean, top = float(self.amplitude[0]), 2 + int(np.argmax(self.amplitude[2:]))  # the mean is two lines wide
+        return (
+            f"<spectrum of {self.name}: mean {mean:.4g} {self.unit}, largest {self.amplitude[top]:.4g} {self.unit} at "
+            f"{self.frequency[top]:.6g} Hz, lines {self.frequency[1]:.4g} Hz apart up to {self.frequency[-1]:.4g} Hz>"
+        )
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Amplitudes but the mean over the frequency, up to where all of them are less than a hundredth of the largest; saved
+        to `path` where given."""
+        from gearblocks.simulation.plotting import spectrum_picture
+
+        return spectrum_picture(self.frequency, (self.name, self.unit, self.amplitude), title=self.title, path=path)
 
 
 @contextmanager
@@ -109,7 +137,8 @@ def spectrum(run: Run, case: Case | None, name: str, window: tuple[float, float]
     shape = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n)
     size = np.abs(np.fft.rfft(values_at(run, case, (name,), times)[:, 0] * shape)) / shape.sum()
     size[1 : n // 2] *= 2  # each part stands at a frequency and at its negative
-    return Spectrum(np.arange(n // 2 + 1) / (window[1] - window[0]), size)
+    frequency = np.arange(n // 2 + 1) / (window[1] - window[0])
+    return Spectrum(frequency, size, name, run.units.get(name, "1"), str(run.meta.get("train", "")))
 
 
 def drawn(run: Run, case: Case | None, names: Sequence[str]) -> tuple[Array, dict[str, Array]]:

@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 from gearblocks.language.block import Block, Declared
-from gearblocks.language.expression import Expr
+from gearblocks.language.expression import Expr, to_sympy
 from gearblocks.language.signals import Input, Parameter, Table
 from gearblocks.language.tables import Table2
 from gearblocks.language.units import Given, parse_unit, unit_along
@@ -18,10 +18,27 @@ def field_texts(block: Block, slides: bool) -> list[str]:
     for name, field in type(block).fields.items():
         value = block.__dict__[name]
         if value is not None and value != field.default:
-            bare = field.unit == "1" or isinstance(value, (Parameter, Input))  # these say theirs
-            unit = "" if bare else f" {unit_along(field.unit, slides)}"
-            parts.append(f"{name} = {value!r}{unit}" if not isinstance(value, Declared) else f"{name}: {value!r}")
+            if isinstance(value, Declared):
+                parts.append(f"{name}: {value!r}")
+            else:
+                parts.append(f"{name} = {_whole(value, unit_along(field.unit, slides))}")
     return parts
+
+
+def _whole(value: Any, unit: str) -> str:
+    """A value as it was given, with its unit."""
+    if isinstance(value, Given) and value.unit:
+        return f"{parse_unit(value.unit).of_si(float(value)):.12g} {value.unit}"
+    if isinstance(value, Parameter):
+        return f"{value.name} ({value.value:.12g}{_behind(value.unit)})"
+    if isinstance(value, Input):
+        return f"input {value.name} ({value.start:.12g}{_behind(value.unit)})"
+    text = str(to_sympy(value)) if isinstance(value, Expr) else repr(value)
+    return text + _behind(unit)
+
+
+def _behind(unit: str) -> str:
+    return "" if unit in ("", "1") else f" {unit}"
 
 
 def short_texts(block: Block, slides: bool) -> list[str]:

@@ -121,7 +121,7 @@ def test_a_file_keeps_the_declared_units(tmp_path):
     _driven().to_json(tmp_path / "rig.json")
     again = gb.Drivetrain.from_json(tmp_path / "rig.json")
     assert again.train() == _driven().train()
-    assert "n = 3000" in again.describe() or "value=3000" in again.describe()
+    assert "w0 = n (3000 rpm)" in again.describe()
     assert np.array_equal(gb.simulate(again, t_end=1e-3)["motor.w"], gb.simulate(_driven(), t_end=1e-3)["motor.w"])
 
 
