@@ -128,7 +128,9 @@ def extremes(run: Run, case: Case | None, name: str, window: tuple[float, float]
     return Extremes(low, float(times[places[0]]), high, float(times[places[1]]))
 
 
-def spectrum(run: Run, case: Case | None, name: str, window: tuple[float, float], samples: int | None) -> Spectrum:
+def spectrum(
+    run: Run, case: Case | None, name: str, unit: str, window: tuple[float, float], samples: int | None
+) -> Spectrum:
     """Amplitudes by Fourier's transform of the solution at equal distances, under the window of Hann."""
     n = samples or min(1 << 16, max(2048, 1 << int(np.ceil(np.log2(4 * len(run.t))))))
     if not isinstance(n, int) or n < 8:
@@ -138,7 +140,7 @@ def spectrum(run: Run, case: Case | None, name: str, window: tuple[float, float]
     size = np.abs(np.fft.rfft(values_at(run, case, (name,), times)[:, 0] * shape)) / shape.sum()
     size[1 : n // 2] *= 2  # each part stands at a frequency and at its negative
     frequency = np.arange(n // 2 + 1) / (window[1] - window[0])
-    return Spectrum(frequency, size, name, run.units.get(name, "1"), str(run.meta.get("train", "")))
+    return Spectrum(frequency, size, name, unit, str(run.meta.get("train", "")))
 
 
 def drawn(run: Run, case: Case | None, names: Sequence[str]) -> tuple[Array, dict[str, Array]]:

@@ -235,7 +235,7 @@ class Trajectory:
         from gearblocks.simulation import solution
 
         window = solution.window_of(self, after, before)
-        return solution.spectrum(self, self.case, self._known(name), window, samples)
+        return solution.spectrum(self, self.case, self._known(name), self.units.get(name, "1"), window, samples)
 
     def between(self, t0: float, t1: float, *, samples: int = 1001) -> Trajectory:
         """The part from t0 to t1 [s] at so many equal distances, found by running it again; events as they were."""

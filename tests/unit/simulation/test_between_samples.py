@@ -80,8 +80,28 @@ def test_wrong_windows_and_names_are_refused_by_name():
         run.between(0.0, 1.0, samples=1)
 
 
+def test_a_spectrum_is_drawn_up_to_its_last_line_without_its_mean(tmp_path):
+    run = _pendulum(t_end=40 * np.pi)
+    found = run.spectrum("disc.kinetic_energy")  # 4 (1 - cos(4 t)): a mean, and one line at 2/pi Hz
+    assert (found.name, found.unit, found.title) == ("disc.kinetic_energy", "J", "swing")
+    frequency, amplitude = found
+    assert amplitude[frequency.searchsorted(2 / np.pi - 1e-9)] == pytest.approx(4.0, rel=1e-3)
+    assert "mean 4 J, largest 4 J at 0.63662 Hz" in repr(found)
+    figure = found.plot(tmp_path / "lines.png")
+    (axis,) = figure.axes
+    lines = np.array([segment[1] for segment in axis.collections[0].get_segments()])
+    assert axis.get_xlabel() == "frequency in mHz"
+    assert lines[:, 1].max() == pytest.approx(4.0, rel=1e-3)
+    assert lines[lines[:, 1].argmax(), 0] == pytest.approx(2000 / np.pi, rel=1e-9)
+    assert lines[:, 0].max() < 1.1 * 2000 / np.pi
+    assert (tmp_path / "lines.png").stat().st_size > 1000
+
+
 def test_runs_are_compared_on_their_solutions():
     one, other = _pendulum(t_end=3.0), _pendulum(t_end=2.0, parameters={"spring.k": 4.0 * 1.0002})
+    assert "and 1 more" not in str(gb.compare(one, other, "disc.*"))
+    whole = gb.compare(one, other)
+    assert len(str(whole).splitlines()) == min(len(whole), 21)
     found = gb.compare(one, other, "disc.*")
     assert {row.name for row in found} >= {"disc.phi", "disc.w"}
     # d/dk of 2 cos(w t): 2 sin(w t) t dw, dw = w 1e-4
