@@ -230,6 +230,12 @@ def _initial(program: Program, result: Array, initial: Mapping[str, float | str]
     for name, value in initial.items():
         info = program.starts[resolve(name, starts, "initial value")]
         number = checked(info.name, _start_number(program, info.name, value), "", None, None) * info.factor
+        of = program.parameters[info.offset]
+        if not of.start and abs(number - result[info.offset]) > 1e-12 * abs(number):
+            raise ParameterError(
+                f"initial: '{info.name}' starts as the Parameter '{of.path}' says, which may stand elsewhere too: give "
+                f"parameters={{'{of.path}': ...}}, or the block a number"
+            )
         before = given.setdefault(info.offset, (name, number))
         if abs(before[1] - number) > 1e-12 * max(abs(number), abs(before[1])):
             raise ParameterError(

@@ -83,3 +83,14 @@ def test_a_contradiction_is_said_by_name():
 def test_an_fmu_says_what_does_not_follow(tmp_path):
     with pytest.warns(gb.GearblocksWarning, match=r"b\.w0 follow from speed here, but stay in an FMU as they are"):
         fmu_export.export(_pair({"w0": SPEED}, {"w0": -SPEED}), tmp_path / "pair.fmu")
+
+
+def test_a_start_value_that_is_a_parameter_does_not_change_that():
+    """It would have changed the other shaft and the frequency of the drive with it."""
+    rig = _pair({"w0": SPEED}, {"w0": SPEED})
+    rig.connect(rig["a"].a, rig.add("drive", gb.Torque(tau=gb.sin(SPEED * gb.time))).flange)
+    with pytest.raises(
+        gb.ParameterError, match=r"'a\.w' starts as the Parameter 'speed' says, .* parameters=\{'speed'"
+    ):
+        gb.simulate(rig, t=[0.0], initial={"a.w": 7.0})
+    assert _speeds(rig, initial={"a.w": 3000 * RPM})[0] == pytest.approx(3000 * RPM)
