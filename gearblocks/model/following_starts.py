@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -16,13 +17,16 @@ from gearblocks.model.start_values import contradictions, fit_lossy, fit_prescri
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array
 from gearblocks.train.graph import Component, Train
-from gearblocks.train.values import numbers_of
+from gearblocks.train.values import leaves_of, numbers_of
 
 
 def with_starts(model: Model, train: Train) -> Model:
     """The model with what its start values follow from, where Parameters stand in them."""
-    names = frozenset(leaf.name for c in train.components for _, leaf in _leaves(c.block))
-    return replace(model, starts=train, start_parameters=names) if names else model
+    names = {leaf.name for c in train.components for _, leaf in _leaves(c.block)}
+    if not names:
+        return model
+    found = Counter(leaf.name for c in train.components for leaf in leaves_of(c.block))
+    return replace(model, starts=train, start_parameters={name: found[name] for name in names})
 
 
 def _leaves(block: Block) -> Iterator[tuple[str, Parameter]]:

@@ -192,7 +192,7 @@ def parameter_vector(
         result = with_followed(model, result, given)
     if isinstance(initial, Mapping):
         if initial:
-            _initial(program, result, initial)
+            _initial(model, result, initial)
     elif not (initial is None or isinstance(initial, Trajectory) or is_static(initial)):
         raise ParameterError(
             f"initial = {initial!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static' or "
@@ -221,7 +221,8 @@ def is_static(initial: Any) -> bool:
     return isinstance(initial, str) and initial in STATIC
 
 
-def _initial(program: Program, result: Array, initial: Mapping[str, float | str]) -> None:
+def _initial(model: Model, result: Array, initial: Mapping[str, float | str]) -> None:
+    program = model.program
     starts = program.start_numbers
     dependents = {f.name: f for f in program.dependent_starts if f.of in (ANGLE, SPEED)}
     initial = dict(initial)
@@ -231,9 +232,9 @@ def _initial(program: Program, result: Array, initial: Mapping[str, float | str]
         info = program.starts[resolve(name, starts, "initial value")]
         number = checked(info.name, _start_number(program, info.name, value), "", None, None) * info.factor
         of = program.parameters[info.offset]
-        if not of.start and abs(number - result[info.offset]) > 1e-12 * abs(number):
+        if model.start_parameters.get(of.path, 1) > 1 and abs(number - result[info.offset]) > 1e-12 * abs(number):
             raise ParameterError(
-                f"initial: '{info.name}' starts as the Parameter '{of.path}' says, which may stand elsewhere too: give "
+                f"initial: '{info.name}' starts as the Parameter '{of.path}' says, which stands elsewhere too: give "
                 f"parameters={{'{of.path}': ...}}, or the block a number"
             )
         before = given.setdefault(info.offset, (name, number))

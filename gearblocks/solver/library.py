@@ -16,7 +16,7 @@ import threading
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -92,13 +92,13 @@ class Library:
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
     """A train that is ready to run. values: start values of the parameters, in the order of `program.parameters`; starts: the
-    train, where start values follow from Parameters, and the names of those."""
+    train, where start values follow from Parameters, and how often each of those stands in it."""
 
     program: Program
     library: Library
     values: Array
     starts: Train | None = None
-    start_parameters: frozenset[str] = frozenset()
+    start_parameters: Mapping[str, int] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         p = self.program

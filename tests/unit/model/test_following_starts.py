@@ -94,3 +94,4 @@ def test_a_start_value_that_is_a_parameter_does_not_change_that():
     ):
         gb.simulate(rig, t=[0.0], initial={"a.w": 7.0})
     assert _speeds(rig, initial={"a.w": 3000 * RPM})[0] == pytest.approx(3000 * RPM)
+    assert _speeds(_pair({"w0": SPEED}, {"w0": 1.0}), initial={"a.w": 7.0})[0] == 7.0  # nobody else reads it
