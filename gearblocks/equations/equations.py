@@ -30,7 +30,8 @@ class Equations:
     force N); parameters: all other symbols with their paths. forcing names the defined symbols; `expanded` has them put in.
     switched_constraints: their constraint forces are symbols of the forcing whose values depend on the active set;
     `in_modes` gives them. contributions: the forcing term by term, (path, term), in the order of the train; names, entries,
-    owners: what symbols are called, what they mean, and to which part they belong; kinds: class of each part.
+    owners: what symbols are called, what they mean, and to which part they belong; kinds: class of each part; unread: states
+    that are not printed, since they move nothing.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Equations:
     entries: Mapping[Any, Entry] = dataclasses.field(default_factory=dict)
     owners: Mapping[Any, str] = dataclasses.field(default_factory=dict)
     kinds: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    unread: frozenset[Any] = frozenset()
 
     def __repr__(self) -> str:
         counts = f"{len(self.q)} angles, {len(self.states)} states of blocks, {len(self.definitions)} definitions"
@@ -58,13 +60,7 @@ class Equations:
     @property
     def expanded(self) -> Any:
         """The forcing without defined symbols."""
-        return self.forcing.applyfunc(self._insert)
-
-    def _insert(self, expr: Any) -> Any:
-        definitions = dict(self.definitions)
-        while expr.free_symbols & set(definitions):
-            expr = expr.xreplace(definitions)
-        return expr
+        return self.forcing.applyfunc(lambda expr: inserted(expr, dict(self.definitions)))
 
     def in_modes(self, modes: Mapping[str, float]) -> Equations:
         """The equations while friction and stops are in these modes, as events and outputs show them: {"clutch": 0}.
@@ -86,13 +82,22 @@ class Equations:
             self, definitions=definitions, forcing=self.forcing.xreplace(shown),
             contributions=tuple(tuple((p, e.xreplace(shown)) for p, e in row) for row in self.contributions),
             switched_constraints=tuple(r for r in self.switched_constraints if r not in given),
-            states={s: e.xreplace(shown) for s, e in self.states.items()},
+            states={s: e.xreplace(shown) for s, e in self.states.items()}, unread=frozenset(sections.counters(self)),
         )  # fmt: skip
         stuck = [r for r, e in acting.items() if e is None]
         if stuck:
-            held = constraint_torques(stuck, self.mass_matrix, made.expanded, self.q, self.v, time_symbol())
+            forcing = made._without({r.torque for r in stuck})
+            held = constraint_torques(stuck, self.mass_matrix, forcing, self.q, self.v, time_symbol())
             made.definitions.update(zip((r.torque for r in stuck), held, strict=True))  # type: ignore[attr-defined]
         return made
+
+    def _without(self, torques: set[Any]) -> Any:
+        """The forcing without the defined symbols that depend on these."""
+        found = set(torques)
+        while more := {s for s, e in self.definitions.items() if s not in found and e.free_symbols & found}:
+            found |= more
+        depend = {s: self.definitions[s] for s in found - torques}
+        return self.forcing.applyfunc(lambda expr: inserted(expr, depend))
 
     def jacobian(self) -> Any:
         """d forcing / d (q, v), dead zones differentiated side by side; torques of friction as they are (see in_modes)."""
@@ -236,6 +241,13 @@ class Equations:
 
     def __str__(self) -> str:
         return str(self.document())
+
+
+def inserted(expr: Any, definitions: Mapping[Any, Any]) -> Any:
+    """An expression with defined symbols put in, and those in them."""
+    while expr.free_symbols & definitions.keys():
+        expr = expr.xreplace(definitions)
+    return expr
 
 
 def _dot(symbol: Any) -> Any:

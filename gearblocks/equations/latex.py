@@ -87,15 +87,17 @@ def _op(node: Op) -> str:
 
 
 def _call(node: Call) -> str:
+    arguments = ",\\, ".join(map(latex, node.arguments))
+    return f"{_called(node)}{_fenced('(', arguments, ')', node.arguments)}"
+
+
+def _called(node: Call) -> str:
     function = node.function
     if isinstance(function, Words):
         name = f"\\{function.text}" if function.text in _MACROS else rf"\operatorname{{{function.text}}}"
     else:
         name = latex(function)
-    if node.primes:
-        name = f"{{{name}}}" + "'" * node.primes
-    arguments = ",\\, ".join(map(latex, node.arguments))
-    return f"{name}{_fenced('(', arguments, ')', node.arguments)}"
+    return f"{{{name}}}" + "'" * node.primes if node.primes else name
 
 
 def _fenced(left: str, inner: str, right: str, nodes: tuple[Any, ...]) -> str:
@@ -208,7 +210,7 @@ _WIDTHS: dict[Any, Any] = {
     ),
 }
 
-STYLE = Style(latex, width, r"\,")
+STYLE = Style(latex, width, r"\,", _called)
 
 
 def is_wide(left: Node, right: Node) -> bool:

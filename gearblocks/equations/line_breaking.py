@@ -16,11 +16,13 @@ from gearblocks.equations.notation import Call, Fence, Fraction, Node, Op, Power
 @final
 @dataclass(frozen=True, slots=True)
 class Style:
-    """shown: a node as text; width: of a node; joined: what stands between the factors of a product."""
+    """shown: a node as text; width: of a node; joined: what stands between the factors of a product; called: the name of
+    the function of a call, with its primes."""
 
     shown: Callable[[Node], str]
     width: Callable[[Node], float]
     joined: str
+    called: Callable[[Call], str]
 
 
 @final
@@ -95,7 +97,7 @@ def _broken(node: Node, style: Style, limit: float) -> Iterator[_Piece]:
         yield _sign(style, "/", begins=True)
         yield from _pieces(_bracketed(node.bottom), style, limit)
     elif isinstance(node, Call):
-        yield _Piece(style.shown(node.function), style.width(node.function), begins=False)
+        yield _Piece(style.called(node), style.width(node.function), begins=False)
         yield _sign(style, "left (")
         for i, argument in enumerate(node.arguments):
             if i:

@@ -71,11 +71,14 @@ def _fence(sign: str) -> str:
 
 
 def _call(node: Call) -> str:
+    arguments = "<mo>,</mo>".join(map(mathml, node.arguments))
+    return _row(_called(node), "<mo>(</mo>", arguments, "<mo>)</mo>")
+
+
+def _called(node: Call) -> str:
     function = node.function
     name = f"<mi>{escape(function.text)}</mi>" if isinstance(function, Words) else mathml(function)
-    name += f"<mo>{'′' * node.primes}</mo>" if node.primes else ""
-    arguments = "<mo>,</mo>".join(map(mathml, node.arguments))
-    return _row(name, "<mo>(</mo>", arguments, "<mo>)</mo>")
+    return name + (f"<mo>{'′' * node.primes}</mo>" if node.primes else "")
 
 
 def _cell(inner: str) -> str:
@@ -112,7 +115,7 @@ _SHOWN: dict[Any, Any] = {
     Matrix: _matrix,
 }
 
-STYLE = Style(mathml, width, _THIN)
+STYLE = Style(mathml, width, _THIN, _called)
 LINE = 84.0  # letters of a line on a page
 
 

@@ -8,6 +8,7 @@ Knows nothing of trains, nor of characters.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction as Exact
@@ -219,7 +220,7 @@ class Reader:
             exponent = factor.as_base_exp()[1]
             below = exponent.is_number and exponent.is_negative and factor.func is not sp.exp
             (bottom if below else top).append(1 / factor if below else factor)
-        exact = _exact(number)
+        exact = exactly(number)
         if not exact:
             top = [number, *top] if number != 1 else top
         elif bottom or (exact.numerator == 1 and len(top) == 1):
@@ -355,7 +356,7 @@ def _below(term: Any) -> bool:
     return bool(number.is_real and number < 0)
 
 
-def _exact(number: Any) -> Exact | None:
+def exactly(number: Any) -> Exact | None:
     """A rational number in short terms, where it has some: ratios given as decimals are long fractions."""
     if not number.is_Rational:
         return None
@@ -367,17 +368,30 @@ def _exact(number: Any) -> Exact | None:
 
 
 def _number(number: Any) -> Node:
-    exact = _exact(number)
+    exact = exactly(number)
     if number.is_Rational and exact is not None:
         if exact < 0:
             return Row((Op("neg"), _ratio(-exact)))
         return _ratio(exact)
     value = float(number)
+    turns = _of_pi(value)
+    if turns is not None:
+        return turns
     digits, _, power = repr(abs(value)).partition("e")
     node: Node = Num(digits.removesuffix(".0"))
     if power:
         ten = Power(Num("10"), Num(str(int(power))))
         node = ten if digits == "1" else Times((node, Op("×"), ten))
+    return Row((Op("neg"), node)) if value < 0 else node
+
+
+def _of_pi(value: float) -> Node | None:
+    """A number that is a short fraction of pi, such as the 2 pi f of a frequency, as that."""
+    exact = Exact(value / math.pi).limit_denominator(12)
+    if exact == 0 or abs(exact) > 10**6 or abs(float(exact) * math.pi - value) > 4e-16 * abs(value):
+        return None
+    over = sp.Mul(sp.Rational(abs(exact.numerator), exact.denominator), sp.pi)
+    node = Reader({}).read(over)
     return Row((Op("neg"), node)) if value < 0 else node
 
 

@@ -100,9 +100,9 @@ def part(eq: Written, path: str) -> Iterator[Line]:
             yield Line(read.read(symbol), read.read(plain))
     for constraint in eq.switched_constraints:
         if eq.owners.get(constraint.torque) == path:
-            yield from _lines(read, in_order([constraint], eq.used() - _counters(eq)))
+            yield from _lines(read, in_order([constraint], eq.used() - counters(eq)))
     for symbol, rate in eq.states.items():
-        if eq.owners.get(symbol) == path and symbol not in _counters(eq):
+        if eq.owners.get(symbol) == path and symbol not in counters(eq):
             lines, plain = _lifted(read, rate, path, "p")
             yield from lines
             yield Line(Sym(read.name(symbol).rate()), read.read(plain))
@@ -112,12 +112,12 @@ def part(eq: Written, path: str) -> Iterator[Line]:
             yield Line(None, Row((Words("taken at the event and held: "), taken)))
 
 
-def _counters(eq: Written) -> set[Any]:
+def counters(eq: Written) -> set[Any]:
     """States that only count along with friction (a relative angle) and move nothing, and the symbols of their modes."""
     modes = {x: c for c in eq.switched_constraints for x in c.shown}
     read = {x for e in [*eq.forcing, *eq.definitions.values()] for x in e.free_symbols}
     read |= {x for c in eq.switched_constraints for e in c.expressions() for x in e.free_symbols}
-    found: set[Any] = set()
+    found: set[Any] = set(eq.unread)
     for symbol, rate in eq.states.items():
         others = {x for s, e in eq.states.items() if s != symbol for x in e.free_symbols}
         if symbol not in read | others and rate.free_symbols & set(modes):
@@ -234,7 +234,7 @@ def functions(eq: Written) -> Section | None:
 def nomenclature(eq: Written, shown: set[Any]) -> Nomenclature:
     """The symbols of these, in the order: coordinates, states, what is defined, parameters, tables."""
     ordered = [*eq.q, *eq.coordinates, *eq.states, *eq.definitions, *eq.names]
-    found, unseen = {}, _counters(eq)
+    found, unseen = {}, counters(eq)
     for symbol in dict.fromkeys(ordered):
         if symbol in shown - unseen and symbol in eq.entries and not eq.names[symbol].dots:
             found[symbol] = eq.names[symbol], eq.entries[symbol]

@@ -13,6 +13,7 @@ from typing import Any, final
 
 import sympy as sp
 
+from gearblocks.equations.notation import exactly
 from gearblocks.errors import ParameterError, did_you_mean
 from gearblocks.laws.printer import plain_text
 
@@ -247,7 +248,22 @@ def constraint_torques(
     free, delassus = own * answer[:, :1] + bias[rows, :], own * answer[:, 1:]
     dependent = len(rows) < len(switched_constraints)  # then the minimum-norm split
     forces = -delassus.T * (delassus * delassus.T).LUsolve(free) if dependent else -delassus.LUsolve(free)
-    return [sp.factor_terms(sp.together(x)) for x in forces]
+    return [_short(x) for x in forces]
+
+
+def _short(expr: Any) -> Any:
+    """The same in few terms: what is rational in the symbols is reduced, decimals are left as they are."""
+    numbers = {x: sp.Dummy(real=True) for x in expr.atoms(sp.Float)}
+    ratios = {x: sp.Rational(near.numerator, near.denominator) for x in expr.atoms(sp.Rational) if (near := exactly(x))}
+    whole = sp.together(expr.xreplace({**ratios, **numbers}))
+    found = [sp.factor_terms(whole)]
+    if sp.count_ops(whole) < _MANY:
+        found += [sp.factor_terms(sp.cancel(whole)), sp.factor(whole)]
+    return min(found, key=sp.count_ops).xreplace({x: number for number, x in numbers.items()})
+
+
+_MANY = 400
+"""Operations up to which an expression is reduced; polynomials of many symbols take long."""
 
 
 def _over(mass: Any, right: Any) -> Any:

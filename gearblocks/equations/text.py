@@ -48,7 +48,11 @@ def _op(node: Op) -> str:
 
 
 def _call(node: Call) -> str:
-    return f"{text(node.function)}{chr(39) * node.primes}({', '.join(map(text, node.arguments))})"
+    return f"{_called(node)}({', '.join(map(text, node.arguments))})"
+
+
+def _called(node: Call) -> str:
+    return text(node.function) + "'" * node.primes
 
 
 def _power(node: Power) -> str:
@@ -99,7 +103,7 @@ _SHOWN: dict[Any, Any] = {
     Matrix: _matrix,
 }
 
-STYLE = Style(text, lambda node: float(len(text(node))), " ")
+STYLE = Style(text, lambda node: float(len(text(node))), " ", _called)
 
 
 def equation_lines(left: Node | None, right: Node, width: int) -> list[str]:

@@ -5,19 +5,21 @@ Angle form: J w' = sum of torques for every shaft. Relative form: the same in de
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import sympy as sp
 
 from gearblocks.assembly.assemble import assemble
-from gearblocks.assembly.tables import GROUND_GROUP, Assembly
+from gearblocks.assembly.tables import GROUND_GROUP, Assembly, StartValues
 from gearblocks.equations.dependent_groups import over_independent_groups
 from gearblocks.equations.equations import Equations
 from gearblocks.equations.lexicon import Lexicon, flat
 from gearblocks.equations.switched_constraints import SwitchedConstraint
 from gearblocks.errors import ModelError
+from gearblocks.language.block import start_fields
 from gearblocks.language.expression import to_sympy
+from gearblocks.language.fields import ANGLE
 from gearblocks.laws.derivation import derive
 from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import PrescribedMotion, frozen_motion
@@ -37,6 +39,21 @@ def write_equations(train: Train) -> Equations:
     return writer.finish()
 
 
+def _owners(assembly: Assembly) -> Iterator[tuple[StartValues, str]]:
+    """By whom the angle of each group is named: the body that gives its start values, or where that turns faster or slower
+    than the coordinate, the first body that turns as the coordinate does, else the first flange."""
+    found: dict[int, dict[bool, str]] = {}
+    for c in assembly.train.components:
+        is_body = ANGLE in start_fields(type(c.block))
+        for flange, node in zip(type(c.block).flanges, c.nodes, strict=True):
+            group, gain = assembly.group_of_node[node] if node >= 0 else (GROUND_GROUP, 0)
+            if gain == 1:
+                found.setdefault(group, {}).setdefault(is_body, c.path if is_body else f"{c.path}.{flange}")
+    for group, start in enumerate(assembly.starts):
+        others = found.get(group, {})
+        yield start, start.phi0 if start.phi0_gain == 1 else others.get(True, others.get(False, start.phi0))
+
+
 class _Writer:
     """Adds up the torques of all components in the symbols of the whole train."""
 
@@ -44,7 +61,7 @@ class _Writer:
         self.assembly = assembly
         self.laws: dict[Any, Law] = {}
         sliders = slider_names(assembly.train.components)
-        names_of_groups = [(*flange_names(start.phi0 in sliders), start.phi0) for start in assembly.starts]
+        names_of_groups = [(*flange_names(start.phi0 in sliders), owner) for start, owner in _owners(assembly)]
         names_of_groups += [
             (*flange_names(False), f"shaft{group}") for group in range(len(names_of_groups), assembly.n_groups)
         ]

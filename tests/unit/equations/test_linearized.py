@@ -9,6 +9,7 @@ import sympy as sp
 import gearblocks as gb
 from gearblocks.cli import scripts
 from gearblocks.equations.document import WIDTH
+from gearblocks.equations.equations import inserted
 from gearblocks.equations.linearized import linearized
 from gearblocks.laws.functions import DeadZone
 
@@ -54,7 +55,7 @@ def test_the_matrices_are_the_slopes_of_the_forcing(effects, seed):
     partials = dict(found.partials)
     while any(e.has(sp.Derivative) for e in partials.values()):
         partials = {d: e.xreplace(partials) for d, e in partials.items()}
-    whole = [eq._insert(e.xreplace(partials)) for e in (*-found.stiffness, *-found.damping)]
+    whole = [inserted(e.xreplace(partials), eq.definitions) for e in (*-found.stiffness, *-found.damping)]
     n = len(eq.q)
     jacobian = eq.jacobian()
     wanted = [*jacobian[:, :n], *jacobian[:, n:]]

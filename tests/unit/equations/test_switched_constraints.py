@@ -5,6 +5,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
+from gearblocks.cli import scripts
 from gearblocks.laws.symbols import time_symbol
 from gearblocks.solver.structures import Options
 from gearblocks.train.values import numbers_of
@@ -185,6 +186,30 @@ def test_the_torque_that_holds_two_stuck_discs_together_is_that_of_the_textbook(
     (held,) = [e for x, e in eq.definitions.items() if str(x) == "T_clutch"]
     assert sp.simplify(held - tau * J2 / (J1 + J2)) == 0
     assert [sp.simplify(a / J - tau / (J1 + J2)) for a, J in zip(eq.expanded, (J1, J2), strict=True)] == [0, 0]
+
+
+def test_the_torque_of_what_is_stuck_stays_short():
+    """By the named torques beside it, and ratios as fractions: it was one expression of numbers with fifteen digits."""
+    text = str(scripts.make("dual_clutch").equations().in_modes({"K1": 0, "K2": 1, "hill_hold": 2}))
+    assert "/(4624 J_crank + 25 J_output + 4624 J_shaft1 + 1681 J_shaft2)" in text
+    assert "5 T_half_shafts + 41 T_K2" in text
+    assert "φ_K1" not in text  # it moves nothing
+    tied = scripts.make("modelica_examples:lossy_gear").equations().in_modes({"gear.tie": 1, "gear.loss": 0})
+    assert "T_gear_tie = (10 - 2.5 t)/i_gear " in str(tied)
+    assert "10 sin(2 π t)" in str(tied)
+
+
+def test_a_coordinate_is_called_after_a_body_that_turns_as_it_does():
+    """Not after the first of its shafts, which may turn by another ratio."""
+    rig = gb.Drivetrain("geared")
+    slow, fast = rig.add("slow", gb.Inertia(J=1.0)), rig.add("fast", gb.Inertia(J=2.0))
+    gear = rig.add("gear", gb.IdealGear(ratio=3.0))
+    rig.chain(rig.add("drive", gb.Torque(tau=1.0)), fast, gear, slow)
+    eq = rig.equations()
+    (q,) = eq.q
+    gain = sp.Matrix([eq.mass_matrix[0]]).jacobian(sorted(eq.mass_matrix.free_symbols, key=str))
+    factor = dict(zip(sorted(map(str, eq.mass_matrix.free_symbols)), gain, strict=True))
+    assert factor[q.name.replace("phi", "J")] == 1
 
 
 def test_modes_that_nothing_has_are_refused_by_name():

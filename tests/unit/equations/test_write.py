@@ -8,6 +8,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
+from gearblocks.equations.equations import inserted
 from gearblocks.laws.functions import ContactSide, DeadZone
 from gearblocks.laws.symbols import time_symbol
 from gearblocks.solver.structures import Code, Method, Options
@@ -160,13 +161,6 @@ def _paper(s, names):
     return I, k1, k4, r, c1, c4, kt, ct, T
 
 
-def _inserted(expr, definitions):
-    """An expression with defined symbols put in."""
-    while expr.free_symbols & set(definitions):
-        expr = expr.xreplace(definitions)
-    return expr
-
-
 def _same(one, other):
     """Whether two expressions agree at random points (dead zones spelled out), to 25 digits."""
     difference = _spelled_out(sp.sympify(one)) - _spelled_out(sp.sympify(other))
@@ -213,7 +207,7 @@ def test_the_relative_form_of_the_spline_coupling_is_the_papers_term_by_term():
     assert [str(e.lhs) for e in relative] == ["x1''", "x2''", "x3''"]
     constants = {e.lhs: e.rhs for e in eq.relative_definitions() if e.lhs != N}
     for equation, paper in zip(relative, papers, strict=True):
-        ours = sp.Eq(equation.lhs, _inserted(equation.rhs, constants), evaluate=False)
+        ours = sp.Eq(equation.lhs, inserted(equation.rhs, constants), evaluate=False)
         for term in (*x, *v, N):  # each coefficient by itself
             assert _same(sp.diff(ours.rhs, term), sp.diff(paper, term)), (ours.lhs, term)
         assert _same(ours.rhs, paper)
@@ -221,7 +215,7 @@ def test_the_relative_form_of_the_spline_coupling_is_the_papers_term_by_term():
     definitions = {str(e.lhs): e.rhs for e in eq.relative_definitions()}
     kt_symbol = next((y for y in eq.definitions if str(y).startswith("k_t")), None)
     force = definitions["N_spline"]
-    force = _inserted(force, constants)
+    force = inserted(force, constants)
     assert kt_symbol is not None
     assert _same(force, ct * v[1] + kt * DeadZone(x[1], s["spline.backlash.half_gap"], 0))
 

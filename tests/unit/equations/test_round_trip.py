@@ -1,0 +1,229 @@
+"""From printed LaTeX back to numbers, for every shipped model and mode: they are those of the C that runs."""
+
+import functools
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline, PPoly
+
+import gearblocks as gb
+from gearblocks.cli import scripts
+from gearblocks.equations.latex import name_latex
+from gearblocks.geometry.ratio_curves import Pieces
+from gearblocks.language.tables import Table2
+from gearblocks.solver.structures import Code, Method, Options
+from gearblocks.solver.switched_constraints import ConstraintKind
+from gearblocks.train.values import numbers_of
+from tests.unit.equations.latex_reader import Moving, Sheet, UnknownError, bare, read
+
+MODELS = [f"{name}:{maker.name}" for name in scripts.shipped() for maker in scripts.makers(scripts.locate(name)[0])]
+QUICK = ("dual_clutch:build", "spline_coupling:build", "modelica_examples:lossy_gear", "noncircular_cvt:dogs")
+
+
+@pytest.fixture(autouse=True)
+def _digits():
+    with mp.workdps(30):
+        yield
+
+
+# -- tables, by scipy -------------------------------------------------------------------------------------------------
+
+
+def _of_table(table):
+    """A function of (arguments, primes) for a table of the nomenclature."""
+    if isinstance(table, Table2):
+        return functools.partial(_over_two, table)
+    if isinstance(table, Pieces):
+        return functools.partial(_of_pieces, table)
+    if table.kind == "cubic":
+        ends = "periodic" if table.periodic else "clamped" if table.ends == "flat" else "not-a-knot"
+        curve = CubicSpline(table.x, table.y, bc_type=ends)
+    else:
+        slope = np.diff(table.y) / np.diff(table.x) * (table.kind == "linear")
+        curve = PPoly([slope, table.y[:-1]], table.x)
+    return functools.partial(_of_curve, table, curve)
+
+
+def _of_curve(table, curve, arguments, primes):
+    (x,) = arguments
+    at, low, high = float(x.value), table.x[0], table.x[-1]
+    inside = low <= at < high or table.periodic
+    at = low + np.mod(at - low, high - low) if table.periodic else min(max(at, low), high)
+    last = at >= high and table.kind == "step"
+    values = [table.y[-1] if last else curve(at, nu=k) if inside or k == 0 else 0.0 for k in (primes, primes + 1)]
+    return x.through(mp.mpf(float(values[0])), mp.mpf(float(values[1])))
+
+
+def _of_pieces(table, arguments, primes):
+    (x,) = arguments
+    value, slope = (mp.mpf(float(table.value(float(x.value), order))) for order in (primes, primes + 1))
+    return x.through(value, slope)
+
+
+def _over_two(table, arguments, primes):
+    assert not primes and table.kind == "linear"
+    places = []
+    for points, at in zip((table.x, table.y), arguments, strict=True):
+        at = min(max(float(at.value), points[0]), points[-1])
+        i = min(int(np.searchsorted(points, at, side="right")) - 1, len(points) - 2)
+        places.append((i, (at - points[i]) / (points[i + 1] - points[i])))
+    (i, a), (k, b) = places
+    z = np.asarray(table.z)
+    value = (1 - a) * ((1 - b) * z[i, k] + b * z[i, k + 1]) + a * ((1 - b) * z[i + 1, k] + b * z[i + 1, k + 1])
+    return Moving(mp.mpf(float(value)), None)
+
+
+# -- the C at a point -------------------------------------------------------------------------------------------------
+
+
+def _point(model, random):
+    """Time, states, modes by path, rates and outputs by name at random states, modes drawn at random."""
+    program = model.program
+    t = float(random.uniform(0, 3))
+    with model.library.open() as sim:
+        sim.parameters[:] = model.values
+        sim.inputs[:] = [i.start for i in program.inputs]
+        for s in program.starts:
+            value = random.normal(0, 30.0 if s.name.endswith((".w", ".v")) else 0.5)
+            sim.parameters[s.offset] = value * s.factor
+        options = Options(Method.DP8, 1, 1e-6, 0.0, np.inf, np.inf)
+        if sim.start(options, t) != Code.DONE:  # lossy gears turn along: from their own start values
+            sim.parameters[:] = model.values
+            assert sim.start(options, t) == Code.DONE
+        y, switches = sim.state(), sim.modes()
+        drawn = []
+        for kind, slip, active, free in sim.constraints().constraints:
+            allowed = {ConstraintKind.STOP: (0, 1), ConstraintKind.TIE: (1, -1), ConstraintKind.LOSS: (0, 1, -1)}
+            modes = allowed.get(kind, (0, 1, -1) if free < 0 else (0, 1, -1, 2))
+            mode = int(random.choice(modes))
+            drawn.append(mode)
+            held = mode == (1 if kind is ConstraintKind.STOP else 0) or kind is ConstraintKind.TIE
+            switches[active] = held
+            switches[slip] = mode if mode in (1, -1) and kind is not ConstraintKind.STOP else 0
+            if free >= 0:
+                switches[free] = mode == 2
+        shown = sim.probe(t, y, switches, "outputs")
+    names = [x.name for x in program.states]
+    outputs = {o.name: float(x) for o, x in zip(program.outputs, shown, strict=True)}
+    return t, dict(zip(names, y, strict=False)), drawn, outputs
+
+
+# -- the paper --------------------------------------------------------------------------------------------------------
+
+
+def _known(rig, model, eq, t, states, outputs):
+    """Numbers of what the equations do not say: angles, speeds, states, parameters and inputs."""
+    program = model.program
+    values = {p.path: v for p, v in zip(program.parameters, model.values, strict=True)}
+    values |= {i.name: i.start for i in program.inputs}
+    values |= {f"{c.path}.{field}": x for c in rig.train().components for field, x, _ in numbers_of(c.block, "")}
+    known = {("t", 0): Moving(mp.mpf(t), mp.mpf(1))}
+
+    def number(symbol):
+        return bare(name_latex(eq.names[symbol]))
+
+    for symbol, path in eq.parameters.items():
+        if isinstance(values.get(path), (int, float)):
+            known[number(symbol)] = Moving(mp.mpf(float(values[path])))
+    for q in eq.q:
+        body = q.name.split("_", 1)[1]
+        phi, w = (".s", ".v") if f"{body}.v" in outputs else (".phi", ".w")
+        known[number(q)] = Moving(mp.mpf(outputs[body + phi]), mp.mpf(outputs[body + w]))
+    for symbol in eq.states:
+        path = eq.entries[symbol].path or f"{symbol.name.removeprefix('phi_').replace('_', '.')}.phi"
+        found = next(p for p in (path, f"{path}.phi") if p in states)
+        known[number(symbol)] = Moving(mp.mpf(states[found]), None)
+    return known
+
+
+def _written(equations, known, tables):
+    """Every symbol that the equations define. Rates of states are found first: what moves with them needs those."""
+    plain = [x for x in equations if r"\ddot" not in x[1] and x[0] not in ("Relative form", "Functions")]
+    first = Sheet(dict(known), tables)
+    _entered(first, plain)
+    rates = {(name, 0): x.value for (name, dots), x in first.known.items() if dots == 1}
+    sheet = Sheet({n: Moving(x.value, rates.get(n)) if x.rate is None else x for n, x in known.items()}, tables)
+    assert not _entered(sheet, plain)
+    return sheet
+
+
+def _entered(sheet, waiting):
+    """Enters what can be computed, as often as something new is known; returns what cannot be."""
+    while waiting:
+        later = [x for x in waiting if not _is_entered(sheet, *x[1:])]
+        if len(later) == len(waiting):
+            break
+        waiting = later
+    return waiting
+
+
+def _is_entered(sheet, left, right):
+    name = bare(left)
+    try:
+        value = sheet.value(right)
+    except UnknownError:
+        return False
+    before = sheet.known.setdefault(name, value)
+    assert abs(before.value - value.value) <= 1e-20 * (1 + abs(value.value)), left
+    return True
+
+
+def _accelerations(eq, equations, sheet):
+    """The balances solved: they are linear in the accelerations."""
+    rows = [(left, right) for heading, left, right in equations if heading == "Angle form" and r"\ddot" in left]
+    names = [(bare(name_latex(eq.names[q]))[0], 2) for q in eq.q]
+
+    def residual(alpha):
+        sheet.known |= {name: Moving(mp.mpf(a), None) for name, a in zip(names, alpha, strict=True)}
+        return mp.matrix([sheet.value(left).value - sheet.value(right).value for left, right in rows])
+
+    n = len(names)
+    none = residual([0] * n)
+    mass = mp.matrix(n, n)
+    for k in range(n):
+        mass[:, k] = residual([int(i == k) for i in range(n)]) - none
+    found = mp.lu_solve(mass, -none)
+    residual(found)
+    return found
+
+
+def _relative(eq, equations, sheet, alpha):
+    """(printed, expected) accelerations of the relative coordinates; these are linear in the angles."""
+    shown = {bare(left)[0]: right for heading, left, right in equations if heading == "Relative coordinates"}
+    numbers = [bare(name_latex(eq.names[q])) for q in eq.q]
+    speeds = {n: Moving(sheet.known[n].rate, a) for n, a in zip(numbers, alpha, strict=True)}
+    faster = Sheet({**sheet.known, **speeds}, sheet.tables)
+    for heading, left, right in equations:
+        if heading == "Relative form":
+            yield sheet.value(right).value, faster.value(shown[bare(left)[0]]).rate
+
+
+@pytest.mark.parametrize("name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.long) for n in MODELS])
+def test_what_stands_on_paper_is_what_runs(name):
+    rig = scripts.make(name)
+    model, eq = gb.build(rig), rig.equations()
+    random = np.random.default_rng(11)
+    tables = {
+        name_latex(eq.names[s]): _of_table(entry.table) for s, entry in eq.entries.items() if entry.table is not None
+    }
+    tables = {bare(latex)[0]: function for latex, function in tables.items()}
+    moved, relative = False, 0
+    for _ in range(12 if eq.switched_constraints else 2):
+        t, states, drawn, outputs = _point(model, random)
+        modes = {c.path: mode for c, mode in zip(eq.switched_constraints, drawn, strict=True)}
+        found = eq.in_modes(modes)
+        equations = read(found.latex())
+        sheet = _written(equations, _known(rig, model, found, t, states, outputs), tables)
+        alpha = _accelerations(found, equations, sheet)
+        largest = max(abs(x) for x in alpha)
+        moved |= largest > 1e-3
+        for q, a in zip(eq.q, alpha, strict=True):
+            body = q.name.split("_", 1)[1]
+            c = outputs[f"{body}.acceleration" if f"{body}.v" in outputs else f"{body}.alpha"]
+            assert abs(c - a) <= 1e-12 * (1 + largest), (modes, body, c, float(a))
+        for printed, expected in _relative(found, equations, sheet, alpha):
+            assert abs(printed - expected) <= 1e-20 * (1 + abs(expected))
+            relative += 1
+    assert moved
+    assert relative >= (6 if name.startswith("spline_coupling") else 0)
