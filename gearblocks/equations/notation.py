@@ -374,9 +374,8 @@ def _number(number: Any) -> Node:
             return Row((Op("neg"), _ratio(-exact)))
         return _ratio(exact)
     value = float(number)
-    turns = _of_pi(value)
-    if turns is not None:
-        return turns
+    if (of_pi := _of_pi(value)) is not None:
+        return of_pi
     digits, _, power = repr(abs(value)).partition("e")
     node: Node = Num(digits.removesuffix(".0"))
     if power:
@@ -390,8 +389,7 @@ def _of_pi(value: float) -> Node | None:
     exact = Exact(value / math.pi).limit_denominator(12)
     if exact == 0 or abs(exact) > 10**6 or abs(float(exact) * math.pi - value) > 4e-16 * abs(value):
         return None
-    over = sp.Mul(sp.Rational(abs(exact.numerator), exact.denominator), sp.pi)
-    node = Reader({}).read(over)
+    node = Reader({}).read(sp.Rational(abs(exact.numerator), exact.denominator) * sp.pi)
     return Row((Op("neg"), node)) if value < 0 else node
 
 

@@ -14,6 +14,7 @@ import sympy as sp
 import gearblocks as gb
 from gearblocks.cli import scripts
 from gearblocks.equations import sections
+from gearblocks.equations.latex import aligned
 from gearblocks.equations.names import Name
 from gearblocks.equations.notation import (
     Call,
@@ -30,7 +31,7 @@ from gearblocks.equations.notation import (
     Times,
     Words,
 )
-from gearblocks.equations.text import name_text, text
+from gearblocks.equations.text import equation_lines, name_text, text
 from gearblocks.laws.functions import ContactSide, DeadZone, EllipseLead, Table2At, TableAt
 from gearblocks.laws.symbols import time_symbol
 
@@ -262,6 +263,14 @@ def test_numbers_and_signs_are_set_as_on_paper():
         (sp.Piecewise((x, x >= 0), (-x, True)), "|x|"), (x - (y - k), "x - y + k"), (-(x + y) * k, "-k (x + y)"),
     ):  # fmt: skip
         assert text(reader.read(expr)) == shown
+
+
+def test_functions_keep_their_name_and_primes_where_they_are_broken():
+    terms = Row(tuple(x for i in range(8) for x in (Sym(Name("x", str(i), "gearbox")), Op("+")))[:-1])
+    left = Sym(Name("y"))
+    assert aligned(left, Call(Sym(Name("f")), (terms,), 2)).startswith("y &= {f}''(x_")
+    assert aligned(left, Call(Words("sin"), (terms,))).startswith(r"y &= \sin(x_")
+    assert equation_lines(left, Call(Sym(Name("f")), (terms,), 1), 40)[0].startswith("y = f'(x0_gearbox")
 
 
 @pytest.mark.long
