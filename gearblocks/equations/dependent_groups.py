@@ -75,23 +75,27 @@ def _block(mass: Any, rows: set[int]) -> list[int]:
 
 def over_independent_groups(
     assembly: Assembly, prescribed: Mapping[tuple[int, int], PrescribedMotion], q: Sequence[Any], v: Sequence[Any],
-    offset: Callable[[str], Any],
+    scales: Sequence[Any], offset: Callable[[str], Any],
 ) -> DependentGroups:  # fmt: skip
-    """Dependent groups over the others, in the symbols q, v of all groups."""
+    """Dependent groups over the others, in the symbols q, v of all groups, which scales take to those of the assembly."""
     n = assembly.n_speeds + assembly.n_massless
     found = DependentGroups(n, assembly.n_groups)
     found.gains = [{i: sp.Integer(1)} if i < n else {} for i in range(assembly.n_groups)]
     found.acceleration_bias = [sp.Integer(0)] * assembly.n_groups
     for f in assembly.dependent_groups:
+        own = 1 / scales[f.group]
         speed: Any = sp.Integer(0)
         if f.row is not None:
-            gains = {g: _rational(c) for g, c in f.row.groups.items()}
+            gains = {g: rational(c) * scales[g] * own for g, c in f.row.groups.items()}
             angle: Any = sum((c * q[g] for g, c in gains.items()), sp.Integer(0))
-            angle += sum((_rational(c) * offset(path) for path, c in f.row.offsets.items()), sp.Integer(0))
+            angle += sum((rational(c) * own * offset(path) for path, c in f.row.offsets.items()), sp.Integer(0))
         else:
             assert f.prescribed is not None
-            motion, scale = prescribed[f.prescribed.component, f.prescribed.number], _rational(f.prescribed.scale)
-            gains = {g: found.put(motion.gains[name]) * _rational(c) for name, (g, c) in f.prescribed.factors.items()}
+            motion, scale = prescribed[f.prescribed.component, f.prescribed.number], rational(f.prescribed.scale) * own
+            factors = f.prescribed.factors
+            gains = {
+                g: found.put(motion.gains[name]) * rational(c) * scales[g] * own for name, (g, c) in factors.items()
+            }
             angle = None if motion.angle is None else scale * motion.angle
             speed += found.put(scale * motion.velocity_bias)
             found.acceleration_bias[f.group] = found.put(scale * motion.acceleration_bias)
@@ -108,5 +112,6 @@ def over_independent_groups(
     return found
 
 
-def _rational(c: Exact) -> Any:
+def rational(c: Exact) -> Any:
+    """An exact number in sympy."""
     return sp.Rational(c.numerator, c.denominator)

@@ -31,7 +31,7 @@ class Equations:
     switched_constraints: their constraint forces are symbols of the forcing whose values depend on the active set;
     `in_modes` gives them. contributions: the forcing term by term, (path, term), in the order of the train; names, entries,
     owners: what symbols are called, what they mean, and to which part they belong; kinds: class of each part; unread: states
-    that are not printed, since they move nothing.
+    that are not printed, since they move nothing; ties: angles of bodies that ratios and planetary sets give, over q.
     """
 
     name: str
@@ -52,6 +52,7 @@ class Equations:
     owners: Mapping[Any, str] = dataclasses.field(default_factory=dict)
     kinds: Mapping[str, str] = dataclasses.field(default_factory=dict)
     unread: frozenset[Any] = frozenset()
+    ties: Mapping[Any, Any] = dataclasses.field(default_factory=dict)
 
     def __repr__(self) -> str:
         counts = f"{len(self.q)} angles, {len(self.states)} states of blocks, {len(self.definitions)} definitions"
@@ -170,6 +171,7 @@ class Equations:
             *self.states.values(),
             *self.definitions.values(),
             *self.held.values(),
+            *self.ties.values(),
         ]
         exprs += [e for r in self.switched_constraints for e in r.expressions()]
         return {x for e in exprs for x in sp.sympify(e).free_symbols}
@@ -179,7 +181,13 @@ class Equations:
     def document(self) -> Document:
         """Everything: balances, parts, relative form, functions and the symbols."""
         ends = (sections.others(self), sections.active(self), *sections.relative(self), sections.functions(self))
-        found = [sections.balances(self), *sections.parts(self), *(x for x in ends if x is not None)]
+        ties = sections.ties(self)
+        found = [
+            sections.balances(self),
+            *([ties] if ties else []),
+            *sections.parts(self),
+            *(x for x in ends if x is not None),
+        ]
         return Document(f"Equations of motion of '{self.name}'", tuple(found), self.nomenclature())
 
     def form(self, name: str) -> Document:
@@ -213,7 +221,9 @@ class Equations:
 
     def nomenclature(self) -> Nomenclature:
         """The symbols with words, value, unit and path."""
-        return sections.nomenclature(self, {*self.q, *self.coordinates, *self.states, *self.definitions, *self.used()})
+        return sections.nomenclature(
+            self, {*self.q, *self.ties, *self.coordinates, *self.states, *self.definitions, *self.used()}
+        )
 
     def latex(self) -> str:
         """Everything as LaTeX, for a document with amsmath."""

@@ -73,6 +73,14 @@ class Lexicon:
         self.names[v] = self.names[q].rate()
         self.entries[q] = nomenclature.Entry(f"{words} of {foot}", "", unit)
 
+    def body(self, c: Component) -> Any:
+        """The angle of a body, or its position, that others give."""
+        spelling, letter, words, unit = ("s", "s", "position", "m") if c.slides else ("phi", "φ", "angle", "rad")
+        symbol = self._claim(f"{spelling}_{flat(c.path)}", ("body", c.path))
+        self.names[symbol] = names.Name(letter, "", _foot(c))
+        self.entries[symbol] = nomenclature.Entry(f"{words} of {_foot(c)}", "", unit)
+        return symbol
+
     def define(self, c: Component, symbol: Any, name: str, words: str, unit: str) -> None:
         """Keeps what a symbol is that a law defines; a mean stiffness beside one that varies is k_0."""
         called = names.of_defined(name, _foot(c), c.slides)

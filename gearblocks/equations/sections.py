@@ -82,6 +82,13 @@ def _is_size(cases: Any) -> bool:
     return len(rows) == 2 and rows[0][0] == -rows[1][0]
 
 
+def ties(eq: Written) -> Section | None:
+    """Angles that follow from others through ratios and planetary sets."""
+    read = reader(eq)
+    lines = tuple(Line(read.read(symbol), read.read(angle)) for symbol, angle in eq.ties.items())
+    return Section("Kinematics", lines) if lines else None
+
+
 def parts(eq: Written) -> Iterator[Section]:
     """What each part of the train introduces, in the order of the train."""
     for path, kind in eq.kinds.items():
@@ -233,7 +240,7 @@ def functions(eq: Written) -> Section | None:
 
 def nomenclature(eq: Written, shown: set[Any]) -> Nomenclature:
     """The symbols of these, in the order: coordinates, states, what is defined, parameters, tables."""
-    ordered = [*eq.q, *eq.coordinates, *eq.states, *eq.definitions, *eq.names]
+    ordered = [*eq.q, *eq.ties, *eq.coordinates, *eq.states, *eq.definitions, *eq.names]
     found, unseen = {}, counters(eq)
     for symbol in dict.fromkeys(ordered):
         if symbol in shown - unseen and symbol in eq.entries and not eq.names[symbol].dots:

@@ -5,14 +5,14 @@ Angle form: J w' = sum of torques for every shaft. Relative form: the same in de
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import sympy as sp
 
 from gearblocks.assembly.assemble import assemble
-from gearblocks.assembly.tables import GROUND_GROUP, Assembly, StartValues
-from gearblocks.equations.dependent_groups import over_independent_groups
+from gearblocks.assembly.tables import GROUND_GROUP, Assembly
+from gearblocks.equations.dependent_groups import DependentGroups, over_independent_groups, rational
 from gearblocks.equations.equations import Equations
 from gearblocks.equations.lexicon import Lexicon, flat
 from gearblocks.equations.switched_constraints import SwitchedConstraint
@@ -39,21 +39,6 @@ def write_equations(train: Train) -> Equations:
     return writer.finish()
 
 
-def _owners(assembly: Assembly) -> Iterator[tuple[StartValues, str]]:
-    """By whom the angle of each group is named: the body that gives its start values, or where that turns faster or slower
-    than the coordinate, the first body that turns as the coordinate does, else the first flange."""
-    found: dict[int, dict[bool, str]] = {}
-    for c in assembly.train.components:
-        is_body = ANGLE in start_fields(type(c.block))
-        for flange, node in zip(type(c.block).flanges, c.nodes, strict=True):
-            group, gain = assembly.group_of_node[node] if node >= 0 else (GROUND_GROUP, 0)
-            if gain == 1:
-                found.setdefault(group, {}).setdefault(is_body, c.path if is_body else f"{c.path}.{flange}")
-    for group, start in enumerate(assembly.starts):
-        others = found.get(group, {})
-        yield start, start.phi0 if start.phi0_gain == 1 else others.get(True, others.get(False, start.phi0))
-
-
 class _Writer:
     """Adds up the torques of all components in the symbols of the whole train."""
 
@@ -61,13 +46,15 @@ class _Writer:
         self.assembly = assembly
         self.laws: dict[Any, Law] = {}
         sliders = slider_names(assembly.train.components)
-        names_of_groups = [(*flange_names(start.phi0 in sliders), owner) for start, owner in _owners(assembly)]
+        names_of_groups = [(*flange_names(start.phi0 in sliders), start.phi0) for start in assembly.starts]
         names_of_groups += [
             (*flange_names(False), f"shaft{group}") for group in range(len(names_of_groups), assembly.n_groups)
         ]
         self.q = [sp.Symbol(f"{angle}_{flat(owner)}", real=True) for angle, *_, owner in names_of_groups]
         self.v = [sp.Symbol(f"{speed}_{flat(owner)}", real=True) for _, speed, *_, owner in names_of_groups]
         n = assembly.n_groups
+        self.scales = [1 / rational(start.phi0_gain) for start in assembly.starts]
+        self.scales += [sp.Integer(1)] * (n - len(self.scales))
         self.lexicon = Lexicon()
         for q, v, (angle, *_, owner) in zip(self.q, self.v, names_of_groups, strict=True):
             self.lexicon.coordinate(q, v, owner, slides=angle == "s")
@@ -91,18 +78,18 @@ class _Writer:
             self.laws[key] = derive(c.block, grounded, reading=True, inverted=inverted)
         law = self.laws[key]
         names = list(type(c.block).flanges)
-        groups = {n: self.assembly.group_of_node[c.nodes[names.index(n)]] for n in names if n not in grounded}
+        groups = {n: self._place(c.nodes[names.index(n)]) for n in names if n not in grounded}
         replace = {x: self._symbol(c, meaning, str(x.name), groups) for x, meaning in law.pool.roles.items()}
         replace = {x: y for x, y in replace.items() if y is not None}
         for flange, tau in law.torques.items():
             group, gain = groups[flange]
             if group != GROUND_GROUP:
-                part = sp.Rational(gain.numerator, gain.denominator) * tau.xreplace(replace)
+                part = gain * tau.xreplace(replace)
                 self.torque[group][c.path] = self.torque[group].get(c.path, 0) + part
         for flange, inertia in law.bodies:
             group, gain = groups[flange]
             if group != GROUND_GROUP:
-                self.mass[group] += sp.Rational(gain.numerator, gain.denominator) ** 2 * inertia.xreplace(replace)
+                self.mass[group] += gain**2 * inertia.xreplace(replace)
         for number, motion in enumerate(law.prescribed):
             self.prescribed[self.number, number] = frozen_motion(motion, lambda e: sp.sympify(e).xreplace(replace))
         self.number += 1
@@ -125,6 +112,23 @@ class _Writer:
             if show.name in ("twist", "deflection") and law.torques:
                 self._deflection(c, expr)
 
+    def _place(self, node: int) -> tuple[int, Any]:
+        """The group of a node, and its angle over that of the body by which the group is called."""
+        group, gain = self.assembly.group_of_node[node]
+        return group, rational(gain) * (1 if group == GROUND_GROUP else self.scales[group])
+
+    def _ties(self, dependent: DependentGroups) -> dict[Any, Any]:
+        """Angles of bodies that others give, over those."""
+        found: dict[Any, Any] = {}
+        for c in self.assembly.train.components:
+            if ANGLE not in start_fields(type(c.block)) or c.nodes[0] == GROUND:
+                continue
+            group, gain = self._place(c.nodes[0])
+            angle = sp.Integer(0) if group == GROUND_GROUP else dependent.put(gain * self.q[group])
+            if angle.free_symbols and not angle.is_Symbol:
+                found[self.lexicon.body(c)] = angle
+        return found
+
     def _symbol(self, c: Component, meaning: Any, text: str, groups: Mapping[str, Any]) -> Any:
         """The symbol of the whole train for one of a kind."""
         role, of = meaning.role, meaning.of
@@ -132,7 +136,7 @@ class _Writer:
             group, gain = groups[of]
             if group == GROUND_GROUP:
                 return self._ground_angle(c, of) if role == "phi" else sp.Integer(0)
-            return sp.Rational(gain.numerator, gain.denominator) * (self.q if role == "phi" else self.v)[group]
+            return gain * (self.q if role == "phi" else self.v)[group]
         if role == "mobility":
             return self._mobility(groups.get(of))
         if role in ("shared", "input"):
@@ -189,7 +193,7 @@ class _Writer:
         if offset is None:
             return sp.Integer(0)
         gain = self.assembly.group_of_node[node][1]
-        return sp.Rational(gain.numerator, gain.denominator) * self._offset(offset)
+        return rational(gain) * self._offset(offset)
 
     def _offset(self, offset: str) -> Any:
         """The symbol of a ground angle, 0 where it is given as 0."""
@@ -204,11 +208,11 @@ class _Writer:
         """1/J of a shaft as a symbol, defined when everything is added up."""
         if group is None or group[0] == GROUND_GROUP:
             return sp.Integer(0)
-        return sp.Rational(group[1].numerator, group[1].denominator) ** 2 / sp.Symbol(f"__J{group[0]}")
+        return group[1] ** 2 / sp.Symbol(f"__J{group[0]}")
 
     def finish(self) -> Equations:
         """The frozen equations."""
-        dependent = over_independent_groups(self.assembly, self.prescribed, self.q, self.v, self._offset)
+        dependent = over_independent_groups(self.assembly, self.prescribed, self.q, self.v, self.scales, self._offset)
         mass, terms = dependent.balance(self.mass, self.torque)
         mobility = {
             sp.Symbol(f"__J{i}"): m if self.assembly.plain else dependent.inertia(mass, i) for i, m in enumerate(self.mass)
@@ -229,6 +233,7 @@ class _Writer:
             r.mapped(lambda e: self._sensed(dependent.put(e).xreplace(mobility))) for r in self.switched_constraints
         ]
         self.deflections = {x: dependent.put(e) for x, e in self.deflections.items()}
+        ties = self._ties(dependent)
         self.q, self.v = self.q[: dependent.n], self.v[: dependent.n]
         used: set[Any] = set()
         for e in [*torque, *self.states.values(), *(e for r in self.switched_constraints for e in r.expressions())]:
@@ -239,13 +244,14 @@ class _Writer:
                 kept[s] = definitions[s]
                 used |= definitions[s].free_symbols
         ordered = {s: kept[s] for s in definitions if s in kept}
+        used |= {x for e in ties.values() for x in e.free_symbols}
         parameters = {s: p for s, p in self.lexicon.parameters.items() if s in used or s in mass.free_symbols}
         words = self.lexicon
         return Equations(
             self.assembly.train.name, tuple(self.q), tuple(self.v), mass, sp.Matrix(torque), self.states,
             ordered, parameters, self._coordinates(), words.distinct(), {s: self._sensed(e) for s, e in self.held.items()},
             tuple(self.switched_constraints), contributions, frozenset(words.inputs), words.entries, words.owners,
-            {c.path: type(c.block).__name__ for c in self.assembly.train.components},
+            {c.path: type(c.block).__name__ for c in self.assembly.train.components}, ties=ties,
         )  # fmt: skip
 
     def _sensed(self, expr: Any) -> Any:

@@ -222,6 +222,10 @@ def test_what_stands_on_paper_is_what_runs(name):
             body = q.name.split("_", 1)[1]
             c = outputs[f"{body}.acceleration" if f"{body}.v" in outputs else f"{body}.alpha"]
             assert abs(c - a) <= 1e-12 * (1 + largest), (modes, body, c, float(a))
+        for symbol in found.ties:
+            body = symbol.name.split("_", 1)[1]
+            angle = outputs[f"{body}.phi" if f"{body}.phi" in outputs else f"{body}.s"]
+            assert abs(sheet.known[bare(name_latex(eq.names[symbol]))].value - angle) <= 1e-12 * (1 + abs(angle)), body
         for printed, expected in _relative(found, equations, sheet, alpha):
             assert abs(printed - expected) <= 1e-20 * (1 + abs(expected))
             relative += 1
