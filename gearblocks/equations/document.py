@@ -149,8 +149,8 @@ class Document:
             rows = []
             for line in section.lines:
                 number += line.left is not None
-                shown = web.equation_mathml(line.left, line.right)
-                rows.append({"lines": shown, "number": number if line.left is not None else None})
+                shown = web.flowing_mathml(line.left, line.right)
+                rows.append({"pieces": shown, "number": number if line.left is not None else None})
             sections.append({"heading": section.heading, "rows": rows})
         rows = self.nomenclature.rows()
         values = {"title": self.title, "sections": sections, "rows": rows, "drawing": drawing}

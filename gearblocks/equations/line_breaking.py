@@ -17,12 +17,13 @@ from gearblocks.equations.notation import Call, Fence, Fraction, Node, Op, Power
 @dataclass(frozen=True, slots=True)
 class Style:
     """shown: a node as text; width: of a node; joined: what stands between the factors of a product; called: the name of
-    the function of a call, with its primes."""
+    the function of a call, with its primes; whole: how wide fractions are that stay whole in a shorter line."""
 
     shown: Callable[[Node], str]
     width: Callable[[Node], float]
     joined: str
     called: Callable[[Call], str]
+    whole: float = 0.0
 
 
 @final
@@ -92,7 +93,7 @@ def _broken(node: Node, style: Style, limit: float) -> Iterator[_Piece]:
         yield _sign(style, "left " + node.left)
         yield from _pieces(node.inner, style, limit)
         yield _sign(style, "right " + node.right)
-    elif isinstance(node, Fraction):
+    elif isinstance(node, Fraction) and style.width(node) > style.whole:
         yield from _pieces(_bracketed(node.top), style, limit)
         yield _sign(style, "/", begins=True)
         yield from _pieces(_bracketed(node.bottom), style, limit)

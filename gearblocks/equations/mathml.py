@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from markupsafe import escape
@@ -63,7 +64,7 @@ def _op(node: Op) -> str:
         return '<mo form="prefix">\N{MINUS SIGN}</mo>'
     if sign in _WORDS:
         return f"<mtext>\N{NO-BREAK SPACE}{sign}\N{NO-BREAK SPACE}</mtext>"
-    return f"<mo>{escape(_SIGNS.get(sign, sign))}</mo>"
+    return f'<mo form="infix">{escape(_SIGNS.get(sign, sign))}</mo>'  # a line may begin with it
 
 
 def _fence(sign: str) -> str:
@@ -116,7 +117,10 @@ _SHOWN: dict[Any, Any] = {
 }
 
 STYLE = Style(mathml, width, _THIN, _called)
-LINE = 84.0  # letters of a line on a page
+LINE = 84.0
+"""Letters of a line."""
+PIECE = 24.0
+"""Letters of a piece that a page keeps together: a telephone shows about 36 in a line."""
 
 
 def math(inner: str) -> str:
@@ -126,5 +130,14 @@ def math(inner: str) -> str:
 
 def equation_mathml(left: Node | None, right: Node) -> list[str]:
     """left = right as <math> elements, one for each line."""
+    return _pieces(left, right, STYLE, LINE)
+
+
+def flowing_mathml(left: Node | None, right: Node) -> list[str]:
+    """left = right as <math> elements that follow each other, in as many lines as a page needs."""
+    return _pieces(left, right, replace(STYLE, whole=LINE / 2), PIECE)
+
+
+def _pieces(left: Node | None, right: Node, style: Style, width: float) -> list[str]:
     nodes = [right] if left is None else [left, Op("="), right]
-    return [math(line) for line in lines(nodes, STYLE, LINE, LINE - 4)]
+    return [math(piece) for piece in lines(nodes, style, width, width)]
