@@ -10,7 +10,8 @@ import sympy as sp
 from gearblocks.equations.document import Document, Line, Nomenclature, Section
 from gearblocks.equations.linearized import matrix_lines
 from gearblocks.equations.names import Name
-from gearblocks.equations.notation import Node, Op, Reader, Row, Sym, Times, Words
+from gearblocks.equations.nodes import Node, Op, Row, Sym, Times, Words
+from gearblocks.equations.notation import Reader
 
 DIGITS = 6
 """Digits of a number on paper."""

@@ -15,8 +15,8 @@ from gearblocks.equations import latex as tex
 from gearblocks.equations import mathml as web
 from gearblocks.equations import text as plain
 from gearblocks.equations.names import Name
+from gearblocks.equations.nodes import Node
 from gearblocks.equations.nomenclature import Entry
-from gearblocks.equations.notation import Node
 from gearblocks.language.signals import Table
 from gearblocks.pages import page
 
@@ -59,12 +59,13 @@ class Nomenclature:
 
     def __str__(self) -> str:
         rows = [(symbol, words, f"{value} {unit}".strip(), path) for symbol, words, value, unit, path in self]
-        wide = [min(max((len(row[i]) for row in rows), default=0), most) for i, most in ((0, 28), (1, 46), (2, 24))]
+        wide = [min(max((len(row[i]) for row in rows), default=0), most) for i, most in ((0, 28), (1, 40), (2, 20))]
         found = ["Nomenclature"]
-        for symbol, words, value, path in rows:
-            first, *more = textwrap.wrap(words, wide[1]) or [""]
-            found.append(f"    {symbol:<{wide[0]}}  {first:<{wide[1]}}  {value:<{wide[2]}}  {path}".rstrip())
-            found += [f"    {'':<{wide[0]}}  {line}" for line in more]
+        for symbol, *texts, path in rows:
+            cells = (textwrap.wrap(text, room) for text, room in zip(texts, wide[1:], strict=True))
+            for i, (words, value) in enumerate(itertools.zip_longest(*cells, fillvalue="")):
+                begins, ends = ("", "") if i else (symbol, path)
+                found.append(f"    {begins:<{wide[0]}}  {words:<{wide[1]}}  {value:<{wide[2]}}  {ends}".rstrip())
         return "\n".join(found)
 
     def __repr__(self) -> str:

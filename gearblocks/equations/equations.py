@@ -11,6 +11,7 @@ import sympy as sp
 
 from gearblocks.equations import sections
 from gearblocks.equations.document import Document, Nomenclature, Section
+from gearblocks.equations.families import families, of_entries, of_lines, of_parts
 from gearblocks.equations.latex import aligned, latex
 from gearblocks.equations.linearized import sections as of_small_deviations
 from gearblocks.equations.names import Name
@@ -179,16 +180,15 @@ class Equations:
     # -- as people read them ------------------------------------------------------------------------------------------
 
     def document(self) -> Document:
-        """Everything: balances, parts, relative form, functions and the symbols."""
+        """Everything: balances, parts, relative form, functions and the symbols; of alike parts one stands for all."""
+        alike = families(self.kinds)
         ends = (sections.others(self), sections.active(self), *sections.relative(self), sections.functions(self))
-        ties = sections.ties(self)
-        found = [
-            sections.balances(self),
-            *([ties] if ties else []),
-            *sections.parts(self),
-            *(x for x in ends if x is not None),
-        ]
-        return Document(f"Equations of motion of '{self.name}'", tuple(found), self.nomenclature())
+        begins = [sections.balances(self), sections.ties(self)]
+        found = [x for section in begins if section is not None for x in of_lines(alike, section)]
+        found += of_parts(alike, sections.parts(self), self.kinds)
+        found += (x for x in ends if x is not None)
+        nomenclature = of_entries(alike, self.nomenclature())
+        return Document(f"Equations of motion of '{self.name}'", tuple(found), nomenclature)
 
     def form(self, name: str) -> Document:
         """The balances alone: "angle" of the shafts, "relative" in relative coordinates. Raises ParameterError where there is

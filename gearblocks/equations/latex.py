@@ -6,8 +6,8 @@ import re
 from typing import Any
 
 from gearblocks.equations.line_breaking import Style, lines
-from gearblocks.equations.names import GREEK, Name
-from gearblocks.equations.notation import (
+from gearblocks.equations.names import GREEK, INDEX, Name
+from gearblocks.equations.nodes import (
     Call,
     Cases,
     Fence,
@@ -19,6 +19,7 @@ from gearblocks.equations.notation import (
     Power,
     Root,
     Row,
+    Sum,
     Sym,
     Times,
     Words,
@@ -71,8 +72,14 @@ def name_latex(name: Name) -> str:
     elif name.dots:
         letter = f"{_DOTS[name.dots]}{{{letter}}}"
     number = "" if not name.number else name.number if name.number.isdigit() else word(name.number)
-    index = ",".join(x for x in (number, word(name.owner) if name.owner else "") if x)
+    index = ",".join(x for x in (number, _foot(name.owner)) if x)
     return f"{change}{letter}_{{{index}}}" if index else change + letter
+
+
+def _foot(owner: str) -> str:
+    """The part of the train upright, its index as that of the sums."""
+    whole = owner.removesuffix(f" {INDEX}")
+    return "" if not owner else word(whole) + (rf"\,{INDEX}" if whole != owner else "")
 
 
 def latex(node: Node) -> str:
@@ -108,7 +115,7 @@ def _fenced(left: str, inner: str, right: str, nodes: tuple[Any, ...]) -> str:
 
 
 def _is_tall(node: Any) -> bool:
-    if isinstance(node, (Fraction, Cases, Root, Matrix)):
+    if isinstance(node, (Fraction, Cases, Root, Sum, Matrix)):
         return True
     parts = {Row: "items", Times: "factors", Call: "arguments"}.get(type(node))
     inner = getattr(node, parts) if parts else (node.inner,) if isinstance(node, Fence) else ()
@@ -161,6 +168,7 @@ _SHOWN: dict[Any, Any] = {
     Fence: lambda node: _fenced(node.left, latex(node.inner), node.right, (node.inner,)),
     Call: _call,
     Cases: _cases,
+    Sum: lambda node: rf"\sum_{{{node.index}={node.first}}}^{{{node.last}}} {latex(node.inner)}",
     Matrix: _matrix,
 }
 
@@ -195,6 +203,7 @@ def _matrix_width(node: Matrix) -> float:
 _WIDTHS: dict[Any, Any] = {
     Matrix: _matrix_width,
     Sym: lambda node: name_width(node.name),
+    Sum: lambda node: 2.5 + width(node.inner),
     Num: lambda node: len(node.digits),
     Words: lambda node: 0.9 * len(node.text),
     Op: lambda node: _WIDE.get(node.sign, 2.4),

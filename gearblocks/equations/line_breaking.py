@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
-from gearblocks.equations.notation import Call, Fence, Fraction, Node, Op, Power, Row, Times, Words
+from gearblocks.equations.nodes import Call, Fence, Fraction, Node, Op, Power, Row, Sum, Times, Words
 
 
 @final
@@ -89,6 +89,9 @@ def _broken(node: Node, style: Style, limit: float) -> Iterator[_Piece]:
                 yield _Piece(style.joined, 0.3, begins=False)
             for number, piece in enumerate(_pieces(factor, style, limit)):
                 yield _Piece(piece.text, piece.width, piece.begins or (number == 0 and i > 0))
+    elif isinstance(node, Sum):
+        yield _Piece(style.shown(replace(node, inner=Words(""))), 2.5, begins=False)
+        yield from _pieces(node.inner, style, limit)
     elif isinstance(node, Fence):
         yield _sign(style, "left " + node.left)
         yield from _pieces(node.inner, style, limit)

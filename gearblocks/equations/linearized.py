@@ -14,7 +14,8 @@ import sympy as sp
 from gearblocks.equations.document import Line, Section
 from gearblocks.equations.latex import COLUMN, width
 from gearblocks.equations.names import Name
-from gearblocks.equations.notation import Fence, Matrix, Node, Num, Op, Reader, Row, Sym, Times, Words
+from gearblocks.equations.nodes import Fence, Matrix, Node, Num, Op, Row, Sym, Times, Words
+from gearblocks.equations.notation import Reader
 from gearblocks.equations.sections import Written, reader
 
 _SHORT = 6

@@ -10,7 +10,7 @@ from markupsafe import escape
 from gearblocks.equations.latex import width
 from gearblocks.equations.line_breaking import Style, lines
 from gearblocks.equations.names import Name
-from gearblocks.equations.notation import (
+from gearblocks.equations.nodes import (
     Call,
     Cases,
     Fence,
@@ -22,6 +22,7 @@ from gearblocks.equations.notation import (
     Power,
     Root,
     Row,
+    Sum,
     Sym,
     Times,
     Words,
@@ -113,6 +114,10 @@ _SHOWN: dict[Any, Any] = {
     Fence: lambda node: _row(f"<mo>{node.left}</mo>", mathml(node.inner), f"<mo>{node.right}</mo>"),
     Call: _call,
     Cases: _cases,
+    Sum: lambda node: _row(
+        f"<munderover><mo>∑</mo><mrow><mi>{node.index}</mi><mo>=</mo><mn>{node.first}</mn></mrow><mn>{node.last}</mn>"
+        f"</munderover>{mathml(node.inner)}"
+    ),
     Matrix: _matrix,
 }
 

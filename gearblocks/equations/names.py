@@ -32,6 +32,10 @@ _DEFINED = {
 _IN_EFFECT = {"transmission_error": "e", "friction": "f", "slip": "s", "tyre": "s", "first": "a", "second": "b"}
 
 
+INDEX = "i"
+"""The index of alike parts (families.py)."""
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class Name:

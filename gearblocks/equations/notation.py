@@ -1,6 +1,6 @@
-"""Mathematics as it is set: fractions, roots, cases, calls; and the way from sympy to it.
+"""From sympy to mathematics as it is set:
 
-    read(expression, names) -> a tree of the nodes below, which text, LaTeX and MathML show each in its way
+    read(expression, names) -> a tree of nodes (nodes.py)
 
 Knows nothing of trains, nor of characters.
 """
@@ -12,11 +12,12 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction as Exact
-from typing import Any, TypeAlias, final
+from typing import Any, final
 
 import sympy as sp
 
 from gearblocks.equations.names import Name, plain
+from gearblocks.equations.nodes import Call, Cases, Fence, Fraction, Node, Num, Op, Power, Root, Row, Sym, Times, Words
 from gearblocks.laws.functions import (
     ContactSide,
     DeadZone,
@@ -26,119 +27,6 @@ from gearblocks.laws.functions import (
     Table2At,
     TableAt,
 )
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Sym:
-    """A symbol."""
-
-    name: Name
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Num:
-    """A number, in digits."""
-
-    digits: str
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Words:
-    """Words between symbols."""
-
-    text: str
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Op:
-    """A sign between terms, or a relation: + - = < > <= >= and or. A line may break before it."""
-
-    sign: str
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Row:
-    """Terms and the signs between them."""
-
-    items: tuple[Any, ...]
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Times:
-    """A product."""
-
-    factors: tuple[Any, ...]
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Fraction:
-    """A fraction."""
-
-    top: Any
-    bottom: Any
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Power:
-    """A power."""
-
-    base: Any
-    exponent: Any
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Root:
-    """A square root."""
-
-    inner: Any
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Fence:
-    """What stands between ( ), | | or floor signs."""
-
-    left: str
-    right: str
-    inner: Any
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Call:
-    """A function of arguments; function: a Sym, or words such as cos; primes: how often it is differentiated."""
-
-    function: Any
-    arguments: tuple[Any, ...]
-    primes: int = 0
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Cases:
-    """(value, condition) pairs; the condition None: otherwise."""
-
-    rows: tuple[tuple[Any, Any], ...]
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Matrix:
-    """Rows of entries between brackets."""
-
-    rows: tuple[tuple[Any, ...], ...]
-
-
-Node: TypeAlias = "Sym | Num | Words | Op | Row | Times | Fraction | Power | Root | Fence | Call | Cases | Matrix"
 
 _FUNCTIONS = {
     "sin": "sin", "cos": "cos", "tan": "tan", "atan": "arctan", "asin": "arcsin", "acos": "arccos", "exp": "exp",

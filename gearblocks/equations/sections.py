@@ -14,7 +14,8 @@ import sympy as sp
 
 from gearblocks.equations.document import Line, Nomenclature, Section
 from gearblocks.equations.names import Name, owners
-from gearblocks.equations.notation import Call, Cases, Fence, Num, Op, Power, Reader, Row, Sym, Times, Words
+from gearblocks.equations.nodes import Call, Cases, Fence, Num, Op, Power, Row, Sym, Times, Words
+from gearblocks.equations.notation import Reader
 from gearblocks.equations.switched_constraints import Sentence, in_order
 from gearblocks.laws.functions import InverseInvolute, RestitutionDamping
 from gearblocks.laws.symbols import time_symbol
@@ -89,12 +90,10 @@ def ties(eq: Written) -> Section | None:
     return Section("Kinematics", lines) if lines else None
 
 
-def parts(eq: Written) -> Iterator[Section]:
+def parts(eq: Written) -> dict[str, Section]:
     """What each part of the train introduces, in the order of the train."""
-    for path, kind in eq.kinds.items():
-        lines = tuple(part(eq, path))
-        if lines:
-            yield Section(f"{path} ({kind})", lines)
+    found = ((path, kind, tuple(part(eq, path))) for path, kind in eq.kinds.items())
+    return {path: Section(f"{path} ({kind})", lines) for path, kind, lines in found if lines}
 
 
 def part(eq: Written, path: str) -> Iterator[Line]:

@@ -6,7 +6,7 @@ from typing import Any
 
 from gearblocks.equations.line_breaking import Style, lines
 from gearblocks.equations.names import Name
-from gearblocks.equations.notation import (
+from gearblocks.equations.nodes import (
     Call,
     Cases,
     Fence,
@@ -18,6 +18,7 @@ from gearblocks.equations.notation import (
     Power,
     Root,
     Row,
+    Sum,
     Sym,
     Times,
     Words,
@@ -100,6 +101,7 @@ _SHOWN: dict[Any, Any] = {
     Fence: lambda node: f"{node.left}{text(node.inner)}{node.right}",
     Call: _call,
     Cases: _cases,
+    Sum: lambda node: f"Σ_{node.index} {text(node.inner)}",
     Matrix: _matrix,
 }
 

@@ -28,6 +28,43 @@ def read(latex):
     return found
 
 
+def of_all(equations, paths):
+    """Equations of alike parts (an index i, its values in the heading) as those of each part; sums over i as their terms."""
+    alike = {}
+    for path in paths:
+        stem = path.rstrip("0123456789")
+        if stem != path:
+            foot = stem.rstrip("_").replace("_", r"\_")
+            alike[rf"{foot}}}\,i", path[len(stem) :]] = path.replace("_", r"\_")
+    for heading, left, right in equations:
+        over = re.search(r", i = (\d+), \.\.\., (\d+)$", heading)
+        for i in range(int(over[1]), int(over[2]) + 1) if over else [None]:
+            yield heading, *(_at(_summed(x, alike), i, alike) for x in (left, right))
+
+
+def _at(latex, index, alike):
+    """With the symbols of one part for those of any."""
+    if index is None:
+        return latex
+    for (foot, i), one in alike.items():
+        if i == str(index):
+            latex = re.sub(rf"(?<=\{{){re.escape(foot)}(?=[\\}}])", lambda _, one=one: f"{one}}}", latex)
+    return latex
+
+
+def _summed(latex, alike):
+    """Sums written out term by term."""
+    while found := re.search(r"\\sum_\{i=(\d+)\}\^\{(\d+)\} ", latex):
+        depth, end = 0, found.end()
+        while end < len(latex) and not (depth == 0 and re.match(r"\s+[+-] ", latex[end:])):
+            depth += (latex[end] in "({") - (latex[end] in ")}")
+            end += 1
+        term = latex[found.end() : end]
+        terms = (_at(term, i, alike) for i in range(int(found[1]), int(found[2]) + 1))
+        latex = f"{latex[: found.start()]}({' + '.join(terms)}){latex[end:]}"
+    return latex
+
+
 class Moving(NamedTuple):
     """A number and its rate in time (None: nothing says it)."""
 

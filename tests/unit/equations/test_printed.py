@@ -16,21 +16,8 @@ from gearblocks.cli import scripts
 from gearblocks.equations import sections
 from gearblocks.equations.latex import aligned
 from gearblocks.equations.names import Name
-from gearblocks.equations.notation import (
-    Call,
-    Cases,
-    Fence,
-    Fraction,
-    Num,
-    Op,
-    Power,
-    Reader,
-    Root,
-    Row,
-    Sym,
-    Times,
-    Words,
-)
+from gearblocks.equations.nodes import Call, Cases, Fence, Fraction, Num, Op, Power, Root, Row, Sym, Times, Words
+from gearblocks.equations.notation import Reader
 from gearblocks.equations.text import equation_lines, name_text, text
 from gearblocks.laws.functions import ContactSide, DeadZone, EllipseLead, Table2At, TableAt
 from gearblocks.laws.symbols import time_symbol
@@ -153,11 +140,12 @@ def _check(eq, seed):
     values |= {eq.names[eq.v[i]].rate(): float(a) for i, a in zip(moving, alpha, strict=True)}
     values |= {eq.names[s].rate(): _number(e, known, reader) for s, e in eq.states.items()}
     found = 0
-    lines = [line for section in eq.document().sections for line in section.lines if line.left is not None]
+    shown = [sections.balances(eq), *sections.parts(eq).values()]
+    lines = [line for section in shown for line in section.lines if line.left is not None]
     for line in lines:  # slips, and cases that were lifted out of what they stand in
         if isinstance(line.left, Sym) and re.match(r"[pf]\d+_|Δ", text(line.left)) and line.left.name not in values:
             values[line.left.name] = _computed(line.right, values, _waves)
-    for section in [sections.balances(eq), *sections.parts(eq)]:
+    for section in [sections.balances(eq), *sections.parts(eq).values()]:
         for line in (x for x in section.lines if x.left is not None):
             left, right = (_computed(x, values, _waves) for x in (line.left, line.right))
             if len(moving) == len(eq.v) or isinstance(line.left, Sym):

@@ -15,7 +15,7 @@ from gearblocks.language.tables import Table2
 from gearblocks.solver.structures import Code, Method, Options
 from gearblocks.solver.switched_constraints import ConstraintKind
 from gearblocks.train.values import numbers_of
-from tests.unit.equations.latex_reader import Moving, Sheet, UnknownError, bare, read
+from tests.unit.equations.latex_reader import Moving, Sheet, UnknownError, bare, of_all, read
 
 MODELS = [f"{name}:{maker.name}" for name in scripts.shipped() for maker in scripts.makers(scripts.locate(name)[0])]
 QUICK = ("dual_clutch:build", "spline_coupling:build", "modelica_examples:lossy_gear", "noncircular_cvt:dogs")
@@ -171,7 +171,9 @@ def _is_entered(sheet, left, right):
 
 def _accelerations(eq, equations, sheet):
     """The balances solved: they are linear in the accelerations."""
-    rows = [(left, right) for heading, left, right in equations if heading == "Angle form" and r"\ddot" in left]
+    rows = [
+        (left, right) for heading, left, right in equations if heading.startswith("Angle form") and r"\ddot" in left
+    ]
     names = [(bare(name_latex(eq.names[q]))[0], 2) for q in eq.q]
 
     def residual(alpha):
@@ -213,7 +215,7 @@ def test_what_stands_on_paper_is_what_runs(name):
         t, states, drawn, outputs = _point(model, random)
         modes = {c.path: mode for c, mode in zip(eq.switched_constraints, drawn, strict=True)}
         found = eq.in_modes(modes)
-        equations = read(found.latex())
+        equations = [*of_all(read(found.latex()), eq.kinds)]
         sheet = _written(equations, _known(rig, model, found, t, states, outputs), tables)
         alpha = _accelerations(found, equations, sheet)
         largest = max(abs(x) for x in alpha)

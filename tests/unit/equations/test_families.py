@@ -1,0 +1,63 @@
+"""Alike parts printed once, by an index."""
+
+import pytest
+
+import gearblocks as gb
+from gearblocks.cli import scripts
+from gearblocks.equations.families import families
+
+
+def _bundle(stiffness, law=None):
+    """Springs side by side between two discs, a disc and a spring on each of the second."""
+    rig = gb.Drivetrain("bundle")
+    hub = rig.add("hub", gb.Inertia(J=2.0))
+    rig.connect(rig.add("drive", gb.Torque(tau=7.0)).flange, hub.a)
+    for i, k in enumerate(stiffness):
+        kind = gb.Shaft(k=k, c=0.1) if i != law else gb.Shaft(k=k)
+        spring, disc = rig.add(f"spring_{i}", kind), rig.add(f"disc_{i}", gb.Inertia(J=0.5))
+        rig.connect(hub.b, spring.a)
+        rig.connect(spring.b, disc.a)
+    return rig
+
+
+def test_eight_meshes_are_printed_as_two():
+    eq = scripts.make("planetary_backlash").equations()
+    text, latex = str(eq), eq.latex()
+    assert "J_sun φ_sun'' = -Σ_i r1_sun_mesh_i N_sun_mesh_i + 300 + 30 cos(w t)" in text
+    assert "J_planet_i φ_planet_i'' = -r2_sun_mesh_i N_sun_mesh_i - r1_ring_mesh_i N_ring_mesh_i" in text
+    assert text.count("(GearMesh)") == 2
+    assert "sun_mesh_i (GearMesh), i = 0, ..., 3\n" in text
+    assert "mesh0" not in text
+    assert r"&= -\sum_{i=0}^{3} r_{1,\mathrm{sun\_mesh}\,i}\,N_{\mathrm{sun\_mesh}\,i} + 300" in latex
+    assert eq.html().count("<munderover>") == 4
+    assert "x_sun_mesh2 = " in str(eq.element("sun_mesh2"))
+    assert {"N_sun_mesh3", "φ_planet1"} <= {row[0] for row in eq.nomenclature()}
+
+
+def test_values_that_differ_are_all_listed_and_long_lists_by_their_ends():
+    text = str(_bundle([3.0, 4.0, 5.0]).equations())
+    assert "J_hub φ_hub'' = τ_drive + Σ_i T_spring_i" in text
+    assert "T_spring_i = k_spring_i θ_spring_i + c_spring_i θ_spring_i'" in text
+    assert "3, 4, 5 N m/rad" in text
+    (line,) = (x for x in text.splitlines() if x.split()[:1] == ["c_spring_i"])
+    assert line.split()[-4:] == ["N", "m", "s/rad", "spring_<i>.c"]
+    assert "1.0001, 2.0001, ...," in str(_bundle([i + 1.0001 for i in range(12)]).equations())
+
+
+@pytest.mark.parametrize(("stiffness", "law"), [([3.0, 4.0], None), ([3.0, 4.0, 5.0], 1)], ids=["two", "other law"])
+def test_what_is_not_alike_stays_apart(stiffness, law):
+    text = str(_bundle(stiffness, law=law).equations())
+    assert "T_spring_0 = k_spring_0 θ_spring_0" in text
+    assert "T_spring_1 = k_spring_1 θ_spring_1" in text
+    assert "spring_i (" not in text
+
+
+def test_families_are_of_one_class_and_without_a_gap():
+    found = families(
+        {"a1": "Shaft", "a2": "Shaft", "a3": "Shaft", "b0": "Shaft", "b1": "Shaft", "b3": "Shaft", "7": "Shaft"}
+    )
+    assert {path: (m.stem, m.number, m.indices) for path, m in found.members.items()} == {
+        f"a{i}": ("a", i, (1, 3)) for i in (1, 2, 3)
+    }
+    assert not families({"a1": "Shaft", "a2": "Damper", "a3": "Shaft", "a04": "Shaft"}).members
+    assert set(families({f"sets[{i}]": "Lash" for i in range(3)}).feet) == {"sets0", "sets1", "sets2"}
