@@ -76,7 +76,7 @@ class Nomenclature:
         rows = []
         for name, entry in self.entries:
             value = (
-                f", {tex.prose(entry.value)} {tex.unit(entry.unit)}".rstrip() if entry.value else _in_brackets(entry)
+                f", {tex.value(entry.value)} {tex.unit(entry.unit)}".rstrip() if entry.value else _in_brackets(entry)
             )
             rows.append(rf"\item[${tex.name_latex(name)}$] {tex.prose(entry.words)}{value}")
         return "\n".join([r"\begin{description}", *rows, r"\end{description}"])

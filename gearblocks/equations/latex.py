@@ -256,6 +256,13 @@ def _within(node: Node) -> str:
     return r"\[" + _stacked(node, COLUMN).replace("{aligned}[t]", "{aligned}") + r"\]"
 
 
+def value(text: str) -> str:
+    """A value as it is given, 2e+08 as a power of ten."""
+    return re.sub(
+        r"([\d.]+)e([+-]\d+)", lambda m: rf"${m[1]} \times 10^{{{int(m[2])}}}$".replace(r"$1 \times ", "$"), prose(text)
+    )
+
+
 def unit(text: str) -> str:
     """A unit such as N m s/rad."""
     if text in ("", "1"):

@@ -15,6 +15,7 @@ import gearblocks as gb
 from gearblocks.cli import scripts
 from gearblocks.equations import sections
 from gearblocks.equations.latex import aligned
+from gearblocks.equations.latex import value as latex_value
 from gearblocks.equations.names import Name
 from gearblocks.equations.nodes import Call, Cases, Fence, Fraction, Num, Op, Power, Root, Row, Sym, Times, Words
 from gearblocks.equations.notation import Reader
@@ -231,6 +232,9 @@ def test_parts_forms_and_symbols_can_be_asked_for():
     rows = {row[0]: row[1:] for row in eq.nomenclature()}
     assert rows["b_mesh"] == ("half of the backlash", "30", "um", "mesh.backlash.half_gap")
     assert rows["τ"][1:] == ("20", "N m", "tau")
+    assert [latex_value(x) for x in ("2.45e+08", "1e-05", "3.5", "a_b")] == [
+        r"$2.45 \times 10^{8}$", "$10^{-5}$", "3.5", r"a\_b"
+    ]  # fmt: skip
     assert r"\item[$b_{\mathrm{mesh}}$] half of the backlash, 30" in eq.nomenclature().latex()
     with pytest.raises(gb.ParameterError, match=r"'mehs' is no part .* did you mean 'mesh'\?"):
         eq.element("mehs")
