@@ -187,7 +187,7 @@ class Equations:
         found = [x for section in begins if section is not None for x in of_lines(alike, section)]
         found += of_parts(alike, sections.parts(self), self.kinds)
         found += (x for x in ends if x is not None)
-        nomenclature = of_entries(alike, self.nomenclature())
+        nomenclature = of_entries(alike, self.nomenclature(), found)
         return Document(f"Equations of motion of '{self.name}'", tuple(found), nomenclature)
 
     def form(self, name: str) -> Document:
@@ -221,9 +221,8 @@ class Equations:
 
     def nomenclature(self) -> Nomenclature:
         """The symbols with words, value, unit and path."""
-        return sections.nomenclature(
-            self, {*self.q, *self.ties, *self.coordinates, *self.states, *self.definitions, *self.used()}
-        )
+        shown = {*self.q, *self.ties, *self.coordinates, *self.states, *self.definitions, *self.used()}
+        return sections.nomenclature(self, shown | {c.slip for c in self.switched_constraints})
 
     def latex(self) -> str:
         """Everything as LaTeX, for a document with amsmath."""

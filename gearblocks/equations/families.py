@@ -142,14 +142,17 @@ def with_sums(found: Families, line: Line) -> Line:
     return Line(line.left, _row(kept)) if sums else line
 
 
-def of_entries(found: Families, nomenclature: Nomenclature) -> Nomenclature:
-    """Symbols of all members of a family as one, with all values where these differ."""
+def of_entries(found: Families, nomenclature: Nomenclature, sections: Iterable[Section]) -> Nomenclature:
+    """Symbols of all members of a family as one, with all values where these differ; those that the sections name one by one
+    stay so."""
+    named = {dataclasses.replace(name, dots=0) for section in sections for name in _names(section.lines)}
     alike: dict[tuple[Name, tuple[int, int]], list[tuple[Name, Entry]]] = {}
     for name, entry in nomenclature.entries:
         member = found.member(name.owner)
         if member is not None:
             alike.setdefault((found.of_any(name, *member[1:]), member.indices), []).append((name, entry))
     whole = {name: made for (name, (a, b)), made in alike.items() if len(made) == b - a + 1}
+    whole = {name: made for name, made in whole.items() if not named & {old for old, _ in made}}
     standing = {old: name for name, made in whole.items() for old, _ in made}
     entries: dict[Name, Entry] = {}
     for name, entry in nomenclature.entries:

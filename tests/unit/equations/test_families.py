@@ -1,10 +1,12 @@
 """Alike parts printed once, by an index."""
 
+from dataclasses import replace
+
 import pytest
 
 import gearblocks as gb
 from gearblocks.cli import scripts
-from gearblocks.equations.families import families
+from gearblocks.equations.families import _names, families
 
 
 def _bundle(stiffness, law=None):
@@ -50,6 +52,28 @@ def test_what_is_not_alike_stays_apart(stiffness, law):
     assert "T_spring_0 = k_spring_0 θ_spring_0" in text
     assert "T_spring_1 = k_spring_1 θ_spring_1" in text
     assert "spring_i (" not in text
+
+
+def test_what_is_named_one_by_one_stands_so_in_the_nomenclature():
+    """The discs of a row are alike by name, but each has other neighbours."""
+    eq = scripts.make("modelica_examples:coupled_clutches").equations()
+    shown = [line.split()[0] for line in str(eq.document().nomenclature).splitlines()[1:] if line[4] != " "]
+    assert {"φ_J1", "φ_J4", "J_J2", "T_clutch3"} <= set(shown)
+    assert not [symbol for symbol in shown if symbol.endswith("_i")]
+
+
+@pytest.mark.parametrize("name", [n for n in scripts.shipped() if n != "stiff_chain"])
+def test_every_symbol_that_is_printed_is_in_the_nomenclature(name):
+    for maker in scripts.makers(scripts.locate(name)[0]):
+        _check(scripts.make(f"{name}:{maker.name}").equations().document())
+
+
+def _check(document):
+    known = {replace(name, dots=0) for name, _ in document.nomenclature.entries}
+    words = {"t", "x", "H", "λ", "G", "M", "v", "f", "T", "π"}  # explained where they stand
+    printed = {replace(n, dots=0) for section in document.sections for n in _names(section.lines)}
+    cases = {n for n in printed if n.letter in "pf" and n.number}  # lifted out of an equation, which stands beside them
+    assert {n for n in printed - cases if n.owner or n.letter not in words} <= known
 
 
 def test_families_are_of_one_class_and_without_a_gap():
