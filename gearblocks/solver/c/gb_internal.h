@@ -251,13 +251,13 @@ struct gb_sliding {
     gb_lanes lanes;
 };
 
-/* Enclosures of event functions over a piece of a step. values: arguments at the points of a panel; bernstein, slack:
- * of those that are read, what they are along it and how far that may be off; x: all arguments over a piece; left,
- * right: event functions at its ends; noise: how finely they are told there; watched: those that are enclosed in this
- * step. response: constraint forces per torque on each group (NULL: too many), unit: such a torque. */
+/* Enclosures of event functions over a piece of a step. values: arguments at the points of a panel; of those that are
+ * read, bernstein: what they are along it, slack: how far off, misfit: the same in the last panel, rounding: what
+ * shorter ones do not mend; x: all arguments over a piece; left, right: event functions at its ends, noise: how finely
+ * told there; watched: those enclosed in this step; response: constraint forces per torque (unit) on each group. */
 struct gb_panel {
     double from, to;
-    double *values, *bernstein, *slack, *left, *right, *noise, *response, *unit;
+    double *values, *bernstein, *slack, *misfit, *rounding, *left, *right, *noise, *response, *unit;
     struct gb_enclosure *x, *enclosure, *torque, *bound;
     int *watched;
     int known, boxed; /* about constraint forces in the modes known_modes, see gb_force_enclosure.h (0: nothing); x is a

@@ -210,10 +210,11 @@ static void measure_noise(gb_sim *sim, const search *s) {
 
 /* The panel that begins at `from`, as long as its polynomials hold. */
 static int next_panel(gb_sim *sim, double from, double span) {
-    int good = 0, code = GB_DONE;
+    int good = 0, halved = 0, code = GB_DONE;
     for (double width = gb_min(span, 1.0 - from); !good && code == GB_DONE; width *= 0.5) {
-        code = gb_panel_fill(sim, from, width >= 1.0 - from ? 1.0 : from + width, &good);
+        code = gb_panel_fill(sim, from, width >= 1.0 - from ? 1.0 : from + width, halved, &good);
         good = good || width <= shortest_panel;
+        halved = 1;
     }
     return code;
 }
@@ -248,6 +249,9 @@ static int begin(gb_sim *sim, search *s) {
     for (int i = model->n_affine; i < model->n_event_functions; i++) {
         sim->panel.noise[i] = 0.0;
         sim->panel.watched[i] = model->is_enclosed[i - model->n_affine];
+    }
+    for (int k = 0; k < model->n_arguments_read; k++) {
+        sim->panel.rounding[k] = 0.0;
     }
     s->with_forces = gb_forces_prepare(sim);
     watch_forces(sim, s->with_forces);

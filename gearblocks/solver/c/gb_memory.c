@@ -150,6 +150,8 @@ static void lay_panel(gb_sim *sim, char *base, size_t *at) {
     p->values = doubles(base, at, (long)GB_PANEL_POINTS * m->n_arguments);
     p->bernstein = doubles(base, at, (long)GB_PANEL_POINTS * read);
     p->slack = doubles(base, at, read);
+    p->misfit = doubles(base, at, read);
+    p->rounding = doubles(base, at, read);
     p->left = doubles(base, at, n);
     p->right = doubles(base, at, n);
     p->noise = doubles(base, at, n);

@@ -51,9 +51,9 @@ static double bernstein(const double *b, double u) {
     return c[0];
 }
 
-/* The polynomial of argument j and how far it may be off; whether that is little beside how it moves. Rounding of the
- * values comes out of the fit up to 190 times as large. */
-static int fit_argument(gb_sim *sim, int j, double *b, double *slack) {
+/* The polynomial of argument j, its slack, and how far it is off at points between; *little: what would be little
+ * beside how it moves. Rounding of the values comes out of the fit up to 190 times as large. */
+static double fit_argument(gb_sim *sim, int j, double *b, double *slack, double *little) {
     const size_t n = (size_t)sim->model->n_arguments;
     double v[POINTS], size = 0.0, range = 0.0, off = 0.0;
     for (int l = 0; l < POINTS; l++) {
@@ -77,10 +77,22 @@ static int fit_argument(gb_sim *sim, int j, double *b, double *slack) {
         off = gb_max(off, fabs(v[l] - bernstein(b, points[l])));
     }
     *slack = range == 0.0 ? 0.0 : 1e-13 * size + 4.0 * off;
-    return 4.0 * off <= 1e-12 * size + 1e-6 * range;
+    *little = 1e-12 * size + 1e-6 * range;
+    return 4.0 * off;
 }
 
-int gb_panel_fill(gb_sim *sim, double from, double to, int *good) {
+/* Whether the polynomial k holds that is off so far. Where half the width left it as far off, that is rounding: of what
+ * cancels in an argument that hardly moves (smooth ones come out 500 times closer, beside a corner twice). */
+static int holds(gb_sim *sim, int k, double off, double little, int halved) {
+    const int is_input = sim->model->arguments_read[k] <= sim->model->n_inputs;
+    if (halved && !is_input && off > little && off > 0.7 * sim->panel.misfit[k]) {
+        sim->panel.rounding[k] = gb_max(sim->panel.rounding[k], 2.0 * off);
+    }
+    sim->panel.misfit[k] = off;
+    return off <= gb_max(little, sim->panel.rounding[k]);
+}
+
+int gb_panel_fill(gb_sim *sim, double from, double to, int halved, int *good) {
     const gb_model *model = sim->model;
     int code = GB_DONE;
     for (int l = 0; l < POINTS && code == GB_DONE; l++) {
@@ -91,9 +103,9 @@ int gb_panel_fill(gb_sim *sim, double from, double to, int *good) {
     sim->panel.to = to;
     *good = 1;
     for (int k = 0; k < model->n_arguments_read && code == GB_DONE; k++) {
-        double *b = sim->panel.bernstein + (size_t)k * (DEGREE + 1);
-        const int holds = fit_argument(sim, model->arguments_read[k], b, &sim->panel.slack[k]);
-        *good = *good && holds;
+        double *b = sim->panel.bernstein + (size_t)k * (DEGREE + 1), little = 0.0;
+        const double off = fit_argument(sim, model->arguments_read[k], b, &sim->panel.slack[k], &little);
+        *good = holds(sim, k, off, little, halved) && *good;
     }
     return code;
 }

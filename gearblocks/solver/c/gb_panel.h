@@ -12,8 +12,9 @@
 
 #include "gb_internal.h"
 
-/* The polynomials of the panel [from, to]; *good: they hold. The dense rows must be complete. */
-int gb_panel_fill(gb_sim *sim, double from, double to, int *good);
+/* The polynomials of the panel [from, to], half the last one where it is halved; *good: they hold. The dense rows must
+ * be complete, and the rounding of the arguments is forgotten before each step. */
+int gb_panel_fill(gb_sim *sim, double from, double to, int halved, int *good);
 
 /* The arguments over [a, b] inside the panel; of a single point without their rates. */
 void gb_panel_piece(gb_sim *sim, double a, double b);
