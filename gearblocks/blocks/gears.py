@@ -27,7 +27,7 @@ class IdealGear(Block):
 
     a, b = Flange("driving side"), Flange("driven side")
     housing = Flange("housing", ground=True)
-    ratio: float | None = exact("phi_a/phi_b", default=None)
+    ratio: float | None = exact("ratio phi_a/phi_b", default=None)
     teeth: tuple[int, int] | None = exact("tooth counts (za, zb)", default=None, many=True)
     external: bool | None = option("whether the teeth are outside on both", default=None)
 

@@ -45,7 +45,7 @@ class LossyGear(Block):
 
     a, b = Flange("driving side"), Flange("driven side")
     housing = Flange("housing", ground=True)
-    ratio: float = exact("phi_a/phi_b")
+    ratio: float = exact("ratio phi_a/phi_b")
     efficiency: tuple[float, float] | None = param(
         "efficiencies (a drives, b drives)", default=None, many=True, le=1, belongs_to="loss"
     )
@@ -174,7 +174,7 @@ class Worm(Block):
 
     a, b = Flange("worm"), Flange("wheel")
     housing = Flange("housing", ground=True)
-    ratio: float = exact("phi_a/phi_b")
+    ratio: float = exact("ratio phi_a/phi_b")
     lead_angle: float = option("lead angle gamma", "rad")
     friction: float = option("coefficient of friction mu")
     pressure_angle: float = option("normal pressure angle alpha", "rad", default=0.3490658503988659)
