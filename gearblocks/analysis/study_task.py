@@ -67,7 +67,7 @@ def task_of(
     """The task, and the unit of each quantity. fields: paths of the train that are no parameters of the model, as they make
     its structure. Raises ParameterError and UnknownNameError by name."""
     program, s = model.program, settings
-    measures = _measures(quantity)
+    measures = measures_of(quantity, "a study needs")
     window = _window(s)
     options = _options(s, window)
     base = parameter_vector(model, s.parameters or {}, s.initial)
@@ -112,10 +112,11 @@ def names_of(measures: Sequence[Measure]) -> tuple[str, ...]:
     return tuple(m.name if isinstance(m, Quantity) else function_name(m) for m in measures)
 
 
-def _measures(quantity: Any) -> tuple[Measure, ...]:
+def measures_of(quantity: Any, asks: str) -> tuple[Measure, ...]:
+    """One or several quantities as a tuple, each once; asks: the words before "at least one" where there is none."""
     given = tuple(quantity) if isinstance(quantity, (list, tuple)) else (quantity,)
     if not given:
-        raise ParameterError("quantity = (): a study needs at least one, such as gb.peak('mesh.force')")
+        raise ParameterError(f"quantity = (): {asks} at least one, such as gb.peak('mesh.force')")
     for one in given:
         if not isinstance(one, Quantity) and not (callable(one) and not isinstance(one, type)):
             raise ParameterError(

@@ -73,13 +73,37 @@ def run_model(
                 f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
             )
         set_inputs(sim, program, inputs)
-        run = _Run(model, sim, samples, end, pick, values, progress, residual, meta={
-            "train": program.name, "method": METHOD_NAMES[options.method], "rtol": rtol, "step": step,
-            "parameters": NamedValues(program.parameter_numbers, values),
-        })  # fmt: skip
+        meta = _meta(program, options, values)
+        run = _Run(model, sim, samples, end, pick, values, progress, residual, meta)
         y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)
         run.case = Case(model.library, values, dict(inputs), options, begin, end, y0, run_again)
         return run.go(options, begin, y0, why)
+
+
+def run_case(
+    model: Model, case: Case, why: str, *, t: ArrayLike | None = None, outputs: str | Sequence[str] = "*"
+) -> Trajectory:
+    """A run from what it follows from, with samples at every step or at the times t [s], which end with the case; why: the
+    reason for its method. It tells nobody how far it is. Raises SimulationError."""
+    program = model.program
+    samples = None if t is None else sample_times(case.begin, None, t)[0]
+    with model.library.reopen() as sim:
+        sim.parameters[:] = case.parameters
+        set_inputs(sim, program, case.inputs)
+        pick, meta = picked_outputs(program, outputs), _meta(program, case.options, case.parameters)
+        run = _Run(model, sim, samples, case.end, pick, case.parameters, _silent, None, meta, case=case)
+        return run.go(case.options, case.begin, case.y0, why)
+
+
+def _silent(share: float) -> None:
+    """Whoever asked for many runs says how far they are."""
+
+
+def _meta(program: Program, options: Options, values: Array) -> dict[str, Any]:
+    return {
+        "train": program.name, "method": METHOD_NAMES[options.method], "rtol": options.rtol, "step": options.step or None,
+        "parameters": NamedValues(program.parameter_numbers, values),
+    }  # fmt: skip
 
 
 RESIDUAL = 1e-2
@@ -245,7 +269,7 @@ class _Run:
             t, columns = table[:, 0].copy(), dict(zip(self.pick, table.T[1:].copy(), strict=True))
         return Trajectory(
             t, columns, program.output_units,
-            events=lambda: events_of(program.event_table, events), stats=lambda: _stats(counters, cpu, method, reason),
+            events=lambda: events_of(program.event_table, events), stats=lambda: stats_of(counters, cpu, method, reason),
             energy=balance, final_state=self._final() if self.rows else None, meta={**self.meta, "complete": complete},
             case=self.case if complete else None,
         )  # fmt: skip
@@ -302,7 +326,8 @@ class _Run:
         return SimulationError(t, name, cause, remedy, run)
 
 
-def _stats(counters: Counters, cpu: float, method: str, why: str) -> Stats:
+def stats_of(counters: Counters, cpu: float, method: str, why: str) -> Stats:
+    """What the solver counted in a run of so many seconds of CPU time, by these methods and for this reason."""
     return Stats(
         steps=counters.steps, rejected=counters.rejected, rhs_calls=counters.rhs_calls, jacobians=counters.jacobians,
         events=counters.events, cpu_seconds=cpu, method=method, why=why,

@@ -1,0 +1,168 @@
+"""Runs of a scene: its quantities on the solution, what the solver counted, and the CPU time of a run without its outputs.
+
+A bench holds one train of a scene (the whole one, or one that lacks effects) ready to be run with any method, tolerance and
+small change of its parameters. Knows nothing of what is compared with what.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.quantity import Quantity
+from gearblocks.analysis.scenes.scene import Scene
+from gearblocks.analysis.span import Span, program_span
+from gearblocks.drivetrain import Drivetrain
+from gearblocks.errors import SimulationError
+from gearblocks.running import build
+from gearblocks.simulation.arguments import (
+    is_static,
+    method_options,
+    method_words,
+    parameter_vector,
+    set_inputs,
+    start_state,
+)
+from gearblocks.simulation.case import Case
+from gearblocks.simulation.equilibrium import static_state
+from gearblocks.simulation.failures import reason
+from gearblocks.simulation.input_series import with_tables
+from gearblocks.simulation.measured_runs import StoppedError, measured_run, merged, run_again
+from gearblocks.simulation.needs import Needs
+from gearblocks.simulation.records import Stats
+from gearblocks.simulation.run import run_case, stats_of
+from gearblocks.simulation.trajectory import Trajectory
+from gearblocks.solver.library import Model
+from gearblocks.solver.structures import Code
+
+Array = NDArray[np.float64]
+
+
+class Effort(NamedTuple):
+    """How a run is made: method, tolerance or fixed step [s], and whether events are located."""
+
+    method: str = "auto"
+    rtol: float = 1e-6
+    step: float | None = None
+    locate: bool = True
+
+    def __str__(self) -> str:
+        words = f"{self.method}, {f'step {self.step:g} s' if self.step is not None else f'rtol {self.rtol:g}'}"
+        return words if self.locate else f"{words}, events not located"
+
+
+class Outcome(NamedTuple):
+    """What came of a run: values of the quantities, in their order, and what the solver counted."""
+
+    values: Array
+    stats: Stats
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Bench:
+    """One train of a scene, ready to be run. start: the state that it starts from (None: that of its parameters)."""
+
+    scene: Scene
+    drivetrain: Drivetrain
+    model: Model
+    parameters: Array
+    inputs: Mapping[str, Any]
+    start: Array | None
+
+    def outcome(self, effort: Effort, factors: Array | None = None) -> Outcome:
+        """The quantities of a run, its parameters times `factors`, shape (n_parameters,), where given.
+
+        Raises SimulationError."""
+        if not all(isinstance(m, Quantity) for m in self.scene.measures):
+            return self._of_a_trajectory(effort, factors)
+        case, why = self._case(effort, factors)
+        span, needs = self._asked(case.parameters)
+        program = self.model.program
+        with self.model.library.open() as sim:
+            set_inputs(sim, program, self.inputs)
+            try:
+                run = measured_run(sim, case, needs)
+            except StoppedError as stopped:
+                code = stopped.code or Code.ERR_MEMORY
+                raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None
+            counters = sim.counters
+        values = [float(m.measure(run, span)) for m in self.scene.measures if isinstance(m, Quantity)]
+        return Outcome(np.array(values), stats_of(counters, 0.0, *method_words(counters, why)))
+
+    def timed(self, effort: Effort, repeats: int = 3) -> Stats:
+        """What a run without any outputs takes: the counters, and the least CPU time of `repeats` runs. Raises
+        SimulationError."""
+        found = [self._run(effort, None, [self.scene.begin, self.scene.end]).stats for _ in range(repeats)]
+        return min(found, key=lambda stats: stats.cpu_seconds)
+
+    def _of_a_trajectory(self, effort: Effort, factors: Array | None) -> Outcome:
+        run = self._run(effort, factors, None)
+        values = [float(m.of(run)) if isinstance(m, Quantity) else float(m(run)) for m in self.scene.measures]
+        return Outcome(np.array(values), run.stats)
+
+    def _run(self, effort: Effort, factors: Array | None, t: list[float] | None) -> Trajectory:
+        """A whole run, with its samples at `t` and no outputs, or at every step with all of them."""
+        case, why = self._case(effort, factors)
+        return run_case(self.model, case, why) if t is None else run_case(self.model, case, why, t=t, outputs=())
+
+    def _case(self, effort: Effort, factors: Array | None) -> tuple[Case, str]:
+        options, why = method_options(effort.method, effort.rtol, effort.step, None, effort.locate, self.scene.end)
+        vector = self.parameters if factors is None else self.parameters * factors
+        return Case(
+            self.model.library, vector, self.inputs, options, self.scene.begin, self.scene.end, self.start, run_again
+        ), why
+
+    def _asked(self, parameters: Array) -> tuple[Span, Needs]:
+        program = self.model.program
+        span = program_span(program, self.scene.begin, self.scene.end, parameters, None)
+        asked = [m for m in self.scene.measures if isinstance(m, Quantity)]
+        for m in asked:
+            m.unit(span)
+        return span, merged(program, [m.needs(span) for m in asked])
+
+
+def bench_of(scene: Scene, drivetrain: Drivetrain | None = None) -> Bench:
+    """The bench of a scene's own train, or of one that lacks some of its effects and starts as it does.
+
+    Parameters and inputs of the scene that went with an effect are left out. Raises ModelError, ParameterError,
+    UnknownNameError, and SimulationError where there is no start.
+    """
+    full = build(scene.drivetrain)
+    model = full if drivetrain is None else build(drivetrain)
+    names, inputs = model.program.parameter_numbers, model.program.input_numbers
+    known = full.program
+    tuned = {p: x for p, x in scene.parameters.items() if p in names or p not in known.parameter_numbers}
+    driven = {p: x for p, x in with_tables(scene.inputs).items() if p in inputs or p not in known.input_numbers}
+    initial = scene.initial if drivetrain is None else carried_start(full, model, scene.initial)
+    vector = parameter_vector(model, tuned, initial)
+    return Bench(
+        scene,
+        drivetrain or scene.drivetrain,
+        model,
+        vector,
+        driven,
+        _start(model, vector, driven, initial, scene.begin),
+    )
+
+
+def _start(model: Model, vector: Array, inputs: Mapping[str, Any], initial: Any, begin: float) -> Array | None:
+    if not is_static(initial):
+        return start_state(model.program, initial)
+    with model.library.open() as sim:
+        sim.parameters[:] = vector
+        set_inputs(sim, model.program, inputs)
+        try:
+            return static_state(sim, model.program, begin, means=initial == "static")
+        except RuntimeError:
+            report = sim.report
+            raise SimulationError(report.t, *reason(model.program, Code(report.code), report, vector)) from sim.error
+
+
+def carried_start(full: Model, variant: Model, initial: Any) -> Any:  # noqa: ARG001
+    """The start of a train that lacks effects."""
+    return initial
