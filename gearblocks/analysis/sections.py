@@ -25,7 +25,8 @@ Array = NDArray[np.float64]
 
 _FINE = 64  # samples of a period
 _LAST = 4  # periods at the end that are sampled finely
-_RELATIVE = ("deflection", "deflection_rate", "twist", "twist_rate")
+RELATIVE = ("deflection", "deflection_rate", "twist", "twist_rate")
+"""Outputs that show how parts move against each other."""
 
 
 @final
@@ -123,7 +124,7 @@ def section_points(
         raise ParameterError(f"transient = {transient} must be >= 0 and keep = {keep} must be >= 1")
     vector = parameter_vector(model, parameters or {}, None)
     period = section_period(section, NamedValues(model.program.parameter_numbers, vector))
-    relative = [q.name for q in model.program.outputs if q.name.rsplit(".", 1)[-1] in _RELATIVE]
+    relative = [q.name for q in model.program.outputs if q.name.rsplit(".", 1)[-1] in RELATIVE]
     patterns = relative if of is None else [of] if isinstance(of, str) else list(of)
     t = period * np.arange(transient, transient + keep)
     fine = t[-1] + period * (np.arange(1, _FINE * _LAST) / _FINE - min(_LAST, keep - 1))

@@ -7,7 +7,8 @@ small change of its parameters. Knows nothing of what is compared with what.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from time import thread_time
 from typing import Any, NamedTuple, final
 
 import numpy as np
@@ -15,6 +16,8 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.scenes.scene import Scene
+from gearblocks.analysis.sections import RELATIVE
+from gearblocks.analysis.study_point import Measure
 from gearblocks.analysis.span import Span, program_span
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import SimulationError
@@ -35,11 +38,13 @@ from gearblocks.simulation.measured_runs import StoppedError, measured_run, merg
 from gearblocks.simulation.needs import Needs
 from gearblocks.simulation.records import Stats
 from gearblocks.simulation.run import run_case, stats_of
-from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Code
 
 Array = NDArray[np.float64]
+
+
+_MOST = 64  # outputs of a trace
 
 
 class Effort(NamedTuple):
@@ -56,10 +61,14 @@ class Effort(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What came of a run: values of the quantities, in their order, and what the solver counted."""
+    """What came of a run: values of the quantities, in their order, what the solver counted, and a trace of the motion.
+
+    trace: deflections, twists and speeds at 33 times of the last quarter of the window, shape (33, outputs).
+    """
 
     values: Array
     stats: Stats
+    trace: Array
 
 
 @final
@@ -78,37 +87,36 @@ class Bench:
         """The quantities of a run, its parameters times `factors`, shape (n_parameters,), where given.
 
         Raises SimulationError."""
-        if not all(isinstance(m, Quantity) for m in self.scene.measures):
-            return self._of_a_trajectory(effort, factors)
         case, why = self._case(effort, factors)
         span, needs = self._asked(case.parameters)
         program = self.model.program
         with self.model.library.open() as sim:
             set_inputs(sim, program, self.inputs)
+            before = thread_time()
             try:
                 run = measured_run(sim, case, needs)
             except StoppedError as stopped:
                 code = stopped.code or Code.ERR_MEMORY
                 raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None
-            counters = sim.counters
-        values = [float(m.measure(run, span)) for m in self.scene.measures if isinstance(m, Quantity)]
-        return Outcome(np.array(values), stats_of(counters, 0.0, *method_words(counters, why)))
+            counters, cpu = sim.counters, thread_time() - before
+        measures = self.scene.measures
+        whole = None if all(isinstance(m, Quantity) for m in measures) else run_case(self.model, case, why)
+        values = [_value(m, run if isinstance(m, Quantity) else whole, span) for m in measures]
+        trace = run.table(self._traced(), self._times())
+        return Outcome(np.array(values), stats_of(counters, cpu, *method_words(counters, why)), trace)
 
     def timed(self, effort: Effort, repeats: int = 3) -> Stats:
         """What a run without any outputs takes: the counters, and the least CPU time of `repeats` runs. Raises
         SimulationError."""
-        found = [self._run(effort, None, [self.scene.begin, self.scene.end]).stats for _ in range(repeats)]
+        case, why = self._case(effort, None)
+        ends = [self.scene.begin, self.scene.end]
+        found = [run_case(self.model, case, why, t=ends, outputs=()).stats for _ in range(repeats)]
         return min(found, key=lambda stats: stats.cpu_seconds)
 
-    def _of_a_trajectory(self, effort: Effort, factors: Array | None) -> Outcome:
-        run = self._run(effort, factors, None)
-        values = [float(m.of(run)) if isinstance(m, Quantity) else float(m(run)) for m in self.scene.measures]
-        return Outcome(np.array(values), run.stats)
-
-    def _run(self, effort: Effort, factors: Array | None, t: list[float] | None) -> Trajectory:
-        """A whole run, with its samples at `t` and no outputs, or at every step with all of them."""
-        case, why = self._case(effort, factors)
-        return run_case(self.model, case, why) if t is None else run_case(self.model, case, why, t=t, outputs=())
+    def lengthened(self, times: int) -> Bench:
+        """The same train and start, run so many times as long."""
+        begin, end = self.scene.begin, self.scene.end
+        return replace(self, scene=self.scene.changed(t_end=begin + times * (end - begin)))
 
     def _case(self, effort: Effort, factors: Array | None) -> tuple[Case, str]:
         options, why = method_options(effort.method, effort.rtol, effort.step, None, effort.locate, self.scene.end)
@@ -123,7 +131,23 @@ class Bench:
         asked = [m for m in self.scene.measures if isinstance(m, Quantity)]
         for m in asked:
             m.unit(span)
-        return span, merged(program, [m.needs(span) for m in asked])
+        trace = Needs(self._traced(), tuple(self._times().tolist()))
+        return span, merged(program, [trace, *(m.needs(span) for m in asked)])
+
+    def _times(self) -> Array:
+        """Times of the trace [s]."""
+        return np.linspace(0.25 * self.scene.begin + 0.75 * self.scene.end, self.scene.end, 33)
+
+    def _traced(self) -> tuple[str, ...]:
+        """Outputs of the trace."""
+        program = self.model.program
+        names = [name for name in program.output_numbers if name.rpartition(".")[2] in RELATIVE]
+        names += [state.name for state in program.states if state.name.endswith((".w", ".v"))]
+        return tuple(names[:: 1 + len(names) // _MOST])
+
+
+def _value(measure: Measure, run: Any, span: Span) -> float:
+    return float(measure.measure(run, span) if isinstance(measure, Quantity) else measure(run))
 
 
 def bench_of(scene: Scene, drivetrain: Drivetrain | None = None) -> Bench:

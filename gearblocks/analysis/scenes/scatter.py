@@ -1,0 +1,129 @@
+"""Estimates of a scene's quantities with their errors: by two accuracies, or, where the motion scatters, by many runs.
+
+    settled:    value v(rtol/30, parameters (1 + 1e-9 xi)),  error 2 |v(rtol/30) - v(rtol)|
+    scattered:  value mean of n runs, parameters (1 + 1e-6 xi),  error t(0.975, n - 1) s / sqrt(n)     (Student 1908)
+
+xi: standard normal numbers, others in each run. The motion scatters where a change of 1e-9 and a finer tolerance together
+move it by more than the finer tolerance alone explains: by a share of its own amplitude in the last quarter of the window. Two runs of
+such a motion may agree in a quantity by chance; so it is the motion that is judged, and the quantity then by a mean. Knows
+nothing of effects.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.scenes.bench import Bench, Effort, Outcome
+from gearblocks.errors import SimulationError
+from gearblocks.simulation.records import Stats
+
+Array = NDArray[np.float64]
+
+DETECTS, SPREADS = 1e-9, 1e-6
+"""Relative changes of parameters: to see whether the motion scatters; to draw runs that are independent of each other."""
+FINER = 30.0
+"""What a tolerance is divided by, to see what it is worth."""
+_SETTLED = 0.1  # of the accuracy wanted: what two accuracies of a value that is settled differ by at most
+_APART = 0.03  # of the amplitude of the motion: two runs that are that far apart are two motions
+_ROUNDING = 100.0  # tolerances: differences below are errors of the runs
+_LEAST = 4  # runs of a mean
+_TRIES = 3  # tolerances that are tried before a motion is taken to scatter
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """Values of the quantities, shape (quantities,), and how far off they may be, in the same units.
+
+    members: the runs of a mean, shape (n, quantities), n = 0 where the motion does not scatter. effort: how they were made;
+    stats: counters of a run with it; runs: how many there were.
+    """
+
+    values: Array
+    errors: Array
+    members: Array
+    effort: Effort
+    stats: Stats
+    runs: int
+
+    @property
+    def scattered(self) -> bool:
+        """Whether the values are means."""
+        return len(self.members) > 0
+
+
+def perturbed(bench: Bench, size: float, number: int) -> Array:
+    """Factors of all parameters that are no start values and make no structure: 1 + size xi, of the run `number`."""
+    program = bench.model.program
+    free = [p.start == "" and p.path not in program.structural_paths for p in program.parameters]
+    factors = np.ones(len(free))
+    factors[free] += size * np.random.default_rng(number).standard_normal(sum(free))
+    return factors
+
+
+def estimate(bench: Bench, within: float, effort: Effort) -> Estimate:
+    """The quantities of a train to a tenth of `within`, by a finer tolerance where it needs one; a mean of four runs where the
+    motion scatters. Raises SimulationError."""
+    coarse, made, asked = bench.outcome(effort), 1, effort
+    for _ in range(_TRIES):
+        finer = effort._replace(rtol=max(effort.rtol / FINER, 1e-12))
+        fine = bench.outcome(finer, perturbed(bench, DETECTS, made))
+        made += 1
+        if _same_motion(coarse, fine, effort.rtol):
+            if _close(coarse.values, fine.values, within):
+                errors = 2 * np.abs(fine.values - coarse.values)
+                return Estimate(fine.values, errors, np.empty((0, len(errors))), effort, coarse.stats, made)
+        else:
+            again = bench.outcome(finer, perturbed(bench, DETECTS, made))
+            made += 1
+            if not _same_motion(fine, again, finer.rtol):
+                break
+        effort, coarse = finer, fine
+    else:
+        again = bench.outcome(finer, perturbed(bench, DETECTS, made))
+        made += 1
+    members = np.array([fine.values, again.values])
+    return more_runs(bench, Estimate(fine.values, fine.values, members, asked, coarse.stats, made), _LEAST)
+
+
+def more_runs(bench: Bench, found: Estimate, runs: int) -> Estimate:
+    """An estimate of a motion that scatters, by so many runs in all. Raises SimulationError where many cannot go on."""
+    members, failed = list(found.members), 0
+    while len(members) < runs:
+        try:
+            changes = perturbed(bench, SPREADS, 1000 + len(members) + failed)
+            members.append(bench.outcome(found.effort, changes).values)
+        except SimulationError:
+            failed += 1
+            if failed > 1 + runs // 8:
+                raise
+    table = np.array(members)
+    errors = _student(len(table)) * table.std(axis=0, ddof=1) / np.sqrt(len(table))
+    made = found.runs + len(table) - len(found.members)
+    return replace(found, values=table.mean(axis=0), errors=errors, members=table, runs=made)
+
+
+def _student(n: int) -> float:
+    from scipy.special import stdtrit
+
+    return float(stdtrit(n - 1, 0.975))
+
+
+def _close(one: Array, other: Array, within: float) -> bool:
+    """Whether two accuracies agree. A value that neither has (NaN: an event that there is not) is one, too."""
+    same = (one == other) | (np.isnan(one) & np.isnan(other))
+    with np.errstate(invalid="ignore"):
+        return bool(np.all(same | (np.abs(one - other) <= _SETTLED * within * np.abs(other))))
+
+
+def _same_motion(one: Outcome, other: Outcome, rtol: float) -> bool:
+    """Whether two runs show one motion: no output is off by a share of its own amplitude."""
+    if not one.trace.size:
+        return True
+    off = np.sqrt(np.mean((one.trace - other.trace) ** 2, axis=0))
+    amplitude, largest = other.trace.std(axis=0), np.abs(other.trace).max(axis=0)
+    return not bool(np.any((off > _APART * amplitude) & (off > _ROUNDING * rtol * largest)))

@@ -1,0 +1,215 @@
+"""Trials of a scene: its train without some of its effects, built and run once each, and judged against the whole train.
+
+    change = (value - whole) / abs(whole),   error = (e_value + (1 + abs(change)) e_whole) / abs(whole)
+    needed: abs(change) - error > within     not needed: abs(change) + error <= within     else undecided
+
+Where motions scatter both are means; runs are added, and averages over time get a longer window, until it is decided or the
+patience ends. Knows nothing of which effects are tried, and in what order.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.quantities import Integral
+from gearblocks.analysis.scenes import variants
+from gearblocks.analysis.scenes.bench import Bench, Effort, bench_of
+from gearblocks.analysis.scenes.scatter import Estimate, estimate, more_runs
+from gearblocks.analysis.scenes.scene import Scene
+from gearblocks.drivetrain import Drivetrain
+from gearblocks.errors import GearblocksError, SimulationError, UnknownNameError
+from gearblocks.simulation.records import Stats
+
+Array = NDArray[np.float64]
+
+STRETCHES = (1, 2, 4)
+"""How many times as long the window of averages gets where a motion scatters."""
+MEMBERS = (4, 16)
+"""Runs of a mean, before it gets a longer window."""
+
+
+class Verdict(StrEnum):
+    """What is said of an effect, or of several together."""
+
+    needed = "needed"
+    not_needed = "not needed"
+    undecided = "undecided"
+    no_quantity = "takes the quantity along"
+    no_run = "does not run"
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Judgement:
+    """What taking effects away does to each quantity: relative change, its error, verdict. members: runs of each mean (0: the
+    motion does not scatter); stretch: how many times as long the window was."""
+
+    changes: Array
+    errors: Array
+    verdicts: tuple[Verdict, ...]
+    members: int = 0
+    stretch: int = 1
+
+    @property
+    def verdict(self) -> Verdict:
+        """That of all quantities together."""
+        for one in (Verdict.no_run, Verdict.no_quantity, Verdict.needed, Verdict.undecided):
+            if one in self.verdicts:
+                return one
+        return Verdict.not_needed
+
+
+@final
+@dataclass(slots=True, eq=False)
+class Trial:
+    """A train without `effects`: its bench, or why there is none; estimates by stretch of the window; counters of a run as
+    the scene has it, with the least CPU time seen [s]."""
+
+    effects: frozenset[str]
+    train: Drivetrain
+    bench: Bench | None = None
+    message: str = ""
+    lost: bool = False
+    estimates: dict[int, Estimate] = field(default_factory=dict)
+    stats: Stats = field(default_factory=Stats)
+    made: int = 0
+
+    @property
+    def n_states(self) -> int:
+        """States of its equations."""
+        return 0 if self.bench is None else len(self.bench.model.program.states)
+
+    @property
+    def n_switches(self) -> int:
+        """Event functions and switched constraints of it."""
+        return 0 if self.bench is None else len(self.bench.model.program.switches)
+
+    @property
+    def runs(self) -> int:
+        """How many runs were made of it."""
+        return self.made + sum(found.runs for found in self.estimates.values())
+
+
+@final
+class Trials:
+    """All trials of a scene; each set of effects is built once. Raises what the whole train raises."""
+
+    def __init__(self, scene: Scene, effort: Effort = Effort()) -> None:  # noqa: B008  frozen
+        self.scene, self.effort = scene, effort
+        self._known: dict[frozenset[str], Trial] = {}
+        self.whole = Trial(frozenset(), scene.drivetrain, bench_of(scene))
+        self._run(self.whole)
+        self._known[frozenset()] = self.whole
+
+    @property
+    def count(self) -> int:
+        """Trains that were built."""
+        return sum(trial.bench is not None for trial in self._known.values())
+
+    @property
+    def runs(self) -> int:
+        """Runs that were made in all."""
+        return sum(trial.runs for trial in self._known.values())
+
+    def trial(self, effects: Iterable[str]) -> Trial:
+        """The train without these effects and all that rest on them."""
+        return self.all([effects])[0]
+
+    def all(self, sets: Sequence[Iterable[str]], tell: Callable[[int, int], object] | None = None) -> list[Trial]:
+        """Trials of several sets, built and run side by side."""
+        wanted = [variants.gone(self.scene.drivetrain, effects) for effects in sets]
+        new = [effects for effects in dict.fromkeys(wanted) if effects not in self._known]
+        with ThreadPoolExecutor(max(1, min(len(new), os.cpu_count() or 1))) as pool:
+            for number, trial in enumerate(pool.map(self._made, new)):
+                self._known[trial.effects] = trial
+                if tell is not None:
+                    tell(number + 1, len(new))
+        return [self._known[effects] for effects in wanted]
+
+    def _made(self, effects: frozenset[str]) -> Trial:
+        train = variants.without(self.scene.drivetrain, effects)
+        trial = Trial(effects, train)
+        try:
+            trial.bench = bench_of(self.scene, train)
+            self._run(trial)
+        except UnknownNameError as error:
+            trial.message, trial.lost = str(error), True
+        except GearblocksError as error:
+            trial.message = str(error)
+        return trial
+
+    def _run(self, trial: Trial) -> None:
+        assert trial.bench is not None
+        found = trial.estimates[1] = estimate(trial.bench, self.scene.within, self.effort)
+        trial.stats = found.stats
+        if trial.stats.cpu_seconds < _SHORT:
+            trial.stats = trial.bench.timed(found.effort)
+
+    # -- judging ------------------------------------------------------------------------------------------------------
+
+    def judged(self, trial: Trial, patience: bool = True) -> Judgement:
+        """What the train without some effects comes to beside the whole one. patience: runs are added until it is decided."""
+        n = len(self.scene.measures)
+        if trial.message:
+            kind = Verdict.no_quantity if trial.lost else Verdict.no_run
+            return Judgement(np.full(n, np.nan), np.full(n, np.nan), (kind,) * n)
+        found = self._judged(trial, 1)
+        if not patience or not found.members:
+            return found
+        for stretch in STRETCHES:
+            if stretch > 1 and not self._steady(stretch):
+                break
+            for members in MEMBERS if stretch == 1 else MEMBERS[-1:]:
+                found = self._judged(trial, stretch, members)
+                if Verdict.undecided not in found.verdicts:
+                    return found
+        return found
+
+    def _judged(self, trial: Trial, stretch: int, members: int = 0) -> Judgement:
+        whole, other = (self._estimate(one, stretch, members) for one in (self.whole, trial))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            size = np.abs(whole.values)
+            same = (other.values == whole.values) | (np.isnan(other.values) & np.isnan(whole.values))
+            changes = np.where(same, 0.0, (other.values - whole.values) / size)
+            errors = np.where(same, 0.0, (other.errors + (1 + np.abs(changes)) * whole.errors) / size)
+        verdicts = tuple(self._verdict(c, e) for c, e in zip(changes.tolist(), errors.tolist(), strict=True))
+        return Judgement(changes, errors, verdicts, max(len(whole.members), len(other.members)), stretch)
+
+    def _verdict(self, change: float, error: float) -> Verdict:
+        within = self.scene.within
+        if abs(change) + error <= within:
+            return Verdict.not_needed
+        return Verdict.undecided if abs(change) - error <= within else Verdict.needed
+
+    def _estimate(self, trial: Trial, stretch: int, members: int) -> Estimate:
+        bench, found = trial.bench, trial.estimates.get(stretch)
+        assert bench is not None
+        if stretch > 1:
+            bench = bench.lengthened(stretch)
+        if found is None:
+            found = estimate(bench, self.scene.within, self.effort)
+        if found.scattered and len(found.members) < members:
+            found = more_runs(bench, found, members)
+        trial.estimates[stretch] = found
+        return found
+
+    def _steady(self, stretch: int) -> bool:
+        """Whether the quantities are averages that a longer window of the whole train leaves as they are."""
+        if not all(isinstance(m, Integral) and m.before is None for m in self.scene.measures):
+            return False
+        try:
+            short, long = (self._estimate(self.whole, n, MEMBERS[-1]) for n in (1, stretch))
+        except SimulationError:
+            return False
+        return bool(np.all(np.abs(long.values - short.values) <= 1.5 * (long.errors + short.errors)))
+
+
+_SHORT = 0.02  # s; the CPU time of shorter runs is taken once more, without quantities
