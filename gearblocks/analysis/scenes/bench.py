@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.sections import RELATIVE
-from gearblocks.analysis.study_point import Measure
 from gearblocks.analysis.span import Span, program_span
+from gearblocks.analysis.study_point import Measure
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import SimulationError
 from gearblocks.running import build
@@ -30,6 +30,7 @@ from gearblocks.simulation.arguments import (
     set_inputs,
     start_state,
 )
+from gearblocks.simulation.carried_start import carried_start, carried_values
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.equilibrium import static_state
 from gearblocks.simulation.failures import reason
@@ -39,6 +40,8 @@ from gearblocks.simulation.needs import Needs
 from gearblocks.simulation.records import Stats
 from gearblocks.simulation.run import run_case, stats_of
 from gearblocks.solver.library import Model
+from gearblocks.analysis.linearization import DENSE
+from gearblocks.solver.point import opened, state_matrix
 from gearblocks.solver.structures import Code
 
 Array = NDArray[np.float64]
@@ -113,6 +116,21 @@ class Bench:
         found = [run_case(self.model, case, why, t=ends, outputs=()).stats for _ in range(repeats)]
         return min(found, key=lambda stats: stats.cpu_seconds)
 
+    def fastest(self) -> float:
+        """The shortest time constant at the start [s], 1 over the largest eigenvalue in size; NaN where there is none, or the
+        train is long."""
+        program = self.model.program
+        if not 0 < program.n <= DENSE:
+            return float("nan")
+        with self.model.library.open() as sim:
+            sim.parameters[:] = self.parameters
+            set_inputs(sim, program, self.inputs)
+            with opened(sim, program, self.scene.begin, self.start) as point:
+                matrix = state_matrix(point)
+        values = np.linalg.eigvals(matrix if isinstance(matrix, np.ndarray) else matrix.toarray())
+        largest = float(np.abs(values).max())
+        return 1 / largest if largest > 0 else float("nan")
+
     def lengthened(self, times: int) -> Bench:
         """The same train and start, run so many times as long."""
         begin, end = self.scene.begin, self.scene.end
@@ -157,21 +175,14 @@ def bench_of(scene: Scene, drivetrain: Drivetrain | None = None) -> Bench:
     UnknownNameError, and SimulationError where there is no start.
     """
     full = build(scene.drivetrain)
-    model = full if drivetrain is None else build(drivetrain)
-    names, inputs = model.program.parameter_numbers, model.program.input_numbers
-    known = full.program
-    tuned = {p: x for p, x in scene.parameters.items() if p in names or p not in known.parameter_numbers}
-    driven = {p: x for p, x in with_tables(scene.inputs).items() if p in inputs or p not in known.input_numbers}
-    initial = scene.initial if drivetrain is None else carried_start(full, model, scene.initial)
+    tuned, driven, initial, model = scene.parameters, with_tables(scene.inputs), scene.initial, full
+    if drivetrain is not None:
+        model = build(drivetrain)
+        initial = carried_start(full, model, initial, t_start=scene.begin, parameters=tuned, inputs=driven)
+        tuned, driven = carried_values(model, tuned), carried_values(model, driven, inputs=True)
     vector = parameter_vector(model, tuned, initial)
-    return Bench(
-        scene,
-        drivetrain or scene.drivetrain,
-        model,
-        vector,
-        driven,
-        _start(model, vector, driven, initial, scene.begin),
-    )
+    start = _start(model, vector, driven, initial, scene.begin)
+    return Bench(scene, drivetrain or scene.drivetrain, model, vector, driven, start)
 
 
 def _start(model: Model, vector: Array, inputs: Mapping[str, Any], initial: Any, begin: float) -> Array | None:
@@ -185,8 +196,3 @@ def _start(model: Model, vector: Array, inputs: Mapping[str, Any], initial: Any,
         except RuntimeError:
             report = sim.report
             raise SimulationError(report.t, *reason(model.program, Code(report.code), report, vector)) from sim.error
-
-
-def carried_start(full: Model, variant: Model, initial: Any) -> Any:  # noqa: ARG001
-    """The start of a train that lacks effects."""
-    return initial

@@ -4,9 +4,9 @@
     scattered:  value mean of n runs, parameters (1 + 1e-6 xi),  error t(0.975, n - 1) s / sqrt(n)     (Student 1908)
 
 xi: standard normal numbers, others in each run. The motion scatters where a change of 1e-9 and a finer tolerance together
-move it by more than the finer tolerance alone explains: by a share of its own amplitude in the last quarter of the window. Two runs of
-such a motion may agree in a quantity by chance; so it is the motion that is judged, and the quantity then by a mean. Knows
-nothing of effects.
+move it by a share of its own amplitude in the last quarter of the window, and the change alone does, too. Two runs of such a
+motion may agree in a quantity by chance; so it is the motion that is judged, and the quantity then by a mean. Knows nothing
+of effects.
 """
 
 from __future__ import annotations

@@ -42,6 +42,7 @@ class Verdict(StrEnum):
     needed = "needed"
     not_needed = "not needed"
     undecided = "undecided"
+    no_influence = "cannot influence it"
     no_quantity = "takes the quantity along"
     no_run = "does not run"
 

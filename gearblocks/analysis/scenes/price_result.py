@@ -1,0 +1,161 @@
+"""What the effects of a scene cost and change, as a table and in sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from gearblocks.analysis.scenes.scatter import Estimate
+from gearblocks.analysis.scenes.scene import Scene
+from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict
+from gearblocks.pages import small_table
+from gearblocks.simulation.records import Stats
+
+GAIN = 0.05
+"""Share of the cost below which nothing is gained: timings scatter by as much."""
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Row:
+    """One effect, or several that are taken away together.
+
+    states, switches: how many fewer there are without. stats: counters of a run without, None where there was none; fastest:
+    shortest time constant without [s]; message: why it does not run.
+    """
+
+    name: str
+    effects: frozenset[str]
+    judgement: Judgement
+    states: int
+    switches: int
+    stats: Stats | None
+    fastest: float
+    message: str
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Price:
+    """What each effect of a scene costs and changes. rows: effects, elements, and sets that matter together; full: the
+    quantities with everything, and their errors; whole: the train with everything; trains, runs: how many were built and made.
+    """
+
+    scene: Scene
+    full: Estimate
+    whole: Trial
+    rows: tuple[Row, ...]
+    trains: int
+    runs: int
+
+    def __getitem__(self, name: str) -> Row:
+        """The row of that name. Raises UnknownNameError."""
+        from gearblocks.errors import UnknownNameError, did_you_mean
+
+        for row in self.rows:
+            if row.name == name:
+                return row
+        names = [row.name for row in self.rows]
+        raise UnknownNameError(f"there is no row '{name}'; there are {', '.join(names)}{did_you_mean(name, names)}")
+
+    def share(self, row: Row) -> float:
+        """Share of the CPU time of the whole train that is saved without; below 0 where it takes longer without."""
+        seconds = self.whole.stats.cpu_seconds
+        return math.nan if row.stats is None or not seconds > 0 else 1 - row.stats.cpu_seconds / seconds
+
+    @property
+    def sentence(self) -> str:
+        """What is needed, what is not, and what would be saved."""
+        kinds: dict[Verdict, list[str]] = {}
+        for row in self._outermost():
+            kinds.setdefault(row.judgement.verdict, []).append(self._said(row))
+        lead = f"{', '.join(self.scene.names)} within {100 * self.scene.within:g} %"
+        words = [f"{_HEADS[kind]}: {', '.join(kinds[kind])}" for kind in _HEADS if kind in kinds]
+        return f"{lead}: {'; '.join(words) or 'the train has no effects'}"
+
+    def _outermost(self) -> list[Row]:
+        """Rows of single effects and elements that are not told by one with the same verdict which contains them."""
+        rows = [row for row in self.rows if " + " not in row.name and not row.name.startswith("all that")]
+        return [
+            row for row in rows
+            if not any(row.effects < o.effects and o.judgement.verdict is row.judgement.verdict for o in rows)
+        ]  # fmt: skip
+
+    def _said(self, row: Row) -> str:
+        share = self.share(row)
+        if row.judgement.verdict in (Verdict.no_quantity, Verdict.no_run, Verdict.no_influence):
+            return row.name
+        worst = int(np.nanargmax(np.abs(row.judgement.changes) + row.judgement.errors))
+        change = percent(row.judgement.changes[worst], row.judgement.errors[worst])
+        if row.judgement.verdict is Verdict.not_needed and not math.isnan(share):
+            gain = f"saves {100 * share:.0f} %" if share > GAIN else "saves nothing"
+            return f"{row.name} ({change}, {gain})"
+        return f"{row.name} ({change})"
+
+    def table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+        """Head and rows as text."""
+        names = self.scene.names
+        head = ("taken away", *(names if len(names) > 1 else ("change",)), "verdict", "states", "switches", "events",
+                "right-hand sides", "CPU ms", "saved", "fastest")  # fmt: skip
+        whole = self.whole
+        first = ("nothing", *(_value(v, e) for v, e in zip(self.full.values, self.full.errors, strict=True)), "",
+                 str(whole.n_states), str(whole.n_switches), *_counts(whole.stats), "", "")  # fmt: skip
+        return head, [first, *(self._line(row) for row in self.rows)]
+
+    def _line(self, row: Row) -> tuple[str, ...]:
+        found = row.judgement
+        changes = [percent(c, e) for c, e in zip(found.changes, found.errors, strict=True)]
+        said = found.verdict + (f" ({found.members} runs)" if found.members else "")
+        said += f", window x {found.stretch}" if found.stretch > 1 else ""
+        share = self.share(row)
+        saved = "" if math.isnan(share) else f"{100 * share:.0f} %"
+        fastest = "" if math.isnan(row.fastest) else f"{row.fastest:.2g} s"
+        fewer = ("", "") if row.stats is None else (f"-{row.states}", f"-{row.switches}")
+        return (row.name, *changes, said, *fewer, *_counts(row.stats), saved, fastest)
+
+    def __str__(self) -> str:
+        head, rows = self.table()
+        widths = [max(len(line[i]) for line in (head, *rows)) for i in range(len(head))]
+        lines = ["  ".join(text.ljust(w) for text, w in zip(line, widths, strict=True)).rstrip() for line in (head, *rows)]
+        told = [f"{row.name}: {row.message}" for row in self.rows if row.message]
+        return "\n".join([str(self.scene), *lines, *told, self.sentence])
+
+    def __repr__(self) -> str:
+        return f"<Price of '{self.scene.name}': {len(self.rows)} rows, {self.trains} trains, {self.runs} runs>"
+
+    def _repr_html_(self) -> str:
+        head, rows = self.table()
+        numbers = range(len(self.scene.names) + 2, len(head))
+        return small_table(str(self.scene), rows, head=head, numbers=tuple(numbers), notes=[self.sentence])
+
+
+_HEADS = {
+    Verdict.needed: "needed",
+    Verdict.undecided: "undecided",
+    Verdict.not_needed: "not needed by itself",
+    Verdict.no_influence: "without influence",
+    Verdict.no_quantity: "part of the quantity",
+    Verdict.no_run: "not to be taken away",
+}
+
+
+def percent(change: float, error: float) -> str:
+    """A relative change with its error, in percent."""
+    if math.isnan(change):
+        return ""
+    size = f"{100 * change:+.3g}"
+    return f"{size} +- {100 * error:.2g} %" if error > 1e-3 * abs(change) and error > 1e-6 else f"{size} %"
+
+
+def _value(value: float, error: float) -> str:
+    return f"{value:.6g} +- {error:.1g}" if error > 1e-5 * abs(value) else f"{value:.6g}"
+
+
+def _counts(stats: Stats | None) -> Sequence[str]:
+    if stats is None:
+        return ("", "", "")
+    return (str(stats.events), str(stats.rhs_calls), f"{1e3 * stats.cpu_seconds:.3g}")
