@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _FINE = 64  # samples of a period
+LONGEST = 16  # periods after which a motion is seen to repeat
 _LAST = 4  # periods at the end that are sampled finely
-_RELATIVE = ("deflection", "deflection_rate", "twist", "twist_rate")
+RELATIVE = ("deflection", "deflection_rate", "twist", "twist_rate")
 
 
 @final
@@ -100,7 +101,7 @@ def poincare(
 @by_name_only
 def classify(
     train: Drivetrain | Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
-    longest: int = 16, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
+    longest: int = LONGEST, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
     initial: Mapping[str, float | str] | None = None,
 ) -> Label:  # fmt: skip
     """After how many periods, at most `longest`, the motion repeats: at rtol and again at rtol/100.
@@ -123,7 +124,7 @@ def section_points(
         raise ParameterError(f"transient = {transient} must be >= 0 and keep = {keep} must be >= 1")
     vector = parameter_vector(model, parameters or {}, None)
     period = section_period(section, NamedValues(model.program.parameter_numbers, vector))
-    relative = [q.name for q in model.program.outputs if q.name.rsplit(".", 1)[-1] in _RELATIVE]
+    relative = [q.name for q in model.program.outputs if q.name.rsplit(".", 1)[-1] in RELATIVE]
     patterns = relative if of is None else [of] if isinstance(of, str) else list(of)
     t = period * np.arange(transient, transient + keep)
     fine = t[-1] + period * (np.arange(1, _FINE * _LAST) / _FINE - min(_LAST, keep - 1))
@@ -151,7 +152,7 @@ def section_period(section: Section, parameters: Mapping[str, float]) -> float:
 
 def period_label(
     model: Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
-    longest: int = 16, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
+    longest: int = LONGEST, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
     initial: Mapping[str, float | str] | None = None,
 ) -> Label:  # fmt: skip
     """The number of periods after which the motion repeats, at rtol and again at rtol/100.
@@ -168,7 +169,7 @@ def period_label(
         points = section_points(
             model, section, of=of, transient=transient, keep=keep, rtol=tolerance, parameters=parameters, initial=initial
         )  # fmt: skip
-        found.append(_repeats(points.values, longest, points.extent))
+        found.append(repeats(points.values, longest, points.extent))
     (period, residual, separation), (again, finer, apart) = found
     if period != again:
         words = f"undecided: {_words(period)} at rtol {rtol:g}, {_words(again)} at {rtol / 100:g}"
@@ -184,7 +185,7 @@ def _words(period: int | None) -> str:
     return "not periodic" if period is None else f"period {period}"
 
 
-def _repeats(points: Array, longest: int, extent: Array) -> tuple[int | None, float, float]:
+def repeats(points: Array, longest: int, extent: Array) -> tuple[int | None, float, float]:
     """(period, residual, separation); without a period the smallest residual of all that were tried."""
     scaled = points / extent
     best = np.inf
