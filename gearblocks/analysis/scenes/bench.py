@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from time import thread_time
 from typing import Any, NamedTuple, final
 
 import numpy as np
@@ -56,7 +57,8 @@ class Effort(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What came of a run: values of the quantities, in their order, and what the solver counted."""
+    """What came of a run: values of the quantities, in their order, and what the solver counted; its CPU seconds are those of
+    the run with its quantities."""
 
     values: Array
     stats: Stats
@@ -85,14 +87,15 @@ class Bench:
         program = self.model.program
         with self.model.library.open() as sim:
             set_inputs(sim, program, self.inputs)
+            began = thread_time()
             try:
                 run = measured_run(sim, case, needs)
             except StoppedError as stopped:
                 code = stopped.code or Code.ERR_MEMORY
                 raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None
-            counters = sim.counters
+            seconds, counters = thread_time() - began, sim.counters
         values = [float(m.measure(run, span)) for m in self.scene.measures if isinstance(m, Quantity)]
-        return Outcome(np.array(values), stats_of(counters, 0.0, *method_words(counters, why)))
+        return Outcome(np.array(values), stats_of(counters, seconds, *method_words(counters, why)))
 
     def timed(self, effort: Effort, repeats: int = 3) -> Stats:
         """What a run without any outputs takes: the counters, and the least CPU time of `repeats` runs. Raises
