@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.analysis.linearization import DENSE
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.sections import RELATIVE
@@ -40,7 +41,6 @@ from gearblocks.simulation.needs import Needs
 from gearblocks.simulation.records import Stats
 from gearblocks.simulation.run import run_case, stats_of
 from gearblocks.solver.library import Model
-from gearblocks.analysis.linearization import DENSE
 from gearblocks.solver.point import opened, state_matrix
 from gearblocks.solver.structures import Code
 

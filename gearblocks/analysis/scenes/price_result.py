@@ -120,7 +120,9 @@ class Price:
     def __str__(self) -> str:
         head, rows = self.table()
         widths = [max(len(line[i]) for line in (head, *rows)) for i in range(len(head))]
-        lines = ["  ".join(text.ljust(w) for text, w in zip(line, widths, strict=True)).rstrip() for line in (head, *rows)]
+        lines = [
+            "  ".join(text.ljust(w) for text, w in zip(line, widths, strict=True)).rstrip() for line in (head, *rows)
+        ]
         told = [f"{row.name}: {row.message}" for row in self.rows if row.message]
         return "\n".join([str(self.scene), *lines, *told, self.sentence])
 
