@@ -1,0 +1,158 @@
+"""What a scene calls for: the fitted train, how it is run, and the evidence that it is right."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.scenes.bench import Effort
+from gearblocks.analysis.scenes.price_result import GAIN, Price, percent
+from gearblocks.analysis.scenes.scene import Scene
+from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict
+from gearblocks.drivetrain import Drivetrain
+
+Array = NDArray[np.float64]
+
+
+class Neighbour(NamedTuple):
+    """The fitted train beside the whole one at another load or speed; message: why it was not to be run."""
+
+    words: str
+    judgement: Judgement
+    message: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """Whether the quantities stay within the accuracy there."""
+        return self.judgement.verdict is Verdict.not_needed
+
+    def __str__(self) -> str:
+        if self.message:
+            return f"{self.words}: {self.message}"
+        found = self.judgement
+        worst = int(np.nanargmax(np.abs(found.changes) + found.errors))
+        return f"{self.words}: {percent(found.changes[worst], found.errors[worst])}"
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """The cheapest train that a scene calls for. trial: the fitted train and its runs; judgement: beside the whole train;
+    effort: the cheapest way to run it; around: at other loads and speeds; given_up: what would have stayed within the
+    accuracy too, without gain, but not around the scene (spoilt says where); trains, runs: how many were built and made."""
+
+    scene: Scene
+    price: Price
+    trial: Trial
+    judgement: Judgement
+    effort: Effort
+    around: tuple[Neighbour, ...]
+    given_up: Trial | None
+    spoilt: tuple[Neighbour, ...]
+    trains: int
+    runs: int
+
+    @property
+    def drivetrain(self) -> Drivetrain:
+        """The fitted train; `.dropped` of it says what went."""
+        return self.trial.train
+
+    @property
+    def dropped(self) -> tuple[str, ...]:
+        """The effects that went."""
+        return tuple(name for name in self.scene.drivetrain.effects() if name in self.trial.effects)
+
+    @property
+    def method(self) -> str:
+        """Of the cheapest run."""
+        return self.effort.method
+
+    @property
+    def rtol(self) -> float:
+        """Of the cheapest run."""
+        return self.effort.rtol
+
+    @property
+    def step(self) -> float | None:
+        """Of the cheapest run [s], where its steps are fixed."""
+        return self.effort.step
+
+    @property
+    def value(self) -> Array:
+        """Quantities of the fitted train, shape (quantities,)."""
+        return self.trial.estimates[1].values
+
+    @property
+    def error(self) -> Array:
+        """How far off these may be as values of the fitted train, in their units."""
+        return self.trial.estimates[1].errors
+
+    @property
+    def holds(self) -> bool:
+        """Whether it holds at load and speed 10 % lower and higher, too."""
+        return all(one.holds for one in self.around)
+
+    @property
+    def evidence(self) -> str:
+        """Quantities with everything and fitted, what the runs took, and where it holds."""
+        full, lines = self.price.full, []
+        for i, name in enumerate(self.scene.names):
+            change = percent(self.judgement.changes[i], self.judgement.errors[i])
+            lines.append(
+                f"{name}: {full.values[i]:.9g} +- {full.errors[i]:.1g} with everything, {self.value[i]:.9g} +- "
+                f"{self.error[i]:.1g} fitted ({change})"
+            )
+        whole, trial = self.price.whole, self.trial
+        lines.append(
+            f"{whole.n_states} states, {whole.stats.rhs_calls:,} right-hand sides and {1e3 * whole.stats.cpu_seconds:.3g} ms "
+            f"with everything; {trial.n_states}, {trial.stats.rhs_calls:,} and {1e3 * trial.stats.cpu_seconds:.3g} ms fitted, "
+            f"at {trial.estimates[1].effort}"
+        )
+        lines += [str(one) for one in self.around]
+        return "\n".join([*lines, f"{self.trains} trains built, {self.runs} runs made"])
+
+    @property
+    def sentence(self) -> str:
+        """What may go, what is gained, how to run it, and where it stops holding."""
+        asked = f"For {', '.join(self.scene.names)} within {100 * self.scene.within:g} %"
+        run = f"run it with {self.effort}"
+        if not self.trial.effects:
+            return f"{asked} nothing is to be left out{self._given_up_words()}; {run}."
+        whole, now = self.price.whole.stats, self.trial.stats
+        ratio = whole.cpu_seconds / now.cpu_seconds if now.cpu_seconds > 0 else np.inf
+        gain = f"it runs {ratio:.3g} times as fast" if ratio > 1 / (1 - GAIN) else "without gain"
+        went = f"{', '.join(self.dropped)} may go: {gain} ({whole.rhs_calls:,} to {now.rhs_calls:,} right-hand sides)"
+        return f"{asked} {went}; {run}; {self._around_words()}."
+
+    def _given_up_words(self) -> str:
+        if self.given_up is None:
+            return ""
+        names = ", ".join(n for n in self.scene.drivetrain.effects() if n in self.given_up.effects)
+        off = ", ".join(str(one) for one in self.spoilt if not one.holds)
+        return f": {names} may go here, without gain, but does not hold around the scene ({off})"
+
+    def _around_words(self) -> str:
+        off = [str(one) for one in self.around if not one.holds]
+        if not self.around:
+            return "the train has no load and no speed to vary"
+        if not off:
+            return (
+                "it holds at "
+                + " and ".join(dict.fromkeys(n.words.split()[0] for n in self.around))
+                + " -10 % and +10 %"
+            )
+        return f"it stops holding at {', '.join(off)}"
+
+    def __str__(self) -> str:
+        return f"{self.scene}\n{self.evidence}\n{self.sentence}"
+
+    def __repr__(self) -> str:
+        return f"<Fit of '{self.scene.name}': {len(self.dropped)} effects left out, {self.effort}>"
+
+    def _repr_html_(self) -> str:
+        from gearblocks.pages import small_table
+
+        return small_table(str(self.scene), [(line,) for line in self.evidence.splitlines()], notes=[self.sentence])
