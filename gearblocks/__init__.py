@@ -11,11 +11,25 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from gearblocks.analysis.campbell import Campbell, campbell
     from gearblocks.analysis.designs import latin_hypercube, random_cases
+    from gearblocks.analysis.dynamic_quantities import dynamic_factor, line, period
     from gearblocks.analysis.linearization import FrequencyResponse, Linearization, frequency_response, linearize
     from gearblocks.analysis.modes import Modes, modes
     from gearblocks.analysis.parameter_study import study, sweep
-    from gearblocks.analysis.quantities import at, count, energy_lost, event_time, last, mean, peak, points, rms, trough
+    from gearblocks.analysis.quantities import (
+        at,
+        count,
+        energy_lost,
+        event_time,
+        last,
+        mean,
+        peak,
+        points,
+        rms,
+        std,
+        trough,
+    )
     from gearblocks.analysis.quantity import Quantity
+    from gearblocks.analysis.scenes.scene import Scene
     from gearblocks.analysis.sections import classify, poincare, stroboscopic
     from gearblocks.analysis.study_result import Study
     from gearblocks.blocks import (
@@ -132,19 +146,20 @@ __version__ = "0.1.0"
 __all__ = [
     "Acts", "Angle", "Backlash", "BearingFriction", "BeltDrive", "Block", "Body", "Brake", "Campbell", "Clutch",
     "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain", "EddyCurrentBrake",
-    "Effect", "Energy", "Engine", "Fixed", "Flange", "Force", "Fourier", "Freewheel", "FrequencyResponse",
-    "GearMesh", "GearblocksError", "GearblocksWarning", "Governor", "HardStop", "Harmonic", "Heaviside", "Hold", "HuntCrossley",
-    "Hysteresis", "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear",
-    "LossyTie", "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch",
-    "Parameter", "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate",
-    "RatioLaw", "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling",
-    "Square", "Start", "State", "Stick", "Stop", "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table",
+    "Effect", "Energy", "Engine", "Fixed", "Flange", "Force", "Fourier", "Freewheel", "FrequencyResponse", "GearMesh",
+    "GearblocksError", "GearblocksWarning", "Governor", "HardStop", "Harmonic", "Heaviside", "Hold", "HuntCrossley",
+    "Hysteresis", "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear", "LossyTie",
+    "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch", "Parameter",
+    "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate", "RatioLaw",
+    "RatioLawError", "Scene", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square",
+    "Start", "State", "Stick", "Stop", "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table",
     "Table2", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint",
     "UnknownNameError", "Vehicle", "Worm", "at", "build", "campbell", "classify", "compare", "cos", "count",
-    "design_ratio", "driver_angle", "effect", "energy_lost", "event_time", "exact", "exp", "frequency_response",
-    "last", "latin_hypercube", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak",
-    "pi", "piecewise", "poincare", "points", "random_cases", "rms", "rpm", "sense", "signal", "simulate", "sin",
-    "sqrt", "stroboscopic", "study", "sweep", "tan", "tanh", "time", "trough", "twist",
+    "design_ratio", "driver_angle", "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp",
+    "frequency_response", "last", "latin_hypercube", "line", "linearize", "log", "maximum", "mean", "minimum", "modes",
+    "option", "param", "peak", "period", "pi", "piecewise", "poincare", "points", "random_cases", "rms", "rpm",
+    "sense", "signal", "simulate", "sin", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "time",
+    "trough", "twist",
 ]  # fmt: skip
 
 _NAMES = {
@@ -153,8 +168,10 @@ _NAMES = {
     "analysis.linearization": "FrequencyResponse Linearization frequency_response linearize",
     "analysis.modes": "Modes modes",
     "analysis.parameter_study": "study sweep",
-    "analysis.quantities": "at count energy_lost event_time last mean peak points rms trough",
+    "analysis.dynamic_quantities": "dynamic_factor line period",
+    "analysis.quantities": "at count energy_lost event_time last mean peak points rms std trough",
     "analysis.quantity": "Quantity",
+    "analysis.scenes.scene": "Scene",
     "analysis.sections": "classify poincare stroboscopic",
     "analysis.study_result": "Study",
     "blocks": (

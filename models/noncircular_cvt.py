@@ -31,6 +31,13 @@ def build() -> gb.Drivetrain:
     return selected(math.radians(60))
 
 
+def changing_over() -> gb.Scene:
+    """60 degrees of phase, from the second turn on: peak torque of a branch's shaft and heat of its clutch, to 1 %."""
+    turn = math.tau / SPEED
+    asked = gb.peak("shaft_0.torque", after=turn), gb.energy_lost("selector_0", after=turn)
+    return gb.Scene(build(), t_end=3 * turn, quantity=asked, within=0.01, name="CVT at 60 degrees")
+
+
 def dogs() -> gb.Drivetrain:
     """120 degrees of phase, no overlap left: dogs that change over at the end of each window."""
     return selected(math.radians(120), dogs=True)

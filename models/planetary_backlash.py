@@ -74,6 +74,12 @@ def build() -> gb.Drivetrain:
     return planetary(Numbers())
 
 
+def settled() -> gb.Scene:
+    """The set once it has settled: how much the force of a sun mesh swings, and its peak, to 1 %."""
+    asked = gb.std("sun_mesh0.force", after=0.01), gb.peak("sun_mesh0.force", after=0.01)
+    return gb.Scene(build(), t_end=0.02, quantity=asked, within=0.01, name="planetary set")
+
+
 def planetary(n: Numbers) -> gb.Drivetrain:
     """Sun, ring, carrier and four planets, eight meshes on the carrier, the ring on its mount. `w` is a Parameter."""
     rig = gb.Drivetrain("planetary set, 4 planets")

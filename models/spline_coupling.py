@@ -62,6 +62,22 @@ def steel(rpm: float = 300.0) -> gb.Drivetrain:
     return coupling(STEEL, rpm)
 
 
+def period_5() -> gb.Scene:
+    """Set S at 360 rpm, where the teeth part in every turn: the largest force of the motion of period 5, to 1 %."""
+    return _largest_force(360.0, after=90, turns=100)
+
+
+def chaos() -> gb.Scene:
+    """Set S at 1080 rpm, where no turn is like another: the largest force of a hundred turns, to 1 %."""
+    return _largest_force(1080.0, after=100, turns=200)
+
+
+def _largest_force(rpm: float, after: int, turns: int) -> gb.Scene:
+    turn = 60.0 / rpm
+    asked = gb.peak("spline.force", after=after * turn)
+    return gb.Scene(build(rpm), t_end=turns * turn, quantity=asked, within=0.01, name=f"spline at {rpm:g} rpm")
+
+
 def coupling(numbers: Numbers, rpm: float) -> gb.Drivetrain:
     """Four discs, two shafts, a spline; torque in and out, both T (1 + eps cos wt), in phase with the stiffness."""
     n = numbers

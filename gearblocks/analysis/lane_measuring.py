@@ -33,6 +33,8 @@ def fits_lanes(task: Task) -> bool:
 
 def _is_of_steps(measure: object) -> bool:
     """Whether a quantity follows from the steps that count."""
+    if isinstance(measure, Integral) and measure.which == "std":
+        return False
     if isinstance(measure, (Extremum, Integral)):
         return measure.after is None and measure.before is None
     return (isinstance(measure, Value) and measure.time is None) or (

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.quantity import Quantity, belongs, known
+from gearblocks.analysis.dynamic_quantities import dynamic_factor, line, period
+from gearblocks.analysis.quantity import Quantity, belongs, known, text_of, time_of
 from gearblocks.analysis.sections import Section
 from gearblocks.analysis.span import Span
 from gearblocks.errors import ParameterError
@@ -56,7 +58,7 @@ class Extremum(Quantity):
 @final
 @dataclass(frozen=True, slots=True)
 class Integral(Quantity):
-    """Root mean square (`rms`) or mean (`mean`) over time of an output in the window."""
+    """Root mean square (`rms`), mean (`mean`) or standard deviation (`std`) over time of an output in the window."""
 
     output: str
     which: str = "rms"
@@ -252,54 +254,50 @@ def _arguments(output: str, after: float | None, before: float | None) -> str:
     return ", ".join(words)
 
 
-def _time(name: str, value: float | None) -> float | None:
-    return None if value is None else finite_number(name, value)
-
-
-def _text(what: str, value: Any) -> str:
-    if not isinstance(value, str):
-        raise ParameterError(f"{what} = {value!r:.80} must be the name of one, such as 'mesh.force'")
-    return value
-
-
 def peak(output: str, *, after: float | None = None, before: float | None = None) -> Extremum:
     """The largest value of an output between the times after and before [s] (default: the whole run), in its unit.
 
     Located on the solution between the samples: it does not depend on where steps end.
     """
-    return Extremum(_text("output", output), "peak", _time("after", after), _time("before", before))
+    return Extremum(text_of("output", output), "peak", time_of("after", after), time_of("before", before))
 
 
 def trough(output: str, *, after: float | None = None, before: float | None = None) -> Extremum:
     """The smallest value of an output between the times after and before [s], located as by `peak`."""
-    return Extremum(_text("output", output), "trough", _time("after", after), _time("before", before))
+    return Extremum(text_of("output", output), "trough", time_of("after", after), time_of("before", before))
 
 
 def rms(output: str, *, after: float | None = None, before: float | None = None) -> Integral:
     """Root mean square over time of an output between the times after and before [s], in its unit."""
-    return Integral(_text("output", output), "rms", _time("after", after), _time("before", before))
+    return Integral(text_of("output", output), "rms", time_of("after", after), time_of("before", before))
 
 
 def mean(output: str, *, after: float | None = None, before: float | None = None) -> Integral:
     """Mean over time of an output between the times after and before [s], in its unit."""
-    return Integral(_text("output", output), "mean", _time("after", after), _time("before", before))
+    return Integral(text_of("output", output), "mean", time_of("after", after), time_of("before", before))
+
+
+def std(output: str, *, after: float | None = None, before: float | None = None) -> Integral:
+    """Standard deviation over time of an output between the times after and before [s], in its unit: the root mean square
+    of its distance to the mean."""
+    return Integral(text_of("output", output), "std", time_of("after", after), time_of("before", before))
 
 
 def at(output: str, time: float) -> Value:
     """An output at a time [s], in its unit; at an event the value after it."""
-    return Value(_text("output", output), finite_number("time", time))
+    return Value(text_of("output", output), finite_number("time", time))
 
 
 def last(output: str) -> Value:
     """An output at the end of the run, in its unit."""
-    return Value(_text("output", output))
+    return Value(text_of("output", output))
 
 
 def count(
     component: str | None = None, kind: str | None = None, *, after: float | None = None, before: float | None = None
 ) -> Count:  # fmt: skip
     """Number of events: of a component (a name or pattern, with its parts), of a kind ("state", "time", "impact"), or all."""
-    return Count(component, kind, _time("after", after), _time("before", before))
+    return Count(component, kind, time_of("after", after), time_of("before", before))
 
 
 def event_time(
@@ -309,12 +307,12 @@ def event_time(
     """Time [s] of an event, chosen as by `count`: number 0 is the first one, -1 the last one. NaN where there is none."""
     if isinstance(number, bool) or not isinstance(number, int):
         raise ParameterError(f"event_time: number = {number!r} must be a whole number; -1 is the last event")
-    return EventTime(component, kind, number, _time("after", after), _time("before", before))
+    return EventTime(component, kind, number, time_of("after", after), time_of("before", before))
 
 
 def energy_lost(component: str, *, after: float | None = None, before: float | None = None) -> EnergyLost:
     """Energy [J] that a component (with its parts, or a pattern) dissipates between the times after and before [s]."""
-    return EnergyLost(_text("component", component), _time("after", after), _time("before", before))
+    return EnergyLost(text_of("component", component), time_of("after", after), time_of("before", before))
 
 
 def points(output: str, section: Section | None = None, *, keep: int | None = None) -> SectionPoints:
@@ -324,10 +322,13 @@ def points(output: str, section: Section | None = None, *, keep: int | None = No
     """
     if keep is not None and (isinstance(keep, bool) or not isinstance(keep, int)):
         raise ParameterError(f"points: keep = {keep!r} must be a whole number of points")
-    return SectionPoints(_text("output", output), section, keep)
+    return SectionPoints(text_of("output", output), section, keep)
 
 
-_MAKERS = {f.__name__: f for f in (peak, trough, rms, mean, at, last, count, event_time, energy_lost)}
+_MAKERS: dict[str, Callable[..., Quantity]] = {
+    f.__name__: f
+    for f in (peak, trough, rms, mean, std, at, last, count, event_time, energy_lost, dynamic_factor, line, period)
+}
 _CALL = re.compile(r"\s*(\w+)\s*\((.*)\)\s*", re.DOTALL)
 
 
@@ -341,7 +342,7 @@ def parsed(text: str) -> Quantity:
     for part in filter(None, (part.strip() for part in call[2].split(","))):
         name, equals, value = part.rpartition("=")
         try:
-            read: Any = int(value) if name.strip() == "number" else float(value)
+            read: Any = int(value) if name.strip() in ("number", "longest") else float(value)
         except ValueError:
             read = value.strip()
         if equals:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.span import Span, span_of_run
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
+from gearblocks.language.expression import finite_number
 from gearblocks.model.listing import matches
 from gearblocks.simulation.events import KINDS, Events
 from gearblocks.simulation.needs import Needs, Solution
@@ -110,6 +111,18 @@ class Quantity:
                 f"{self.name}: kind = {kind!r} must be one of {', '.join(KINDS)}{did_you_mean(kind, KINDS)}"
             )
         known(self.name, component, span.components, "events")
+
+
+def time_of(name: str, value: float | None) -> float | None:
+    """A time that may be given [s]."""
+    return None if value is None else finite_number(name, value)
+
+
+def text_of(what: str, value: Any) -> str:
+    """The name that is asked for. Raises ParameterError."""
+    if not isinstance(value, str):
+        raise ParameterError(f"{what} = {value!r:.80} must be the name of one, such as 'mesh.force'")
+    return value
 
 
 def belongs(name: str, component: str) -> bool:

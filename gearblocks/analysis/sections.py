@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _FINE = 64  # samples of a period
+LONGEST = 16  # periods after which a motion is seen to repeat
 _LAST = 4  # periods at the end that are sampled finely
 RELATIVE = ("deflection", "deflection_rate", "twist", "twist_rate")
 """Outputs that show how parts move against each other."""
@@ -101,7 +102,7 @@ def poincare(
 @by_name_only
 def classify(
     train: Drivetrain | Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
-    longest: int = 16, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
+    longest: int = LONGEST, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
     initial: Mapping[str, float | str] | None = None,
 ) -> Label:  # fmt: skip
     """After how many periods, at most `longest`, the motion repeats: at rtol and again at rtol/100.
@@ -152,7 +153,7 @@ def section_period(section: Section, parameters: Mapping[str, float]) -> float:
 
 def period_label(
     model: Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
-    longest: int = 16, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
+    longest: int = LONGEST, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
     initial: Mapping[str, float | str] | None = None,
 ) -> Label:  # fmt: skip
     """The number of periods after which the motion repeats, at rtol and again at rtol/100.
@@ -169,7 +170,7 @@ def period_label(
         points = section_points(
             model, section, of=of, transient=transient, keep=keep, rtol=tolerance, parameters=parameters, initial=initial
         )  # fmt: skip
-        found.append(_repeats(points.values, longest, points.extent))
+        found.append(repeats(points.values, longest, points.extent))
     (period, residual, separation), (again, finer, apart) = found
     if period != again:
         words = f"undecided: {_words(period)} at rtol {rtol:g}, {_words(again)} at {rtol / 100:g}"
@@ -185,7 +186,7 @@ def _words(period: int | None) -> str:
     return "not periodic" if period is None else f"period {period}"
 
 
-def _repeats(points: Array, longest: int, extent: Array) -> tuple[int | None, float, float]:
+def repeats(points: Array, longest: int, extent: Array) -> tuple[int | None, float, float]:
     """(period, residual, separation); without a period the smallest residual of all that were tried."""
     scaled = points / extent
     best = np.inf

@@ -18,6 +18,7 @@ that side, where the contact takes over. A gap without load stays where it is.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -55,6 +56,13 @@ def static_state(sim: Simulation, program: Program, t: float, *, means: bool, y0
     """
     with opened(sim, program, t, y0) as point:
         return equilibrium(point.at(means=means)).y
+
+
+def static_outputs(sim: Simulation, program: Program, t: float, names: Sequence[str]) -> Array:
+    """Outputs in the equilibrium from the start values, with excitations at their means. Errors as `static_state`."""
+    with opened(sim, program, t) as point:
+        found: Array = equilibrium(point.at(means=True)).outputs()
+        return found[[program.output_numbers[name] for name in names]]
 
 
 def equilibrium(point: Point) -> Point:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.codegen.program import Program
-from gearblocks.errors import SimulationError
+from gearblocks.errors import GearblocksError, SimulationError
 from gearblocks.simulation.arguments import set_inputs
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.events import Events, net_events, shown
@@ -46,7 +46,8 @@ class StoppedError(Exception):
 @dataclass(frozen=True, eq=False)
 class MeasuredRun:
     """What is kept of one run. values: outputs and losses at the times, shape (T, outputs + losses); start: losses at the
-    begin; turnover and what is missing in the energy balance [J]."""
+    begin; turnover and what is missing in the energy balance [J]; static: outputs in the static equilibrium, or why there is
+    none."""
 
     program: Program
     needs: Needs
@@ -58,6 +59,7 @@ class MeasuredRun:
     turnover: float
     missing: float
     recorded: NDArray[np.void]  # events with what stands for modes
+    static: Array | GearblocksError
 
     @cached_property
     def events(self) -> Events:
@@ -84,6 +86,12 @@ class MeasuredRun:
     def along_run(self, wanted: Along) -> float:
         """What an output is along the run."""
         return float(self.along[self.needs.along.index(wanted)])
+
+    def static_value(self, output: str) -> float:
+        """The output in the static equilibrium. Raises what says why there is none."""
+        if isinstance(self.static, GearblocksError):
+            raise self.static
+        return float(self.static[self.needs.static.index(output)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,6 +152,7 @@ class Measuring:
         needs = list(runs.needs) * (len(times) if len(runs.needs) == 1 else 1)
         windows = np.array([[(one.after, one.before) for one in need.along] for need in needs], dtype=np.float64)
         case = runs.case
+        static = [self._static(runs, i, need) for i, need in enumerate(needs)]
         points = Points(
             case.options, case.begin, runs.parameters, times, windows, runs.inputs, runs.steps, runs.start
         )  # fmt: skip
@@ -161,9 +170,28 @@ class Measuring:
                     MeasuredRun(
                         self.program, needs[i], case.begin, times[i], study.values[i], study.start_states[i, :n_losses],
                         study.quantities[i], float(turnover[i]), float(missing[i]),
-                        events[ends[i] : ends[i + 1]],
+                        events[ends[i] : ends[i + 1]], static[i],
                     ),
                 )  # fmt: skip
+
+    def _static(self, runs: Runs, i: int, needs: Needs) -> Array | GearblocksError:
+        """Outputs of a run's train in its static equilibrium, or why there is none."""
+        if not needs.static:
+            return np.empty(0)
+        from gearblocks.simulation.equilibrium import static_outputs
+
+        sim = self.sim
+        sim.parameters[:] = runs.parameters[i]
+        if runs.inputs is not None:
+            sim.inputs[:] = runs.inputs[i]
+        try:
+            return static_outputs(sim, self.program, runs.case.begin, needs.static)
+        except GearblocksError as error:
+            return error
+        except RuntimeError:
+            return SimulationError(
+                sim.report.t, *reason(self.program, Code(sim.report.code), sim.report, sim.parameters)
+            )
 
     def _go(self, study: StudyRuns, number: int) -> tuple[set[int], NDArray[np.void]]:
         """Runs all of a block: those that could not go on, and the events of all."""
@@ -222,6 +250,7 @@ def merged(program: Program, needs: Sequence[Needs]) -> Needs:
         tuple(sorted({time for need in needs for time in need.times})),
         tuple(dict.fromkeys(name for need in needs for name in need.losses)),
         tuple(dict.fromkeys(one for need in needs for one in need.along)),
+        tuple(dict.fromkeys(name for need in needs for name in need.static)),
     )
 
 
@@ -238,4 +267,5 @@ def _wanted(program: Program, needs: Needs) -> Wanted:
         np.array([places[name] for name in needs.losses], dtype=np.intc),
         tuple(QuantityKind[one.kind.upper()] for one in needs.along),
         np.array([numbers[one.output] for one in needs.along], dtype=np.intc),
+        np.array([numbers.get(one.factor, -1) for one in needs.along], dtype=np.intc),
     )

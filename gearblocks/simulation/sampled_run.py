@@ -67,18 +67,29 @@ class SampledRun:
     def along_run(self, wanted: Along) -> float:
         """What an output is along the run."""
         t0, t1, nodes = self._within(wanted.output, wanted.after, wanted.before)
+        if wanted.factor:
+            nodes = nodes * self._within(wanted.factor, wanted.after, wanted.before)[2]
         h = t1 - t0
         if wanted.kind in ("peak", "trough"):
             sign = 1.0 if wanted.kind == "peak" else -1.0
 
             def sample(times: Array) -> Array:
-                return sign * self._sample(wanted.output, times)
+                other = self._sample(wanted.factor, times) if wanted.factor else 1.0
+                return sign * self._sample(wanted.output, times) * other
 
             return sign * extremum(t0, t1, sign * nodes, sample, float(self._run.meta.get("rtol", 1e-6)))
         if wanted.kind == "mean":
             return float((h * (nodes * WEIGHTS).sum(axis=1)).sum() / h.sum())
+        if wanted.kind == "std":
+            nodes = nodes - (h * (nodes * WEIGHTS).sum(axis=1)).sum() / h.sum()
         scale = float(np.abs(nodes).max(initial=0.0)) or 1.0  # so that no square leaves the range of doubles
         return scale * float(np.sqrt((h * ((nodes / scale) ** 2 * WEIGHTS).sum(axis=1)).sum() / h.sum()))
+
+    def static_value(self, output: str) -> float:
+        """Refused: a stored run does not hold its train."""
+        raise ParameterError(
+            f"a stored run does not know '{output}' in its static equilibrium: run it again with gb.simulate"
+        )
 
     def _splines(self, output: str) -> list[Callable[[Array], Array]]:
         from scipy.interpolate import make_interp_spline

@@ -29,6 +29,7 @@ class QuantityKind(IntEnum):
     TROUGH = 1
     MEAN = 2
     RMS = 3
+    STD = 4
 
 
 class _Quantity(ctypes.Structure):
@@ -46,6 +47,7 @@ class _Quantities(ctypes.Structure):
     _fields_ = [
         ("of", POINTER(_Quantity)),
         ("output", c_void_p),
+        ("factor", c_void_p),
         ("count", c_int),
         ("follows", c_int),
         ("room", c_void_p),
@@ -96,12 +98,14 @@ class Points:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Wanted:
-    """What is kept: outputs and states at the times, by number, and kinds of quantities of outputs."""
+    """What is kept: outputs and states at the times, by number, and kinds of quantities of outputs, which are multiplied by
+    other outputs (factors; -1: by none)."""
 
     outputs: NDArray[np.intc]
     states: NDArray[np.intc]
     kinds: tuple[QuantityKind, ...]
     of: NDArray[np.intc]
+    factors: NDArray[np.intc]
 
 
 @final
@@ -124,7 +128,7 @@ class StudyRuns:
         record = RecordStructure(address(rows), 0, len(rows), address(self._events), 0, len(self._events), None)
         kinds = (_Quantity * max(n_kinds, 1))(*(_Quantity(kind) for kind in wanted.kinds))
         room = np.empty(sim.quantity_room(n_kinds) if n_kinds else 0)
-        quantities = _Quantities(kinds, address(wanted.of), n_kinds, 0, address(room))
+        quantities = _Quantities(kinds, address(wanted.of), address(wanted.factors), n_kinds, 0, address(room))
         if n_kinds:
             record.quantities = ctypes.addressof(quantities)
         first, ledger = np.empty(program.n_total), np.ascontiguousarray(place, dtype=np.intc)

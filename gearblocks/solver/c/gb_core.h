@@ -87,9 +87,9 @@ typedef struct gb_event {
     int index, kind; /* kind 0: state, 1: time */
 } gb_event;
 
-/* What is kept of an output along a run: its largest or least value, its mean or root mean square over time [after,
- * before]. */
-enum { GB_PEAK = 0, GB_TROUGH = 1, GB_MEAN = 2, GB_RMS = 3 };
+/* What is kept of an output along a run: its largest or least value, its mean, root mean square or standard deviation
+ * over time [after, before]. */
+enum { GB_PEAK = 0, GB_TROUGH = 1, GB_MEAN = 2, GB_RMS = 3, GB_STD = 4 };
 
 typedef struct gb_quantity {
     int kind;
@@ -97,11 +97,12 @@ typedef struct gb_quantity {
     double sum, rest, scale, length;
 } gb_quantity;
 
-/* Several of them, and the output of each. room: gb_quantity_room(sim, count) numbers of the caller's. follows: the
- * front has been looked at from the segment before. */
+/* Several of them, the output of each and another one that it is multiplied by (-1: none). room:
+ * gb_quantity_room(sim, count) numbers of the caller's. follows: the front has been looked at from the segment before.
+ */
 typedef struct gb_quantities {
     gb_quantity *of;
-    const int *output;
+    const int *output, *factor;
     int count, follows;
     double *room;
 } gb_quantities;

@@ -27,8 +27,12 @@ static double *points_of(const gb_sim *sim, const gb_quantities *all) {
     return nodes_of(sim, all) + (size_t)NODES * (size_t)all->count;
 }
 
+static double *factors_of(const gb_sim *sim, const gb_quantities *all) {
+    return points_of(sim, all) + POINTS;
+}
+
 size_t gb_quantity_room(const gb_sim *sim, int count) {
-    return (size_t)POINTS * gb_row_length(sim->model) + (size_t)NODES * (size_t)count + POINTS;
+    return (size_t)POINTS * gb_row_length(sim->model) + (size_t)NODES * (size_t)count + 2 * POINTS;
 }
 
 void gb_quantities_begin(gb_quantities *all) {
@@ -40,17 +44,26 @@ void gb_quantities_begin(gb_quantities *all) {
     }
 }
 
-/* Outputs at instants t[0 .. count) of the segment, f[instant * n_outputs + output]. */
-static int look(gb_sim *sim, const gb_quantities *all, const double *t, int count, const int *output, int n_outputs,
-                double *f) {
+/* Outputs of quantities first .. first + n - 1 at instants t[0 .. count) of the segment, f[instant * n + output]. */
+static int look(gb_sim *sim, const gb_quantities *all, const double *t, int count, int first, int n, double *f) {
     const size_t length = gb_row_length(sim->model);
+    double *factor = factors_of(sim, all);
     for (int i = 0; i < count; i++) {
         const int code = gb_write_row(sim, t[i], all->room + (size_t)i * length);
         if (code != GB_DONE) {
             return code;
         }
     }
-    return gb_evaluate(sim, all->room, count, output, n_outputs, f, NULL);
+    int code = gb_evaluate(sim, all->room, count, all->output + first, n, f, NULL);
+    for (int j = 0; j < n && code == GB_DONE; j++) {
+        if (all->factor[first + j] >= 0) {
+            code = gb_evaluate(sim, all->room, count, all->factor + first + j, 1, factor, NULL);
+            for (int i = 0; i < count; i++) {
+                f[i * n + j] *= factor[i];
+            }
+        }
+    }
+    return code;
 }
 
 static void nodes_between(double a, double b, double t[NODES]) {
@@ -72,7 +85,7 @@ static int look_at_segment(gb_sim *sim, gb_quantities *all, double t0, double t1
     if (first) {
         memcpy(f, f + (NODES - 1) * n, sizeof(double) * n);
     }
-    return look(sim, all, t + first, NODES - first, all->output, all->count, f + (size_t)first * n);
+    return look(sim, all, t + first, NODES - first, 0, all->count, f + (size_t)first * n);
 }
 
 /* Neumaier's sum. */
@@ -91,26 +104,55 @@ static void integrate(gb_quantity *r, double h, const double f[NODES]) {
     r->length += h;
 }
 
-/* Squares in units of a power of 2, so that none leaves the range of doubles and no digit depends on it. */
-static void integrate_square(gb_quantity *r, double h, const double f[NODES]) {
-    double size = 0.0, sum = 0.0;
+/* The scale becomes a power of 2 that no value exceeds, so that no square leaves the range of doubles and no digit
+ * depends on it: by what share of it the old one counts. */
+static double rescaled(gb_quantity *r, const double f[NODES]) {
+    double size = 0.0, part = 1.0;
     for (int i = 0; i < NODES; i++) {
         size = gb_max(size, fabs(f[i]));
     }
     if (size > r->scale) {
         int exponent;
         frexp(size, &exponent);
-        const double scale = ldexp(1.0, exponent < DBL_MAX_EXP ? exponent : DBL_MAX_EXP - 1), part = r->scale / scale;
-        r->sum *= part * part;
-        r->rest *= part * part;
+        const double scale = ldexp(1.0, exponent < DBL_MAX_EXP ? exponent : DBL_MAX_EXP - 1);
+        part = r->scale / scale;
         r->scale = scale;
     }
+    return part;
+}
+
+/* Squares in units of the scale. */
+static void integrate_square(gb_quantity *r, double h, const double f[NODES]) {
+    const double part = rescaled(r, f);
+    double sum = 0.0;
+    r->sum *= part * part;
+    r->rest *= part * part;
     const double unit = r->scale > 0.0 ? 1.0 / r->scale : 0.0;
     for (int i = 0; i < NODES; i++) {
         sum += WEIGHT[i] * ((unit * f[i]) * (unit * f[i]));
     }
     add(r, h * sum);
     r->length += h;
+}
+
+/* Segments are merged by their means and their squares about them (Chan, Golub and LeVeque 1983, eq. 1.5), which does
+ * not cancel. sum: integral of the squares about the mean; rest: the mean; both in units of the scale. */
+static void integrate_deviation(gb_quantity *r, double h, const double f[NODES]) {
+    const double part = rescaled(r, f);
+    double mean = 0.0, sum = 0.0;
+    r->sum *= part * part;
+    r->rest *= part;
+    const double unit = r->scale > 0.0 ? 1.0 / r->scale : 0.0;
+    for (int i = 0; i < NODES; i++) {
+        mean += WEIGHT[i] * (unit * f[i]);
+    }
+    for (int i = 0; i < NODES; i++) {
+        sum += WEIGHT[i] * (unit * f[i] - mean) * (unit * f[i] - mean);
+    }
+    const double length = r->length + h, apart = mean - r->rest;
+    r->sum += h * sum + apart * apart * (r->length * (h / length));
+    r->rest += apart * (h / length);
+    r->length = length;
 }
 
 /* sum c_k T_k(x), k = 0 .. n - 1 (Clenshaw). */
@@ -241,7 +283,7 @@ static int heighten(gb_sim *sim, const gb_quantities *all, int j, double a, doub
     for (int i = 1; i < POINTS - 1; i++) {
         t[i] = 0.5 * (a + b) - 0.5 * (b - a) * COSINE[i];
     }
-    const int code = look(sim, all, t + 1, POINTS - 2, &all->output[j], 1, f + 1);
+    const int code = look(sim, all, t + 1, POINTS - 2, j, 1, f + 1);
     for (int i = 1; i < POINTS - 1; i++) {
         f[i] *= sign;
     }
@@ -265,6 +307,8 @@ static int take(gb_sim *sim, const gb_quantities *all, int j, double a, double b
         integrate(r, b - a, f);
     } else if (r->kind == GB_RMS) {
         integrate_square(r, b - a, f);
+    } else if (r->kind == GB_STD) {
+        integrate_deviation(r, b - a, f);
     } else {
         return heighten(sim, all, j, a, b, g);
     }
@@ -283,7 +327,7 @@ int gb_quantities_take(gb_sim *sim, gb_quantities *all, int is_step) {
         }
         if (a > t0 || b < t1) {
             nodes_between(a, b, t);
-            code = look(sim, all, t, NODES, &all->output[j], 1, f);
+            code = look(sim, all, t, NODES, j, 1, f);
         } else {
             code = looked ? GB_DONE : look_at_segment(sim, all, t0, t1);
             looked = 1;
@@ -301,6 +345,6 @@ double gb_quantity_value(const gb_quantity *r) {
     if (r->kind == GB_PEAK || r->kind == GB_TROUGH) {
         return isinf(r->value) ? NAN : r->kind == GB_PEAK ? r->value : -r->value;
     }
-    const double mean = (r->sum + r->rest) / r->length;
+    const double mean = (r->kind == GB_STD ? r->sum : r->sum + r->rest) / r->length;
     return isnan(r->value) ? NAN : r->kind == GB_MEAN ? mean : r->scale * sqrt(mean);
 }

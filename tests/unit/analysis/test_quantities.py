@@ -13,7 +13,8 @@ from gearblocks.analysis.quantities import parsed
 
 ALL = (
     gb.peak("shaft.torque"), gb.peak("shaft.torque", after=0.2), gb.trough("shaft.torque", after=0.1, before=0.9),
-    gb.rms("load.w"), gb.mean("load.w", after=0.5), gb.at("load.w", 0.25), gb.last("motor.w"), gb.count(),
+    gb.rms("load.w"), gb.mean("load.w", after=0.5), gb.std("load.w", after=0.5),
+    gb.at("load.w", 0.25), gb.last("motor.w"), gb.count(),
     gb.count("clutch", "state", after=0.1), gb.event_time("clutch", number=-1), gb.energy_lost("clutch"),
     gb.energy_lost("*", after=0.5),
 )  # fmt: skip
