@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     )
     from gearblocks.analysis.quantity import Quantity
     from gearblocks.analysis.scenes.scene import Scene
+    from gearblocks.analysis.scenes.work_precision import work_precision
     from gearblocks.analysis.sections import classify, poincare, stroboscopic
     from gearblocks.analysis.study_result import Study
     from gearblocks.blocks import (
@@ -159,7 +160,7 @@ __all__ = [
     "frequency_response", "last", "latin_hypercube", "line", "linearize", "log", "maximum", "mean", "minimum", "modes",
     "option", "param", "peak", "period", "pi", "piecewise", "poincare", "points", "random_cases", "rms", "rpm",
     "sense", "signal", "simulate", "sin", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "time",
-    "trough", "twist",
+    "trough", "twist", "work_precision",
 ]  # fmt: skip
 
 _NAMES = {
@@ -172,6 +173,7 @@ _NAMES = {
     "analysis.quantities": "at count energy_lost event_time last mean peak points rms std trough",
     "analysis.quantity": "Quantity",
     "analysis.scenes.scene": "Scene",
+    "analysis.scenes.work_precision": "work_precision",
     "analysis.sections": "classify poincare stroboscopic",
     "analysis.study_result": "Study",
     "blocks": (

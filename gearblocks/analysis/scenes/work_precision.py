@@ -1,0 +1,208 @@
+"""Work and precision of a scene: what an accuracy of its quantities costs, by method, tolerance and located corners.
+
+Lines of runs, each line one method with events located or not, from a loose tolerance to tighter ones. A line ends where
+it is as accurate as the reference, where it pays no more, or where its next run would take too much of the budget.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from time import thread_time
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.scenes.bench import Bench, Effort, Outcome, bench_of
+from gearblocks.analysis.scenes.reference import Reference, growth, reference_of
+from gearblocks.analysis.scenes.scene import Scene
+from gearblocks.analysis.scenes.work_precision_result import Point, Verified, WorkPrecision
+from gearblocks.errors import ParameterError, SimulationError, by_name_only
+
+Array = NDArray[np.float64]
+
+METHODS = ("auto", "dp8", "dp5", "rodas")
+TOLERANCES = tuple(10.0**-k for k in range(2, 11))
+STEPS = tuple(2.0**-k for k in range(7))
+_FOR_REFERENCE, _FOR_ONE = 1 / 8, 1 / 6  # of the budget: a run of the reference; a point of a line
+_TOO_DEAR = 20.0  # times what as much accuracy costs elsewhere: such a line is not followed
+_SHORT, _REPEATS = 0.1, 3  # CPU seconds of a run that is timed so many times
+
+
+@by_name_only
+def work_precision(
+    scene: Scene, *, budget: float = 60.0, progress: Callable[[str], None] | None = None
+) -> WorkPrecision:  # fmt: skip
+    """Error of each quantity of a scene against right-hand sides and CPU time, for methods, tolerances from 1e-2 to 1e-10,
+    fixed steps, and events located or not (where there are any).
+
+        print(gb.work_precision(scene).sentence)
+
+    Errors are relative, against a reference at a tight tolerance, which runs of another method verify. Times are those of
+    runs without their outputs. budget: CPU seconds for all runs together, about; what cannot pay is left out.
+    progress: told in words what is being run.
+    """
+    if not isinstance(scene, Scene):
+        raise ParameterError(f"work_precision asks for a gb.Scene, not for {scene!r:.80}")
+    if not budget > 0:
+        raise ParameterError(f"budget = {budget!r} s must be > 0")
+    runs = _Runs(bench_of(scene), budget, progress or _silent)
+    runs.tell("reference")
+    reference = reference_of(runs.bench, runs.attempt, budget * _FOR_REFERENCE)
+    if (reference.moved > scene.within).any():
+        return WorkPrecision(scene, reference, None, ())
+    _adaptive(runs, reference)
+    _fixed(runs, reference)
+    points = tuple(point for line in runs.lines for point in line.points)
+    found = WorkPrecision(scene, reference, _verified(reference, points), points)
+    best = found.cheapest_or_none()
+    return found if best is None else replace(found, late=runs.late(best.effort), quantities_cost=runs.extra(best))
+
+
+def _silent(words: str) -> None:
+    """Nobody is told."""
+
+
+# -- runs -------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(slots=True)
+class _Line:
+    """Points of one method with events located or not, as far as it goes."""
+
+    method: str
+    locate: bool
+    points: list[Point] = field(default_factory=list)
+    ended: bool = False
+
+    @property
+    def last(self) -> Point | None:
+        """The last point whose run came to its end."""
+        return next((point for point in reversed(self.points) if not point.failure), None)
+
+
+@final
+@dataclass(slots=True)
+class _Runs:
+    """Runs of a scene within a budget [CPU s]; those of the same effort are made once."""
+
+    bench: Bench
+    budget: float
+    tell: Callable[[str], None]
+    spent: float = 0.0
+    lines: list[_Line] = field(default_factory=list)
+    _made: dict[Effort, Outcome] = field(default_factory=dict)
+
+    def attempt(self, effort: Effort) -> Outcome:
+        """A run with its quantities. Raises SimulationError."""
+        if effort not in self._made:
+            began = thread_time()
+            try:
+                self._made[effort] = self.bench.outcome(effort)
+            finally:
+                self.spent += thread_time() - began
+        return self._made[effort]
+
+    def point(self, effort: Effort, reference: Reference) -> Point:
+        """A run with its error and its time without outputs."""
+        try:
+            outcome = self.attempt(effort)
+        except SimulationError as error:
+            return Point(effort, reference.values * np.nan, reference.values * np.nan, failure=str(error))
+        began = thread_time()
+        stats = self.bench.timed(effort, _REPEATS if outcome.stats.cpu_seconds < _SHORT else 1)
+        self.spent += thread_time() - began
+        return Point(effort, outcome.values, reference.errors(outcome.values), stats)
+
+    def affords(self, predicted: float) -> bool:
+        """Whether a point that takes so long [CPU s] is made."""
+        return predicted <= min(self.budget * _FOR_ONE, self.budget - self.spent)
+
+    def late(self, effort: Effort) -> float:
+        """Share of the right-hand sides that fall into the second half of the window."""
+        scene = self.bench.scene
+        half = replace(self.bench, scene=scene.changed(t_end=(scene.begin + scene.end) / 2))
+        whole = self.bench.timed(effort, 1).rhs_calls
+        return 1.0 - half.timed(effort, 1).rhs_calls / whole
+
+    def extra(self, point: Point) -> float:
+        """CPU seconds that the quantities cost besides the run."""
+        return max(self.attempt(point.effort).stats.cpu_seconds - point.stats.cpu_seconds, 0.0)
+
+
+def _adaptive(runs: _Runs, reference: Reference) -> None:
+    """Lines over tolerances, all of them at a tolerance before any at the next."""
+    located = [True, False] if runs.attempt(reference.effort).stats.events else [True]
+    runs.lines = [_Line(method, locate) for locate in located for method in METHODS]
+    for rtol in TOLERANCES:
+        for line in runs.lines:
+            effort = Effort(line.method, rtol, None, line.locate)
+            if not line.ended and (known := _as_auto(runs.lines, effort)) is not None:
+                line.points.append(known)
+                line.ended = _ends(line, runs, reference)
+            elif not line.ended:
+                _extend(line, runs, reference, effort, growth(line.last.stats.method) if line.last else 1.0)
+
+
+def _fixed(runs: _Runs, reference: Reference) -> None:
+    """Lines of the classical Runge-Kutta method, from the mean step that dp5 takes."""
+    scene = runs.bench.scene
+    located = dict.fromkeys(line.locate for line in runs.lines)
+    steps = [p.stats.steps for line in runs.lines if line.method == "dp5" for p in line.points if not p.failure]
+    if not steps:
+        return
+    mean = (scene.end - scene.begin) / steps[0]
+    lines = [_Line("rk4", locate) for locate in located]
+    runs.lines += lines
+    for part in STEPS:
+        for line in lines:
+            if not line.ended:
+                _extend(line, runs, reference, Effort("rk4", 1e-6, float(f"{mean * part:.3g}"), line.locate), 2.0)
+
+
+def _extend(line: _Line, runs: _Runs, reference: Reference, effort: Effort, factor: float) -> None:
+    """The next point of a line, where it can be afforded."""
+    made = _REPEATS + 1 if line.last and line.last.stats.cpu_seconds < _SHORT else 2
+    if line.last and not runs.affords(made * factor * line.last.stats.cpu_seconds):
+        line.ended = True
+        return
+    runs.tell(str(effort))
+    line.points.append(runs.point(effort, reference))
+    line.ended = _ends(line, runs, reference)
+
+
+def _as_auto(lines: list[_Line], effort: Effort) -> Point | None:
+    """The point of `auto` that took this method alone: the same run."""
+    for line in lines:
+        for point in line.points:
+            same = replace_method(point.effort, effort.method) == effort
+            if line.method == "auto" and not point.failure and same and point.stats.method == effort.method:
+                return replace(point, effort=effort)
+    return None
+
+
+def replace_method(effort: Effort, method: str) -> Effort:
+    """The same effort by another method."""
+    return effort._replace(method=method)
+
+
+def _ends(line: _Line, runs: _Runs, reference: Reference) -> bool:
+    """Whether smaller tolerances of a line tell no more: it is as good as the reference, or cannot pay."""
+    last = line.points[-1]
+    if last.failure or not np.isfinite(last.errors).all():
+        return False
+    if (last.errors <= 2.0 * reference.noise).all():
+        return True
+    others = [p for other in runs.lines for p in other.points if not p.failure and (p.errors <= last.errors).all()]
+    least = min(p.stats.cpu_seconds for p in others)
+    return last.stats.cpu_seconds > _TOO_DEAR * least
+
+
+def _verified(reference: Reference, points: tuple[Point, ...]) -> Verified | None:
+    """The tightest run of another method beside the reference."""
+    taken = next((p.stats.method for p in points if p.effort == reference.effort), "dp8").split("+")
+    others = [p for p in points if p.effort.locate and p.effort.method in ("dp5", "rodas", "dp8")]
+    others = [p for p in others if not p.failure and p.effort.method not in taken[:1]]
+    best = min(others, key=lambda p: (p.effort.rtol, float(p.errors.max())), default=None)
+    return None if best is None else Verified(best.effort, best.errors)
