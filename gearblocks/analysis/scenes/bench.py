@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.sections import RELATIVE
-from gearblocks.analysis.study_point import Measure
 from gearblocks.analysis.span import Span, program_span
+from gearblocks.analysis.study_point import Measure
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import SimulationError
 from gearblocks.running import build
