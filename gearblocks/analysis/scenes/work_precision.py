@@ -6,6 +6,7 @@ it is as accurate as the reference, where it pays no more, or where its next run
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from time import thread_time
@@ -15,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.scenes.bench import Bench, Effort, Outcome, bench_of
-from gearblocks.analysis.scenes.reference import Reference, growth, reference_of
+from gearblocks.analysis.scenes.reference import Reference, growth, mean_of, reference_of
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.scenes.work_precision_result import Point, Verified, WorkPrecision
-from gearblocks.errors import ParameterError, SimulationError, by_name_only
+from gearblocks.errors import GearblocksWarning, ParameterError, SimulationError, by_name_only
+from gearblocks.simulation.records import Stats
 
 Array = NDArray[np.float64]
 
@@ -50,8 +52,6 @@ def work_precision(
     runs = _Runs(bench_of(scene), budget, progress or _silent)
     runs.tell("reference")
     reference = reference_of(runs.bench, runs.attempt, budget * _FOR_REFERENCE)
-    if (reference.moved > scene.within).any():
-        return WorkPrecision(scene, reference, None, ())
     _adaptive(runs, reference)
     _fixed(runs, reference)
     points = tuple(point for line in runs.lines for point in line.points)
@@ -105,15 +105,31 @@ class _Runs:
         return self._made[effort]
 
     def point(self, effort: Effort, reference: Reference) -> Point:
-        """A run with its error and its time without outputs."""
+        """A run, or a mean over as many as the reference has, with its error and the time of a run without outputs."""
+        noise, members = reference.noise, reference.members
         try:
-            outcome = self.attempt(effort)
+            if reference.scattered:
+                began = thread_time()
+                mean = mean_of(self.bench, effort, members)
+                self.spent += thread_time() - began
+                values, stats = mean.values, mean.stats
+                noise = np.hypot(noise, mean.errors / reference.scale)
+            else:
+                values, stats, _ = self.attempt(effort)
         except SimulationError as error:
-            return Point(effort, reference.values * np.nan, reference.values * np.nan, failure=str(error))
+            nothing = np.full(len(noise), np.nan)
+            return Point(effort, nothing, nothing, nothing, failure=str(error))
+        stats = self.timed(effort, _REPEATS if stats.cpu_seconds < _SHORT else 1)
+        return Point(effort, values, reference.errors(values), noise, members, stats)
+
+    def timed(self, effort: Effort, repeats: int, bench: Bench | None = None) -> Stats:
+        """The counters and the least CPU time of runs without outputs. They may be as bad as they like."""
         began = thread_time()
-        stats = self.bench.timed(effort, _REPEATS if outcome.stats.cpu_seconds < _SHORT else 1)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", GearblocksWarning)
+            found = (bench or self.bench).timed(effort, repeats)
         self.spent += thread_time() - began
-        return Point(effort, outcome.values, reference.errors(outcome.values), stats)
+        return found
 
     def affords(self, predicted: float) -> bool:
         """Whether a point that takes so long [CPU s] is made."""
@@ -123,8 +139,7 @@ class _Runs:
         """Share of the right-hand sides that fall into the second half of the window."""
         scene = self.bench.scene
         half = replace(self.bench, scene=scene.changed(t_end=(scene.begin + scene.end) / 2))
-        whole = self.bench.timed(effort, 1).rhs_calls
-        return 1.0 - half.timed(effort, 1).rhs_calls / whole
+        return 1.0 - self.timed(effort, 1, half).rhs_calls / self.timed(effort, 1).rhs_calls
 
     def extra(self, point: Point) -> float:
         """CPU seconds that the quantities cost besides the run."""
@@ -133,14 +148,14 @@ class _Runs:
 
 def _adaptive(runs: _Runs, reference: Reference) -> None:
     """Lines over tolerances, all of them at a tolerance before any at the next."""
-    located = [True, False] if runs.attempt(reference.effort).stats.events else [True]
+    located = [True, False] if runs.attempt(Effort()).stats.events else [True]
     runs.lines = [_Line(method, locate) for locate in located for method in METHODS]
     for rtol in TOLERANCES:
         for line in runs.lines:
             effort = Effort(line.method, rtol, None, line.locate)
             if not line.ended and (known := _as_auto(runs.lines, effort)) is not None:
                 line.points.append(known)
-                line.ended = _ends(line, runs, reference)
+                line.ended = _ends(line, runs)
             elif not line.ended:
                 _extend(line, runs, reference, effort, growth(line.last.stats.method) if line.last else 1.0)
 
@@ -163,13 +178,13 @@ def _fixed(runs: _Runs, reference: Reference) -> None:
 
 def _extend(line: _Line, runs: _Runs, reference: Reference, effort: Effort, factor: float) -> None:
     """The next point of a line, where it can be afforded."""
-    made = _REPEATS + 1 if line.last and line.last.stats.cpu_seconds < _SHORT else 2
+    made = reference.members + (_REPEATS if line.last and line.last.stats.cpu_seconds < _SHORT else 1)
     if line.last and not runs.affords(made * factor * line.last.stats.cpu_seconds):
         line.ended = True
         return
     runs.tell(str(effort))
     line.points.append(runs.point(effort, reference))
-    line.ended = _ends(line, runs, reference)
+    line.ended = _ends(line, runs)
 
 
 def _as_auto(lines: list[_Line], effort: Effort) -> Point | None:
@@ -187,12 +202,12 @@ def replace_method(effort: Effort, method: str) -> Effort:
     return effort._replace(method=method)
 
 
-def _ends(line: _Line, runs: _Runs, reference: Reference) -> bool:
+def _ends(line: _Line, runs: _Runs) -> bool:
     """Whether smaller tolerances of a line tell no more: it is as good as the reference, or cannot pay."""
     last = line.points[-1]
     if last.failure or not np.isfinite(last.errors).all():
         return False
-    if (last.errors <= 2.0 * reference.noise).all():
+    if (last.errors <= 2.0 * last.noise).all():
         return True
     others = [p for other in runs.lines for p in other.points if not p.failure and (p.errors <= last.errors).all()]
     least = min(p.stats.cpu_seconds for p in others)

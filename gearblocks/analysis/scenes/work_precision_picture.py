@@ -37,7 +37,7 @@ def picture(found: Drawn, path: str | os.PathLike[str] | None) -> Figure:
     """A panel for each quantity; dashed lines: events not located. Grey: what the reference does not tell."""
     names = found.scene.names
     if not found.lines():
-        raise ParameterError("a scene whose quantities scatter has no errors to draw")
+        raise ParameterError(f"{found.scene.name}: no run came to its end, so there is nothing to draw")
     with style():
         figure, panels = new_figure(path, columns=len(names), size=(3.4 + 3.8 * len(names), 4.2))
         for i, (axis, name) in enumerate(zip(panels, names, strict=True)):
@@ -59,7 +59,7 @@ def _panel(axis: Axes, found: Drawn, i: int) -> None:
         number = methods.index(method)
         axis.loglog(
             [max(float(p.errors[i]), _LEAST) for p in points],
-            [1e3 * p.stats.cpu_seconds for p in points],
+            [1e3 * p.seconds for p in points],
             label=method + ("" if located else ", not located"),
             color=COLOURS[number],
             linestyle="-" if located else "--",

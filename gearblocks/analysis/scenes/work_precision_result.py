@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.scenes.bench import Effort
-from gearblocks.analysis.scenes.reference import CHANGE, Reference
+from gearblocks.analysis.scenes.reference import Reference
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.files import write_text
@@ -29,14 +29,30 @@ _DIGITS = 6  # further digits, at most, that the price of one is told from
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Point:
-    """One run: values of the quantities and their relative errors, shape (Q,); stats: of the run without its outputs;
-    failure: why it did not come to its end, or ""."""
+    """One way to run: values of the quantities, their relative errors and what these are uncertain by, shape (Q,); members:
+    runs whose mean the values are; stats: of one run without its outputs; failure: why it did not come to its end, or ""."""
 
     effort: Effort
     values: Array
     errors: Array
+    noise: Array
+    members: int = 1
     stats: Stats = field(default_factory=Stats)
     failure: str = ""
+
+    @property
+    def seconds(self) -> float:
+        """CPU time of all its runs [s]."""
+        return self.members * self.stats.cpu_seconds
+
+    @property
+    def rhs_calls(self) -> int:
+        """Right-hand sides of all its runs, as many in each."""
+        return self.members * self.stats.rhs_calls
+
+    def within(self, asked: float, which: slice) -> bool:
+        """Whether its errors are at most so much, with what they are uncertain by."""
+        return not self.failure and bool((self.errors[which] + self.noise[which] <= asked).all())
 
 
 @final
@@ -51,16 +67,18 @@ class Verified:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Choice:
-    """The cheapest way to an accuracy: how the run is made, errors and their bound, and what it is predicted to cost."""
+    """The cheapest way to an accuracy: how a run is made and how many (members), errors, and what all of them are predicted to
+    cost."""
 
     effort: Effort
+    members: int
     errors: Array
     rhs_calls: float
     seconds: float
-    stats: Stats
 
     def __str__(self) -> str:
-        return f"{self.effort}: {self.rhs_calls:,.0f} right-hand sides, {1e3 * self.seconds:.3g} ms"
+        many = f"{self.members} runs with " if self.members > 1 else ""
+        return f"{many}{self.effort}: {self.rhs_calls:,.0f} right-hand sides, {1e3 * self.seconds:.3g} ms"
 
 
 @final
@@ -81,12 +99,9 @@ class WorkPrecision:
     quantities_cost: float = 0.0
 
     @property
-    def scattered(self) -> tuple[str, ...]:
-        """Names of the quantities that no single run answers: a change of the parameters by 1e-9, or another method, moves
-        them by more than is wanted."""
-        apart = self.reference.moved if self.verified is None else self.verified.errors
-        moved = np.maximum(self.reference.noise, apart)
-        return tuple(name for name, x in zip(self.scene.names, moved, strict=True) if not x <= self.scene.within)
+    def scattered(self) -> bool:
+        """Whether no single run answers, so that errors are those of means over runs."""
+        return self.reference.scattered
 
     def cheapest(
         self, within: float | None = None, *, quantity: str | None = None, t_end: float | None = None
@@ -94,28 +109,18 @@ class WorkPrecision:
         """The cheapest run whose errors are at most `within` (default: that of the scene), as are those of all tighter ones of
         its method, of one quantity or of all. t_end: for a window that ends there [s], by the price of its second half.
 
-        Raises ParameterError where no run is as accurate, and for a scene whose quantities scatter.
+        Raises ParameterError where no run is as accurate.
         """
         which = self._number(quantity)
         asked = self.scene.within if within is None else within
-        names = self.scene.names[which]
-        if lost := [name for name in names if name in self.scattered]:
-            raise ParameterError(f"{self.scattered_words(lost[0])}; give a wider within= or a shorter window")
         found = self.cheapest_or_none(asked, which)
         if found is None:
-            best = min((float(p.errors[which].max()) for p in self.points if not p.failure), default=np.inf)
-            least = max(best, float(self.reference.noise[which].max()))
-            raise ParameterError(
-                f"no run is within {_share(asked)} of {', '.join(names)}: the best is {_share(least)} off"
-            )
+            raise ParameterError(self._none(asked, which))
         times = 1.0
         if t_end is not None:
-            window = self.scene.end - self.scene.begin
-            more = (t_end - self.scene.end) / window
+            more = (t_end - self.scene.end) / (self.scene.end - self.scene.begin)
             times = 1.0 + 2.0 * self.late * more if more >= 0 else 1.0 + more
-        return Choice(
-            found.effort, found.errors, times * found.stats.rhs_calls, times * found.stats.cpu_seconds, found.stats
-        )
+        return Choice(found.effort, found.members, found.errors, times * found.rhs_calls, times * found.seconds)
 
     def cheapest_or_none(self, within: float | None = None, which: slice = slice(None)) -> Point | None:
         """The point that `cheapest` chooses; None where no run is as accurate."""
@@ -123,10 +128,15 @@ class WorkPrecision:
         sure: list[Point] = []
         for line in self.lines():
             for point in reversed(line):
-                if point.failure or not (point.errors[which] + self.reference.noise[which] <= asked).all():
+                if not point.within(asked, which):
                     break
                 sure.append(point)
-        return min(sure, key=lambda point: point.stats.cpu_seconds, default=None)
+        return min(sure, key=lambda point: point.seconds, default=None)
+
+    def _none(self, asked: float, which: slice) -> str:
+        known = [float((p.errors[which] + p.noise[which]).max()) for p in self.points if not p.failure]
+        best = f"the best is known to {_share(min(known))}" if known else "none came to its end"
+        return f"no run is within {_share(asked)} of {', '.join(self.scene.names[which])}: {best}"
 
     def lines(self) -> list[list[Point]]:
         """Points by method and whether events are located, from loose to tight."""
@@ -140,9 +150,8 @@ class WorkPrecision:
         if quantity is None:
             return slice(None)
         if quantity not in names:
-            raise UnknownNameError(
-                f"the scene asks for {', '.join(names)}, not for '{quantity}'{did_you_mean(quantity, names)}"
-            )
+            near = did_you_mean(quantity, names)
+            raise UnknownNameError(f"the scene asks for {', '.join(names)}, not for '{quantity}'{near}")
         i = names.index(quantity)
         return slice(i, i + 1)
 
@@ -153,66 +162,53 @@ class WorkPrecision:
         """What the wanted accuracy of each quantity costs, what a further digit costs, and how far that holds."""
         return "\n".join(self._sentence(i, name) for i, name in enumerate(self.scene.names))
 
-    def scattered_words(self, name: str) -> str:
-        """Why no single run answers."""
-        i = self.scene.names.index(name)
-        moved, wanted = float(self.reference.noise[i]), _share(self.scene.within)
-        if self.verified is not None and self.verified.errors[i] > max(moved, self.scene.within):
-            apart = _share(float(self.verified.errors[i]))
-            return (
-                f"{name} is not known to {wanted}: {self.reference.effort} and {self.verified.effort} are {apart} apart"
-            )
-        what = f"a change of the parameters by {CHANGE:g}"
-        what = what if self.reference.moved[i] == self.reference.noise[i] else "a tenth of the tolerance"
-        return (
-            f"{name} is scattered: {what} moves it by {_share(moved)}, more than the {wanted} wanted, so that a mean over runs "
-            f"can be asked for and no single run"
-        )
-
     def _sentence(self, i: int, name: str) -> str:
-        wanted = self.scene.within
-        if name in self.scattered:
-            return self.scattered_words(name)
-        which = slice(i, i + 1)
+        wanted, which = self.scene.within, slice(i, i + 1)
+        of = f"the mean of {name}" if self.scattered else name
         best = self.cheapest_or_none(wanted, which)
         if best is None:
-            return f"No run is within {_share(wanted)} of {name}."
-        first = (
-            f"{_share(wanted)} of {name} costs {1e3 * best.stats.cpu_seconds:.2g} ms with {_words(best.effort)} "
-            f"({best.stats.rhs_calls:,} right-hand sides)"
-        )
+            words = self._none(wanted, which)
+            return f"{words[0].upper()}{words[1:]}."
+        costs = f"{_share(wanted)} of {of} costs {_price(best)} with {_words(best.effort)}"
+        if self.scattered:
+            return f"{costs}; the motion scatters, so that no single run answers."
         further = [self.cheapest_or_none(wanted * 10.0**-k, which) for k in range(1, _DIGITS + 1)]
         reached = [(k, p) for k, p in enumerate(further, 1) if p is not None]
         if not reached:
-            return f"{first}; a further digit is not to be had: {_share(float(self.reference.noise[i]))} is noise."
+            return (
+                f"{costs}; a further digit is not to be had: the reference is known to {_share(float(best.noise[i]))}."
+            )
         digits, last = reached[-1]
-        price = (last.stats.cpu_seconds / best.stats.cpu_seconds) ** (1 / digits)
-        return f"{first}; each further digit costs x {price:.2g}, down to {_share(wanted * 10.0**-digits)}."
+        price = (last.seconds / best.seconds) ** (1 / digits)
+        return f"{costs}; each further digit costs x {price:.2g}, down to {_share(wanted * 10.0**-digits)}."
 
     def _table(self) -> list[tuple[str, ...]]:
-        rows = [("method", *(f"error of {name}" for name in self.scene.names), "right-hand sides", "CPU ms")]
+        of = "error of the mean of" if self.scattered else "error of"
+        rows = [("method", *(f"{of} {name}" for name in self.scene.names), "right-hand sides", "CPU ms")]
         for p in self.points:
             if p.failure:
                 rows.append((str(p.effort), *("-" for _ in p.errors), "-", "stopped"))
             else:
                 shown = (f"{x:.1e}" for x in p.errors)
-                rows.append((str(p.effort), *shown, f"{p.stats.rhs_calls:,}", f"{1e3 * p.stats.cpu_seconds:.3g}"))
+                rows.append((str(p.effort), *shown, f"{p.rhs_calls:,}", f"{1e3 * p.seconds:.3g}"))
         return rows
 
     @property
     def notes(self) -> list[str]:
         """How the reference was made and verified, and what the quantities cost."""
         values = ", ".join(f"{n} = {x:.9g}" for n, x in zip(self.scene.names, self.reference.values, strict=True))
-        notes = [f"Reference: {values}, by {self.reference.effort}, to {self.reference.noise.max():.0e}"]
+        notes = [f"Reference: {values}, {self._made()}, to {self.reference.noise.max():.0e}"]
         if self.verified is not None:
             notes.append(f"{self.verified.effort} differs from it by {self.verified.errors.max():.0e}")
         if self.points:
             notes.append(f"Measuring the quantities costs {1e3 * self.quantities_cost:.2g} ms besides the run")
         return notes
 
+    def _made(self) -> str:
+        one = f"by {self.reference.effort}"
+        return f"the means of {self.reference.members} runs {one}" if self.scattered else one
+
     def __str__(self) -> str:
-        if not self.points:
-            return f"{self.scene}\n{self.sentence}"
         rows = self._table()
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = [
@@ -243,12 +239,14 @@ class WorkPrecision:
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """All runs, a line each."""
         head = ["method", "rtol", "step", "located", *(f'"error of {name}"' for name in self.scene.names)]
-        rows = [",".join([*head, "rhs_calls", "steps", "events", "cpu_seconds"])]
+        rows = [",".join([*head, "members", "rhs_calls", "steps", "events", "cpu_seconds"])]
         for p in self.points:
             e, s = p.effort, p.stats
             asked = [e.method, "" if e.step else repr(e.rtol), repr(e.step) if e.step else "", str(int(e.locate))]
             shown = [repr(float(x)) for x in p.errors]
-            rows.append(",".join([*asked, *shown, *map(str, (s.rhs_calls, s.steps, s.events)), repr(s.cpu_seconds)]))
+            rows.append(
+                ",".join([*asked, *shown, *map(str, (p.members, s.rhs_calls, s.steps, s.events)), repr(s.cpu_seconds)])
+            )
         write_text(Path(path), "\n".join([*rows, ""]))
         return Path(path)
 
@@ -256,6 +254,13 @@ class WorkPrecision:
 def _share(x: float) -> str:
     """A share in words: "1 %", or "1e-05" where it is small."""
     return f"{100 * x:.2g} %" if 1e-4 <= x < 10 else f"{x:.0e}"
+
+
+def _price(point: Point) -> str:
+    one = f"{1e3 * point.stats.cpu_seconds:.2g} ms"
+    if point.members > 1:
+        one = f"{point.members} runs of {one}"
+    return f"{one} ({point.rhs_calls:,} right-hand sides)"
 
 
 def _words(effort: Effort) -> str:
