@@ -29,6 +29,8 @@ if TYPE_CHECKING:
         trough,
     )
     from gearblocks.analysis.quantity import Quantity
+    from gearblocks.analysis.scenes.fit import fit
+    from gearblocks.analysis.scenes.price import price
     from gearblocks.analysis.scenes.scene import Scene
     from gearblocks.analysis.scenes.work_precision import work_precision
     from gearblocks.analysis.sections import classify, poincare, stroboscopic
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
         EddyCurrentBrake,
         Engine,
         Fixed,
+        FluidDrag,
         Force,
         Freewheel,
         GearMesh,
@@ -137,7 +140,7 @@ if TYPE_CHECKING:
     from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
     from gearblocks.language.tables import Table2
     from gearblocks.language.units import rpm
-    from gearblocks.running import build, simulate
+    from gearblocks.running import build, carried_start, simulate
     from gearblocks.simulation.comparison import compare
     from gearblocks.simulation.trajectory import Trajectory
     from gearblocks.solver.library import Model
@@ -147,20 +150,20 @@ __version__ = "0.1.0"
 __all__ = [
     "Acts", "Angle", "Backlash", "BearingFriction", "BeltDrive", "Block", "Body", "Brake", "Campbell", "Clutch",
     "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain", "EddyCurrentBrake",
-    "Effect", "Energy", "Engine", "Fixed", "Flange", "Force", "Fourier", "Freewheel", "FrequencyResponse", "GearMesh",
-    "GearblocksError", "GearblocksWarning", "Governor", "HardStop", "Harmonic", "Heaviside", "Hold", "HuntCrossley",
-    "Hysteresis", "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear", "LossyTie",
-    "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch", "Parameter",
-    "ParameterError", "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate", "RatioLaw",
-    "RatioLawError", "Scene", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square",
-    "Start", "State", "Stick", "Stop", "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table",
-    "Table2", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint",
-    "UnknownNameError", "Vehicle", "Worm", "at", "build", "campbell", "classify", "compare", "cos", "count",
-    "design_ratio", "driver_angle", "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp",
-    "frequency_response", "last", "latin_hypercube", "line", "linearize", "log", "maximum", "mean", "minimum", "modes",
-    "option", "param", "peak", "period", "pi", "piecewise", "poincare", "points", "random_cases", "rms", "rpm",
-    "sense", "signal", "simulate", "sin", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "time",
-    "trough", "twist", "work_precision",
+    "Effect", "Energy", "Engine", "Fixed", "Flange", "FluidDrag", "Force", "Fourier", "Freewheel",
+    "FrequencyResponse", "GearMesh", "GearblocksError", "GearblocksWarning", "Governor", "HardStop", "Harmonic",
+    "Heaviside", "Hold", "HuntCrossley", "Hysteresis", "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash",
+    "Linearization", "LossyGear", "LossyTie", "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion",
+    "NonCircularGear", "OneWayClutch", "Parameter", "ParameterError", "Parts", "PlanetaryGear", "Potential",
+    "Profile", "Quantity", "Rack", "Rate", "RatioLaw", "RatioLawError", "Scene", "Shaft", "Shows", "SimulationError",
+    "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Stick", "Stop", "Stribeck", "Study",
+    "Superposition", "Switch", "Synchronizer", "Table", "Table2", "Tie", "ToothFriction", "Torque", "TorqueConverter",
+    "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "Worm", "at", "build", "campbell",
+    "carried_start", "classify", "compare", "cos", "count", "design_ratio", "driver_angle", "dynamic_factor",
+    "effect", "energy_lost", "event_time", "exact", "exp", "fit", "frequency_response", "last", "latin_hypercube",
+    "line", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak", "period", "pi",
+    "piecewise", "poincare", "points", "price", "random_cases", "rms", "rpm", "sense", "signal", "simulate", "sin",
+    "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "time", "trough", "twist", "work_precision",
 ]  # fmt: skip
 
 _NAMES = {
@@ -172,13 +175,15 @@ _NAMES = {
     "analysis.dynamic_quantities": "dynamic_factor line period",
     "analysis.quantities": "at count energy_lost event_time last mean peak points rms std trough",
     "analysis.quantity": "Quantity",
+    "analysis.scenes.fit": "fit",
+    "analysis.scenes.price": "price",
     "analysis.scenes.scene": "Scene",
     "analysis.scenes.work_precision": "work_precision",
     "analysis.sections": "classify poincare stroboscopic",
     "analysis.study_result": "Study",
     "blocks": (
         "Angle BearingFriction BeltDrive Brake Clutch Creep Damper DCMotor Differential DogClutch "
-        "EddyCurrentBrake Engine Fixed Force Freewheel GearMesh Governor HardStop IdealGear IdealPlanetary "
+        "EddyCurrentBrake Engine Fixed FluidDrag Force Freewheel GearMesh Governor HardStop IdealGear IdealPlanetary "
         "Inertia Lash LossyGear Mass NonCircularGear OneWayClutch PlanetaryGear Rack Shaft Speed SpeedLoad "
         "SplineCoupling Stribeck Synchronizer Torque TorqueConverter TyreSlip UniversalJoint Vehicle Worm"
     ),
@@ -200,7 +205,7 @@ _NAMES = {
     "language.signals": "Input Parameter Table sense time twist",
     "language.tables": "Table2",
     "language.units": "rpm",
-    "running": "build simulate",
+    "running": "build carried_start simulate",
     "simulation.comparison": "compare",
     "simulation.trajectory": "Trajectory",
     "solver.library": "Model",

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import fnmatch
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from gearblocks.errors import ModelError, by_name, did_you_mean
-from gearblocks.language.block import Block, start_fields
+from gearblocks.language.block import Block
 from gearblocks.language.expression import as_expr
-from gearblocks.language.fields import ANGLE, COMPLIANCE, GIVING_WAY, Flange
+from gearblocks.language.fields import Flange
 from gearblocks.language.units import declared
 from gearblocks.model.build import check_user_blocks
+from gearblocks.model.effect_removal import needed, without_effects
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
 from gearblocks.train.handles import FlangeHandle, Handle, bare
 from gearblocks.train.plausibility import warn_of_doubts
@@ -226,16 +227,19 @@ class Drivetrain:
     def without(self, *patterns: str) -> Drivetrain:
         """A new train without the effects that match; `dropped` of it says what went. `*` crosses dots.
 
-        Where compliance goes, shafts become one; the start angle of their first body stays.
+        Where compliance goes, shafts become one; the start angle and the start speed of their first body stay. See
+        `carried_start` for the state of the full train.
         """
-        gone = self._matching("without", patterns)
-        return self._leaving(lambda name: name in gone)
+        return self._leaving(self._matching("without", patterns).__contains__)
 
     def only(self, *patterns: str) -> Drivetrain:
         """A new train with only the effects that match, and what they need."""
-        kept = self._matching("only", patterns)
-        needed = {f"{name.rsplit('.', 1)[0]}.{COMPLIANCE}" for name in kept}
-        return self._leaving(lambda name: name not in kept and name not in needed)
+        kept = set(self._matching("only", patterns))
+        for path, _, _, block in self._walk():
+            kept |= {
+                f"{path}.{effect}" for effect in needed(block, {e for e in block.effects() if f"{path}.{e}" in kept})
+            }
+        return self._leaving(lambda name: name not in kept, kept)
 
     def _matching(self, what: str, patterns: tuple[str, ...]) -> dict[str, Any]:
         """The effects that match; ModelError names each pattern that matches none."""
@@ -255,33 +259,12 @@ class Drivetrain:
             raise ModelError(problems)
         return found
 
-    def _leaving(self, goes: Any) -> Drivetrain:
-        other = self._copy()
-        before = self.effects()
-        for path, owner, name, block in list(other._walk()):
-            for effect in sorted(block.effects(), key=lambda e: e == COMPLIANCE):
-                if goes(f"{path}.{effect}") and effect in block.effects():
-                    block = block.without_effect(effect)
-            owner._parts[name] = block
-        after = other.effects()
-        other.dropped = tuple(name for name in before if name not in after)
-        gone = {name.rpartition(".")[::2] for name in other.dropped}  # a rigid impact is no tie as long as it has a gap
-        if any(effect in GIVING_WAY and after.keys().isdisjoint(f"{p}.{e}" for e in GIVING_WAY) for p, effect in gone):
-            other._release_angles(self)
+    def _leaving(self, goes: Callable[[str], bool], kept: Collection[str] = ()) -> Drivetrain:
+        other, removal = self._copy(), without_effects(self.tree(), goes, kept)
+        for path, owner, name, _ in list(other._walk()):
+            owner._parts[name] = removal.blocks.get(path, owner._parts[name])
+        other.dropped = removal.dropped
         return other
-
-    def _release_angles(self, compliant: Drivetrain) -> None:
-        """Leaves out start angles that described deflections of a train which had them: they depend on others now."""
-        from gearblocks.assembly.dependent_starts import dependent_angles
-
-        before, now = (dependent_angles(flatten(x.tree(), complete=False)) for x in (compliant, self))
-        for path in sorted(set(now).difference(before), key=now.index):
-            owner, name, _ = self._locate(path)
-            body = owner._parts[name]
-            assert isinstance(body, Block)
-            start = start_fields(type(body))[ANGLE]
-            owner._parts[name] = body.changed(**{start: None})
-            self.dropped += (f"{path}.{start}",)
 
     # -- reading ------------------------------------------------------------------------------------------------------
 

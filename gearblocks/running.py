@@ -63,3 +63,24 @@ def simulate(
         locate=locate, inputs=inputs, parameters=parameters, initial=initial, outputs=outputs, progress=progress,
         residual=residual,
     )  # fmt: skip
+
+
+@by_name_only
+def carried_start(
+    full: Drivetrain | Model, variant: Drivetrain | Model, *,
+    initial: Mapping[str, float | str] | Trajectory | str | None = None, t_start: float | str | None = None,
+    parameters: Mapping[str, float | str] | None = None, inputs: Mapping[str, InputSource] | None = None,
+) -> Mapping[str, float | str] | Trajectory | str | None:  # fmt: skip
+    """What `initial` a train without some effects is to be run with, so that it starts where the full train starts.
+
+    `initial` itself where that does it, or where it asks for an equilibrium that the variant has; else start values by name,
+    or for an earlier run of the full train a run of no length. Speeds that new ties contradict keep the momentum of the full
+    train, angles the deflections that are left, blocks their states. Other arguments: those of the run.
+
+    Example:
+        lean = rig.without("shaft.*")
+        run = gb.simulate(lean, t_end=0.1, initial=gb.carried_start(rig, lean, initial="static"))
+    """
+    from gearblocks.simulation.carried_start import carried_start
+
+    return carried_start(build(full), build(variant), initial, t_start=t_start, parameters=parameters, inputs=inputs)

@@ -1,6 +1,7 @@
-"""Start angles that follow from others: which given ones the rigid constraints and prescribed motions leave no choice for.
+"""Start values that follow from others: which given ones the rigid constraints and prescribed motions leave no choice for.
 
     phi_g = sum of c_k phi_k over free groups    each given phi_g solved for one of them; one that is over none depends
+    w_g   = sum of c_k w_k                       in the same way; a prescribed speed is free in its angle alone
 
 Of a nonlinear relation only its sources count, with generic factors; one that nobody gives starts at 0 and is not solved
 for. Knows nothing of values.
@@ -16,22 +17,29 @@ from gearblocks.assembly.elimination import Combination, Elimination
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly
 from gearblocks.errors import ModelError
 from gearblocks.language.block import given_start
-from gearblocks.language.fields import ANGLE
+from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.train.graph import Train
 
 
-def dependent_angles(train: Train) -> list[str]:
-    """Paths of the bodies whose given start angle follows from motions and from the angles given before it. Empty for a train
-    that cannot be assembled."""
+def dependent_starts(train: Train) -> dict[str, list[str]]:
+    """By "angle" and "speed": paths of the bodies whose given start value follows from motions and from those given before
+    it. Nothing for a train that cannot be assembled."""
     try:
         assembly = assemble(train)
     except ModelError:
-        return []
-    bodies = [c for c in train.components if len(c.nodes) == 2 and given_start(c.block, ANGLE) is not None]
+        return {ANGLE: [], SPEED: []}
+    return {of: _dependent(train, assembly, of) for of in (ANGLE, SPEED)}
+
+
+def _dependent(train: Train, assembly: Assembly, of: str) -> list[str]:
+    bodies = [c for c in train.components if len(c.nodes) == 2 and given_start(c.block, of) is not None]
     places = [assembly.group_of_node[c.nodes[0]] for c in bodies]
-    groups, given, found = _definitions(assembly, {group for group, _ in places}), Elimination(), []
+    groups, given = _definitions(assembly, {group for group, _ in places}, of), Elimination()
+    found: list[str] = []
     for c, (group, gain) in zip(bodies, places, strict=True):
         if group == GROUND_GROUP:
+            if of == SPEED:
+                found.append(c.path)
             continue
         left = given.left({g: x * gain for g, x in groups.gains(group).items()})
         if left:
@@ -41,13 +49,13 @@ def dependent_angles(train: Train) -> list[str]:
     return found
 
 
-def _definitions(assembly: Assembly, known: Container[int]) -> Elimination:
-    """Dependent groups over those that are free. known: groups with a given angle."""
+def _definitions(assembly: Assembly, known: Container[int], of: str) -> Elimination:
+    """Dependent groups over those that are free. known: groups with a given start value."""
     found = Elimination()
     for f in assembly.dependent_groups:
         if f.row is not None:
             sources = dict(f.row.groups)
-        elif f.prescribed is not None and not f.prescribed.by_speed:
+        elif f.prescribed is not None and (of == SPEED or not f.prescribed.by_speed):
             sources = {
                 g: Fraction(2 * f.group + 3, 2 * g + 5) for g in f.sources if g in known or g in found.definitions
             }

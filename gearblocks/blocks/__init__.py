@@ -2,7 +2,7 @@
 
 from gearblocks.blocks.bodies import Fixed, Inertia
 from gearblocks.blocks.couplings import BeltDrive, Creep, TorqueConverter, UniversalJoint
-from gearblocks.blocks.friction import BearingFriction, Brake, Clutch, Stribeck
+from gearblocks.blocks.friction import BearingFriction, Brake, Clutch, FluidDrag, Stribeck
 from gearblocks.blocks.gears import Differential, IdealGear, IdealPlanetary
 from gearblocks.blocks.locking_couplings import DogClutch, Freewheel, OneWayClutch, Synchronizer
 from gearblocks.blocks.lossy_gears import LossyGear, Worm
@@ -31,6 +31,7 @@ __all__ = [
     "EddyCurrentBrake",
     "Engine",
     "Fixed",
+    "FluidDrag",
     "Force",
     "Freewheel",
     "GearMesh",

@@ -7,7 +7,7 @@ from typing import Any
 
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Body, Contribution, Shows, Tie
-from gearblocks.language.fields import Flange, param
+from gearblocks.language.fields import Flange, option, param
 from gearblocks.language.signals import Value
 
 
@@ -16,7 +16,9 @@ class Inertia(Block):
 
         a o---[ J ]---o b        phi = phi_a = phi_b
 
-    phi0, w0: start values. Left out, they follow from tied neighbours, else they are 0.
+    phi0, w0: start values. Left out, they follow from tied neighbours, else they are 0. small=True makes the effect
+    `inertia` of it: without that the part turns with its neighbour (the stiffest compliant element at its shaft becomes
+    rigid), and J is lumped there, times the ratio squared.
 
     Example:
         rig = gb.Drivetrain("flywheel")
@@ -28,6 +30,7 @@ class Inertia(Block):
     J: Value = param("moment of inertia", "kg m2", ge=0)
     phi0: Value | None = param("start angle", "rad", default=None, start="angle")
     w0: Value | None = param("start speed", "rad/s", default=None, start="speed")
+    small: bool = option("whether it may be lumped into its neighbour", default=False, belongs_to="inertia")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """J phi'' = sum of the torques on both flanges."""

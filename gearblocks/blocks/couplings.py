@@ -25,7 +25,8 @@ class TorqueConverter(Block):
     Speeds are against the housing (the ground when not connected), which takes the difference of the torques. Outside
     the tables the end values are held, so capacity must reach 0 (free) or less (the turbine drives) at its upper end.
     nu is taken as w_t w_i/(w_i^2 + 1e-12 rad2/s2). Tables by which the converter would give more power than it takes
-    are refused. torque: T_t.
+    are refused. torque: T_t. The effect `slip` is both tables; without it (both None) the lock-up clutch is closed for good:
+    impeller and turbine are one shaft.
 
     Example:
         rig = gb.Drivetrain("start on a converter")
@@ -37,27 +38,29 @@ class TorqueConverter(Block):
 
     impeller, turbine = Flange("impeller, the driving side"), Flange("turbine, the driven side")
     housing = Flange("housing of the stator", ground=True)
-    capacity: Table = option("T_i/w_i^2 in N m s2/rad2 over the speed ratio")
-    ratio: Table = option("T_t/T_i over the speed ratio")
+    capacity: Table | None = option("T_i/w_i^2 in N m s2/rad2 over the speed ratio; None: locked up", belongs_to="slip")
+    ratio: Table | None = option("T_t/T_i over the speed ratio; None: locked up", belongs_to="slip")
 
     def problems(self) -> Iterator[str]:
         """Tables that are none, that jump, or that create energy."""
+        if self.capacity is None and self.ratio is None:
+            return
         wrong = [
             f"{name} = {table!r:.80} must be a linear or cubic gb.Table over the speed ratio, not periodic"
             for name, table in (("capacity", self.capacity), ("ratio", self.ratio))
             if not isinstance(table, Table) or table.periodic or table.kind == "step"
         ]
-        yield from wrong or self._gains()
+        yield from wrong or self._gains(self.capacity, self.ratio)
 
-    def _gains(self) -> Iterator[str]:
+    def _gains(self, capacity: Any, ratio: Any) -> Iterator[str]:
         """The speed ratio at which most power comes from nothing, looked for on a grid and far outside."""
-        joints = np.concatenate([self.capacity.x, self.ratio.x])
+        joints = np.concatenate([capacity.x, ratio.x])
         inside = np.linspace(joints.min(), joints.max(), 2001)
         far = 10 * (np.ptp(joints) + np.abs(joints).max())
         nu = np.unique(np.concatenate([joints, inside, [-far, far]]))
-        lost = self.capacity.values(nu) * (1 - self.ratio.values(nu) * nu)
+        lost = capacity.values(nu) * (1 - ratio.values(nu) * nu)
         worst = int(np.argmin(lost))
-        if lost[worst] < -1e-12 * np.abs(self.capacity.values(nu)).max():
+        if lost[worst] < -1e-12 * np.abs(capacity.values(nu)).max():
             where = {far: "above the last point", -far: "below the first point"}.get(nu[worst], f"at {nu[worst]:.4g}")
             yield (
                 f"the tables give more power than they take, most at a speed ratio {where}: "
@@ -65,9 +68,13 @@ class TorqueConverter(Block):
             )
 
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """Torques on impeller, turbine and housing."""
+        """Torques on impeller, turbine and housing, or the tie of the lock-up clutch."""
         import sympy as sp
 
+        if self.capacity is None:
+            yield Tie(s.impeller.phi - s.turbine.phi)
+            yield Shows("torque", s.turbine.tau, "N m", "torque on the turbine")
+            return
         w_i, w_t = s.impeller.w - s.housing.w, s.turbine.w - s.housing.w
         nu = s.named("nu", w_t * w_i / (w_i**2 + sp.Float(_REST**2)), "speed ratio")
         taken = s.named("T_i", s.local("capacity", nu=nu) * w_i * sp.Abs(w_i), "torque that the impeller takes", "N m")

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from gearblocks.language.block import Block, Effect
-from gearblocks.language.contributions import Contribution, Rate, Shows, Start, Stick
+from gearblocks.language.contributions import Acts, Contribution, Energy, Rate, Shows, Start, Stick
 from gearblocks.language.fields import Flange, State, effect, option, param, signal
 from gearblocks.language.signals import Signal, Table, Value
 
@@ -183,15 +183,32 @@ class Stribeck(Effect):
     speed: Value = param("speed at which 1/e of it is left", "rad/s", gt=0)
 
 
+class FluidDrag(Effect):
+    """Drag of what turns in air (windage) or dips into oil (churning): torque c w abs(w) against the motion.
+
+        c = rho C_m S_m R^3/2
+
+    with the density rho, the pitch radius R, the wetted surface S_m and the drag coefficient C_m (Changenet and Velex 2007, J.
+    Mech. Des. 129, 128-133, doi 10.1115/1.2403727, there for churning). C_m is a constant here: it knows nothing of Reynolds
+    and Froude numbers.
+
+    Example:
+        bearing = gb.BearingFriction(viscous=1e-3, churning=gb.FluidDrag(c=2e-6))
+    """
+
+    c: Value = param("torque over the square of the speed", "N m s2/rad2", ge=0)
+
+
 class BearingFriction(Block):
     """Friction of a bearing between a shaft and its housing (the ground when not connected); it sticks at rest.
 
         a o---(o)---# housing
 
-        abs(torque) = coulomb + rise exp(-(w/speed)^2) + viscous abs(w),   or a Table over abs(w)
+        abs(torque) = coulomb + rise exp(-(w/speed)^2) + viscous abs(w) + c w^2,   or a Table over abs(w) + c w^2
 
-    rise and speed: of stribeck=Stribeck(...). Stuck, it holds up to peak times the value at w = 0. Signs, outputs and
-    modes as of `Brake`; it is never free.
+    rise and speed: of stribeck=Stribeck(...); c: of windage=FluidDrag(...) and churning=FluidDrag(...), the drag of what the
+    bearing carries. Stuck, it holds up to peak times the value at w = 0. Signs, outputs and modes as of `Brake`; it is never
+    free. Without coulomb and Table the rest is a drag that never sticks (no phi_rel, no mode), or nothing.
 
     Example:
         rig = gb.Drivetrain("coasting down")
@@ -201,39 +218,86 @@ class BearingFriction(Block):
 
     a = Flange("shaft", slider=None)
     housing = Flange("housing", ground=True, slider=None)
-    torque: Table | None = option("friction torque in N m, a gb.Table over abs(w) in rad/s", default=None)
-    coulomb: Value | None = param("friction torque that does not depend on speed", "N m", default=None, ge=0)
+    torque: Table | None = option(
+        "friction torque in N m, a gb.Table over abs(w) in rad/s", default=None, belongs_to="friction"
+    )
+    coulomb: Value | None = param(
+        "friction torque that does not depend on speed", "N m", default=None, ge=0, belongs_to="coulomb"
+    )
     viscous: Value | None = param("friction torque per speed", "N m s/rad", default=None, ge=0, belongs_to="viscous")
     stribeck: Stribeck | None = effect("more friction near rest", default=None)
-    peak: Value = PEAK
+    windage: FluidDrag | None = effect("drag in the air", default=None)
+    churning: FluidDrag | None = effect("drag in the oil", default=None)
+    peak: Value | None = param(
+        "largest torque while stuck over the slip torque at rest", default=1.0, ge=1, belongs_to="coulomb"
+    )
     phi_rel = State("angle from the housing", "rad")
 
     def problems(self) -> Iterator[str]:
-        """Contradicting or missing fields."""
-        if (self.torque is None) == (self.coulomb is None):
-            yield "give either torque, a Table over abs(w), or coulomb"
+        """Contradicting fields."""
         if self.torque is not None and not isinstance(self.torque, Table):
             yield f"torque = {self.torque!r:.80} must be a gb.Table over abs(w); a constant torque is coulomb"
-        if self.torque is not None and (self.viscous is not None or self.stribeck is not None):
-            yield "viscous and stribeck go with coulomb; put them into the Table"
+        if self.torque is not None and any(x is not None for x in (self.coulomb, self.viscous, self.stribeck)):
+            yield "coulomb, viscous and stribeck stand in the Table where torque is given: give either"
+        if self.stribeck is not None and self.coulomb is None and self.torque is None:
+            yield "stribeck rises above coulomb; give coulomb (0.0 where there is none)"
+        if not self._sticks and self.peak not in (None, 1):
+            yield f"peak = {self.peak!r} is that of coulomb or of a Table; give one of them"
+        if self._sticks and self.peak is None:
+            yield "peak = None must be a number >= 1, the default is 1"
         yield from over_slip_problems("torque", self.torque)
 
+    @property
+    def _sticks(self) -> bool:
+        return self.torque is not None or self.coulomb is not None
+
+    def effects(self) -> dict[str, Any]:
+        """The parts of its friction."""
+        return {n: e for n, e in super().effects().items() if n != "coulomb" or self.coulomb is not None}
+
+    def without_effect(self, name: str) -> Block:
+        """Without its Coulomb part nothing holds at rest, and nothing rises there."""
+        changed = super().without_effect(name)
+        if name in ("coulomb", "friction"):
+            changed = changed.changed(stribeck=None, peak=None)
+        return changed
+
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """Friction along w_a - w_housing."""
+        """Friction along w_a - w_housing, or the drag that is left of it."""
         import sympy as sp
 
         slip = s.a.w - s.housing.w
         size = self._size(s, sp.Abs(slip), slip)
-        found = DryFriction(sp.Integer(1), size, s.peak * self._size(s, sp.Integer(0), sp.Integer(0)))
-        yield from friction_element(s, slip, s.a.phi - s.housing.phi, found, against=True)
+        if self._sticks:
+            found = DryFriction(sp.Integer(1), size, s.peak * self._size(s, sp.Integer(0), sp.Integer(0)))
+            yield from friction_element(s, slip, s.a.phi - s.housing.phi, found, against=True)
+        elif size != 0:
+            torque = s.named("T", self._drag(s, sp.Abs(slip)) * slip, "braking torque", "N m")
+            yield Acts(s.a, -torque)
+            yield Acts(s.housing, torque)
+            yield Energy(loss=torque * slip)
+            yield Shows("w_rel", slip, "rad/s", "slip")
+            yield Shows("torque", torque, "N m", "braking torque, positive against forward rotation")
+            yield Shows("loss_power", torque * slip, "W", "power lost by friction")
 
     def _size(self, s: Any, speed: Any, w: Any) -> Any:
         """Friction torque at abs(w) = speed."""
         import sympy as sp
 
+        drag = self._drag(s, speed) * speed
         if self.torque is not None:
-            return s.local("torque", slip=speed)
-        size = s.coulomb
+            return s.local("torque", slip=speed) + drag
+        size = sp.Integer(0) if self.coulomb is None else s.coulomb
         if self.stribeck is not None:
             size = size + s.stribeck.rise * sp.exp(-((w / s.stribeck.speed) ** 2))
-        return size if self.viscous is None else size + s.viscous * speed
+        return size + drag
+
+    def _drag(self, s: Any, speed: Any) -> Any:
+        """Viscous and fluid drag per speed."""
+        import sympy as sp
+
+        drag = sp.Integer(0) if self.viscous is None else s.viscous
+        for fluid in ("windage", "churning"):
+            if getattr(self, fluid) is not None:
+                drag = drag + getattr(s, fluid).c * speed
+        return drag

@@ -176,7 +176,7 @@ class Worm(Block):
     housing = Flange("housing", ground=True)
     ratio: float = exact("ratio phi_a/phi_b")
     lead_angle: float = option("lead angle gamma", "rad")
-    friction: float = option("coefficient of friction mu")
+    friction: float | None = option("coefficient of friction mu; None: without losses", belongs_to="loss")
     pressure_angle: float = option("normal pressure angle alpha", "rad", default=0.3490658503988659)
 
     def problems(self) -> Iterator[str]:
@@ -185,25 +185,31 @@ class Worm(Block):
             yield "ratio = 0 must not be 0"
         for name, top in (("lead_angle", 1.5), ("pressure_angle", 1.5), ("friction", 10.0)):
             value = getattr(self, name)
+            if name == "friction" and value is None:
+                return
             if not (isinstance(value, (int, float)) and (0 < value < top or (name == "friction" and value == 0))):
                 yield f"{name} = {value!r} must be a number > 0 (friction >= 0) and < {top:g}"
                 return
-        if self.friction * tan(self.lead_angle) >= cos(self.pressure_angle):
+        if self.friction is not None and self.friction * tan(self.lead_angle) >= cos(self.pressure_angle):
             yield f"friction = {self.friction!r} is so large at this lead angle that the worm cannot drive either"
 
     def efficiency(self) -> tuple[float, float]:
         """eta1, eta2 of its geometry."""
-        c, t, mu = cos(self.pressure_angle), tan(self.lead_angle), self.friction
+        c, t, mu = cos(self.pressure_angle), tan(self.lead_angle), self.friction or 0.0
         return (c - mu * t) / (c + mu / t), (c - mu / t) / (c + mu * t)
 
     def parts(self) -> Parts:
         """The gear that it is."""
         eta1, eta2 = self.efficiency()
+        if self.friction is None:
+            return self._of(LossyGear(ratio=self.ratio))
         if eta2 == 0:
             raise ModelError(
                 "the wheel drives with efficiency 0, neither free nor self-locking; change friction a little"
             )
-        gear = LossyGear(ratio=self.ratio, efficiency=(eta1, eta2))
+        return self._of(LossyGear(ratio=self.ratio, efficiency=(eta1, eta2)))
+
+    def _of(self, gear: LossyGear) -> Parts:
         return Parts({"gear": gear}, (), {n: ("gear", n) for n in ("a", "b", "housing")})
 
     def physics(self, s: Any) -> Iterator[Contribution]:  # noqa: ARG002  its parts have physics

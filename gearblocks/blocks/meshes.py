@@ -26,7 +26,7 @@ from gearblocks.geometry.involute import NUMBERS, ToothPair, contact_ratio_or_na
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Tie
 from gearblocks.language.fields import Flange, effect, exact, option, param
-from gearblocks.language.signals import Value
+from gearblocks.language.signals import Value, number_or_zero
 
 
 class GearMesh(Block):
@@ -191,6 +191,18 @@ class GearMesh(Block):
     def without_effect(self, name: str) -> Block:
         """Without compliance a restitution stays, as that of a rigid impact."""
         return without(self, name, super().without_effect(name))
+
+    def gives_way(self, flange: str) -> tuple[str, float] | None:
+        """Its compliance, k r^2 about a gear."""
+        if not self.is_compliant or flange == "carrier":
+            return None
+        if self.r_base is not None:
+            radius = number_or_zero(self.r_base[0])
+        else:
+            values = {n: number_or_zero(getattr(self, n)) for n in ("module", "pressure_angle", "helix_angle")}
+            radius = self._pair(self.changed(**values, profile_shift=None)).base_radius(self.teeth[0])
+        lever = radius * (1 if flange == "pinion" else self.teeth[1] / self.teeth[0])
+        return "compliance", number_or_zero(self.k) * lever**2
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Contact along the line of action, or the rigid tie."""

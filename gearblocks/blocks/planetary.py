@@ -212,6 +212,12 @@ class PlanetaryGear(Block):
             for inner, value in self._mesh(name, 0.0).effects().items()
         }
 
+    def gives_way(self, flange: str) -> tuple[str, float] | None:
+        """The compliance of the sun's or of the ring's meshes, all planets together."""
+        name, gear = {"sun": ("sun_mesh", "pinion"), "ring": ("ring_mesh", "wheel")}.get(flange, ("", ""))
+        found = self._mesh(name, 0.0).gives_way(gear) if name else None
+        return None if found is None else (f"{name}.{found[0]}", self.planets * found[1])
+
     def without_effect(self, name: str) -> Block:
         """Without an effect of all sun or ring meshes."""
         mesh, _, inner = name.partition(".")

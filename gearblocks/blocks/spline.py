@@ -11,7 +11,7 @@ from gearblocks.blocks.rigid_impact import hits, impact, without
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Tie
 from gearblocks.language.fields import Flange, effect, exact, option, param
-from gearblocks.language.signals import Value
+from gearblocks.language.signals import Value, number_or_zero
 
 
 class SplineCoupling(Block):
@@ -63,6 +63,11 @@ class SplineCoupling(Block):
     def without_effect(self, name: str) -> Block:
         """Without compliance a restitution stays, as that of a rigid impact."""
         return without(self, name, super().without_effect(name))
+
+    def gives_way(self, flange: str) -> tuple[str, float] | None:  # noqa: ARG002  both sides alike
+        """Its compliance, k r^2."""
+        stiffness = number_or_zero(self.k) * number_or_zero(self.radius) ** 2
+        return None if self.k is None else ("compliance", stiffness)
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Contact along the arc of the pitch circle, the rigid tie or rigid impacts."""

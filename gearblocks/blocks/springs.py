@@ -12,7 +12,7 @@ from gearblocks.blocks.rigid_impact import hits, impact, without
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Energy, Force, Parts, Rate, Shows, Stick, Tie
 from gearblocks.language.fields import Flange, effect, option, param, signal
-from gearblocks.language.signals import Signal, Value
+from gearblocks.language.signals import Signal, Value, number_or_zero
 
 
 class Shaft(Block):
@@ -22,8 +22,9 @@ class Shaft(Block):
               --[]--             positive torque pulls a forward and b back ... on b: -(k twist + c twist')
 
     Either k (a number or signal), or torque: an expression of gb.twist or a Table over the twist, the torque that
-    pulls the ends together. Damping by c or damping_ratio. With segments > 1 and the shaft's own inertia J it becomes a
-    chain of that many springs with J lumped at their ends. hysteresis=Hysteresis(...): inner friction beside the spring.
+    pulls the ends together. Damping by c or damping_ratio. With its own inertia J the shaft becomes a chain of `segments`
+    springs with J lumped at their ends; without the effect `segments`, of one spring between two halves of J.
+    hysteresis=Hysteresis(...): inner friction beside the spring.
 
     Example:
         rig = gb.Drivetrain("two discs")
@@ -44,8 +45,8 @@ class Shaft(Block):
     rigid: bool = option(
         "turns as one piece; what is left when compliance is taken away", default=False, absence_of="compliance"
     )
-    segments: int = option("number of springs in a row", default=1)
-    J: Value | None = param("own moment of inertia, with segments", "kg m2", default=None, ge=0)
+    segments: int = option("number of springs in a row", default=1, belongs_to="segments")
+    J: Value | None = param("own moment of inertia", "kg m2", default=None, ge=0)
 
     def problems(self) -> Iterator[str]:
         """Contradicting fields."""
@@ -66,17 +67,24 @@ class Shaft(Block):
             yield f"segments = {self.segments!r} must be a whole number >= 1"
         elif self.segments > 1 and (self.k is None or self.J is None or self.damping_ratio is not None):
             yield "segments need k, J and (for damping) c"
-        elif self.segments == 1 and self.J is not None:
-            yield "J needs segments > 1; a shaft of one segment has no inertia (put an Inertia beside it)"
+        elif self.J is not None and not self.rigid and (self.k is None or self.damping_ratio is not None):
+            yield "J needs k and (for damping) c"
 
     def _numbers(self) -> tuple[Any, Any, Any]:
         return self.k, self.c, self.J
 
+    def gives_way(self, flange: str) -> tuple[str, float] | None:  # noqa: ARG002  both ends alike
+        """Its compliance."""
+        return None if self.rigid else ("compliance", number_or_zero(self.k))
+
     def parts(self) -> Parts | None:
-        """The chain of springs and lumps, when there are segments."""
+        """The chain of springs and lumps, when it has an inertia."""
         n, k, c, J = self.segments, *self._numbers()
-        if n == 1 or k is None or J is None:
+        if J is None:
             return None
+        if k is None:
+            whole: dict[str, Block] = {"lump": Inertia(J=J), "shaft": self.changed(J=None)}
+            return Parts(whole, ((("lump", "b"), ("shaft", "a")),), {"a": ("lump", "a"), "b": ("shaft", "b")})
         blocks: dict[str, Block] = {}
         for i in range(n + 1):
             blocks[f"lump[{i}]"] = Inertia(J=J / n / (2 if i in (0, n) else 1))
@@ -184,6 +192,10 @@ class Lash(Block):
     def without_effect(self, name: str) -> Block:
         """Without compliance a restitution stays, as that of a rigid impact."""
         return without(self, name, super().without_effect(name))
+
+    def gives_way(self, flange: str) -> tuple[str, float] | None:  # noqa: ARG002  both ends alike
+        """Its compliance."""
+        return None if self.k is None else ("compliance", number_or_zero(self.k))
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """torque = k g(twist) + damping."""

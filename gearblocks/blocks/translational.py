@@ -8,7 +8,7 @@ from typing import Any
 from gearblocks.language import contributions
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Acts, Body, Contribution, Shows, Tie
-from gearblocks.language.fields import Flange, exact, param, signal
+from gearblocks.language.fields import Flange, exact, option, param, signal
 from gearblocks.language.signals import Signal, Value
 
 
@@ -17,7 +17,7 @@ class Mass(Block):
 
         a o---[ m ]---o b        s = s_a = s_b
 
-    s0, v0: start values. Left out, they follow from tied neighbours, else they are 0.
+    s0, v0: start values. Left out, they follow from tied neighbours, else they are 0. small: as of `Inertia`.
 
     Example:
         rig = gb.Drivetrain("sledge")
@@ -28,6 +28,7 @@ class Mass(Block):
     m: Value = param("mass", "kg", ge=0)
     s0: Value | None = param("start position", "m", default=None, start="angle")
     v0: Value | None = param("start speed", "m/s", default=None, start="speed")
+    small: bool = option("whether it may be lumped into its neighbour", default=False, belongs_to="inertia")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """m s'' = sum of the forces on both flanges."""

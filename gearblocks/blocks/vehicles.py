@@ -55,9 +55,11 @@ class Vehicle(Block):
     flange = Flange("axle of the driven wheels")
     mass: Value = param("mass", "kg", gt=0)
     wheel_radius: Value = param("rolling radius of the wheels", "m", gt=0)
-    drag_area: Value | None = param("drag coefficient times front area", "m2", default=None, ge=0)
-    rolling: Value | None = param("rolling resistance over normal force", default=None, ge=0)
-    rolling_speed: Value | None = param("speed below which rolling resistance fades", "m/s", default=None, gt=0)
+    drag_area: Value | None = param("drag coefficient times front area", "m2", default=None, ge=0, belongs_to="drag")
+    rolling: Value | None = param("rolling resistance over normal force", default=None, ge=0, belongs_to="rolling")
+    rolling_speed: Value | None = param(
+        "speed below which rolling resistance fades", "m/s", default=None, gt=0, belongs_to="rolling"
+    )
     grade: Signal | None = signal("angle of the slope", "rad", default=None)
     air_density: Value = param("density of the air", "kg/m3", default=1.2, ge=0)
     tyre: TyreSlip | None = effect("slip of the tyres", default=None)

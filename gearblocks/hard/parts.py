@@ -7,7 +7,7 @@ from typing import Any
 import gearblocks as gb
 
 
-def swing(name: str, spring: gb.Block, *, J: float = 1.0, tau: Any = None, **start: float) -> gb.Drivetrain:
+def swing(name: str, spring: gb.Block, *, J: float = 1.0, tau: Any = None, **start: Any) -> gb.Drivetrain:
     """'body' held to the ground by 'spring', driven by the torque tau; start: phi0 [rad], w0 [rad/s]."""
     rig = gb.Drivetrain(name)
     body = rig.add("body", gb.Inertia(J=J, **start))
@@ -17,7 +17,7 @@ def swing(name: str, spring: gb.Block, *, J: float = 1.0, tau: Any = None, **sta
     return rig
 
 
-def driven(name: str, *loads: tuple[str, gb.Block], J: float = 1.0, tau: Any = None, **start: float) -> gb.Drivetrain:
+def driven(name: str, *loads: tuple[str, gb.Block], J: float = 1.0, tau: Any = None, **start: Any) -> gb.Drivetrain:
     """'body' with one-flange blocks on its flange a, driven by the torque tau; start: phi0 [rad], w0 [rad/s]."""
     rig = gb.Drivetrain(name)
     body = rig.add("body", gb.Inertia(J=J, **start))

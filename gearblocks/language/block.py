@@ -32,7 +32,7 @@ from gearblocks.language.reference import Documented
 from gearblocks.language.units import given, has_unit, is_quantity
 
 _TAKEN = {
-    "changed", "effects", "energy_of", "fields", "flanges", "is_constant", "local", "named", "parts", "physics",
+    "changed", "effects", "energy_of", "fields", "flanges", "gives_way", "is_constant", "local", "named", "parts", "physics",
     "problems", "rate_of", "reading", "slope", "states", "stick", "tabled", "time", "turned", "without_effect",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
@@ -257,9 +257,16 @@ class Block(Declared, ABC):
         gone = set(self.effects()) if name == COMPLIANCE else {name}
         owners = {n: n if spec.role == "effect" else spec.belongs_to for n, spec in fields.items()}
         dropped: dict[str, Any] = {
-            n: fields[n].default if fields[n].role == "option" else None for n, owner in owners.items() if owner in gone
+            n: None if fields[n].role != "option" or fields[n].required else fields[n].default
+            for n, owner in owners.items()
+            if owner in gone
         }
         dropped |= {n: True for n, spec in fields.items() if spec.absence_of == name}
         changed = self.changed(**dropped)
         assert isinstance(changed, Block)
         return changed
+
+    def gives_way(self, flange: str) -> tuple[str, float] | None:
+        """The effect that lets a flange turn against the others, and its stiffness about that flange [N m/rad] as far as it
+        is a number, else 0. None where it gives no way."""
+        return (COMPLIANCE, 0.0) if COMPLIANCE in self.effects() and not type(self).flanges[flange].ground else None

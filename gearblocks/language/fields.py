@@ -28,8 +28,9 @@ ANGLE, SPEED = "angle", "speed"
 """Roles of start values: the angle or the speed of a shaft; of a slider, position or speed."""
 COMPLIANCE = "compliance"
 """The effect that all others of a compliant block rest on."""
-GIVING_WAY = (COMPLIANCE, "backlash")
-"""Effects that let the flanges of a block turn apart."""
+SLIP, INERTIA = "slip", "inertia"
+GIVING_WAY = (COMPLIANCE, "backlash", SLIP)
+"""Effects that let the flanges of a block turn apart: without them it may be a rigid tie."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -292,3 +292,9 @@ def constant_value(x: Any) -> float:
         return evaluate(as_expr(x), lambda leaf: float(leaf.args[0].si))
     except (ArithmeticError, AttributeError, LookupError, ValueError, TypeError):
         return math.nan
+
+
+def number_or_zero(x: Any) -> float:
+    """The same, and 0 where it has none."""
+    value = constant_value(x)
+    return 0.0 if math.isnan(value) else value
