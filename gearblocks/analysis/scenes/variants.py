@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import final
 
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.language.fields import COMPLIANCE
 
 _NUMBER = re.compile(r"\d+")
 
@@ -38,9 +37,7 @@ def without(train: Drivetrain, effects: Iterable[str]) -> Drivetrain:
 
 def gone(train: Drivetrain, effects: Iterable[str]) -> frozenset[str]:
     """All effects that go with these."""
-    chosen = set(effects)
-    rigid = {name.rpartition(".")[0] for name in chosen if name.endswith(f".{COMPLIANCE}")}
-    return frozenset(name for name in train.effects() if name in chosen or name.rpartition(".")[0] in rigid)
+    return frozenset(train.effects()).difference(without(train, effects).effects())
 
 
 def parts(train: Drivetrain) -> tuple[Part, ...]:
