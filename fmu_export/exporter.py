@@ -15,6 +15,7 @@ from fmu_export.archive import write_archive
 from fmu_export.binary import build_binary, checked_platforms, source_files
 from fmu_export.bounds import opened_bounds
 from fmu_export.fmi2.description import Header, describe
+from fmu_export.from_scene import started_as_in, with_inputs
 from fmu_export.manifest import Manifest
 from fmu_export.options import Experiment, SolverOptions, solver_options
 from fmu_export.start import start_vector
@@ -29,6 +30,7 @@ from gearblocks.simulation.arguments import parameter_vector
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
+    from gearblocks.analysis.scenes.scene import Scene
     from gearblocks.drivetrain import Drivetrain
 
 ICON = "model.png"
@@ -38,7 +40,7 @@ _PLANNED = ("3.0",)
 
 @by_name_only
 def export(
-    train: Drivetrain | Model,
+    train: Drivetrain | Model | Scene,
     path: str | os.PathLike[str],
     *,
     fmi: str = "2.0",
@@ -51,29 +53,34 @@ def export(
     locate: bool = True,
     parameters: Mapping[str, float] | None = None,
     initial: Any = None,
-    t_end: float = 1.0,
+    t_end: float | None = None,
     communication_step: float | None = None,
     patience: float | None = 0.5,
 ) -> Path:
-    """Write `train` (a train, or a Model) as an FMU for co-simulation and return its path.
+    """Write `train` (a train, a Model, or the train of a Scene as the scene starts it) as an FMU for co-simulation and return
+    its path.
 
     outputs: pattern or patterns of the outputs to show. method, rtol, step, max_step, locate: as in simulate().
     parameters: start values by path, instead of the train's. initial: start values by name, as in simulate(), or an
     earlier run or a state vector; with these the start values of the states take the place of start parameters.
-    t_end, communication_step: default experiment [s]. patience: processor time [s] after which a step that is asked of
-    the FMU ends on its way with fmi2Discard, to be asked for again or gone on from; 0: after a few internal steps;
-    None: however long it takes.
+    t_end, communication_step: default experiment [s] (t_end: that of the scene, else 1 s). patience: processor time [s]
+    after which a step that is asked of the FMU ends on its way with fmi2Discard, to be asked for again or gone on from;
+    0: after a few internal steps; None: however long it takes.
     Raises ParameterError or UnknownNameError for what cannot be exported; an existing file is replaced whole or kept.
     """
+    from gearblocks.drivetrain import Drivetrain
     from gearblocks.running import build
 
+    held: Mapping[str, float] = {}
     fmi = _version(fmi)
     target = Path(path)
     if target.suffix.lower() != ".fmu":
         raise ParameterError(f"'{target}': the name of an FMU ends in .fmu, such as {target.with_suffix('.fmu').name}")
     chosen = checked_platforms(platforms)
+    if not isinstance(train, (Drivetrain, Model)):
+        train, parameters, initial, t_end, held = started_as_in(train, parameters, initial, t_end)
     model = build(train)
-    program = model.program
+    program = model.program if not held else with_inputs(model.program, held)
     by_name = initial if isinstance(initial, Mapping) else None
     values = parameter_vector(model, parameters or {}, by_name)
     _say_what_does_not_follow(model)
@@ -83,7 +90,7 @@ def export(
         raise ParameterError(f"patience = {patience!r} s must be >= 0, or None")
     program = replace(program, parameters=opened_bounds(model, values, start, solver))
     variables = variables_of(program, values, outputs, solver, start)
-    experiment = Experiment(t_end, solver.rtol, communication_step)
+    experiment = Experiment(1.0 if t_end is None else t_end, solver.rtol, communication_step)
     drawing = None if isinstance(train, Model) else shown_drawing(train.tree())
     made = Manifest(program, values, solver, start, _shown(variables))
     content = Content(fmi, made, variables, experiment, patience, drawing)

@@ -8,19 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from gearblocks import __version__
+from gearblocks.analysis.scenes.work_precision import work_precision
+from gearblocks.analysis.scenes.work_precision_result import Point
 from gearblocks.analysis.sections import Label, classify, stroboscopic
 from gearblocks.cli import scripts
-from gearblocks.cli.report import precision, regimes
+from gearblocks.cli.report import regimes
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import GearblocksError
 from gearblocks.files import make_folder, write_text
 from gearblocks.language.units import rpm as radians_per_second
 from gearblocks.pages import page
 from gearblocks.running import build
-from gearblocks.simulation.plotting import Curve, Plane, cost, planes
+from gearblocks.simulation.plotting import Plane, planes
 from gearblocks.solver.library import Model
 
 Say = Callable[[str], None]
@@ -28,8 +28,7 @@ Say = Callable[[str], None]
 HALF_GAP = "spline.backlash.half_gap"
 PUBLISHED = {300: "harmonic", 348: "period 2", 360: "period 5", 1080: "chaos"}
 EXPECTED = {300: "period 1", 348: "period 2", 360: "period 5", 1080: "not periodic"}
-LEVELS = (1e-3, 1e-6, 1e-9)
-TOLERANCES = tuple(10.0**-k for k in range(3, 13))
+LEVELS = (1e-2, 1e-4, 1e-6, 1e-8)
 FILES = {
     "scheme.svg": "the coupling as a kinematic scheme",
     "equations.html": "equations of motion, for a browser",
@@ -88,7 +87,7 @@ def demo(out: Path, say: Say) -> bool:
     model = _equations(rig, folder)
     coupling = regimes.Coupling(model, "speed", "spline", HALF_GAP, _value(model, HALF_GAP), ("x1", "x2", "x3"))
     found = _regimes(coupling, folder, tell)
-    price = _cost(coupling, folder, tell)
+    price = _cost(folder, tell)
     tell("FMU and its check")
     fmu = _fmu(model, folder)
     listed = dict(FILES)
@@ -153,62 +152,36 @@ def _evidence(label: Label) -> str:
     return f"{words}points repeat within {label.residual:.0e} of the motion's size{apart}"
 
 
-def _cost(coupling: regimes.Coupling, folder: Path, tell: Say) -> dict[str, Any]:
-    """Work-precision of ten turns at 360 rpm, where the teeth part several times in every turn."""
-    rpm, turns, per_turn = 360, 10, 40
-    turn = 60.0 / rpm
-    t = turn * np.arange(turns * per_turn + 1) / per_turn
-    steps = tuple(turn / n for n in (50, 100, 200, 400, 800, 1600, 3200))
-    adaptive = [precision.Line(name, locate, TOLERANCES) for name in ("dp8", "dp5") for locate in (True, False)]
-    fixed = [precision.Line("rk4", locate, steps=steps) for locate in (True, False)]
-    tell("reference for cost and error")
-    task, doubt = precision.pose(coupling.model, t, coupling.relative, {coupling.speed: 2.0 * np.pi / turn})
-    measured = precision.curves(task, adaptive + fixed, lambda words: tell(f"cost of {words}"))
-    drawn = [
-        Curve(line.label, [p.error for p in points], [p.seconds for p in points], dashed=not line.locate)
-        for line, points in measured
-    ]
-    title = f"Spline coupling, set S, {rpm} rpm, {turns} turns"
-    cost(drawn, title=title, error="largest relative error of the relative coordinates", path=folder / "cost.png")
-    rows = [
-        f"{line.method},{int(line.locate)},{p.asked!r},{p.error!r},{p.seconds!r},{p.steps},{p.rhs_calls}"
-        for line, points in measured
-        for p in points
-    ]
-    write_text(folder / "cost.csv", "\n".join(["method,located,asked,error,cpu_seconds,steps,rhs_calls", *rows, ""]))
+def _cost(folder: Path, tell: Say) -> dict[str, Any]:
+    """Work and precision of the largest force at 360 rpm, where the teeth part in every turn."""
+    scene = scripts.scene("spline_coupling:period_5")
+    found = work_precision(scene, progress=lambda words: tell(f"cost of {words}"))
+    found.plot(folder / "cost.png")
+    found.to_csv(folder / "cost.csv")
+    lines = [line for line in found.lines() if any(not point.failure for point in line)]
     return {
-        "question": f"The question: the first {turns} turns at {rpm} rpm; the teeth part in each of them.",
-        "doubt": doubt,
+        "question": f"The question: {scene}.",
         "levels": LEVELS,
-        "rows": [_row(line, points) for line, points in measured],
-        "sentence": _sentence(measured),
+        "rows": [_row(line) for line in lines],
+        "notes": found.notes,
+        "sentence": found.sentence,
     }
 
 
-def _row(line: precision.Line, points: list[precision.Point]) -> dict[str, Any]:
-    cells = [precision.at_error(points, level) for level in LEVELS]
+def _row(line: list[Point]) -> dict[str, Any]:
+    """What a method costs at the levels: its cheapest run from which on all are within them."""
+    done = [point for point in line if not point.failure]
+    sure = [next((p for i, p in enumerate(done) if _largest(done[i:]) <= level), None) for level in LEVELS]
+    located = "" if line[0].effort.locate else ", corners not located"
     return {
-        "label": line.label,
-        "cells": ["-" if seconds is None else f"{1e3 * seconds:.3g} ms" for seconds in cells],
-        "best": f"{min((point.error for point in points), default=np.inf):.0e}",
+        "label": line[0].effort.method + located,
+        "cells": ["-" if p is None else f"{1e3 * p.seconds:.3g} ms" for p in sure],
+        "best": f"{min(float(p.errors.max()) for p in done):.0e}",
     }
 
 
-def _sentence(measured: list[tuple[precision.Line, list[precision.Point]]]) -> str:
-    """The dearest and the cheapest way to one error, in words."""
-    level = LEVELS[1]
-    reached = [
-        (seconds, line) for line, points in measured if (seconds := precision.at_error(points, level)) is not None
-    ]
-    if len(reached) < 2:
-        return f"Fewer than two of these ways reach an error of {level:.0e}."
-    (fast, quick), (slow, dear) = min(reached, key=lambda one: one[0]), max(reached, key=lambda one: one[0])
-    missing = len(measured) - len(reached)
-    rest = f"; {missing} of the {len(measured)} do not get there at all" if missing else ""
-    return (
-        f"An error of {level:.0e} is cheapest with {quick.label}: {1e3 * fast:.2g} ms; it is dearest with "
-        f"{dear.label}: {1e3 * slow:.2g} ms, {slow / fast:.0f} times as much{rest}."
-    )
+def _largest(points: list[Point]) -> float:
+    return max(float(point.errors.max()) for point in points)
 
 
 def _fmu(model: Model, folder: Path) -> dict[str, Any]:

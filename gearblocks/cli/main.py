@@ -1,4 +1,4 @@
-"""The shell: demo, new, copy, list, doc, run, sweep, equations, draw, export, check, hard.
+"""The shell: demo, new, copy, list, doc, run, cost, sweep, equations, draw, export, check, hard.
 
 Exit status: 0 done; 1 it ran and the answer is no; 2 bad input. Errors are one message on standard error.
 """
@@ -10,15 +10,16 @@ import warnings
 from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from gearblocks import __version__
 from gearblocks.cli import beginnings, run_report
+from gearblocks.cli.costs import cost
 from gearblocks.cli.drawing import draw
 from gearblocks.cli.terminal import accept_every_character, complain, progress, say, say_page
-from gearblocks.cli.trains import Change, End, Initial, Method, Rtol, Step, Train, Without, built, named
+from gearblocks.cli.trains import Change, End, Initial, Method, Rtol, Step, Train, Without, asked, built, named
 from gearblocks.errors import CompileError, GearblocksError, SimulationError
 
 NO, BAD_INPUT = 1, 2
@@ -87,17 +88,17 @@ def _begun(script: Path) -> None:
 
 @app.command("list")
 def list_models(file: Annotated[str | None, typer.Argument(metavar="FILE", help="A script.")] = None) -> None:
-    """Shipped models, or the trains in FILE."""
+    """Shipped models, or the trains and scenes in FILE."""
     from gearblocks.cli import scripts
 
     if file is None:
-        rows = [(name, scripts.first_line(path)) for name, path in scripts.shipped().items()]
+        rows = [(name, "", scripts.first_line(path)) for name, path in scripts.shipped().items()]
     else:
         path, _ = scripts.locate(file)
-        rows = [(f"{file}:{maker.name}", maker.words) for maker in scripts.makers(path)]
-    width = max((len(name) for name, _ in rows), default=0)
-    for name, words in rows:
-        say(f"{name:<{width}}  {words}".rstrip())
+        rows = [(f"{file}:{maker.name}", f"{maker.kind}  ", maker.words) for maker in scripts.makers(path)]
+    width = max((len(name) for name, _, _ in rows), default=0)
+    for name, kind, words in rows:
+        say(f"{name:<{width}}  {kind}{words}".rstrip())
     if not rows:
         complain("nothing here makes a train" if file else "no model is shipped")
         raise typer.Exit(NO)
@@ -116,7 +117,7 @@ def doc(
 @app.command()
 def run(
     train: Train,
-    t_end: End = 1.0,
+    t_end: End = None,
     initial: Initial = None,
     change: Change = None,
     without: Without = None,
@@ -127,29 +128,32 @@ def run(
     out: Annotated[Path | None, typer.Option(help="Store the run: .csv, .nc or .json.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture over time: .png, .svg or .pdf.")] = None,
 ) -> None:
-    """Simulate a train."""
+    """Simulate a train, or a scene as it says."""
     run_report.check_endings(out, plot)
-    model, tuned = built(train, change, without)
+    it = built(train, change, without)
     from gearblocks.running import simulate
 
-    options: dict[str, Any] = {"rtol": rtol, "method": method, "step": step, "initial": initial, "parameters": tuned}
+    model, options = it.model, {"rtol": rtol, "method": method, "step": step, **it.arguments(t_end, initial)}
     chosen = tuple(outputs) if outputs else "*"
     failure: SimulationError | None = None
     try:
         with progress() as show:
-            result = simulate(model, t_end=t_end, outputs=chosen, progress=show, **options)
+            result = simulate(model, outputs=chosen, progress=show, **options)
     except SimulationError as error:
         if error.trajectory is None or not len(error.trajectory.t):
             raise
         result, failure = error.trajectory, error
     shown = result.names if outputs else run_report.telling(result.names)
     run_report.report(result, shown)
+    if it.scene is not None and result.complete:
+        run_report.answers(result, it.scene)
     if out is not None:
         result.save(out)
         say(f"wrote {out}")
     if plot is not None:
         sparse = result.complete and len(result.t) < run_report.SMOOTH
-        drawn = simulate(model, t=run_report.grid(t_end), outputs=shown, **options) if sparse else result
+        t = run_report.grid(options.pop("t_end"), options.get("t_start", 0.0))
+        drawn = simulate(model, t=t, outputs=shown, **options) if sparse else result
         drawn.plot(*shown, path=plot)
         say(f"wrote {plot}")
     if failure is not None:
@@ -166,7 +170,7 @@ def sweep(
     of: Annotated[
         list[str] | None, typer.Option(metavar="OUTPUT", help="An output, or peak(OUTPUT), rms(OUTPUT) ...")
     ] = None,
-    t_end: End = 1.0,
+    t_end: End = None,
     initial: Initial = None,
     change: Change = None,
     without: Without = None,
@@ -177,19 +181,20 @@ def sweep(
     store: Annotated[Path | None, typer.Option(help="A folder (Zarr) from which a stopped sweep goes on.")] = None,
     jobs: Annotated[int | None, typer.Option(help="Threads; without: all cores.")] = None,
 ) -> None:
-    """Run a train over a grid of values, and tell what each run comes to."""
+    """Run a train or a scene over a grid of values, and tell what each run comes to."""
     from gearblocks.cli import studies
 
     values = studies.grid(over)
     studies.check_place(out)
-    model, tuned = built(train, change, without)
+    it = built(train, change, without)
     from gearblocks.analysis import parameter_study
 
+    model, options = it.model, it.arguments(t_end, initial)
     usual = run_report.telling([*model.program.output_numbers])[:1]
+    asks = it.scene.measures if it.scene and not of else studies.quantities(model.program, of or (), usual)
     found = parameter_study.sweep(
-        model, values, quantity=studies.quantities(model.program, of or (), usual), t_end=t_end, initial=initial,
-        parameters=tuned, rtol=rtol, method=method, step=step, store=store, threads=jobs,
-    )  # fmt: skip
+        model, values, quantity=asks, rtol=rtol, method=method, step=step, store=store, threads=jobs, **options
+    )
     say(repr(found)[1:-1])
     for path in studies.written(found, out) if out is not None and found.done.any() else []:
         say(f"wrote {path}")
@@ -232,16 +237,17 @@ def export(
     step: Step = None,
 ) -> None:
     """Write a train as an FMU."""
-    rig = named(train, change, without)
+    rig, scene = asked(train, change, without)
     import fmu_export
 
     path = fmu_export.export(
-        rig, out, fmi=fmi, platforms=tuple(platform or ("native",)), rtol=rtol, method=method, step=step
+        scene or rig, out, fmi=fmi, platforms=tuple(platform or ("native",)), rtol=rtol, method=method, step=step
     )
     say(f"wrote {path} ({path.stat().st_size / 1024:.0f} KiB)")
 
 
 app.command()(draw)
+app.command()(cost)
 
 
 @app.command()

@@ -11,6 +11,7 @@ from gearblocks.errors import ParameterError
 from gearblocks.files import check_place
 
 if TYPE_CHECKING:
+    from gearblocks.analysis.scenes.scene import Scene
     from gearblocks.simulation.trajectory import Trajectory
 
 SMOOTH = 4001
@@ -26,11 +27,11 @@ def check_endings(out: Path | None, plot: Path | None) -> None:
         check_place(option, path)
 
 
-def grid(t_end: float) -> Any:
+def grid(t_end: float, t_start: float = 0.0) -> Any:
     """Times for a smooth picture: accepted steps of a high order lie too far apart for straight lines between them."""
     import numpy as np
 
-    return np.linspace(0.0, t_end, SMOOTH)
+    return np.linspace(t_start, t_end, SMOOTH)
 
 
 def report(result: Trajectory, shown: Sequence[str]) -> None:
@@ -45,6 +46,18 @@ def report(result: Trajectory, shown: Sequence[str]) -> None:
     for name in shown:
         unit = "" if result.units[name] == "1" else result.units[name]
         say(f"  {name:<{width}}  {result[name].min(): .6g} .. {result[name].max(): .6g} {unit}".rstrip())
+
+
+def answers(result: Trajectory, scene: Scene) -> None:
+    """Print the quantities of a scene."""
+    from gearblocks.analysis.quantity import Quantity
+    from gearblocks.analysis.span import span_of_run
+
+    span = span_of_run(result)
+    for name, measure in zip(scene.names, scene.measures, strict=True):
+        value = measure.of(result) if isinstance(measure, Quantity) else measure(result)
+        unit = measure.unit(span) if isinstance(measure, Quantity) else ""
+        say(f"{name} = {value:.6g} {'' if unit == '1' else unit}".rstrip())
 
 
 def telling(names: Sequence[str]) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Finding trains: shipped models by bare name, scripts by path, the functions in them that make a train."""
+"""Finding trains and scenes: shipped models by bare name, scripts by path, the functions in them that make one."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from gearblocks.errors import GearblocksError, ModelError, StorageError, did_you_mean
 
 if TYPE_CHECKING:
+    from gearblocks.analysis.scenes.scene import Scene
     from gearblocks.drivetrain import Drivetrain
 
 DEFAULT = "build"
@@ -22,10 +23,11 @@ DEFAULT = "build"
 
 @dataclass(frozen=True, slots=True)
 class Maker:
-    """One train that a script offers: its name there and the first line about it."""
+    """One train or scene that a script offers: its name there, the first line about it, and what it makes."""
 
     name: str
     words: str
+    kind: str = "train"
 
 
 def shipped() -> dict[str, Path]:
@@ -68,30 +70,57 @@ def locate(text: str) -> tuple[Path, str]:
 
 
 def makers(path: Path) -> list[Maker]:
-    """What in the script makes a train, `build` first."""
+    """What in the script makes a train or a scene: trains first, and `build` first of all."""
     if path.suffix == ".json":
         return [Maker(DEFAULT, "a stored train")]
     module = load(path)
-    found = [Maker(name, _words(thing)) for name, thing in vars(module).items() if _makes_a_train(module, name, thing)]
-    return sorted(found, key=lambda maker: maker.name != DEFAULT)
+    kinds = ((name, thing, _kind(module, name, thing)) for name, thing in vars(module).items())
+    found = [Maker(name, _words(thing), kind) for name, thing, kind in kinds if kind]
+    return sorted(found, key=lambda maker: (maker.kind != "train", maker.name != DEFAULT))
 
 
 def make(text: str) -> Drivetrain:
-    """The train that FILE[:NAME] means. Raises GearblocksError for whatever goes wrong in the script."""
+    """The train that FILE[:NAME] means, that of a scene included. Raises GearblocksError for whatever goes wrong in the
+    script."""
+    from gearblocks.drivetrain import Drivetrain
+
+    thing = made(text)
+    return thing if isinstance(thing, Drivetrain) else thing.drivetrain
+
+
+def made(text: str) -> Drivetrain | Scene:
+    """The train or scene that FILE[:NAME] means."""
     from gearblocks.drivetrain import Drivetrain
 
     path, name = locate(text)
     if path.suffix == ".json":
         return Drivetrain.from_json(path)
     thing = _attribute(load(path), path, name)
-    if isinstance(thing, Drivetrain):
-        return thing
-    train = _called(thing, path, name)
-    if not isinstance(train, Drivetrain):
+    found = thing if _type(thing) else _called(thing, path, name)
+    if not _type(found):
         raise ModelError(
-            f"'{name}' in {path.name} answers with {type(train).__name__}, not with a Drivetrain; end it with `return rig`"
+            f"'{name}' in {path.name} answers with {type(found).__name__}, not with a Drivetrain; end it with `return rig`"
         )
-    return train
+    return found  # type: ignore[return-value]  # asked by name: a train has not imported what scenes need
+
+
+def scene(text: str) -> Scene:
+    """The scene that FILE:NAME means, or the only one in FILE. Raises ModelError where there is none."""
+    path, name = locate(text)
+    known = [] if path.suffix == ".json" else [maker.name for maker in makers(path) if maker.kind == "scene"]
+    open_to_choice = name == DEFAULT and not text.endswith(f":{name}")
+    if open_to_choice and len(known) > 1:
+        raise ModelError(f"{path.name} has several scenes; name one: {', '.join(f'{text}:{one}' for one in known)}")
+    if open_to_choice and len(known) == 1:
+        text, name = f"{text}:{known[0]}", known[0]
+    found = made(text) if name in known else None
+    if _type(found) == "scene":
+        return found  # type: ignore[return-value]  # as above
+    there = f"; its scenes are {', '.join(known)}" if known else ""
+    raise ModelError(
+        f"'{name}' in {path.name} makes no scene{there}: write what is asked of the train, `def scene() -> gb.Scene: return "
+        f"gb.Scene(build(), t_end=0.5, quantity=gb.peak('mesh.force', after=0.2), within=0.01)`"
+    )
 
 
 def load(path: Path) -> ModuleType:
@@ -126,7 +155,7 @@ def _split(text: str) -> tuple[str, str]:
 def _attribute(module: ModuleType, path: Path, name: str) -> object:
     if hasattr(module, name):
         return getattr(module, name)
-    names = [key for key, thing in vars(module).items() if _makes_a_train(module, key, thing)]
+    names = [key for key, thing in vars(module).items() if _kind(module, key, thing)]
     listed = (
         f"it has {', '.join(names)}"
         if names
@@ -162,22 +191,28 @@ def _needed(thing: Callable[..., object]) -> list[str]:
     return [one.name for one in listed if one.kind not in loose and one.default is one.empty]
 
 
-def _makes_a_train(module: ModuleType, name: str, thing: object) -> bool:
-    if name.startswith("_"):
-        return False
-    if type(thing).__name__ == "Drivetrain":
-        return True
+def _type(thing: object) -> str:
+    """What a value is: "train", "scene" or ""."""
+    return {"Drivetrain": "train", "Scene": "scene"}.get(type(thing).__name__, "")
+
+
+def _kind(module: ModuleType, name: str, thing: object) -> str:
+    """What a name of a script makes: "train", "scene" or ""."""
+    if name.startswith("_") or _type(thing):
+        return "" if name.startswith("_") else _type(thing)
     if not inspect.isfunction(thing) or thing.__module__ != module.__name__ or _needed(thing):
-        return False
+        return ""
     answer = thing.__annotations__.get("return", "")
     answer = answer if isinstance(answer, str) else getattr(answer, "__name__", "")
-    return answer.rpartition(".")[2] == "Drivetrain" or (name == DEFAULT and not answer)
+    if answer.rpartition(".")[2] == "Scene":
+        return "scene"
+    return "train" if answer.rpartition(".")[2] == "Drivetrain" or (name == DEFAULT and not answer) else ""
 
 
 def _words(thing: object) -> str:
     if inspect.isfunction(thing):
         return (inspect.getdoc(thing) or "").partition("\n")[0]
-    return f"the train '{getattr(thing, 'name', '')}'"
+    return f"the {_type(thing)} '{getattr(thing, 'name', '')}'"
 
 
 def _trouble(path: Path, error: Exception) -> str:

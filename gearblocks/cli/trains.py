@@ -1,15 +1,16 @@
-"""Options of every command that takes a train: FILE[:NAME], --set and --without, and the train they mean."""
+"""Options of every command that takes a train or a scene: FILE[:NAME], --set and --without, and what they mean."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 from gearblocks.errors import ParameterError
 
 if TYPE_CHECKING:
+    from gearblocks.analysis.scenes.scene import Scene
     from gearblocks.drivetrain import Drivetrain
     from gearblocks.solver.library import Model
 
@@ -39,28 +40,57 @@ def seconds(text: str | float) -> float:
 Rtol = Annotated[float, typer.Option(parser=number, metavar="NUMBER", help="Relative tolerance.")]
 Method = Annotated[str, typer.Option(help="auto, rk4, dp5, dp8 or rodas.")]
 Step = Annotated[float | None, typer.Option(parser=seconds, metavar="TIME", help="Fixed step in s.")]
-End = Annotated[float, typer.Option(parser=seconds, metavar="TIME", help="End of a run in s, or such as 20ms.")]
+End = Annotated[
+    float | None, typer.Option(parser=seconds, metavar="TIME", help="End of a run in s, or such as 20ms; else 1 s.")
+]
 Initial = Annotated[str | None, typer.Option(help="static or static_at_start.")]
 
 
 def named(text: str, change: Sequence[str] | None = None, without: Sequence[str] | None = None) -> Drivetrain:
     """The train that FILE[:NAME] means, without the effects that were left out and with the values that were set."""
+    return asked(text, change, without)[0]
+
+
+def asked(
+    text: str, change: Sequence[str] | None = None, without: Sequence[str] | None = None
+) -> tuple[Drivetrain, Scene | None]:
+    """The same, and the scene that it was made for, of the train as it is then."""
     from gearblocks.cli import scripts
+    from gearblocks.drivetrain import Drivetrain
 
     changes = assigned(change)
-    rig = scripts.make(text)
+    thing = scripts.made(text)
+    rig = thing if isinstance(thing, Drivetrain) else thing.drivetrain
     rig = rig.without(*without) if without else rig
-    return rig.set(changes) if changes else rig
+    rig = rig.set(changes) if changes else rig
+    return rig, None if isinstance(thing, Drivetrain) else thing.changed(drivetrain=rig)
 
 
-def built(
-    text: str, change: Sequence[str] | None, without: Sequence[str] | None
-) -> tuple[Model, dict[str, float | str]]:
-    """The model with what is structural changed, and the rest of the changes, which need no other model."""
+class Built(NamedTuple):
+    """A model with what is structural changed; the rest of the changes, which need no other model; the scene, if one was
+    named."""
+
+    model: Model
+    tuned: dict[str, float | str]
+    scene: Scene | None
+
+    def arguments(self, t_end: float | None, initial: str | None) -> dict[str, Any]:
+        """The drive of a run: that of the scene, where one was named, with what is given here."""
+        scene = self.scene
+        if scene is None:
+            return {"t_end": 1.0 if t_end is None else t_end, "initial": initial, "parameters": self.tuned}
+        return {
+            "t_start": scene.begin, "t_end": scene.end if t_end is None else t_end, "inputs": dict(scene.inputs),
+            "initial": scene.initial if initial is None else initial, "parameters": {**scene.parameters, **self.tuned},
+        }  # fmt: skip
+
+
+def built(text: str, change: Sequence[str] | None, without: Sequence[str] | None) -> Built:
+    """The model that FILE[:NAME] means, and what it is run with."""
     from gearblocks.running import build
 
     changes = assigned(change)
-    rig = named(text, (), without)
+    rig, scene = asked(text, (), without)
     model = build(rig)
     structural = {path for path, _ in model.program.structural}
     tunable = [one.path for one in model.program.parameters if one.path not in structural]
@@ -70,7 +100,7 @@ def built(
         if path in tunable or sum(name.endswith("." + path) for name in tunable) == 1
     }
     rest = {path: value for path, value in changes.items() if path not in tuned}
-    return (build(rig.set(rest)) if rest else model), tuned
+    return Built(build(rig.set(rest)) if rest else model, tuned, scene)
 
 
 def assigned(texts: Sequence[str] | None) -> dict[str, float | str]:

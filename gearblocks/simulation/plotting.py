@@ -1,4 +1,4 @@
-"""Pictures: traces over time, phase planes, stroboscopic points, cost against error.
+"""Pictures: traces over time, phase planes, stroboscopic points.
 
 Colours are those of Okabe and Ito, which colour-blind readers tell apart; units get a prefix that fits the numbers.
 """
@@ -74,16 +74,6 @@ class Plane:
     y: Series
     points: tuple[Array, Array] | None = None
     edges: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Curve:
-    """Error reached and CPU seconds spent by one method at several tolerances."""
-
-    label: str
-    error: Sequence[float]
-    seconds: Sequence[float]
-    dashed: bool = False
 
 
 def over_time(
@@ -177,33 +167,6 @@ def planes(items: Sequence[Plane], *, path: str | os.PathLike[str] | None = None
             _plane(axis, item, x_scale, y_scale)
         for axis in axes[len(items) :]:
             axis.set_axis_off()
-        return finished(figure, path)
-
-
-def cost(curves: Sequence[Curve], *, title: str, error: str, path: str | os.PathLike[str] | None = None) -> Figure:
-    """CPU time against the error reached, both logarithmic: down and to the left is better."""
-    with style():
-        figure, (axis,) = new_figure(path, size=(7.2, 4.4))
-        shown: dict[str, str] = {}
-        for curve in curves:
-            family = curve.label.split(",")[0]
-            colour = shown.setdefault(family, COLOURS[len(shown) % 8])
-            marker = MARKERS[list(shown).index(family) % 8]
-            fill = "white" if curve.dashed else colour
-            axis.loglog(
-                curve.error,
-                np.array(curve.seconds) * 1e3,
-                label=curve.label,
-                color=colour,
-                linestyle="--" if curve.dashed else "-",
-                marker=marker,
-                markersize=4.5,
-                markerfacecolor=fill,
-            )
-        axis.set_xlabel(error)
-        axis.set_ylabel("CPU time in ms")
-        axis.set_title(title)
-        axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
         return finished(figure, path)
 
 

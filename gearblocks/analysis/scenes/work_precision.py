@@ -106,13 +106,14 @@ class _Runs:
 
     def point(self, effort: Effort, reference: Reference) -> Point:
         """A run, or a mean over as many as the reference has, with its error and the time of a run without outputs."""
-        noise, members = reference.noise, reference.members
+        noise, members, scatter = reference.noise, reference.members, None
         try:
             if reference.scattered:
                 began = thread_time()
                 mean = mean_of(self.bench, effort, members)
                 self.spent += thread_time() - began
                 values, stats = mean.values, mean.stats
+                scatter = mean.errors / reference.scale * np.sqrt(members)
                 noise = np.hypot(noise, mean.errors / reference.scale)
             else:
                 values, stats, _ = self.attempt(effort)
@@ -120,7 +121,7 @@ class _Runs:
             nothing = np.full(len(noise), np.nan)
             return Point(effort, nothing, nothing, nothing, failure=str(error))
         stats = self.timed(effort, _REPEATS if stats.cpu_seconds < _SHORT else 1)
-        return Point(effort, values, reference.errors(values), noise, members, stats)
+        return Point(effort, values, reference.errors(values), noise, members, scatter, stats)
 
     def timed(self, effort: Effort, repeats: int, bench: Bench | None = None) -> Stats:
         """The counters and the least CPU time of runs without outputs. They may be as bad as they like."""

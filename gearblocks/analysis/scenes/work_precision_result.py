@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+_LEAST = 4  # runs of a mean
 _DIGITS = 6  # further digits, at most, that the price of one is told from
 
 
@@ -30,13 +32,15 @@ _DIGITS = 6  # further digits, at most, that the price of one is told from
 @dataclass(frozen=True, slots=True, eq=False)
 class Point:
     """One way to run: values of the quantities, their relative errors and what these are uncertain by, shape (Q,); members:
-    runs whose mean the values are; stats: of one run without its outputs; failure: why it did not come to its end, or ""."""
+    runs whose mean the values are; scatter: what one of them is uncertain by; stats: of one run without its outputs; failure:
+    why it did not come to its end, or ""."""
 
     effort: Effort
     values: Array
     errors: Array
     noise: Array
     members: int = 1
+    scatter: Array | None = None
     stats: Stats = field(default_factory=Stats)
     failure: str = ""
 
@@ -49,6 +53,13 @@ class Point:
     def rhs_calls(self) -> int:
         """Right-hand sides of all its runs, as many in each."""
         return self.members * self.stats.rhs_calls
+
+    def needed(self, asked: float, which: slice) -> int:
+        """How many runs tell the means to so much, relative: (scatter/(asked - bias))^2, the bias as far as it shows."""
+        if self.scatter is None:
+            return 1
+        bias = np.maximum(self.errors - self.noise, 0.0)[which]
+        return max(_LEAST, math.ceil(float(np.max((self.scatter[which] / (asked - bias)) ** 2))))
 
     def within(self, asked: float, which: slice) -> bool:
         """Whether its errors are at most so much, with what they are uncertain by."""
@@ -120,7 +131,10 @@ class WorkPrecision:
         if t_end is not None:
             more = (t_end - self.scene.end) / (self.scene.end - self.scene.begin)
             times = 1.0 + 2.0 * self.late * more if more >= 0 else 1.0 + more
-        return Choice(found.effort, found.members, found.errors, times * found.rhs_calls, times * found.seconds)
+        members = found.needed(asked, which)
+        times *= members
+        stats = found.stats
+        return Choice(found.effort, members, found.errors, times * stats.rhs_calls, times * stats.cpu_seconds)
 
     def cheapest_or_none(self, within: float | None = None, which: slice = slice(None)) -> Point | None:
         """The point that `cheapest` chooses; None where no run is as accurate."""
@@ -131,7 +145,7 @@ class WorkPrecision:
                 if not point.within(asked, which):
                     break
                 sure.append(point)
-        return min(sure, key=lambda point: point.seconds, default=None)
+        return min(sure, key=lambda point: point.needed(asked, which) * point.stats.cpu_seconds, default=None)
 
     def _none(self, asked: float, which: slice) -> str:
         known = [float((p.errors[which] + p.noise[which]).max()) for p in self.points if not p.failure]
@@ -169,7 +183,7 @@ class WorkPrecision:
         if best is None:
             words = self._none(wanted, which)
             return f"{words[0].upper()}{words[1:]}."
-        costs = f"{_share(wanted)} of {of} costs {_price(best)} with {_words(best.effort)}"
+        costs = f"{_share(wanted)} of {of} costs {_price(best, best.needed(wanted, which))} with {_words(best.effort)}"
         if self.scattered:
             return f"{costs}; the motion scatters, so that no single run answers."
         further = [self.cheapest_or_none(wanted * 10.0**-k, which) for k in range(1, _DIGITS + 1)]
@@ -256,11 +270,9 @@ def _share(x: float) -> str:
     return f"{100 * x:.2g} %" if 1e-4 <= x < 10 else f"{x:.0e}"
 
 
-def _price(point: Point) -> str:
+def _price(point: Point, members: int) -> str:
     one = f"{1e3 * point.stats.cpu_seconds:.2g} ms"
-    if point.members > 1:
-        one = f"{point.members} runs of {one}"
-    return f"{one} ({point.rhs_calls:,} right-hand sides)"
+    return f"{f'{members} runs of ' if members > 1 else ''}{one} ({members * point.stats.rhs_calls:,} right-hand sides)"
 
 
 def _words(effort: Effort) -> str:
