@@ -45,11 +45,18 @@ def helper(x: float) -> float:
     return x
 
 
+def swings() -> gb.Scene:
+    """How far it swings."""
+    return gb.Scene(
+        build(), t_end=0.2, quantity=gb.peak("shaft.twist"), within=0.01, parameters={"shaft.k": 150.0}, initial={"motor.w": 2.0}
+    )
+
+
 def broken() -> gb.Drivetrain:
     return undefined_name
 '''
 
-COMMANDS = ("demo", "new", "copy", "list", "run", "sweep", "equations", "draw", "export", "check", "hard")
+COMMANDS = ("demo", "new", "copy", "list", "run", "cost", "sweep", "equations", "draw", "export", "check", "hard")
 
 
 @pytest.fixture
@@ -113,6 +120,7 @@ def test_the_trains_of_a_script_are_listed(script: Path, capsys: pytest.CaptureF
     lines = out.splitlines()
     assert lines[0].endswith("One inertia, one shaft.") and ":build " in lines[0]
     assert ":stiff " in out and "helper" not in out and "needs" not in out
+    assert ":stiff    train " in out and lines[-1].endswith("How far it swings.") and ":swings  scene " in out
 
 
 def test_a_run_is_told_and_stored(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
