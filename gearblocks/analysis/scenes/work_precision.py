@@ -154,10 +154,7 @@ def _adaptive(runs: _Runs, reference: Reference) -> None:
     for rtol in TOLERANCES:
         for line in runs.lines:
             effort = Effort(line.method, rtol, None, line.locate)
-            if not line.ended and (known := _as_auto(runs.lines, effort)) is not None:
-                line.points.append(known)
-                line.ended = _ends(line, runs)
-            elif not line.ended:
+            if not line.ended:
                 _extend(line, runs, reference, effort, growth(line.last.stats.method) if line.last else 1.0)
 
 
@@ -186,21 +183,6 @@ def _extend(line: _Line, runs: _Runs, reference: Reference, effort: Effort, fact
     runs.tell(str(effort))
     line.points.append(runs.point(effort, reference))
     line.ended = _ends(line, runs)
-
-
-def _as_auto(lines: list[_Line], effort: Effort) -> Point | None:
-    """The point of `auto` that took this method alone: the same run."""
-    for line in lines:
-        for point in line.points:
-            same = replace_method(point.effort, effort.method) == effort
-            if line.method == "auto" and not point.failure and same and point.stats.method == effort.method:
-                return replace(point, effort=effort)
-    return None
-
-
-def replace_method(effort: Effort, method: str) -> Effort:
-    """The same effort by another method."""
-    return effort._replace(method=method)
 
 
 def _ends(line: _Line, runs: _Runs) -> bool:

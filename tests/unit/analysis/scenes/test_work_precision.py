@@ -1,0 +1,148 @@
+"""What accuracy costs: values, steps and calls are those of direct runs, and the choice keeps what it promises."""
+
+from __future__ import annotations
+
+import csv
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+from gearblocks.analysis.scenes.bench import Effort, bench_of
+from gearblocks.analysis.scenes.work_precision_result import Point, WorkPrecision
+from gearblocks.cli import scripts
+
+TURN = 1 / 6  # s, at 360 rpm
+
+
+def direct(scene: gb.Scene, effort: Effort) -> gb.Trajectory:
+    """The run that an effort means."""
+    return gb.simulate(
+        scene.drivetrain, t_end=scene.end, method=effort.method, rtol=effort.rtol, step=effort.step, locate=effort.locate
+    )
+
+
+@pytest.fixture(scope="module")
+def scene() -> gb.Scene:
+    """The first turns of the spline: the teeth part in each, and the motion is not yet settled."""
+    asked = gb.peak("spline.force", after=2 * TURN), gb.energy_lost("spline")
+    return gb.Scene(scripts.make("spline_coupling:period_5"), t_end=8 * TURN, quantity=asked, within=0.01)
+
+
+@pytest.fixture(scope="module")
+def found(scene: gb.Scene) -> WorkPrecision:
+    return gb.work_precision(scene, budget=20.0)
+
+
+def _point(found: WorkPrecision, method: str, rtol: float, locate: bool = True) -> Point:
+    return next(p for p in found.points if p.effort == Effort(method, rtol, None, locate))
+
+
+def test_every_point_is_that_of_a_direct_run(scene: gb.Scene, found: WorkPrecision) -> None:
+    fixed = next(p for p in found.points if p.effort.step and p.effort.locate)
+    chosen = [_point(found, "dp8", 1e-4), _point(found, "auto", 1e-2), _point(found, "dp5", 1e-3, False), fixed]
+    chosen += [_point(found, "rodas", 1e-2)]
+    for point in chosen:
+        run = direct(scene, point.effort)
+        stats = (run.stats.steps, run.stats.rhs_calls, run.stats.events)
+        assert (point.stats.steps, point.stats.rhs_calls, point.stats.events) == stats
+        assert point.values.tolist() == [q.of(run) for q in scene.measures]  # to the bit: the same steps
+
+
+def test_errors_are_told_against_what_another_method_finds_too(scene: gb.Scene, found: WorkPrecision) -> None:
+    run = direct(scene, Effort("dp5", 1e-12))
+    true = np.array([q.of(run) for q in scene.measures])
+    assert np.abs(found.reference.values / true - 1).max() < 1e-9  # what dp5 is off itself
+    assert found.verified is not None and found.verified.errors.max() < 1e-7
+    for point in found.points:
+        errors = np.abs(point.values - found.reference.values) / np.abs(found.reference.values)
+        assert point.errors == pytest.approx(errors, rel=1e-12)
+    errors = [_point(found, "dp5", 10.0**-k).errors.max() for k in (2, 4, 6)]
+    assert errors[0] > 10 * errors[1] > 100 * errors[2]
+
+
+@pytest.mark.parametrize("within", [1e-2, 1e-4, 1e-6])
+def test_the_choice_is_within_and_so_is_all_that_is_tighter(found: WorkPrecision, within: float) -> None:
+    choice = found.cheapest(within)
+    line = next(x for x in found.lines() if (x[0].effort.method, x[0].effort.locate) == (choice.effort[0], choice.effort[3]))
+    place = [p.effort for p in line].index(choice.effort)
+    assert all((p.errors <= within).all() for p in line[place:])
+    sure = [p for p in found.points if (p.errors <= within).all() and p.seconds < choice.seconds]
+    for cheaper in sure:  # was within by chance: one that is tighter is not
+        tighter = [p for p in found.points if p.effort[0] == cheaper.effort[0] and p.effort[3] == cheaper.effort[3]]
+        after = tighter[[p.effort for p in tighter].index(cheaper.effort) :]
+        assert not all(p.within(within, slice(None)) for p in after)
+
+
+def test_the_price_holds_for_a_window_twice_as_long(scene: gb.Scene, found: WorkPrecision) -> None:
+    once, twice = found.cheapest(), found.cheapest(t_end=2 * scene.end)
+    assert once.rhs_calls == direct(scene, once.effort).stats.rhs_calls
+    measured = direct(scene.changed(t_end=2 * scene.end), once.effort).stats.rhs_calls
+    assert measured / 1.5 < twice.rhs_calls < 1.5 * measured
+
+
+def test_the_sentence_says_what_the_runs_say(scene: gb.Scene, found: WorkPrecision) -> None:
+    for name, line in zip(scene.names, found.sentence.splitlines(), strict=True):
+        choice = found.cheapest(quantity=name)
+        assert line.startswith(f"1 % of {name} costs ")
+        assert f"({choice.rhs_calls:,.0f} right-hand sides)" in line and f" with {choice.effort.method} at " in line
+        price, reach = re.search(r"each further digit costs x ([\d.]+), down to (\S+?)\.$", line).groups()
+        tight = found.cheapest(float(reach.replace(" %", "")), quantity=name)
+        digits = round(np.log10(0.01 / float(reach)))
+        assert float(price) == pytest.approx((tight.seconds / choice.seconds) ** (1 / digits), rel=0.06)  # two digits
+    assert str(found).endswith(found.sentence) and "events not located" in str(found)
+
+
+def test_a_train_without_events_has_nothing_to_locate() -> None:
+    rig = gb.Drivetrain("swing")
+    rig.chain(rig.add("disc", gb.Inertia(J=0.1, w0=1.0)), rig.add("shaft", gb.Shaft(k=50.0, c=0.1)), rig.add("wall", gb.Fixed()))
+    found = gb.work_precision(gb.Scene(rig, t_end=3.0, quantity=gb.rms("disc.w"), within=1e-3), budget=5.0)
+    assert all(point.effort.locate for point in found.points)
+    decay, w = 0.1 / 0.2, np.sqrt(500.0 - 0.25)  # of the amplitude; rad/s
+    t = np.linspace(0.0, 3.0, 200_001)
+    speed = np.exp(-decay * t) * (np.cos(w * t) - decay / w * np.sin(w * t))
+    assert found.reference.values[0] == pytest.approx(np.sqrt(np.trapezoid(speed**2, t) / 3.0), rel=1e-8)
+
+
+def test_where_the_motion_scatters_errors_are_those_of_means() -> None:
+    rig, turn = scripts.make("spline_coupling:chaos"), TURN / 3
+    asked = gb.peak("spline.force", after=60 * turn)
+    scene = gb.Scene(rig, t_end=100 * turn, quantity=asked, within=0.1)
+    found = gb.work_precision(scene, budget=10.0)
+    assert found.scattered and found.reference.members >= 8
+    choice = found.cheapest()
+    assert 4 <= choice.members <= 256
+    assert choice.rhs_calls % choice.members == 0
+    assert "the mean of peak(spline.force" in found.sentence and f"{choice.members} runs of " in found.sentence
+    # other members than the tool's own: the promise is one of 95 % for the sum of what both means are uncertain by
+    bench, draw = bench_of(scene), np.random.default_rng(20261124)
+    free = np.array([p.start == "" for p in bench.model.program.parameters])
+    runs = [
+        bench.outcome(choice.effort, 1 + 1e-6 * free * draw.standard_normal(len(free))).values[0] for _ in range(48)
+    ]
+    assert np.mean(runs) == pytest.approx(found.reference.values[0], rel=0.1)
+    assert np.std(runs) > 0.01 * np.mean(runs)  # one run tells less than the mean
+
+
+def test_what_cannot_be_answered_is_refused(scene: gb.Scene, found: WorkPrecision) -> None:
+    with pytest.raises(gb.ParameterError, match="asks for a gb.Scene, not for"):
+        gb.work_precision(scene.drivetrain)  # type: ignore[arg-type]
+    with pytest.raises(gb.ParameterError, match="budget = 0"):
+        gb.work_precision(scene, budget=0)
+    with pytest.raises(gb.UnknownNameError, match="the scene asks for"):
+        found.cheapest(quantity="peak(spline.force)")
+    with pytest.raises(gb.ParameterError, match="no run is within 1e-14 of peak"):
+        found.cheapest(1e-14)
+
+
+def test_all_runs_are_written_and_drawn(found: WorkPrecision, tmp_path: Path) -> None:
+    with found.to_csv(tmp_path / "cost.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(found.points)
+    assert [int(row["rhs_calls"]) for row in rows] == [p.stats.rhs_calls for p in found.points]
+    assert float(rows[0]["error of energy_lost(spline)"]) == found.points[0].errors[1]
+    found.plot(tmp_path / "cost.png")
+    assert (tmp_path / "cost.png").stat().st_size > 10_000
+    assert "<table" in found._repr_html_() and repr(found).startswith("<WorkPrecision of spline coupling, set S: ")
