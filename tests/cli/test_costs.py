@@ -32,7 +32,9 @@ def _said(capsys: pytest.CaptureFixture[str]) -> tuple[str, str]:
     return streams.out, streams.err
 
 
-def test_the_only_scene_of_a_script_is_told_drawn_and_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_only_scene_of_a_script_is_told_drawn_and_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "swing.py").write_text(SCRIPT + SCENE, encoding="utf-8")
     picture, table = tmp_path / "cost.png", tmp_path / "cost.csv"
     options = ["--budget", "5", "--plot", str(picture), "--out", str(table)]

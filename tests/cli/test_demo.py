@@ -62,7 +62,9 @@ def test_the_cost_falls_with_the_error_and_locating_corners_pays(page: Path) -> 
         rows = list(csv.DictReader(file))
     error = next(name for name in rows[0] if name.startswith("error of peak(spline.force"))
     best = {
-        (method, located): min(float(row[error]) for row in rows if (row["method"], row["located"]) == (method, located))
+        (method, located): min(
+            float(row[error]) for row in rows if (row["method"], row["located"]) == (method, located)
+        )
         for method in ("dp8", "dp5", "rk4")
         for located in "01"
     }
