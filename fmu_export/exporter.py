@@ -73,14 +73,11 @@ def export(
 
     held: Mapping[str, float] = {}
     fmi = _version(fmi)
-    target = Path(path)
-    if target.suffix.lower() != ".fmu":
-        raise ParameterError(f"'{target}': the name of an FMU ends in .fmu, such as {target.with_suffix('.fmu').name}")
-    chosen = checked_platforms(platforms)
+    target, chosen = _target(path), checked_platforms(platforms)
     if not isinstance(train, (Drivetrain, Model)):
         train, parameters, initial, t_end, held = started_as_in(train, parameters, initial, t_end)
     model = build(train)
-    program = model.program if not held else with_inputs(model.program, held)
+    program = with_inputs(model.program, held)
     by_name = initial if isinstance(initial, Mapping) else None
     values = parameter_vector(model, parameters or {}, by_name)
     _say_what_does_not_follow(model)
@@ -99,6 +96,14 @@ def export(
         sources = {name.removeprefix("sources/"): data for name, data in files.items() if name.startswith("sources/")}
         files.update(build_binary(sources, model_identifier(program.name)))
     write_archive(target, files)
+    return target
+
+
+def _target(path: str | os.PathLike[str]) -> Path:
+    """Where the file goes. Raises ParameterError for a name that is none of an FMU."""
+    target = Path(path)
+    if target.suffix.lower() != ".fmu":
+        raise ParameterError(f"'{target}': the name of an FMU ends in .fmu, such as {target.with_suffix('.fmu').name}")
     return target
 
 

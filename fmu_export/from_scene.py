@@ -46,4 +46,6 @@ def started_as_in(
 
 def with_inputs(program: Program, held: Mapping[str, float]) -> Program:
     """The program with its inputs at these values before anything is connected."""
+    if not held:
+        return program
     return replace(program, inputs=tuple(u._replace(start=held.get(u.name, u.start)) for u in program.inputs))

@@ -10,7 +10,7 @@ from typing import Any
 
 from gearblocks import __version__
 from gearblocks.analysis.scenes.work_precision import work_precision
-from gearblocks.analysis.scenes.work_precision_result import Point
+from gearblocks.analysis.scenes.work_precision_points import Point
 from gearblocks.analysis.sections import Label, classify, stroboscopic
 from gearblocks.cli import scripts
 from gearblocks.cli.report import regimes

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from gearblocks.analysis.scenes.bench import Bench, Effort, Outcome, bench_of
 from gearblocks.analysis.scenes.reference import Reference, growth, mean_of, reference_of
 from gearblocks.analysis.scenes.scene import Scene
-from gearblocks.analysis.scenes.work_precision_result import Point, Verified, WorkPrecision
+from gearblocks.analysis.scenes.work_precision_points import Point, Verified
+from gearblocks.analysis.scenes.work_precision_result import WorkPrecision
 from gearblocks.errors import GearblocksWarning, ParameterError, SimulationError, by_name_only
 from gearblocks.simulation.records import Stats
 

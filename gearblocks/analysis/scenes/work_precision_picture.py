@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.scenes.reference import Reference
 from gearblocks.analysis.scenes.scene import Scene
-from gearblocks.analysis.scenes.work_precision_result import Point
+from gearblocks.analysis.scenes.work_precision_points import Point
 from gearblocks.errors import ParameterError
 from gearblocks.simulation.plotting import COLOURS, MARKERS, finished, new_figure, style
 

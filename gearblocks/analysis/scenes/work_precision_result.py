@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, final
 
@@ -14,65 +13,17 @@ from numpy.typing import NDArray
 from gearblocks.analysis.scenes.bench import Effort
 from gearblocks.analysis.scenes.reference import Reference
 from gearblocks.analysis.scenes.scene import Scene
+from gearblocks.analysis.scenes.work_precision_points import Point, Verified
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.files import write_text
 from gearblocks.pages import small_table
-from gearblocks.simulation.records import Stats
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
-_LEAST = 4  # runs of a mean
 _DIGITS = 6  # further digits, at most, that the price of one is told from
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class Point:
-    """One way to run: values of the quantities, their relative errors and what these are uncertain by, shape (Q,); members:
-    runs whose mean the values are; scatter: what one of them is uncertain by; stats: of one run without its outputs; failure:
-    why it did not come to its end, or ""."""
-
-    effort: Effort
-    values: Array
-    errors: Array
-    noise: Array
-    members: int = 1
-    scatter: Array | None = None
-    stats: Stats = field(default_factory=Stats)
-    failure: str = ""
-
-    @property
-    def seconds(self) -> float:
-        """CPU time of all its runs [s]."""
-        return self.members * self.stats.cpu_seconds
-
-    @property
-    def rhs_calls(self) -> int:
-        """Right-hand sides of all its runs, as many in each."""
-        return self.members * self.stats.rhs_calls
-
-    def needed(self, asked: float, which: slice) -> int:
-        """How many runs tell the means to so much, relative: (scatter/(asked - bias))^2, the bias as far as it shows."""
-        if self.scatter is None:
-            return 1
-        bias = np.maximum(self.errors - self.noise, 0.0)[which]
-        return max(_LEAST, math.ceil(float(np.max((self.scatter[which] / (asked - bias)) ** 2))))
-
-    def within(self, asked: float, which: slice) -> bool:
-        """Whether its errors are at most so much, with what they are uncertain by."""
-        return not self.failure and bool((self.errors[which] + self.noise[which] <= asked).all())
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class Verified:
-    """How the reference was verified: by a run of another method, whose quantities differ from it by so much, relative."""
-
-    effort: Effort
-    errors: Array
 
 
 @final

@@ -11,7 +11,8 @@ import pytest
 
 import gearblocks as gb
 from gearblocks.analysis.scenes.bench import Effort, bench_of
-from gearblocks.analysis.scenes.work_precision_result import Point, WorkPrecision
+from gearblocks.analysis.scenes.work_precision_points import Point
+from gearblocks.analysis.scenes.work_precision_result import WorkPrecision
 from gearblocks.cli import scripts
 
 TURN = 1 / 6  # s, at 360 rpm
