@@ -18,7 +18,12 @@ def _scene(**changed: object) -> gb.Scene:
     drive = rig.add("drive", gb.Torque(tau=gb.Input("tau", start=2.0, unit="N m")))
     rig.chain(drive, rig.add("disc", gb.Inertia(J=0.1)), shaft, rig.add("wall", gb.Fixed()))
     scene = gb.Scene(
-        rig, t_end=0.7, quantity=gb.peak("disc.phi"), inputs={"tau": 5.0}, parameters={"shaft.k": 100.0}, initial="static"
+        rig,
+        t_end=0.7,
+        quantity=gb.peak("disc.phi"),
+        inputs={"tau": 5.0},
+        parameters={"shaft.k": 100.0},
+        initial="static",
     )
     return scene.changed(**changed)
 
@@ -34,10 +39,12 @@ def test_an_fmu_of_a_scene_starts_and_ends_as_the_scene_does(tmp_path: Path) -> 
     starts, end = _description(fmu_export.export(_scene(), tmp_path / "scene.fmu", platforms=()))
     assert end == 0.7
     assert float(starts["tau"]) == 5.0 and float(starts["shaft.k"]) == 100.0
-    assert float(starts["shaft.twist_start"]) == pytest.approx(-5.0 / 100.0)  # wound up by the input of the scene, forward
+    assert float(starts["shaft.coordinate.start"]) == pytest.approx(
+        -5.0 / 100.0
+    )  # wound up by the input of the scene, forward
     given = fmu_export.export(_scene(), tmp_path / "given.fmu", platforms=(), t_end=2.0, parameters={"shaft.k": 250.0})
     starts, end = _description(given)
-    assert end == 2.0 and float(starts["shaft.twist_start"]) == pytest.approx(-5.0 / 250.0)
+    assert end == 2.0 and float(starts["shaft.coordinate.start"]) == pytest.approx(-5.0 / 250.0)
 
 
 def test_an_input_that_follows_time_is_said_to_come_from_outside(tmp_path: Path) -> None:
