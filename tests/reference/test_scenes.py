@@ -24,6 +24,7 @@ def test_every_shipped_scene_is_found_by_its_name(name: str) -> None:
     assert kinds[function] == "scene" and kinds["build"] == "train"
 
 
+@pytest.mark.long
 def test_the_shift_answers_with_the_heat_and_the_torque_that_are_known() -> None:
     scene = scripts.scene("two_speed_shift:shift")
     found = bench_of(scene).outcome(Effort())
