@@ -52,7 +52,9 @@ def work_precision(
         raise ParameterError(f"budget = {budget!r} s must be > 0")
     runs = _Runs(bench_of(scene), budget, progress or _silent)
     runs.tell("reference")
+    began = thread_time()
     reference = reference_of(runs.bench, runs.attempt, budget * _FOR_REFERENCE)
+    runs.spent = thread_time() - began
     _adaptive(runs, reference)
     _fixed(runs, reference)
     points = tuple(point for line in runs.lines for point in line.points)
@@ -178,7 +180,7 @@ def _fixed(runs: _Runs, reference: Reference) -> None:
 def _extend(line: _Line, runs: _Runs, reference: Reference, effort: Effort, factor: float) -> None:
     """The next point of a line, where it can be afforded."""
     made = reference.members + (_REPEATS if line.last and line.last.stats.cpu_seconds < _SHORT else 1)
-    if line.last and not runs.affords(made * factor * line.last.stats.cpu_seconds):
+    if not runs.affords(made * factor * line.last.stats.cpu_seconds if line.last else 0.0):
         line.ended = True
         return
     runs.tell(str(effort))
