@@ -10,13 +10,14 @@ for. Knows nothing of values.
 from __future__ import annotations
 
 from collections.abc import Container
+from dataclasses import replace
 from fractions import Fraction
 
 from gearblocks.assembly.assemble import assemble
 from gearblocks.assembly.elimination import Combination, Elimination
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly
 from gearblocks.errors import ModelError
-from gearblocks.language.block import given_start
+from gearblocks.language.block import given_start, start_fields
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.train.graph import Train
 
@@ -24,8 +25,12 @@ from gearblocks.train.graph import Train
 def dependent_starts(train: Train) -> dict[str, list[str]]:
     """By "angle" and "speed": paths of the bodies whose given start value follows from motions and from those given before
     it. Nothing for a train that cannot be assembled."""
+    bodies = [
+        replace(c, block=c.block.changed(**dict.fromkeys(start_fields(type(c.block)).values())))
+        if len(c.nodes) == 2 else c for c in train.components
+    ]  # fmt: skip
     try:
-        assembly = assemble(train)
+        assembly = assemble(replace(train, components=tuple(bodies)))  # which a Fixed may contradict
     except ModelError:
         return {ANGLE: [], SPEED: []}
     return {of: _dependent(train, assembly, of) for of in (ANGLE, SPEED)}

@@ -237,8 +237,12 @@ class BearingFriction(Block):
         """Contradicting fields."""
         if self.torque is not None and not isinstance(self.torque, Table):
             yield f"torque = {self.torque!r:.80} must be a gb.Table over abs(w); a constant torque is coulomb"
-        if self.torque is not None and any(x is not None for x in (self.coulomb, self.viscous, self.stribeck)):
-            yield "coulomb, viscous and stribeck stand in the Table where torque is given: give either"
+        if self.torque is not None and self.coulomb is not None:
+            yield "give either torque, a Table over abs(w), or coulomb"
+        elif not self.effects() and self.peak is not None:  # an emptied bearing has no peak
+            yield "give either torque, a Table over abs(w), or coulomb, or viscous, windage or churning"
+        if self.torque is not None and (self.viscous is not None or self.stribeck is not None):
+            yield "viscous and stribeck go with coulomb; put them into the Table"
         if self.stribeck is not None and self.coulomb is None and self.torque is None:
             yield "stribeck rises above coulomb; give coulomb (0.0 where there is none)"
         if not self._sticks and self.peak not in (None, 1):
@@ -258,7 +262,7 @@ class BearingFriction(Block):
     def without_effect(self, name: str) -> Block:
         """Without its Coulomb part nothing holds at rest, and nothing rises there."""
         changed = super().without_effect(name)
-        if name in ("coulomb", "friction"):
+        if changed.__dict__["torque"] is None and changed.__dict__["coulomb"] is None:
             changed = changed.changed(stribeck=None, peak=None)
         return changed
 

@@ -38,6 +38,7 @@ from gearblocks.solver.sparse_maps import Indices
 from gearblocks.solver.structures import Array, Code
 from gearblocks.solver.switched_constraints import ConstraintKind
 
+_Key: TypeAlias = tuple[ConstraintKind, str, str]
 Start: TypeAlias = "Mapping[str, float | str] | Trajectory | str | None"
 _SAME = 1e-9  # of the largest value of one unit: start values that are solved for are found to so much
 _ROUNDS = 8  # of Newton's method for angles; one where all relations are linear
@@ -68,7 +69,8 @@ def carried_start(
     if not isinstance(initial, Trajectory) and not is_static(initial) and _starts_so(variant, initial, asked, aim):
         return initial
     earlier = initial if isinstance(initial, Trajectory) else None
-    with _started(variant, None, asked.after(earlier)) as point:
+    asked = asked.after(earlier)
+    with _started(variant, _base(variant, asked), asked) as point:
         y = _carried(point, aim)
         if earlier is None:
             return _named(variant, asked, point.at(y=y), aim)
@@ -123,6 +125,15 @@ def _started(model: Model, initial: Start, asked: _Asked) -> Iterator[Point]:
             raise SimulationError(sim.report.t, *words) from None
 
 
+def _base(model: Model, asked: _Asked) -> Start:
+    """Start values that the model starts with: its own, or at rest where the new ties contradict those."""
+    try:
+        with _started(model, None, asked):
+            return None
+    except SimulationError:
+        return {x.name: 0.0 for x in model.program.starts if x.of == SPEED}
+
+
 def _has_equilibrium(model: Model, initial: Start, asked: _Asked) -> bool:
     try:
         with _started(model, initial, asked):
@@ -154,7 +165,7 @@ class _Aim:
 
     outputs: Mapping[str, float]
     states: Mapping[str, float]
-    active: frozenset[tuple[str, str]]
+    active: frozenset[_Key]
 
     @staticmethod
     def of(point: Point) -> _Aim:
@@ -230,9 +241,10 @@ def _carried(point: Point, aim: _Aim) -> Array:
     rows, program = _Rows.of(point, aim), point.program
     q, angles, z, v = kinds(program)
     y = point.y.copy()
+    count = Counter(s.name for s in program.states)  # groups beside a lossy tie may bear the name of one body
     for i in (*q, *z, *v):
         name = program.states[i].name
-        y[i] = aim.states.get(name, aim.outputs.get(name, y[i]))
+        y[i] = aim.states.get(name, aim.outputs.get(name, y[i])) if count[name] == 1 else y[i]
     names = {i: program.states[i].name for i in angles if i < len(program.states)}
     names |= {x.offset: f"{x.component}.phi" for x in program.integrals if x.part == "angle"}
     for i, name in names.items():
@@ -261,18 +273,18 @@ def _impact(point: Point, rows: _Rows, aim: _Aim, missing: Array) -> Array:
     if kept:
         at = point.constraints()
         G = at.rows[kept]
-        stops = np.array([switched[i].is_stop for i in kept])
-        slips = np.where(stops, G @ point.y[v], at.slip[kept])
+        rubs = np.array([switched[i].kind is ConstraintKind.FRICTION for i in kept])  # of others, slip is no speed
+        slips = np.where(rubs, at.slip[kept], G @ point.y[v])
         change, free = -np.linalg.lstsq(G, slips, rcond=_RANK)[0], reduced(G).basis(DENSE)
     A, size = _slopes(point, rows.speeds, v), np.sqrt(rows.inertias[rows.speeds])
     left = size * (missing - A @ change)
     return np.asarray(change + free @ np.linalg.lstsq(size[:, None] * A @ free, left, rcond=_RANK)[0])
 
 
-def _constraint_names(point: Point) -> list[tuple[str, str]]:
-    """Component and switch of each switched constraint."""
-    switches = point.program.switches
-    return [(switches[x.active].component, switches[x.active].name) for x in point.sim.constraints().constraints]
+def _constraint_names(point: Point) -> list[_Key]:
+    """Kind, component and switch of each switched constraint."""
+    switches, switched = point.program.switches, point.sim.constraints().constraints
+    return [(x.kind, switches[x.active].component, switches[x.active].name) for x in switched]
 
 
 def _turned(point: Point, rows: _Rows, places: Indices, aim: _Aim) -> Array:
@@ -311,8 +323,9 @@ def _slopes(point: Point, rows: Indices, columns: Indices) -> Array:
 
 def _named(model: Model, asked: _Asked, point: Point, aim: _Aim) -> dict[str, float]:
     """Start values by name that give the variant this state."""
-    program, found = model.program, dict(zip(point.program.outputs.names(), point.outputs().tolist(), strict=True))
-    found |= {s.name: float(v) for s, v in zip(program.states, point.y, strict=False) if s.kind in ("angle", "speed")}
+    program, count = model.program, Counter(s.name for s in model.program.states)
+    found = {s.name: float(v) for s, v in zip(program.states, point.y, strict=False) if count[s.name] == 1}
+    found |= dict(zip(program.outputs.names(), point.outputs().tolist(), strict=True))
     values: dict[str, float] = {}
     offsets: set[int] = set()
     for info in program.starts:

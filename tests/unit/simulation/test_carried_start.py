@@ -120,3 +120,25 @@ def test_states_of_blocks_are_carried() -> None:
     _, start = _carried(rig, "bearing.viscous", initial=run)
     assert start["governor.command"][0] == run["governor.command"][-1] != 0
     assert np.array_equal(start["rotor.w"], run["rotor.w"][-1:])
+
+
+def test_a_lossy_gear_behind_a_new_tie_starts_as_its_ratio_says() -> None:
+    rig = gb.Drivetrain("lossy reduction")
+    motor, pinion = rig.add("motor", gb.Inertia(J=0.3, w0=8.0)), rig.add("pinion", gb.Inertia(J=0.1, w0=0.0))
+    wheel, load = rig.add("wheel", gb.Inertia(J=0.4)), rig.add("load", gb.Torque(tau=-1.0))
+    gear = rig.add("gear", gb.LossyGear(ratio=2.0, efficiency=(0.9, 0.8)))
+    rig.chain(motor, rig.add("shaft", gb.Shaft(k=100.0)), pinion, gear, wheel, load)
+    _, start = _carried(rig, "shaft.compliance")
+    assert start["motor.w"][0] == pytest.approx(0.3 * 8.0 / (0.3 + 0.1 + 0.4 / 4), rel=1e-12)
+    assert start["wheel.w"][0] == pytest.approx(start["motor.w"][0] / 2, rel=1e-12)
+
+
+def test_what_went_with_an_effect_and_what_does_not_run_are_told_apart() -> None:
+    rig = _whine()
+    rigid = rig.without("mesh.*")
+    with pytest.raises(gb.UnknownNameError, match="dynamic_transmission_error"):
+        gb.simulate(rigid, t_end=0.01, outputs="mesh.dynamic_transmission_error")
+    assert "mesh.dynamic_transmission_error" in gb.build(rig).program.output_numbers
+    rig.connect(rig.add("sensing", gb.Torque(tau=1e-3 * gb.sense("mesh.deflection"))).flange, rig["wheel"].b)
+    with pytest.raises(gb.ModelError, match=r"mesh\.deflection"):
+        gb.build(rig.without("mesh.*"))
