@@ -136,8 +136,9 @@ class _Printer:
         table, x, y, by_x, by_y, *modes = e.args
         if not modes:
             raise EnclosureError("Table2At across cells")
-        at = [*(self.number(m) for m in modes), self.enclosed(x), self.enclosed(y)]
-        return self._call("gb_enclosed_table2", f"&{self.names[table]}", *at, str(int(by_x)), str(int(by_y)))
+        cell, orders = [self.number(m) for m in modes], (str(int(by_x)), str(int(by_y)))
+        at = self.enclosed(x), self.enclosed(y)
+        return self._call("gb_enclosed_table2", f"&{self.names[table]}", *cell, *at, *orders)
 
 
 class _Text:

@@ -79,8 +79,8 @@ typedef struct gb_waves {
     gb_interval sine, cosine;
 } gb_waves;
 
-/* A wave with the values a and b at the ends of [from, to] in quarter turns, whose maxima lie at 4 k. Within a few units
- * in the last place, so that its sign near 0 is told however close; far out absolutely: from_zero 1. */
+/* A wave with the values a and b at the ends of [from, to] in quarter turns, whose maxima lie at 4 k. Within a few
+ * units in the last place, so that its sign near 0 is told however close; far out absolutely: from_zero 1. */
 static inline gb_interval gb_interval_wave(double from, double to, double a, double b, double from_zero) {
     const int has_most = floor(0.25 * to) >= ceil(0.25 * from);
     const int has_least = floor(0.25 * (to - 2.0)) >= ceil(0.25 * (from - 2.0));

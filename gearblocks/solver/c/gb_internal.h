@@ -260,8 +260,9 @@ struct gb_panel {
     double *values, *bernstein, *slack, *misfit, *rounding, *left, *right, *noise, *response, *unit;
     struct gb_enclosure *x, *enclosure, *torque, *bound, *kept;
     int *watched;
-    int known, boxed, has_kept; /* about constraint forces in the modes known_modes, see gb_force_enclosure.h (0: nothing); x is a
-                         box in which they stay within their bounds, and so is kept, over all that is read */
+    int known, boxed,
+        has_kept; /* about constraint forces in the modes known_modes, see gb_force_enclosure.h (0: nothing); x is a
+           box in which they stay within their bounds, and so is kept, over all that is read */
     double kept_reach; /* how far the last of these went beyond a step, in parts of it */
     uint64_t known_modes;
 };

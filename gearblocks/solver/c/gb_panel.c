@@ -81,7 +81,8 @@ static fits fit_block(gb_sim *sim, int k, gb_half *b) {
     fits found = {none, none, none};
     gb_half v[POINTS];
     for (int lane = 0; lane < WIDTH; lane++) {
-        const double *values = sim->panel.values + model->arguments_read[k + lane < model->n_arguments_read ? k + lane : k];
+        const double *values =
+            sim->panel.values + model->arguments_read[k + lane < model->n_arguments_read ? k + lane : k];
         for (int l = 0; l < POINTS; l++) {
             v[l][lane] = values[(size_t)l * (size_t)model->n_arguments];
         }
