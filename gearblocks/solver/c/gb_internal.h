@@ -256,14 +256,12 @@ struct gb_sliding {
  * shorter ones do not mend; x: all arguments over a piece; left, right: event functions at its ends, noise: how finely
  * told there; watched: those enclosed in this step; response: constraint forces per torque (unit) on each group. */
 struct gb_panel {
-    double from, to;
+    double from, to, kept_reach;
     double *values, *bernstein, *slack, *misfit, *rounding, *left, *right, *noise, *response, *unit;
     struct gb_enclosure *x, *enclosure, *torque, *bound, *kept;
     int *watched;
-    int known, boxed,
-        has_kept; /* about constraint forces in the modes known_modes, see gb_force_enclosure.h (0: nothing); x is a
-           box in which they stay within their bounds, and so is kept, over all that is read */
-    double kept_reach; /* how far the last of these went beyond a step, in parts of it */
+    int known, boxed, has_kept; /* of forces in these modes, see gb_force_enclosure.h (0: nothing); x is a box in which
+                                   they stay inside, and so is kept, kept_reach times wider than a step */
     uint64_t known_modes;
 };
 

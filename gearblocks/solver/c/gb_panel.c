@@ -39,26 +39,25 @@ static int arguments_at(gb_sim *sim, double theta, double *x) {
     return code;
 }
 
-/* Entry by entry. */
-GB_INLINE gb_half chosen(gb_bits which, gb_half one, gb_half other) {
-    return (gb_half)((which & (gb_bits)one) | (~which & (gb_bits)other));
+/* *least = x where it is less, in each entry; *most = |x| where it is more. */
+GB_INLINE void take_lesser(gb_half *least, const gb_half *x) {
+    const gb_bits stays = *least < *x;
+    *least = (gb_half)((stays & (gb_bits)*least) | (~stays & (gb_bits)*x));
 }
 
-GB_INLINE gb_half lesser(gb_half a, gb_half b) {
-    return chosen(a < b, a, b);
+GB_INLINE void take_greater(gb_half *most, const gb_half *x) {
+    const gb_bits stays = *most > *x;
+    *most = (gb_half)((stays & (gb_bits)*most) | (~stays & (gb_bits)*x));
 }
 
-GB_INLINE gb_half greater(gb_half a, gb_half b) {
-    return chosen(a > b, a, b);
+GB_INLINE void take_magnitude(gb_half *most, const gb_half *x) {
+    gb_half size = *x;
+    gb_half_abs(&size);
+    take_greater(most, &size);
 }
 
-GB_INLINE gb_half magnitude(gb_half x) {
-    gb_half_abs(&x);
-    return x;
-}
-
-/* sum b_i B_i,8(u). */
-GB_INLINE gb_half bernstein(const gb_half *b, double u) {
+/* *off = value - sum b_i B_i,8(u). */
+GB_INLINE void misfit_at(const gb_half *b, double u, const gb_half *value, gb_half *off) {
     gb_half c[DEGREE + 1];
     memcpy(c, b, sizeof c);
     for (int r = 1; r <= DEGREE; r++) {
@@ -66,7 +65,7 @@ GB_INLINE gb_half bernstein(const gb_half *b, double u) {
             c[i] += u * (c[i + 1] - c[i]);
         }
     }
-    return c[0];
+    *off = *value - c[0];
 }
 
 /* Polynomials of the arguments k of one block, what they are off by at points between, and how large they are. Rounding
@@ -75,10 +74,11 @@ typedef struct fits {
     gb_half size, range, off;
 } fits;
 
-static fits fit_block(gb_sim *sim, int k, gb_half *b) {
+static void fit_block(gb_sim *sim, int k, gb_half *b, fits *found) {
     const gb_model *model = sim->model;
     const gb_half none = {0.0};
-    fits found = {none, none, none};
+    const fits nothing = {none, none, none};
+    *found = nothing;
     gb_half v[POINTS];
     for (int lane = 0; lane < WIDTH; lane++) {
         const double *values =
@@ -89,9 +89,9 @@ static fits fit_block(gb_sim *sim, int k, gb_half *b) {
     }
     const gb_half start = v[0];
     for (int l = 0; l < POINTS; l++) {
-        found.size = greater(found.size, magnitude(v[l]));
+        take_magnitude(&found->size, &v[l]);
         v[l] -= start;
-        found.range = greater(found.range, magnitude(v[l]));
+        take_magnitude(&found->range, &v[l]);
     }
     b[0] = none;
     b[DEGREE] = v[DEGREE];
@@ -105,9 +105,10 @@ static fits fit_block(gb_sim *sim, int k, gb_half *b) {
         b[DEGREE - i] = i < 4 ? backward : forward;
     }
     for (int l = DEGREE + 1; l < POINTS; l++) {
-        found.off = greater(found.off, magnitude(v[l] - bernstein(b, points[l])));
+        gb_half off;
+        misfit_at(b, points[l], &v[l], &off);
+        take_magnitude(&found->off, &off);
     }
-    return found;
 }
 
 /* Whether the polynomial k holds that is off so far. Where half the width left it as far off, that is rounding: of what
@@ -137,7 +138,8 @@ int gb_panel_fill(gb_sim *sim, double from, double to, int halved, int *good) {
     sim->panel.to = to;
     *good = 1;
     for (int first = 0; first < model->n_arguments_read && code == GB_DONE; first += WIDTH) {
-        const fits found = fit_block(sim, first, block_of(sim, first));
+        fits found;
+        fit_block(sim, first, block_of(sim, first), &found);
         for (int k = first; k < first + WIDTH && k < model->n_arguments_read; k++) {
             const double size = found.size[k - first], range = found.range[k - first], off = 4.0 * found.off[k - first];
             sim->panel.slack[k] = range == 0.0 ? 0.0 : 1e-13 * size + off;
@@ -172,10 +174,11 @@ void gb_panel_piece(gb_sim *sim, double a, double b) {
         restrict_to(c, u, v);
         gb_half lo = c[0], hi = c[0], down = c[1] - c[0], up = down;
         for (int i = 1; i <= DEGREE; i++) {
-            lo = lesser(lo, c[i]);
-            hi = greater(hi, c[i]);
-            down = lesser(down, c[i] - c[i - 1]);
-            up = greater(up, c[i] - c[i - 1]);
+            const gb_half rise = c[i] - c[i - 1];
+            take_lesser(&lo, &c[i]);
+            take_greater(&hi, &c[i]);
+            take_lesser(&down, &rise);
+            take_greater(&up, &rise);
         }
         for (int k = first; k < first + WIDTH && k < model->n_arguments_read; k++) {
             const int j = model->arguments_read[k], lane = k - first;
