@@ -15,10 +15,10 @@ from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.function import Function, Names
 from gearblocks.codegen.generator import Generator
-from gearblocks.codegen.operands import Operand, Role, Statement
+from gearblocks.codegen.operands import Local, Operand, Role, Statement
 from gearblocks.codegen.parts import Call, Enclosures
 from gearblocks.codegen.symbol_names import by_name
-from gearblocks.laws.enclosure_printer import EnclosureError, enclosure_text
+from gearblocks.laws.enclosure_printer import EnclosureError, enclosure_texts
 from gearblocks.laws.symbols import TIMED
 
 _NUMBERS = {"own", "exact", "shared", "mobility", "gain", "mode", "direction", "stuck", "hoisted", "table", "table2"}
@@ -38,10 +38,10 @@ def lay_out_enclosures(g: Generator) -> Enclosures | None:
     wanted = _signals(g)
     for path, signal in g.feedback.items():
         code = g.codes[signal.batch]
-        if path in wanted and (pair := _enclosed(g, code, signal.expr, known, found)) is not None:
-            names, text = pair
-            target = Operand(Role.FEEDBACK_ENCLOSURES, signal.index)
-            function = _function(code, f"feedback_enclosure_{signal.index}", names, [Statement(target, "=", text)])
+        enclosing = _enclosed(g, code, [signal.expr], known, found) if path in wanted else None
+        if enclosing is not None:
+            body = enclosing.body([Operand(Role.FEEDBACK_ENCLOSURES, signal.index)])
+            function = _function(code, f"feedback_enclosure_{signal.index}", enclosing.names, body)
             g.keep("feedback_enclosures", function)
             found.feedback.append(Call(function, signal.instance))
             known.add(path)
@@ -63,36 +63,38 @@ def _has_linear_forces(g: Generator) -> bool:
 
 
 def _forces(g: Generator, known: set[str], found: Enclosures) -> None:
-    """Torques on groups and force bounds, if all of them are enclosed."""
+    """Torques on groups and force bounds, if all of them are enclosed: one function of each batch."""
     functions = []
     for code in g.codes:
-        for flange, expr in code.torques.items():
-            pair = _enclosed(g, code, expr, known, found)
-            if pair is None:
-                return
-            names, text = pair
-            if code.batch.groups[flange][0] == GROUND_GROUP:
-                continue
-            target = Operand(Role.GROUP_TORQUES, code.symbols.group_key(flange, names))
+        torques = {flange: x for flange, x in code.torques.items() if code.batch.groups[flange][0] != GROUND_GROUP}
+        bounds = [_bounds(code, name) for name in code.law.constraints]
+        known_bounds = [x for pair in bounds for x in pair if x is not None]
+        enclosing = _enclosed(g, code, [*torques.values(), *known_bounds], known, found)
+        if enclosing is None:
+            return
+        names, texts = enclosing.names, iter(enclosing.texts)
+        body = enclosing.shared
+        for flange in torques:
+            target, text = Operand(Role.GROUP_TORQUES, code.symbols.group_key(flange, names)), next(texts)
             gain = code.symbols.gain(flange, names)
             text = f"gb_enclosed_scale({text}, {gain})" if gain else text
-            body = [Statement(target, "=", f"gb_enclosed_add({target}, {text})")]
-            functions.append(_function(code, f"torque_enclosure_{flange}", names, body))
-        for name in code.law.constraints:
+            body.append(Statement(target, "=", f"gb_enclosed_add({target}, {text})"))
+        for name, pair in zip(code.law.constraints, bounds, strict=True):
             first = g.constraints.first[code.number, name]
-            for k, key in enumerate(("lower", "upper")):
+            for k, expr in enumerate(pair):
                 target = Operand(Role.BOUNDS_OVER_PIECE, f"2 * ({first} + e) + {k}")
-                names, text = Names(Role.STATES), f"gb_enclosed_number({'-' if k == 0 else ''}HUGE_VAL)"
-                if key in code.constraint_values[name]:
-                    pair = _enclosed(g, code, code.constraint_values[name][key], known, found)
-                    if pair is None:
-                        return
-                    names, text = pair
-                body = [Statement(target, "=", text)]
-                functions.append(_function(code, f"{key}_bound_enclosure_{name}", names, body))
+                nothing = f"gb_enclosed_number({'-' if k == 0 else ''}HUGE_VAL)"
+                body.append(Statement(target, "=", nothing if expr is None else next(texts)))
+        functions.append(_function(code, "force_enclosures", names, body))
     for function in functions:
         g.keep("force_enclosures", function)
     found.forces = True
+
+
+def _bounds(code: BatchCode, name: str) -> tuple[Any, Any]:
+    """Lower and upper bound of the force of a constraint; None: there is none."""
+    values = code.constraint_values[name]
+    return values.get("lower"), values.get("upper")
 
 
 def _signals(g: Generator) -> set[str]:
@@ -125,14 +127,14 @@ def _general(code: BatchCode) -> list[int]:
 
 
 def _event_functions(g: Generator, code: BatchCode, known: set[str], found: Enclosures) -> None:
-    for i in _general(code):
-        pair = _enclosed(g, code, code.surfaces[i], known, found)
-        if pair is not None:
-            names, text = pair
-            first = code.offsets.switches[i]
-            body = [Statement(Operand(Role.ENCLOSURES, first, instance=True), "=", text)]
-            g.keep("event_enclosures", _function(code, f"event_enclosure_{i}", names, body))
-            found.switches.append((first, code.n))
+    """Those of a batch that have an enclosure: one function."""
+    enclosed = [i for i in _general(code) if _enclosed(g, code, [code.surfaces[i]], known, found) is not None]
+    enclosing = _enclosed(g, code, [code.surfaces[i] for i in enclosed], known, found)
+    if enclosed and enclosing is not None:
+        firsts = [code.offsets.switches[i] for i in enclosed]
+        body = enclosing.body([Operand(Role.ENCLOSURES, first, instance=True) for first in firsts])
+        g.keep("event_enclosures", _function(code, "event_enclosures", enclosing.names, body))
+        found.switches += [(first, code.n) for first in firsts]
 
 
 def _function(code: BatchCode, name: str, names: Names, body: list[Statement]) -> Function:
@@ -161,15 +163,27 @@ def _spelled_out(code: BatchCode, expr: Any) -> Any:
         expr = expr.xreplace(inner)
 
 
+@dataclass(slots=True)
+class _Enclosing:
+    """C of the enclosures of expressions, the names in it, and what they share, which goes first."""
+
+    names: Names
+    shared: list[Statement]
+    texts: list[str]
+
+    def body(self, targets: list[Operand]) -> list[Statement]:
+        return [*self.shared, *(Statement(at, "=", x) for at, x in zip(targets, self.texts, strict=True))]
+
+
 def _enclosed(
-    g: Generator, code: BatchCode, expr: Any, known: set[str], found: Enclosures
-) -> tuple[Names, str] | None:  # fmt: skip
-    """C of the enclosure of an expression, with the names in it; None where it has none."""
-    expr = _spelled_out(code, expr)
+    g: Generator, code: BatchCode, exprs: list[Any], known: set[str], found: Enclosures
+) -> _Enclosing | None:  # fmt: skip
+    """Enclosures of expressions of a batch; None where one of them has none."""
+    exprs = [_spelled_out(code, x) for x in exprs]
     names, moving = Names(Role.STATES), {}
     used: set[int] = set()
     try:
-        for symbol in by_name(expr):
+        for symbol in by_name(*exprs):
             meaning = code.law.pool.roles[symbol]
             if meaning.role in _NUMBERS:
                 names.text[symbol] = code.symbols.name(symbol, names)
@@ -178,11 +192,11 @@ def _enclosed(
             else:
                 reading = _Reading(g, code, found.first, names, used)
                 moving[symbol] = reading.argument(meaning.role, meaning.of)
-        text = enclosure_text(expr, moving, names.text)
+        shared, texts = enclosure_texts(exprs, moving, names.text)
     except EnclosureError:
         return None
     found.used |= used
-    return names, text
+    return _Enclosing(names, [Statement(Local(x.name), "share", x.text, kind=x.kind) for x in shared], texts)
 
 
 @dataclass(slots=True)
@@ -195,8 +209,8 @@ class _Reading:
     names: Names
     used: set[int]
 
-    def argument(self, role: str, of: Any) -> str:
-        """C of a moving symbol: an enclosure."""
+    def argument(self, role: str, of: Any) -> str | tuple[str, str]:
+        """C of a moving symbol: an enclosure, or one and its factor."""
         if role == "sense":
             return self.names.place(Operand(Role.FEEDBACK_ENCLOSURES, self.g.feedback[of].index))
         if role == "time":
@@ -235,11 +249,13 @@ class _Reading:
         total = ""
         for flange, values in self.code.symbols.form(j).items():
             key = self.names.argument("double", f"c{j}_{flange}", self.code.batch.name, values)
-            term = f"gb_enclosed_scale({self._flange('phi', flange)}, {key})"
+            at = self._flange("phi", flange)
+            angle = at if isinstance(at, str) else f"gb_enclosed_scale({', '.join(at)})"
+            term = f"gb_enclosed_scale({angle}, {key})"
             total = f"gb_enclosed_add({total}, {term})" if total else term
         return total
 
-    def _flange(self, role: str, flange: str) -> str:
+    def _flange(self, role: str, flange: str) -> str | tuple[str, str]:
         symbols, plain = self.code.symbols, self.g.assembly.plain
         if self.code.batch.groups[flange][0] == GROUND_GROUP:
             held = symbols.held_angle(flange, self.names) if role == "phi" else "0.0"
@@ -249,4 +265,4 @@ class _Reading:
         else:
             text = self._column(self.first["states" if plain else "speeds"], symbols.speed_key(flange, self.names))
         gain = symbols.gain(flange, self.names)
-        return f"gb_enclosed_scale({text}, {gain})" if gain else text
+        return (text, gain) if gain else text

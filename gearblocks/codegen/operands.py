@@ -214,7 +214,7 @@ class Assignment(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """target op rhs, for the template. words: a comment behind it."""
+    """target op rhs, for the template; op "share": a Local of another C type, `kind`. words: a comment behind it."""
 
     target: Target
     op: str
@@ -222,6 +222,7 @@ class Statement:
     full: bool = False
     table: str = ""
     words: str = ""
+    kind: str = ""
 
     @property
     def read(self) -> Roles:

@@ -32,15 +32,31 @@ static inline gb_interval gb_interval_widened(double lo, double hi) {
     return wide.lo <= wide.hi ? wide : all;
 }
 
+/* The lesser and the greater one, without the calls of fmin and fmax. */
+static inline double gb_lesser(double a, double b) {
+    return a < b ? a : b;
+}
+
+static inline double gb_greater(double a, double b) {
+    return a > b ? a : b;
+}
+
 /* 0 times what has no bound is 0: it is the product of numbers, not of limits. */
 static inline double gb_interval_product(double a, double b) {
-    return a == 0.0 || b == 0.0 ? 0.0 : a * b;
+    const double product = a * b;
+    return product != product && (a == 0.0 || b == 0.0) ? 0.0 : product;
 }
 
 static inline gb_interval gb_interval_mul(gb_interval a, gb_interval b) {
     const double ll = gb_interval_product(a.lo, b.lo), lh = gb_interval_product(a.lo, b.hi);
     const double hl = gb_interval_product(a.hi, b.lo), hh = gb_interval_product(a.hi, b.hi);
-    return gb_interval_widened(fmin(fmin(ll, lh), fmin(hl, hh)), fmax(fmax(ll, lh), fmax(hl, hh)));
+    return gb_interval_widened(gb_lesser(gb_lesser(ll, lh), gb_lesser(hl, hh)),
+                               gb_greater(gb_greater(ll, lh), gb_greater(hl, hh)));
+}
+
+static inline gb_interval gb_interval_scale(gb_interval x, double c) {
+    const double one = gb_interval_product(x.lo, c), other = gb_interval_product(x.hi, c);
+    return c < 0.0 ? gb_interval_widened(other, one) : gb_interval_widened(one, other);
 }
 
 static inline gb_interval gb_interval_add(gb_interval a, gb_interval b) {
@@ -58,23 +74,34 @@ static inline gb_interval gb_interval_about(double middle, double reach) {
                                middle + reach + 4.0 * DBL_EPSILON * (fabs(middle) + reach));
 }
 
-/* Sine or cosine, whose maxima lie at the quarter turns 4 k + peak (sine: 1, cosine: 0). */
-static inline gb_interval gb_interval_wave(gb_interval x, int peak) {
-    gb_interval all = {-1.0, 1.0};
+/* Sine and cosine of one phase. */
+typedef struct gb_waves {
+    gb_interval sine, cosine;
+} gb_waves;
+
+/* A wave with the values a and b at the ends of [from, to] in quarter turns, whose maxima lie at 4 k. Within a few
+ * units in the last place, so that its sign near 0 is told however close; far out absolutely: from_zero 1. */
+static inline gb_interval gb_interval_wave(double from, double to, double a, double b, double from_zero) {
+    const int has_most = floor(0.25 * to) >= ceil(0.25 * from);
+    const int has_least = floor(0.25 * (to - 2.0)) >= ceil(0.25 * (from - 2.0));
+    const double least = gb_lesser(a, b), most = gb_greater(a, b);
+    const gb_interval wave = {has_least ? -1.0 : least - 4.0 * DBL_EPSILON * gb_greater(fabs(least), from_zero),
+                              has_most ? 1.0 : most + 4.0 * DBL_EPSILON * gb_greater(fabs(most), from_zero)};
+    return wave;
+}
+
+static inline gb_waves gb_interval_waves(gb_interval x) {
+    const gb_waves all = {{-1.0, 1.0}, {-1.0, 1.0}};
     const double quarter = 0.63661977236758134308; /* 2 / pi */
     if (!(x.hi - x.lo < 6.28) || !(fabs(x.lo) < 1e13) || !(fabs(x.hi) < 1e13)) {
         return all;
     }
-    const double from = x.lo * quarter * (x.lo > 0.0 ? 1.0 - 1e-15 : 1.0 + 1e-15) - peak;
-    const double to = x.hi * quarter * (x.hi > 0.0 ? 1.0 + 1e-15 : 1.0 - 1e-15) - peak;
-    const double a = peak ? gb_sin(x.lo) : gb_cos(x.lo), b = peak ? gb_sin(x.hi) : gb_cos(x.hi);
-    const int has_most = floor(0.25 * to) >= ceil(0.25 * from);
-    const int has_least = floor(0.25 * (to - 2.0)) >= ceil(0.25 * (from - 2.0));
-    /* within a few units in the last place, so that its sign near 0 is told however close; far out absolutely */
-    const double from_zero = fmax(fabs(x.lo), fabs(x.hi)) < 1e9 ? 0.0 : 1.0;
-    all.lo = has_least ? -1.0 : fmin(a, b) - 4.0 * DBL_EPSILON * fmax(fabs(fmin(a, b)), from_zero);
-    all.hi = has_most ? 1.0 : fmax(a, b) + 4.0 * DBL_EPSILON * fmax(fabs(fmax(a, b)), from_zero);
-    return all;
+    const double from = x.lo * quarter * (x.lo > 0.0 ? 1.0 - 1e-15 : 1.0 + 1e-15);
+    const double to = x.hi * quarter * (x.hi > 0.0 ? 1.0 + 1e-15 : 1.0 - 1e-15);
+    const double from_zero = gb_greater(fabs(x.lo), fabs(x.hi)) < 1e9 ? 0.0 : 1.0;
+    const gb_waves waves = {gb_interval_wave(from - 1.0, to - 1.0, gb_sin(x.lo), gb_sin(x.hi), from_zero),
+                            gb_interval_wave(from, to, gb_cos(x.lo), gb_cos(x.hi), from_zero)};
+    return waves;
 }
 
 /* -- arithmetic -- */
@@ -109,8 +136,7 @@ static inline gb_enclosure gb_enclosed_shift(gb_enclosure x, double c) {
 }
 
 static inline gb_enclosure gb_enclosed_scale(gb_enclosure x, double c) {
-    const gb_interval factor = {c, c};
-    return gb_enclosed(gb_interval_mul(gb_value_of(x), factor), gb_interval_mul(gb_rate_of(x), factor));
+    return gb_enclosed(gb_interval_scale(gb_value_of(x), c), gb_interval_scale(gb_rate_of(x), c));
 }
 
 static inline gb_enclosure gb_enclosed_add(gb_enclosure a, gb_enclosure b) {
@@ -135,7 +161,7 @@ static inline gb_interval gb_interval_power(gb_interval x, int n) {
         lo *= x.lo;
         hi *= x.hi;
     }
-    const double most = fmax(lo, hi), least = n % 2 == 0 && x.lo < 0.0 && x.hi > 0.0 ? 0.0 : fmin(lo, hi);
+    const double most = gb_greater(lo, hi), least = n % 2 == 0 && x.lo < 0.0 && x.hi > 0.0 ? 0.0 : gb_lesser(lo, hi);
     const gb_interval value = {least - 4.0 * n * DBL_EPSILON * fabs(least), most + 4.0 * n * DBL_EPSILON * fabs(most)};
     return gb_interval_widened(value.lo, value.hi);
 }
@@ -164,17 +190,21 @@ static inline gb_enclosure gb_enclosed_growing(gb_enclosure x, double a, double 
                       gb_interval_widened(fmin(da, db), most));
 }
 
-static inline gb_enclosure gb_enclosed_sin(gb_enclosure x) {
-    return gb_chained(x, gb_interval_wave(gb_value_of(x), 1), gb_interval_wave(gb_value_of(x), 0));
+static inline gb_waves gb_enclosed_waves(gb_enclosure x) {
+    return gb_interval_waves(gb_value_of(x));
 }
 
-static inline gb_enclosure gb_enclosed_cos(gb_enclosure x) {
-    const gb_interval s = gb_interval_wave(gb_value_of(x), 1), slope = {-s.hi, -s.lo};
-    return gb_chained(x, gb_interval_wave(gb_value_of(x), 0), slope);
+static inline gb_enclosure gb_enclosed_sin(gb_enclosure x, gb_waves of_x) {
+    return gb_chained(x, of_x.sine, of_x.cosine);
+}
+
+static inline gb_enclosure gb_enclosed_cos(gb_enclosure x, gb_waves of_x) {
+    const gb_interval slope = {-of_x.sine.hi, -of_x.sine.lo};
+    return gb_chained(x, of_x.cosine, slope);
 }
 
 static inline gb_enclosure gb_enclosed_tan(gb_enclosure x) {
-    const gb_interval c = gb_interval_wave(gb_value_of(x), 0), all = {-HUGE_VAL, HUGE_VAL};
+    const gb_interval c = gb_interval_waves(gb_value_of(x)).cosine, all = {-HUGE_VAL, HUGE_VAL};
     if (!(c.lo > 0.0 || c.hi < 0.0)) {
         return gb_enclosed(all, all);
     }

@@ -58,7 +58,7 @@ static int what_is_known(gb_sim *sim) {
     if (panel->known == UNKNOWN || panel->known_modes != sim->head->events.mode_hash) {
         panel->known = !is_function(sim) ? NO_FUNCTION : is_alone(sim) ? ALONE : FUNCTION;
         panel->known_modes = sim->head->events.mode_hash;
-        panel->boxed = 0;
+        panel->boxed = panel->has_kept = 0;
     }
     return panel->known;
 }
@@ -95,10 +95,11 @@ static gb_enclosure larger(gb_enclosure a, gb_enclosure b) {
     return x;
 }
 
-void gb_forces_enclose(gb_sim *sim) {
+/* The event functions of constraint forces where the arguments are x. */
+static void enclose_over(gb_sim *sim, const gb_enclosure *x) {
     const gb_model *model = sim->model;
     const gb_enclosure never = {-HUGE_VAL, -HUGE_VAL, 0.0, 0.0};
-    model->force_enclosures(sim->par, sim->mode, sim->panel.x, sim->panel.torque, sim->panel.bound);
+    model->force_enclosures(sim->par, sim->mode, x, sim->panel.torque, sim->panel.bound);
     for (int i = 0; i < model->n_constraints; i++) {
         const int at = model->constraints[i].active;
         sim->panel.enclosure[at] = gb_enclosed_number(-1.0);
@@ -115,9 +116,13 @@ void gb_forces_enclose(gb_sim *sim) {
     }
 }
 
-int gb_forces_agree(gb_sim *sim) {
+void gb_forces_enclose(gb_sim *sim) {
+    enclose_over(sim, sim->panel.x);
+}
+
+/* The event functions at the start of the step lie in what is enclosed. */
+static int agree(const gb_sim *sim) {
     const gb_model *model = sim->model;
-    sim->head->events.forces_agreed = 0;
     for (int i = 0; i < model->n_constraints; i++) {
         const int at = model->constraints[i].active;
         const gb_enclosure *g = &sim->panel.enclosure[at];
@@ -126,8 +131,71 @@ int gb_forces_agree(gb_sim *sim) {
             return 0;
         }
     }
-    sim->head->events.forces_agreed = 1;
     return 1;
+}
+
+int gb_forces_agree(gb_sim *sim) {
+    sim->head->events.forces_agreed = agree(sim);
+    return sim->head->events.forces_agreed;
+}
+
+/* What is enclosed is inside the bounds. */
+static int are_inside(const gb_sim *sim) {
+    const gb_model *model = sim->model;
+    int inside = 1;
+    for (int i = 0; i < model->n_constraints && inside; i++) {
+        inside = sim->panel.enclosure[model->constraints[i].active].hi < 0.0;
+    }
+    return inside;
+}
+
+/* The values of argument j lie in the box that is kept; a new one reaches beyond them. */
+static int is_kept(const gb_sim *sim, int j) {
+    return sim->panel.x[j].lo >= sim->panel.kept[j].lo && sim->panel.x[j].hi <= sim->panel.kept[j].hi;
+}
+
+static void keep(gb_sim *sim, int j, double reach) {
+    const gb_enclosure *x = &sim->panel.x[j];
+    const double more = reach > 0.0 ? reach * (x->hi - x->lo) : 0.0;
+    const gb_enclosure box = {x->lo - more, x->hi + more, 0.0, 0.0};
+    sim->panel.kept[j] = box;
+}
+
+/* A box around the arguments in which the forces are inside: as large as it may be, since steps that follow are told by
+ * it as well. */
+static int find_kept(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    struct gb_panel *panel = &sim->panel;
+    double reach = panel->kept_reach > 0.0 ? gb_min(2.0 * panel->kept_reach, AHEAD) : 1.0;
+    int inside = 0;
+    for (int attempt = 0; attempt < 2 && !inside; attempt++) {
+        keep(sim, 0, reach);
+        for (int k = 0; k < model->n_arguments_read; k++) {
+            keep(sim, model->arguments_read[k], reach);
+        }
+        enclose_over(sim, panel->kept);
+        inside = are_inside(sim);
+        panel->kept_reach = reach;
+        reach = 0.0;
+    }
+    return inside && agree(sim);
+}
+
+int gb_forces_inside(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    struct gb_panel *panel = &sim->panel;
+    int inside = panel->has_kept && is_kept(sim, 0);
+    if (!sim->head->events.forces_agreed) {
+        return 0;
+    }
+    for (int k = 0; k < model->n_arguments_read && inside; k++) {
+        inside = is_kept(sim, model->arguments_read[k]);
+    }
+    panel->has_kept = inside || find_kept(sim);
+    for (int i = 0; i < model->n_constraints && panel->has_kept; i++) {
+        panel->enclosure[model->constraints[i].active] = gb_enclosed_number(-1.0);
+    }
+    return panel->has_kept;
 }
 
 /* State i over the step, coarsely: it moves from both ends by no more than the largest of the stages' rates would have
@@ -177,7 +245,6 @@ static int is_in_box(const gb_sim *sim) {
 }
 
 int gb_forces_stay(gb_sim *sim) {
-    const gb_model *model = sim->model;
     if (!sim->head->events.forces_agreed || sim->inputs.n_moving > 0 || what_is_known(sim) != ALONE) {
         return 0;
     }
@@ -185,10 +252,7 @@ int gb_forces_stay(gb_sim *sim) {
     for (double times = AHEAD; !stay && times > 0.0; times = times > 1.0 ? 1.0 : 0.0) {
         make_box(sim, times);
         gb_forces_enclose(sim);
-        stay = 1;
-        for (int i = 0; i < model->n_constraints && stay; i++) {
-            stay = sim->panel.enclosure[model->constraints[i].active].hi < 0.0;
-        }
+        stay = are_inside(sim);
         sim->panel.boxed = stay;
     }
     return stay;

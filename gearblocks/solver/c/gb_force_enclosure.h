@@ -19,6 +19,10 @@ void gb_forces_enclose(gb_sim *sim);
 /* Whether enclosures over hardly any time at the start of the step agree with the event functions there. */
 int gb_forces_agree(gb_sim *sim);
 
+/* Over the piece whose arguments are given constraint forces are inside their bounds, as their values tell: for this
+ * piece, or for a box around what an earlier one had in these modes. Only where they have agreed. */
+int gb_forces_inside(gb_sim *sim);
+
 /* In the step just computed constraint forces are all that could end a mode, and by far they do not: without a look at
  * the polynomials of the step. Only where they have agreed in these modes. */
 int gb_forces_stay(gb_sim *sim);

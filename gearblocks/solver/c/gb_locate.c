@@ -56,13 +56,15 @@ static int has_stayed(gb_sim *sim, int i) {
 }
 
 /* A slip that has just let go in the direction of its acceleration, or a switch that flips for the second time without
- * progress, and yet comes back in the first eighth of the step: the error of the polynomial may do that, a shorter step
- * tells, as long as it can be told from rounding. */
+ * progress, and yet comes back in the first eighth of the step, or there a constraint force that has been found inside
+ * its bounds at this instant, once more: the error of the polynomial may do that, a shorter step tells, as long as it
+ * can be told from rounding. */
 static int comes_back_early(const gb_sim *sim, int i) {
     const double h = sim->head->front.h;
-    return h > 1e6 * gb_rounding(sim->head->front.t0, h) &&
-           (sim->events.role[i] == GB_CONSTRAINED || sim->events.flips[i] > 1.0) && sim->events.located[i] < 0.125 &&
-           sim->events.armed[i] == sim->events.side[i];
+    const int constrained = sim->events.role[i] == GB_CONSTRAINED, again = sim->events.flips[i] > 1.0;
+    const int armed = sim->events.armed[i] == sim->events.side[i];
+    return h > 1e6 * gb_rounding(sim->head->front.t0, h) && sim->events.located[i] < 0.125 &&
+           (armed ? constrained || again : constrained && again);
 }
 
 /* What was located in [from, to) and is noise is no event: its limit is not watched in this step. The search of other

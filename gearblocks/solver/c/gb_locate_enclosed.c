@@ -21,6 +21,7 @@ typedef struct search {
     int have_left, have_right; /* event functions at a and at b are known */
     int by_ends, open;         /* ends decide; how many pieces were open so far */
     int with_forces;           /* constraint forces are enclosed too */
+    int forces_inside;         /* they need not be, in this panel */
 } search;
 
 /* f has left its mode: a touch has not. Where the ends of a piece that can be no shorter decide, nor has what the
@@ -161,7 +162,7 @@ static int judge_piece(gb_sim *sim, search *s, int *found) {
         const gb_limit at = gb_limit_at(sim, k);
         if (!is_clear(sim, at)) {
             clear = 0;
-            if (s->a == 0.0 && gb_leaves_corner(sim, s->with_forces, at, s->b, s->tolerance)) {
+            if (s->a == 0.0 && gb_leaves_corner(sim, s->with_forces && !s->forces_inside, at, s->b, s->tolerance)) {
                 leave(sim, s, at, 0.0);
                 *found = ROOT;
                 return GB_DONE;
@@ -197,7 +198,7 @@ static int stands(gb_sim *sim, int i, double end) {
  * the parts of it cancel is more than an enclosure knows. */
 static void measure_noise(gb_sim *sim, const search *s) {
     const double *time_terms = sim->lanes.time_terms + sim->method->stages;
-    gb_enclose(sim, s->with_forces, s->a, gb_min(s->a + s->tolerance, sim->panel.to));
+    gb_enclose(sim, s->with_forces && !s->forces_inside, s->a, gb_min(s->a + s->tolerance, sim->panel.to));
     sim->model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
     for (int i = sim->model->n_affine; i < sim->model->n_event_functions; i++) {
         const gb_enclosure *g = &sim->panel.enclosure[i];
@@ -217,6 +218,22 @@ static int next_panel(gb_sim *sim, double from, double span) {
         halved = 1;
     }
     return code;
+}
+
+/* Looks at a panel as a whole, as far as anything could be found in it: constraint forces that are inside their bounds
+ * throughout are not enclosed over its pieces, and where all is clear by its values alone there are no pieces. */
+static void look_at_panel(gb_sim *sim, search *s) {
+    const double end = sim->panel.to;
+    gb_enclose(sim, 0, s->a, end);
+    s->forces_inside = s->with_forces && gb_forces_inside(sim);
+    int clear = s->forces_inside == s->with_forces;
+    for (int k = 0; k < gb_limits(sim->model) && clear; k++) {
+        clear = is_clear(sim, gb_limit_at(sim, k));
+    }
+    if (clear) {
+        s->a = end;
+        s->have_left = 0;
+    }
 }
 
 /* Goes on behind a free piece. */
@@ -263,7 +280,10 @@ static int begin(gb_sim *sim, search *s) {
         code = gb_dense_complete(sim);
         code = code == GB_DONE ? next_panel(sim, 0.0, 1.0) : code;
     }
-    if (code == GB_DONE && any && s->with_forces) {
+    if (code == GB_DONE && any) {
+        look_at_panel(sim, s);
+    }
+    if (code == GB_DONE && any && s->with_forces && !s->forces_inside) {
         gb_enclose(sim, 1, 0.0, s->tolerance);
         s->with_forces = gb_forces_agree(sim);
         watch_forces(sim, s->with_forces);
@@ -297,12 +317,16 @@ int gb_locate_enclosed(gb_sim *sim) {
     while (code == GB_DONE && found != ROOT && s.a < gb_min(s.until + s.tolerance, 1.0)) {
         if (s.a >= sim->panel.to) {
             code = next_panel(sim, s.a, 2.0 * (sim->panel.to - sim->panel.from));
+            if (code == GB_DONE) {
+                look_at_panel(sim, &s);
+                continue;
+            }
         }
         s.b = s.a + 1.01 * width < sim->panel.to ? s.a + width : sim->panel.to;
         s.have_right = 0;
         s.by_ends = s.b - s.a <= s.tolerance || s.open > MOST_PIECES;
         if (code == GB_DONE) {
-            gb_enclose(sim, s.with_forces, s.a, s.b);
+            gb_enclose(sim, s.with_forces && !s.forces_inside, s.a, s.b);
             code = judge_piece(sim, &s, &found);
         }
         width = found == OPEN ? 0.5 * (s.b - s.a) : 2.0 * (s.b - s.a);

@@ -148,7 +148,7 @@ static void lay_panel(gb_sim *sim, char *base, size_t *at) {
     struct gb_panel *p = &sim->panel;
     const long read = m->n_arguments_read, n = m->n_arguments > 0 ? m->n_event_functions : 0;
     p->values = doubles(base, at, (long)GB_PANEL_POINTS * m->n_arguments);
-    p->bernstein = doubles(base, at, (long)GB_PANEL_POINTS * read);
+    p->bernstein = doubles(base, at, (long)GB_PANEL_POINTS * (read + GB_PAD));
     p->slack = doubles(base, at, read);
     p->misfit = doubles(base, at, read);
     p->rounding = doubles(base, at, read);
@@ -162,6 +162,7 @@ static void lay_panel(gb_sim *sim, char *base, size_t *at) {
     p->watched = take(base, at, sizeof(int) * (size_t)(m->n_event_functions + 1));
     p->torque = take(base, at, sizeof(gb_enclosure) * (size_t)(m->n_groups + 1));
     p->bound = take(base, at, sizeof(gb_enclosure) * (size_t)(2 * m->n_constraints + 1));
+    p->kept = take(base, at, sizeof(gb_enclosure) * (size_t)(responses > 0 ? m->n_arguments + 1 : 1));
     p->x = take(base, at, sizeof(gb_enclosure) * (size_t)(m->n_arguments + 1));
     p->enclosure = take(base, at, sizeof(gb_enclosure) * (size_t)(n + 1));
 }

@@ -15,8 +15,8 @@ static inline double gb_rounding(double t, double h) {
  * by the rounding of rates that cancel: each flip without progress of time doubles it, until the next that stands
  * alone. */
 static inline double gb_limit_rounding(const gb_sim *sim, int i, double limit) {
-    return ldexp(64.0 * DBL_EPSILON * (fabs(sim->events.s0[i]) + fabs(limit)),
-                 sim->events.flips[i] > 1.0 ? (int)sim->events.flips[i] - 1 : 0);
+    const double rounding = 64.0 * DBL_EPSILON * (fabs(sim->events.s0[i]) + fabs(limit));
+    return sim->events.flips[i] > 1.0 ? ldexp(rounding, (int)sim->events.flips[i] - 1) : rounding;
 }
 
 /* Gives switch i its mode; with `log` that is an event. */

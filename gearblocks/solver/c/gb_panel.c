@@ -4,7 +4,7 @@
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
-enum { DEGREE = 8, POINTS = GB_PANEL_POINTS };
+enum { DEGREE = 8, POINTS = GB_PANEL_POINTS, WIDTH = GB_PAD / 2 }; /* arguments go by blocks of WIDTH */
 
 /* Where the polynomials are fitted, then where they are checked. */
 static const double points[POINTS] = {0.0,     0.03125, 0.15625, 0.3125,   0.5,     0.6875,  0.84375,
@@ -39,46 +39,76 @@ static int arguments_at(gb_sim *sim, double theta, double *x) {
     return code;
 }
 
-/* sum b_i B_i,8(u). */
-static double bernstein(const double *b, double u) {
-    double c[DEGREE + 1];
+/* *least = x where it is less, in each entry; *most = |x| where it is more. */
+GB_INLINE void take_lesser(gb_half *least, const gb_half *x) {
+    const gb_bits stays = *least < *x;
+    *least = (gb_half)((stays & (gb_bits)*least) | (~stays & (gb_bits)*x));
+}
+
+GB_INLINE void take_greater(gb_half *most, const gb_half *x) {
+    const gb_bits stays = *most > *x;
+    *most = (gb_half)((stays & (gb_bits)*most) | (~stays & (gb_bits)*x));
+}
+
+GB_INLINE void take_magnitude(gb_half *most, const gb_half *x) {
+    gb_half size = *x;
+    gb_half_abs(&size);
+    take_greater(most, &size);
+}
+
+/* *off = value - sum b_i B_i,8(u). */
+GB_INLINE void misfit_at(const gb_half *b, double u, const gb_half *value, gb_half *off) {
+    gb_half c[DEGREE + 1];
     memcpy(c, b, sizeof c);
     for (int r = 1; r <= DEGREE; r++) {
         for (int i = 0; i <= DEGREE - r; i++) {
             c[i] += u * (c[i + 1] - c[i]);
         }
     }
-    return c[0];
+    *off = *value - c[0];
 }
 
-/* The polynomial of argument j, its slack, and how far it is off at points between; *little: what would be little
- * beside how it moves. Rounding of the values comes out of the fit up to 190 times as large. */
-static double fit_argument(gb_sim *sim, int j, double *b, double *slack, double *little) {
-    const size_t n = (size_t)sim->model->n_arguments;
-    double v[POINTS], size = 0.0, range = 0.0, off = 0.0;
-    for (int l = 0; l < POINTS; l++) {
-        const double value = sim->panel.values[(size_t)l * n + (size_t)j];
-        v[l] = value - sim->panel.values[j];
-        size = gb_max(size, fabs(value));
-        range = gb_max(range, fabs(v[l]));
+/* Polynomials of the arguments k of one block, what they are off by at points between, and how large they are. Rounding
+ * of the values comes out of the fit up to 190 times as large. */
+typedef struct fits {
+    gb_half size, range, off;
+} fits;
+
+static void fit_block(gb_sim *sim, int k, gb_half *b, fits *found) {
+    const gb_model *model = sim->model;
+    const gb_half none = {0.0};
+    const fits nothing = {none, none, none};
+    *found = nothing;
+    gb_half v[POINTS];
+    for (int lane = 0; lane < WIDTH; lane++) {
+        const double *values =
+            sim->panel.values + model->arguments_read[k + lane < model->n_arguments_read ? k + lane : k];
+        for (int l = 0; l < POINTS; l++) {
+            v[l][lane] = values[(size_t)l * (size_t)model->n_arguments];
+        }
     }
-    b[0] = 0.0;
+    const gb_half start = v[0];
+    for (int l = 0; l < POINTS; l++) {
+        take_magnitude(&found->size, &v[l]);
+        v[l] -= start;
+        take_magnitude(&found->range, &v[l]);
+    }
+    b[0] = none;
     b[DEGREE] = v[DEGREE];
     for (int i = 1; i <= 4; i++) {
-        double forward = 0.0, backward = 0.0;
+        gb_half forward = none, backward = none;
         for (int l = 0; l <= DEGREE; l++) {
             forward += fit[i - 1][l] * v[l];
             backward += fit[i - 1][l] * v[DEGREE - l];
         }
         b[i] = forward;
-        b[DEGREE - i] = i < 4 ? backward : b[DEGREE - i];
+        b[DEGREE - i] = i < 4 ? backward : forward;
     }
     for (int l = DEGREE + 1; l < POINTS; l++) {
-        off = gb_max(off, fabs(v[l] - bernstein(b, points[l])));
+        gb_half off;
+        misfit_at(b, points[l], &v[l], &off);
+        take_magnitude(&found->off, &off);
     }
-    *slack = range == 0.0 ? 0.0 : 1e-13 * size + 4.0 * off;
-    *little = 1e-12 * size + 1e-6 * range;
-    return 4.0 * off;
 }
 
 /* Whether the polynomial k holds that is off so far. Where half the width left it as far off, that is rounding: of what
@@ -92,6 +122,11 @@ static int holds(gb_sim *sim, int k, double off, double little, int halved) {
     return off <= gb_max(little, sim->panel.rounding[k]);
 }
 
+/* The coefficients of a block of arguments. */
+static gb_half *block_of(const gb_sim *sim, int first) {
+    return (gb_half *)(void *)(sim->panel.bernstein + (size_t)first * (DEGREE + 1));
+}
+
 int gb_panel_fill(gb_sim *sim, double from, double to, int halved, int *good) {
     const gb_model *model = sim->model;
     int code = GB_DONE;
@@ -102,16 +137,20 @@ int gb_panel_fill(gb_sim *sim, double from, double to, int halved, int *good) {
     sim->panel.from = from;
     sim->panel.to = to;
     *good = 1;
-    for (int k = 0; k < model->n_arguments_read && code == GB_DONE; k++) {
-        double *b = sim->panel.bernstein + (size_t)k * (DEGREE + 1), little = 0.0;
-        const double off = fit_argument(sim, model->arguments_read[k], b, &sim->panel.slack[k], &little);
-        *good = holds(sim, k, off, little, halved) && *good;
+    for (int first = 0; first < model->n_arguments_read && code == GB_DONE; first += WIDTH) {
+        fits found;
+        fit_block(sim, first, block_of(sim, first), &found);
+        for (int k = first; k < first + WIDTH && k < model->n_arguments_read; k++) {
+            const double size = found.size[k - first], range = found.range[k - first], off = 4.0 * found.off[k - first];
+            sim->panel.slack[k] = range == 0.0 ? 0.0 : 1e-13 * size + off;
+            *good = holds(sim, k, off, 1e-12 * size + 1e-6 * range, halved) && *good;
+        }
     }
     return code;
 }
 
 /* The coefficients over [u, v] from those over [0, 1]. */
-static void restrict_to(double *c, double u, double v) {
+GB_INLINE void restrict_to(gb_half *c, double u, double v) {
     for (int r = 1; v < 1.0 && r <= DEGREE; r++) {
         for (int i = DEGREE; i >= r; i--) {
             c[i] = c[i - 1] + v * (c[i] - c[i - 1]);
@@ -129,24 +168,25 @@ void gb_panel_piece(gb_sim *sim, double a, double b) {
     const gb_model *model = sim->model;
     const double width = sim->panel.to - sim->panel.from;
     const double u = (a - sim->panel.from) / width, v = gb_min((b - sim->panel.from) / width, 1.0);
-    for (int k = 0; k < model->n_arguments_read; k++) {
-        const int j = model->arguments_read[k];
-        const double start = sim->panel.values[j], slack = sim->panel.slack[k];
-        double c[DEGREE + 1], lo = HUGE_VAL, hi = -HUGE_VAL, down = HUGE_VAL, up = -HUGE_VAL;
-        memcpy(c, sim->panel.bernstein + (size_t)k * (DEGREE + 1), sizeof c);
+    for (int first = 0; first < model->n_arguments_read; first += WIDTH) {
+        gb_half c[DEGREE + 1];
+        memcpy(c, block_of(sim, first), sizeof c);
         restrict_to(c, u, v);
-        for (int i = 0; i <= DEGREE; i++) {
-            lo = gb_min(lo, c[i]);
-            hi = gb_max(hi, c[i]);
+        gb_half lo = c[0], hi = c[0], down = c[1] - c[0], up = down;
+        for (int i = 1; i <= DEGREE; i++) {
+            const gb_half rise = c[i] - c[i - 1];
+            take_lesser(&lo, &c[i]);
+            take_greater(&hi, &c[i]);
+            take_lesser(&down, &rise);
+            take_greater(&up, &rise);
         }
-        for (int i = 0; i < DEGREE; i++) {
-            down = gb_min(down, c[i + 1] - c[i]);
-            up = gb_max(up, c[i + 1] - c[i]);
+        for (int k = first; k < first + WIDTH && k < model->n_arguments_read; k++) {
+            const int j = model->arguments_read[k], lane = k - first;
+            const double start = sim->panel.values[j], slack = sim->panel.slack[k], blur = 16.0 * slack / width;
+            const gb_interval value = gb_interval_widened(start + lo[lane] - slack, start + hi[lane] + slack);
+            const gb_interval rate = {DEGREE * down[lane] / (b - a) - blur, DEGREE * up[lane] / (b - a) + blur};
+            sim->panel.x[j] = gb_enclosed(value, rate);
         }
-        const double blur = 16.0 * slack / width;
-        const gb_interval value = gb_interval_widened(start + lo - slack, start + hi + slack);
-        const gb_interval rate = {DEGREE * down / (b - a) - blur, DEGREE * up / (b - a) + blur};
-        sim->panel.x[j] = gb_enclosed(value, rate);
     }
     const double t0 = sim->head->front.t0, h = sim->head->front.h;
     const gb_interval time = gb_interval_widened(t0 + a * h, t0 + b * h), pace = {h, h};

@@ -24,8 +24,8 @@
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
-/* Another try with a shorter step, and how often in one step. */
-enum { AGAIN = 100, MOST_AGAIN = 8, MOST_DOUBTS = 3 };
+/* Another try with a shorter step, and how often in one step; a rate inside the step is not finite. */
+enum { AGAIN = 100, NOT_FINITE, MOST_AGAIN = 8, MOST_DOUBTS = 3 };
 
 /* A step of fewer roundings of the time than these locates what jumps in an event function: no polynomial follows that
  * in any step, and the end of this one tells where it is. */
@@ -74,7 +74,8 @@ static int count_step(gb_sim *sim, double from, double end) {
     return gb_drift_is_due(sim) ? gb_drift_look(sim) : GB_DONE;
 }
 
-/* Takes the step over: the front moves to its end or to the first event inside it. AGAIN: it was too long for that. */
+/* Takes the step over: the front moves to its end or to the first event inside it. AGAIN: it was too long for that.
+ * NOT_FINITE: it is to be rejected, as one whose own stages are not. */
 static int accept(gb_sim *sim, double end, int again) {
     const gb_model *model = sim->model;
     gb_head *head = sim->head;
@@ -88,7 +89,7 @@ static int accept(gb_sim *sim, double end, int again) {
     if (model->n_event_functions > 0 && head->options.locate) {
         const int code = gb_locate(sim, &theta);
         if (code != GB_DONE) {
-            return code;
+            return code == GB_ERR_NAN_RATE && !(head->options.step > 0.0) ? NOT_FINITE : code;
         }
         if (head->events.n_sliding > 0 && gb_sliding_end(sim, &theta) < 0) {
             return head->report.code;
@@ -292,9 +293,7 @@ int gb_step(gb_sim *sim, double stop) {
     if (code == GB_DONE && limit - head->front.t1 <= 4.0 * DBL_EPSILON * fabs(head->front.t1)) {
         return jump(sim, limit);
     }
-    if (code == GB_DONE) {
-        code = prepare(sim, limit);
-    }
+    code = code == GB_DONE ? prepare(sim, limit) : code;
     double h = wanted_step(sim);
     while (code == GB_DONE) {
         const double end = end_of_step(sim, h, limit);
@@ -306,7 +305,7 @@ int gb_step(gb_sim *sim, double stop) {
         if (code != GB_DONE && code != GB_ERR_SINGULAR) {
             break;
         }
-        const double error = code == GB_DONE ? judge(sim, size) : NAN;
+        double error = code == GB_DONE ? judge(sim, size) : NAN;
         const double part = part_kept(sim, error, size);
         if (part < 1.0) {
             head->counts.rejected++;
@@ -316,19 +315,20 @@ int gb_step(gb_sim *sim, double stop) {
         if (error <= 0.0) {
             propose(sim, error, size, h, rejected);
             code = accept(sim, end, again);
-            if (code != AGAIN) {
+            if (code != AGAIN && code != NOT_FINITE) {
                 return code;
             }
-            code = GB_DONE;
-            again++;
+            error = code == AGAIN ? error : NAN;
+            code = code == AGAIN ? GB_DONE : GB_ERR_NAN_RATE;
             head->front.have_dense = 0;
-            head->counts.rejected++;
-            rejected = 1;
-            h = 0.25 * size;
-            continue;
         }
         head->counts.rejected++;
         rejected = 1;
+        if (error <= 0.0) {
+            again++;
+            h = 0.25 * size;
+            continue;
+        }
         gb_forget_trial(sim, error);
         const int finite = error > 0.0;
         h = fixed ? 0.0 : gb_choice_rejected(sim, size * (finite ? gb_step_factor(sim, error, 0) : 0.1));

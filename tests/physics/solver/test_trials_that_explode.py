@@ -6,6 +6,7 @@ is held for good. It keeps sliding, since the ramp is faster than what it swings
 
 import numpy as np
 import pytest
+import sympy as sp
 from scipy.integrate import solve_ivp
 
 import gearblocks as gb
@@ -58,3 +59,43 @@ def test_a_body_that_breaks_away_is_wound_up_whatever_its_first_trial(hardening,
     assert np.abs(run["body.phi"] - wound).max() < 1e-6 * wound.max()
     assert (run["held.w"] == 0.0).all()
     assert run.stats.steps < 2000
+
+
+class Cam(gb.Block):
+    """A torque in a window of the angle: its ends are searched for along each step."""
+
+    a = gb.Flange("shaft")
+
+    def physics(self, s):
+        yield gb.Acts(s.a, sp.Piecewise((1, sp.cos(s.a.phi) > 0.9), (0, True)))
+
+
+def test_a_rate_inside_a_step_that_is_not_finite_rejects_the_step():
+    """Those of dense output alone, which follow once the step is accepted, ended the run."""
+    rig = gb.Drivetrain("cam")
+    rig.chain(
+        rig.add("load", gb.Torque(tau=gb.Input("u") ** 2)),
+        rig.add("a", gb.Inertia(J=1.0, w0=1.0)),
+        rig.add("cam", Cam()),
+    )
+    model = gb.build(rig)
+
+    def run(burst):
+        asked = []
+
+        def u(t):
+            asked.append(t)
+            return 1e200 if t == burst else 0.1
+
+        return gb.simulate(model, t=[0, 4.0], inputs={"u": u}, outputs=[], method="dp8"), asked
+
+    plain, asked = run(-1.0)
+    ends = {0.0, 4.0, *(e.t for e in plain.events)}  # the motion has no number there
+    inside = sorted(set(asked) - ends)
+    assert len(inside) > 50
+    rejected = 0
+    for t in inside:
+        found, _ = run(t)
+        assert found.complete
+        rejected += found.stats.rejected > plain.stats.rejected
+    assert rejected > 20
