@@ -4,9 +4,9 @@
     scattered:  value mean of n runs, parameters (1 + 1e-6 xi),  error t(0.975, n - 1) s / sqrt(n)     (Student 1908)
 
 xi: standard normal numbers, others in each run. The motion scatters where a change of 1e-9 and a finer tolerance together
-move it by a share of its own amplitude in the last quarter of the window, and the change alone does, too. Two runs of such a
-motion may agree in a quantity by chance; so it is the motion that is judged, and the quantity then by a mean. Knows nothing
-of effects.
+move it by a share of its own amplitude in one quarter of the window, and the change alone does, too. Two runs of such a
+motion may agree in a quantity by chance; so it is the motion that is judged, and the quantity then by a mean. Where the motion
+is one, but no tolerance settles the quantity (a count beside a threshold), it is a mean, too. Knows nothing of effects.
 """
 
 from __future__ import annotations
@@ -68,7 +68,8 @@ def perturbed(bench: Bench, size: float, number: int) -> Array:
 def estimate(bench: Bench, within: float, effort: Effort) -> Estimate:
     """The quantities of a train to a tenth of `within`, by a finer tolerance where it needs one; a mean of four runs where the
     motion scatters. Raises SimulationError."""
-    coarse, made, asked = bench.outcome(effort), 1, effort
+    coarse, made = bench.outcome(effort), 1
+    first, asked = coarse, effort
     for _ in range(_TRIES):
         finer = effort._replace(rtol=max(effort.rtol / FINER, 1e-12))
         fine = bench.outcome(finer, perturbed(bench, DETECTS, made))
@@ -81,13 +82,10 @@ def estimate(bench: Bench, within: float, effort: Effort) -> Estimate:
             again = bench.outcome(finer, perturbed(bench, DETECTS, made))
             made += 1
             if not _same_motion(fine, again, finer.rtol):
+                effort, coarse = asked, first
                 break
         effort, coarse = finer, fine
-    else:
-        again = bench.outcome(finer, perturbed(bench, DETECTS, made))
-        made += 1
-    members = np.array([fine.values, again.values])
-    return more_runs(bench, Estimate(fine.values, fine.values, members, asked, coarse.stats, made), _LEAST)
+    return more_runs(bench, Estimate(fine.values, fine.values, fine.values[None], effort, coarse.stats, made), _LEAST)
 
 
 def more_runs(bench: Bench, found: Estimate, runs: int) -> Estimate:
@@ -124,6 +122,6 @@ def _same_motion(one: Outcome, other: Outcome, rtol: float) -> bool:
     """Whether two runs show one motion: no output is off by a share of its own amplitude."""
     if not one.trace.size:
         return True
-    off = np.sqrt(np.mean((one.trace - other.trace) ** 2, axis=0))
-    amplitude, largest = other.trace.std(axis=0), np.abs(other.trace).max(axis=0)
+    off = np.sqrt(np.mean((one.trace - other.trace) ** 2, axis=1))
+    amplitude, largest = other.trace.std(axis=1), np.abs(other.trace).max(axis=(0, 1))
     return not bool(np.any((off > _APART * amplitude) & (off > _ROUNDING * rtol * largest)))

@@ -49,13 +49,18 @@ def work_precision(
         raise ParameterError(f"work_precision asks for a gb.Scene, not for {scene!r:.80}")
     if not budget > 0:
         raise ParameterError(f"budget = {budget!r} s must be > 0")
-    runs = _Runs(bench_of(scene), budget, progress or _silent)
+    return work_precision_of(bench_of(scene), budget, progress)
+
+
+def work_precision_of(bench: Bench, budget: float, progress: Callable[[str], None] | None = None) -> WorkPrecision:
+    """Work and precision of a train of a scene, which starts as the bench says."""
+    runs = _Runs(bench, budget, progress or _silent)
     runs.tell("reference")
     reference = reference_of(runs.bench, runs.attempt, budget * _FOR_REFERENCE)
     _adaptive(runs, reference)
     _fixed(runs, reference)
     points = tuple(point for line in runs.lines for point in line.points)
-    found = WorkPrecision(scene, reference, _verified(reference, points), points)
+    found = WorkPrecision(bench.scene, reference, _verified(reference, points), points)
     best = found.cheapest_or_none()
     return found if best is None else replace(found, late=runs.late(best.effort), quantities_cost=runs.extra(best))
 
