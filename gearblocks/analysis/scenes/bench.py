@@ -69,12 +69,14 @@ class Effort(NamedTuple):
 class Outcome(NamedTuple):
     """What came of a run: values of the quantities, in their order, what the solver counted, and a trace of the motion.
 
-    trace: deflections, twists and speeds at 33 times of each quarter of the window, shape (4, 33, outputs).
+    trace: deflections, twists and speeds at 33 times of each quarter of the window, shape (4, 33, outputs); rates: which
+    of these are speeds, shape (outputs,).
     """
 
     values: Array
     stats: Stats
     trace: Array
+    rates: NDArray[np.bool_]
 
 
 @final
@@ -110,7 +112,8 @@ class Bench:
         values = [_value(m, run if isinstance(m, Quantity) else whole, span) for m in measures]
         names = self._traced()
         trace = run.table(names, self._times()).reshape(QUARTERS, -1, len(names))
-        return Outcome(np.array(values), stats_of(counters, cpu, *method_words(counters, why)), trace)
+        rates = np.array([not name.endswith((".deflection", ".twist")) for name in names], dtype=np.bool_)
+        return Outcome(np.array(values), stats_of(counters, cpu, *method_words(counters, why)), trace, rates)
 
     def timed(self, effort: Effort, repeats: int = 3) -> Stats:
         """What a run without any outputs takes: the counters, and the least CPU time of `repeats` runs. Raises

@@ -71,7 +71,7 @@ class Price:
     def sentence(self) -> str:
         """What is needed, what is not, and what would be saved."""
         kinds: dict[Verdict, list[str]] = {}
-        for row in self._outermost():
+        for row in self._told():
             kinds.setdefault(row.judgement.verdict, []).append(self._said(row))
         lead = f"{', '.join(self.scene.names)} within {100 * self.scene.within:g} %"
         words = [f"{_HEADS[kind]}: {', '.join(kinds[kind])}" for kind in _HEADS if kind in kinds]
@@ -79,13 +79,18 @@ class Price:
         words += [f"not tried: {', '.join(self.untried)}"] if self.untried else []
         return f"{lead}: {'; '.join(words) or 'the train has no effects'}"
 
-    def _outermost(self) -> list[Row]:
-        """Rows of single effects and elements that are not told by one with the same verdict which contains them."""
+    def _told(self) -> list[Row]:
+        """Single effects that are needed, and elements that are where none of theirs is by itself; of what is not needed, that
+        which no other one contains."""
         rows = [row for row in self.rows if not row.together]
-        return [
-            row for row in rows
-            if not any(row.effects < o.effects and o.judgement.verdict is row.judgement.verdict for o in rows)
-        ]  # fmt: skip
+
+        def told(row: Row) -> bool:
+            alike = [o for o in rows if o.judgement.verdict is row.judgement.verdict]
+            if row.judgement.verdict is Verdict.needed:
+                return not (row.name.endswith(".*") and any(o.effects < row.effects for o in alike))
+            return not any(row.effects < o.effects for o in alike)
+
+        return [row for row in rows if told(row)]
 
     def _said(self, row: Row) -> str:
         share = self.share(row)

@@ -30,6 +30,7 @@ FINER = 30.0
 _SETTLED = 0.1  # of the accuracy wanted: what two accuracies of a value that is settled differ by at most
 _APART = 0.03  # of the amplitude of the motion: two runs that are that far apart are two motions
 _ROUNDING = 100.0  # tolerances: differences below are errors of the runs
+_REST = 1e-6  # rad/s, m/s: differences of speeds below are rest
 _LEAST = 4  # runs of a mean
 _TRIES = 3  # tolerances that are tried before a motion is taken to scatter
 
@@ -70,20 +71,23 @@ def estimate(bench: Bench, within: float, effort: Effort) -> Estimate:
     motion scatters. Raises SimulationError."""
     coarse, made = bench.outcome(effort), 1
     first, asked = coarse, effort
-    for _ in range(_TRIES):
+    for number in range(_TRIES):
         finer = effort._replace(rtol=max(effort.rtol / FINER, 1e-12))
         fine = bench.outcome(finer, perturbed(bench, DETECTS, made))
         made += 1
-        if _same_motion(coarse, fine, effort.rtol):
-            if _close(coarse.values, fine.values, within):
-                errors = 2 * np.abs(fine.values - coarse.values)
-                return Estimate(fine.values, errors, np.empty((0, len(errors))), effort, coarse.stats, made)
-        else:
+        last = number == _TRIES - 1
+        one_motion = _same_motion(coarse, fine, effort.rtol)
+        settled = one_motion and _close(coarse.values, fine.values, within)
+        if not settled and (last or not one_motion):
             again = bench.outcome(finer, perturbed(bench, DETECTS, made))
             made += 1
             if not _same_motion(fine, again, finer.rtol):
                 effort, coarse = asked, first
                 break
+            settled = last and _close(fine.values, again.values, within)
+        if settled:
+            errors = 2 * np.abs(fine.values - coarse.values)
+            return Estimate(fine.values, errors, np.empty((0, len(errors))), effort, coarse.stats, made)
         effort, coarse = finer, fine
     return more_runs(bench, Estimate(fine.values, fine.values, fine.values[None], effort, coarse.stats, made), _LEAST)
 
@@ -124,4 +128,5 @@ def _same_motion(one: Outcome, other: Outcome, rtol: float) -> bool:
         return True
     off = np.sqrt(np.mean((one.trace - other.trace) ** 2, axis=1))
     amplitude, largest = other.trace.std(axis=1), np.abs(other.trace).max(axis=(0, 1))
-    return not bool(np.any((off > _APART * amplitude) & (off > _ROUNDING * rtol * largest)))
+    floor = np.maximum(_ROUNDING * rtol * largest, np.where(other.rates, _REST, 0.0))
+    return not bool(np.any((off > _APART * amplitude) & (off > floor)))

@@ -120,7 +120,7 @@ class _Runs:
                 values, stats = mean.values, mean.stats
                 noise = np.hypot(noise, mean.errors / reference.scale)
             else:
-                values, stats, _ = self.attempt(effort)
+                values, stats, *_ = self.attempt(effort)
         except SimulationError as error:
             nothing = np.full(len(noise), np.nan)
             return Point(effort, nothing, nothing, nothing, failure=str(error))
