@@ -122,7 +122,7 @@ def test_where_it_does_not_hold_is_said(pushed: Callable[..., gb.Drivetrain]) ->
 def test_a_scene_that_scatters_is_told_to_be_a_mean(hammer: Callable[..., gb.Drivetrain]) -> None:
     rig = hammer()
     rig.connect(rig.add("seal", gb.BearingFriction(viscous=1e-12)).a, rig["disc"].b)
-    scene = gb.Scene(rig, t_end=60, quantity=gb.rms("lash.torque", after=20), within=0.8)
+    scene = gb.Scene(rig, t_end=150, quantity=gb.rms("lash.torque", after=50), within=0.2)
     trials = Trials(scene)
     found = fitted(trials, priced(trials))
     assert "means over runs: its motion scatters" in found.sentence

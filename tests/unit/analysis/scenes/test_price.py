@@ -10,6 +10,7 @@ import pytest
 
 import gearblocks as gb
 from gearblocks.analysis.scenes.price import MOST
+from gearblocks.analysis.scenes.price_result import GAIN
 from gearblocks.analysis.scenes.trials import Verdict
 
 
@@ -69,7 +70,10 @@ def test_a_gap_that_never_opens_is_not_needed_and_gains_nothing() -> None:
     price = gb.price(gb.Scene(rig, t_end=2.0, quantity=asked, within=0.01, initial="static"))
     row = price["lash.backlash"]
     assert row.judgement.verdict is Verdict.not_needed and abs(row.judgement.changes[0]) < 1e-6
-    assert row.stats.rhs_calls == pytest.approx(price.whole.stats.rhs_calls, rel=0.05)
+    # steps are relative to the largest angles, which the gap widens
+    assert row.stats.rhs_calls == pytest.approx(price.whole.stats.rhs_calls, rel=0.2)
+    gain = price.share(row)
+    assert ("saves nothing" if gain <= GAIN else f"saves {100 * gain:.0f} %") in price.sentence
 
 
 def test_effects_of_users_blocks_that_cancel_go_together(pushed: Callable[..., gb.Drivetrain]) -> None:
