@@ -96,7 +96,6 @@ def _mesh(d: Draw, rig: gb.Drivetrain, name: str, J1: float, J2: float) -> float
     k = digits(mass * d.log(600.0, 5000.0) ** 2)
     mesh = gb.GearMesh(
         teeth=teeth,
-        r_base=r,
         module=2.5e-3,
         pressure_angle=0.35,
         external=True,

@@ -44,7 +44,7 @@ def values(s: gb.Scene, rig: gb.Drivetrain, share: float = 1.0, stretch: int = 1
     parameters = {"body1.J": share * rig["body1"].J, **s.parameters}
     initial = gb.carried_start(s.drivetrain, rig, initial=s.initial, parameters=s.parameters)
     run = gb.simulate(rig, t_end=stretch * s.end, initial=initial, parameters=parameters, **({"rtol": TIGHT} | how))
-    return np.array([m.of(run) for m in s.measures]), run.stats
+    return np.array([m.of(run) for m in s.measures if isinstance(m, gb.Quantity)]), run.stats
 
 
 def direct(s: gb.Scene, rig: gb.Drivetrain, stretch: int = 1) -> Direct | Failed:
@@ -166,11 +166,11 @@ def _fitted(s: gb.Scene, best: Any, full: Direct) -> Iterator[str]:
 
 def _beside(s: gb.Scene, one: Any, lean_rig: gb.Drivetrain) -> Iterator[str]:
     what, share = one.words.split()[0], 1 + float(one.words.split()[1]) / 100
-    given = {p.name: p.value for p in s.drivetrain.parameters()}
+    given = {p.name: float(p.value) for p in s.drivetrain.parameters() if isinstance(p.value, (int, float))}
     initial = s.initial
     parameters = {what: share * given[what]} if what in given else {}
     if what == "speed" and isinstance(initial, dict):
-        initial = {name: share * float(w) for name, w in initial.items()}
+        initial = {name: share * float(w or 0.0) for name, w in initial.items()}
     there = s.changed(parameters=parameters, initial=initial)
     full, lean = direct(there, s.drivetrain), direct(there, lean_rig)
     if isinstance(full, Failed) or isinstance(lean, Failed):

@@ -22,7 +22,7 @@ class Draught(gb.Block):
     flange = gb.Flange("shaft")
     bias: Bias | None = gb.effect("constant push", default=None)
 
-    def physics(self, s: Any) -> Iterator[gb.Block]:
+    def physics(self, s: Any) -> Iterator[Any]:
         if self.bias is not None:
             yield gb.Acts(s.flange, s.bias.torque)
             yield gb.Shows("push", s.bias.torque, "N m")

@@ -29,7 +29,7 @@ def _values(scene: gb.Scene, rig: gb.Drivetrain, **how: Any) -> np.ndarray[Any, 
 
 def test_the_fitted_train_run_as_it_says_is_within_the_accuracy(discs_scene: gb.Scene, best: Any) -> None:
     full = _values(discs_scene, discs_scene.drivetrain, rtol=1e-10)
-    how = {"method": best.method, "rtol": best.rtol, "step": best.step, "locate": best.locate}
+    how: dict[str, Any] = {"method": best.method, "rtol": best.rtol, "step": best.step, "locate": best.locate}
     assert (np.abs(_values(discs_scene, best.drivetrain, **how) / full - 1) <= discs_scene.within).all()
     change = _values(discs_scene, best.drivetrain, rtol=1e-10) / full - 1
     assert (np.abs(best.judgement.changes - change) <= best.judgement.errors + 1e-9).all()  # 1e-9: of the direct runs
@@ -97,7 +97,7 @@ def test_a_fit_starts_where_the_whole_train_starts(discs: Callable[..., gb.Drive
     assert "belt.compliance" in found.dropped
     initial = gb.carried_start(scene.drivetrain, found.drivetrain, initial=scene.initial, parameters=scene.parameters)
     full = gb.simulate(scene.drivetrain, t_end=0.1, rtol=1e-10, initial=scene.initial, parameters=scene.parameters)
-    how = {"method": found.method, "rtol": found.rtol, "step": found.step, "locate": found.locate}
+    how: dict[str, Any] = {"method": found.method, "rtol": found.rtol, "step": found.step, "locate": found.locate}
     lean = gb.simulate(found.drivetrain, t_end=0.1, initial=initial, parameters={"drive": 4.0}, **how)
     assert lean["load.w"][-1] == pytest.approx(full["load.w"][-1], rel=0.02)
 

@@ -71,6 +71,7 @@ def test_a_gap_that_never_opens_is_not_needed_and_gains_nothing() -> None:
     row = price["lash.backlash"]
     assert row.judgement.verdict is Verdict.not_needed and abs(row.judgement.changes[0]) < 1e-6
     # steps are relative to the largest angles, which the gap widens
+    assert row.stats is not None
     assert row.stats.rhs_calls == pytest.approx(price.whole.stats.rhs_calls, rel=0.2)
     gain = price.share(row)
     assert ("saves nothing" if gain <= GAIN else f"saves {100 * gain:.0f} %") in price.sentence
@@ -106,7 +107,7 @@ def test_what_matters_only_beside_another_is_found() -> None:
 
 def test_alike_parts_are_one_row_and_a_quantity_that_goes_is_said() -> None:
     rig = gb.Drivetrain("chain")
-    parts = [rig.add("drive", gb.Torque(tau=gb.sin(30 * gb.time)))]
+    parts: list[Any] = [rig.add("drive", gb.Torque(tau=gb.sin(30 * gb.time)))]
     for i in (1, 2, 3):
         parts += [rig.add(f"disc{i}", gb.Inertia(J=0.02)), rig.add(f"shaft{i}", gb.Shaft(k=100.0 * i, c=0.05))]
     rig.chain(*parts, rig.add("wall", gb.Fixed()))
@@ -176,7 +177,7 @@ def test_a_scene_that_cannot_go_on_raises_what_its_run_raises() -> None:
 def test_a_train_of_many_effects_takes_forty_trains_and_says_what_was_not_tried() -> None:
     rig = gb.Drivetrain("many")
     names = [f"{a}{b}" for a in "abcde" for b in "vwxyz"]
-    parts = [rig.add("drive", gb.Torque(tau=1.0))]
+    parts: list[Any] = [rig.add("drive", gb.Torque(tau=1.0))]
     for name in names:
         parts += [rig.add(f"{name}_disc", gb.Inertia(J=0.1)), rig.add(name, gb.Shaft(k=50.0, c=0.1))]
     rig.chain(*parts, rig.add("wall", gb.Fixed()))
