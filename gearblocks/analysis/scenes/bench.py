@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.linearization import DENSE
+from gearblocks.analysis.measuring import function_name
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.sections import RELATIVE
 from gearblocks.analysis.span import Span, program_span
 from gearblocks.analysis.study_point import Measure
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import SimulationError
+from gearblocks.errors import GearblocksError, ParameterError, SimulationError
 from gearblocks.running import build
 from gearblocks.simulation.arguments import (
     is_static,
@@ -47,6 +48,8 @@ from gearblocks.solver.structures import Code
 Array = NDArray[np.float64]
 
 
+QUARTERS = 4
+"""Parts of the window, each of which has its own trace."""
 _MOST = 64  # outputs of a trace
 
 
@@ -66,12 +69,14 @@ class Effort(NamedTuple):
 class Outcome(NamedTuple):
     """What came of a run: values of the quantities, in their order, what the solver counted, and a trace of the motion.
 
-    trace: deflections, twists and speeds at 33 times of the last quarter of the window, shape (33, outputs).
+    trace: deflections, twists and speeds at 33 times of each quarter of the window, shape (4, 33, outputs); rates: which
+    of these are speeds, shape (outputs,).
     """
 
     values: Array
     stats: Stats
     trace: Array
+    rates: NDArray[np.bool_]
 
 
 @final
@@ -105,8 +110,10 @@ class Bench:
         measures = self.scene.measures
         whole = None if all(isinstance(m, Quantity) for m in measures) else run_case(self.model, case, why)
         values = [_value(m, run if isinstance(m, Quantity) else whole, span) for m in measures]
-        trace = run.table(self._traced(), self._times())
-        return Outcome(np.array(values), stats_of(counters, cpu, *method_words(counters, why)), trace)
+        names = self._traced()
+        trace = run.table(names, self._times()).reshape(QUARTERS, -1, len(names))
+        rates = np.array([not name.endswith((".deflection", ".twist")) for name in names], dtype=np.bool_)
+        return Outcome(np.array(values), stats_of(counters, cpu, *method_words(counters, why)), trace, rates)
 
     def timed(self, effort: Effort, repeats: int = 3) -> Stats:
         """What a run without any outputs takes: the counters, and the least CPU time of `repeats` runs. Raises
@@ -154,7 +161,7 @@ class Bench:
 
     def _times(self) -> Array:
         """Times of the trace [s]."""
-        return np.linspace(0.25 * self.scene.begin + 0.75 * self.scene.end, self.scene.end, 33)
+        return np.linspace(self.scene.begin, self.scene.end, QUARTERS * 33)
 
     def _traced(self) -> tuple[str, ...]:
         """Outputs of the trace."""
@@ -165,19 +172,32 @@ class Bench:
 
 
 def _value(measure: Measure, run: Any, span: Span) -> float:
-    return float(measure.measure(run, span) if isinstance(measure, Quantity) else measure(run))
+    if isinstance(measure, Quantity):
+        return float(measure.measure(run, span))
+    try:
+        return float(measure(run))
+    except GearblocksError:
+        raise
+    except Exception as error:
+        words = f"{type(error).__name__}: {error}; it must answer a number for the trajectory of every run"
+        raise ParameterError(f"the quantity '{function_name(measure)}' raises {words}") from error
 
 
-def bench_of(scene: Scene, drivetrain: Drivetrain | None = None) -> Bench:
+def bench_of(
+    scene: Scene, drivetrain: Drivetrain | None = None, full: Model | None = None, model: Model | None = None
+) -> Bench:
     """The bench of a scene's own train, or of one that lacks some of its effects and starts as it does.
 
-    Parameters and inputs of the scene that went with an effect are left out. Raises ModelError, ParameterError,
-    UnknownNameError, and SimulationError where there is no start.
+    full, model: of the scene's own train and of this one, where they are built. Parameters and inputs of the scene that went
+    with an effect are left out. Raises ModelError, ParameterError, UnknownNameError, and SimulationError where there is no
+    start.
     """
-    full = build(scene.drivetrain)
-    tuned, driven, initial, model = scene.parameters, with_tables(scene.inputs), scene.initial, full
-    if drivetrain is not None:
-        model = build(drivetrain)
+    full = full or build(scene.drivetrain)
+    tuned, driven, initial = scene.parameters, with_tables(scene.inputs), scene.initial
+    if drivetrain is None:
+        model = full
+    else:
+        model = model or build(drivetrain)
         initial = carried_start(full, model, initial, t_start=scene.begin, parameters=tuned, inputs=driven)
         tuned, driven = carried_values(model, tuned), carried_values(model, driven, inputs=True)
     vector = parameter_vector(model, tuned, initial)

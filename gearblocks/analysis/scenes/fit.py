@@ -22,7 +22,7 @@ from gearblocks.analysis.scenes.price_result import GAIN, Price, Row
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.scenes.trials import Judgement, Trial, Trials, Verdict
 from gearblocks.analysis.scenes.variants import members, parts
-from gearblocks.analysis.scenes.work_precision import work_precision
+from gearblocks.analysis.scenes.work_precision import work_precision_of
 from gearblocks.errors import GearblocksError, ParameterError, by_name_only
 
 Array = NDArray[np.float64]
@@ -36,7 +36,8 @@ def fit(scene: Scene, *, progress: Callable[[int, int], object] | None = None) -
     """The cheapest train, method and tolerance that keep the quantities of a scene within its accuracy, with the evidence.
 
         best = gb.fit(scene)
-        gb.simulate(best.drivetrain, t_end=0.5, method=best.method, rtol=best.rtol)
+        start = gb.carried_start(rig, best.drivetrain, initial=scene.initial)
+        gb.simulate(best.drivetrain, t_end=0.5, initial=start, method=best.method, rtol=best.rtol, locate=best.locate)
 
     At most 40 trains are built. progress: as of `gb.price`. Raises what a run of the scene raises.
     """
@@ -74,7 +75,7 @@ class _Search:
         self.rows = [r for r in price.rows if r.judgement.verdict in usable]
         self.best, self.judgement = trials.whole, trials.judged(trials.whole)
         for row in self.rows:
-            self._consider(trials.trial(row.effects | self.free))
+            self._consider(trials.trial(row.effects))
 
     def gain(self, trial: Trial) -> float:
         """Share of the CPU time that is saved."""
@@ -82,13 +83,15 @@ class _Search:
 
     def from_both_ends(self) -> None:
         """Tries sets of rows until the trains, or the steps, are used up."""
+        if self.free and not self._full():
+            self._try(frozenset())
         self._from_rigid()
         self._from_whole()
         self._one_by_one()
 
     def _from_rigid(self) -> None:
         """Everything away that may go at all; then what changes most comes back, element by element."""
-        rows = sorted((r for r in self.rows if " + " not in r.name), key=_size)
+        rows = sorted((r for r in self.rows if not r.together), key=_size)
         for _ in range(_STEPS):
             if not rows or self._full():
                 return
@@ -199,6 +202,7 @@ def _choice(trials: Trials, best: Trial, judgement: Judgement) -> Effort:
     left = trials.scene.within - float(np.max(np.abs(judgement.changes) + judgement.errors))
     if best.estimates[1].scattered or not left > 0:
         return best.estimates[1].effort
-    found = work_precision(trials.scene.changed(drivetrain=best.train), budget=_BUDGET)
+    assert best.bench is not None
+    found = work_precision_of(best.bench, _BUDGET)
     point = found.cheapest_or_none(left)
     return best.estimates[1].effort if point is None else point.effort

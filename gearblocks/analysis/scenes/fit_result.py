@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.scenes.bench import Effort
-from gearblocks.analysis.scenes.price_result import GAIN, Price, percent
+from gearblocks.analysis.scenes.price_result import GAIN, Price
 from gearblocks.analysis.scenes.scene import Scene
-from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict
+from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict, percent
 from gearblocks.drivetrain import Drivetrain
 
 Array = NDArray[np.float64]
@@ -32,9 +32,14 @@ class Neighbour(NamedTuple):
     def __str__(self) -> str:
         if self.message:
             return f"{self.words}: {self.message}"
-        found = self.judgement
-        worst = int(np.nanargmax(np.abs(found.changes) + found.errors))
-        return f"{self.words}: {percent(found.changes[worst], found.errors[worst])}"
+        return f"{self.words}: {self.judgement.worst}"
+
+
+_AROUND = {
+    Verdict.not_needed: "it holds at",
+    Verdict.needed: "it stops holding at",
+    Verdict.undecided: "it is undecided at",
+}
 
 
 @final
@@ -81,6 +86,11 @@ class Fit:
         return self.effort.step
 
     @property
+    def locate(self) -> bool:
+        """Whether the cheapest run locates events."""
+        return self.effort.locate
+
+    @property
     def value(self) -> Array:
         """Quantities of the fitted train, shape (quantities,)."""
         return self.trial.estimates[1].values
@@ -118,7 +128,7 @@ class Fit:
     def sentence(self) -> str:
         """What may go, what is gained, how to run it, and where it stops holding."""
         asked = f"For {', '.join(self.scene.names)} within {100 * self.scene.within:g} %"
-        run = f"run it with {self.effort}"
+        run = f"run it with {self.effort}{self._mean_words()}"
         if not self.trial.effects:
             return f"{asked} nothing is to be left out{self._given_up_words()}; {run}."
         whole, now = self.price.whole.stats, self.trial.stats
@@ -126,6 +136,13 @@ class Fit:
         gain = f"it runs {ratio:.3g} times as fast" if ratio > 1 / (1 - GAIN) else "without gain"
         went = f"{', '.join(self.dropped)} may go: {gain} ({whole.rhs_calls:,} to {now.rhs_calls:,} right-hand sides)"
         return f"{asked} {went}; {run}; {self._around_words()}."
+
+    def _mean_words(self) -> str:
+        found = self.trial.estimates[1]
+        if not found.scattered:
+            return ""
+        spread = float(np.max(found.members.std(axis=0, ddof=1) / np.abs(found.values)))
+        return f" and take means over runs: its motion scatters, single runs by {100 * spread:.2g} %"
 
     def _given_up_words(self) -> str:
         if self.given_up is None:
@@ -135,16 +152,14 @@ class Fit:
         return f": {names} may go here, without gain, but does not hold around the scene ({off})"
 
     def _around_words(self) -> str:
-        off = [str(one) for one in self.around if not one.holds]
         if not self.around:
             return "the train has no load and no speed to vary"
-        if not off:
-            return (
-                "it holds at "
-                + " and ".join(dict.fromkeys(n.words.split()[0] for n in self.around))
-                + " -10 % and +10 %"
-            )
-        return f"it stops holding at {', '.join(off)}"
+        kinds: dict[str, list[str]] = {}
+        for one in self.around:
+            kinds.setdefault(
+                _AROUND.get(one.judgement.verdict, "it was not to be seen whether it holds at"), []
+            ).append(one.words if one.holds else str(one))
+        return "; ".join(f"{words} {', '.join(found)}" for words, found in kinds.items())
 
     def __str__(self) -> str:
         return f"{self.scene}\n{self.evidence}\n{self.sentence}"

@@ -13,6 +13,7 @@ from typing import Any
 
 from gearblocks.analysis.quantity import Quantity, belongs
 from gearblocks.blocks.sources import Angle, Speed
+from gearblocks.language.block import Declared
 from gearblocks.language.expression import Expr
 from gearblocks.train.graph import GROUND, Component, Train
 
@@ -93,5 +94,5 @@ def _leaves(values: tuple[Any, ...]) -> Iterator[Any]:
             yield from (leaf.args[0] for leaf in value.leaves() if leaf.op == "sense")
         elif isinstance(value, tuple):
             yield from _leaves(value)
-        elif hasattr(value, "__dict__") and type(value).__module__.startswith("gearblocks."):
+        elif isinstance(value, Declared):
             yield from _leaves(tuple(value.__dict__.values()))

@@ -1,13 +1,18 @@
 """Neighbours of a scene: the same question at load and speed 10 % lower and higher.
 
 Load: the torques and forces of all sources and, where these are Parameters, those. Speed: Parameters, prescribed speeds and
-start speeds in rad/s or m/s. A signal that is written in numbers alone is multiplied as a whole. Knows nothing of verdicts.
+start speeds in rad/s or m/s. A signal that is written in numbers alone is multiplied as a whole, an Input as it is given:
+number, series or function of time. Knows nothing of verdicts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.blocks.sources import Speed, Torque
@@ -16,10 +21,12 @@ from gearblocks.drivetrain import Drivetrain
 from gearblocks.language.block import start_fields
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import SPEED
-from gearblocks.language.signals import Input, Parameter
+from gearblocks.language.signals import Input, Parameter, Table
 from gearblocks.language.units import check_unit
+from gearblocks.simulation.input_series import with_tables
 from gearblocks.train.values import leaves_of
 
+_TEXT = re.compile(r"\s*([-+0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(.*)")
 SHARES = (0.9, 1.1)
 _LOADS, _SPEEDS = ("N m", "N"), ("rad/s", "m/s")
 _SIGNALS: dict[type, str] = {Torque: "tau", Force: "f", Speed: "w"}
@@ -40,23 +47,37 @@ def _scaled(scene: Scene, units: tuple[str, ...], share: float) -> Scene | None:
     named = _named(train, units, everywhere=speeds)
     driving = {path: share * value for path, value in _signals(train, units, named)}
     starts = {path: share * value for path, value in _start_speeds(train, named)} if speeds else {}
-    inputs = _inputs(train, scene.inputs, units, share)
+    given = with_tables(scene.inputs)
+    inputs = {name: _times(share, value) for name, value in _inputs(train, given, units, everywhere=speeds)}
     if not (driving or named or inputs):
         return None
-    parameters = dict(scene.parameters)
-    for name, value in named.items():
-        given = parameters.get(name, value)
-        parameters[name] = share * (given if isinstance(given, (int, float)) else value)
+    parameters = {k: _times(share, v) if _is_one_of(k, [*driving, *starts]) else v for k, v in scene.parameters.items()}
+    parameters |= {name: _times(share, scene.parameters.get(name, value)) for name, value in named.items()}
     initial = scene.initial
     if speeds and isinstance(initial, Mapping):
-        initial = {
-            k: share * v if k.endswith((".w", ".v")) and isinstance(v, (int, float)) else v for k, v in initial.items()
-        }
+        initial = {k: _times(share, v) if k.endswith((".w", ".v")) else v for k, v in initial.items()}
     changed = driving | starts
     return scene.changed(
         drivetrain=train.set(changed) if changed else train, parameters=parameters, inputs={**scene.inputs, **inputs},
         initial=initial,
     )  # fmt: skip
+
+
+def _times(share: float, given: Any) -> Any:
+    """A value as `gb.simulate` takes it, times `share`: a number, text with a unit, a table over time or a function of it."""
+    if isinstance(given, str):
+        number, unit = _TEXT.fullmatch(given).groups()  # type: ignore[union-attr]  # it was read before
+        return f"{share * float(number)!r} {unit}"
+    if isinstance(given, Table):
+        return replace(given, y=share * np.asarray(given.y))
+    if callable(given):
+        return lambda t: share * given(t)
+    return share * given
+
+
+def _is_one_of(name: str, paths: Sequence[str]) -> bool:
+    """Whether a name, as it may be shortened, is that of one of the paths."""
+    return any(path == name or path.endswith(f".{name}") for path in paths)
 
 
 def _measures(unit: str, units: tuple[str, ...]) -> bool:
@@ -86,16 +107,15 @@ def _signals(train: Drivetrain, units: tuple[str, ...], named: Mapping[str, floa
             yield f"{c.path}.{field}", value
 
 
-def _inputs(train: Drivetrain, given: Mapping[str, Any], units: tuple[str, ...], share: float) -> dict[str, Any]:
-    """Inputs in these units that are numbers, or that keep their start value."""
-    found: dict[str, Any] = {}
+def _inputs(
+    train: Drivetrain, given: Mapping[str, Any], units: tuple[str, ...], everywhere: bool
+) -> Iterator[tuple[str, Any]]:
+    """Inputs in these units that sources read, or any block, and what they are given."""
     for c in train.train().components:
-        for leaf in leaves_of(c.block):
-            if isinstance(leaf, Input) and leaf.unit and _measures(leaf.unit, units):
-                value = given.get(leaf.name, leaf.start)
-                if isinstance(value, (int, float)):
-                    found[leaf.name] = share * value
-    return found
+        if everywhere or type(c.block) in _SIGNALS:
+            for leaf in leaves_of(c.block):
+                if isinstance(leaf, Input) and leaf.unit and _measures(leaf.unit, units):
+                    yield leaf.name, given.get(leaf.name, leaf.start)
 
 
 def _start_speeds(train: Drivetrain, named: Mapping[str, float]) -> Iterator[tuple[str, Any]]:

@@ -47,13 +47,17 @@ def priced(trials: Trials, progress: Callable[[int, int], object] | None = None)
     idle = without_influence(train.train(), trials.scene.measures)
     single, whole = parts(train), elements(train)
     free = [part for part in single if _owners(part) <= idle]
-    asked = _chosen([part for part in (*single, *whole) if not _owners(part) <= idle])
+    wanted = [part for part in (*single, *whole) if not _owners(part) <= idle]
+    asked = _chosen(wanted)
+    untried = tuple(part.name for part in single if part in wanted and part not in asked)
     with shown_progress(len(asked), 0, progress) as show:
         found = trials.all([part.effects for part in asked], lambda done, _: show(done))
     rows = [_row(trials, part, trial) for part, trial in zip(asked, found, strict=True)]
     rows += [_free_row(trials, part) for part in free]
-    rows += [_row(trials, part, trials.trial(part.effects)) for part in _together(trials, rows)]
-    return Price(trials.scene, trials.whole.estimates[1], trials.whole, tuple(rows), trials.count, trials.runs)
+    rows += [_row(trials, part, trials.trial(part.effects), together=True) for part in _together(trials, rows)]
+    return Price(
+        trials.scene, trials.whole.estimates[1], trials.whole, tuple(rows), trials.count, trials.runs, untried
+    )  # fmt: skip
 
 
 def _owners(part: Part) -> set[str]:
@@ -68,7 +72,7 @@ def _chosen(wanted: Sequence[Part]) -> list[Part]:
     return [wanted[i] for i in sorted(kept)]
 
 
-def _row(trials: Trials, part: Part, trial: Trial) -> Row:
+def _row(trials: Trials, part: Part, trial: Trial, together: bool = False) -> Row:
     judgement = trials.judged(trial)
     bench, whole = trial.bench, trials.whole
     fastest = math.nan
@@ -79,7 +83,7 @@ def _row(trials: Trials, part: Part, trial: Trial) -> Row:
             fastest = math.nan
     return Row(
         part.name, part.effects, judgement, whole.n_states - trial.n_states, whole.n_switches - trial.n_switches,
-        trial.stats, fastest, trial.message,
+        trial.stats if bench is not None else None, fastest, trial.message, together,
     )  # fmt: skip
 
 
@@ -126,17 +130,19 @@ def _cancelling(rows: Sequence[Row], within: float) -> Iterator[Part]:
 
 
 def _matters(trials: Trials, part: Part) -> bool:
-    return trials.judged(trials.trial(part.effects), patience=False).verdict is not Verdict.not_needed
+    found = trials.judged(trials.trial(part.effects), patience=False).verdict
+    return found in (Verdict.needed, Verdict.undecided)
 
 
 def _smallest(trials: Trials, chosen: list[Part]) -> Part | None:
     """A smallest set of them that still matters together, by halves and then one by one."""
     begun = trials.count
     size = len(chosen) // 2
-    while size >= 1 and len(chosen) > 2 and trials.count < min(MOST, begun + _SEARCH):
+    most = min(MOST, begun + _SEARCH)
+    while size >= 1 and len(chosen) > 2 and trials.count < most:
         for start in range(0, len(chosen), size):
             rest = chosen[:start] + chosen[start + size :]
-            if len(rest) >= 2 and _matters(trials, _union(rest)):
+            if len(rest) >= 2 and trials.count < most and _matters(trials, _union(rest)):
                 chosen = rest
                 break
         else:

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
-import numpy as np
-
 from gearblocks.analysis.scenes.scatter import Estimate
 from gearblocks.analysis.scenes.scene import Scene
-from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict
+from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict, percent
+from gearblocks.errors import UnknownNameError, did_you_mean
 from gearblocks.pages import small_table
 from gearblocks.simulation.records import Stats
 
@@ -25,7 +24,7 @@ class Row:
     """One effect, or several that are taken away together.
 
     states, switches: how many fewer there are without. stats: counters of a run without, None where there was none; fastest:
-    shortest time constant without [s]; message: why it does not run.
+    shortest time constant without [s]; message: why it does not run; together: whether it is a set of other rows.
     """
 
     name: str
@@ -36,13 +35,15 @@ class Row:
     stats: Stats | None
     fastest: float
     message: str
+    together: bool = False
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Price:
     """What each effect of a scene costs and changes. rows: effects, elements, and sets that matter together; full: the
-    quantities with everything, and their errors; whole: the train with everything; trains, runs: how many were built and made.
+    quantities with everything, and their errors; whole: the train with everything; trains, runs: how many were built and
+    made; untried: what no train was left for.
     """
 
     scene: Scene
@@ -51,11 +52,10 @@ class Price:
     rows: tuple[Row, ...]
     trains: int
     runs: int
+    untried: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> Row:
         """The row of that name. Raises UnknownNameError."""
-        from gearblocks.errors import UnknownNameError, did_you_mean
-
         for row in self.rows:
             if row.name == name:
                 return row
@@ -71,26 +71,32 @@ class Price:
     def sentence(self) -> str:
         """What is needed, what is not, and what would be saved."""
         kinds: dict[Verdict, list[str]] = {}
-        for row in self._outermost():
+        for row in self._told():
             kinds.setdefault(row.judgement.verdict, []).append(self._said(row))
         lead = f"{', '.join(self.scene.names)} within {100 * self.scene.within:g} %"
         words = [f"{_HEADS[kind]}: {', '.join(kinds[kind])}" for kind in _HEADS if kind in kinds]
+        words += [f"together {row.judgement.verdict}: {self._said(row)}" for row in self.rows if row.together]
+        words += [f"not tried: {', '.join(self.untried)}"] if self.untried else []
         return f"{lead}: {'; '.join(words) or 'the train has no effects'}"
 
-    def _outermost(self) -> list[Row]:
-        """Rows of single effects and elements that are not told by one with the same verdict which contains them."""
-        rows = [row for row in self.rows if " + " not in row.name and not row.name.startswith("all that")]
-        return [
-            row for row in rows
-            if not any(row.effects < o.effects and o.judgement.verdict is row.judgement.verdict for o in rows)
-        ]  # fmt: skip
+    def _told(self) -> list[Row]:
+        """Single effects that are needed, and elements that are where none of theirs is by itself; of what is not needed, that
+        which no other one contains."""
+        rows = [row for row in self.rows if not row.together]
+
+        def told(row: Row) -> bool:
+            alike = [o for o in rows if o.judgement.verdict is row.judgement.verdict]
+            if row.judgement.verdict is Verdict.needed:
+                return not (row.name.endswith(".*") and any(o.effects < row.effects for o in alike))
+            return not any(row.effects < o.effects for o in alike)
+
+        return [row for row in rows if told(row)]
 
     def _said(self, row: Row) -> str:
         share = self.share(row)
         if row.judgement.verdict in (Verdict.no_quantity, Verdict.no_run, Verdict.no_influence):
             return row.name
-        worst = int(np.nanargmax(np.abs(row.judgement.changes) + row.judgement.errors))
-        change = percent(row.judgement.changes[worst], row.judgement.errors[worst])
+        change = row.judgement.worst
         if row.judgement.verdict is Verdict.not_needed and not math.isnan(share):
             gain = f"saves {100 * share:.0f} %" if share > GAIN else "saves nothing"
             return f"{row.name} ({change}, {gain})"
@@ -143,14 +149,6 @@ _HEADS = {
     Verdict.no_quantity: "part of the quantity",
     Verdict.no_run: "not to be taken away",
 }
-
-
-def percent(change: float, error: float) -> str:
-    """A relative change with its error, in percent."""
-    if math.isnan(change):
-        return ""
-    size = f"{100 * change:+.3g}"
-    return f"{size} +- {100 * error:.2g} %" if error > 1e-3 * abs(change) and error > 1e-6 else f"{size} %"
 
 
 def _value(value: float, error: float) -> str:

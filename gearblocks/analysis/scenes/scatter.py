@@ -4,9 +4,9 @@
     scattered:  value mean of n runs, parameters (1 + 1e-6 xi),  error t(0.975, n - 1) s / sqrt(n)     (Student 1908)
 
 xi: standard normal numbers, others in each run. The motion scatters where a change of 1e-9 and a finer tolerance together
-move it by a share of its own amplitude in the last quarter of the window, and the change alone does, too. Two runs of such a
-motion may agree in a quantity by chance; so it is the motion that is judged, and the quantity then by a mean. Knows nothing
-of effects.
+move it by a share of its own amplitude in one quarter of the window, and the change alone does, too. Two runs of such a
+motion may agree in a quantity by chance; so it is the motion that is judged, and the quantity then by a mean. Where the motion
+is one, but no tolerance settles the quantity (a count beside a threshold), it is a mean, too. Knows nothing of effects.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ FINER = 30.0
 _SETTLED = 0.1  # of the accuracy wanted: what two accuracies of a value that is settled differ by at most
 _APART = 0.03  # of the amplitude of the motion: two runs that are that far apart are two motions
 _ROUNDING = 100.0  # tolerances: differences below are errors of the runs
+_REST = 1e-6  # rad/s, m/s: differences of speeds below are rest
 _LEAST = 4  # runs of a mean
 _TRIES = 3  # tolerances that are tried before a motion is taken to scatter
 
@@ -68,26 +69,27 @@ def perturbed(bench: Bench, size: float, number: int) -> Array:
 def estimate(bench: Bench, within: float, effort: Effort) -> Estimate:
     """The quantities of a train to a tenth of `within`, by a finer tolerance where it needs one; a mean of four runs where the
     motion scatters. Raises SimulationError."""
-    coarse, made, asked = bench.outcome(effort), 1, effort
-    for _ in range(_TRIES):
+    coarse, made = bench.outcome(effort), 1
+    first, asked = coarse, effort
+    for number in range(_TRIES):
         finer = effort._replace(rtol=max(effort.rtol / FINER, 1e-12))
         fine = bench.outcome(finer, perturbed(bench, DETECTS, made))
         made += 1
-        if _same_motion(coarse, fine, effort.rtol):
-            if _close(coarse.values, fine.values, within):
-                errors = 2 * np.abs(fine.values - coarse.values)
-                return Estimate(fine.values, errors, np.empty((0, len(errors))), effort, coarse.stats, made)
-        else:
+        last = number == _TRIES - 1
+        one_motion = _same_motion(coarse, fine, effort.rtol)
+        settled = one_motion and _close(coarse.values, fine.values, within)
+        if not settled and (last or not one_motion):
             again = bench.outcome(finer, perturbed(bench, DETECTS, made))
             made += 1
             if not _same_motion(fine, again, finer.rtol):
+                effort, coarse = asked, first
                 break
+            settled = last and _close(fine.values, again.values, within)
+        if settled:
+            errors = 2 * np.abs(fine.values - coarse.values)
+            return Estimate(fine.values, errors, np.empty((0, len(errors))), effort, coarse.stats, made)
         effort, coarse = finer, fine
-    else:
-        again = bench.outcome(finer, perturbed(bench, DETECTS, made))
-        made += 1
-    members = np.array([fine.values, again.values])
-    return more_runs(bench, Estimate(fine.values, fine.values, members, asked, coarse.stats, made), _LEAST)
+    return more_runs(bench, Estimate(fine.values, fine.values, fine.values[None], effort, coarse.stats, made), _LEAST)
 
 
 def more_runs(bench: Bench, found: Estimate, runs: int) -> Estimate:
@@ -124,6 +126,7 @@ def _same_motion(one: Outcome, other: Outcome, rtol: float) -> bool:
     """Whether two runs show one motion: no output is off by a share of its own amplitude."""
     if not one.trace.size:
         return True
-    off = np.sqrt(np.mean((one.trace - other.trace) ** 2, axis=0))
-    amplitude, largest = other.trace.std(axis=0), np.abs(other.trace).max(axis=0)
-    return not bool(np.any((off > _APART * amplitude) & (off > _ROUNDING * rtol * largest)))
+    off = np.sqrt(np.mean((one.trace - other.trace) ** 2, axis=1))
+    amplitude, largest = other.trace.std(axis=1), np.abs(other.trace).max(axis=(0, 1))
+    floor = np.maximum(_ROUNDING * rtol * largest, np.where(other.rates, _REST, 0.0))
+    return not bool(np.any((off > _APART * amplitude) & (off > floor)))

@@ -10,6 +10,7 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, final
 
+from gearblocks.analysis.quantities import SectionPoints
 from gearblocks.analysis.study_point import Measure
 from gearblocks.analysis.study_task import measures_of, names_of
 from gearblocks.drivetrain import Drivetrain
@@ -52,6 +53,11 @@ class Scene:
         put(self, "t_start", begin)
         put(self, "t_end", end)
         put(self, "quantity", measures_of(self.quantity, "a scene asks for"))
+        for one in self.measures:
+            if isinstance(one, SectionPoints):
+                raise ParameterError(
+                    f"{one.name} is many numbers; a scene asks for one, such as gb.peak('{one.output}')"
+                )
         if not 0 < finite_number("within", self.within) < 1:
             raise ParameterError(f"within = {self.within!r} must be a share of the value between 0 and 1, such as 0.01")
         for what in ("inputs", "parameters"):

@@ -3,12 +3,15 @@
     change = (value - whole) / abs(whole),   error = (e_value + (1 + abs(change)) e_whole) / abs(whole)
     needed: abs(change) - error > within     not needed: abs(change) + error <= within     else undecided
 
+A value that there is in one of two settled motions alone (the time of an event) is needed.
+
 Where motions scatter both are means; runs are added, and averages over time get a longer window, until it is decided or the
 patience ends. Knows nothing of which effects are tried, and in what order.
 """
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -26,6 +29,7 @@ from gearblocks.analysis.scenes.scatter import Estimate, estimate, more_runs
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import GearblocksError, SimulationError, UnknownNameError
+from gearblocks.running import build
 from gearblocks.simulation.records import Stats
 
 Array = NDArray[np.float64]
@@ -62,21 +66,37 @@ class Judgement:
     @property
     def verdict(self) -> Verdict:
         """That of all quantities together."""
-        for one in (Verdict.no_run, Verdict.no_quantity, Verdict.needed, Verdict.undecided):
+        for one in (Verdict.no_run, Verdict.no_quantity, Verdict.needed, Verdict.undecided, Verdict.not_needed):
             if one in self.verdicts:
                 return one
-        return Verdict.not_needed
+        return Verdict.no_influence
+
+    @property
+    def worst(self) -> str:
+        """The largest of the changes, in words."""
+        sizes = np.abs(self.changes) + np.where(np.isfinite(self.changes), self.errors, 0.0)
+        i = int(np.argmax(np.where(np.isnan(sizes), np.inf, sizes)))
+        return percent(self.changes[i], self.errors[i])
+
+
+def percent(change: float, error: float) -> str:
+    """A relative change with its error, in percent."""
+    if not math.isfinite(change):
+        return "from 0" if math.isinf(change) else "of a value that there is in one of them alone"
+    size = f"{100 * change:+.3g}"
+    return f"{size} +- {100 * error:.2g} %" if error > 1e-3 * abs(change) and error > 1e-6 else f"{size} %"
 
 
 @final
 @dataclass(slots=True, eq=False)
 class Trial:
-    """A train without `effects`: its bench, or why there is none; estimates by stretch of the window; counters of a run as
-    the scene has it, with the least CPU time seen [s]."""
+    """A train without `effects`: its bench, or why there is none (built: whether it was built at all); estimates by stretch
+    of the window; counters of a run as the scene has it, with the least CPU time seen [s]."""
 
     effects: frozenset[str]
     train: Drivetrain
     bench: Bench | None = None
+    built: bool = False
     message: str = ""
     lost: bool = False
     estimates: dict[int, Estimate] = field(default_factory=dict)
@@ -106,14 +126,14 @@ class Trials:
     def __init__(self, scene: Scene, effort: Effort = Effort()) -> None:  # noqa: B008  frozen
         self.scene, self.effort = scene, effort
         self._known: dict[frozenset[str], Trial] = {}
-        self.whole = Trial(frozenset(), scene.drivetrain, bench_of(scene))
+        self.whole = Trial(frozenset(), scene.drivetrain, bench_of(scene), built=True)
         self._run(self.whole)
         self._known[frozenset()] = self.whole
 
     @property
     def count(self) -> int:
         """Trains that were built."""
-        return sum(trial.bench is not None for trial in self._known.values())
+        return sum(trial.built for trial in self._known.values())
 
     @property
     def runs(self) -> int:
@@ -136,10 +156,12 @@ class Trials:
         return [self._known[effects] for effects in wanted]
 
     def _made(self, effects: frozenset[str]) -> Trial:
-        train = variants.without(self.scene.drivetrain, effects)
-        trial = Trial(effects, train)
+        assert self.whole.bench is not None
+        trial = Trial(effects, variants.without(self.scene.drivetrain, effects))
         try:
-            trial.bench = bench_of(self.scene, train)
+            model = build(trial.train)
+            trial.built = True
+            trial.bench = bench_of(self.scene, trial.train, self.whole.bench.model, model)
             self._run(trial)
         except UnknownNameError as error:
             trial.message, trial.lost = str(error), True
@@ -151,8 +173,8 @@ class Trials:
         assert trial.bench is not None
         found = trial.estimates[1] = estimate(trial.bench, self.scene.within, self.effort)
         trial.stats = found.stats
-        if trial.stats.cpu_seconds < _SHORT:
-            trial.stats = trial.bench.timed(found.effort)
+        if found.effort != self.effort or trial.stats.cpu_seconds < _SHORT:
+            trial.stats = trial.bench.timed(self.effort)
 
     # -- judging ------------------------------------------------------------------------------------------------------
 
@@ -169,25 +191,32 @@ class Trials:
             if stretch > 1 and not self._steady(stretch):
                 break
             for members in MEMBERS if stretch == 1 else MEMBERS[-1:]:
-                found = self._judged(trial, stretch, members)
+                try:
+                    found = self._judged(trial, stretch, members)
+                except SimulationError:  # of runs that were to make it surer
+                    return found
                 if Verdict.undecided not in found.verdicts:
                     return found
         return found
 
     def _judged(self, trial: Trial, stretch: int, members: int = 0) -> Judgement:
         whole, other = (self._estimate(one, stretch, members) for one in (self.whole, trial))
+        scattered = whole.scattered or other.scattered
         with np.errstate(invalid="ignore", divide="ignore"):
-            size = np.abs(whole.values)
-            same = (other.values == whole.values) | (np.isnan(other.values) & np.isnan(whole.values))
-            changes = np.where(same, 0.0, (other.values - whole.values) / size)
-            errors = np.where(same, 0.0, (other.errors + (1 + np.abs(changes)) * whole.errors) / size)
-        verdicts = tuple(self._verdict(c, e) for c, e in zip(changes.tolist(), errors.tolist(), strict=True))
+            size, off = np.abs(whole.values), other.values - whole.values
+            uncertain = other.errors + whole.errors * (1 + np.where(off == 0.0, 0.0, np.abs(off) / size))
+            neither = np.isnan(other.values) & np.isnan(whole.values) & (not scattered)
+            same = neither | ((off == 0.0) & ((uncertain == 0.0) | (not scattered)))
+            changes, errors = np.where(same, 0.0, off / size), np.where(same, 0.0, uncertain / size)
+        verdicts = tuple(self._verdict(c, e, scattered) for c, e in zip(changes.tolist(), errors.tolist(), strict=True))
         return Judgement(changes, errors, verdicts, max(len(whole.members), len(other.members)), stretch)
 
-    def _verdict(self, change: float, error: float) -> Verdict:
+    def _verdict(self, change: float, error: float, scattered: bool) -> Verdict:
         within = self.scene.within
         if abs(change) + error <= within:
             return Verdict.not_needed
+        if math.isnan(abs(change) - error):
+            return Verdict.undecided if scattered else Verdict.needed
         return Verdict.undecided if abs(change) - error <= within else Verdict.needed
 
     def _estimate(self, trial: Trial, stretch: int, members: int) -> Estimate:

@@ -50,7 +50,12 @@ def work_precision(
         raise ParameterError(f"work_precision asks for a gb.Scene, not for {scene!r:.80}")
     if not budget > 0:
         raise ParameterError(f"budget = {budget!r} s must be > 0")
-    runs = _Runs(bench_of(scene), budget, progress or _silent)
+    return work_precision_of(bench_of(scene), budget, progress)
+
+
+def work_precision_of(bench: Bench, budget: float, progress: Callable[[str], None] | None = None) -> WorkPrecision:
+    """Work and precision of a train of a scene, which starts as the bench says."""
+    runs = _Runs(bench, budget, progress or _silent)
     runs.tell("reference")
     began = thread_time()
     reference = reference_of(runs.bench, runs.attempt, budget * _FOR_REFERENCE)
@@ -58,7 +63,7 @@ def work_precision(
     _adaptive(runs, reference)
     _fixed(runs, reference)
     points = tuple(point for line in runs.lines for point in line.points)
-    found = WorkPrecision(scene, reference, _verified(reference, points), points)
+    found = WorkPrecision(bench.scene, reference, _verified(reference, points), points)
     best = found.cheapest_or_none()
     return found if best is None else replace(found, late=runs.late(best.effort), quantities_cost=runs.extra(best))
 
@@ -119,7 +124,7 @@ class _Runs:
                 scatter = mean.errors / reference.scale * np.sqrt(members)
                 noise = np.hypot(noise, mean.errors / reference.scale)
             else:
-                values, stats, _ = self.attempt(effort)
+                values, stats, *_ = self.attempt(effort)
         except SimulationError as error:
             nothing = np.full(len(noise), np.nan)
             return Point(effort, nothing, nothing, nothing, failure=str(error))

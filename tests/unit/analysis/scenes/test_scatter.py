@@ -1,0 +1,86 @@
+"""Estimates of a scene: two accuracies of a settled motion, means where it scatters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+from gearblocks.analysis.scenes.bench import Effort, bench_of
+from gearblocks.analysis.scenes.scatter import SPREADS, estimate, more_runs, perturbed
+
+
+def test_the_error_of_a_settled_value_covers_a_run_at_a_tight_tolerance(discs_scene: gb.Scene) -> None:
+    bench = bench_of(discs_scene)
+    found = estimate(bench, discs_scene.within, Effort())
+    tight = bench.outcome(Effort("auto", 1e-12)).values
+    assert not found.scattered and found.runs == 2
+    assert (np.abs(found.values - tight) <= found.errors).all()
+    assert (found.errors <= 0.2 * discs_scene.within * np.abs(found.values)).all()
+
+
+def test_a_tolerance_that_tells_too_little_is_made_finer(discs_scene: gb.Scene) -> None:
+    found = estimate(bench_of(discs_scene), 1e-5, Effort("dp5", 1e-2))
+    assert found.effort.rtol < 1e-2 and not found.scattered
+
+
+def test_a_motion_that_scatters_is_a_mean_though_two_runs_agree(hammer_scene: gb.Scene) -> None:
+    bench = bench_of(hammer_scene)
+    runs = np.array([bench.outcome(Effort(), perturbed(bench, SPREADS, n)).values for n in range(12)])
+    spread = runs.std(axis=0, ddof=1) / runs.mean(axis=0)
+    apart = np.abs(runs[:, None, 0] - runs[None, :, 0])[np.triu_indices(len(runs), 1)] / runs[:, 0].mean()
+    assert apart.min() < 0.1 * hammer_scene.within < spread.min()  # some two of them agree in the rms by chance
+    found = estimate(bench, hammer_scene.within, Effort())
+    assert found.scattered and len(found.members) >= 4
+    assert (found.errors >= 0.3 * spread * np.abs(found.values)).all()
+
+
+@pytest.mark.parametrize("runs", [4, pytest.param(16, marks=pytest.mark.long)])
+def test_of_20_intervals_17_and_more_cover_the_mean_of_many_runs(hammer_scene: gb.Scene, runs: int) -> None:
+    # each covers it with a probability of 0.95; fewer than 17 of 20: 0.3 %
+    bench = bench_of(hammer_scene)
+    true = np.mean([bench.outcome(Effort(), perturbed(bench, SPREADS, 10_000 + n)).values for n in range(150)], axis=0)
+    covered = np.zeros(2)
+    for number in range(20):
+        other = bench_of(hammer_scene.changed(parameters={"amplitude": 0.5 * (1 + 1e-7 * (1 + number))}))
+        found = more_runs(other, estimate(other, hammer_scene.within, Effort()), runs)
+        assert found.scattered
+        covered += np.abs(found.values - true) <= found.errors
+    assert (covered >= 17).all(), covered
+
+
+def test_chaos_that_ends_before_the_window_does_is_seen(hammer: Callable[..., gb.Drivetrain]) -> None:
+    # braked from 140 s on, the disc settles at one place, whatever it did before
+    rig = hammer(until=gb.Table([0.0, 130.0, 140.0, 300.0], [1.0, 1.0, 0.0, 0.0]))
+    scene = gb.Scene(rig, t_end=300, quantity=gb.rms("lash.torque", after=20, before=130), within=0.05)
+    assert estimate(bench_of(scene), 0.05, Effort()).scattered
+
+
+@pytest.mark.parametrize("initial", [None, "static"])
+def test_a_train_at_rest_does_not_scatter(initial: Any) -> None:
+    rig = gb.Drivetrain("held")
+    disc, wall = rig.add("disc", gb.Inertia(J=0.1)), rig.add("wall", gb.Fixed())
+    rig.chain(rig.add("weight", gb.Torque(tau=3.0)), disc, rig.add("shaft", gb.Shaft(k=50.0, c=2.0)), wall)
+    scene = gb.Scene(rig, t_end=4.0, quantity=gb.last("shaft.torque"), initial=initial)
+    found = estimate(bench_of(scene), 0.01, Effort())
+    assert not found.scattered and found.values[0] == pytest.approx(3.0, rel=1e-6)
+
+
+def test_a_count_that_no_tolerance_settles_is_a_mean(hammer: Callable[..., gb.Drivetrain]) -> None:
+    scene = gb.Scene(hammer(), t_end=200, quantity=gb.count("lash"), within=0.01)
+    found = estimate(bench_of(scene), 0.01, Effort())
+    assert found.scattered and found.errors[0] > 0
+
+
+def test_start_values_and_structure_are_not_perturbed(discs_scene: gb.Scene) -> None:
+    bench = bench_of(discs_scene)
+    changed = perturbed(bench, 1e-6, 3) != 1.0
+    program = bench.model.program
+    for parameter, moves in zip(program.parameters, changed, strict=True):
+        assert moves == (parameter.start == "" and parameter.path not in program.structural_paths)
+    assert changed.any()
+    assert (perturbed(bench, 1e-6, 3) == perturbed(bench, 1e-6, 3)).all()
+    assert (perturbed(bench, 1e-6, 4) != perturbed(bench, 1e-6, 3)).any()
