@@ -58,11 +58,20 @@ class Estimate:
 
 
 def perturbed(bench: Bench, size: float, number: int) -> Array:
-    """Factors of all parameters that are no start values and make no structure: 1 + size xi, of the run `number`."""
-    program = bench.model.program
-    free = [p.start == "" and p.path not in program.structural_paths for p in program.parameters]
+    """Factors of all parameters that are no start values, make no structure and lie inside their bounds: 1 + size xi, of the
+    run `number`."""
+    program, values = bench.model.program, bench.parameters
+    free = np.array(
+        [p.start == "" and p.path not in program.structural_paths for p in program.parameters], dtype=np.bool_
+    )
     factors = np.ones(len(free))
-    factors[free] += size * np.random.default_rng(number).standard_normal(sum(free))
+    factors[free] += size * np.random.default_rng(number).standard_normal(int(free.sum()))
+    low, high = (
+        np.array([inf if (x := getattr(p, which)) is None else x for p in program.parameters])
+        for which, inf in (("lower", -np.inf), ("upper", np.inf))
+    )
+    moved = values * factors
+    factors[(moved <= low) | (moved >= high)] = 1.0
     return factors
 
 
