@@ -181,14 +181,20 @@ class Equations:
 
     def document(self) -> Document:
         """Everything: balances, parts, relative form, functions and the symbols; of alike parts one stands for all."""
-        alike = families(self.kinds)
-        ends = (sections.others(self), sections.active(self), *sections.relative(self), sections.functions(self))
+        relative, functions = tuple(sections.relative(self)), sections.functions(self)
         begins = [sections.balances(self), sections.ties(self)]
-        found = [x for section in begins if section is not None for x in of_lines(alike, section)]
-        found += of_parts(alike, sections.parts(self), self.kinds)
-        found += (x for x in ends if x is not None)
-        nomenclature = of_entries(alike, self.nomenclature(), found)
-        return Document(f"Equations of motion of '{self.name}'", tuple(found), nomenclature)
+        parts, entries = sections.parts(self), self.nomenclature()
+        alike = families(self.kinds)
+        while True:
+            found = [x for section in begins if section is not None for x in of_lines(alike, section)]
+            found += of_parts(alike, parts, self.kinds)
+            found += (x for x in (sections.others(self), sections.active(self)) if x is not None)
+            found += (x for section in relative for x in of_lines(alike, section))
+            found += [functions] if functions is not None else []
+            nomenclature = of_entries(alike, entries, found)
+            if not (apart := alike.unexplained(found, nomenclature)):
+                return Document(f"Equations of motion of '{self.name}'", tuple(found), nomenclature)
+            alike = alike.without(apart)
 
     def form(self, name: str) -> Document:
         """The balances alone: "angle" of the shafts, "relative" in relative coordinates. Raises ParameterError where there is

@@ -96,10 +96,10 @@ class Lexicon:
         self.names[symbol] = names.Name("φ", "0", _foot(c))
         return symbol
 
-    def deflection(self, c: Component) -> Any:
+    def deflection(self, c: Component, unit: str) -> Any:
         """The symbol of a deflection that its law does not name."""
         symbol = sp.Symbol(f"x_{flat(c.path)}", real=True)
-        self.names[symbol] = names.Name("x", "", _foot(c))
+        self._note(symbol, names.Name("x", "", _foot(c)), nomenclature.Entry("deflection", "", unit), c)
         return symbol
 
     def distinct(self) -> dict[Any, names.Name]:

@@ -42,11 +42,11 @@ def linearized(eq: Written) -> Linearized:
     states = [*eq.states]
     rates = sp.Matrix([[chain.slope(rate, x) for x in (*eq.q, *eq.v, *states)] for rate in eq.states.values()])
     found = [sp.Matrix([[chain.slope(f, x) for x in xs] for f in eq.forcing]) for xs in (eq.q, eq.v, states)]
-    used = {d for m in (*found, rates) for d in m.atoms(sp.Derivative)}
     partials: dict[Any, Any] = {}
-    while used - set(partials):
-        partials |= {d: chain.partials[d] for d in chain.partials if d in used}
-        used |= {d for e in partials.values() for d in e.atoms(sp.Derivative)}
+    used = [*found, rates]
+    while new := {d for e in used for d in e.atoms(sp.Derivative)} - partials.keys():
+        partials |= {d: slope for d, slope in chain.partials.items() if d in new}
+        used = [chain.partials[d] for d in new]
     return Linearized(-found[0], -found[1], found[2], rates, partials)
 
 

@@ -60,6 +60,11 @@ class Name:
         return replace(self, letter=f"∂{self.letter}")
 
     @property
+    def is_of_a_case(self) -> bool:
+        """Whether it stands for cases that were lifted out of an equation, beside which they are written."""
+        return self.letter in ("p", "f") and self.number.isdigit()
+
+    @property
     def is_word(self) -> bool:
         """Whether the letter is a word, which stands upright."""
         return len(self.letter.lstrip("Δ∂")) > 1

@@ -80,6 +80,15 @@ class Reader:
             return Num("0")
         return items[0] if len(items) == 1 else Row(tuple(items))
 
+    def products(self, pairs: Iterable[tuple[Any, Any]]) -> Node:
+        """The sum of one times another, (J1 + J2) φ'', where a sum stands first."""
+        items: list[Any] = []
+        for one, other in pairs:
+            minus, size = _sign(one)
+            items += [Op("-" if minus else "+")] if items else [Op("neg")] * minus
+            items.append(Times((self.factor(size), self.read(other))) if size.is_Add else self.read(size * other))
+        return items[0] if len(items) == 1 else Row(tuple(items))
+
     def sorted_terms(self, expr: Any) -> list[Any]:
         """The terms of a sum: numbers, what moves, in its order, what does not."""
         return sorted(sp.Add.make_args(expr) if not expr.is_Add else expr.as_ordered_terms(), key=self._place)
@@ -145,7 +154,7 @@ class Reader:
 
     def _power(self, expr: Any) -> Node:
         base, exponent = expr.as_base_exp()
-        if exponent == sp.Rational(1, 2):
+        if exponent.is_number and float(exponent) == 0.5:
             return Root(self.read(base))
         if exponent.is_number and exponent.is_negative:
             return Fraction(Num("1"), self.read(1 / expr))

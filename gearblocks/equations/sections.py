@@ -46,13 +46,13 @@ def balances(eq: Written) -> Section:
     rows: list[Line] = []
     aside: list[Line] = []
     for i, contributions in enumerate(eq.contributions):
-        left = [sp.Mul(m, a) for m, a in zip(eq.mass_matrix.row(i), accelerations, strict=True) if m != 0]
+        left = [(m, a) for m, a in zip(eq.mass_matrix.row(i), accelerations, strict=True) if m != 0]
         right: list[Any] = []
         for path, term in contributions:
             found, plain = _lifted(read, term, path, "f")
             aside += found
             right += [] if plain == 0 else _parts(read, plain)
-        rows.append(Line(read.terms(left), read.terms(right)))
+        rows.append(Line(read.products(left) if left else Num("0"), read.terms(right)))
     return Section("Angle form", (*rows, *aside))
 
 

@@ -20,6 +20,7 @@ from gearblocks.errors import ModelError
 from gearblocks.language.block import start_fields
 from gearblocks.language.expression import to_sympy
 from gearblocks.language.fields import ANGLE
+from gearblocks.language.units import unit_along
 from gearblocks.laws.derivation import derive
 from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import PrescribedMotion, frozen_motion
@@ -60,6 +61,7 @@ class _Writer:
             self.lexicon.coordinate(q, v, owner, slides=angle == "s")
         self.prescribed: dict[tuple[int, int], PrescribedMotion] = {}
         self.mass: list[Any] = [sp.Integer(0)] * n
+        self.inertias: dict[int, Any] = {}
         self.torque: list[dict[str, Any]] = [{} for _ in range(n)]
         self.states: dict[Any, Any] = {}
         self.held: dict[Any, Any] = {}
@@ -110,7 +112,7 @@ class _Writer:
             expr = show.expr.xreplace(replace)
             self.shows[f"{c.path}.{show.name}"] = expr
             if show.name in ("twist", "deflection") and law.torques:
-                self._deflection(c, expr)
+                self._deflection(c, expr, unit_along(show.unit, c.slides))
 
     def _place(self, node: int) -> tuple[int, Any]:
         """The group of a node, and its angle over that of the body by which the group is called."""
@@ -143,12 +145,12 @@ class _Writer:
             return self.lexicon.shared(of, text)
         return self.lexicon.symbol(c, role, of)
 
-    def _deflection(self, c: Component, expr: Any) -> None:
+    def _deflection(self, c: Component, expr: Any, unit: str) -> None:
         """A relative coordinate: the name that the law has for it, else x."""
         if expr.is_Symbol:
             self.deflections[expr] = self.definitions.get(expr, expr)
         else:
-            self.deflections[self.lexicon.deflection(c)] = expr
+            self.deflections[self.lexicon.deflection(c, unit)] = expr
 
     def _switched(
         self, c: Component, constraint: ConstraintLaw, law: Law, replace: Mapping[Any, Any]
@@ -208,15 +210,22 @@ class _Writer:
         """1/J of a shaft as a symbol, defined when everything is added up."""
         if group is None or group[0] == GROUND_GROUP:
             return sp.Integer(0)
-        return group[1] ** 2 / sp.Symbol(f"__J{group[0]}")
+        return group[1] ** 2 / self.inertias.setdefault(group[0], sp.Symbol(f"__J{group[0]}"))
+
+    def _inertias_met(self, dependent: DependentGroups, mass: Any, torques: list[Any]) -> dict[Any, Any]:
+        """The inertias that stand for mobilities, as far as an expression reads them: those of coupled shafts are long."""
+        exprs = [*torques, *self.definitions.values(), *(e for r in self.switched_constraints for e in r.expressions())]
+        read = {x for e in exprs for x in sp.sympify(e).free_symbols} if self.inertias else set()
+        return {
+            x: self.mass[i] if self.assembly.plain else dependent.inertia(mass, i)
+            for i, x in self.inertias.items() if x in read
+        }  # fmt: skip
 
     def finish(self) -> Equations:
         """The frozen equations."""
         dependent = over_independent_groups(self.assembly, self.prescribed, self.q, self.v, self.scales, self._offset)
         mass, terms = dependent.balance(self.mass, self.torque)
-        mobility = {
-            sp.Symbol(f"__J{i}"): m if self.assembly.plain else dependent.inertia(mass, i) for i, m in enumerate(self.mass)
-        }  # fmt: skip
+        mobility = self._inertias_met(dependent, mass, [e for row in terms for e in row.values()])
         order = {c.path: i for i, c in enumerate(self.assembly.train.components)}
         contributions = tuple(
             tuple(

@@ -1,5 +1,6 @@
 """Alike parts printed once, by an index."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -70,10 +71,10 @@ def test_every_symbol_that_is_printed_is_in_the_nomenclature(name):
 
 def _check(document):
     known = {replace(name, dots=0) for name, _ in document.nomenclature.entries}
-    words = {"t", "x", "H", "λ", "G", "M", "v", "f", "T", "π"}  # explained where they stand
+    words = {"t", "x", "a", "e", "H", "λ", "G", "M", "v", "f", "T", "π"}  # explained where they stand
     printed = {replace(n, dots=0) for section in document.sections for n in _names(section.lines)}
-    cases = {n for n in printed if n.letter in "pf" and n.number}  # lifted out of an equation, which stands beside them
-    assert {n for n in printed - cases if n.owner or n.letter not in words} <= known
+    alike = {n for n in printed if replace(n, owner=re.sub(r"_?\d+(?=$| )", " i", n.owner)) in known}  # T_0 of T_i
+    assert {n for n in printed - alike if (n.owner or n.letter not in words) and not n.is_of_a_case} <= known
 
 
 def test_families_are_of_one_class_and_without_a_gap():
