@@ -89,7 +89,8 @@ class Equations:
         stuck = [r for r, e in acting.items() if e is None]
         if stuck:
             forcing = made._without({r.torque for r in stuck})
-            held = constraint_torques(stuck, self.mass_matrix, forcing, self.q, self.v, time_symbol())
+            spelled = [r.mapped(lambda e: inserted(sp.sympify(e), self.definitions)) for r in stuck]
+            held = constraint_torques(spelled, self.mass_matrix, forcing, self.q, self.v, time_symbol())
             made.definitions.update(zip((r.torque for r in stuck), held, strict=True))  # type: ignore[attr-defined]
         return made
 

@@ -67,7 +67,9 @@ class Families:
         printed = {dataclasses.replace(name, dots=0) for section in sections for name in _names(section.lines)}
         entered = {name for name, _ in nomenclature.entries}
         unknown = {name.owner for name in printed - entered if not name.is_of_a_case}
-        return {stem for foot, stem in stems.items() for owner in unknown if owner == foot or owner.startswith(f"{foot} ")}
+        return {
+            stem for foot, stem in stems.items() for owner in unknown if owner == foot or owner.startswith(f"{foot} ")
+        }
 
     def indices_in(self, node: Any) -> set[tuple[int, tuple[int, int]]]:
         """Index and range of all members whose symbols stand in a node."""

@@ -107,6 +107,11 @@ class Reader:
         return self.terms([ordered[first], *ordered[:first], *ordered[first + 1 :]])
 
     def _product(self, expr: Any) -> Node:
+        leads = {
+            x: x.written_out() for x in expr.args if isinstance(x, EllipseLead)
+        }  # which bring a number of their own
+        if leads:
+            return self.read(expr.xreplace(leads))
         minus, size = _sign(expr)
         if minus:
             return Row((Op("neg"), self.factor(size)))
@@ -273,12 +278,18 @@ def _number(number: Any) -> Node:
     value = float(number)
     if (of_pi := _of_pi(value)) is not None:
         return of_pi
-    digits, _, power = repr(abs(value)).partition("e")
+    digits, _, power = _digits(abs(value)).partition("e")
     node: Node = Num(digits.removesuffix(".0"))
     if power:
         ten = Power(Num("10"), Num(str(int(power))))
         node = ten if digits == "1" else Times((node, Op("×"), ten))
     return Row((Op("neg"), node)) if value < 0 else node
+
+
+def _digits(value: float) -> str:
+    """A number with 15 digits where these end sooner: what follows is rounding (0.1 + 0.2)."""
+    short = repr(float(f"{value:.15g}"))
+    return short if len(short) < len(repr(value)) - 2 else repr(value)
 
 
 def _of_pi(value: float) -> Node | None:

@@ -72,6 +72,17 @@ def test_a_gap_has_its_slope_by_a_symbol_of_its_own():
     assert shown.count("⎧") == 1
 
 
+def test_a_contact_whose_damping_comes_from_its_restitution_is_linearised_on_its_side():
+    """The side has no slope; it was looked for without end."""
+    rig = gb.Drivetrain("throw")
+    lash = gb.Lash(k=1e4, half_gap=0.01, contact_damping=gb.HuntCrossley(restitution=0.8))
+    rig.chain(rig.add("a", gb.Inertia(J=1.0)), rig.add("lash", lash), rig.add("b", gb.Inertia(J=2.0)))
+    found = linearized(rig.equations())
+    assert {str(d) for d in found.partials} >= {"Derivative(g_lash, theta_lash)"}
+    assert not any(e.has(sp.Derivative) for e in found.partials.values())
+    assert "∂g_lash/∂θ_lash" in str(rig.equations().linearized())
+
+
 def test_a_matrix_stands_in_brackets_where_it_fits_and_by_its_entries_where_it_does_not():
     rig = gb.Drivetrain("rig")
     rig.chain(rig.add("a", gb.Inertia(J=1.0)), rig.add("s", gb.Shaft(k=2.0)), rig.add("b", gb.Inertia(J=1.0)))

@@ -278,3 +278,19 @@ def test_latex_fits_the_column_of_an_article(name, tmp_path):
     assert said.returncode == 0, log[-2000:]
     wide = [float(x) for x in re.findall(r"Overfull \\hbox \(([\d.]+)pt", log)]
     assert max(wide, default=0.0) <= 5.0
+
+
+def test_rounding_is_no_digit_and_numbers_of_a_lead_are_taken_together():
+    x = sp.Symbol("x", real=True)
+    reader = Reader({x: Name("x")}, {x: 0})
+    assert text(reader.read((sp.Float(0.1) + sp.Float(0.2)) * x)) == "0.3 x"
+    assert text(reader.read(sp.Float(0.1234567890123456) * x)) == "0.1234567890123456 x"
+    assert text(reader.read(EllipseLead(x, 0.25) / 2)).startswith("arctan(")
+    assert text(reader.read((1 + x) ** sp.Float(0.5))) == "√(1 + x)"
+
+
+def test_the_inertia_of_several_bodies_stands_before_its_acceleration():
+    rig = gb.Drivetrain("stage")
+    one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=2.0))
+    rig.chain(rig.add("drive", gb.Torque(tau=3.0)), one, two)
+    assert "(J_one + J_two) φ_one'' = τ_drive" in str(rig.equations())
