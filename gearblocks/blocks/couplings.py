@@ -37,8 +37,8 @@ class TorqueConverter(Block):
 
     impeller, turbine = Flange("impeller, the driving side"), Flange("turbine, the driven side")
     housing = Flange("housing of the stator", ground=True)
-    capacity: Table = option("T_i/w_i^2 in N m s2/rad2 over the speed ratio")
-    ratio: Table = option("T_t/T_i over the speed ratio")
+    capacity: Table = option("torque capacity T_i/w_i^2 in N m s2/rad2, over the speed ratio")
+    ratio: Table = option("torque ratio T_t/T_i, over the speed ratio")
 
     def problems(self) -> Iterator[str]:
         """Tables that are none, that jump, or that create energy."""
@@ -116,7 +116,7 @@ class BeltDrive(Block):
 
     a, b = Flange("driving pulley"), Flange("driven pulley")
     housing = Flange("frame", ground=True)
-    ratio: float = exact("phi_a/phi_b without slip")
+    ratio: float = exact("ratio phi_a/phi_b without slip")
     slip: Creep | None = effect("elastic creep", default=None)
 
     def problems(self) -> Iterator[str]:

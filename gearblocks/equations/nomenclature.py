@@ -95,10 +95,13 @@ def _found(block: Declared, path: str) -> tuple[Field, Any]:
     """The declaration and the value of a field."""
     owner: Any = block
     *effects, last = path.split(".")
-    for effect in effects:
-        owner = getattr(owner, effect)
     name, _, place = last.partition("[")
+    turned = None
+    for effect in effects:
+        spec = type(owner).fields[effect]
+        turned, owner = (spec if spec.turns else turned), getattr(owner, effect)
     field, value = type(owner).fields[name], owner.__dict__[name]
+    field = field if turned is None else turned.along(field)
     if not place or not isinstance(value, tuple):
         return field, value
     i = int(place.rstrip("]"))

@@ -247,11 +247,11 @@ class Given(float):
         return Given, (float(self), self.unit)
 
 
-def given(value: Any, unit: str) -> Given:
-    """A value that brings its unit, for a field in `unit`, or on a slider in what that becomes there."""
+def given(value: Any, unit: str, other: str) -> Given:
+    """A value that brings its unit, for a field in `unit`, or in `other`: on a slider, or of a deflection that is an angle."""
     wanted = parse_unit(unit)
     number, found = _read(_shown(value), value, wanted)
-    if not found.measures(parse_unit(unit_along(unit, True))):
+    if not found.measures(parse_unit(other)):
         same_measure(_shown(value), found, wanted)
     return Given(found.in_si(number), found.text)
 
