@@ -174,7 +174,10 @@ class Lash(Block):
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     contact_damping: str | HuntCrossley = option(
-        "damping and gap: 'clipped', 'clipped_force', 'always' or HuntCrossley", default="clipped", belongs_to="damping"
+        "damping and gap: 'clipped', 'clipped_force', 'always' or HuntCrossley",
+        default="clipped",
+        belongs_to="damping",
+        turns=True,
     )
 
     def problems(self) -> Iterator[str]:

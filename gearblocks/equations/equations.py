@@ -11,7 +11,7 @@ import sympy as sp
 
 from gearblocks.equations import sections
 from gearblocks.equations.document import Document, Nomenclature, Section
-from gearblocks.equations.families import families, of_entries, of_lines, of_parts
+from gearblocks.equations.families import families, names_in, of_entries, of_lines, of_parts
 from gearblocks.equations.latex import aligned, latex
 from gearblocks.equations.linearized import sections as of_small_deviations
 from gearblocks.equations.names import Name
@@ -222,9 +222,10 @@ class Equations:
         if path not in self.kinds:
             raise ParameterError(f"'{path}' is no part of '{self.name}'{did_you_mean(path, self.kinds)}")
         lines = tuple(sections.part(self, path))
-        mine = {s for s, owner in self.owners.items() if owner == path}
+        printed = {dataclasses.replace(name, dots=0) for name in names_in(lines)}
+        entries = tuple((name, entry) for name, entry in self.nomenclature().entries if name in printed)
         section = Section(f"{path} ({self.kinds[path]})", lines)
-        return Document(f"'{path}' of '{self.name}'", (section,) if lines else (), sections.nomenclature(self, mine))
+        return Document(f"'{path}' of '{self.name}'", (section,) if lines else (), Nomenclature(entries))
 
     def nomenclature(self) -> Nomenclature:
         """The symbols with words, value, unit and path."""

@@ -64,7 +64,7 @@ class Families:
     def unexplained(self, sections: Iterable[Section], nomenclature: Nomenclature) -> set[str]:
         """Stems of families of which symbols of any member are printed that the nomenclature does not have."""
         stems = {m.foot: m.stem for m in self.members.values()}
-        printed = {dataclasses.replace(name, dots=0) for section in sections for name in _names(section.lines)}
+        printed = {dataclasses.replace(name, dots=0) for section in sections for name in names_in(section.lines)}
         entered = {name for name, _ in nomenclature.entries}
         unknown = {name.owner for name in printed - entered if not name.is_of_a_case}
         return {
@@ -73,7 +73,7 @@ class Families:
 
     def indices_in(self, node: Any) -> set[tuple[int, tuple[int, int]]]:
         """Index and range of all members whose symbols stand in a node."""
-        found = (self.member(name.owner) for name in _names(node))
+        found = (self.member(name.owner) for name in names_in(node))
         return {(m.number, m.indices) for m in found if m is not None}
 
     def of_any(self, node: Any, index: int, indices: tuple[int, int]) -> Any:
@@ -158,7 +158,7 @@ def with_sums(found: Families, line: Line) -> Line:
 def of_entries(found: Families, nomenclature: Nomenclature, sections: Iterable[Section]) -> Nomenclature:
     """Symbols of all members of a family as one, with all values where these differ; those that the sections name one by one
     alone stay so."""
-    named = {dataclasses.replace(name, dots=0) for section in sections for name in _names(section.lines)}
+    named = {dataclasses.replace(name, dots=0) for section in sections for name in names_in(section.lines)}
     alike: dict[tuple[Name, tuple[int, int]], list[tuple[Name, Entry]]] = {}
     for name, entry in nomenclature.entries:
         member = found.member(name.owner)
@@ -192,15 +192,15 @@ def _of_all(found: Families, made: Sequence[tuple[Name, Entry]]) -> Entry:
 # -- nodes ------------------------------------------------------------------------------------------------------------
 
 
-def _names(node: Any) -> Iterator[Name]:
+def names_in(node: Any) -> Iterator[Name]:
     if isinstance(node, Name):
         yield node
     elif isinstance(node, tuple):
         for part in node:
-            yield from _names(part)
+            yield from names_in(part)
     elif dataclasses.is_dataclass(node):
         for field in dataclasses.fields(node):
-            yield from _names(getattr(node, field.name))
+            yield from names_in(getattr(node, field.name))
 
 
 def _renamed(node: Any, changed: Any) -> Any:

@@ -134,13 +134,13 @@ def exact(
 
 def option(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, belongs_to: str | None = None,
-    absence_of: str | None = None,
+    absence_of: str | None = None, turns: bool = False,
 ) -> Any:  # fmt: skip
     """A choice (text, truth, number) that decides the form of the law. Structural. many=True: a tuple of them.
 
-    absence_of: the effect ("compliance") that True stands for the absence of.
+    absence_of: the effect ("compliance") that True stands for the absence of. turns: see `effect`, where it takes one.
     """
-    return Field(words, unit, "option", default, many=many, belongs_to=belongs_to, absence_of=absence_of)
+    return Field(words, unit, "option", default, many=many, belongs_to=belongs_to, absence_of=absence_of, turns=turns)
 
 
 def signal(

@@ -7,7 +7,7 @@ import pytest
 
 import gearblocks as gb
 from gearblocks.cli import scripts
-from gearblocks.equations.families import _names, families
+from gearblocks.equations.families import families, names_in
 from tests.random.description import build
 from tests.random.families import draw
 
@@ -74,7 +74,7 @@ def test_every_symbol_that_is_printed_is_in_the_nomenclature(name):
 def _check(document):
     known = {replace(name, dots=0) for name, _ in document.nomenclature.entries}
     words = {"t", "x", "a", "e", "H", "λ", "G", "M", "v", "f", "T", "π"}  # explained where they stand
-    printed = {replace(n, dots=0) for section in document.sections for n in _names(section.lines)}
+    printed = {replace(n, dots=0) for section in document.sections for n in names_in(section.lines)}
     alike = {n for n in printed if any(replace(n, owner=o) in known for o in _of_any(n.owner))}  # T_0 where T_i is
     assert {n for n in printed - alike if (n.owner or n.letter not in words) and not n.is_of_a_case} <= known
 

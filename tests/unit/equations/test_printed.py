@@ -294,3 +294,26 @@ def test_the_inertia_of_several_bodies_stands_before_its_acceleration():
     one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=2.0))
     rig.chain(rig.add("drive", gb.Torque(tau=3.0)), one, two)
     assert "(J_one + J_two) φ_one'' = τ_drive" in str(rig.equations())
+
+
+def test_the_words_and_units_of_a_contact_are_those_of_a_shaft_or_of_a_slider():
+    rows = {}
+    for body in (gb.Inertia(J=1.0), gb.Mass(m=1.0)):
+        rig = gb.Drivetrain("pair")
+        lash = gb.Lash(k=1e3, half_gap=1e-3, contact_damping=gb.HuntCrossley(restitution=0.5))
+        rig.chain(rig.add("a", body), rig.add("lash", lash), rig.add("b", body))
+        eq = rig.equations()
+        rows[type(body)] = {row[0]: (row[1], row[3]) for row in eq.nomenclature()}
+        assert "taken as it begins, and held: γ_lash = 1/(" in str(eq)
+        assert "γ_lash'" not in str(eq)  # it stays as it is
+    assert rows[gb.Inertia]["γ_lash"] == ("1/v0 of the present contact", "s/rad")
+    assert rows[gb.Inertia]["T_lash"] == ("torque of the contact", "N m")
+    assert rows[gb.Inertia]["χ_lash"][1] == "s/rad"
+    assert rows[gb.Mass]["γ_lash"][1] == rows[gb.Mass]["χ_lash"][1] == "s/m"
+    assert rows[gb.Mass]["F_lash"] == ("force of the contact", "N")
+    assert rows[gb.Mass]["k_lash"] == ("stiffness in contact", "N/m")
+
+
+def test_one_part_has_the_symbols_that_it_prints_and_no_others():
+    shown = [row[0] for row in _spur_pair().equations().element("shaft").nomenclature]
+    assert shown == ["φ_motor", "φ_pinion", "θ_shaft", "T_shaft", "k_shaft", "c_shaft"]
