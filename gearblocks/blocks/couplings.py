@@ -173,7 +173,7 @@ class UniversalJoint(Block):
         """The tie."""
         import sympy as sp
 
-        q = sp.tan(s.angle / 2) ** 2
+        q = s.named("q", sp.tan(s.angle / 2) ** 2, "tan(angle/2)^2")
 
         def lead(flange: Any, q: Any) -> Any:
             twice = 2 * (flange.phi if s.phase is None else flange.phi + s.phase)
