@@ -314,6 +314,8 @@ class Trajectory:
         head = f"<run of '{self.name}': {self.t[0]:.6g} .. {self.t[-1]:.6g} s, {len(self.t)} samples"
         head += "" if self.complete else ", stopped early"
         listed = _few(self.names, 6) + (f" ({len(self)} outputs)" if len(self) > 6 else "")
+        if not self.stats.method:  # a part of a run: what the solver counted belongs to the whole
+            return f"{head}\n  {listed}>"
         return f"{head}\n  {self.stats}\n  energy residual {self.energy.residual:.1e}\n  {listed}>"
 
     def _repr_html_(self) -> str:
@@ -327,6 +329,8 @@ class Trajectory:
             ("events", f"{len(self.events):,}{': ' if switched else ''}{_few(switched, 8)}"),
             ("energy residual", f"{self.energy.residual:.1e} of a turnover of {self.energy.turnover:.6g} J"),
         ]
+        if not self.stats.method:
+            return small_table(f"Run of '{self.name}'", rows[:-1])
         kept = (row for row in self.stats.table() if row[0] != "events")
         return small_table(f"Run of '{self.name}'", [*rows, *kept], notes=[self.stats.why] if self.stats.why else ())
 
