@@ -67,6 +67,7 @@ class _Writer:
         self.held: dict[Any, Any] = {}
         self.definitions: dict[Any, Any] = {}
         self.shows: dict[str, Any] = {}
+        self.flanges: dict[str, Any] = {}
         self.switched_constraints: list[SwitchedConstraint] = []
         self.deflections: dict[Any, Any] = {}
         self.number = 0
@@ -83,6 +84,11 @@ class _Writer:
         groups = {n: self._place(c.nodes[names.index(n)]) for n in names if n not in grounded}
         replace = {x: self._symbol(c, meaning, str(x.name), groups) for x, meaning in law.pool.roles.items()}
         replace = {x: y for x, y in replace.items() if y is not None}
+        for flange, (group, gain) in groups.items():
+            if group != GROUND_GROUP:
+                angle, speed, *_ = flange_names(flange in c.sliders)
+                self.flanges[f"{c.path}.{flange}.{angle}"] = gain * self.q[group]
+                self.flanges[f"{c.path}.{flange}.{speed}"] = gain * self.v[group]
         for flange, tau in law.torques.items():
             group, gain = groups[flange]
             if group != GROUND_GROUP:
@@ -224,6 +230,11 @@ class _Writer:
     def finish(self) -> Equations:
         """The frozen equations."""
         dependent = over_independent_groups(self.assembly, self.prescribed, self.q, self.v, self.scales, self._offset)
+        exprs = [*self.shows.values(), *self.definitions.values(), *self.states.values()]
+        exprs += [e for row in self.torque for e in row.values()]
+        read = {x.name for e in exprs for x in sp.sympify(e).free_symbols}
+        self.shows |= {path: e for path, e in self.flanges.items() if path in read}
+        self.shows = {path: dependent.put(e) for path, e in self.shows.items()}
         mass, terms = dependent.balance(self.mass, self.torque)
         mobility = self._inertias_met(dependent, mass, [e for row in terms for e in row.values()])
         order = {c.path: i for i, c in enumerate(self.assembly.train.components)}
@@ -237,7 +248,6 @@ class _Writer:
         torque = [sp.Add(*(e for _, e in row)) for row in contributions]
         definitions = {s: self._sensed(dependent.put(e).xreplace(mobility)) for s, e in self.definitions.items()}
         self.states = {s: self._sensed(dependent.put(e)) for s, e in self.states.items()} | dependent.rates
-        self.shows = {path: dependent.put(e) for path, e in self.shows.items()}
         self.switched_constraints = [
             r.mapped(lambda e: self._sensed(dependent.put(e).xreplace(mobility))) for r in self.switched_constraints
         ]

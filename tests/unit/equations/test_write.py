@@ -263,3 +263,15 @@ def test_the_inertia_of_coupled_shafts_is_written_only_where_a_damping_ratio_ask
     assert asked == []
     assert "J_e_shaft" in {str(s) for s in row(damping_ratio=0.1).equations().definitions}
     assert len(asked) == 2
+
+
+def test_a_sensed_speed_that_follows_from_others_is_written_over_these():
+    """The middle of the gears has no body: its speed stood in the balance by a symbol that nothing explained."""
+    rig = gb.Drivetrain("sensed")
+    one, two = rig.add("one", gb.IdealGear(ratio=2)), rig.add("two", gb.IdealGear(ratio=3))
+    drive = rig.add("drive", gb.Torque(tau=-4 * gb.sense("one.b.w")))
+    rig.chain(drive, rig.add("motor", gb.Inertia(J=1.0)), one, two, rig.add("load", gb.Inertia(J=9.0)))
+    eq = rig.equations()
+    (torque,) = eq.expanded
+    assert torque.free_symbols == {*eq.v}
+    assert "one_b" not in str(eq)
