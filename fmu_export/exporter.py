@@ -88,7 +88,7 @@ def export(
     program = replace(program, parameters=opened_bounds(model, values, start, solver))
     variables = variables_of(program, values, outputs, solver, start)
     experiment = Experiment(1.0 if t_end is None else t_end, solver.rtol, communication_step)
-    drawing = None if isinstance(train, Model) else shown_drawing(train.tree())
+    drawing = None if model.tree is None else shown_drawing(model.tree)
     made = Manifest(program, values, solver, start, _shown(variables))
     content = Content(fmi, made, variables, experiment, patience, drawing)
     files = content.files(token_of(content.files("0" * TOKEN_DIGITS)))

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import GearblocksError, by_name_only
-from gearblocks.model.build import build_train
+from gearblocks.model.build import build_tree
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def build(train: Drivetrain | Model) -> Model:
         return train
     if not isinstance(train, Drivetrain):
         raise GearblocksError(f"{train!r:.200} is no Drivetrain and no Model (as gb.Drivetrain and gb.build make them)")
-    return build_train(train.train())
+    return build_tree(train.tree())
 
 
 @by_name_only

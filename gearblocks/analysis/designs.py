@@ -5,7 +5,7 @@ Knows nothing of trains and runs.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.errors import ParameterError, by_name
 from gearblocks.language.expression import finite_number
+from gearblocks.language.units import has_unit
 
 Array = NDArray[np.float64]
 
@@ -55,6 +56,26 @@ def cases(given: Sequence[Mapping[str, float]] | Mapping[str, ArrayLike]) -> Des
         listed = ", ".join(f"{path}: {n}" for path, n in lengths.items())
         raise ParameterError(f"cases: the columns must be of equal length, not {listed}; a grid is what gb.sweep takes")
     return Design(tuple(columns), np.column_stack([*columns.values()]), None)
+
+
+def with_numbers(given: Any, number: Callable[[str, Any], float]) -> Any:
+    """Values by path (rows, or dicts of a case each) with number(path, value) in place of those that bring their unit."""
+
+    def row(path: Any, values: Any) -> Any:
+        if isinstance(values, str):
+            raise ParameterError(f"'{path}': {values!r:.80} is one value; a row is needed, such as [{values!r:.80}]")
+        cells = [*values] if has_unit(values) or _has_texts(values) else values
+        return [number(path, x) if has_unit(x) else x for x in cells] if isinstance(cells, (list, tuple)) else cells
+
+    if isinstance(given, Mapping):
+        return {path: row(path, values) for path, values in given.items()}
+    if not isinstance(given, Sequence) or not all(isinstance(case, Mapping) for case in given):
+        return given
+    return [{path: number(path, x) if has_unit(x) else x for path, x in case.items()} for case in given]
+
+
+def _has_texts(values: Any) -> bool:
+    return isinstance(values, np.ndarray) and values.ndim == 1 and values.dtype.kind in "UO"
 
 
 def latin_hypercube(bounds: Mapping[str, tuple[float, float]], number: int, *, seed: int = 0) -> dict[str, Array]:

@@ -200,7 +200,7 @@ class Period(Quantity):
 
 
 def dynamic_factor(
-    component: str, kind: str = "contact", *, after: float | None = None, before: float | None = None
+    component: str, kind: str = "contact", *, after: float | str | None = None, before: float | str | None = None
 ) -> DynamicFactor:  # fmt: skip
     """Dynamic factor of a mesh or spline between the times after and before [s]: the peak of its force over that of the
     static equilibrium at mean excitations, F.
@@ -211,7 +211,7 @@ def dynamic_factor(
     return DynamicFactor(text_of("component", component), kind, time_of("after", after), time_of("before", before))
 
 
-def line(output: str, frequency: float, *, after: float | None = None, before: float | None = None) -> Line:
+def line(output: str, frequency: float, *, after: float | str | None = None, before: float | str | None = None) -> Line:
     """Amplitude, in its unit, of the part of an output at a frequency [Hz], between the times after and before [s]."""
     if not finite_number("frequency", frequency) > 0:
         raise ParameterError(f"line: frequency = {frequency!r} Hz must be > 0; gb.mean(output) is the part at 0")
@@ -220,7 +220,7 @@ def line(output: str, frequency: float, *, after: float | None = None, before: f
 
 def period(
     section: Section | str | None = None, *, of: str | Sequence[str] = (), longest: int = LONGEST,
-    after: float | None = None, before: float | None = None,
+    after: float | str | None = None, before: float | str | None = None,
 ) -> Period:  # fmt: skip
     """Number of periods of a section (gb.stroboscopic("speed"), or the frequency alone) after which the motion repeats, at most
     `longest`; 0 where it does not. section: default that of the study. of: outputs or patterns that have to repeat (default:

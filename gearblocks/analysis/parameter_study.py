@@ -11,19 +11,20 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearblocks.analysis.designs import Design, cases, grid
+from gearblocks.analysis.designs import Design, cases, grid, with_numbers
 from gearblocks.analysis.measuring import measure, measure_packed, packed
 from gearblocks.analysis.sections import Section
 from gearblocks.analysis.study_point import Interrupted, Measured, Task, points_in_si
 from gearblocks.analysis.study_progress import progress as shown_progress
 from gearblocks.analysis.study_result import Study, listed
 from gearblocks.analysis.study_store import StudyStore, needs_zarr
-from gearblocks.analysis.study_task import Settings, identity, names_of, task_of
+from gearblocks.analysis.study_task import Settings, identity, names_of, number_given, task_of
 from gearblocks.analysis.workers import as_done, executor_of
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only, warn
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
     import os
 
 Array = NDArray[np.float64]
+Row = ArrayLike | Sequence[float | str]
+"""Values of a path: numbers, or texts with their unit."""
 
 _CHUNK_SECONDS = 0.5  # what a chunk should take: long against sending it, short against the patience of whoever waits
 _MOST = 4096  # points in a chunk
@@ -42,8 +45,8 @@ _MOST = 4096  # points in a chunk
 
 @by_name_only
 def sweep(
-    train: Drivetrain | Model, values: Mapping[str, ArrayLike], *, quantity: Any, t_end: float | None = None,
-    t: ArrayLike | None = None, t_start: float | None = None, section: Section | None = None, transient: int = 300,
+    train: Drivetrain | Model, values: Mapping[str, Row], *, quantity: Any, t_end: float | str | None = None,
+    t: ArrayLike | None = None, t_start: float | str | None = None, section: Section | None = None, transient: int = 300,
     keep: int = 100, method: str = "auto", rtol: float = 1e-6, step: float | None = None, max_step: float | None = None,
     locate: bool = True, steps_per_period: int | None = None, inputs: Mapping[str, Any] | None = None,
     parameters: Mapping[str, float | str] | None = None, initial: Any = None, executor: Any = None, threads: int | None = None,
@@ -52,7 +55,8 @@ def sweep(
 ) -> Study:  # fmt: skip
     """Quantities over every combination of values by path: a grid with one dimension per path.
 
-    values: by path of a parameter ("mesh.k"), start value ("motor.w") or input a row of numbers. quantity: one or several of
+    values: by path of a parameter ("mesh.k"), start value ("motor.w") or input a row of numbers, or of texts with their unit
+    ("200 MN/m"). quantity: one or several of
     gb.peak, trough, rms, mean, at, last, count, event_time, energy_lost, points, or functions of a trajectory that answer a
     number (slower). The runs are those of `gb.simulate` with t_end, t, t_start, method, rtol, step, max_step, locate,
     inputs, parameters and initial; or, with a section and no end, transient + keep periods of it, of which windows begin
@@ -73,13 +77,14 @@ def sweep(
         step=step, max_step=max_step, locate=locate, steps_per_period=steps_per_period, inputs=inputs,
         parameters=parameters, initial=initial,
     )  # fmt: skip
-    return _studied(train, grid(values), quantity, settings, executor, threads, chunk, store, progress)
+    return _studied(train, grid, values, quantity, settings, executor, threads, chunk, store, progress)
 
 
 @by_name_only
 def study(
-    train: Drivetrain | Model, cases_: Sequence[Mapping[str, float]] | Mapping[str, ArrayLike], *, quantity: Any,
-    t_end: float | None = None, t: ArrayLike | None = None, t_start: float | None = None, section: Section | None = None,
+    train: Drivetrain | Model, cases_: Sequence[Mapping[str, float | str]] | Mapping[str, Row], *, quantity: Any,
+    t_end: float | str | None = None, t: ArrayLike | None = None, t_start: float | str | None = None,
+    section: Section | None = None,
     transient: int = 300, keep: int = 100, method: str = "auto", rtol: float = 1e-6, step: float | None = None,
     max_step: float | None = None, locate: bool = True, steps_per_period: int | None = None,
     inputs: Mapping[str, Any] | None = None, parameters: Mapping[str, float | str] | None = None, initial: Any = None,
@@ -93,12 +98,12 @@ def study(
         step=step, max_step=max_step, locate=locate, steps_per_period=steps_per_period, inputs=inputs,
         parameters=parameters, initial=initial,
     )  # fmt: skip
-    return _studied(train, cases(cases_), quantity, settings, executor, threads, chunk, store, progress)
+    return _studied(train, cases, cases_, quantity, settings, executor, threads, chunk, store, progress)
 
 
 def _studied(
-    train: Drivetrain | Model, design: Design, quantity: Any, settings: Settings, executor: Any, threads: int | None,
-    chunk: int | None, store: str | os.PathLike[str] | None, tell: Callable[[int, int], Any] | None,
+    train: Drivetrain | Model, make: Callable[[Any], Design], given: Any, quantity: Any, settings: Settings, executor: Any,
+    threads: int | None, chunk: int | None, store: str | os.PathLike[str] | None, tell: Callable[[int, int], Any] | None,
 ) -> Study:  # fmt: skip
     for name, number in (("threads", threads), ("chunk", chunk)):
         if number is not None and (isinstance(number, bool) or not isinstance(number, (int, np.integer)) or number < 1):
@@ -108,7 +113,9 @@ def _studied(
     if store is not None:
         needs_zarr(store)
     fields = train.field_paths() if isinstance(train, Drivetrain) else frozenset[str]()
-    task, name_units = task_of(build(train), design, quantity, settings, fields)
+    model = cache(lambda: build(train))  # built once, after a design that needs none of it has been looked at
+    design = make(with_numbers(given, lambda path, x: number_given(model(), path, x, settings.initial, fields)))
+    task, name_units = task_of(model(), design, quantity, settings, fields)
     run = _Run(task, design, name_units)
     with executor_of(executor, threads) as (pool, workers):
         if store is not None:

@@ -20,7 +20,7 @@ from gearblocks.analysis.quantity import Quantity, belongs, known, text_of, time
 from gearblocks.analysis.sections import Section
 from gearblocks.analysis.span import Span
 from gearblocks.errors import ParameterError
-from gearblocks.language.expression import finite_number
+from gearblocks.language.units import seconds
 from gearblocks.simulation.needs import Along, Needs, Solution
 
 Array = NDArray[np.float64]
@@ -254,7 +254,7 @@ def _arguments(output: str, after: float | None, before: float | None) -> str:
     return ", ".join(words)
 
 
-def peak(output: str, *, after: float | None = None, before: float | None = None) -> Extremum:
+def peak(output: str, *, after: float | str | None = None, before: float | str | None = None) -> Extremum:
     """The largest value of an output between the times after and before [s] (default: the whole run), in its unit.
 
     Located on the solution between the samples: it does not depend on where steps end.
@@ -262,30 +262,30 @@ def peak(output: str, *, after: float | None = None, before: float | None = None
     return Extremum(text_of("output", output), "peak", time_of("after", after), time_of("before", before))
 
 
-def trough(output: str, *, after: float | None = None, before: float | None = None) -> Extremum:
+def trough(output: str, *, after: float | str | None = None, before: float | str | None = None) -> Extremum:
     """The smallest value of an output between the times after and before [s], located as by `peak`."""
     return Extremum(text_of("output", output), "trough", time_of("after", after), time_of("before", before))
 
 
-def rms(output: str, *, after: float | None = None, before: float | None = None) -> Integral:
+def rms(output: str, *, after: float | str | None = None, before: float | str | None = None) -> Integral:
     """Root mean square over time of an output between the times after and before [s], in its unit."""
     return Integral(text_of("output", output), "rms", time_of("after", after), time_of("before", before))
 
 
-def mean(output: str, *, after: float | None = None, before: float | None = None) -> Integral:
+def mean(output: str, *, after: float | str | None = None, before: float | str | None = None) -> Integral:
     """Mean over time of an output between the times after and before [s], in its unit."""
     return Integral(text_of("output", output), "mean", time_of("after", after), time_of("before", before))
 
 
-def std(output: str, *, after: float | None = None, before: float | None = None) -> Integral:
+def std(output: str, *, after: float | str | None = None, before: float | str | None = None) -> Integral:
     """Standard deviation over time of an output between the times after and before [s], in its unit: the root mean square
     of its distance to the mean."""
     return Integral(text_of("output", output), "std", time_of("after", after), time_of("before", before))
 
 
-def at(output: str, time: float) -> Value:
+def at(output: str, time: float | str) -> Value:
     """An output at a time [s], in its unit; at an event the value after it."""
-    return Value(text_of("output", output), finite_number("time", time))
+    return Value(text_of("output", output), seconds("time", time))
 
 
 def last(output: str) -> Value:
@@ -294,15 +294,16 @@ def last(output: str) -> Value:
 
 
 def count(
-    component: str | None = None, kind: str | None = None, *, after: float | None = None, before: float | None = None
+    component: str | None = None, kind: str | None = None, *, after: float | str | None = None,
+    before: float | str | None = None,
 ) -> Count:  # fmt: skip
     """Number of events: of a component (a name or pattern, with its parts), of a kind ("state", "time", "impact"), or all."""
     return Count(component, kind, time_of("after", after), time_of("before", before))
 
 
 def event_time(
-    component: str | None = None, kind: str | None = None, *, number: int = 0, after: float | None = None,
-    before: float | None = None,
+    component: str | None = None, kind: str | None = None, *, number: int = 0, after: float | str | None = None,
+    before: float | str | None = None,
 ) -> EventTime:  # fmt: skip
     """Time [s] of an event, chosen as by `count`: number 0 is the first one, -1 the last one. NaN where there is none."""
     if isinstance(number, bool) or not isinstance(number, int):
@@ -310,7 +311,7 @@ def event_time(
     return EventTime(component, kind, number, time_of("after", after), time_of("before", before))
 
 
-def energy_lost(component: str, *, after: float | None = None, before: float | None = None) -> EnergyLost:
+def energy_lost(component: str, *, after: float | str | None = None, before: float | str | None = None) -> EnergyLost:
     """Energy [J] that a component (with its parts, or a pattern) dissipates between the times after and before [s]."""
     return EnergyLost(text_of("component", component), time_of("after", after), time_of("before", before))
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.span import Span, span_of_run
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
-from gearblocks.language.expression import finite_number
+from gearblocks.language.units import seconds
 from gearblocks.model.listing import matches
 from gearblocks.simulation.events import KINDS, Events
 from gearblocks.simulation.needs import Needs, Solution
@@ -113,9 +113,9 @@ class Quantity:
         known(self.name, component, span.components, "events")
 
 
-def time_of(name: str, value: float | None) -> float | None:
-    """A time that may be given [s]."""
-    return None if value is None else finite_number(name, value)
+def time_of(name: str, value: float | str | None) -> float | None:
+    """A time that may be given, in s or as text with its unit."""
+    return None if value is None else seconds(name, value)
 
 
 def text_of(what: str, value: Any) -> str:

@@ -21,6 +21,7 @@ from gearblocks.analysis.study_point import Axis, Measure, Task, Window, point_v
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.language.expression import finite_number
 from gearblocks.language.signals import Table
+from gearblocks.language.units import number_in_si, parse_unit
 from gearblocks.simulation.arguments import (
     begin_of,
     checked,
@@ -44,9 +45,9 @@ Array = NDArray[np.float64]
 class Settings:
     """How the runs of a study are made; the arguments of `gb.simulate`, and the section."""
 
-    t_end: float | None
+    t_end: float | str | None
     t: Any
-    t_start: float | None
+    t_start: float | str | None
     section: Section | None
     transient: int
     keep: int
@@ -183,6 +184,13 @@ def _axis(model: Model, path: str, initial: Any, fields: Set[str]) -> Axis:
     if info.path in program.structural_paths:
         raise _structural(info.path)
     return Axis(info.path, info.unit, "parameter", i, info.given_in)
+
+
+def number_given(model: Model, path: str, value: Any, initial: Any, fields: Set[str]) -> float:
+    """A value that brings its unit, in the unit in which bare numbers of its path are given."""
+    axis = _axis(model, path, initial, fields)
+    number = number_in_si(path, value, axis.unit)
+    return parse_unit(axis.given_in).of_si(number) if axis.given_in else number
 
 
 def _structural(path: str) -> ParameterError:

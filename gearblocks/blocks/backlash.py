@@ -15,7 +15,8 @@ from gearblocks.language.signals import Value
 
 
 class Backlash(Effect):
-    """Dead zone of half width `half_gap` about zero deflection, in the unit of the deflection (m, or rad for Lash).
+    """Dead zone of half width `half_gap` about zero deflection, in the unit of the deflection (m, or rad in a
+    NonCircularGear).
 
         g(x) = x - b (x > b),  0 (abs(x) <= b),  x + b (x < -b)            b = half_gap: HALF the backlash
 
@@ -34,14 +35,17 @@ class Backlash(Effect):
         pair = gb.GearMesh(teeth=(20, 30), external=True, module=2e-3, pressure_angle=0.35, k=1e8, c=500.0, backlash=gap)
     """
 
-    half_gap: Value | None = param("half of the backlash", "m", default=None, ge=0)
+    half_gap: Value | None = param("half of the backlash", "m", default=None, ge=0, of_deflection=True)
     law: str = option("form of the dead zone: 'exact', 'polynomial' or 'smooth'", default="exact")
     coefficients: tuple[Value, ...] | None = param(
-        "coefficients of x, x^3, x^5, ... in half gaps", default=None, many=True
+        "coefficients of x, x^3, x^5, ... in half gaps",
+        default=None,
+        many=True,
+        each=("coefficient of x^{odd} in half gaps",),
     )
     degree: int | None = option("degree of the fitted polynomial", default=None)
     interval: float = option("half width of the fit in half gaps", default=2.0)
-    width: Value | None = param("rounding of the corners", "m", default=None, gt=0)
+    width: Value | None = param("rounding of the corners", "m", default=None, gt=0, of_deflection=True)
     gaps: tuple[float, ...] | None = option("gap of each tooth on the drive side", "m", default=None, many=True)
     coast_gaps: tuple[float, ...] | None = option("gap of each tooth on the coast side", "m", default=None, many=True)
 

@@ -169,7 +169,7 @@ def _for_reading(s: Any, law: Contact, elastic: Any, pushing: Any) -> Any:
 
     if isinstance(law.choice, HuntCrossley):
         of = law.choice_symbols
-        growth = s.named("chi", _growth(of), "damping per speed into the contact", "s/m")
+        growth = s.named("chi", _growth(of), "damping per speed into the contact", f"s/{_UNITS[law.force][1]}")
         return elastic * sp.Max(0, 1 + growth * pushing * law.rate)
     if law.c is None:
         return elastic
@@ -218,7 +218,8 @@ def _impact(law: Contact, elastic: Any, side: Any) -> Generator[Contribution, No
     factor = 1 + _growth(s) * inward
     yield Switch("pushing", factor, when=side**2)
     approaching = 1 - sp.Heaviside(-inward, 1)
-    yield Hold(s.slowness, approaching / (approaching * inward + 1 - approaching), side)
+    slowness = 1 / inward if s.reading else approaching / (approaching * inward + 1 - approaching)
+    yield Hold(s.slowness, slowness, side)
     return elastic * (sp.Heaviside(factor, 1) * factor - 1)
 
 

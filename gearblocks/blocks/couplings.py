@@ -38,8 +38,10 @@ class TorqueConverter(Block):
 
     impeller, turbine = Flange("impeller, the driving side"), Flange("turbine, the driven side")
     housing = Flange("housing of the stator", ground=True)
-    capacity: Table | None = option("T_i/w_i^2 in N m s2/rad2 over the speed ratio; None: locked up", belongs_to="slip")
-    ratio: Table | None = option("T_t/T_i over the speed ratio; None: locked up", belongs_to="slip")
+    capacity: Table | None = option(
+        "torque capacity T_i/w_i^2 in N m s2/rad2, over the speed ratio; None: locked up", belongs_to="slip"
+    )
+    ratio: Table | None = option("torque ratio T_t/T_i, over the speed ratio; None: locked up", belongs_to="slip")
 
     def problems(self) -> Iterator[str]:
         """Tables that are none, that jump, or that create energy."""
@@ -123,7 +125,7 @@ class BeltDrive(Block):
 
     a, b = Flange("driving pulley"), Flange("driven pulley")
     housing = Flange("frame", ground=True)
-    ratio: float = exact("phi_a/phi_b without slip")
+    ratio: float = exact("ratio phi_a/phi_b without slip")
     slip: Creep | None = effect("elastic creep", default=None)
 
     def problems(self) -> Iterator[str]:
@@ -180,7 +182,7 @@ class UniversalJoint(Block):
         """The tie."""
         import sympy as sp
 
-        q = sp.tan(s.angle / 2) ** 2
+        q = s.named("q", sp.tan(s.angle / 2) ** 2, "tan(angle/2)^2")
 
         def lead(flange: Any, q: Any) -> Any:
             twice = 2 * (flange.phi if s.phase is None else flange.phi + s.phase)

@@ -27,6 +27,9 @@ __all__ = [
 ]
 
 
+_COSINE, _SINE = ("cosine coefficient of order {n}",), ("sine coefficient of order {n}",)
+
+
 class Fourier(Effect):
     """Relative variation 1 + sum_j cos[j] cos(j theta) + sin[j] sin(j theta), j = 1, 2, ...
 
@@ -38,8 +41,8 @@ class Fourier(Effect):
         law = gb.MeshLaw(k=1e8, c=500.0, stiffness_variation=stiffness)  # or a field of gb.GearMesh
     """
 
-    cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", default=(), many=True)
-    sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", default=(), many=True)
+    cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", default=(), many=True, each=_COSINE)
+    sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", default=(), many=True, each=_SINE)
     driven_by: Signal = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
     phase: Value | None = param("phase added to theta", "rad", default=None)
     angle = State("integrated phase", "rad")
@@ -74,8 +77,12 @@ class Harmonic(Fourier):
         law = gb.MeshLaw(k=1e8, c=500.0, transmission_error=error)  # or a field of gb.GearMesh
     """
 
-    cos: tuple[Value, ...] = param("cosine coefficients of orders 1, 2, ...", "m", default=(), many=True)
-    sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", "m", default=(), many=True)
+    cos: tuple[Value, ...] = param(
+        "cosine coefficients of orders 1, 2, ...", "m", default=(), many=True, each=_COSINE, of_deflection=True
+    )
+    sin: tuple[Value, ...] = param(
+        "sine coefficients of orders 1, 2, ...", "m", default=(), many=True, each=_SINE, of_deflection=True
+    )
 
 
 class Profile(Effect):
@@ -261,7 +268,10 @@ class MeshLaw(Effect):
 
     face_width: Value | None = param("common face width", "m", default=None, gt=0, usual=5.0)
     profile_shift: tuple[Value, Value] | None = param(
-        "profile shifts (x1, x2) over the module", default=None, many=True
+        "profile shifts (x1, x2) over the module",
+        default=None,
+        many=True,
+        each=("profile shift of gear 1 over the module", "profile shift of gear 2 over the module"),
     )
     addendum: Value | None = param("addendum over the module; absent: 1", default=None, gt=0)
     k: Value | None = param("mean stiffness along the line of action", "N/m", default=None, gt=0)

@@ -17,7 +17,7 @@ from gearblocks.language.fields import Flange, State, effect, option, param, sig
 from gearblocks.language.signals import Signal, Table, Value
 
 CAPACITY: Any = signal("torque that it transmits while it slips", "N m", default=None, ge=0)
-MU: Any = signal("coefficient of friction, or a Table of it over abs(slip)", default=None, ge=0, over="slip")
+MU: Any = signal("coefficient of friction, also over abs(slip)", default=None, ge=0, over="slip")
 FORCE_MAX: Any = param("largest normal force", "N", default=None, ge=0)
 ENGAGEMENT: Any = signal("normal force over the largest one", default=None)
 GEOMETRY: Any = param("friction torque over mu times normal force", "m", default=1.0, gt=0)
@@ -180,7 +180,7 @@ class Stribeck(Effect):
     """
 
     rise: Value = param("friction torque at rest above the Coulomb part", "N m", ge=0)
-    speed: Value = param("speed at which 1/e of it is left", "rad/s", gt=0)
+    speed: Value = param("speed at which 1/e of the rise is left", "rad/s", gt=0)
 
 
 class FluidDrag(Effect):

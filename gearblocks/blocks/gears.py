@@ -28,7 +28,9 @@ class IdealGear(Block):
     a, b = Flange("driving side"), Flange("driven side")
     housing = Flange("housing", ground=True)
     ratio: float | None = exact("ratio phi_a/phi_b", default=None)
-    teeth: tuple[int, int] | None = exact("tooth counts (za, zb)", default=None, many=True)
+    teeth: tuple[int, int] | None = exact(
+        "tooth counts (za, zb)", default=None, many=True, each=("number of teeth on a", "number of teeth on b")
+    )
     external: bool | None = option("whether the teeth are outside on both", default=None)
 
     def problems(self) -> Iterator[str]:
@@ -69,7 +71,7 @@ class IdealPlanetary(Block):
     """
 
     sun, carrier, ring = Flange("sun"), Flange("planet carrier"), Flange("ring")
-    ratio: float | Fraction = exact("z_ring/z_sun")
+    ratio: float | Fraction = exact("ratio z_ring/z_sun")
 
     def problems(self) -> Iterator[str]:
         """Ratios at which the set would be a plain coupling."""
@@ -100,7 +102,7 @@ class Differential(Block):
     """
 
     carrier, left, right = Flange("driven side"), Flange("left output"), Flange("right output")
-    ratio: float = exact("phi_carrier over the mean of the outputs", default=1)
+    ratio: float = exact("ratio of phi_carrier to the mean of the outputs", default=1)
 
     def problems(self) -> Iterator[str]:
         """A ratio that means nothing."""

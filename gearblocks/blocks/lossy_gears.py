@@ -47,13 +47,24 @@ class LossyGear(Block):
     housing = Flange("housing", ground=True)
     ratio: float = exact("ratio phi_a/phi_b")
     efficiency: tuple[float, float] | None = param(
-        "efficiencies (a drives, b drives)", default=None, many=True, le=1, belongs_to="loss"
+        "efficiencies (a drives, b drives)",
+        default=None,
+        many=True,
+        le=1,
+        belongs_to="loss",
+        each=("efficiency where a drives", "efficiency where b drives"),
     )
     bearing: tuple[float, float] | None = param(
-        "bearing torques at a (a drives, b drives)", "N m", default=None, many=True, ge=0, belongs_to="loss"
+        "bearing torques at a (a drives, b drives)",
+        "N m",
+        default=None,
+        many=True,
+        ge=0,
+        belongs_to="loss",
+        each=("bearing torque at a where a drives", "bearing torque at a where b drives"),
     )
     loss_table: tuple[tuple[float, ...], ...] | None = option(
-        "rows of (abs(w_a), eta1, eta2, tau1, tau2)", default=None, many=True, belongs_to="loss"
+        "losses by speed: rows of (abs(w_a), eta1, eta2, tau1, tau2)", default=None, many=True, belongs_to="loss"
     )
 
     def problems(self) -> Iterator[str]:

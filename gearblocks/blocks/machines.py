@@ -160,4 +160,4 @@ class Governor(Block):
         if self.time_constant is not None:
             yield Rate(s.actuator, (held - s.actuator) / s.time_constant)
         yield Shows("command", s.actuator if self.time_constant is not None else held, "1", "command")
-        yield Shows("error", error, "rad/s", "target - speed")
+        yield Shows("error", error, "rad/s", "speed error target - w")

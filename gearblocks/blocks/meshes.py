@@ -29,6 +29,10 @@ from gearblocks.language.fields import Flange, effect, exact, option, param
 from gearblocks.language.signals import Value, number_or_zero
 
 
+def _of_both(words: str) -> tuple[str, str]:
+    return f"{words} of gear 1", f"{words} of gear 2"
+
+
 class GearMesh(Block):
     """Mesh of two gears along the line of action; without k or stiffness a rigid tie by the teeth, or, with backlash and
     contact_damping=HuntCrossley(...), a rigid impact of that restitution at both ends of the gap.
@@ -63,17 +67,26 @@ class GearMesh(Block):
 
     pinion, wheel = Flange("gear 1"), Flange("gear 2")
     carrier = Flange("carrier of both axes", ground=True)
-    teeth: tuple[int, int] = exact("tooth counts (z1, z2)", many=True)
+    teeth: tuple[int, int] = exact("tooth counts (z1, z2)", many=True, each=_of_both("number of teeth"))
     external: bool = option("whether the teeth are outside on both")
     module: Value | None = param("normal module", "m", default=None, gt=0, usual=0.1)
     pressure_angle: Value | None = param("normal pressure angle", "rad", default=None, ge=0, lt=1.5)
     helix_angle: Value | None = param("helix angle", "rad", default=None, gt=-1.5, lt=1.5)
     r_base: tuple[Value, Value] | None = param(
-        "base radii (r1, r2), r2 in the ratio of the teeth", "m", default=None, gt=0, many=True, leading=1
+        "base radii (r1, r2), r2 in the ratio of the teeth",
+        "m",
+        default=None,
+        gt=0,
+        many=True,
+        leading=1,
+        each=_of_both("base radius"),
     )
     face_width: Value | None = param("common face width", "m", default=None, gt=0, usual=5.0)
     profile_shift: tuple[Value, Value] | None = param(
-        "profile shifts (x1, x2) over the module", default=None, many=True
+        "profile shifts (x1, x2) over the module",
+        default=None,
+        many=True,
+        each=("profile shift of gear 1 over the module", "profile shift of gear 2 over the module"),
     )
     addendum: Value | None = param("addendum over the module; absent: 1", default=None, gt=0)
     k: Value | None = param(

@@ -50,17 +50,17 @@ class NonCircularGear(Block):
     filtered_rate = State("its rate", "rad/s")
     start_angle = State("F of the phase at the start", "rad")
     k: Signal | None = signal(
-        "stiffness about b: a number, or an expression of gb.driver_angle or a Table over it", "N m/rad", default=None,
+        "stiffness about b, also over gb.driver_angle", "N m/rad", default=None,
         belongs_to="compliance", over="driver_angle",
     )  # fmt: skip
     c: Value | None = param("damping about b", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param(
         "damping ratio on the bodies beside, at the mean ratio", default=None, ge=0, belongs_to="damping"
     )
-    backlash: Backlash | None = effect("dead zone of q, half_gap in rad about b", default=None)
+    backlash: Backlash | None = effect("dead zone of q, half_gap in rad about b", default=None, turns=True)
     contact_damping: str = option("damping and gap: 'clipped', 'clipped_force' or 'always'", default="clipped")
     transmission_error: Harmonic | Profile | Superposition | tuple[Harmonic | Profile, ...] | None = effect(
-        "no-load error e in rad about b, over turns of gear 1", default=None, convert=as_error
+        "no-load error e in rad about b, over turns of gear 1", default=None, convert=as_error, turns=True
     )
     friction: ToothFriction | None = effect(
         "friction in the form of papers: M (1 + mu wave), direction='square_wave'", default=None
@@ -102,7 +102,7 @@ class NonCircularGear(Block):
         sign = 1 if self.external else -1
         q = turned + sign * (s.b.phi - s.carrier.phi)
         m = s.named("m", s.slope(turned, s.a), "F', the ratio of the speeds")
-        yield Shows("ratio", m, "1", "m, speed of b over that of a without its sign")
+        yield Shows("ratio", m, "1", "ratio m of the speeds, b over a, without its sign")
         yield Shows("driver_angle", theta, "rad", "angle of gear 1 over which the law is given")
         if self.k is None:
             yield Tie(sign * q, inverse=(s.a, lambda: self._from_gear_2(s, phase, at_start)))
@@ -131,7 +131,7 @@ class NonCircularGear(Block):
                 item = Force(item.deflection, item.force + extra)
             yield item
             if isinstance(item, Force):
-                yield Shows("moment", item.force, "N m", "M, positive where a drives b")
+                yield Shows("moment", item.force, "N m", "moment M, positive where a drives b")
                 yield Shows("torque", -sign * item.force, "N m", "torque on flange b")
         potential = q**2 / 2 if self.backlash is None else self.backlash.potential(s.backlash, q)
         yield from (Acts(x, -slope * potential) for x in (s.a, s.carrier) if (slope := s.slope(k, x)) != 0)

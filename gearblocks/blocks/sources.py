@@ -109,7 +109,13 @@ class SpeedLoad(Block):
     """
 
     flange = Flange("loaded flange", slider=None)
-    coeffs: tuple[Value, Value, Value] = param("coefficients c0, c1, c2", "N m (rad/s)^-i", ge=0, many=True)
+    coeffs: tuple[Value, Value, Value] = param(
+        "coefficients c0, c1, c2",
+        "N m (rad/s)^-i",
+        ge=0,
+        many=True,
+        each=("dry friction", "torque per speed", "torque per speed squared"),
+    )
 
     def problems(self) -> Iterator[str]:
         """A wrong number of coefficients."""

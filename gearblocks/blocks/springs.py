@@ -100,8 +100,8 @@ class Shaft(Block):
         twist, rate = s.b.phi - s.a.phi, s.b.w - s.a.w
         if not self.rigid:
             twist, rate = s.named("theta", twist, "twist", "rad"), s.named("theta'", rate, "rate of the twist", "rad/s")
-        yield Shows("twist", twist, "rad", "phi_b - phi_a")
-        yield Shows("twist_rate", rate, "rad/s", "w_b - w_a")
+        yield Shows("twist", twist, "rad", "twist phi_b - phi_a")
+        yield Shows("twist_rate", rate, "rad/s", "rate of the twist, w_b - w_a")
         if self.k is None and self.torque is None:
             yield Tie(twist)
             yield Shows("torque", s.b.tau, "N m", "torque on flange b")
@@ -157,7 +157,7 @@ class Damper(Block):
         rate = s.b.w - s.a.w
         yield Force(s.b.phi - s.a.phi, s.named("T", s.c * rate, "torque of the damper", "N m"))
         yield Energy(loss=s.c * rate**2)
-        yield Shows("w_rel", rate, "rad/s", "w_b - w_a")
+        yield Shows("w_rel", rate, "rad/s", "slip w_b - w_a")
         yield Shows("torque", -s.c * rate, "N m", "torque on flange b")
         yield Shows("loss_power", s.c * rate**2, "W", "power lost")
 
@@ -182,7 +182,10 @@ class Lash(Block):
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     contact_damping: str | HuntCrossley = option(
-        "damping and gap: 'clipped', 'clipped_force', 'always' or HuntCrossley", default="clipped", belongs_to="damping"
+        "damping and gap: 'clipped', 'clipped_force', 'always' or HuntCrossley",
+        default="clipped",
+        belongs_to="damping",
+        turns=True,
     )
 
     def problems(self) -> Iterator[str]:
@@ -202,7 +205,7 @@ class Lash(Block):
         twist, rate = s.b.phi - s.a.phi, s.b.w - s.a.w
         if self.k is not None:
             twist, rate = s.named("theta", twist, "twist", "rad"), s.named("theta'", rate, "rate of the twist", "rad/s")
-        yield Shows("twist", twist, "rad", "phi_b - phi_a")
+        yield Shows("twist", twist, "rad", "twist phi_b - phi_a")
         if hits(self):
             force = yield from impact(self, s, twist, 1)
             yield Shows("torque", -force, "N m", "torque on flange b")

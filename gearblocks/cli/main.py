@@ -53,6 +53,7 @@ class Form(StrEnum):
     text = "text"
     latex = "latex"
     html = "html"
+    mathml = "mathml"
     c = "c"
 
 
@@ -221,7 +222,7 @@ def equations(
         say_page(rig.equations().html(rig._repr_svg_() or ""))
     else:
         eq = rig.equations()
-        say(eq.latex() if form is Form.latex else str(eq))
+        say({Form.latex: eq.latex, Form.mathml: eq.mathml}.get(form, eq.__str__)())
 
 
 @app.command()

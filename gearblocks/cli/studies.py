@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.files import check_place as place_of_file
+from gearblocks.language.units import number_and_unit
 
 if TYPE_CHECKING:
     from gearblocks.analysis.study_result import Study
@@ -28,16 +29,22 @@ def grid(texts: Sequence[str]) -> dict[str, Any]:
         try:
             if found is None:
                 raise ValueError
-            path, low, high, number = found[1], float(found[2]), float(found[3]), int(found[4])
+            (low, unit), (high, other) = number_and_unit(found[2]), number_and_unit(found[3])
+            path, ends, number = found[1], (float(low), float(high)), int(found[4])
         except ValueError:
             raise ParameterError(
-                f"--over {text}: what is asked for is path=from:to:n, such as mesh.k=1e8:2e8:11"
+                f"--over {text}: what is asked for is path=from:to:n, such as mesh.k=1e8:2e8:11 or mesh.k=100MN/m:200MN/m:11"
             ) from None
+        if unit != other:
+            raise ParameterError(
+                f"--over {text}: both ends must be in one unit, not in {unit or '1'} and {other or '1'}"
+            )
         if number < 1:
             raise ParameterError(f"--over {text}: the number of values must be >= 1")
         if path in values:
             raise ParameterError(f"--over {text}: '{path}' is given twice")
-        values[path] = np.linspace(low, high, number)
+        row = np.linspace(*ends, number)
+        values[path] = [f"{x!r} {unit}" for x in row.tolist()] if unit else row
     return values
 
 

@@ -129,7 +129,7 @@ class Document:
             blocks.append(rf"\paragraph{{{tex.prose(section.heading)}}}")
             for group in _grouped(section.lines):
                 if group[0].left is not None:
-                    rows = " \\\\\n".join(tex.aligned(line.left, line.right) for line in group if line.left is not None)
+                    rows = tex.align([(line.left, line.right) for line in group if line.left is not None])
                     blocks.append(f"\\begin{{align}}\n{rows}\n\\end{{align}}")
                 else:
                     blocks += [rf"\noindent {tex.sentence(line.right)}\par" for line in group]
@@ -171,17 +171,22 @@ def _is_block(broken: list[str]) -> bool:
 
 def _grouped(all_lines: tuple[Line, ...]) -> Iterator[list[Line]]:
     """Equations that are aligned with each other, and sentences; one that is wide stands alone."""
+    group: list[Line] = []
+    for line in all_lines:
+        if group and not _stand_together(group, line):
+            yield group
+            group = []
+        group.append(line)
+    if group:
+        yield group
 
-    def kind(line: Line) -> str:
-        if line.left is None:
-            return "sentence"
-        return "wide" if tex.is_wide(line.left, line.right) else "aligned"
 
-    for of, group in itertools.groupby(all_lines, kind):
-        if of == "wide":
-            yield from ([line] for line in group)
-        else:
-            yield list(group)
+def _stand_together(group: list[Line], line: Line) -> bool:
+    """Whether a line goes on with a group."""
+    if line.left is None or group[0].left is None:
+        return line.left is group[0].left
+    sides = [(x.left, x.right) for x in (*group, line) if x.left is not None]
+    return not any(tex.is_wide(*x) for x in (sides[0], sides[-1])) and tex.fit_together(sides)
 
 
 def _picture(table: Any) -> str:

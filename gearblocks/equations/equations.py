@@ -11,7 +11,7 @@ import sympy as sp
 
 from gearblocks.equations import sections
 from gearblocks.equations.document import Document, Nomenclature, Section
-from gearblocks.equations.families import families, of_entries, of_lines, of_parts
+from gearblocks.equations.families import families, names_in, of_entries, of_lines, of_parts
 from gearblocks.equations.latex import aligned, latex
 from gearblocks.equations.linearized import sections as of_small_deviations
 from gearblocks.equations.names import Name
@@ -89,7 +89,8 @@ class Equations:
         stuck = [r for r, e in acting.items() if e is None]
         if stuck:
             forcing = made._without({r.torque for r in stuck})
-            held = constraint_torques(stuck, self.mass_matrix, forcing, self.q, self.v, time_symbol())
+            spelled = [r.mapped(lambda e: inserted(sp.sympify(e), self.definitions)) for r in stuck]
+            held = constraint_torques(spelled, self.mass_matrix, forcing, self.q, self.v, time_symbol())
             made.definitions.update(zip((r.torque for r in stuck), held, strict=True))  # type: ignore[attr-defined]
         return made
 
@@ -181,14 +182,20 @@ class Equations:
 
     def document(self) -> Document:
         """Everything: balances, parts, relative form, functions and the symbols; of alike parts one stands for all."""
-        alike = families(self.kinds)
-        ends = (sections.others(self), sections.active(self), *sections.relative(self), sections.functions(self))
+        relative, functions = tuple(sections.relative(self)), sections.functions(self)
         begins = [sections.balances(self), sections.ties(self)]
-        found = [x for section in begins if section is not None for x in of_lines(alike, section)]
-        found += of_parts(alike, sections.parts(self), self.kinds)
-        found += (x for x in ends if x is not None)
-        nomenclature = of_entries(alike, self.nomenclature(), found)
-        return Document(f"Equations of motion of '{self.name}'", tuple(found), nomenclature)
+        parts, entries = sections.parts(self), self.nomenclature()
+        alike = families(self.kinds)
+        while True:
+            found = [x for section in begins if section is not None for x in of_lines(alike, section)]
+            found += of_parts(alike, parts, self.kinds)
+            found += (x for x in (sections.others(self), sections.active(self)) if x is not None)
+            found += (x for section in relative for x in of_lines(alike, section))
+            found += [functions] if functions is not None else []
+            nomenclature = of_entries(alike, entries, found)
+            if not (apart := alike.unexplained(found, nomenclature)):
+                return Document(f"Equations of motion of '{self.name}'", tuple(found), nomenclature)
+            alike = alike.without(apart)
 
     def form(self, name: str) -> Document:
         """The balances alone: "angle" of the shafts, "relative" in relative coordinates. Raises ParameterError where there is
@@ -215,9 +222,10 @@ class Equations:
         if path not in self.kinds:
             raise ParameterError(f"'{path}' is no part of '{self.name}'{did_you_mean(path, self.kinds)}")
         lines = tuple(sections.part(self, path))
-        mine = {s for s, owner in self.owners.items() if owner == path}
+        printed = {dataclasses.replace(name, dots=0) for name in names_in(lines)}
+        entries = tuple((name, entry) for name, entry in self.nomenclature().entries if name in printed)
         section = Section(f"{path} ({self.kinds[path]})", lines)
-        return Document(f"'{path}' of '{self.name}'", (section,) if lines else (), sections.nomenclature(self, mine))
+        return Document(f"'{path}' of '{self.name}'", (section,) if lines else (), Nomenclature(entries))
 
     def nomenclature(self) -> Nomenclature:
         """The symbols with words, value, unit and path."""

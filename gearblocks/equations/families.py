@@ -56,9 +56,24 @@ class Families:
         """The member to which a symbol belongs, itself or a part of it."""
         return self.feet.get(owner) or self.feet.get(owner.rpartition(" ")[0])
 
+    def without(self, stems: set[str]) -> Families:
+        """Without some families, whose members are printed one by one."""
+        kept = {path: m for path, m in self.members.items() if m.stem not in stems}
+        return Families(kept, {foot: m for foot, m in self.feet.items() if m.stem not in stems})
+
+    def unexplained(self, sections: Iterable[Section], nomenclature: Nomenclature) -> set[str]:
+        """Stems of families of which symbols of any member are printed that the nomenclature does not have."""
+        stems = {m.foot: m.stem for m in self.members.values()}
+        printed = {dataclasses.replace(name, dots=0) for section in sections for name in names_in(section.lines)}
+        entered = {name for name, _ in nomenclature.entries}
+        unknown = {name.owner for name in printed - entered if not name.is_of_a_case}
+        return {
+            stem for foot, stem in stems.items() for owner in unknown if owner == foot or owner.startswith(f"{foot} ")
+        }
+
     def indices_in(self, node: Any) -> set[tuple[int, tuple[int, int]]]:
         """Index and range of all members whose symbols stand in a node."""
-        found = (self.member(name.owner) for name in _names(node))
+        found = (self.member(name.owner) for name in names_in(node))
         return {(m.number, m.indices) for m in found if m is not None}
 
     def of_any(self, node: Any, index: int, indices: tuple[int, int]) -> Any:
@@ -127,14 +142,12 @@ def with_sums(found: Families, line: Line) -> Line:
     terms = list(_terms(line.right))
     alike: dict[tuple[str, Node, tuple[int, int]], dict[int, int]] = {}
     for at, (sign, node) in enumerate(terms):
-        places = found.indices_in(node)
-        if len(places) == 1:
-            ((index, indices),) = places
+        for index, indices in found.indices_in(node):
             alike.setdefault((sign, found.of_any(node, index, indices), indices), {})[index] = at
     left_out: set[int] = set()
     sums: dict[int, tuple[str, Node]] = {}
     for (sign, node, (first, last)), where in alike.items():
-        if len(where) == last - first + 1:
+        if len(where) == last - first + 1 and not left_out & set(where.values()):
             left_out |= set(where.values())
             inner = Fence("(", ")", node) if isinstance(node, Row) else node
             sums[min(where.values())] = sign, Sum(INDEX, first, last, inner)
@@ -144,15 +157,15 @@ def with_sums(found: Families, line: Line) -> Line:
 
 def of_entries(found: Families, nomenclature: Nomenclature, sections: Iterable[Section]) -> Nomenclature:
     """Symbols of all members of a family as one, with all values where these differ; those that the sections name one by one
-    stay so."""
-    named = {dataclasses.replace(name, dots=0) for section in sections for name in _names(section.lines)}
+    alone stay so."""
+    named = {dataclasses.replace(name, dots=0) for section in sections for name in names_in(section.lines)}
     alike: dict[tuple[Name, tuple[int, int]], list[tuple[Name, Entry]]] = {}
     for name, entry in nomenclature.entries:
         member = found.member(name.owner)
         if member is not None:
             alike.setdefault((found.of_any(name, *member[1:]), member.indices), []).append((name, entry))
     whole = {name: made for (name, (a, b)), made in alike.items() if len(made) == b - a + 1}
-    whole = {name: made for name, made in whole.items() if not named & {old for old, _ in made}}
+    whole = {name: made for name, made in whole.items() if name in named or not named & {old for old, _ in made}}
     standing = {old: name for name, made in whole.items() for old, _ in made}
     entries: dict[Name, Entry] = {}
     for name, entry in nomenclature.entries:
@@ -179,15 +192,15 @@ def _of_all(found: Families, made: Sequence[tuple[Name, Entry]]) -> Entry:
 # -- nodes ------------------------------------------------------------------------------------------------------------
 
 
-def _names(node: Any) -> Iterator[Name]:
+def names_in(node: Any) -> Iterator[Name]:
     if isinstance(node, Name):
         yield node
     elif isinstance(node, tuple):
         for part in node:
-            yield from _names(part)
+            yield from names_in(part)
     elif dataclasses.is_dataclass(node):
         for field in dataclasses.fields(node):
-            yield from _names(getattr(node, field.name))
+            yield from names_in(getattr(node, field.name))
 
 
 def _renamed(node: Any, changed: Any) -> Any:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from gearblocks.equations.line_breaking import Style, lines
@@ -225,12 +227,42 @@ STYLE = Style(latex, width, r"\,", _called)
 def is_wide(left: Node, right: Node) -> bool:
     """Whether the left side needs lines of its own; aligned with others it would push them out of the column."""
     head = width(left) + 2.6
-    return head > 0.45 * COLUMN or (isinstance(right, Cases) and head + width(right) > COLUMN)
+    return head > 0.45 * COLUMN or head + _unbroken(right) > COLUMN
 
 
-def aligned(left: Node, right: Node) -> str:
-    """One equation as lines of an align environment; the number stands at the last."""
-    head = width(left) + 2.6
+def fit_together(equations: Sequence[tuple[Node, Node]]) -> bool:
+    """Whether equations may be aligned with each other: what none of them can break fits behind the widest left side."""
+    head = max(width(left) for left, _ in equations) + 2.6
+    return all(head + _unbroken(right) <= COLUMN for _, right in equations)
+
+
+def _unbroken(node: Any) -> float:
+    """The width of the widest cases on a right side; 4 for the indent and the sign before those that are a term of a sum."""
+    if isinstance(node, Cases):
+        return width(node)
+    return max((4.0 + width(x) for x in _cases_in(node)), default=0.0)
+
+
+def _cases_in(node: Any) -> Iterator[Cases]:
+    if isinstance(node, Cases):
+        yield node
+    parts = node if isinstance(node, tuple) else ()
+    if dataclasses.is_dataclass(node):
+        parts = tuple(getattr(node, field.name) for field in dataclasses.fields(node))
+    for part in parts:
+        yield from _cases_in(part)
+
+
+def align(equations: Sequence[tuple[Node, Node]]) -> str:
+    """Equations as the lines of an align environment, all behind the widest left side."""
+    head = max((width(left) + 2.6 for left, right in equations if not is_wide(left, right)), default=0.0)
+    return " \\\\\n".join(aligned(left, right, head) for left, right in equations)
+
+
+def aligned(left: Node, right: Node, head: float = 0.0) -> str:
+    """One equation as lines of an align environment; the number stands at the last. head: width of the left side that it is
+    aligned behind, where that is wider than its own."""
+    head = max(head, width(left) + 2.6)
     if not is_wide(left, right):
         broken = lines([right], STYLE, COLUMN - head, COLUMN - head - 2)
         found = [f"{latex(left)} &= {broken[0]}", *(rf"&\quad {x}" for x in broken[1:])]

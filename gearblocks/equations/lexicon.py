@@ -13,6 +13,7 @@ from gearblocks.equations import names, nomenclature
 from gearblocks.language.signals import Input, Parameter
 from gearblocks.language.units import unit_along
 from gearblocks.train.graph import Component
+from gearblocks.train.translational import words_along
 
 _SWITCHED = {
     "friction": ("T", "T", "torque of the constraint", "N m"),
@@ -84,7 +85,9 @@ class Lexicon:
     def define(self, c: Component, symbol: Any, name: str, words: str, unit: str) -> None:
         """Keeps what a symbol is that a law defines; a mean stiffness beside one that varies is k_0."""
         called = names.of_defined(name, _foot(c), c.slides)
-        self._note(symbol, called, nomenclature.Entry(words, "", unit_along(unit, c.slides), c.path), c)
+        self._note(
+            symbol, called, nomenclature.Entry(words_along(words, c.slides), "", unit_along(unit, c.slides), c.path), c
+        )
         if name == "k_t":
             mean = self._claim(f"k_{flat(c.path)}", ("own", c.path, "k"))
             if mean in self.names:
@@ -96,10 +99,10 @@ class Lexicon:
         self.names[symbol] = names.Name("φ", "0", _foot(c))
         return symbol
 
-    def deflection(self, c: Component) -> Any:
+    def deflection(self, c: Component, unit: str) -> Any:
         """The symbol of a deflection that its law does not name."""
         symbol = sp.Symbol(f"x_{flat(c.path)}", real=True)
-        self.names[symbol] = names.Name("x", "", _foot(c))
+        self._note(symbol, names.Name("x", "", _foot(c)), nomenclature.Entry("deflection", "", unit), c)
         return symbol
 
     def distinct(self) -> dict[Any, names.Name]:

@@ -42,11 +42,11 @@ def linearized(eq: Written) -> Linearized:
     states = [*eq.states]
     rates = sp.Matrix([[chain.slope(rate, x) for x in (*eq.q, *eq.v, *states)] for rate in eq.states.values()])
     found = [sp.Matrix([[chain.slope(f, x) for x in xs] for f in eq.forcing]) for xs in (eq.q, eq.v, states)]
-    used = {d for m in (*found, rates) for d in m.atoms(sp.Derivative)}
     partials: dict[Any, Any] = {}
-    while used - set(partials):
-        partials |= {d: chain.partials[d] for d in chain.partials if d in used}
-        used |= {d for e in partials.values() for d in e.atoms(sp.Derivative)}
+    used = [*found, rates]
+    while new := ({d for e in used for d in e.atoms(sp.Derivative)} & chain.partials.keys()) - partials.keys():
+        partials |= {d: slope for d, slope in chain.partials.items() if d in new}
+        used = [chain.partials[d] for d in new]
     return Linearized(-found[0], -found[1], found[2], rates, partials)
 
 
@@ -61,7 +61,7 @@ class _Chain:
     def slope(self, expr: Any, x: Any) -> Any:
         """The total slope of an expression over a coordinate."""
         inner = sorted(sp.sympify(expr).free_symbols & set(self.definitions), key=str)
-        total = sp.diff(expr, x) + sum((sp.diff(expr, d) * self._of(d, x) for d in inner), sp.Integer(0))
+        total = _diff(expr, x) + sum((_diff(expr, d) * self._of(d, x) for d in inner), sp.Integer(0))
         return sp.factor_terms(total)
 
     def _of(self, symbol: Any, x: Any) -> Any:
@@ -75,12 +75,19 @@ class _Chain:
         return self._known[symbol, x]
 
     def _partial(self, symbol: Any, expr: Any, by: Any) -> Any:
-        slope = sp.diff(expr, by)
+        slope = _diff(expr, by)
         if slope.is_number or (not slope.atoms(sp.Function) and sp.count_ops(slope) <= _SHORT):
             return slope
         short = sp.Derivative(symbol, by, evaluate=False)
         self.partials[short] = slope
         return short
+
+
+def _diff(expr: Any, x: Any) -> Any:
+    """The slope where the expression has one: between their jumps whole parts stay."""
+    expr = sp.sympify(expr).replace(sp.frac, lambda e: e - sp.floor(e))
+    whole = {e: sp.Dummy(real=True) for e in expr.atoms(sp.floor, sp.ceiling)}
+    return sp.diff(expr.xreplace(whole), x).xreplace({held: e for e, held in whole.items()})
 
 
 # -- as people read them ----------------------------------------------------------------------------------------------

@@ -25,6 +25,7 @@ _FIELDS = {
 }  # fmt: skip
 _FROM_ZERO = ("coeffs", "coefficients")  # rows whose first entry belongs to the power 0
 _WORDS = {"torque": "T", "torque_variation": "ε", "speed": "ω", "radius": "r", "frequency": "f"}
+_STATES = {"slowness": "γ"}
 _DEFINED = {
     "k_t": ("k", ""), "k_iso": ("k", "iso"), "m_e": ("m", "e"), "J_e": ("J", "e"), "sign_g": ("sgn g", ""),
     "side_N": ("sgn N", ""), "g_f": ("g", "f"), "p_b": ("p", "b"), "two_pairs": ("n", "2"),
@@ -60,6 +61,11 @@ class Name:
         return replace(self, letter=f"∂{self.letter}")
 
     @property
+    def is_of_a_case(self) -> bool:
+        """Whether it stands for cases that were lifted out of an equation, beside which they are written."""
+        return self.letter in ("p", "f") and self.number.isdigit()
+
+    @property
     def is_word(self) -> bool:
         """Whether the letter is a word, which stands upright."""
         return len(self.letter.lstrip("Δ∂")) > 1
@@ -88,7 +94,7 @@ def of_field(field: str, owner: str, varies: bool = False) -> Name:
 def of_state(state: str, owner: str) -> Name:
     """A state of a block: `state` with the effect before it."""
     *effects, last = state.split(".")
-    name = plain(last)
+    name = Name(_STATES[last]) if last in _STATES else plain(last)
     return Name(name.letter, _of_effects(effects) + name.number, owner)
 
 

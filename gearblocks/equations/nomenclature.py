@@ -5,6 +5,7 @@ Knows nothing of how they are shown.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, final
@@ -16,6 +17,7 @@ from gearblocks.language.signals import Input, Parameter, Table
 from gearblocks.language.tables import Table2
 from gearblocks.language.units import Given, parse_unit, unit_along
 from gearblocks.train.graph import Component
+from gearblocks.train.translational import words_along
 
 
 @final
@@ -34,7 +36,7 @@ def of_number(c: Component, path: str) -> Entry:
     """A number of a block, by its path inside it."""
     field, value = _found(c.block, path)
     unit = unit_along(field.unit, c.slides)
-    return Entry(field.words, _value(value), _unit(value, unit), f"{c.path}.{path}")
+    return Entry(words_along(field.words, c.slides), _value(value), _unit(value, unit), f"{c.path}.{path}")
 
 
 def of_shared(leaf: Parameter | Input) -> Entry:
@@ -48,10 +50,14 @@ def of_state(c: Component, path: str) -> Entry:
     """A state of a block or of one of its effects."""
     owner: Any = c.block
     *effects, name = path.split(".")
+    turns = False
     for effect in effects:
+        turns |= type(owner).fields[effect].turns
         owner = getattr(owner, effect)
     state = type(owner).states.get(name)
-    return Entry(state.words if state else name, "", state.unit if state else "1", f"{c.path}.{path}")
+    unit = state.unit if state else "1"
+    unit = re.sub(r"\bm\b", "rad", unit) if turns and not c.slides else unit_along(unit, c.slides)
+    return Entry(words_along(state.words, c.slides) if state else name, "", unit, f"{c.path}.{path}")
 
 
 def of_table(c: Component, path: str, table: Any) -> Entry:
@@ -95,10 +101,13 @@ def _found(block: Declared, path: str) -> tuple[Field, Any]:
     """The declaration and the value of a field."""
     owner: Any = block
     *effects, last = path.split(".")
-    for effect in effects:
-        owner = getattr(owner, effect)
     name, _, place = last.partition("[")
+    turned = None
+    for effect in effects:
+        spec = type(owner).fields[effect]
+        turned, owner = (spec if spec.turns else turned), getattr(owner, effect)
     field, value = type(owner).fields[name], owner.__dict__[name]
+    field = field if turned is None else turned.along(field)
     if not place or not isinstance(value, tuple):
         return field, value
     i = int(place.rstrip("]"))

@@ -80,6 +80,15 @@ class Reader:
             return Num("0")
         return items[0] if len(items) == 1 else Row(tuple(items))
 
+    def products(self, pairs: Iterable[tuple[Any, Any]]) -> Node:
+        """The sum of one times another, (J1 + J2) φ'', where a sum stands first."""
+        items: list[Any] = []
+        for one, other in pairs:
+            minus, size = _sign(one)
+            items += [Op("-" if minus else "+")] if items else [Op("neg")] * minus
+            items.append(Times((self.factor(size), self.read(other))) if size.is_Add else self.read(size * other))
+        return items[0] if len(items) == 1 else Row(tuple(items))
+
     def sorted_terms(self, expr: Any) -> list[Any]:
         """The terms of a sum: numbers, what moves, in its order, what does not."""
         return sorted(sp.Add.make_args(expr) if not expr.is_Add else expr.as_ordered_terms(), key=self._place)
@@ -98,6 +107,11 @@ class Reader:
         return self.terms([ordered[first], *ordered[:first], *ordered[first + 1 :]])
 
     def _product(self, expr: Any) -> Node:
+        leads = {
+            x: x.written_out() for x in expr.args if isinstance(x, EllipseLead)
+        }  # which bring a number of their own
+        if leads:
+            return self.read(expr.xreplace(leads))
         minus, size = _sign(expr)
         if minus:
             return Row((Op("neg"), self.factor(size)))
@@ -145,7 +159,7 @@ class Reader:
 
     def _power(self, expr: Any) -> Node:
         base, exponent = expr.as_base_exp()
-        if exponent == sp.Rational(1, 2):
+        if exponent.is_number and float(exponent) == 0.5:
             return Root(self.read(base))
         if exponent.is_number and exponent.is_negative:
             return Fraction(Num("1"), self.read(1 / expr))
@@ -264,12 +278,18 @@ def _number(number: Any) -> Node:
     value = float(number)
     if (of_pi := _of_pi(value)) is not None:
         return of_pi
-    digits, _, power = repr(abs(value)).partition("e")
+    digits, _, power = _digits(abs(value)).partition("e")
     node: Node = Num(digits.removesuffix(".0"))
     if power:
         ten = Power(Num("10"), Num(str(int(power))))
         node = ten if digits == "1" else Times((node, Op("×"), ten))
     return Row((Op("neg"), node)) if value < 0 else node
+
+
+def _digits(value: float) -> str:
+    """A number with 15 digits where these end sooner: what follows is rounding (0.1 + 0.2)."""
+    short = repr(float(f"{value:.15g}"))
+    return short if len(short) < len(repr(value)) - 2 else repr(value)
 
 
 def _of_pi(value: float) -> Node | None:

@@ -46,13 +46,13 @@ def balances(eq: Written) -> Section:
     rows: list[Line] = []
     aside: list[Line] = []
     for i, contributions in enumerate(eq.contributions):
-        left = [sp.Mul(m, a) for m, a in zip(eq.mass_matrix.row(i), accelerations, strict=True) if m != 0]
+        left = [(m, a) for m, a in zip(eq.mass_matrix.row(i), accelerations, strict=True) if m != 0]
         right: list[Any] = []
         for path, term in contributions:
             found, plain = _lifted(read, term, path, "f")
             aside += found
             right += [] if plain == 0 else _parts(read, plain)
-        rows.append(Line(read.terms(left), read.terms(right)))
+        rows.append(Line(read.products(left) if left else Num("0"), read.terms(right)))
     return Section("Angle form", (*rows, *aside))
 
 
@@ -108,14 +108,14 @@ def part(eq: Written, path: str) -> Iterator[Line]:
         if eq.owners.get(constraint.torque) == path:
             yield from _lines(read, in_order([constraint], eq.used() - counters(eq)))
     for symbol, rate in eq.states.items():
-        if eq.owners.get(symbol) == path and symbol not in counters(eq):
+        if eq.owners.get(symbol) == path and symbol not in counters(eq) and symbol not in eq.held:
             lines, plain = _lifted(read, rate, path, "p")
             yield from lines
             yield Line(Sym(read.name(symbol).rate()), read.read(plain))
     for symbol, value in eq.held.items():
         if eq.owners.get(symbol) == path:
             taken = Row((read.read(symbol), Op("="), read.read(value)))
-            yield Line(None, Row((Words("taken at the event and held: "), taken)))
+            yield Line(None, Row((Words("taken as it begins, and held: "), taken)))
 
 
 def counters(eq: Written) -> set[Any]:
@@ -231,8 +231,8 @@ def functions(eq: Written) -> Section | None:
         back = Call(Words("arcinv"), (x,))
         lines.append(Line(Row((Call(Words("tan"), (back,)), Op("-"), back)), x))
     if any(e.has(RestitutionDamping) for e in exprs):
-        a, e = sp.symbols("a e", real=True)
-        read = Reader({a: Name("a"), e: Name("e")})
+        e = sp.Symbol("e", real=True)
+        read, a = Reader({e: Name("e")}), RestitutionDamping(e)
         lines.append(Line(read.read(a * (1 + e)), read.read(sp.log((1 + a) / (1 - a * e)))))
     return Section("Functions", tuple(lines)) if lines else None
 

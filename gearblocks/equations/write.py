@@ -20,6 +20,7 @@ from gearblocks.errors import ModelError
 from gearblocks.language.block import start_fields
 from gearblocks.language.expression import to_sympy
 from gearblocks.language.fields import ANGLE
+from gearblocks.language.units import unit_along
 from gearblocks.laws.derivation import derive
 from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import PrescribedMotion, frozen_motion
@@ -60,11 +61,13 @@ class _Writer:
             self.lexicon.coordinate(q, v, owner, slides=angle == "s")
         self.prescribed: dict[tuple[int, int], PrescribedMotion] = {}
         self.mass: list[Any] = [sp.Integer(0)] * n
+        self.inertias: dict[int, Any] = {}
         self.torque: list[dict[str, Any]] = [{} for _ in range(n)]
         self.states: dict[Any, Any] = {}
         self.held: dict[Any, Any] = {}
         self.definitions: dict[Any, Any] = {}
         self.shows: dict[str, Any] = {}
+        self.flanges: dict[str, Any] = {}
         self.switched_constraints: list[SwitchedConstraint] = []
         self.deflections: dict[Any, Any] = {}
         self.number = 0
@@ -81,6 +84,11 @@ class _Writer:
         groups = {n: self._place(c.nodes[names.index(n)]) for n in names if n not in grounded}
         replace = {x: self._symbol(c, meaning, str(x.name), groups) for x, meaning in law.pool.roles.items()}
         replace = {x: y for x, y in replace.items() if y is not None}
+        for flange, (group, gain) in groups.items():
+            if group != GROUND_GROUP:
+                angle, speed, *_ = flange_names(flange in c.sliders)
+                self.flanges[f"{c.path}.{flange}.{angle}"] = gain * self.q[group]
+                self.flanges[f"{c.path}.{flange}.{speed}"] = gain * self.v[group]
         for flange, tau in law.torques.items():
             group, gain = groups[flange]
             if group != GROUND_GROUP:
@@ -110,7 +118,7 @@ class _Writer:
             expr = show.expr.xreplace(replace)
             self.shows[f"{c.path}.{show.name}"] = expr
             if show.name in ("twist", "deflection") and law.torques:
-                self._deflection(c, expr)
+                self._deflection(c, expr, unit_along(show.unit, c.slides))
 
     def _place(self, node: int) -> tuple[int, Any]:
         """The group of a node, and its angle over that of the body by which the group is called."""
@@ -143,12 +151,12 @@ class _Writer:
             return self.lexicon.shared(of, text)
         return self.lexicon.symbol(c, role, of)
 
-    def _deflection(self, c: Component, expr: Any) -> None:
+    def _deflection(self, c: Component, expr: Any, unit: str) -> None:
         """A relative coordinate: the name that the law has for it, else x."""
         if expr.is_Symbol:
             self.deflections[expr] = self.definitions.get(expr, expr)
         else:
-            self.deflections[self.lexicon.deflection(c)] = expr
+            self.deflections[self.lexicon.deflection(c, unit)] = expr
 
     def _switched(
         self, c: Component, constraint: ConstraintLaw, law: Law, replace: Mapping[Any, Any]
@@ -208,15 +216,27 @@ class _Writer:
         """1/J of a shaft as a symbol, defined when everything is added up."""
         if group is None or group[0] == GROUND_GROUP:
             return sp.Integer(0)
-        return group[1] ** 2 / sp.Symbol(f"__J{group[0]}")
+        return group[1] ** 2 / self.inertias.setdefault(group[0], sp.Symbol(f"__J{group[0]}"))
+
+    def _inertias_met(self, dependent: DependentGroups, mass: Any, torques: list[Any]) -> dict[Any, Any]:
+        """The inertias that stand for mobilities, as far as an expression reads them: those of coupled shafts are long."""
+        exprs = [*torques, *self.definitions.values(), *(e for r in self.switched_constraints for e in r.expressions())]
+        read = {x for e in exprs for x in sp.sympify(e).free_symbols} if self.inertias else set()
+        return {
+            x: self.mass[i] if self.assembly.plain else dependent.inertia(mass, i)
+            for i, x in self.inertias.items() if x in read
+        }  # fmt: skip
 
     def finish(self) -> Equations:
         """The frozen equations."""
         dependent = over_independent_groups(self.assembly, self.prescribed, self.q, self.v, self.scales, self._offset)
+        exprs = [*self.shows.values(), *self.definitions.values(), *self.states.values()]
+        exprs += [e for row in self.torque for e in row.values()]
+        read = {x.name for e in exprs for x in sp.sympify(e).free_symbols}
+        self.shows |= {path: e for path, e in self.flanges.items() if path in read}
+        self.shows = {path: dependent.put(e) for path, e in self.shows.items()}
         mass, terms = dependent.balance(self.mass, self.torque)
-        mobility = {
-            sp.Symbol(f"__J{i}"): m if self.assembly.plain else dependent.inertia(mass, i) for i, m in enumerate(self.mass)
-        }  # fmt: skip
+        mobility = self._inertias_met(dependent, mass, [e for row in terms for e in row.values()])
         order = {c.path: i for i, c in enumerate(self.assembly.train.components)}
         contributions = tuple(
             tuple(
@@ -228,7 +248,6 @@ class _Writer:
         torque = [sp.Add(*(e for _, e in row)) for row in contributions]
         definitions = {s: self._sensed(dependent.put(e).xreplace(mobility)) for s, e in self.definitions.items()}
         self.states = {s: self._sensed(dependent.put(e)) for s, e in self.states.items()} | dependent.rates
-        self.shows = {path: dependent.put(e) for path, e in self.shows.items()}
         self.switched_constraints = [
             r.mapped(lambda e: self._sensed(dependent.put(e).xreplace(mobility))) for r in self.switched_constraints
         ]

@@ -29,7 +29,7 @@ from gearblocks.language.fields import (
     signal,
 )
 from gearblocks.language.reference import Documented
-from gearblocks.language.units import given, has_unit, is_quantity
+from gearblocks.language.units import given, has_unit, is_quantity, unit_along
 
 _TAKEN = {
     "changed", "effects", "energy_of", "fields", "flanges", "gives_way", "is_constant", "local", "named", "parts", "physics",
@@ -123,7 +123,7 @@ def _in_si(value: Any, spec: Field) -> Any:
         return tuple(_in_si(v, spec.entry(i)) for i, v in enumerate(value))
     if not has_unit(value) or (isinstance(value, str) and not is_quantity(value)):
         return value
-    return given(value, spec.unit)
+    return given(value, spec.unit, "rad" if spec.of_deflection else unit_along(spec.unit, True))
 
 
 _CALLED_STARTS = {"phi0": ANGLE, "s0": ANGLE, "w0": SPEED, "v0": SPEED}

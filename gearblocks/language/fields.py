@@ -43,7 +43,9 @@ class Field:
     ("twist") that an expression in the field may contain, and a Table in it is read at. start: the start value that the
     field is, of the shaft that its block has a body at: "angle" or "speed". absence_of: the effect that True in this
     option says is absent. leading: of a row, how many of its first numbers the law takes; the others follow from them.
-    usual: the largest size that one expects, above which rig.describe() asks whether it is meant.
+    usual: the largest size that one expects, above which rig.describe() asks whether it is meant. each: of a row, words
+    of its numbers one by one, or one text for all with {n} (1, 2, ...) or {odd} (1, 3, ...). of_deflection: in the unit of
+    the deflection that an effect is of: a length, or an angle where the field for the effect says so (turns).
     """
 
     words: str
@@ -62,6 +64,9 @@ class Field:
     absence_of: str | None = None
     leading: int | None = None
     usual: float | None = None
+    each: tuple[str, ...] = ()
+    of_deflection: bool = False
+    turns: bool = False
 
     def __post_init__(self) -> None:
         if self.unit != "1":
@@ -69,7 +74,15 @@ class Field:
 
     def entry(self, i: int) -> Field:
         """The declaration of number i of a row."""
-        return self if "^-i" not in self.unit else replace(self, unit=unit_of_entry(self.unit, i))
+        words = self.each[i] if i < len(self.each) else (self.each or (self.words,))[0]
+        unit = self.unit if "^-i" not in self.unit else unit_of_entry(self.unit, i)
+        if (words, unit) == (self.words, self.unit):
+            return self
+        return replace(self, unit=unit, words=words.replace("{n}", str(i + 1)).replace("{odd}", str(2 * i + 1)))
+
+    def along(self, other: Field) -> Field:
+        """The declaration of a field of the effect that stands in this one."""
+        return replace(other, unit="rad") if self.turns and other.of_deflection else other
 
     @property
     def required(self) -> bool:
@@ -80,36 +93,55 @@ class Field:
 def param(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
     lt: float | None = None, le: float | None = None, many: bool = False, belongs_to: str | None = None,
-    start: str | None = None, leading: int | None = None, usual: float | None = None,
+    start: str | None = None, leading: int | None = None, usual: float | None = None, each: tuple[str, ...] = (),
+    of_deflection: bool = False,
 ) -> Any:  # fmt: skip
     """A number in SI units; a `Parameter` may stand for it. Bounds: gt (>), ge (>=), lt (<), le (<=).
 
     default=None makes it optional: None means absent. many=True: a tuple of numbers. start="angle" or "speed": the start
     angle [rad, m] or start speed [rad/s, m/s] of the shaft that the block has a Body at, fixed once a run has begun; the
     physics of the block cannot read it. leading: only so many first numbers of a row run as values, the others follow.
-    usual: the largest size that one expects; above it rig.describe() asks whether it is meant.
+    usual: the largest size that one expects; above it rig.describe() asks whether it is meant. each: words of the numbers of
+    a row one by one, or one text with {n} (1, 2, ...) or {odd} (1, 3, ...). of_deflection: of an effect, a length that is an
+    angle where the deflection is one (see `effect`).
     """
     if start not in (None, ANGLE, SPEED) or (start is not None and many):
         raise ModelError(f"param '{words}': start = {start!r} must be 'angle' or 'speed', of one number")
     return Field(
-        words, unit, "param", default, gt, ge, lt, le, many, belongs_to, start=start, leading=leading, usual=usual
+        words,
+        unit,
+        "param",
+        default,
+        gt,
+        ge,
+        lt,
+        le,
+        many,
+        belongs_to,
+        start=start,
+        leading=leading,
+        usual=usual,
+        each=each,
+        of_deflection=of_deflection,
     )
 
 
-def exact(words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False) -> Any:
+def exact(
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, each: tuple[str, ...] = ()
+) -> Any:
     """A number that enters ratios exactly (tooth counts; a float stands for its exact binary fraction). Structural."""
-    return Field(words, unit, "exact", default, many=many)
+    return Field(words, unit, "exact", default, many=many, each=each)
 
 
 def option(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, belongs_to: str | None = None,
-    absence_of: str | None = None,
+    absence_of: str | None = None, turns: bool = False,
 ) -> Any:  # fmt: skip
     """A choice (text, truth, number) that decides the form of the law. Structural. many=True: a tuple of them.
 
-    absence_of: the effect ("compliance") that True stands for the absence of.
+    absence_of: the effect ("compliance") that True stands for the absence of. turns: see `effect`, where it takes one.
     """
-    return Field(words, unit, "option", default, many=many, belongs_to=belongs_to, absence_of=absence_of)
+    return Field(words, unit, "option", default, many=many, belongs_to=belongs_to, absence_of=absence_of, turns=turns)
 
 
 def signal(
@@ -124,9 +156,10 @@ def signal(
     return Field(words, unit, "signal", default, ge=ge, belongs_to=belongs_to, over=over)
 
 
-def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None) -> Any:
-    """An effect object, or None: absent. convert: turns a short form into the effect it stands for."""
-    return Field(words, "1", "effect", default, convert=convert)
+def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None, turns: bool = False) -> Any:
+    """An effect object, or None: absent. convert: turns a short form into the effect it stands for. turns: the deflection that
+    it is of is an angle, and what the effect has of that is in rad."""
+    return Field(words, "1", "effect", default, convert=convert, turns=turns)
 
 
 @dataclass(frozen=True, slots=True)

@@ -72,7 +72,7 @@ def effect_classes(cls: type, name: str) -> tuple[Any, ...]:
             words = re.findall(r"\w+", annotation) if isinstance(annotation, str) else []
             known = vars(sys.modules[base.__module__])
             found = [known.get(word) for word in words] or [*get_args(annotation), annotation]
-            return tuple(x for x in found if isinstance(x, Documented))
+            return tuple(dict.fromkeys(x for x in found if isinstance(x, Documented)))
     return ()
 
 

@@ -247,11 +247,11 @@ class Given(float):
         return Given, (float(self), self.unit)
 
 
-def given(value: Any, unit: str) -> Given:
-    """A value that brings its unit, for a field in `unit`, or on a slider in what that becomes there."""
+def given(value: Any, unit: str, other: str) -> Given:
+    """A value that brings its unit, for a field in `unit`, or in `other`: on a slider, or of a deflection that is an angle."""
     wanted = parse_unit(unit)
     number, found = _read(_shown(value), value, wanted)
-    if not found.measures(parse_unit(unit_along(unit, True))):
+    if not found.measures(parse_unit(other)):
         same_measure(_shown(value), found, wanted)
     return Given(found.in_si(number), found.text)
 
@@ -272,10 +272,10 @@ def has_unit(value: Any) -> bool:
 
 def is_quantity(text: str) -> bool:
     """Whether a text is a number and something behind it, which may be its unit."""
-    return all(_parts(text))
+    return all(number_and_unit(text))
 
 
-def _parts(text: str) -> tuple[str, str]:
+def number_and_unit(text: str) -> tuple[str, str]:
     """The number that a text begins with, and what is behind it."""
     plain = text.translate(_SIGNS)
     match = _NUMBER.match(plain)
@@ -294,6 +294,11 @@ def number_in_si(what: str, value: Any, unit: str) -> float:
     return found.in_si(number)
 
 
+def seconds(name: str, value: float | str) -> float:
+    """A time [s], or text with its unit such as "20 ms"."""
+    return number_in_si(name, value, "s") if has_unit(value) else finite_number(name, value)
+
+
 def _shown(value: Any) -> str:
     return f"{value!r:.80}" if isinstance(value, str) else str(value)
 
@@ -308,7 +313,7 @@ def _read(what: str, value: Any, wanted: Unit) -> tuple[float, Unit]:
         base = value.to_base_units()  # SI, angles in radians; Hz becomes 1/s
         unit = check_unit(what, _text(base.units))
         return float(base.magnitude), unit._replace(cycles=unit.cycles + ("Hz" in _text(value.units)))
-    number, behind = _parts(value)
+    number, behind = number_and_unit(value)
     if not (number and behind):
         example = f"'3 {wanted.text}'" if wanted.text not in ("", "1") else "3"
         raise ParameterError(f"{what} must be a number, or text of a number with its unit such as {example}")

@@ -92,7 +92,9 @@ def derive(
             law.ties += [linear] if linear[0] else []
         else:
             law.prescribed.append(prescribed_angle(law, kind, flanges, zero))
-    law.prescribed += [prescribed_speed(law, kind, flanges, sp.expand(m.zero)) for m in found[Motion]]
+    speeds = {f.w for f in flanges.values()}
+    zeros = [sp.expand(pool.spelled(m.zero, speeds)) for m in found[Motion]]
+    law.prescribed += [prescribed_speed(law, kind, flanges, zero) for zero in zeros]
     law.constraints = constraint_laws(pool, flanges, [*found[Stick], *found[Stop], *found[LossyTie]])
     law.rates |= {x: sp.Integer(0) for k in law.constraints.values() for x in (k.impulse, k.impacts) if x is not None}
     law.torques = _torques(law, flanges, found, reading)

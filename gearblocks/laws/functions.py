@@ -117,6 +117,10 @@ class ContactSide(sp.Function):  # type: ignore[misc]  # sympy carries no types
 
     nargs = 2
 
+    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
+        """0 on each side."""
+        return sp.Integer(0)
+
 
 class InverseInvolute(sp.Function):  # type: ignore[misc]  # sympy carries no types
     """The angle a with tan(a) - a = y, for y >= 0."""

@@ -95,9 +95,16 @@ def _either(pool: Pool, item: LossyTie, driving: Any, coasting: Any, neither: An
     return side * (side + 1) / 2 * driving + side * (side - 1) / 2 * coasting + (1 - side**2) * neither
 
 
+def _row(pool: Pool, flanges: Mapping[str, Any], expr: Any, of: str) -> dict[str, Any]:
+    """d expr / d (angle or speed) of each flange that moves it, through what it names."""
+    moving = {n: getattr(f, of) for n, f in flanges.items()}
+    spelled = sp.expand(pool.spelled(expr, set(moving.values())))
+    return {n: c for n, x in moving.items() if (c := sp.diff(spelled, x)) != 0}
+
+
 def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.tie))
-    row = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
+    row = _row(pool, flanges, slip, "w")
     direction, _ = _directions(pool)
     made = ConstraintLaw("tie", slip, row, partner="loss")
     made.share = direction**2 * _either(pool, item, item.driving[0], item.coasting[0], -1)
@@ -106,7 +113,7 @@ def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLa
 
 def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.slip))
-    row = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
+    row = _row(pool, flanges, slip, "w")
     driving, coasting = ((1 + share) * rest for share, rest in (item.driving, item.coasting))
     size = _either(pool, item, driving, coasting, 0)
     made = ConstraintLaw("loss", slip, row, forward=size, backward=size, partner="tie")
@@ -127,7 +134,7 @@ def _state(pool: Pool, state: Any) -> str | None:
 
 def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.slip))
-    row = {n: c for n, f in flanges.items() if (c := sp.diff(slip, f.w)) != 0}
+    row = _row(pool, flanges, slip, "w")
     lower, upper = item.limit if isinstance(item.limit, tuple) else (-item.limit, item.limit)
     lower, upper = (None if sp.sympify(x).is_infinite else sp.sympify(x) for x in (lower, upper))
     if item.sliding is None:
@@ -143,7 +150,7 @@ def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> ConstraintLaw
 
 def _stop(pool: Pool, flanges: Mapping[str, Any], item: Stop) -> ConstraintLaw:
     gap = sp.expand(sp.sympify(item.gap))
-    row = {n: c for n, f in flanges.items() if (c := sp.diff(gap, f.phi)) != 0}
+    row = _row(pool, flanges, gap, "phi")
     slip = sum((c * flanges[n].w for n, c in row.items()), sp.Integer(0))
     made = ConstraintLaw(item.name, slip, row, sp.Integer(0), None, gap=gap, restitution=sp.sympify(item.restitution))
     made.impulse, made.impacts = _state(pool, item.impulse), _state(pool, item.impacts)

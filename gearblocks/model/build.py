@@ -6,6 +6,7 @@ import gc
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from gearblocks.model.following_starts import with_starts
 from gearblocks.model.start_values import contradictions, fit_lossy, fit_prescribed, parameter_value, solve_dependent
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.library import Model, compile_program, start_core_build
-from gearblocks.train.graph import GROUND, Train
+from gearblocks.train.graph import GROUND, Train, Tree, flatten
 from gearblocks.train.structure import structural_text, structure_of
 from gearblocks.train.values import leaves_of, numbers_of
 
@@ -29,6 +30,11 @@ def build_train(train: Train) -> Model:
     """The model of a train. Raises ModelError, or CompileError where there is no working compiler."""
     with _without_collector():
         return _build(train)
+
+
+def build_tree(tree: Tree) -> Model:
+    """The model of a composition, which keeps that for its drawing."""
+    return replace(build_train(flatten(tree)), tree=tree)
 
 
 @contextmanager

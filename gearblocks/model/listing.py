@@ -18,6 +18,7 @@ from gearblocks.language.signals import Input
 from gearblocks.language.units import parse_unit
 from gearblocks.model.build import program_of
 from gearblocks.model.start_values import fitted_later
+from gearblocks.pages import small_table
 from gearblocks.train.disjoint_sets import DisjointSets
 from gearblocks.train.graph import Train, Tree, flatten
 from gearblocks.train.values import leaves_of
@@ -57,6 +58,10 @@ class Listing(Sequence[Listed]):
     def __getitem__(self, at: slice) -> tuple[Listed, ...]: ...
     def __getitem__(self, at: int | slice) -> Listed | tuple[Listed, ...]:
         return self.entries[at]
+
+    def _repr_html_(self) -> str:
+        rows = [(x.name, _shown(x.value), "" if x.unit == "1" else x.unit, x.words) for x in self.entries]
+        return small_table(self.what, rows, head=("name", "value", "unit", "meaning"), numbers=(1,))
 
     def __repr__(self) -> str:
         rows = [(x.name, _shown(x.value), "" if x.unit == "1" else x.unit, x.words) for x in self.entries[:SHOWN]]

@@ -16,7 +16,7 @@ from gearblocks.errors import ParameterError, UnknownNameError, by_name, did_you
 from gearblocks.language.expression import finite_number
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Table, check_increasing
-from gearblocks.language.units import has_unit, number_in_si, parse_unit
+from gearblocks.language.units import has_unit, number_in_si, parse_unit, seconds
 from gearblocks.model.following_starts import followed
 from gearblocks.model.listing import matches, near_patterns
 from gearblocks.simulation.input_series import TimeSeries, table_of_series
@@ -35,7 +35,7 @@ METHOD_NAMES = tuple(method.name.lower() for method in Method)
 
 def begin_of(t_start: float | str | None, initial: Any) -> float:
     if t_start is not None:
-        return _seconds("t_start", t_start)
+        return seconds("t_start", t_start)
     if isinstance(initial, Trajectory) and initial.final_state is not None:
         return initial.final_state.t
     return 0.0
@@ -47,7 +47,7 @@ def sample_times(begin: float, t_end: float | str | None, t: ArrayLike | None) -
         raise ParameterError("give either t_end (records every step) or t (an array of sample times)")
     if t is None:
         assert t_end is not None
-        end = _seconds("t_end", t_end)
+        end = seconds("t_end", t_end)
         if end <= begin:
             raise ParameterError(f"t_end = {end!r} s must be later than the start at {begin!r} s")
         return None, end
@@ -63,10 +63,6 @@ def sample_times(begin: float, t_end: float | str | None, t: ArrayLike | None) -
         )
     check_increasing("t", samples)
     return samples, float(samples[-1])
-
-
-def _seconds(name: str, value: float | str) -> float:
-    return number_in_si(name, value, "s") if has_unit(value) else finite_number(name, value)
 
 
 def method_options(

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.errors import ParameterError, UnknownNameError
+from gearblocks.pages import small_table
 from gearblocks.simulation import plotting
 from gearblocks.simulation.solution import between_samples, values_at
 from gearblocks.simulation.trajectory import Trajectory
@@ -69,6 +70,15 @@ class Comparison:
 
     def __repr__(self) -> str:
         return str(self)
+
+    def _repr_html_(self) -> str:
+        units = ("" if row.unit == "1" else row.unit for row in self.rows)
+        rows = [
+            (row.name, f"{row.share:.1e}", f"{row.largest:.3e}", unit, f"{row.at:.6g} s")
+            for row, unit in zip(self.rows, units, strict=True)
+        ]
+        head = ("output", "of its size", "largest", "unit", "at")
+        return small_table(" against ".join(self.titles), rows, head=head, numbers=(1, 2, 4))
 
     def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Both runs over each other; saved to `path`. Raises StorageError."""

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.errors import ParameterError
+from gearblocks.language.units import seconds
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.needs import Along, Needs, Solution
 from gearblocks.simulation.sampled_run import Run, SampledRun
@@ -85,12 +86,13 @@ def along(run: Run, case: Case | None, kinds: Sequence[str], name: str, window: 
         return [solution.along_run(one) for one in wanted]
 
 
-def window_of(run: Run, after: float | None, before: float | None) -> tuple[float, float]:
+def window_of(run: Run, after: float | str | None, before: float | str | None) -> tuple[float, float]:
     """A window within a run. Raises ParameterError for one that is empty, or outside."""
     if len(run.t) < 2:
         raise ParameterError("a run of less than two samples has nothing between them")
     begin, end = float(run.t[0]), float(run.t[-1])
-    low, high = begin if after is None else float(after), end if before is None else float(before)
+    low = begin if after is None else seconds("after", after)
+    high = end if before is None else seconds("before", before)
     if not begin <= low < high <= end:
         raise ParameterError(f"from {low:g} s to {high:g} s is no part of a run from {begin:g} s to {end:g} s")
     return low, high

@@ -210,7 +210,7 @@ class Trajectory:
         return f"the run has no {what} {name!r}{_hint(str(name), self.names)}"
 
     # -- between the samples ------------------------------------------------------------------------------------
-    def extremes(self, name: str, *, after: float | None = None, before: float | None = None) -> Extremes:
+    def extremes(self, name: str, *, after: float | str | None = None, before: float | str | None = None) -> Extremes:
         """(low, low_at, high, high_at): the lowest and the highest value of an output [its unit] and their times [s], located
         on the solution between the samples, in a window [s]. Equal to gb.trough and gb.peak. Raises UnknownNameError,
         ParameterError."""
@@ -218,16 +218,21 @@ class Trajectory:
 
         return solution.extremes(self, self.case, self._known(name), solution.window_of(self, after, before))
 
-    def rms(self, name: str, *, after: float | None = None, before: float | None = None) -> float:
+    def rms(self, name: str, *, after: float | str | None = None, before: float | str | None = None) -> float:
         """Root mean square of an output [its unit] over time, integrated; equal to gb.rms."""
         return self._along("rms", name, after, before)
 
-    def mean(self, name: str, *, after: float | None = None, before: float | None = None) -> float:
+    def mean(self, name: str, *, after: float | str | None = None, before: float | str | None = None) -> float:
         """Mean of an output [its unit] over time, integrated; equal to gb.mean."""
         return self._along("mean", name, after, before)
 
     def spectrum(
-        self, name: str, *, after: float | None = None, before: float | None = None, samples: int | None = None
+        self,
+        name: str,
+        *,
+        after: float | str | None = None,
+        before: float | str | None = None,
+        samples: int | None = None,
     ) -> Spectrum:
         """(frequency [Hz], amplitude [unit of the output]): Fourier's transform of the solution at `samples` equal distances
         under the window of Hann (whose lines are two distances of frequency wide); a part a cos(2 pi f t) has the amplitude
@@ -237,7 +242,7 @@ class Trajectory:
         window = solution.window_of(self, after, before)
         return solution.spectrum(self, self.case, self._known(name), self.units.get(name, "1"), window, samples)
 
-    def between(self, t0: float, t1: float, *, samples: int = 1001) -> Trajectory:
+    def between(self, t0: float | str, t1: float | str, *, samples: int = 1001) -> Trajectory:
         """The part from t0 to t1 [s] at so many equal distances, found by running it again; events as they were."""
         from gearblocks.simulation import solution
 
@@ -249,7 +254,7 @@ class Trajectory:
         events = [event for event in self.events if window[0] <= event.t <= window[1]]
         return Trajectory(times, (self.names, table), self.units, events=events, meta=self.meta)
 
-    def _along(self, kind: str, name: str, after: float | None, before: float | None) -> float:
+    def _along(self, kind: str, name: str, after: float | str | None, before: float | str | None) -> float:
         from gearblocks.simulation import solution
 
         return solution.along(self, self.case, (kind,), self._known(name), solution.window_of(self, after, before))[0]
@@ -309,6 +314,8 @@ class Trajectory:
         head = f"<run of '{self.name}': {self.t[0]:.6g} .. {self.t[-1]:.6g} s, {len(self.t)} samples"
         head += "" if self.complete else ", stopped early"
         listed = _few(self.names, 6) + (f" ({len(self)} outputs)" if len(self) > 6 else "")
+        if not self.stats.method:  # a part of a run: what the solver counted belongs to the whole
+            return f"{head}\n  {listed}>"
         return f"{head}\n  {self.stats}\n  energy residual {self.energy.residual:.1e}\n  {listed}>"
 
     def _repr_html_(self) -> str:
@@ -322,6 +329,8 @@ class Trajectory:
             ("events", f"{len(self.events):,}{': ' if switched else ''}{_few(switched, 8)}"),
             ("energy residual", f"{self.energy.residual:.1e} of a turnover of {self.energy.turnover:.6g} J"),
         ]
+        if not self.stats.method:
+            return small_table(f"Run of '{self.name}'", rows[:-1])
         kept = (row for row in self.stats.table() if row[0] != "events")
         return small_table(f"Run of '{self.name}'", [*rows, *kept], notes=[self.stats.why] if self.stats.why else ())
 

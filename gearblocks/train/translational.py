@@ -72,7 +72,7 @@ def words_along(words: str, slides: bool) -> str:
     """The words on a slider: force for torque, position for angle."""
     if not slides:
         return words
-    for turning, sliding in (("torsional ", ""), ("torque", "force"), ("angle", "position")):
+    for turning, sliding in (("torsional ", ""), ("torque", "force"), ("angle", "position"), ("twist", "deflection")):
         words = words.replace(turning, sliding)
     return words
 

@@ -26,7 +26,8 @@ def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
     for name, field in type(owner).fields.items():
         value = store[name]
         if isinstance(value, Declared):
-            yield from numbers_of(value, f"{prefix}{name}.")
+            inner = numbers_of(value, f"{prefix}{name}.")
+            yield from ((path, v, field.along(f)) for path, v, f in inner) if field.turns else inner
         elif value is None or field.role == "option":
             continue
         elif isinstance(value, tuple):

@@ -158,7 +158,8 @@ def test_a_picture_is_made(script: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("form", "part"), [("text", "shaft"), ("latex", "\\"), ("html", "<math"), ("c", "gb_get_model")]
+    ("form", "part"),
+    [("text", "shaft"), ("latex", "\\"), ("html", "<math"), ("mathml", "<math"), ("c", "gb_get_model")],
 )
 def test_equations_are_printed(script: Path, form: str, part: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["equations", str(script), "--format", form]) == 0

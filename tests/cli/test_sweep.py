@@ -57,6 +57,14 @@ def test_a_sweep_writes_a_table_everything_and_a_picture(
     assert (tmp_path / "out" / "study.png").stat().st_size > 10_000
 
 
+def test_the_ends_of_a_range_bring_their_unit(script: str, capsys: pytest.CaptureFixture[str]) -> None:
+    found = []
+    for ends in ("100:200", "0.1 kN m:0.2 kN m"):
+        assert main(["sweep", script, "--over", f"shaft.k={ends}:3", "--of", "peak(motor.phi)", "--t-end", "0.5"]) == 0
+        found.append([line for line in capsys.readouterr().out.splitlines() if "peak(motor.phi)" in line])
+    assert found[0] == found[1] != []
+
+
 def test_an_output_stands_for_its_peak_trough_and_rms(script: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert (
         main(["sweep", script, "--over", "k=100:200:2", "--of", "motor.w", "--t-end", "0.1", "--set", "shaft.c=0.2"])
@@ -97,6 +105,8 @@ def test_a_store_goes_on_where_it_was(script: str, tmp_path: Path, capsys: pytes
         (["--over", "k=1:2"], "path=from:to:n"),
         (["--over", "k=1:2:x"], "path=from:to:n"),
         (["--over", "k=1:2:0"], "must be >= 1"),
+        (["--over", "k=1mm:2m:3"], "both ends must be in one unit, not in mm and m"),
+        (["--over", "shaft.k=1mm:2mm:3"], "but what belongs here is in N m/rad"),
         (["--over", "k=1:2:3", "--over", "k=1:2:3"], "given twice"),
         (["--over", "kk=1:2:3"], "there is no parameter, start value or input 'kk'"),
         (["--over", "k=1:2:3", "--of", "motor.ww"], "did you mean 'motor.w'"),

@@ -1,20 +1,35 @@
 """The picture of a train in its FMU: in the documentation, and as the icon that tools show."""
 
+import pickle
 import zipfile
 from pathlib import Path
 
 import fmu_export
 import gearblocks as gb
+from fmu_export.exporter import ICON
+
+
+def _swing() -> gb.Drivetrain:
+    rig = gb.Drivetrain("swing")
+    rig.chain(rig.add("disc", gb.Inertia(J=1.0)), rig.add("spring", gb.Shaft(k=100.0)), rig.add("wall", gb.Fixed()))
+    return rig
 
 
 def test_the_fmu_of_a_train_shows_its_scheme(tmp_path: Path) -> None:
-    rig = gb.Drivetrain("swing")
-    rig.chain(rig.add("disc", gb.Inertia(J=1.0)), rig.add("spring", gb.Shaft(k=100.0)), rig.add("wall", gb.Fixed()))
+    rig = _swing()
     path = fmu_export.export(rig, tmp_path / "swing.fmu")
     with zipfile.ZipFile(path) as archive:
         page, icon = archive.read("documentation/index.html").decode(), archive.read("model.png")
     assert str(rig.draw()) in page and icon.startswith(b"\x89PNG")
     assert fmu_export.check(path).ok
-    model = fmu_export.export(gb.build(rig), tmp_path / "model.fmu")
-    with zipfile.ZipFile(model) as archive:
-        assert "model.png" not in archive.namelist() and "<svg" not in archive.read("documentation/index.html").decode()
+
+
+def test_the_fmu_of_a_built_model_shows_the_same_scheme_and_one_of_a_pickle_has_none(tmp_path: Path) -> None:
+    rig = _swing()
+    model = gb.build(rig)
+    path = fmu_export.export(model, tmp_path / "model.fmu")
+    with zipfile.ZipFile(path) as archive:
+        assert str(rig.draw()) in archive.read("documentation/index.html").decode() and ICON in archive.namelist()
+    again = fmu_export.export(pickle.loads(pickle.dumps(model)), tmp_path / "again.fmu")
+    with zipfile.ZipFile(again) as archive:
+        assert ICON not in archive.namelist() and "<svg" not in archive.read("documentation/index.html").decode()

@@ -64,6 +64,23 @@ def test_modes_crossings_and_studies_are_tables(model: gb.Model) -> None:
     assert cells(shown(study))[1] == ["peak(motor.w)", "1 .. 1 rad/s"]
 
 
+def test_lists_and_comparisons_are_tables(model: gb.Model) -> None:
+    rig = gb.Drivetrain("one")
+    rig.chain(rig.add("drive", gb.Torque(tau="5 N m")), rig.add("disc", gb.Inertia(J=2.0)))
+    rows = cells(shown(rig.parameters()))
+    assert rows[0] == ["name", "value", "unit", "meaning"] and ["disc.J", "2", "kg m2", "moment of inertia"] in rows
+    runs = [gb.simulate(model, t_end=0.1, parameters={"shaft.k": k}) for k in (100.0, 200.0)]
+    found = gb.compare(*runs)
+    rows = cells(shown(found))
+    assert rows[1][0] == found.rows[0].name and len(rows) > 2
+
+
+def test_a_part_of_a_run_says_nothing_of_steps_that_it_did_not_make(model: gb.Model) -> None:
+    part = gb.simulate(model, t_end=1.0).between(0.2, "400 ms")
+    assert "0.2 .. 0.4 s, 1001 samples" in repr(part) and "steps" not in repr(part) and "residual" not in repr(part)
+    assert [row[0] for row in cells(shown(part))] == ["time", "samples", "outputs", "events"]
+
+
 def test_a_long_table_is_cut_and_says_so() -> None:
     text = small_table("numbers", [(i, "<i>") for i in range(MOST_ROWS + 5)], numbers=(0,))
     assert len(cells(text)) == MOST_ROWS and "and 5 more rows" in text and "<i>" not in text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import threading
 from collections.abc import Iterator
@@ -299,3 +300,24 @@ def test_what_cannot_be_sent_to_processes_is_refused_before_anything_is_run(
 def test_no_thread_is_left_behind(clutch_model: gb.Model) -> None:
     gb.sweep(clutch_model, {"shaft.k": [100.0, 200.0]}, quantity=gb.last("load.w"), t_end=0.1, threads=2)
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("gearblocks-study")]
+
+
+def test_values_of_studies_bring_their_units() -> None:
+    speed = gb.Parameter("n", 3000.0, "rpm")
+    rig = gb.Drivetrain("shaken")
+    drive, disc = rig.add("drive", gb.Torque(tau=5.0 * gb.sin(speed * gb.time))), rig.add("disc", gb.Inertia(J=1.0))
+    rig.chain(drive, disc, rig.add("shaft", gb.Shaft(k=20.0, c=0.1)), rig.add("load", gb.Inertia(J=2.0)))
+    ask: dict[str, Any] = {"quantity": gb.peak("shaft.torque", after="10 ms"), "t_end": "50 ms"}
+    bare = gb.sweep(rig, {"shaft.k": [20.0, 30.0], "n": [3000.0, 1500.0], "disc.w": [0.0, math.pi]}, **ask)
+    texts = {"shaft.k": ["20 N m/rad", "0.03 kN m"], "n": np.array(["3000 rpm", "1500 rpm"]), "disc.w": [0.0, "30 rpm"]}
+    given = gb.sweep(rig, texts, **ask)
+    np.testing.assert_array_equal(given.points, bare.points)
+    np.testing.assert_array_equal(given.values, bare.values)
+    cases = gb.study(rig, [{"n": "1500 rpm", "shaft.k": 20.0}, {"n": 3000.0, "shaft.k": "30 N m/rad"}], **ask)
+    np.testing.assert_array_equal(cases.points, [[1500.0, 20.0], [3000.0, 30.0]])
+    with pytest.raises(
+        gb.ParameterError, match=r"shaft\.k = '3 mm' is in mm \(m\), but what belongs here is in N m/rad"
+    ):
+        gb.sweep(rig, {"shaft.k": ["3 mm", 20.0]}, **ask)
+    with pytest.raises(gb.ParameterError, match=r"a row is needed, such as \['3000 rpm'\]"):
+        gb.sweep(rig, {"n": "3000 rpm"}, **ask)

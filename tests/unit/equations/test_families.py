@@ -1,12 +1,15 @@
 """Alike parts printed once, by an index."""
 
+import re
 from dataclasses import replace
 
 import pytest
 
 import gearblocks as gb
 from gearblocks.cli import scripts
-from gearblocks.equations.families import _names, families
+from gearblocks.equations.families import families, names_in
+from tests.random.description import build
+from tests.random.families import draw
 
 
 def _bundle(stiffness, law=None):
@@ -30,7 +33,7 @@ def test_eight_meshes_are_printed_as_two():
     assert text.count("(GearMesh)") == 2
     assert "sun_mesh_i (GearMesh), i = 0, ..., 3\n" in text
     assert "mesh0" not in text
-    assert r"&= -\sum_{i=0}^{3} r_{1,\mathrm{sun\_mesh}\,i}\,N_{\mathrm{sun\_mesh}\,i} + 300" in latex
+    assert r"&= -\sum_{i=0}^{3} r_{1,\mathrm{sun\_mesh}\,i}\,N_{\mathrm{sun\_mesh}\,i}" in latex
     assert eq.html().count("<munderover>") == 4
     assert "x_sun_mesh2 = " in str(eq.element("sun_mesh2"))
     assert {"N_sun_mesh3", "φ_planet1"} <= {row[0] for row in eq.nomenclature()}
@@ -70,10 +73,55 @@ def test_every_symbol_that_is_printed_is_in_the_nomenclature(name):
 
 def _check(document):
     known = {replace(name, dots=0) for name, _ in document.nomenclature.entries}
-    words = {"t", "x", "H", "λ", "G", "M", "v", "f", "T", "π"}  # explained where they stand
-    printed = {replace(n, dots=0) for section in document.sections for n in _names(section.lines)}
-    cases = {n for n in printed if n.letter in "pf" and n.number}  # lifted out of an equation, which stands beside them
-    assert {n for n in printed - cases if n.owner or n.letter not in words} <= known
+    words = {"t", "x", "a", "e", "H", "λ", "G", "M", "v", "f", "T", "π"}  # explained where they stand
+    printed = {replace(n, dots=0) for section in document.sections for n in names_in(section.lines)}
+    alike = {n for n in printed if any(replace(n, owner=o) in known for o in _of_any(n.owner))}  # T_0 where T_i is
+    assert {n for n in printed - alike if (n.owner or n.letter not in words) and not n.is_of_a_case} <= known
+
+
+def _of_any(owner):
+    """Owners with each number in turn as an index."""
+    return [owner[: m.start()] + " i" + owner[m.end() :] for m in re.finditer(r"_?\d+(?=$| )", owner)]
+
+
+def _stops(uppers, lower=None):
+    """Stops in a row between a disc and the ground, the first with a second side."""
+    rig = gb.Drivetrain("stops")
+    disc = rig.add("disc", gb.Inertia(J=2.0))
+    for i, upper in enumerate(uppers, 1):
+        stop = rig.add(f"stop{i}", gb.HardStop(lower=lower if i == 1 else None, upper=upper, restitution=0.5))
+        rig.connect(disc.b if i > 1 else disc.a, stop.a)
+    return rig
+
+
+@pytest.mark.parametrize("lower", [None, -0.1])
+def test_a_sum_has_its_symbol_in_the_nomenclature(lower):
+    eq = _stops([0.1, 0.2, 0.3], lower).equations()
+    _check(eq.document())
+    assert "Σ_i T_stop_i_upper" in str(eq)
+
+
+def test_terms_are_a_sum_though_parts_of_another_family_stand_in_them():
+    """Bodies called j1, j2, ... are a family too, of which each mesh reads the same two."""
+    rig = gb.Drivetrain("set")
+    mesh = gb.MeshLaw(k=1e8, c=100.0, stiffness_variation=gb.Fourier(cos=(0.1,)))
+    gear = gb.PlanetaryGear(
+        z_sun=42, z_planet=18, z_ring=78, module=2e-3, pressure_angle=0.35, planet_inertia=1e-4,
+        sun_mesh=mesh, ring_mesh=gb.MeshLaw(k=1e8, c=100.0),
+    )  # fmt: skip
+    stage, bodies = rig.add("set", gear), [rig.add(f"j{i}", gb.Inertia(J=0.1)) for i in range(1, 5)]
+    rig.connect(bodies[0].a, stage.sun)
+    rig.connect(bodies[1].a, stage.ring)
+    rig.connect(bodies[2].a, stage.carrier)
+    rig.chain(bodies[2], rig.add("shaft", gb.Shaft(k=1e3)), bodies[3])
+    text = str(rig.equations())
+    assert "J_j1 φ_j1'' = -Σ_i r1_set_sun_mesh_i N_set_sun_mesh_i" in text
+    _check(rig.equations().document())
+
+
+@pytest.mark.parametrize(("family", "seed"), [("contact", 7002), ("friction", 7001), ("wide", 7000), ("smooth", 7002)])
+def test_every_symbol_of_trains_that_nobody_wrote_is_in_the_nomenclature(family, seed):
+    _check(build(draw(family, seed), gb).equations().document())
 
 
 def test_families_are_of_one_class_and_without_a_gap():

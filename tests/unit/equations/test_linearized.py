@@ -10,8 +10,10 @@ import gearblocks as gb
 from gearblocks.cli import scripts
 from gearblocks.equations.document import WIDTH
 from gearblocks.equations.equations import inserted
-from gearblocks.equations.linearized import linearized
+from gearblocks.equations.linearized import _diff, linearized
 from gearblocks.laws.functions import DeadZone
+from tests.random.description import build
+from tests.random.families import draw
 
 MODELS = ["spline_coupling:build", "planetary_backlash:build", "limited_slip_differential:build", "dual_clutch:build"]
 
@@ -34,9 +36,9 @@ def numbers(expressions, values):
 
 def at_random(eq, seed):
     """A point away from the corners of the laws."""
-    draw = random.Random(seed)
+    drawn = random.Random(seed)
     free = sorted({*eq.used(), *eq.q, *eq.v} - set(eq.definitions), key=str)
-    return {x: sp.Float(draw.uniform(0.5, 1.5)) for x in free}
+    return {x: sp.Float(drawn.uniform(0.5, 1.5)) for x in free}
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -70,6 +72,25 @@ def test_a_gap_has_its_slope_by_a_symbol_of_its_own():
     assert "M Δq'' = -C Δq' - K Δq" in shown
     assert "q = (φ_pinion, φ_wheel, φ_hub)" in shown
     assert shown.count("⎧") == 1
+
+
+def test_a_contact_whose_damping_comes_from_its_restitution_is_linearised_on_its_side():
+    """The side has no slope; it was looked for without end."""
+    rig = gb.Drivetrain("throw")
+    lash = gb.Lash(k=1e4, half_gap=0.01, contact_damping=gb.HuntCrossley(restitution=0.8))
+    rig.chain(rig.add("a", gb.Inertia(J=1.0)), rig.add("lash", lash), rig.add("b", gb.Inertia(J=2.0)))
+    found = linearized(rig.equations())
+    assert {str(d) for d in found.partials} >= {"Derivative(g_lash, theta_lash)"}
+    assert not any(e.has(sp.Derivative) for e in found.partials.values())
+    assert "∂g_lash/∂θ_lash" in str(rig.equations().linearized())
+
+
+def test_whole_parts_and_cycles_are_linearised_between_their_jumps():
+    x = sp.Symbol("x", real=True)
+    assert _diff(2 * sp.floor(3 * x) * x + 3 * sp.frac(x), x) == 2 * sp.floor(3 * x) + 3
+    assert not _diff(sp.sin(sp.floor(x)) + sp.ceiling(x), x).has(sp.Derivative)
+    found = linearized(build(draw("wide", 7043), gb).equations())
+    assert not any(e.has(sp.Subs) for e in [*found.stiffness, *found.partials.values()])
 
 
 def test_a_matrix_stands_in_brackets_where_it_fits_and_by_its_entries_where_it_does_not():

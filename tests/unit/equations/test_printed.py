@@ -278,3 +278,42 @@ def test_latex_fits_the_column_of_an_article(name, tmp_path):
     assert said.returncode == 0, log[-2000:]
     wide = [float(x) for x in re.findall(r"Overfull \\hbox \(([\d.]+)pt", log)]
     assert max(wide, default=0.0) <= 5.0
+
+
+def test_rounding_is_no_digit_and_numbers_of_a_lead_are_taken_together():
+    x = sp.Symbol("x", real=True)
+    reader = Reader({x: Name("x")}, {x: 0})
+    assert text(reader.read((sp.Float(0.1) + sp.Float(0.2)) * x)) == "0.3 x"
+    assert text(reader.read(sp.Float(0.1234567890123456) * x)) == "0.1234567890123456 x"
+    assert text(reader.read(EllipseLead(x, 0.25) / 2)).startswith("arctan(")
+    assert text(reader.read((1 + x) ** sp.Float(0.5))) == "√(1 + x)"
+
+
+def test_the_inertia_of_several_bodies_stands_before_its_acceleration():
+    rig = gb.Drivetrain("stage")
+    one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=2.0))
+    rig.chain(rig.add("drive", gb.Torque(tau=3.0)), one, two)
+    assert "(J_one + J_two) φ_one'' = τ_drive" in str(rig.equations())
+
+
+def test_the_words_and_units_of_a_contact_are_those_of_a_shaft_or_of_a_slider():
+    rows = {}
+    for body in (gb.Inertia(J=1.0), gb.Mass(m=1.0)):
+        rig = gb.Drivetrain("pair")
+        lash = gb.Lash(k=1e3, half_gap=1e-3, contact_damping=gb.HuntCrossley(restitution=0.5))
+        rig.chain(rig.add("a", body), rig.add("lash", lash), rig.add("b", body))
+        eq = rig.equations()
+        rows[type(body)] = {row[0]: (row[1], row[3]) for row in eq.nomenclature()}
+        assert "taken as it begins, and held: γ_lash = 1/(" in str(eq)
+        assert "γ_lash'" not in str(eq)  # it stays as it is
+    assert rows[gb.Inertia]["γ_lash"] == ("1/v0 of the present contact", "s/rad")
+    assert rows[gb.Inertia]["T_lash"] == ("torque of the contact", "N m")
+    assert rows[gb.Inertia]["χ_lash"][1] == "s/rad"
+    assert rows[gb.Mass]["γ_lash"][1] == rows[gb.Mass]["χ_lash"][1] == "s/m"
+    assert rows[gb.Mass]["F_lash"] == ("force of the contact", "N")
+    assert rows[gb.Mass]["k_lash"] == ("stiffness in contact", "N/m")
+
+
+def test_one_part_has_the_symbols_that_it_prints_and_no_others():
+    shown = [row[0] for row in _spur_pair().equations().element("shaft").nomenclature]
+    assert shown == ["φ_motor", "φ_pinion", "θ_shaft", "T_shaft", "k_shaft", "c_shaft"]

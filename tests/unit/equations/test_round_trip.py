@@ -139,7 +139,7 @@ def _known(rig, model, eq, t, states, outputs):
 
 def _written(equations, known, tables):
     """Every symbol that the equations define. Rates of states are found first: what moves with them needs those."""
-    plain = [x for x in equations if r"\ddot" not in x[1] and x[0] not in ("Relative form", "Functions")]
+    plain = [x for x in equations if r"\ddot" not in x[1] and not x[0].startswith(("Relative form", "Functions"))]
     first = Sheet(dict(known), tables)
     _entered(first, plain)
     rates = {(name, 0): x.value for (name, dots), x in first.known.items() if dots == 1}
@@ -192,12 +192,12 @@ def _accelerations(eq, equations, sheet):
 
 def _relative(eq, equations, sheet, alpha):
     """(printed, expected) accelerations of the relative coordinates; these are linear in the angles."""
-    shown = {bare(left)[0]: right for heading, left, right in equations if heading == "Relative coordinates"}
+    shown = {bare(left)[0]: right for heading, left, right in equations if heading.startswith("Relative coordinates")}
     numbers = [bare(name_latex(eq.names[q])) for q in eq.q]
     speeds = {n: Moving(sheet.known[n].rate, a) for n, a in zip(numbers, alpha, strict=True)}
     faster = Sheet({**sheet.known, **speeds}, sheet.tables)
     for heading, left, right in equations:
-        if heading == "Relative form":
+        if heading.startswith("Relative form"):
             yield sheet.value(right).value, faster.value(shown[bare(left)[0]]).rate
 
 

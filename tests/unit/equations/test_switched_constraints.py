@@ -221,3 +221,22 @@ def test_modes_that_nothing_has_are_refused_by_name():
         eq.in_modes({"nera": 0})
     with pytest.raises(gb.ParameterError, match="'wall' = 2 must be one of: 1 closed, 0 open"):
         eq.in_modes({"wall": 2})
+
+
+@pytest.mark.parametrize("mode", [0, 1, -1])
+def test_the_inner_friction_of_a_shaft_acts_in_print_as_it_does_in_the_c(mode):
+    """Its slip is the rate of the twist, which has a name of its own: the torque was missing in the balances."""
+    rig = gb.Drivetrain("inner friction")
+    one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=2.0, w0=3.0 * mode))
+    shaft = rig.add("shaft", gb.Shaft(k=20.0, c=0.1, hysteresis=gb.Hysteresis(friction=1.5)))
+    rig.chain(rig.add("drive", gb.Torque(tau=0.6)), one, shaft, two)
+    eq = rig.equations()
+    assert "J_one φ_one'' = T_shaft - T_shaft_hysteresis + τ_drive" in str(eq)
+    values = {f"{c.path}.{field}": x for c in rig.train().components for field, x, _ in numbers_of(c.block, "")}
+    known = {s: values[p] for s, p in eq.parameters.items()} | dict.fromkeys(eq.q, 0.0)
+    known |= dict(zip(eq.v, (0.0, 3.0 * mode), strict=True))
+    found = eq.in_modes({"shaft.hysteresis": mode})
+    alpha = [float(f.xreplace(known)) / J for f, J in zip(found.expanded, (1.0, 2.0), strict=True)]
+    run = gb.simulate(rig, t_end=1e-3)
+    assert alpha == pytest.approx([run["one.alpha"][0], run["two.alpha"][0]], rel=1e-12)
+    assert alpha[1] == pytest.approx({0: 0.2, 1: -0.9, -1: 0.9}[mode])

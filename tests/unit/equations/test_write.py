@@ -8,6 +8,7 @@ import pytest
 import sympy as sp
 
 import gearblocks as gb
+from gearblocks.equations.dependent_groups import DependentGroups
 from gearblocks.equations.equations import inserted
 from gearblocks.laws.functions import ContactSide, DeadZone
 from gearblocks.laws.symbols import time_symbol
@@ -243,3 +244,34 @@ def test_the_equations_print_in_every_form():
     assert eq.html().count("<math") == eq.html().count("</math>") > 30
     assert eq.mathml().count("<math") > 20
     assert eq.jacobian().shape == (4, 8)
+
+
+def test_the_inertia_of_coupled_shafts_is_written_only_where_a_damping_ratio_asks_for_it(monkeypatch):
+    """Ten shafts behind a joint took minutes: the mass matrix was inverted in symbols for each of them."""
+
+    def row(**damping):
+        rig = gb.Drivetrain("coupled")
+        engine = [rig.add("engine", gb.Inertia(J=1.0)), rig.add("joint", gb.UniversalJoint(angle=0.3))]
+        rest = [rig.add("shaft", gb.Shaft(k=9.0, **damping)), rig.add("load", gb.Inertia(J=2.0))]
+        rig.chain(*engine, rig.add("axle", gb.Inertia(J=1.0)), *rest)
+        return rig
+
+    asked = []
+    inertia = DependentGroups.inertia
+    monkeypatch.setattr(DependentGroups, "inertia", lambda *args: asked.append(args[2]) or inertia(*args))
+    row(c=0.1).equations()
+    assert asked == []
+    assert "J_e_shaft" in {str(s) for s in row(damping_ratio=0.1).equations().definitions}
+    assert len(asked) == 2
+
+
+def test_a_sensed_speed_that_follows_from_others_is_written_over_these():
+    """The middle of the gears has no body: its speed stood in the balance by a symbol that nothing explained."""
+    rig = gb.Drivetrain("sensed")
+    one, two = rig.add("one", gb.IdealGear(ratio=2)), rig.add("two", gb.IdealGear(ratio=3))
+    drive = rig.add("drive", gb.Torque(tau=-4 * gb.sense("one.b.w")))
+    rig.chain(drive, rig.add("motor", gb.Inertia(J=1.0)), one, two, rig.add("load", gb.Inertia(J=9.0)))
+    eq = rig.equations()
+    (torque,) = eq.expanded
+    assert torque.free_symbols == {*eq.v}
+    assert "one_b" not in str(eq)

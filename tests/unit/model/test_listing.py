@@ -45,7 +45,7 @@ def test_outputs_are_those_that_a_run_records() -> None:
     found = rig.outputs()
     assert sorted(found.names) == sorted(run.names)
     assert {x.name: x.unit for x in found} == dict(run.units)
-    assert Listed("shaft.twist", "rad", "phi_b - phi_a") in found
+    assert Listed("shaft.twist", "rad", "twist phi_b - phi_a") in found
 
 
 def test_patterns_go_over_whole_names_and_cross_dots() -> None:
