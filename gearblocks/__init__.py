@@ -122,6 +122,7 @@ if TYPE_CHECKING:
     from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
     from gearblocks.language.tables import Table2
     from gearblocks.language.units import rpm
+    from gearblocks.language.watches import Excitation, Watch
     from gearblocks.running import build, simulate
     from gearblocks.simulation.comparison import compare
     from gearblocks.simulation.trajectory import Trajectory
@@ -132,7 +133,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Acts", "Angle", "Backlash", "BearingFriction", "BeltDrive", "Block", "Body", "Brake", "Campbell", "Clutch",
     "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain", "EddyCurrentBrake",
-    "Effect", "Energy", "Engine", "Fixed", "Flange", "Force", "Fourier", "Freewheel", "FrequencyResponse",
+    "Effect", "Energy", "Engine", "Excitation", "Fixed", "Flange", "Force", "Fourier", "Freewheel", "FrequencyResponse",
     "GearMesh", "GearblocksError", "GearblocksWarning", "Governor", "HardStop", "Harmonic", "Heaviside", "Hold", "HuntCrossley",
     "Hysteresis", "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear",
     "LossyTie", "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch",
@@ -140,7 +141,7 @@ __all__ = [
     "RatioLaw", "RatioLawError", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling",
     "Square", "Start", "State", "Stick", "Stop", "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table",
     "Table2", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint",
-    "UnknownNameError", "Vehicle", "Worm", "at", "build", "campbell", "classify", "compare", "cos", "count",
+    "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "build", "campbell", "classify", "compare", "cos", "count",
     "design_ratio", "driver_angle", "effect", "energy_lost", "event_time", "exact", "exp", "frequency_response",
     "last", "latin_hypercube", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak",
     "pi", "piecewise", "poincare", "points", "random_cases", "rms", "rpm", "sense", "signal", "simulate", "sin",
@@ -181,6 +182,7 @@ _NAMES = {
     "language.signals": "Input Parameter Table sense time twist",
     "language.tables": "Table2",
     "language.units": "rpm",
+    "language.watches": "Excitation Watch",
     "running": "build simulate",
     "simulation.comparison": "compare",
     "simulation.trajectory": "Trajectory",

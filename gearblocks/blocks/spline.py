@@ -12,6 +12,7 @@ from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Tie
 from gearblocks.language.fields import Flange, effect, exact, option, param
 from gearblocks.language.signals import Value
+from gearblocks.language.watches import Excitation, Watch, orders_of
 
 
 class SplineCoupling(Block):
@@ -63,6 +64,17 @@ class SplineCoupling(Block):
     def without_effect(self, name: str) -> Block:
         """Without compliance a restitution stays, as that of a rigid impact."""
         return without(self, name, super().without_effect(name))
+
+    def would_show(self, effect: str) -> Iterator[Watch]:
+        """Without backlash the force changes its sign where the teeth would part."""
+        if effect == "backlash":
+            yield Watch("force", "the force changes its sign, where the teeth would part")
+
+    def excitations(self) -> Iterator[Excitation]:
+        """Tooth frequency and its orders, where the stiffness varies."""
+        yield from super().excitations()
+        if self.stiffness_variation is not None:
+            yield from orders_of(self.stiffness_variation, float(self.teeth), "the spline", "a", None)
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Contact along the arc of the pitch circle, the rigid tie or rigid impacts."""

@@ -126,6 +126,9 @@ def run(
     outputs: Annotated[list[str] | None, typer.Option(metavar="PATTERN", help="What to record.")] = None,
     out: Annotated[Path | None, typer.Option(help="Store the run: .csv, .nc or .json.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture over time: .png, .svg or .pdf.")] = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Say what limited the steps, and what would help.")
+    ] = False,
 ) -> None:
     """Simulate a train."""
     run_report.check_endings(out, plot)
@@ -144,12 +147,14 @@ def run(
         result, failure = error.trajectory, error
     shown = result.names if outputs else run_report.telling(result.names)
     run_report.report(result, shown)
+    if explain and result.complete:
+        say(str(result.explain()))
     if out is not None:
         result.save(out)
         say(f"wrote {out}")
     if plot is not None:
         sparse = result.complete and len(result.t) < run_report.SMOOTH
-        drawn = simulate(model, t=run_report.grid(t_end), outputs=shown, **options) if sparse else result
+        drawn = simulate(model, t=run_report.grid(t_end), outputs=shown, watch=False, **options) if sparse else result
         drawn.plot(*shown, path=plot)
         say(f"wrote {plot}")
     if failure is not None:

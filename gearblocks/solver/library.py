@@ -30,6 +30,7 @@ from gearblocks.solver.shared_object import open_shared
 from gearblocks.solver.structures import Array
 from gearblocks.solver.variants import asked_flags
 from gearblocks.train.graph import Train
+from gearblocks.train.left_out import LeftOut
 
 SOURCES = Path(__file__).parent / "c"
 METHOD_SOURCES = ("methods.py", "rosenbrock.py")
@@ -92,13 +93,18 @@ class Library:
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
     """A train that is ready to run. values: start values of the parameters, in the order of `program.parameters`; starts: the
-    train, where start values follow from Parameters, and how often each of those stands in it."""
+    train, where start values follow from Parameters, and how often each of those stands in it; left_out: effects that its runs
+    watch, which do not travel to other processes."""
 
     program: Program
     library: Library
     values: Array
     starts: Train | None = None
     start_parameters: Mapping[str, int] = field(default_factory=dict)
+    left_out: LeftOut | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Model, (self.program, self.library, self.values, self.starts, self.start_parameters)
 
     def __repr__(self) -> str:
         p = self.program
