@@ -98,11 +98,11 @@ def _by_states(program: Program, account: Account, modes: Sequence[FastMode]) ->
         mode = _mode_of(i, modes)
         at = mode_of_element(program, mode) if mode is not None else None
         element = at.element if at is not None else program.states[i].name.rsplit(".", 1)[0]
-        paces.setdefault(element, f", which {at.pace}" if at is not None else "")
+        paces.setdefault(element, f", moved by '{element}', which {at.pace}" if at is not None else "")
         found.setdefault(element, []).append((int(account.accepted_by[i]), int(account.rejected_by[i]), i))
     for element, counts in found.items():
         worst = program.states[max(counts, key=lambda x: x[0] + x[1])[2]].name
-        of = worst + (f" and {len(counts) - 1} more states" if len(counts) > 1 else "")
+        of = worst + (f" and {len(counts) - 1} more" if len(counts) > 1 else "")
         words = CAUSES[cause][0].format(of=of) + paces[element]
         yield Limit(cause, element, sum(x[0] for x in counts), sum(x[1] for x in counts), 0, words)
 

@@ -62,7 +62,8 @@ class RunExplanation:
         ]
         first = self.rows[0] if self.rows else None
         if first is not None and first.steps + first.rejected:
-            where = f" ('{first.component}')" if first.component else ""
+            named = f"'{first.component}'"
+            where = f" ({named})" if first.component and named not in first.words else ""
             found.append(f"{100 * (first.steps + first.rejected) / total:.0f} % of them: {first.words}{where}.")
         if self.switching:
             most = next(row for row in self.rows if row.component == self.switching and row.events)
