@@ -140,6 +140,7 @@ if TYPE_CHECKING:
     from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
     from gearblocks.language.tables import Table2
     from gearblocks.language.units import rpm
+    from gearblocks.language.watches import Excitation, Watch
     from gearblocks.running import build, carried_start, simulate
     from gearblocks.simulation.comparison import compare
     from gearblocks.simulation.trajectory import Trajectory
@@ -150,7 +151,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Acts", "Angle", "Backlash", "BearingFriction", "BeltDrive", "Block", "Body", "Brake", "Campbell", "Clutch",
     "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain", "EddyCurrentBrake",
-    "Effect", "Energy", "Engine", "Fixed", "Flange", "FluidDrag", "Force", "Fourier", "Freewheel",
+    "Effect", "Energy", "Engine", "Excitation", "Fixed", "Flange", "FluidDrag", "Force", "Fourier", "Freewheel",
     "FrequencyResponse", "GearMesh", "GearblocksError", "GearblocksWarning", "Governor", "HardStop", "Harmonic",
     "Heaviside", "Hold", "HuntCrossley", "Hysteresis", "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash",
     "Linearization", "LossyGear", "LossyTie", "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion",
@@ -158,12 +159,13 @@ __all__ = [
     "Profile", "Quantity", "Rack", "Rate", "RatioLaw", "RatioLawError", "Scene", "Shaft", "Shows", "SimulationError",
     "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Stick", "Stop", "Stribeck", "Study",
     "Superposition", "Switch", "Synchronizer", "Table", "Table2", "Tie", "ToothFriction", "Torque", "TorqueConverter",
-    "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "Worm", "at", "build", "campbell",
-    "carried_start", "classify", "compare", "cos", "count", "design_ratio", "driver_angle", "dynamic_factor",
-    "effect", "energy_lost", "event_time", "exact", "exp", "fit", "frequency_response", "last", "latin_hypercube",
-    "line", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak", "period", "pi",
-    "piecewise", "poincare", "points", "price", "random_cases", "rms", "rpm", "sense", "signal", "simulate", "sin",
-    "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "time", "trough", "twist", "work_precision",
+    "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "build",
+    "campbell", "carried_start", "classify", "compare", "cos", "count", "design_ratio", "driver_angle",
+    "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit", "frequency_response", "last",
+    "latin_hypercube", "line", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak",
+    "period", "pi", "piecewise", "poincare", "points", "price", "random_cases", "rms", "rpm", "sense", "signal",
+    "simulate", "sin", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "time", "trough", "twist",
+    "work_precision",
 ]  # fmt: skip
 
 _NAMES = {
@@ -205,6 +207,7 @@ _NAMES = {
     "language.signals": "Input Parameter Table sense time twist",
     "language.tables": "Table2",
     "language.units": "rpm",
+    "language.watches": "Excitation Watch",
     "running": "build carried_start simulate",
     "simulation.comparison": "compare",
     "simulation.trajectory": "Trajectory",

@@ -16,14 +16,15 @@ from gearblocks.language.units import declared
 from gearblocks.model.build import check_user_blocks
 from gearblocks.model.effect_removal import needed, without_effects
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
-from gearblocks.train.handles import FlangeHandle, Handle, bare
+from gearblocks.train.handles import FlangeHandle, Handle, bare, lost_flanges
+from gearblocks.train.left_out import LeftOut, left_out_of
 from gearblocks.train.plausibility import warn_of_doubts
-from gearblocks.train.summary import field_texts
 from gearblocks.train.values import field_paths, replaced, unique_path, value_problems
 
 if TYPE_CHECKING:
     from gearblocks.drawing.drawing import Drawing
     from gearblocks.equations.equations import Equations
+    from gearblocks.model.explaining import TrainExplanation
     from gearblocks.model.listing import Listing
     from gearblocks.simulation.trajectory import Trajectory
 
@@ -45,6 +46,7 @@ class Drivetrain:
         self._links: list[tuple[tuple[str, str], ...]] = []
         self._exposed: dict[str, tuple[str, str]] = {}
         self._coordinates: list[Coordinate] = []
+        self._before: dict[str, Block] = {}
         self.dropped: tuple[str, ...] = ()
 
     # -- composing ----------------------------------------------------------------------------------------------------
@@ -150,7 +152,7 @@ class Drivetrain:
         other = Drivetrain(self.name)
         other._parts = {n: p._copy() if isinstance(p, Drivetrain) else p for n, p in self._parts.items()}
         other._links, other._exposed = list(self._links), dict(self._exposed)
-        other._coordinates = list(self._coordinates)
+        other._coordinates, other._before = list(self._coordinates), dict(self._before)
         return other
 
     def __getitem__(self, path: str) -> Handle:
@@ -193,11 +195,15 @@ class Drivetrain:
                 found = unique_path(path, paths)
                 owner, name, rest = other._locate(found)
                 owner._parts[name] = replaced(owner._parts[name], rest.split("."), value) if rest else bare(value)
+                if (before := owner._before.pop(name, None)) is not None and rest:
+                    owner._before[name] = replaced(before, rest.split("."), value)
                 changed[found[: -len(rest) - 1] if rest else found] = (owner, name)
             except ModelError as error:
                 problems += error.problems
         for path, (owner, name) in changed.items():
-            problems += [*_part_problems(path, owner._parts[name])] or [*owner._lost_flanges(name)]
+            problems += [*_part_problems(path, owner._parts[name])] or [
+                *lost_flanges(Handle(owner, name, owner._parts[name]), (*owner._links, owner._exposed.values()))
+            ]
         if problems:
             raise ModelError(problems)
         for path, (owner, name) in changed.items():
@@ -207,13 +213,6 @@ class Drivetrain:
     def field_paths(self) -> frozenset[str]:
         """Paths of all values of all blocks: "mesh.k", "mesh.backlash.half_gap", "gear.ratio", ..."""
         return frozenset(f"{path}.{field}" for path, _, _, block in self._walk() for field in field_paths(block))
-
-    def _lost_flanges(self, name: str) -> Iterator[str]:
-        """Flanges of a part that are connected or exposed, but which it does not have."""
-        has = Handle(self, name, self._parts[name]).flanges
-        ends = {end for link in (*self._links, self._exposed.values()) for end in link}
-        for flange in sorted(flange for part, flange in ends if part == name and flange not in has):
-            yield f"the new '{name}' has no flange '{flange}', which is connected; it has {', '.join(has) or 'none'}"
 
     def _locate(self, path: str) -> tuple[Drivetrain, str, str]:
         name, _, rest = path.partition(".")
@@ -261,10 +260,17 @@ class Drivetrain:
 
     def _leaving(self, goes: Callable[[str], bool], kept: Collection[str] = ()) -> Drivetrain:
         other, removal = self._copy(), without_effects(self.tree(), goes, kept)
-        for path, owner, name, _ in list(other._walk()):
-            owner._parts[name] = removal.blocks.get(path, owner._parts[name])
+        for path, owner, name, block in list(other._walk()):
+            changed = removal.blocks.get(path, block)
+            if block.effects().keys() - changed.effects().keys():
+                owner._before.setdefault(name, block)
+            owner._parts[name] = changed
         other.dropped = removal.dropped
         return other
+
+    def left_out(self) -> LeftOut | None:
+        """What a run watches: the effects that `without` and `only` took away on the way to here; None: nothing."""
+        return left_out_of(self.tree(), [(path, x._before.get(n), block) for path, x, n, block in self._walk()])
 
     # -- reading ------------------------------------------------------------------------------------------------------
 
@@ -328,18 +334,15 @@ class Drivetrain:
 
     def describe(self) -> str:
         """A table of all blocks with their values and effects, and what among them is hardly meant (mm typed as m ...)."""
-        from gearblocks.model.plausibility import implausible
+        from gearblocks.model.plausibility import described
 
-        flat = flatten(self.tree(), complete=False).components if self._parts else ()
-        slides = {c.path: c.slides for c in flat}
-        rows = [
-            (path, type(block).__name__, ", ".join(field_texts(block, slides.get(path, False))))
-            for path, _, _, block in self._walk()
-        ]
-        widths = [max((len(r[i]) for r in rows), default=0) for i in range(2)]
-        head = f"{self.name}: {len(rows)} blocks, {len(self.effects())} effects"
-        doubts = [f"is it meant? {words}" for words in implausible(self.tree())]
-        return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows), *doubts])
+        return described(self.tree(), len(self.effects()))
+
+    def explain(self) -> TrainExplanation:
+        """States, switches, the fastest modes, and which element will limit the step."""
+        from gearblocks.model.explaining import explanation_of
+
+        return explanation_of(self.train())
 
     def __repr__(self) -> str:
         names = [*self._parts]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
@@ -23,7 +24,8 @@ def build(train: Drivetrain | Model) -> Model:
         return train
     if not isinstance(train, Drivetrain):
         raise GearblocksError(f"{train!r:.200} is no Drivetrain and no Model (as gb.Drivetrain and gb.build make them)")
-    return build_tree(train.tree())
+    model, left_out = build_tree(train.tree()), train.left_out()
+    return model if left_out is None else replace(model, left_out=left_out)
 
 
 @by_name_only
@@ -33,6 +35,7 @@ def simulate(
     max_step: float | None = None, locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
     parameters: Mapping[str, float | str] | None = None, initial: Mapping[str, float | str] | Trajectory | str | None = None,
     outputs: str | Sequence[str] = "*", progress: Callable[[float], None] | None = None, residual: float | None = None,
+    watch: bool = True,
 ) -> Trajectory:  # fmt: skip
     """Runs a train or model.
 
@@ -50,6 +53,8 @@ def simulate(
     at t_start). outputs: a pattern or several ("mesh.*").
     residual: the run stops where its energy residual (run.energy.residual), looked at between samples about every 50 ms of
     CPU time and at the end, exceeds this.
+    watch: of a train from which effects were left out (rig.without, rig.only), whether the run watches if they would have
+    acted: run.watched says how often and when first, and a GearblocksWarning names those that would.
     progress: called with the share done (0..1), five times a second at most; without it a long run says how far it is, on
     a terminal and in a notebook after two seconds, in a log by a line every so often.
 
@@ -61,7 +66,7 @@ def simulate(
     return run_model(
         build(train), t_end=t_end, t=t, t_start=t_start, method=method, rtol=rtol, step=step, max_step=max_step,
         locate=locate, inputs=inputs, parameters=parameters, initial=initial, outputs=outputs, progress=progress,
-        residual=residual,
+        residual=residual, watch=watch,
     )  # fmt: skip
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from gearblocks.language.block import Block, Effect
 from gearblocks.language.contributions import Acts, Contribution, Energy, Shows, Tie
 from gearblocks.language.fields import Flange, effect, exact, option, param
-from gearblocks.language.signals import Table, Value
+from gearblocks.language.signals import Table, Value, constant_value
+from gearblocks.language.watches import Excitation, Watch
 
 _REST = 1e-6  # rad/s: keeps the speed ratio of a torque converter defined at rest
 
@@ -133,6 +134,12 @@ class BeltDrive(Block):
         if self.ratio == 0:
             yield "ratio = 0 must not be 0"
 
+    def would_show(self, effect: str) -> Iterator[Watch]:
+        """Where the creep has a limit, the belt slides as a whole beyond it."""
+        if effect == "slip" and self.slip is not None and self.slip.limit is not None:
+            most = constant_value(self.slip.limit) * abs(self.ratio)
+            yield Watch("torque", "the torque exceeds that at which the belt slides", most)
+
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The tie, or the creep torque on both pulleys and the frame."""
         import sympy as sp
@@ -177,6 +184,11 @@ class UniversalJoint(Block):
     a, b = Flange("driving fork"), Flange("driven fork")
     angle: Value = param("angle between the shafts", "rad", gt=-1.5, lt=1.5)
     phase: Value | None = param("position of the fork of a at phi_a = 0", "rad", default=None)
+
+    def excitations(self) -> Iterator[Excitation]:
+        """Twice a turn."""
+        yield from super().excitations()
+        yield Excitation("the joint", order=2.0, flange="a")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The tie."""

@@ -27,6 +27,7 @@ from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Tie
 from gearblocks.language.fields import Flange, effect, exact, option, param
 from gearblocks.language.signals import Value, number_or_zero
+from gearblocks.language.watches import Excitation, Watch, orders_of
 
 
 def _of_both(words: str) -> tuple[str, str]:
@@ -216,6 +217,18 @@ class GearMesh(Block):
             radius = self._pair(self.changed(**values, profile_shift=None)).base_radius(self.teeth[0])
         lever = radius * (1 if flange == "pinion" else self.teeth[1] / self.teeth[0])
         return "compliance", number_or_zero(self.k) * lever**2
+
+    def would_show(self, effect: str) -> Iterator[Watch]:
+        """Without backlash the force changes its sign where the teeth would part."""
+        if effect == "backlash":
+            yield Watch("force", "the mesh force changes its sign, where the teeth would part")
+
+    def excitations(self) -> Iterator[Excitation]:
+        """Mesh frequency and its orders, where something varies with the mesh cycle."""
+        yield from super().excitations()
+        for name in ("stiffness_variation", "transmission_error", "friction"):
+            if self.__dict__[name] is not None:
+                yield from orders_of(self.__dict__[name], float(self.teeth[0]), "the mesh", "pinion", "carrier")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Contact along the line of action, or the rigid tie."""

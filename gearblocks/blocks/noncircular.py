@@ -13,6 +13,7 @@ from gearblocks.language.contributions import Acts, Contribution, Force, Rate, S
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import Flange, State, effect, option, param, signal
 from gearblocks.language.signals import Input, Parameter, Signal, Table, Value
+from gearblocks.language.watches import Excitation, Watch
 
 _CORNERS = {"Abs", "sign", "Min", "Max", "Heaviside", "Piecewise"}
 
@@ -91,6 +92,16 @@ class NonCircularGear(Block):
                     f"phase = {self.phase!r:.80} has no acceleration ({jerky}), which a rigid pair must follow: "
                     "give a smooth expression of time or a cubic Table, filter=rad/s, or k"
                 )
+
+    def would_show(self, effect: str) -> Iterator[Watch]:
+        """Without backlash the force changes its sign where the teeth would part."""
+        if effect == "backlash":
+            yield Watch("torque", "the torque changes its sign, where the teeth would part")
+
+    def excitations(self) -> Iterator[Excitation]:
+        """The ratio varies over the turns of gear 1."""
+        yield from super().excitations()
+        yield from (Excitation("the ratio", order=float(j), flange="a", against="carrier") for j in (1, 2))
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The contact, or the tie."""

@@ -15,6 +15,7 @@ from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Parts
 from gearblocks.language.fields import Flange, effect, exact, option, param
 from gearblocks.language.signals import Value
+from gearblocks.language.watches import Watch
 
 
 class PlanetaryGear(Block):
@@ -217,6 +218,13 @@ class PlanetaryGear(Block):
         name, gear = {"sun": ("sun_mesh", "pinion"), "ring": ("ring_mesh", "wheel")}.get(flange, ("", ""))
         found = self._mesh(name, 0.0).gives_way(gear) if name else None
         return None if found is None else (f"{name}.{found[0]}", self.planets * found[1])
+
+    def would_show(self, effect: str) -> Iterator[Watch]:
+        """What the meshes of every planet show."""
+        mesh, _, inner = effect.partition(".")
+        for watch in self._mesh(mesh, 0.0).would_show(inner):
+            for i in range(1, self.planets + 1):
+                yield Watch(f"{mesh}[{i}].{watch.output}", watch.words, watch.limit)
 
     def without_effect(self, name: str) -> Block:
         """Without an effect of all sun or ring meshes."""

@@ -12,6 +12,7 @@ from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Tie
 from gearblocks.language.fields import Flange, effect, exact, option, param
 from gearblocks.language.signals import Value, number_or_zero
+from gearblocks.language.watches import Excitation, Watch, orders_of
 
 
 class SplineCoupling(Block):
@@ -68,6 +69,17 @@ class SplineCoupling(Block):
         """Its compliance, k r^2."""
         stiffness = number_or_zero(self.k) * number_or_zero(self.radius) ** 2
         return None if self.k is None else ("compliance", stiffness)
+
+    def would_show(self, effect: str) -> Iterator[Watch]:
+        """Without backlash the force changes its sign where the teeth would part."""
+        if effect == "backlash":
+            yield Watch("force", "the force changes its sign, where the teeth would part")
+
+    def excitations(self) -> Iterator[Excitation]:
+        """Tooth frequency and its orders, where the stiffness varies."""
+        yield from super().excitations()
+        if self.stiffness_variation is not None:
+            yield from orders_of(self.stiffness_variation, float(self.teeth), "the spline", "a", None)
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Contact along the arc of the pitch circle, the rigid tie or rigid impacts."""

@@ -12,7 +12,8 @@ from gearblocks.blocks.rigid_impact import hits, impact, without
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Energy, Force, Parts, Rate, Shows, Stick, Tie
 from gearblocks.language.fields import Flange, effect, option, param, signal
-from gearblocks.language.signals import Signal, Value, number_or_zero
+from gearblocks.language.signals import Signal, Value, constant_value, number_or_zero
+from gearblocks.language.watches import Watch
 
 
 class Shaft(Block):
@@ -94,6 +95,18 @@ class Shaft(Block):
         links = [((f"lump[{i - 1}]", "b"), (f"spring[{i}]", "a")) for i in range(1, n + 1)]
         links += [((f"spring[{i}]", "b"), (f"lump[{i}]", "a")) for i in range(1, n + 1)]
         return Parts(blocks, tuple(links), {"a": ("lump[0]", "a"), "b": (f"lump[{n}]", "b")})
+
+    def would_show(self, effect: str) -> Iterator[Watch]:
+        """The slider slips beyond its torque: at a torque of the shaft, or at a twist where it has a spring of its own."""
+        if effect != "hysteresis" or self.hysteresis is None:
+            return
+        most, own = constant_value(self.hysteresis.friction), self.hysteresis.stiffness
+        springs = [""] if self.segments == 1 else [f"spring[{i}]." for i in range(1, self.segments + 1)]
+        for spring in springs:
+            if own is None:
+                yield Watch(f"{spring}torque", "the torque exceeds what the slider holds", most)
+            else:
+                yield Watch(f"{spring}twist", "the twist exceeds where the slider slips", most / constant_value(own))
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """torque = k twist + c twist'."""
@@ -199,6 +212,11 @@ class Lash(Block):
     def gives_way(self, flange: str) -> tuple[str, float] | None:  # noqa: ARG002  both ends alike
         """Its compliance."""
         return None if self.k is None else ("compliance", number_or_zero(self.k))
+
+    def would_show(self, effect: str) -> Iterator[Watch]:
+        """Without free play the torque changes its sign where the sides would part."""
+        if effect == "backlash":
+            yield Watch("torque", "the torque changes its sign, where the sides would part")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """torque = k g(twist) + damping."""

@@ -8,7 +8,8 @@ from typing import Any
 from gearblocks.language.block import Block, Effect
 from gearblocks.language.contributions import Acts, Body, Contribution, Energy, Rate, Shows, Stick
 from gearblocks.language.fields import Flange, State, effect, param, signal
-from gearblocks.language.signals import Signal, Value
+from gearblocks.language.signals import Signal, Value, constant_value
+from gearblocks.language.watches import Watch
 
 GRAVITY = 9.80665  # m/s2, standard
 
@@ -72,6 +73,12 @@ class Vehicle(Block):
             yield f"grade = {self.grade!r} rad must be within +-1.5: it is an angle in rad"
         if self.rolling_speed is not None and self.rolling is None:
             yield "rolling_speed needs rolling, the coefficient of rolling resistance"
+
+    def would_show(self, effect: str) -> Iterator[Watch]:
+        """The wheels would spin, or lock, beyond the grip of the tyres on level road."""
+        if effect == "tyre" and self.tyre is not None:
+            most = constant_value(self.tyre.grip) * constant_value(self.mass) * GRAVITY
+            yield Watch("force", "the force exceeds the grip of the tyres", most)
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Resistance, and the tyres between wheels and road."""

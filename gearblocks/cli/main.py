@@ -128,6 +128,9 @@ def run(
     outputs: Annotated[list[str] | None, typer.Option(metavar="PATTERN", help="What to record.")] = None,
     out: Annotated[Path | None, typer.Option(help="Store the run: .csv, .nc or .json.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture over time: .png, .svg or .pdf.")] = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Say what limited the steps, and what would help.")
+    ] = False,
 ) -> None:
     """Simulate a train, or a scene as it says."""
     run_report.check_endings(out, plot)
@@ -148,13 +151,15 @@ def run(
     run_report.report(result, shown)
     if it.scene is not None and result.complete:
         run_report.answers(result, it.scene)
+    if explain and result.complete:
+        say(str(result.explain()))
     if out is not None:
         result.save(out)
         say(f"wrote {out}")
     if plot is not None:
         sparse = result.complete and len(result.t) < run_report.SMOOTH
         t = run_report.grid(options.pop("t_end"), options.get("t_start", 0.0))
-        drawn = simulate(model, t=t, outputs=shown, **options) if sparse else result
+        drawn = simulate(model, t=t, outputs=shown, watch=False, **options) if sparse else result
         drawn.plot(*shown, path=plot)
         say(f"wrote {plot}")
     if failure is not None:

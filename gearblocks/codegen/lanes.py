@@ -45,6 +45,7 @@ def lane_values(g: Generator, values: Mapping[str, Any]) -> dict[str, Any]:
         "where_torques_are_read": "if (is_read(reads_torques))\n        ",
         "modes_read": _read_modes(g, "event_functions"),
         "small": False,
+        "lanes_only": True,
         "real": "gb_lane",
         "number": _number,
     }

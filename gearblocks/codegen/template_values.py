@@ -12,14 +12,16 @@ from gearblocks.assembly.elimination import Combination
 from gearblocks.codegen.comments import PARTS
 from gearblocks.codegen.function import Function
 from gearblocks.codegen.generator import Generator
-from gearblocks.codegen.operands import Role
+from gearblocks.codegen.operands import Operand, Role
 from gearblocks.codegen.parts import GroupRows
 from gearblocks.codegen.reactions import reaction_tables
 from gearblocks.codegen.switched_constraints import constraint_columns, delassus_columns
 from gearblocks.laws.rational import Exact, over
 
 _FEW = 16  # loops that are written out
-_SCALAR: dict[str, Any] = {"real": "double", "number": lambda text: text, "where_torques_are_read": ""}
+_SCALAR: dict[str, Any] = {
+    "real": "double", "number": lambda text: text, "where_torques_are_read": "", "lanes_only": False,
+}  # fmt: skip
 """What lanes have otherwise (lanes.py): type of numbers, C of what may be a plain number, what asks for torques."""
 _SMALL = 64  # states of a train whose derivatives stay in registers
 
@@ -32,6 +34,16 @@ class Sparse:
     start: list[int]
     index: list[int]
     value: list[str]
+
+
+@dataclass(frozen=True, slots=True)
+class OutputCall:
+    """What computes outputs of one batch, [first, end); of_state: whether these need neither rates nor torques of flanges."""
+
+    function: Function
+    first: int
+    end: int
+    of_state: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +130,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "angle_speeds": [_speed_state(g, group) for group in assembly.angles],
         "turned": sparse("turned", _wrap_counts(g)),
         "reactions": reaction_tables(g, _flange_numbers(g)),
+        "output_calls": [_output_call(f) for f in g.functions.get("outputs", [])],
         "first_flange_output": sum(code.n * len(code.law.shows) for code in g.codes),
         "inputs": list(lay.inputs),
         "parts": PARTS,
@@ -125,6 +138,17 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "numbers": lambda values: ", ".join(map(str, values)),
         **_SCALAR,
     }
+
+
+_OF_MOTION = {
+    Role.ACCELERATIONS, Role.FLANGE_TORQUES, Role.CONSTRAINT_FORCES, Role.FEEDBACK_SIGNALS, Role.RATES,
+}  # fmt: skip
+"""What an output reads that needs more than the state."""
+
+
+def _output_call(f: Function) -> OutputCall:
+    offsets = [int(s.target.offset) for s in f.body if isinstance(s.target, Operand)]
+    return OutputCall(f, min(offsets), max(offsets) + f.count, _OF_MOTION.isdisjoint(f.roles))
 
 
 def _loops(g: Generator) -> dict[str, Any]:

@@ -30,10 +30,12 @@ from gearblocks.language.fields import (
 )
 from gearblocks.language.reference import Documented
 from gearblocks.language.units import given, has_unit, is_quantity, unit_along
+from gearblocks.language.watches import Excitation, Watch, excitations_by_time
 
 _TAKEN = {
-    "changed", "effects", "energy_of", "fields", "flanges", "gives_way", "is_constant", "local", "named", "parts", "physics",
-    "problems", "rate_of", "reading", "slope", "states", "stick", "tabled", "time", "turned", "without_effect",
+    "changed", "effects", "energy_of", "excitations", "fields", "flanges", "gives_way", "is_constant", "local", "named",
+    "parts", "physics", "problems", "rate_of", "reading", "slope", "states", "stick", "tabled", "time", "turned",
+    "without_effect", "would_show",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 
@@ -270,3 +272,11 @@ class Block(Declared, ABC):
         """The effect that lets a flange turn against the others, and its stiffness about that flange [N m/rad] as far as it
         is a number, else 0. None where it gives no way."""
         return (COMPLIANCE, 0.0) if COMPLIANCE in self.effects() and not type(self).flanges[flange].ground else None
+
+    def would_show(self, effect: str) -> Iterator[Watch]:  # noqa: ARG002  most effects act always
+        """What shows, on the block without this effect, that it would act; nothing for one that always acts."""
+        return iter(())
+
+    def excitations(self) -> Iterator[Excitation]:
+        """What excites the train: here the waves over time in its signals."""
+        return excitations_by_time(self.__dict__[n] for n, spec in type(self).fields.items() if spec.role == "signal")

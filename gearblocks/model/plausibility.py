@@ -26,6 +26,7 @@ from gearblocks.language.units import parse_unit
 from gearblocks.model.build import check_user_blocks
 from gearblocks.train.graph import Component, Train, Tree, flatten
 from gearblocks.train.plausibility import unusual
+from gearblocks.train.summary import field_texts
 from gearblocks.train.values import numbers_of
 
 HIGHEST = 1e6
@@ -47,6 +48,19 @@ def implausible(tree: Tree) -> Iterator[str]:
         yield from _too_stiff(train)
     except GearblocksError:
         return  # it is not finished, or cannot be built; what is wrong is said there
+
+
+def described(tree: Tree, effects: int) -> str:
+    """A table of all blocks with their values, how many effects they have, and what is hardly meant."""
+    slides = {c.path: c.slides for c in (flatten(tree, complete=False).components if tree.parts else ())}
+    rows = [
+        (path, type(block).__name__, ", ".join(field_texts(block, slides.get(path, False))))
+        for path, block in _blocks(tree, "")
+    ]
+    widths = [max((len(r[i]) for r in rows), default=0) for i in range(2)]
+    head = f"{tree.name}: {len(rows)} blocks, {effects} effects"
+    doubts = [f"is it meant? {words}" for words in implausible(tree)]
+    return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows), *doubts])
 
 
 def _blocks(tree: Tree, prefix: str) -> Iterator[tuple[str, Block]]:

@@ -10,7 +10,9 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, final
 
+from gearblocks.simulation.events import Events
 from gearblocks.simulation.needs import Needs, Solution
+from gearblocks.simulation.run_explanation import RunExplanation
 from gearblocks.solver.library import Library
 from gearblocks.solver.structures import Array, Options
 
@@ -19,7 +21,7 @@ from gearblocks.solver.structures import Array, Options
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
     """What a run follows from, besides its model: parameters, inputs by name, options, start and end [s], start state; again:
-    what does it once more."""
+    what does it once more; explained: what says why it took its steps."""
 
     library: Library
     parameters: Array
@@ -29,3 +31,4 @@ class Case:
     end: float
     y0: Array | None
     again: Callable[[Case, Needs], AbstractContextManager[Solution]] | None = None
+    explained: Callable[[str, str, Case, Events], RunExplanation] | None = None

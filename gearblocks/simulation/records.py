@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from gearblocks.pages import small_table
 from gearblocks.simulation.events import Events
 from gearblocks.simulation.samples import Outputs
+from gearblocks.simulation.watched_effects import NOTHING, Watched
 
 Array = NDArray[np.float64]
 
@@ -217,6 +218,7 @@ class Content:
     energy: EnergyLedger
     meta: Mapping[str, Any]
     final_state: FinalState | None
+    watched: Watched = NOTHING
 
     def arrays(self) -> dict[str, Array]:
         """All columns as arrays; those that are still to be evaluated in one pass."""

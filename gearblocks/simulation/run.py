@@ -32,6 +32,7 @@ from gearblocks.simulation.case import Case
 from gearblocks.simulation.element_balance import Rerun, element_imbalances
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import events_of
+from gearblocks.simulation.explaining import explained
 from gearblocks.simulation.failures import component_of, reason
 from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.measured_runs import run_again
@@ -40,6 +41,8 @@ from gearblocks.simulation.recorded_memory import memory_limit
 from gearblocks.simulation.records import FinalState, NamedValues, Stats
 from gearblocks.simulation.samples import Outputs, Samples
 from gearblocks.simulation.trajectory import Trajectory
+from gearblocks.simulation.watched_effects import NOTHING, Watched
+from gearblocks.simulation.watching import Watching
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
 from gearblocks.solver.record import Record
@@ -53,7 +56,7 @@ def run_model(
     locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
     parameters: Mapping[str, float | str] | None = None, initial: Mapping[str, float | str] | Trajectory | str | None = None,
     outputs: str | Sequence[str] = "*", progress: Callable[[float], None] | None = None,
-    residual: float | None = None,
+    residual: float | None = None, watch: bool = True,
 ) -> Trajectory:  # fmt: skip
     """Runs a model; see `gearblocks.simulate` for the arguments."""
     program = model.program
@@ -76,7 +79,8 @@ def run_model(
         meta = _meta(program, options, values)
         run = _Run(model, sim, samples, end, pick, values, progress, residual, meta)
         y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)
-        run.case = Case(model.library, values, dict(inputs), options, begin, end, y0, run_again)
+        run.watching = Watching(model, sim) if watch and model.left_out is not None else None
+        run.case = Case(model.library, values, dict(inputs), options, begin, end, y0, run_again, explained)
         return run.go(options, begin, y0, why)
 
 
@@ -140,6 +144,8 @@ class _Run:
     size: int = 0
     counters: Counters = field(init=False)
     case: Case | None = None
+    watching: Watching | None = None
+    watched: Watched = NOTHING
 
     def balanced(self, begin: float, initial: Any) -> Array:
         """The state of the static equilibrium."""
@@ -168,11 +174,15 @@ class _Run:
         if isinstance(self.sim.error, KeyboardInterrupt):
             code = Code.PAUSE
         self.counters = self.sim.counters  # before anything is run once more
+        if self.watching is not None:
+            self.watched = self.watching.ended(self.parameters, self.rows)
         balance = self._energy(first, named=code >= 0)
         result = self._result(balance, complete, why)
         if code < 0:
             raise self._failure(code, result) from self.sim.error
         self._judged(result, balance, complete)
+        if self.watched.active and not self._stands_still(result):
+            warn(f"run of '{result.name}': {self.watched.warning()}; run.watched says more, watch=False nothing", 5)
         if log.isEnabledFor(DEBUG):
             log.debug("run of '%s' to t = %g s: %s", result.name, result.t[-1], result.stats)
         return result
@@ -195,6 +205,10 @@ class _Run:
                 stacklevel=6,
             )
 
+    def _stands_still(self, result: Trajectory) -> bool:
+        """Whether all that moves is rounding."""
+        return result.energy.turnover <= STILL
+
     def _lost(self, first: tuple[Array, Array]) -> bool:
         """Whether the energy residual at the last sample is above the one asked for."""
         if self.residual is None:
@@ -204,6 +218,8 @@ class _Run:
 
     def _loop(self, begin: float, first: tuple[Array, Array]) -> Code:
         record = self.sim.record(None if self.samples is None else len(self.samples))
+        if self.watching is not None:
+            self.watching.enter(record)
         tell = self.progress or Progress(self.model.program.name, " (Ctrl-C keeps what is done)")
         try:
             return self._advanced(begin, first, record, tell)
@@ -271,7 +287,7 @@ class _Run:
             t, columns, program.output_units,
             events=lambda: events_of(program.event_table, events), stats=lambda: stats_of(counters, cpu, method, reason),
             energy=balance, final_state=self._final() if self.rows else None, meta={**self.meta, "complete": complete},
-            case=self.case if complete else None,
+            case=self.case if complete else None, watched=self.watched,
         )  # fmt: skip
 
     def _samples(self) -> Samples:

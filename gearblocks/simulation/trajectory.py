@@ -20,11 +20,14 @@ from gearblocks.simulation.events import Event, Events
 from gearblocks.simulation.records import Array, Content, EnergyLedger, FinalState, Stats, frozen
 from gearblocks.simulation.samples import Outputs
 from gearblocks.simulation.solution import Extremes, Spectrum
+from gearblocks.simulation.watched_effects import NOTHING, Watched
 
 if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.figure import Figure
+
+    from gearblocks.simulation.run_explanation import RunExplanation
 
 __all__ = ["EnergyLedger", "Event", "Events", "FinalState", "Stats", "Trajectory"]
 
@@ -38,11 +41,12 @@ class Trajectory:
 
     columns: a mapping from names to arrays as long as t, or the pair (names, array of shape (len(t), len(names)));
     arrays are taken over, not copied. meta holds what is known of the run: train, parameters, method, rtol,
-    complete (False where the run was stopped early) and the like. case: what the run follows from, where it was made in
-    this process and came to its end; files and pickles do not keep it.
+    complete (False where the run was stopped early) and the like. watched: which effects that were left out of the train
+    would have acted. case: what the run follows from, where it was made in this process and came to its end. Files keep
+    neither of the two, pickles not the case.
     """
 
-    __slots__ = ("_columns", "_energy", "_events", "_final", "_stats", "case", "meta", "t", "units")
+    __slots__ = ("_columns", "_energy", "_events", "_final", "_stats", "case", "meta", "t", "units", "watched")
 
     t: Array
     _columns: Mapping[str, Array]
@@ -53,6 +57,7 @@ class Trajectory:
     meta: Mapping[str, Any]
     _final: FinalState | Callable[[], FinalState] | None
     case: Case | None
+    watched: Watched
 
     def __init__(
         self,
@@ -66,6 +71,7 @@ class Trajectory:
         meta: Mapping[str, Any] | None = None,
         final_state: FinalState | Callable[[], FinalState] | None = None,
         case: Case | None = None,
+        watched: Watched | None = None,
     ) -> None:
         time, known, outputs = frozen(t), units or {}, columns
         if not isinstance(outputs, Outputs):
@@ -83,6 +89,7 @@ class Trajectory:
         put(self, "meta", MappingProxyType(dict(meta or {})))
         put(self, "_final", final_state)
         put(self, "case", case)
+        put(self, "watched", watched or NOTHING)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a run cannot be changed (attribute '{name}')")
@@ -106,6 +113,7 @@ class Trajectory:
             energy=self.energy,
             meta=dict(self.meta),
             final_state=self.final_state,
+            watched=self.watched,
         )
 
     @property
@@ -254,6 +262,15 @@ class Trajectory:
         events = [event for event in self.events if window[0] <= event.t <= window[1]]
         return Trajectory(times, (self.names, table), self.units, events=events, meta=self.meta)
 
+    def explain(self) -> RunExplanation:
+        """What limited the steps, where refused trials and events come from, and what would help; found by doing the run again.
+        Raises ParameterError for a run that was loaded, or stopped early."""
+        if self.case is None or self.case.explained is None:
+            raise ParameterError(
+                "this run cannot be explained: it was stopped or comes from a file and cannot be done again; run it once more"
+            )
+        return self.case.explained(self.name, self.stats.method, self.case, self.events)
+
     def _along(self, kind: str, name: str, after: float | str | None, before: float | str | None) -> float:
         from gearblocks.simulation import solution
 
@@ -350,6 +367,7 @@ def _from_content(content: Content, case: Case | None = None) -> Trajectory:
         meta=content.meta,
         final_state=content.final_state,
         case=case,
+        watched=content.watched,
     )
 
 

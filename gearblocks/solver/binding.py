@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, Self
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gearblocks.codegen.jacobian.sparsity import Pattern
 from gearblocks.codegen.program import Program
+from gearblocks.solver.account import Account
 from gearblocks.solver.dense_jacobian import DenseJacobian
 from gearblocks.solver.memory import NOTHING, SMALL, SPARE, Memory, taken, view
 from gearblocks.solver.record import Record
@@ -37,6 +38,7 @@ from gearblocks.solver.structures import (
     address,
 )
 from gearblocks.solver.switched_constraints import ConstraintsAtPoint, ModelConstraints, constraints_at, constraints_of
+from gearblocks.solver.watches import Watches
 
 _PROBED = ("rates", "outputs", "energies", "modes")  # in the order of gb_probe
 
@@ -110,6 +112,7 @@ class Simulation:
 
     def give(self, record: Record) -> None:
         """Takes a record back that nobody writes to or reads any more."""
+        record.raw.watches = None
         self._record = record if record.is_new else None
 
     def changed(self) -> None:
@@ -207,6 +210,14 @@ class Simulation:
     def quantity_room(self, count: int) -> int:
         """How many numbers of room so many quantities along a run need."""
         return int(self._shared.gb_quantity_room(self._sim, count))
+
+    def account(self) -> Account:
+        """What limits the steps from here on, counted as they are made."""
+        return Account(self._shared, self._sim, self._program.n)
+
+    def watches(self, outputs: Sequence[int], limits: Sequence[float]) -> Watches:
+        """Outputs to watch in a run that begins."""
+        return Watches(self._shared, self._sim, outputs, limits)
 
     def study(self, raw: ctypes.Structure, seconds: float) -> Code:
         """Goes on with the runs of a study (`study_runs.py`)."""

@@ -30,6 +30,7 @@ from gearblocks.solver.shared_object import open_shared
 from gearblocks.solver.structures import Array
 from gearblocks.solver.variants import asked_flags
 from gearblocks.train.graph import Train, Tree
+from gearblocks.train.left_out import LeftOut
 
 SOURCES = Path(__file__).parent / "c"
 METHOD_SOURCES = ("methods.py", "rosenbrock.py")
@@ -93,7 +94,7 @@ class Library:
 class Model:
     """A train that is ready to run. values: start values of the parameters, in the order of `program.parameters`; starts: the
     train, where start values follow from Parameters, and how often each of those stands in it; tree: the composition, for
-    drawings, which pickles do not keep."""
+    drawings; left_out: effects that its runs watch. Pickles keep neither of these two."""
 
     program: Program
     library: Library
@@ -101,6 +102,7 @@ class Model:
     starts: Train | None = None
     start_parameters: Mapping[str, int] = field(default_factory=dict)
     tree: Tree | None = None
+    left_out: LeftOut | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Model, (self.program, self.library, self.values, self.starts, self.start_parameters)

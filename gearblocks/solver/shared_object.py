@@ -8,7 +8,16 @@ from typing import Any
 
 from gearblocks.errors import CompileError
 from gearblocks.solver.step_matrix import PROTOTYPES
-from gearblocks.solver.structures import Counters, InputFunction, Options, PointStructure, RecordStructure, Report
+from gearblocks.solver.structures import (
+    AccountStructure,
+    Counters,
+    InputFunction,
+    Options,
+    PointStructure,
+    RecordStructure,
+    Report,
+    WatchesStructure,
+)
 from gearblocks.solver.switched_constraints import PROTOTYPES as CONSTRAINT_PROTOTYPES
 
 _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -30,6 +39,10 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_run": (c_int, (c_void_p, c_void_p, c_long, c_double, POINTER(RecordStructure), c_double)),
     "gb_evaluate": (c_int, (c_void_p, c_void_p, c_long, c_void_p, c_int, c_void_p, c_void_p)),
     "gb_quantity_room": (c_size_t, (c_void_p, c_int)),
+    "gb_keep_account": (None, (c_void_p, POINTER(AccountStructure))),
+    "gb_watch_room": (c_size_t, (c_void_p, c_int)),
+    "gb_watches_begin": (None, (POINTER(WatchesStructure),)),
+    "gb_watches_end": (c_int, (c_void_p, POINTER(WatchesStructure))),
     "gb_study_run": (c_int, (c_void_p, c_void_p, c_double)),
     "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
     "gb_probe": (c_int, (c_void_p, POINTER(PointStructure), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),

@@ -117,6 +117,53 @@ class RecordStructure(ctypes.Structure):
         ("n_events", c_long),
         ("event_capacity", c_long),
         ("quantities", c_void_p),
+        ("watches", c_void_p),
+    ]
+
+
+class WatchStructure(ctypes.Structure):
+    """gb_watch."""
+
+    _fields_ = [
+        ("limit", c_double),
+        ("count", c_longlong),
+        ("first", c_double),
+        ("least", c_double),
+        ("largest", c_double),
+        ("side", c_int),
+        *((name, c_double) for name in ("t", "value", "known")),
+    ]
+
+
+class WatchesStructure(ctypes.Structure):
+    """gb_watches."""
+
+    _fields_ = [
+        ("of", POINTER(WatchStructure)),
+        ("output", c_void_p),
+        ("count", c_int),
+        ("from_event", c_int),
+        ("rows", c_long),
+        ("room", c_void_p),
+    ]
+
+
+CAUSES = (
+    "state", "massless", "ledger", "balance", "defect", "reach", "feature", "turn", "most", "event", "doubt", "time", "failure",
+)  # fmt: skip
+"""What can limit a step, by its number in gb_account."""
+
+
+class AccountStructure(ctypes.Structure):
+    """gb_account."""
+
+    _fields_ = [
+        ("accepted", c_longlong * len(CAUSES)),
+        ("rejected", c_longlong * len(CAUSES)),
+        ("accepted_by", c_void_p),
+        ("rejected_by", c_void_p),
+        ("size", c_int),
+        ("cause", c_int),
     ]
 
 

@@ -125,7 +125,7 @@ class StudyRuns:
         width = 1 + program.n_total + len(program.switches) + len(program.inputs)
         rows = np.empty((max(1, min(n_times, _ROWS // (8 * width))), width))
         self._events = np.empty(_EVENTS, dtype=EVENT)
-        record = RecordStructure(address(rows), 0, len(rows), address(self._events), 0, len(self._events), None)
+        record = RecordStructure(address(rows), 0, len(rows), address(self._events), 0, len(self._events), None, None)
         kinds = (_Quantity * max(n_kinds, 1))(*(_Quantity(kind) for kind in wanted.kinds))
         room = np.empty(sim.quantity_room(n_kinds) if n_kinds else 0)
         quantities = _Quantities(kinds, address(wanted.of), address(wanted.factors), n_kinds, 0, address(room))

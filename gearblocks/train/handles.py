@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Protocol, final
 
 from gearblocks.errors import UnknownAttributeError, did_you_mean
@@ -84,3 +84,10 @@ class Handle:
 def bare(part: Any) -> Any:
     """The block or train that a handle is one of; anything else as it is."""
     return part._part if isinstance(part, Handle) else part
+
+
+def lost_flanges(part: Handle, links: Iterable[Iterable[tuple[str, str]]]) -> Iterator[str]:
+    """Flanges of a part that stand in a link (are connected or exposed), but which it does not have."""
+    ends, has = {end for link in links for end in link}, part.flanges
+    for flange in sorted(flange for name, flange in ends if name == part._name and flange not in has):
+        yield f"the new '{part._name}' has no flange '{flange}', which is connected; it has {', '.join(has) or 'none'}"

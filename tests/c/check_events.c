@@ -28,7 +28,7 @@ static void check_start_on_limit(double speed, double mode_expected) {
     const gb_options options = options_of(GB_DP8, 1e-9, 0.0);
     double y0[16] = {1.0, speed}, rows[4 * 18];
     gb_event events[8];
-    gb_record record = {rows, 0, 4, events, 0, 8, NULL};
+    gb_record record = {rows, 0, 4, events, 0, 8, NULL, NULL};
     const double t[2] = {0.0, 0.01};
     gb_sim *sim = gb_open(&p2_model);
     memcpy(gb_parameters(sim), p2_values, sizeof p2_values);

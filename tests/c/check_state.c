@@ -117,7 +117,7 @@ static void check_small_record(void) {
     run whole = run_steps(&p1_model, p1_values, options, 0.002, 2000);
     double rows[3 * 18];
     gb_event events[2];
-    gb_record record = {rows, 0, 3, events, 0, 2, NULL};
+    gb_record record = {rows, 0, 3, events, 0, 2, NULL, NULL};
     long at = 0, n_events = 0;
     int code, differ = 0;
     gb_sim *sim = open_model(&p1_model, p1_values, &options, &code);

@@ -49,8 +49,9 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_locate_enclosed", "gb_departure", "gb_drift"),
     ("gb_locate_polynomial", "gb_start"),
     ("gb_locate",),
-    ("gb_step", "gb_record"),
-    ("gb_quantity",),
+    ("gb_account", "gb_record"),
+    ("gb_step",),
+    ("gb_quantity", "gb_watch"),
     ("gb_run",),
     ("gb_study",),
 )

@@ -134,6 +134,13 @@ def test_a_run_is_told_and_stored(script: Path, capsys: pytest.CaptureFixture[st
     assert float(rows[-1][0]) == 0.2
 
 
+def test_a_run_is_explained(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(script), "--t-end", "0.2", "--explain"]) == 0
+    out, _ = said(capsys)
+    assert "'swing' took" in out and "limited by" in out
+    assert "  shaft " in out  # the element that moves the states, not their owner
+
+
 @pytest.mark.parametrize("ending", [".nc", ".json"])
 def test_a_stored_run_can_be_loaded(script: Path, ending: str) -> None:
     stored = script.with_suffix(ending)

@@ -136,7 +136,7 @@ def build(train: Train, gb: Any, order: Random | None = None) -> Any:
 
 def arguments(train: Train, gb: Any) -> dict[str, Any]:
     """What gb.simulate is given besides the train and how to solve."""
-    given: dict[str, Any] = {}
+    given: dict[str, Any] = {"watch": False}
     if train.initial is not None:
         given["initial"] = train.initial
     used = {n.args[0] for p in train.parts for n in walk(p.fields) if n.op == "input"}

@@ -107,6 +107,56 @@ typedef struct gb_quantities {
     double *room;
 } gb_quantities;
 
+/* What is watched of an output along the steps of a run: how often its size comes to exceed a limit, or, with the limit
+ * 0, how often its sign changes; when first (NAN: never); its least (<= 0) and largest (>= 0) value. Behind: its last
+ * side of the limits, and when and where it was there; the size from which on signs are told from errors. */
+typedef struct gb_watch {
+    double limit;
+    long long count;
+    double first, least, largest;
+    int side;
+    double t, value, known;
+} gb_watch;
+
+/* Several of them, and the output of each. room: gb_watch_room(sim, count) numbers of the caller's, with rows that
+ * wait.
+ */
+typedef struct gb_watches {
+    gb_watch *of;
+    const int *output;
+    int count, from_event;
+    long rows;
+    double *room;
+} gb_watches;
+
+/* What limited the steps that were accepted and those that were not: the error of a state, of massless groups, of the
+ * energy ledger, of the energy balance, of the dense polynomial; motion too fast for the method; narrow features of
+ * laws; turns of a wrapped angle; the largest or the fixed step; an event in the step; event functions that a step does
+ * not tell; an announced time; a rate that is no number. By state, n each, how often the state with the largest error.
+ * Behind: what is known of the step under way. */
+enum {
+    GB_BY_STATE,
+    GB_BY_MASSLESS,
+    GB_BY_LEDGER,
+    GB_BY_BALANCE,
+    GB_BY_DEFECT,
+    GB_BY_REACH,
+    GB_BY_FEATURE,
+    GB_BY_TURN,
+    GB_BY_MOST,
+    GB_BY_EVENT,
+    GB_BY_DOUBT,
+    GB_BY_TIME,
+    GB_BY_FAILURE,
+    GB_CAUSES
+};
+
+typedef struct gb_account {
+    long long accepted[GB_CAUSES], rejected[GB_CAUSES];
+    long long *accepted_by, *rejected_by;
+    int size, cause;
+} gb_account;
+
 /* A record that the caller owns. A row is [t | y (n_total) | modes (n_switches) | inputs (n_inputs)]. */
 typedef struct gb_record {
     double *rows;
@@ -114,6 +164,7 @@ typedef struct gb_record {
     gb_event *events;
     long n_events, event_capacity;
     gb_quantities *quantities; /* or NULL */
+    gb_watches *watches;       /* or NULL */
 } gb_record;
 
 GB_API gb_sim *gb_open(const gb_model *model);
@@ -156,6 +207,14 @@ GB_API int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *
 
 /* How many numbers of room quantities need. */
 GB_API size_t gb_quantity_room(const gb_sim *sim, int count);
+
+/* Counts from here on what limits the steps, until NULL is given. */
+GB_API void gb_keep_account(gb_sim *sim, gb_account *account);
+
+/* How many numbers of room watches need; before a run (limits stand); after it, for the rows that wait. */
+GB_API size_t gb_watch_room(const gb_sim *sim, int count);
+GB_API void gb_watches_begin(gb_watches *all);
+GB_API int gb_watches_end(gb_sim *sim, gb_watches *all);
 
 /* Many runs of one model. By point: parameters; inputs, start (length n_total) and steps, where these are not NULL (a
  * lone_start is that of every point); times, rising, of which the last one is the end; windows [after, before] of the

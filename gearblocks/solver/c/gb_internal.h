@@ -317,8 +317,7 @@ struct gb_sim {
     size_t block_bytes;
 
     /* In the block: */
-    double *par;
-    double *y0, *y;
+    double *par, *y0, *y;
     double *k1;   /* the derivative at the front */
     double *rows; /* dense rows, each n_total long */
     double *mode; /* and behind them the active set; the block ends here */
@@ -327,6 +326,7 @@ struct gb_sim {
     double *k;             /* derivatives by stage, each n_total long */
     double *z, *z2, *zero; /* stage states, length n_total */
 
+    gb_account *account; /* of a caller who asks, or NULL */
     struct gb_input_memory inputs;
     struct gb_control control;
     gb_lanes lanes, instant; /* of a step, of single instants */

@@ -167,6 +167,10 @@ typedef struct gb_model {
     void (*outputs)(const double *par, const double *mode, const double *time_terms, const double *y, const double *dy,
                     double *out);
 
+    /* NULL, or: outputs first .. last alone where these follow from the state, without dy; answers whether they do. */
+    int (*outputs_of_state)(const double *par, const double *mode, const double *time_terms, const double *y, int first,
+                            int last, double *out);
+
     /* Kinetic and stored energies, one per ledger entry. */
     const signed char *energy_sign; /* of the integrals behind those of angles: 1 lost, -1 supplied */
     void (*energies)(const double *par, const double *mode, const double *time_terms, const double *y, double *energy);

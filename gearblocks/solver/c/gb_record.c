@@ -56,14 +56,18 @@ static int same_modes(const gb_model *m, const double *row, long left) {
     return count;
 }
 
-/* All outputs at a recorded row, in its modes; `full` are these with their active set. */
-static void outputs_of_row(gb_sim *sim, const double *mode, const double *full, int lane, const double *y) {
+/* Outputs first .. last at a recorded row, in its modes, or all; `full` are these with their active set. */
+static void outputs_of_row(gb_sim *sim, const double *mode, const double *full, int lane, const double *y, int first,
+                           int last) {
     const gb_model *m = sim->model;
     if (gb_has_shares(m, mode)) {
         gb_outputs_with_shares(sim, mode, &sim->instant, lane, y, sim->scratch.outputs);
         return;
     }
     const double *time_terms = sim->instant.time_terms + lane;
+    if (m->outputs_of_state && m->outputs_of_state(sim->par, full, time_terms, y, first, last, sim->scratch.outputs)) {
+        return;
+    }
     m->rhs_full(sim->par, full, time_terms, y, sim->z2);
     m->outputs(sim->par, full, time_terms, y, sim->z2, sim->scratch.outputs);
 }
@@ -73,6 +77,11 @@ int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, i
     const gb_model *m = sim->model;
     const size_t length = gb_row_length(m);
     long r = 0;
+    int first = m->n_outputs, last = -1;
+    for (int j = 0; j < n_pick; j++) {
+        first = pick[j] < first ? pick[j] : first;
+        last = pick[j] > last ? pick[j] : last;
+    }
     if (!sim->head->started) {
         m->prepare(sim->par);
     }
@@ -96,7 +105,7 @@ int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, i
         for (int l = 0; l < count; l++, r++) {
             const double *y = rows + (size_t)r * length + 1, *time_terms = sim->instant.time_terms + l;
             if (n_pick > 0) {
-                outputs_of_row(sim, row + 1 + m->n_total, mode, l, y);
+                outputs_of_row(sim, row + 1 + m->n_total, mode, l, y, first, last);
                 for (int j = 0; j < n_pick; j++) {
                     out[(size_t)r * (size_t)n_pick + (size_t)j] = sim->scratch.outputs[pick[j]];
                 }

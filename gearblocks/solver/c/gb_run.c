@@ -11,6 +11,7 @@
 #include "gb_step.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
+#include "gb_watch.h"
 
 #include <limits.h>
 #include <time.h>
@@ -215,6 +216,9 @@ int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record
     const double target = t_out ? (n_out > 0 ? t_out[n_out - 1] : sim->head->front.t1) : t_end;
     const clock_t until = clock() + (clock_t)(gb_min(slice, 1e6) * CLOCKS_PER_SEC);
     int code = begin(sim), count = 0;
+    if (code == GB_DONE && record->watches && sim->head->counts.steps + sim->head->counts.events == 0) {
+        code = gb_watches_take(sim, record->watches, 0);
+    }
     while (code == GB_DONE) {
         if (!flush(sim, record)) {
             return GB_FULL;
@@ -230,6 +234,9 @@ int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record
         code = move(sim, target);
         if (code == GB_DONE && record->quantities) {
             code = gb_quantities_take(sim, record->quantities, is_step);
+        }
+        if (code == GB_DONE && record->watches) {
+            code = gb_watches_take(sim, record->watches, is_step);
         }
     }
     flush(sim, record);

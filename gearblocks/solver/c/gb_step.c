@@ -1,4 +1,5 @@
 #include "gb_step.h"
+#include "gb_account.h"
 #include "gb_angle_wrapping.h"
 #include "gb_constraint_state.h"
 #include "gb_defect.h"
@@ -149,19 +150,20 @@ static int jump(gb_sim *sim, double limit) {
 static double other_errors(gb_sim *sim, double h, double error) {
     const gb_model *model = sim->model;
     if (model->n_quadratures > model->n_angles) {
-        error = gb_max(error, gb_ledger_log_error(sim, h, error));
+        error = gb_account_worse(sim, error, gb_ledger_log_error(sim, h, error), GB_BY_LEDGER);
     }
     if (error <= 0.0 && model->n_massless > 0 && sim->method->gamma == 0.0) {
-        error = gb_max(error, gb_log_massless_error(sim, h, error));
+        error = gb_account_worse(sim, error, gb_log_massless_error(sim, h, error), GB_BY_MASSLESS);
     }
     if (error <= 0.0 && gb_reach_is_due(sim)) {
-        error = gb_max(error, gb_log_reach(sim, h));
+        error = gb_account_worse(sim, error, gb_log_reach(sim, h), GB_BY_REACH);
     }
     if (error <= 0.0 && gb_imbalance_is_due(sim, h)) {
-        error = gb_max(error, gb_log_imbalance(sim, h));
+        error = gb_account_worse(sim, error, gb_log_imbalance(sim, h), GB_BY_BALANCE);
     }
     if (error <= 0.0 && gb_defect_is_due(sim, h)) {
-        error = gb_max(error, gb_log_defect(sim, h)); /* last: its rows stay where the step is good */
+        error = gb_account_worse(sim, error, gb_log_defect(sim, h),
+                                 GB_BY_DEFECT); /* last: its rows stay where the step is good */
     }
     return error;
 }
@@ -177,6 +179,7 @@ static double judge(gb_sim *sim, double h) {
     const double *k_new = sim->k + (size_t)method->stages * (size_t)model->n_total;
     const int implicit = method->gamma > 0.0, adaptive = !(head->options.step > 0.0);
     double error = -100.0;
+    gb_account_error(sim, GB_BY_STATE);
     if (early) {
         last_derivative(sim);
     }
@@ -258,20 +261,26 @@ static void propose(gb_sim *sim, double error, double size, double wanted, int r
 }
 
 /* The size that the control wants, within every limit of it. */
-static double wanted_step(const gb_sim *sim) {
+static double wanted_step(gb_sim *sim) {
     const gb_head *head = sim->head;
     double h = gb_reach_step(sim, gb_min(head->control.h_next, head->options.max_step));
     if (head->control.h_feature > 0.0) {
         h = gb_min(h, head->control.h_feature);
     }
-    return sim->model->n_wrapped > 0 ? gb_wrapping_step(sim, h) : h;
+    h = sim->model->n_wrapped > 0 ? gb_wrapping_step(sim, h) : h;
+    gb_account_size(sim, h);
+    return h;
 }
 
 /* The step just computed is as good as its error says, and short enough for the narrow features of the laws: the part
  * of it that may be kept. */
 static double part_kept(gb_sim *sim, double error, double size) {
     const int asked = error <= 0.0 && sim->model->n_features > 0 && !(sim->head->options.step > 0.0);
-    return asked ? gb_features_part(sim, size) : 1.0;
+    const double part = asked ? gb_features_part(sim, size) : 1.0;
+    if (part < 1.0) {
+        gb_account_refused(sim, GB_BY_FEATURE);
+    }
+    return part;
 }
 
 /* What size and method the step begins with. */
@@ -308,7 +317,6 @@ int gb_step(gb_sim *sim, double stop) {
         double error = code == GB_DONE ? judge(sim, size) : NAN;
         const double part = part_kept(sim, error, size);
         if (part < 1.0) {
-            head->counts.rejected++;
             h = part * size;
             continue;
         }
@@ -316,24 +324,24 @@ int gb_step(gb_sim *sim, double stop) {
             propose(sim, error, size, h, rejected);
             code = accept(sim, end, again);
             if (code != AGAIN && code != NOT_FINITE) {
+                gb_account_accepted(sim, end, limit);
                 return code;
             }
             error = code == AGAIN ? error : NAN;
             code = code == AGAIN ? GB_DONE : GB_ERR_NAN_RATE;
             head->front.have_dense = 0;
         }
-        head->counts.rejected++;
         rejected = 1;
+        gb_account_refused(sim, isnan(error) ? GB_BY_FAILURE : error <= 0.0 ? GB_BY_DOUBT : GB_BY_STATE);
         if (error <= 0.0) {
             again++;
             h = 0.25 * size;
             continue;
         }
         gb_forget_trial(sim, error);
-        const int finite = error > 0.0;
-        h = fixed ? 0.0 : gb_choice_rejected(sim, size * (finite ? gb_step_factor(sim, error, 0) : 0.1));
+        h = fixed ? 0.0 : gb_choice_rejected(sim, size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1));
         if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->front.t1), head->control.h_largest) || h < 1e-200) {
-            code = gb_give_up(sim, code, finite, h);
+            code = gb_give_up(sim, code, error > 0.0, h);
         } else {
             code = sim->head->report.code = GB_DONE;
         }

@@ -58,7 +58,7 @@ def test_a_part_turned_round_gives_the_same_motion(distance):
 def test_a_train_without_compliance_is_rigid_and_known_in_closed_form():
     rig = _two_meshes().without("*.compliance")
     assert set(rig.dropped) == set(_two_meshes().effects())  # nothing lives on without compliance
-    run = gb.simulate(rig, t=T, rtol=1e-12)
+    run = gb.simulate(rig, t=T, rtol=1e-12, watch=False)
     i, j = -30 / 20, -54 / 18
     J = 1e-3 + (2e-3 + 5e-4 + 2e-2 / j**2) / i**2
     alpha = (30 + 20 * np.sin(900 * T) + -135.0 / (i * j)) / J
@@ -79,7 +79,7 @@ def test_the_spline_chain_without_compliance_is_one_body():
     spline = rig.add("spline", gb.SplineCoupling(teeth=20, radius=0.025, k=245e6, backlash=gb.Backlash(half_gap=2e-5)))
     drive, load = rig.add("drive", gb.Torque(tau=2600.0)), rig.add("load", gb.Torque(tau=-2000.0))
     rig.chain(drive, discs[0], left, discs[1], spline, discs[2], right, discs[3], load)
-    run = gb.simulate(rig.without("*.compliance"), t=[0.0, 1.0], rtol=1e-9)
+    run = gb.simulate(rig.without("*.compliance"), t=[0.0, 1.0], watch=False, rtol=1e-9)
     alpha = 600.0 / (5e-3 + 4e-4 + 1e-2)
     assert run["disc0.w"][1] == pytest.approx(alpha, rel=1e-13)
     assert run["spline.force"][0] == pytest.approx((2600 - 5.2e-3 * alpha) / 0.025, rel=1e-12)

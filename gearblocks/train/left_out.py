@@ -1,0 +1,86 @@
+"""What was left out of a train: the blocks as they were before, and the train with the compliance that some of them lost.
+
+Knows nothing of runs: what a run watches of it is found there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+from gearblocks.errors import GearblocksError
+from gearblocks.language.block import Block
+from gearblocks.language.fields import COMPLIANCE
+from gearblocks.language.watches import Watch
+from gearblocks.train.graph import Train, Tree, flatten
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class LeftOut:
+    """Blocks by path as they were, with the effects that went; full: the train with the compliance that some lost, these
+    without backlash."""
+
+    blocks: tuple[tuple[str, Block, tuple[str, ...]], ...]
+    full: Train | None
+
+    def __repr__(self) -> str:
+        return f"<left out: {', '.join(self.names)}>"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Dotted names of the effects."""
+        return tuple(f"{path}.{effect}" for path, _, effects in self.blocks for effect in effects)
+
+    @property
+    def rigid(self) -> tuple[str, ...]:
+        """Dotted names of the compliances among them."""
+        return tuple(name for name in self.names if _is(COMPLIANCE, name))
+
+    def watches(self) -> Iterator[tuple[str, str, Watch]]:
+        """Name of an effect, name of an output of the train, and what it shows."""
+        for path, block, effects in self.blocks:
+            for effect in effects:
+                yield from ((f"{path}.{effect}", f"{path}.{w.output}", w) for w in block.would_show(effect))
+
+
+def left_out_of(tree: Tree, rows: Iterable[tuple[str, Block | None, Block]]) -> LeftOut | None:
+    """rows: path of each block, what it was before anything was left out of it, what it is; None where nothing is missing."""
+    blocks = []
+    for path, before, now in rows:
+        has = now.effects()
+        gone = tuple(name for name in before.effects() if name not in has) if before is not None else ()
+        if before is not None and gone:
+            blocks.append((path, before, gone))
+    if not blocks:
+        return None
+    soft = {path: closed(block) for path, block, gone in blocks if any(_is(COMPLIANCE, x) for x in gone)}
+    return LeftOut(tuple(blocks), _with(tree, soft) if soft else None)
+
+
+def _is(effect: str, name: str) -> bool:
+    return name.rpartition(".")[2] == effect
+
+
+def closed(block: Block) -> Block:
+    """The block without its backlash: in contact, whatever the load."""
+    for name in [x for x in block.effects() if _is("backlash", x)]:
+        block = block.without_effect(name)
+    return block
+
+
+def _with(tree: Tree, blocks: Mapping[str, Block]) -> Train | None:
+    """The train with these blocks in place of those at their paths; None where it is none."""
+    try:
+        return flatten(_replaced(tree, blocks, ""))
+    except GearblocksError:
+        return None
+
+
+def _replaced(tree: Tree, blocks: Mapping[str, Block], prefix: str) -> Tree:
+    def part(name: str, present: Any) -> Any:
+        path = prefix + name
+        return _replaced(present, blocks, f"{path}.") if isinstance(present, Tree) else blocks.get(path, present)
+
+    return replace(tree, parts=tuple((name, part(name, present)) for name, present in tree.parts))
