@@ -31,9 +31,9 @@ POINTS = 32
 class LaneSteps:
     """What all points have in common: `steps` steps from t_start on, each as long as its point says.
 
-    period: steps after which every excitation by time repeats (0: not known). first: step from which outputs count; their
-    samples are taken every `stride` steps from there (0: none). every: whether outputs are looked at after every step, for
-    extremes and means.
+    period: steps after which every excitation by time repeats (0: not known; more than 2048 are not kept). first: step from
+    which outputs count; their samples are taken every `stride` steps from there (0: none). every: whether outputs are looked
+    at after every step, for extremes and means.
     """
 
     steps: int
@@ -81,7 +81,7 @@ class _Job(ctypes.Structure):
 
 
 _PROTOTYPES = {
-    "gb_lane_memory": (c_size_t, (c_long,)),
+    "gb_lane_memory": (c_size_t, ()),
     "gb_lane_points": (c_int, ()),
     "gb_lanes_run": (None, (c_void_p, c_void_p, POINTER(_Job))),
 }
@@ -121,7 +121,7 @@ class Lanes:
         inputs = np.ascontiguousarray(np.append(inputs, 0.0))
         largest, least, total, square = np.zeros((4, n, points))
         samples, last = np.zeros((how.n_samples, n, points)), np.zeros((points, self._model.program.n))
-        memory = np.empty(self._shared.gb_lane_memory(how.period) + 64, dtype=np.uint8)
+        memory = np.empty(self._shared.gb_lane_memory() + 64, dtype=np.uint8)
         start = memory.ctypes.data
         job = _Job(
             how.t_start, how.steps, how.period, how.first, how.stride, address(step), address(parameters),

@@ -44,6 +44,7 @@ _HOT = (
     "gb_error_control.c",
     "gb_evaluate.c",
     "gb_features.c",
+    "gb_force_split.c",
     "gb_ledger.c",
     "gb_locate.c",
     "gb_locate_polynomial.c",
@@ -249,24 +250,28 @@ def _compiled(compiler: Compiler, files: dict[str, bytes], name: str) -> bytes:
 def _linked(compiler: Compiler, source: str, objects: Sequence[Path]) -> bytes:
     """The shared object of a model: its C text and the objects of the core."""
     own = {"exports.h": _EXPORTS.encode(), "model.c": source.encode()}
-    files: dict[str, bytes | Path] = {**headers_of(b"".join(own.values())), **own}
-    files.update({f"core{number}.o": path for number, path in enumerate(objects)})
-    cores = [f"core{number}.o" for number in range(len(objects))]
+    files: dict[str, bytes | Sequence[Path]] = {**headers_of(b"".join(own.values())), **own}
+    folders = [*dict.fromkeys(path.parent for path in objects)]
+    files.update({f"core{i}": [path for path in objects if path.parent == folders[i]] for i in range(len(folders))})
+    cores = [f"core{folders.index(path.parent)}/{path.name}" for path in objects]
     product = "model" + SHARED_SUFFIX
     flags = (*FLAGS, *compiler.generated_flags, *compiler.native, "-include", "exports.h")
     return produced(compiler, files, (*flags, "-shared", "model.c", *cores, "-o", product, "-lm"), product)
 
 
-def produced(compiler: Compiler, files: Mapping[str, bytes | Path], arguments: Sequence[str], product: str) -> bytes:
-    """Runs the compiler in a fresh folder that holds these files, under plain names whatever the user's paths are."""
+def produced(
+    compiler: Compiler, files: Mapping[str, bytes | Sequence[Path]], arguments: Sequence[str], product: str
+) -> bytes:
+    """Runs the compiler in a fresh folder that holds these files, and files of other folders in folders of their own: under
+    plain names whatever the user's paths are."""
     try:
         with tempfile.TemporaryDirectory(prefix="gearblocks-", ignore_cleanup_errors=True) as place:
             directory = Path(place)
             for name, content in files.items():
-                if isinstance(content, Path):
-                    _lay_out(directory / name, content)
-                else:
+                if isinstance(content, bytes):
                     (directory / name).write_bytes(content)
+                else:
+                    _lay_out(directory / name, content)
             compiler.run(arguments, directory)
             return (directory / product).read_bytes()
     except OSError as error:
@@ -274,9 +279,11 @@ def produced(compiler: Compiler, files: Mapping[str, bytes | Path], arguments: S
         raise CompileError(f"the model cannot be compiled in {place}: {error.strerror or error}") from error
 
 
-def _lay_out(place: Path, file: Path) -> None:
-    """Puts a file there: as a link, or as a copy where the system has none."""
+def _lay_out(place: Path, files: Sequence[Path]) -> None:
+    """Puts files of one folder there: by one link, since the solver has many, or as copies where the system has none."""
     try:
-        place.symlink_to(file)
+        place.symlink_to(files[0].parent, target_is_directory=True)
     except OSError:
-        place.write_bytes(file.read_bytes())
+        place.mkdir()
+        for file in files:
+            (place / file.name).write_bytes(file.read_bytes())

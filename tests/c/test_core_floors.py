@@ -8,7 +8,7 @@ import pytest
 CORE = Path(__file__).parents[2] / "gearblocks" / "solver" / "c"
 
 FLOORS: tuple[tuple[str, ...], ...] = (
-    ("gb_sparse_ldu", "gb_report", "gb_stage_modes", "gb_implicit_angles"),
+    ("gb_sparse_ldu", "gb_report", "gb_stage_modes", "gb_implicit_angles", "gb_active_choice", "gb_force_split"),
     ("gb_step_constraints",),
     ("gb_inputs",),
     ("gb_time_terms",),
@@ -69,7 +69,6 @@ ALONE = (
     "gb_loss.h",
     "gb_constraint_rows.h",
     "gb_active_set.h",
-    "gb_force_split.h",
     "gb_mass.h",
     "gb_math.h",
     "gb_table.h",

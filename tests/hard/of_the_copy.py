@@ -31,10 +31,11 @@ def kept(compiler, files, arguments, product):
         return produced(compiler, files, arguments, product)
     if "-shared" in arguments:
         flags = tuple(x for x in arguments if x != "-shared" and not x.endswith(".o"))[:-4]
-        code = {name: data for name, data in files.items() if not name.endswith(".o")}
-        objects = {name: data for name, data in files.items() if name.endswith(".o")}
+        code = {name: data for name, data in files.items() if isinstance(data, bytes)}
+        objects = {name: data for name, data in files.items() if not isinstance(data, bytes)}
+        cores = [x for x in arguments if x.endswith(".o")]
         objects["model.o"] = kept(compiler, code, (*flags, "-c", source, "-o", "model.o"), "model.o")
-        linked = (*library.FLAGS, *compiler.native, "-shared", *objects, "-o", product, "-lm")
+        linked = (*library.FLAGS, *compiler.native, "-shared", "model.o", *cores, "-o", product, "-lm")
         return produced(compiler, objects, linked, product)
     texts = {name: data for name, data in files.items() if name == source or name.endswith(".h")}
     key = digest(*arguments, *(part for name, data in sorted(texts.items()) for part in (name, data)))

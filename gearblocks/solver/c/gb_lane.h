@@ -24,10 +24,17 @@ enum { GB_LANE_WIDTH = 4 };
 enum { GB_LANE_WIDTH = 2 };
 #endif
 
-/* Points side by side, enough to hide how long an operation takes, and in how many vectors: what GB_LANES stands for in
- * the text of the laws. */
-enum { GB_INSTANTS = GB_LANES, GB_LANE_POINTS = 32 };
-#define GB_LANES (GB_LANE_POINTS / GB_LANE_WIDTH)
+/* Points side by side, enough to hide how long an operation takes, and in how many vectors; instants in the table of a
+ * time term, which lie together, so that what laws read fills the cache and not what only others read. */
+enum {
+    GB_INSTANTS = GB_LANES,
+    GB_LANE_POINTS = 32,
+    GB_LANE_VECTORS = GB_LANE_POINTS / GB_LANE_WIDTH,
+    GB_LANE_LONGEST = 2048, /* steps of a period that has a table */
+    GB_LANE_TABLE = 2 * GB_LANE_LONGEST + 3
+};
+/* What GB_LANES stands for in the text of the laws: from one time term to the next. */
+#define GB_LANES (GB_LANE_TABLE * GB_LANE_VECTORS)
 
 typedef double gb_lane __attribute__((vector_size(GB_LANE_WIDTH * sizeof(double))));
 typedef long long gb_lane_bits __attribute__((vector_size(GB_LANE_WIDTH * sizeof(double))));

@@ -22,9 +22,9 @@ enum { GB_ABREAST = 4, GB_AHEAD = GB_INSTANTS / 2 };
 #define GB_LANE_SAME 1e-9 /* difference of time terms that repeat, relative to their largest value */
 
 /* step, by point; parameters: rows of n_parameters numbers by point. period: steps after which the time terms are said
- * to repeat (0: not known): they are computed once where they do. From step `from` on: largest, least, sum (the ends
- * count half) and sum of squares of each wanted output by point, and every `stride` steps (0: never) a row of samples
- * [output][point]. memory: gb_lane_memory bytes, aligned as gb_lane. */
+ * to repeat (0, or more than GB_LANE_LONGEST: not known): they are computed once where they do. From step `from` on:
+ * largest, least, sum (the ends count half) and sum of squares of each wanted output by point, and every `stride` steps
+ * (0: never) a row of samples [output][point]. memory: gb_lane_memory bytes, aligned as gb_lane. */
 typedef struct gb_lane_job {
     double t_start;
     long steps, period, from, stride;
@@ -34,19 +34,16 @@ typedef struct gb_lane_job {
 } gb_lane_job;
 
 typedef struct gb_lane_work {
-    gb_lane par[GB_LANES][LANE_PAR + 1], mode[GB_LANES][LANE_MODES + 1], y[GB_LANES][LANE_TOTAL], step[GB_LANES];
-    gb_lane largest[N_PICKS + 1][GB_LANES], least[N_PICKS + 1][GB_LANES], sum[N_PICKS + 1][GB_LANES],
-        square[N_PICKS + 1][GB_LANES];
+    gb_lane par[GB_LANE_VECTORS][LANE_PAR + 1], mode[GB_LANE_VECTORS][LANE_MODES + 1], y[GB_LANE_VECTORS][LANE_TOTAL],
+        step[GB_LANE_VECTORS];
+    gb_lane largest[N_PICKS + 1][GB_LANE_VECTORS], least[N_PICKS + 1][GB_LANE_VECTORS],
+        sum[N_PICKS + 1][GB_LANE_VECTORS], square[N_PICKS + 1][GB_LANE_VECTORS];
     double row[GB_LANE_POINTS][LANE_PAR + 1], t[GB_INSTANTS], u[LANE_INPUTS + 1][GB_INSTANTS],
         block[(LANE_TERMS + 1) * GB_INSTANTS];
-    gb_lane terms[]; /* [instant][term][vector]; instants lie half a step apart */
+    gb_lane terms[]; /* [term][instant][vector]; instants lie half a step apart */
 } gb_lane_work;
 
-GB_LANE_INLINE size_t gb_lane_row(void) {
-    return (size_t)LANE_TERMS * GB_LANES;
-}
-
-GB_API size_t gb_lane_memory(long period);
+GB_API size_t gb_lane_memory(void);
 GB_API int gb_lane_points(void);
 GB_API void gb_lanes_run(const gb_model *model, const double *inputs, const gb_lane_job *job);
 
@@ -54,9 +51,8 @@ int gb_lane_points(void) {
     return GB_LANE_POINTS;
 }
 
-size_t gb_lane_memory(long period) {
-    const size_t instants = 2 * (size_t)(period > GB_AHEAD ? period : GB_AHEAD) + 1;
-    return sizeof(gb_lane_work) + instants * gb_lane_row() * sizeof(gb_lane);
+size_t gb_lane_memory(void) {
+    return sizeof(gb_lane_work) + (size_t)LANE_TERMS * GB_LANES * sizeof(gb_lane);
 }
 
 /* Instant i of the steps from `first` on: the end of every second half is that of the step. */
@@ -84,9 +80,9 @@ static void gb_lane_terms(const gb_model *model, const gb_lane_job *job, gb_lane
             }
             gb_lane_block(model, work, point);
             for (long l = 0; l < here; l++) {
-                gb_lane *to = work->terms + (size_t)(i + l) * gb_lane_row() + point / GB_LANE_WIDTH;
+                gb_lane *to = work->terms + (size_t)(i + l) * GB_LANE_VECTORS + point / GB_LANE_WIDTH;
                 for (int j = 0; j < LANE_TERMS; j++) {
-                    to[j * GB_LANES][point % GB_LANE_WIDTH] = work->block[j * GB_INSTANTS + l];
+                    to[(size_t)j * GB_LANES][point % GB_LANE_WIDTH] = work->block[j * GB_INSTANTS + l];
                 }
             }
         }
@@ -107,7 +103,7 @@ static int gb_lane_repeats(const gb_model *model, const gb_lane_job *job, gb_lan
             for (int j = 0; j < LANE_TERMS; j++) {
                 double size = 0.0, change = 0.0;
                 for (int l = 0; l < GB_INSTANTS; l++) {
-                    const gb_lane *first = work->terms + (size_t)at[l] * gb_lane_row() + j * GB_LANES;
+                    const gb_lane *first = work->terms + (size_t)at[l] * GB_LANE_VECTORS + (size_t)j * GB_LANES;
                     const double before = first[point / GB_LANE_WIDTH][point % GB_LANE_WIDTH];
                     const double off = work->block[j * GB_INSTANTS + l] - before;
                     size = before * before > size ? before * before : size;
@@ -150,7 +146,7 @@ static void gb_lane_start(const gb_model *model, const gb_lane_job *job, const d
         work->step[v][l] = job->step[point];
     }
     for (int j = 0; j < N_PICKS; j++) {
-        for (int v = 0; v < GB_LANES; v++) {
+        for (int v = 0; v < GB_LANE_VECTORS; v++) {
             work->largest[j][v] = gb_all(-HUGE_VAL);
             work->least[j][v] = gb_all(HUGE_VAL);
         }
@@ -200,20 +196,20 @@ GB_LANE_INLINE void gb_lane_step(const gb_lane_job *job, gb_lane_work *work, con
         }
     }
     for (int a = 0; a < A; a++) {
-        gb_lane_rates(work->par[v + a], terms + gb_lane_row() + v + a, z[a], work->mode[v + a], k2[a]);
+        gb_lane_rates(work->par[v + a], terms + GB_LANE_VECTORS + v + a, z[a], work->mode[v + a], k2[a]);
         for (int i = 0; i < LANE_N; i++) {
             z[a][i] = work->y[v + a][i] + h[a] * 0.5 * k2[a][i];
         }
     }
     for (int a = 0; a < A; a++) {
-        gb_lane_rates(work->par[v + a], terms + gb_lane_row() + v + a, z[a], work->mode[v + a], k3[a]);
+        gb_lane_rates(work->par[v + a], terms + GB_LANE_VECTORS + v + a, z[a], work->mode[v + a], k3[a]);
         for (int i = 0; i < LANE_N; i++) {
             z[a][i] = work->y[v + a][i] + h[a] * k3[a][i];
         }
     }
     for (int a = 0; a < A; a++) {
         gb_lane *y = work->y[v + a];
-        gb_lane_rates(work->par[v + a], terms + 2 * gb_lane_row() + v + a, z[a], work->mode[v + a], k4[a]);
+        gb_lane_rates(work->par[v + a], terms + 2 * GB_LANE_VECTORS + v + a, z[a], work->mode[v + a], k4[a]);
         for (int state = 0; state < LANE_N + (is_read(reads_angles) ? LANE_N_ANGLES : 0); state++) {
             const int i = state < LANE_N ? state : ANGLES + state - LANE_N;
             const gb_lane sum = (1.0 / 6.0 * k1[a][i] + 1.0 / 3.0 * k2[a][i]) + 1.0 / 3.0 * k3[a][i];
@@ -239,7 +235,7 @@ static void gb_lane_look(const gb_lane_job *job, gb_lane_work *work, const gb_la
     const int sampled = job->samples && job->stride > 0 && (k - job->from) % job->stride == 0;
     const double weight = k == job->from || k == job->steps ? 0.5 : 1.0;
     double *row = sampled ? job->samples + (size_t)((k - job->from) / job->stride) * N_PICKS * GB_LANE_POINTS : NULL;
-    for (int v = 0; v < GB_LANES; v++) {
+    for (int v = 0; v < GB_LANE_VECTORS; v++) {
         gb_lane wanted[N_PICKS + 1];
         gb_lane_outputs(work->par[v], terms + v, work->y[v], work->mode[v], wanted);
         for (int j = 0; j < N_PICKS; j++) {
@@ -260,7 +256,7 @@ static void gb_lane_look(const gb_lane_job *job, gb_lane_work *work, const gb_la
 }
 
 static void gb_lane_leave(const gb_lane_job *job, const gb_lane_work *work) {
-    const size_t size = sizeof(gb_lane) * GB_LANES * N_PICKS;
+    const size_t size = sizeof(gb_lane) * GB_LANE_VECTORS * N_PICKS;
     if (job->largest) {
         memcpy(job->largest, work->largest, size);
         memcpy(job->least, work->least, size);
@@ -281,7 +277,7 @@ void gb_lanes_run(const gb_model *model, const double *inputs, const gb_lane_job
     gb_lane_work *work = job->memory;
     const long looks = job->largest || job->sum;
     gb_lane_start(model, job, inputs, work);
-    long period = job->period;
+    long period = job->period <= GB_LANE_LONGEST ? job->period : 0;
     if (period > 0) {
         gb_lane_terms(model, job, work, 0, 2 * period + 1);
         period = gb_lane_repeats(model, job, work) ? period : 0;
@@ -292,14 +288,14 @@ void gb_lanes_run(const gb_model *model, const double *inputs, const gb_lane_job
         if (within == 0 && period == 0) {
             gb_lane_terms(model, job, work, k, 2 * cycle + 1);
         }
-        const gb_lane *terms = work->terms + (size_t)(2 * within) * gb_lane_row();
+        const gb_lane *terms = work->terms + (size_t)(2 * within) * GB_LANE_VECTORS;
         if (k >= job->from && (looks || (job->stride > 0 && (k - job->from) % job->stride == 0))) {
             gb_lane_look(job, work, terms, k);
         }
         if (k == job->steps) {
             break;
         }
-        for (int v = 0; v < GB_LANES; v += GB_ABREAST) {
+        for (int v = 0; v < GB_LANE_VECTORS; v += GB_ABREAST) {
             gb_lane_step(job, work, terms, v, (double)(period > 0 ? within : k));
         }
     }

@@ -123,6 +123,16 @@ def test_an_excitation_that_does_not_repeat_is_computed_step_by_step():
     np.testing.assert_array_equal(asked.last, stepwise.last)
 
 
+def test_a_period_fills_its_table_and_a_longer_one_has_none():
+    model = gb.build(_pair())
+    rows, _ = _points(model, "w", 4)
+    for period, is_kept in ((2048, True), (2049, False)):
+        step = 2 * np.pi / rows[:, model.program.parameter_numbers["w"]] / period
+        stepwise, asked = (_all(model, rows, step, steps=2 * period, period=p) for p in (0, period))
+        assert (abs(asked.last - stepwise.last) <= 1e-9 * abs(stepwise.last).max(axis=0)).all()
+        assert np.array_equal(asked.last, stepwise.last) != is_kept
+
+
 def test_a_point_that_blows_up_leaves_its_neighbours_alone():
     model = gb.build(_pair())
     rows, _ = _points(model, "mesh.k", 8)
