@@ -151,6 +151,28 @@ def test_draws_go_on_as_long_as_a_run_would_be_wrong(seen, draws):
     assert growth.max() == growth.min() == (1e4 + 1 if seen < 3 else 2.0)
 
 
+@pytest.mark.parametrize(("restitution", "changed"), [(1.0, True), (0.4, True), (0.0, False)])
+def test_without_a_reference_errors_of_many_flights_are_those_of_a_restitution(restitution, changed):
+    # n flights with a restitution that is off by d are off by n d, as with n errors of one sign
+    body = Part("j", "Inertia", (("J", 1.0), ("w0", 1.0)), (("a", "j"),))
+    stop = Part("s", "HardStop", (("lower", 0.0), ("restitution", restitution)), (("a", "j"),))
+    given = []
+
+    class Runs:
+        GearblocksError = ArithmeticError
+
+        @staticmethod
+        def simulate(_model, parameters, **_options):
+            given.append(parameters)
+            raise ArithmeticError
+
+    judge = Judge(Runs, _train(body, stop))
+    for i in range(DRAWS):
+        assert np.isinf(judge._perturbed(None, None, "dp8", i)).all()
+    assert all(("s.restitution" in p) == (changed and i >= DRAWS // 2) for i, p in enumerate(given))
+    assert all(0 < 1 - p["s.restitution"] / restitution < 2e-8 for p in given if "s.restitution" in p)
+
+
 @pytest.mark.parametrize("above", [1.02, 1.005, 1.2])
 def test_the_reference_sees_a_damping_that_an_impact_clips_for_less_than_a_look(above):
     k, d, w, end = 100.0, 0.1, 2.0, 0.06  # phi = -u: a stop at u = d throws the body back into its contact at w

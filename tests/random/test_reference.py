@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 ROOT = Path(__file__).parents[2]
 if str(ROOT) not in sys.path:
@@ -226,3 +227,26 @@ def test_a_body_that_hammers_another_against_its_stop_comes_to_rest_with_it(rest
     motion = reference_motion(_train(*bodies, play, stop, _push("j", 20.0), t_end=2.0), 2.0 * T)
     assert np.abs(motion.speeds[:, -1]).max() < 1e-12
     assert np.abs(motion.angles[:, -1] - [0.1, 0.0]).max() < 1e-12
+
+
+@pytest.mark.parametrize(("depth", "w", "fall"), [(1e-6, 22.0, 0.01), (5e-6, 22.0, 0.03), (1e-6, 40.0, 0.1)])
+def test_teeth_that_only_a_wave_of_their_error_brings_together_are_seen(depth, w, fall):
+    # x = r (phi_a - phi_b) - e cos(z phi_a): the first crest is beyond the gap by `depth`; a step goes over 30 rad of waves
+    r, gap, k, z, J, e, begin = 0.02, 2e-3, 1e6, 17, 0.1, 2.7e-4, -0.15 if w < 30.0 else -0.3
+    crest = (np.pi / z - begin) / w
+    y0 = [begin, begin - (gap + depth - e) / r + fall * crest, w, w - fall]
+    bodies = _body("a", J, phi0=y0[0], w0=y0[2]), _body("b", J, phi0=y0[1], w0=y0[3])
+    wave = thing("Harmonic", cos=(e,), driven_by="angle")
+    fields = (("teeth", (z, z)), ("external", False), ("r_base", (r, r)), ("k", k), ("transmission_error", wave))
+    play = (*fields, ("backlash", thing("Backlash", half_gap=gap)))
+    mesh = Part("m", "GearMesh", play, (("pinion", "a"), ("wheel", "b")))
+    motion = reference_motion(_train(*bodies, mesh, t_end=4.0), np.array([0.0, 1.5 * crest, 4.0]))
+
+    def rate(_t, y):
+        x = r * (y[0] - y[1]) - e * np.cos(z * y[0])
+        force = k * (max(x - gap, 0.0) + min(x + gap, 0.0))
+        return [y[2], y[3], -force * (r + e * z * np.sin(z * y[0])) / J, force * r / J]
+
+    true = solve_ivp(rate, (0.0, 1.5 * crest), y0, "DOP853", rtol=1e-11, atol=1e-12, max_step=1e-5).y[2:, -1]
+    assert abs(true[1] - y0[3]) > 3e-5  # they have touched
+    assert np.abs(motion.speeds[:, 1] - true).max() < 1e-8

@@ -26,7 +26,8 @@ static void gb_split_once(const gb_lcp *problem, const int *is_own, const double
     gb_lcp_solve(&once, b, lo, hi, x);
 }
 
-/* The same, with the sides of the forces that come out: Newton steps, all lossy gears at once, later one alone. */
+/* The same, with the sides of the forces that come out: Newton steps, all lossy gears at once, later one alone. Where
+ * the motion tells the force of a tie, its sides are those of it: a split that would move it is none. */
 static void gb_split_by_sides(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
                               const double *force, double *x) {
     const int n = problem->A.n;
@@ -45,7 +46,7 @@ static void gb_split_by_sides(const gb_lcp *problem, const int *is_own, const do
         wrong = 0;
         for (int i = 0; i < n && (round < 4 || !wrong); i++) {
             const double *of = bounds->losses + 5 * (long)i;
-            if (problem->in[i] && gb_split_is_loss(bounds, i) && !is_own[i] &&
+            if (problem->in[i] && gb_split_is_loss(bounds, i) && !is_own[i] && !is_own[bounds->tie_of[i]] &&
                 !gb_loss_agrees(of, sides[2 * i], sides[2 * i + 1], x[bounds->tie_of[i]], x[i], 1e-12 * largest)) {
                 sides[2 * i] = gb_loss_side(of, x[bounds->tie_of[i]]);
                 sides[2 * i + 1] = gb_loss_side(of, -x[bounds->tie_of[i]]);

@@ -88,3 +88,42 @@ def test_a_lossy_gear_breaks_away_where_its_losses_jump(
         assert run["second.w"][-1] == pytest.approx(swept / (OTHER + FREE / eta2), rel=10 * rtol), rtol
         assert run.energy.residual < 10 * rtol
         assert run.stats.steps < 2000, rtol
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+@pytest.mark.parametrize(
+    ("loaded", "carried", "late"),
+    [
+        ((0.09, 0.009, 0.93), (0.026, 0.77), 0.0),  # until the losses of the loaded gear jump
+        ((0.09, 0.009, 0.93), (0.01, 1.0), 1.06),
+        ((0.09, 0.009, 0.93), (0.3, 0.77), 1.06),  # the other one holds more than that
+        ((0.05, 0.05, 0.5), (0.026, 0.77), 0.0),
+        ((0.02, 0.07, 0.8), (0.026, 0.9), 0.0),
+    ],
+)
+def test_two_lossy_gears_at_rest_hold_what_any_split_between_them_can(
+    loaded: tuple[float, float, float], carried: tuple[float, float], late: float, method: str
+) -> None:
+    """b of one is driven, b of two is free: one holds tau1 alone, or passes on what two holds.
+
+    The instant is told to 1e-8 of the slip accelerations, which is what singular problems with coupled bounds are lifted by.
+    """
+    (tau1, tau2, eta2), (held, eta1), slope = loaded, carried, 2.0
+    rig = gb.Drivetrain("row")
+    first, second, third = (rig.add(n, gb.Inertia(J=J)) for n, J in (("a", OTHER), ("b", FREE), ("c", HELD)))
+    one = rig.add("one", gb.LossyGear(ratio=1.0, efficiency=(0.9, eta2), bearing=(tau1, tau2)))
+    two = rig.add("two", gb.LossyGear(ratio=1.0, efficiency=(eta1, 0.5), bearing=(held, held)))
+    rig.connect(first.a, one.b)
+    rig.connect(second.a, one.a, two.a)
+    rig.connect(third.a, two.b)
+    ramp = gb.piecewise((slope * (gb.time - late), gb.time > late), (0.0, True))
+    rig.chain(rig.add("torque", gb.Torque(tau=ramp)), first)
+    slides = tau2 + held / (eta1 * eta2)
+    breaks, end = late + max(tau1, slides) / slope, late + 1.5 * max(tau1, slides) / slope
+    swept = slope * ((end - late) ** 2 - (breaks - late) ** 2) / 2 - slides * (end - breaks)
+    for rtol in (1e-3, 1e-6, 1e-9):
+        run = gb.simulate(rig, t_end=end, method=method, rtol=rtol)
+        assert run.events[-1].t == pytest.approx(breaks, abs=1e-6), rtol
+        assert run["a.w"][-1] == pytest.approx(swept / (OTHER + (FREE + HELD / eta1) / eta2), rel=10 * rtol), rtol
+        assert run.energy.residual < 10 * rtol
+        assert run.stats.steps < 2000, rtol

@@ -190,6 +190,8 @@ def mesh(s: System, p: Part) -> None:
     )
     rubs, s2 = tooth_friction(s, p, i, j, radii, sign), sign * r2
     varies, errs = p.field("stiffness_variation") is not None, p.field("transmission_error") is not None
+    if errs and p.field("backlash") is not None:
+        _watched(s, p.field("transmission_error"), i, z)
 
     def law(c: Context, f: list[float]) -> None:
         v, v_phi, _ = vary(c) if varies else NOTHING
@@ -240,6 +242,14 @@ def _excitation(s: System, effect: Any, i: int, z: int) -> Callable[[Context], t
         return (value, z * slope, 0.0) if driven == "angle" else (value, 0.0, driven * slope)
 
     return wave
+
+
+def _watched(s: System, error: Any, i: int, z: int) -> None:
+    """Asks for looks at the waves of a gap: while it is open no step is as short as they are."""
+    fields = dict(error.args[1])
+    driven, slower = fields.get("driven_by", "angle"), 4.0  # times the looks of a condition: dips are followed down
+    row, factor = (i, float(z)) if driven == "angle" else (-1, float(driven))
+    s.sw.phases.append((row, factor * len(fields.get("cos", (1.0,))) / slower))
 
 
 def _one_wave(a: float, phase: float, driven: Any, i: int, z: int) -> Callable[[Context], tuple[float, float, float]]:

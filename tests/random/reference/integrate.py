@@ -20,6 +20,7 @@ MOST_STEPS = 60000
 LOOKS = 6  # of a step at least, where a margin may come near 0
 PHASE = 0.12  # rad of a wave between two looks
 BEND = 5.0  # a margin this many times as large as what it bends by within a step does not reach 0
+VERTICES = 6  # of parabolas, each through what the one before has told
 KICKS = 10  # of a perturbed run, besides that of its start
 
 
@@ -214,18 +215,35 @@ class Integration:
             lowest = (r1 <= r0) & (r1 <= r2) & np.isfinite(r0) & np.isfinite(r1) & np.isfinite(r2)
             near = r1 < 2.0 * np.maximum(r0 - r1, r2 - r1)
         for i in np.flatnonzero(lowest & near):
-            bend = r0[i] - 2 * r1[i] + r2[i]
-            if bend <= 0:
-                continue
-            at = float(times[1] + (times[1] - times[0]) * 0.5 * (r0[i] - r2[i]) / bend)
-            if not times[0] < at < times[2]:
-                continue
-            values = self._margins(at, f(at))
-            low = self._negative(values)
+            at, values = self._lowest(i, tuple(times), (r0[i], r1[i], r2[i]), f)
+            low = self._negative(values) if len(values) else values
             if low.size:
                 left = float(times[0] if at <= times[1] else times[1])
                 return self._locate(left, at, f, self._margins(left, f(left)), low)
         return None
+
+    def _lowest(self, i: int, times: Any, looks: Any, f: Any) -> tuple[float, Array]:
+        """The lowest place of margin i about the middle one of three looks, and all margins there: vertices of parabolas."""
+        at, values = float(times[1]), np.zeros(0)
+        for _ in range(VERTICES):
+            (a, b, c), (ra, rb, rc) = times, looks
+            bow = (rc - rb) / (c - b) - (rb - ra) / (b - a)
+            slope = (rc - rb) / (c - b) * (b - a) + (rb - ra) / (b - a) * (c - b)
+            if not bow > 0:
+                break
+            vertex = float(b - 0.5 * slope / bow)
+            told = rb - 0.25 * slope**2 / (bow * (c - a))
+            if not a < vertex < c or vertex == b:
+                break
+            at, values = vertex, self._margins(vertex, f(vertex))
+            low = values[i]
+            if low < 0 or low > 4 * abs(low - told) or self._negative(values).size:
+                break
+            if low < rb:
+                times, looks = ((a, at, b), (ra, low, rb)) if at < b else ((b, at, c), (rb, low, rc))
+            else:
+                times, looks = ((at, b, c), (low, rb, rc)) if at < b else ((a, b, at), (ra, rb, low))
+        return at, values
 
     def _early(self, f: Any, a: float, b: float, first: Array, second: Array) -> tuple[float, list[int]] | None:
         """A margin that falls as the step begins and is higher at its first look: the vertex of its parabola."""
