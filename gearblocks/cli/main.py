@@ -1,4 +1,4 @@
-"""The shell: demo, new, copy, list, doc, run, cost, sweep, equations, draw, export, check, hard.
+"""The shell: demo, new, copy, list, doc, run, cost, effects, sweep, equations, draw, export, check, hard.
 
 Exit status: 0 done; 1 it ran and the answer is no; 2 bad input. Errors are one message on standard error.
 """
@@ -18,6 +18,7 @@ from gearblocks import __version__
 from gearblocks.cli import beginnings, run_report
 from gearblocks.cli.costs import cost
 from gearblocks.cli.drawing import draw
+from gearblocks.cli.effects import effects
 from gearblocks.cli.terminal import accept_every_character, complain, progress, say, say_page
 from gearblocks.cli.trains import Change, End, Initial, Method, Rtol, Step, Train, Without, asked, built, named
 from gearblocks.errors import CompileError, GearblocksError, SimulationError
@@ -254,6 +255,7 @@ def export(
 
 app.command()(draw)
 app.command()(cost)
+app.command()(effects)
 
 
 @app.command()
