@@ -196,7 +196,7 @@ def test_equations_and_fmus_are_those_of_the_changed_train(script: Path, capsys:
         (["run", "{script}:biuld"], "has no function 'biuld'"),
         (["run", "{script}:needs"], "needs k"),
         (["run", "{script}:helper"], "needs x"),
-        (["run", "{script}:broken"], "swing.py, line 32: NameError"),
+        (["run", "{script}:broken"], "swing.py, line 39: NameError"),
         (["run", "{script}", "--set", "shaft.k"], "--set shaft.k: what is asked for is path=number"),
         (["run", "{script}", "--set", "shaft.k=stiff"], "path=number"),
         (["run", "{script}", "--set", "shaft.kk=3"], "shaft.kk"),
