@@ -72,6 +72,12 @@ class Judgement:
         return Verdict.no_influence
 
     @property
+    def made_of(self) -> str:
+        """What the values are made of, where they are means: ", 16 runs, window x 2"."""
+        runs = f", {self.members} runs" if self.members else ""
+        return f"{runs}, window x {self.stretch}" if self.stretch > 1 else runs
+
+    @property
     def worst(self) -> str:
         """The largest of the changes, in words."""
         sizes = np.abs(self.changes) + np.where(np.isfinite(self.changes), self.errors, 0.0)
