@@ -178,9 +178,7 @@ class Trials:
     def _run(self, trial: Trial) -> None:
         assert trial.bench is not None
         found = trial.estimates[1] = estimate(trial.bench, self.scene.within, self.effort)
-        trial.stats = found.stats
-        if found.effort != self.effort or trial.stats.cpu_seconds < _SHORT:
-            trial.stats = trial.bench.timed(self.effort)
+        trial.stats = trial.bench.timed(self.effort, 3 if found.stats.cpu_seconds < _SHORT else 1)
 
     # -- judging ------------------------------------------------------------------------------------------------------
 
@@ -248,4 +246,4 @@ class Trials:
         return bool(np.all(np.abs(long.values - short.values) <= 1.5 * (long.errors + short.errors)))
 
 
-_SHORT = 0.02  # s; the CPU time of shorter runs is taken once more, without quantities
+_SHORT = 0.02  # s; of shorter runs the least CPU time of three is taken

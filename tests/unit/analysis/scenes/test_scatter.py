@@ -78,12 +78,13 @@ def test_a_count_that_no_tolerance_settles_is_a_mean(hammer: Callable[..., gb.Dr
     assert found.scattered and found.errors[0] > 0
 
 
-def test_start_values_and_structure_are_not_perturbed(discs_scene: gb.Scene) -> None:
+def test_start_values_structure_and_what_lies_on_its_bound_are_not_perturbed(discs_scene: gb.Scene) -> None:
     bench = bench_of(discs_scene)
     changed = perturbed(bench, 1e-6, 3) != 1.0
     program = bench.model.program
-    for parameter, moves in zip(program.parameters, changed, strict=True):
-        assert moves == (parameter.start == "" and parameter.path not in program.structural_paths)
+    for parameter, value, moves in zip(program.parameters, bench.parameters, changed, strict=True):
+        inside = value not in (parameter.lower, parameter.upper)
+        assert moves == (parameter.start == "" and parameter.path not in program.structural_paths and inside)
     assert changed.any()
     assert (perturbed(bench, 1e-6, 3) == perturbed(bench, 1e-6, 3)).all()
     assert (perturbed(bench, 1e-6, 4) != perturbed(bench, 1e-6, 3)).any()
