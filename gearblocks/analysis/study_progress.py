@@ -14,31 +14,34 @@ _PATIENCE = 1.0  # seconds before anything is shown
 
 
 @contextmanager
-def progress(total: int, done: int, tell: Callable[[int, int], Any] | None) -> Iterator[Callable[[int], None]]:
-    """A function that takes how many points are done; tell(done, total) is called instead where it is given."""
+def progress(
+    total: int, done: int, tell: Callable[[int, int], Any] | None, what: str = "study", items: str = "points"
+) -> Iterator[Callable[[int], None]]:
+    """A function that takes how many points are done; tell(done, total) is called instead where it is given. what, items: words
+    for a study and its points."""
     if tell is not None:
         yield lambda count: tell(count, total)
     elif total < 2:
         yield lambda _: None
     elif not sys.stderr.isatty():
-        said = Progress("study")
+        said = Progress(what)
         try:
-            yield lambda count: said((count - done) / (total - done), f"{count} of {total} points")
+            yield lambda count: said((count - done) / (total - done), f"{count} of {total} {items}")
         finally:
             said.close()
     else:
-        with _bar(total, done) as show:
+        with _bar(total, done, items) as show:
             yield show
 
 
 @contextmanager
-def _bar(total: int, before: int) -> Iterator[Callable[[int], None]]:
+def _bar(total: int, before: int, items: str) -> Iterator[Callable[[int], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     words = TextColumn("{task.fields[rate]}")
     bar = Progress(
-        BarColumn(), MofNCompleteColumn(), TextColumn("points"), words, TimeRemainingColumn(), TextColumn("left"),
+        BarColumn(), MofNCompleteColumn(), TextColumn(items), words, TimeRemainingColumn(), TextColumn("left"),
         console=Console(stderr=True), transient=True,
     )  # fmt: skip
     task = bar.add_task("", total=total, completed=before, rate="")
@@ -48,7 +51,7 @@ def _bar(total: int, before: int) -> Iterator[Callable[[int], None]]:
         spent = time.monotonic() - began
         if spent > _PATIENCE and not bar.live.is_started:
             bar.start()
-        bar.update(task, completed=done, rate=f"{(done - before) / max(spent, 1e-9):.3g} points/s")
+        bar.update(task, completed=done, rate=f"{(done - before) / max(spent, 1e-9):.3g} {items}/s")
 
     try:
         yield show

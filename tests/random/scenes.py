@@ -43,7 +43,9 @@ def values(s: gb.Scene, rig: gb.Drivetrain, share: float = 1.0, stretch: int = 1
     """Quantities and counters of one run; share: of the inertia of the first body."""
     parameters = {"body1.J": share * rig["body1"].J, **s.parameters}
     initial = gb.carried_start(s.drivetrain, rig, initial=s.initial, parameters=s.parameters)
-    run = gb.simulate(rig, t_end=stretch * s.end, initial=initial, parameters=parameters, **({"rtol": TIGHT} | how))
+    run = gb.simulate(
+        rig, t_end=stretch * s.end, initial=initial, parameters=parameters, watch=False, **({"rtol": TIGHT} | how)
+    )
     return np.array([m.of(run) for m in s.measures if isinstance(m, gb.Quantity)]), run.stats
 
 

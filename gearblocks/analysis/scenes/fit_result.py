@@ -110,7 +110,7 @@ class Fit:
         """Quantities with everything and fitted, what the runs took, and where it holds."""
         full, lines = self.price.full, []
         for i, name in enumerate(self.scene.names):
-            change = percent(self.judgement.changes[i], self.judgement.errors[i])
+            change = percent(self.judgement.changes[i], self.judgement.errors[i]) + self.judgement.made_of
             lines.append(
                 f"{name}: {full.values[i]:.9g} +- {full.errors[i]:.1g} with everything, {self.value[i]:.9g} +- "
                 f"{self.error[i]:.1g} fitted ({change})"

@@ -50,7 +50,7 @@ def priced(trials: Trials, progress: Callable[[int, int], object] | None = None)
     wanted = [part for part in (*single, *whole) if not _owners(part) <= idle]
     asked = _chosen(wanted)
     untried = tuple(part.name for part in single if part in wanted and part not in asked)
-    with shown_progress(len(asked), 0, progress) as show:
+    with shown_progress(len(asked), 0, progress, "price", "trains") as show:
         found = trials.all([part.effects for part in asked], lambda done, _: show(done))
     rows = [_row(trials, part, trial) for part, trial in zip(asked, found, strict=True)]
     rows += [_free_row(trials, part) for part in free]
@@ -83,7 +83,7 @@ def _row(trials: Trials, part: Part, trial: Trial, together: bool = False) -> Ro
             fastest = math.nan
     return Row(
         part.name, part.effects, judgement, whole.n_states - trial.n_states, whole.n_switches - trial.n_switches,
-        trial.stats if bench is not None else None, fastest, trial.message, together,
+        None if trial.message else trial.stats, fastest, trial.message, together,
     )  # fmt: skip
 
 

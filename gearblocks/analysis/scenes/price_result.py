@@ -96,7 +96,7 @@ class Price:
         share = self.share(row)
         if row.judgement.verdict in (Verdict.no_quantity, Verdict.no_run, Verdict.no_influence):
             return row.name
-        change = row.judgement.worst
+        change = row.judgement.worst + row.judgement.made_of
         if row.judgement.verdict is Verdict.not_needed and not math.isnan(share):
             gain = f"saves {100 * share:.0f} %" if share > GAIN else "saves nothing"
             return f"{row.name} ({change}, {gain})"
@@ -115,8 +115,9 @@ class Price:
     def _line(self, row: Row) -> tuple[str, ...]:
         found = row.judgement
         changes = [percent(c, e) for c, e in zip(found.changes, found.errors, strict=True)]
-        said = found.verdict + (f" ({found.members} runs)" if found.members else "")
-        said += f", window x {found.stretch}" if found.stretch > 1 else ""
+        if row.message:
+            changes = [""] * len(changes)
+        said = found.verdict + found.made_of
         share = self.share(row)
         saved = "" if math.isnan(share) else f"{100 * share:.0f} %"
         fastest = "" if math.isnan(row.fastest) else f"{row.fastest:.2g} s"

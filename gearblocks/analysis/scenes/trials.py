@@ -72,6 +72,12 @@ class Judgement:
         return Verdict.no_influence
 
     @property
+    def made_of(self) -> str:
+        """What the values are made of, where they are means: ", 16 runs, window x 2"."""
+        runs = f", {self.members} runs" if self.members else ""
+        return f"{runs}, window x {self.stretch}" if self.stretch > 1 else runs
+
+    @property
     def worst(self) -> str:
         """The largest of the changes, in words."""
         sizes = np.abs(self.changes) + np.where(np.isfinite(self.changes), self.errors, 0.0)
@@ -172,9 +178,7 @@ class Trials:
     def _run(self, trial: Trial) -> None:
         assert trial.bench is not None
         found = trial.estimates[1] = estimate(trial.bench, self.scene.within, self.effort)
-        trial.stats = found.stats
-        if found.effort != self.effort or trial.stats.cpu_seconds < _SHORT:
-            trial.stats = trial.bench.timed(self.effort)
+        trial.stats = trial.bench.timed(self.effort, 3 if found.stats.cpu_seconds < _SHORT else 1)
 
     # -- judging ------------------------------------------------------------------------------------------------------
 
@@ -242,4 +246,4 @@ class Trials:
         return bool(np.all(np.abs(long.values - short.values) <= 1.5 * (long.errors + short.errors)))
 
 
-_SHORT = 0.02  # s; the CPU time of shorter runs is taken once more, without quantities
+_SHORT = 0.02  # s; of shorter runs the least CPU time of three is taken

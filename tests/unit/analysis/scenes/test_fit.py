@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
+from fmu_export import export
 from gearblocks.analysis.scenes.fit import fitted
 from gearblocks.analysis.scenes.price import MOST, priced
 from gearblocks.analysis.scenes.trials import Trials
@@ -77,7 +78,7 @@ def test_no_name_of_what_went_is_left_in_equations_and_c(best: Any) -> None:
 @pytest.mark.long
 def test_no_name_of_what_went_is_left_in_the_fmu(best: Any, tmp_path: Path) -> None:
     def words(rig: gb.Drivetrain, name: str) -> str:
-        gb.export(rig, tmp_path / name)
+        export(rig, tmp_path / name)
         with zipfile.ZipFile(tmp_path / name) as packed:
             texts = [n for n in packed.namelist() if n.endswith((".xml", ".c", ".h", ".html", ".svg"))]
             return "\n".join(packed.read(n).decode() for n in texts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -118,6 +119,7 @@ def test_alike_parts_are_one_row_and_a_quantity_that_goes_is_said() -> None:
     row = price["shaft*.damping"]
     assert row.effects == {"shaft1.damping", "shaft2.damping", "shaft3.damping"}
     assert row.judgement.verdict is Verdict.no_quantity and "shaft1.loss_power" in row.message
+    assert row.stats is None and math.isnan(price.share(row))
     assert "part of the quantity: shaft*.compliance" in price.sentence
 
 
@@ -139,6 +141,7 @@ def test_a_train_that_does_not_run_without_is_said_with_its_reason() -> None:
     price = gb.price(gb.Scene(rig, t_end=0.1, quantity=gb.last("shaft.torque"), within=0.05))
     row = price["shaft.compliance"]
     assert row.judgement.verdict is Verdict.no_run and row.message
+    assert row.stats is None and math.isnan(price.share(row))
     assert "not to be taken away: shaft.compliance" in price.sentence and row.message in str(price)
 
 

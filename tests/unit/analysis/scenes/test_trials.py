@@ -92,3 +92,13 @@ def test_counters_are_those_of_the_tolerance_of_all_though_one_needs_a_finer_one
     assert trials.whole.estimates[1].effort.rtol < 1e-3
     run = gb.simulate(discs_scene.drivetrain, t_end=discs_scene.end, method="dp5", rtol=1e-3)
     assert trials.whole.stats.rhs_calls == run.stats.rhs_calls
+
+
+@pytest.mark.parametrize("short", [0.0, 10.0])
+def test_counters_are_those_of_a_run_without_its_quantities(
+    discs_scene: gb.Scene, short: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gearblocks.analysis.scenes.trials._SHORT", short)
+    scene = discs_scene.changed(quantity=(gb.rms("shaft.torque", after=0.1), gb.at("load.w", 0.0123)))
+    run = gb.simulate(scene.drivetrain, t_end=scene.end)
+    assert Trials(scene).whole.stats.rhs_calls == run.stats.rhs_calls
