@@ -59,7 +59,7 @@ class DependentGroups:
         row = self.gains[group]
         speeds = [i for i in range(self.n) if any(mass[i, j] != 0 for j in range(self.n))]
         if not row or not set(row) <= set(speeds):
-            return sp.Symbol("oo", real=True)
+            return sp.oo
         block = _block(mass, set(row))
         vector = sp.Matrix([row.get(i, 0) for i in block])
         return 1 / (vector.T * mass.extract(block, block).inv() * vector)[0, 0]

@@ -6,6 +6,7 @@ Knows nothing of trains: what the lines say is decided in `sections.py`.
 from __future__ import annotations
 
 import itertools
+import re
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,6 +23,16 @@ from gearblocks.pages import page
 
 WIDTH = 100
 """Characters in a line of text."""
+
+
+def _at_dots(path: str, room: int) -> list[str]:
+    """A path in lines of at most so many characters, broken behind dots where it can be."""
+    found = [""]
+    for piece in re.findall(r"[^.]*\.?", path):
+        if found[-1] and len(found[-1]) + len(piece) > room:
+            found.append("")
+        found[-1] += piece
+    return found
 
 
 @final
@@ -61,10 +72,12 @@ class Nomenclature:
         rows = [(symbol, words, f"{value} {unit}".strip(), path) for symbol, words, value, unit, path in self]
         wide = [min(max((len(row[i]) for row in rows), default=0), most) for i, most in ((0, 28), (1, 40), (2, 20))]
         found = ["Nomenclature"]
+        room = max(WIDTH + 10 - sum(wide), 20)
         for symbol, *texts, path in rows:
-            cells = (textwrap.wrap(text, room) for text, room in zip(texts, wide[1:], strict=True))
-            for i, (words, value) in enumerate(itertools.zip_longest(*cells, fillvalue="")):
-                begins, ends = ("", "") if i else (symbol, path)
+            cells = [textwrap.wrap(text, width) for text, width in zip(texts, wide[1:], strict=True)]
+            lines = itertools.zip_longest(*cells, _at_dots(path, room), fillvalue="")
+            for i, (words, value, ends) in enumerate(lines):
+                begins = "" if i else symbol
                 found.append(f"    {begins:<{wide[0]}}  {words:<{wide[1]}}  {value:<{wide[2]}}  {ends}".rstrip())
         return "\n".join(found)
 

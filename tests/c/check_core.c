@@ -26,6 +26,7 @@ static run make_run(const gb_model *model, const double *values, gb_options opti
     r.record.events = malloc(sizeof(gb_event) * MAX_EVENTS);
     r.record.n_rows = r.record.n_events = 0;
     r.record.quantities = NULL;
+    r.record.watches = NULL;
     r.record.row_capacity = rows;
     r.record.event_capacity = MAX_EVENTS;
     return r;

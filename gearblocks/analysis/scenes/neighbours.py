@@ -49,7 +49,7 @@ def _scaled(scene: Scene, units: tuple[str, ...], share: float) -> Scene | None:
     starts = {path: share * value for path, value in _start_speeds(train, named)} if speeds else {}
     given = with_tables(scene.inputs)
     inputs = {name: _times(share, value) for name, value in _inputs(train, given, units, everywhere=speeds)}
-    if not (driving or named or inputs):
+    if not (driving or named or inputs or starts):
         return None
     parameters = {k: _times(share, v) if _is_one_of(k, [*driving, *starts]) else v for k, v in scene.parameters.items()}
     parameters |= {name: _times(share, scene.parameters.get(name, value)) for name, value in named.items()}
