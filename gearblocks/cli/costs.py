@@ -8,18 +8,14 @@ from typing import Annotated
 import typer
 
 from gearblocks.cli.terminal import complain, say
-from gearblocks.cli.trains import number
+from gearblocks.cli.trains import SceneName, Within, number, scene_named
 from gearblocks.errors import ParameterError
 from gearblocks.files import check_place
 
 
 def cost(
-    scene: Annotated[
-        str, typer.Argument(metavar="FILE[:NAME]", help="A script or shipped model; NAME: a scene in it.")
-    ],
-    within: Annotated[
-        float | None, typer.Option(parser=number, metavar="SHARE", help="Accuracy wanted; else that of the scene.")
-    ] = None,
+    scene: SceneName,
+    within: Within = None,
     budget: Annotated[
         float, typer.Option(parser=number, metavar="SECONDS", help="CPU time for all runs, about.")
     ] = 60.0,
@@ -32,10 +28,7 @@ def cost(
             if path.suffix.lower() not in endings:
                 raise ParameterError(f"{option} {path}: the ending must be one of {', '.join(endings)}")
             check_place(option, path)
-    from gearblocks.cli import scripts
-
-    asked = scripts.scene(scene)
-    asked = asked if within is None else asked.changed(within=within)
+    asked = scene_named(scene, within)
     from gearblocks.analysis.scenes.work_precision import work_precision
 
     found = work_precision(asked, budget=budget)

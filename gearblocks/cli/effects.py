@@ -8,27 +8,20 @@ from typing import Annotated
 import typer
 
 from gearblocks.cli.terminal import say
-from gearblocks.cli.trains import number
+from gearblocks.cli.trains import SceneName, Within, scene_named
 from gearblocks.files import check_place
 
 
 def effects(
-    scene: Annotated[
-        str, typer.Argument(metavar="FILE[:NAME]", help="A script or shipped model; NAME: a scene in it.")
-    ],
-    within: Annotated[
-        float | None, typer.Option(parser=number, metavar="SHARE", help="Accuracy wanted; else that of the scene.")
-    ] = None,
+    scene: SceneName,
+    within: Within = None,
     fit: Annotated[bool, typer.Option(help="Look for the cheapest train, too.")] = True,
     out: Annotated[Path | None, typer.Option(help="Store the fitted train: .json.")] = None,
 ) -> None:
     """Price each effect in a scene: what it costs and changes; then the cheapest train that is accurate enough."""
     if out is not None:
         check_place("--out", out)
-    from gearblocks.cli import scripts
-
-    asked = scripts.scene(scene)
-    asked = asked if within is None else asked.changed(within=within)
+    asked = scene_named(scene, within)
     from gearblocks.analysis.scenes.fit import fitted
     from gearblocks.analysis.scenes.price import priced
     from gearblocks.analysis.scenes.trials import Trials

@@ -27,6 +27,22 @@ def number(text: str | float) -> float:
         raise typer.BadParameter(f"'{text}' is no number; give one such as 0.5 or 1e-6") from None
 
 
+SceneName = Annotated[
+    str, typer.Argument(metavar="FILE[:NAME]", help="A script or shipped model; NAME: a scene in it.")
+]
+Within = Annotated[
+    float | None, typer.Option(parser=number, metavar="SHARE", help="Accuracy wanted; else that of the scene.")
+]
+
+
+def scene_named(text: str, within: float | None) -> Scene:
+    """The scene that FILE[:NAME] means, with the accuracy that is wanted."""
+    from gearblocks.cli import scripts
+
+    found = scripts.scene(text)
+    return found if within is None else found.changed(within=within)
+
+
 def seconds(text: str | float) -> float:
     """A time of an option, in s or with its unit."""
     from gearblocks.language.units import is_quantity, number_in_si

@@ -78,8 +78,8 @@ class _Search:
             self._consider(trials.trial(row.effects))
 
     def gain(self, trial: Trial) -> float:
-        """Share of the CPU time that is saved."""
-        return 1 - trial.stats.cpu_seconds / self.trials.whole.stats.cpu_seconds
+        """Share of the work that is saved."""
+        return 1 - trial.work / self.trials.whole.work
 
     def from_both_ends(self) -> None:
         """Tries sets of rows until the trains, or the steps, are used up."""
@@ -158,7 +158,7 @@ class _Search:
         return judgement
 
     def _cheaper(self, trial: Trial) -> bool:
-        now, then = trial.stats.cpu_seconds, self.best.stats.cpu_seconds
+        now, then = trial.work, self.best.work
         if abs(now - then) <= GAIN * then:
             return (trial.n_states, -len(trial.effects)) < (self.best.n_states, -len(self.best.effects))
         return now < then

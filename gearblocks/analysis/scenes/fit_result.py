@@ -133,7 +133,8 @@ class Fit:
             return f"{asked} nothing is to be left out{self._given_up_words()}; {run}."
         whole, now = self.price.whole.stats, self.trial.stats
         ratio = whole.cpu_seconds / now.cpu_seconds if now.cpu_seconds > 0 else np.inf
-        gain = f"it runs {ratio:.3g} times as fast" if ratio > 1 / (1 - GAIN) else "without gain"
+        gains = self.trial.work < (1 - GAIN) * self.price.whole.work and ratio > 1 / (1 - GAIN)
+        gain = f"it runs {ratio:.3g} times as fast" if gains else "without gain"
         went = f"{', '.join(self.dropped)} may go: {gain} ({whole.rhs_calls:,} to {now.rhs_calls:,} right-hand sides)"
         return f"{asked} {went}; {run}; {self._around_words()}."
 

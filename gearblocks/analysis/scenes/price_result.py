@@ -9,13 +9,13 @@ from typing import final
 
 from gearblocks.analysis.scenes.scatter import Estimate
 from gearblocks.analysis.scenes.scene import Scene
-from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict, percent
+from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict, percent, work_of
 from gearblocks.errors import UnknownNameError, did_you_mean
 from gearblocks.pages import small_table
 from gearblocks.simulation.records import Stats
 
 GAIN = 0.05
-"""Share of the cost below which nothing is gained: timings scatter by as much."""
+"""Share of work and CPU time below which nothing is gained: timings scatter by as much."""
 
 
 @final
@@ -67,6 +67,14 @@ class Price:
         seconds = self.whole.stats.cpu_seconds
         return math.nan if row.stats is None or not seconds > 0 else 1 - row.stats.cpu_seconds / seconds
 
+    def saves(self, row: Row) -> bool:
+        """Whether work and CPU time are saved without, beyond what timings scatter by."""
+        whole = self.whole
+        if row.stats is None or not self.share(row) > GAIN:
+            return False
+        left = whole.n_states - row.states, whole.n_switches - row.switches
+        return work_of(row.stats, *left) < (1 - GAIN) * whole.work
+
     @property
     def sentence(self) -> str:
         """What is needed, what is not, and what would be saved."""
@@ -98,7 +106,7 @@ class Price:
             return row.name
         change = row.judgement.worst + row.judgement.made_of
         if row.judgement.verdict is Verdict.not_needed and not math.isnan(share):
-            gain = f"saves {100 * share:.0f} %" if share > GAIN else "saves nothing"
+            gain = f"saves {100 * share:.0f} %" if self.saves(row) else "saves nothing"
             return f"{row.name} ({change}, {gain})"
         return f"{row.name} ({change})"
 
