@@ -231,14 +231,15 @@ def run_again(case: Case, needs: Needs) -> Iterator[MeasuredRun]:
             raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None
 
 
-def measured_run(sim: Simulation, case: Case, needs: Needs) -> MeasuredRun:
-    """What is kept of one run of a simulation whose inputs are set. Raises StoppedError."""
+def measured_run(sim: Simulation, case: Case, needs: Needs, stop: Callable[[], bool] | None = None) -> MeasuredRun:
+    """What is kept of one run of a simulation whose inputs are set. Raises StoppedError, without a code where `stop`, asked
+    every now and then, answers True."""
 
     def failed(_number: int, code: Code) -> None:
         raise StoppedError(code)
 
     runs = Runs(case, case.parameters[None], np.array([case.end]), (needs,), start=case.y0)
-    return next(found for _, found in Measuring(sim, case.library.program, failed).measured(runs))
+    return next(found for _, found in Measuring(sim, case.library.program, failed, stop).measured(runs))
 
 
 def merged(program: Program, needs: Sequence[Needs]) -> Needs:

@@ -6,6 +6,7 @@ small change of its parameters. Knows nothing of what is compared with what.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from time import thread_time
@@ -82,7 +83,8 @@ class Outcome(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Bench:
-    """One train of a scene, ready to be run. start: the state that it starts from (None: that of its parameters)."""
+    """One train of a scene, ready to be run. start: the state that it starts from (None: that of its parameters); patience:
+    CPU seconds that a run may take."""
 
     scene: Scene
     drivetrain: Drivetrain
@@ -90,6 +92,7 @@ class Bench:
     parameters: Array
     inputs: Mapping[str, Any]
     start: Array | None
+    patience: float = math.inf
 
     def outcome(self, effort: Effort, factors: Array | None = None) -> Outcome:
         """The quantities of a run, its parameters times `factors`, shape (n_parameters,), where given.
@@ -102,9 +105,12 @@ class Bench:
             set_inputs(sim, program, self.inputs)
             before = thread_time()
             try:
-                run = measured_run(sim, case, needs)
+                run = measured_run(sim, case, needs, lambda: thread_time() - before > self.patience)
             except StoppedError as stopped:
-                code = stopped.code or Code.ERR_MEMORY
+                if stopped.code is None:
+                    words = f"the run takes more than {self.patience:.3g} s of CPU time"
+                    raise SimulationError(sim.counters.t, "", words, "give it a larger budget") from None
+                code = stopped.code
                 raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None
             counters, cpu = sim.counters, thread_time() - before
         measures = self.scene.measures

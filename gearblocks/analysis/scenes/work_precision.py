@@ -59,6 +59,8 @@ def work_precision_of(bench: Bench, budget: float, progress: Callable[[str], Non
     runs.tell("reference")
     began = thread_time()
     reference = reference_of(runs.bench, runs.attempt, budget * _FOR_REFERENCE)
+    patience = max(budget * _FOR_ONE / reference.members, 2 * runs.attempt(Effort()).stats.cpu_seconds)
+    runs.bench = replace(bench, patience=patience)
     runs.spent = thread_time() - began
     _adaptive(runs, reference)
     _fixed(runs, reference)
