@@ -30,6 +30,7 @@ TOLERANCES = tuple(10.0**-k for k in range(2, 11))
 STEPS = tuple(2.0**-k for k in range(7))
 _FOR_REFERENCE, _FOR_ONE = 1 / 8, 1 / 6  # of the budget: a run of the reference; a point of a line
 _TOO_DEAR = 20.0  # times what as much accuracy costs elsewhere: such a line is not followed
+_STOPS = 3  # runs in a row that do not come to their end, after which a line is given up
 _SHORT, _REPEATS = 0.1, 3  # CPU seconds of a run that is timed so many times
 
 
@@ -198,6 +199,8 @@ def _extend(line: _Line, runs: _Runs, reference: Reference, effort: Effort, fact
 def _ends(line: _Line, runs: _Runs) -> bool:
     """Whether smaller tolerances of a line tell no more: it is as good as the reference, or cannot pay."""
     last = line.points[-1]
+    if len(line.points) >= _STOPS and all(point.failure for point in line.points[-_STOPS:]):
+        return True
     if last.failure or not np.isfinite(last.errors).all():
         return False
     if (last.errors <= 2.0 * last.noise).all():

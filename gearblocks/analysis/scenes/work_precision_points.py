@@ -15,6 +15,7 @@ from gearblocks.simulation.records import Stats
 Array = NDArray[np.float64]
 
 _LEAST = 4  # runs of a mean
+_ALONE = 0.1  # of what is asked: a run that scatters by so little answers alone
 
 
 @final
@@ -44,11 +45,13 @@ class Point:
         return self.members * self.stats.rhs_calls
 
     def needed(self, asked: float, which: slice) -> int:
-        """How many runs tell the means to so much, relative: (scatter/(asked - bias))^2, the bias as far as it shows."""
+        """How many runs tell the means to so much, relative: (scatter/(asked - bias))^2, the bias as far as it shows; one where
+        a run scatters by a tenth of that at most."""
         if self.scatter is None:
             return 1
         bias = np.maximum(self.errors - self.noise, 0.0)[which]
-        return max(_LEAST, math.ceil(float(np.max((self.scatter[which] / (asked - bias)) ** 2))))
+        share = float(np.max(self.scatter[which] / (asked - bias)))
+        return 1 if share <= _ALONE else max(_LEAST, math.ceil(share**2))
 
     def within(self, asked: float, which: slice) -> bool:
         """Whether its errors are at most so much, with what they are uncertain by."""

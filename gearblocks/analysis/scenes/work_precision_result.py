@@ -134,7 +134,10 @@ class WorkPrecision:
         if best is None:
             words = self._none(wanted, which)
             return f"{words[0].upper()}{words[1:]}."
-        costs = f"{_share(wanted)} of {of} costs {_price(best, best.needed(wanted, which))} with {_words(best.effort)}"
+        runs = best.needed(wanted, which)
+        costs = f"{_share(wanted)} of {name if runs == 1 else of} costs {_price(best, runs)} with {_words(best.effort)}"
+        if best.scatter is not None and runs == 1:
+            return f"{costs}; the motion scatters, but this quantity of single runs by {_share(float(best.scatter[i]))} only."
         if self.scattered:
             return f"{costs}; the motion scatters, so that no single run answers."
         further = [self.cheapest_or_none(wanted * 10.0**-k, which) for k in range(1, _DIGITS + 1)]
