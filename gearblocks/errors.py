@@ -99,7 +99,7 @@ class SimulationError(GearblocksError):
 def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """The function, with ParameterErrors for values without a name that need one, and for names that it has not."""
     code = function.__code__
-    n, name = code.co_argcount, function.__name__
+    n, name = code.co_argcount, function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
     known = code.co_varnames[: n + code.co_kwonlyargcount]
 
     @wraps(function)

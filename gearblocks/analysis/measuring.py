@@ -23,7 +23,7 @@ from gearblocks.analysis.run_measuring import RunMeasuring
 from gearblocks.analysis.span import Span
 from gearblocks.analysis.study_point import Interrupted, Measure, Measured, Task, options_until, point_vector, span_of
 from gearblocks.errors import GearblocksError
-from gearblocks.simulation.run import run_model
+from gearblocks.simulation.run import run_model, silent
 from gearblocks.simulation.solution import solution_of
 from gearblocks.simulation.trajectory import Trajectory
 
@@ -106,17 +106,13 @@ def _of_a_trajectory(task: Task, point: Array) -> tuple[list[float | Array], flo
             arguments["step"] = options_until(task, span.end).step
         run = run_model(
             task.model, parameters={**base, **by_kind["parameter"]}, inputs={**task.inputs, **by_kind["input"]},
-            initial=initial, progress=_silent, **arguments,
+            initial=initial, progress=silent, **arguments,
         )  # fmt: skip
         if not run.complete:
             raise Interrupted
         return [_of(one, run, span) for one in task.measures], run.stats.cpu_seconds
     except (GearblocksError, OverflowError) as error:
         raise Failed(str(error)) from error
-
-
-def _silent(share: float) -> None:
-    """The study says how far it is, not each of its runs."""
 
 
 def _of(measure: Measure, run: Trajectory, span: Span) -> float | Array:

@@ -95,11 +95,11 @@ def run_case(
         sim.parameters[:] = case.parameters
         set_inputs(sim, program, case.inputs)
         pick, meta = picked_outputs(program, outputs), _meta(program, case.options, case.parameters)
-        run = _Run(model, sim, samples, case.end, pick, case.parameters, _silent, None, meta, case=case)
+        run = _Run(model, sim, samples, case.end, pick, case.parameters, silent, None, meta, case=case)
         return run.go(case.options, case.begin, case.y0, why)
 
 
-def _silent(share: float) -> None:
+def silent(share: float) -> None:
     """Whoever asked for many runs says how far they are."""
 
 

@@ -14,7 +14,7 @@ from gearblocks.analysis.quantities import SectionPoints
 from gearblocks.analysis.study_point import Measure
 from gearblocks.analysis.study_task import measures_of, names_of
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError, by_name
+from gearblocks.errors import ParameterError, by_name, by_name_only
 from gearblocks.language.expression import finite_number
 from gearblocks.simulation.arguments import begin_of, sample_times
 from gearblocks.simulation.trajectory import Trajectory
@@ -97,3 +97,6 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"<Scene {self}>"
+
+
+Scene.__init__ = by_name_only(Scene.__init__)  # type: ignore[method-assign]  # misspelt names are told with the near ones

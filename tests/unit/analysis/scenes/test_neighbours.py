@@ -109,3 +109,17 @@ def test_a_train_without_load_and_speed_has_no_neighbours() -> None:
         rig.add("disc", gb.Inertia(J=0.1, phi0=0.1)), rig.add("shaft", gb.Shaft(k=5.0)), rig.add("wall", gb.Fixed())
     )
     assert not _around(rig)
+
+
+def test_start_speeds_alone_are_a_speed_to_vary() -> None:
+    around = _around(_rig(None))
+    assert set(around) == {"speed -10 %", "speed +10 %"}
+    assert [rig["disc"].w0 for rig in (scene.drivetrain for scene in around.values())] == pytest.approx([1.8, 2.2])
+
+
+def test_misspelt_and_unnamed_arguments_of_a_scene_are_told() -> None:
+    rig = _rig(3.0)
+    with pytest.raises(gb.ParameterError, match=r"Scene has no argument 'quantiy'.*did you mean 'quantity'"):
+        gb.Scene(rig, t_end=0.2, quantiy=gb.last("disc.w"))  # type: ignore[call-arg]
+    with pytest.raises(gb.ParameterError, match=r"Scene: 0\.2 is given without a name"):
+        gb.Scene(rig, 0.2, quantity=gb.last("disc.w"))  # type: ignore[misc]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -88,3 +89,21 @@ def test_start_values_structure_and_what_lies_on_its_bound_are_not_perturbed(dis
     assert changed.any()
     assert (perturbed(bench, 1e-6, 3) == perturbed(bench, 1e-6, 3)).all()
     assert (perturbed(bench, 1e-6, 4) != perturbed(bench, 1e-6, 3)).any()
+
+
+def test_changes_of_parameters_keep_off_their_bounds() -> None:
+    rig = gb.Drivetrain("held")
+    disc, brake = rig.add("disc", gb.Inertia(J=0.1, w0=1.0)), rig.add("brake", gb.Brake(capacity=1.0))
+    rig.chain(disc, brake)
+    bench = bench_of(gb.Scene(rig, t_end=0.2, quantity=gb.last("disc.w")))
+    numbers = bench.model.program.parameter_numbers
+    peak, capacity = numbers["brake.peak"], numbers["brake.capacity"]
+    found = np.array([perturbed(bench, SPREADS, number) for number in range(20)])
+    assert bench.parameters[peak] == 1.0 and (found[:, peak] >= 1.0).all()  # the peak is never below sliding friction
+    assert (found[:, capacity] < 1.0).any() and (found[:, capacity] > 1.0).any()
+
+
+def test_a_run_that_takes_longer_than_its_patience_is_ended(hammer_scene: gb.Scene) -> None:
+    bench = replace(bench_of(hammer_scene), patience=0.0)
+    with pytest.raises(gb.SimulationError, match=r"takes more than 0 s of CPU time"):
+        bench.outcome(Effort())
