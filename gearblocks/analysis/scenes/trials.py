@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -38,6 +38,9 @@ STRETCHES = (1, 2, 4)
 """How many times as long the window of averages gets where a motion scatters."""
 MEMBERS = (4, 16)
 """Runs of a mean, before it gets a longer window."""
+MANY = (64, 256)
+"""Runs of a mean that nothing else decided, where runs are cheap: together no more than PATIENCE of counted work (work_of)."""
+PATIENCE = 2e8
 
 
 class Verdict(StrEnum):
@@ -54,8 +57,8 @@ class Verdict(StrEnum):
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Judgement:
-    """What taking effects away does to each quantity: relative change, its error, verdict. members: runs of each mean (0: the
-    motion does not scatter); stretch: how many times as long the window was."""
+    """What taking effects away does to each quantity: relative change, its error, verdict. members: runs of the mean without
+    them (0: the motion does not scatter); stretch: how many times as long the window was."""
 
     changes: Array
     errors: Array
@@ -202,17 +205,26 @@ class Trials:
         found = self._judged(trial, 1)
         if not patience or not found.members:
             return found
-        for stretch in STRETCHES:
-            if stretch > 1 and not self._steady(stretch):
-                break
-            for members in MEMBERS if stretch == 1 else MEMBERS[-1:]:
-                try:
-                    found = self._judged(trial, stretch, members)
-                except SimulationError:  # of runs that were to make it surer
-                    return found
-                if Verdict.undecided not in found.verdicts:
-                    return found
+        for stretch, members in self._efforts(trial):
+            try:
+                found = self._judged(trial, stretch, members)
+            except SimulationError:  # of runs that were to make it surer
+                return found
+            if Verdict.undecided not in found.verdicts:
+                return found
         return found
+
+    def _efforts(self, trial: Trial) -> Iterator[tuple[int, int]]:
+        """Windows and runs that means are made of, one after the other until it is decided."""
+        yield from ((1, members) for members in MEMBERS)
+        longest = 1
+        for stretch in STRETCHES[1:]:
+            if not self._steady(stretch):
+                break
+            longest = stretch
+            yield stretch, MEMBERS[-1]
+        work = longest * max(trial.work, self.whole.work)
+        yield from ((longest, members) for members in MANY if members * work <= PATIENCE)
 
     def _judged(self, trial: Trial, stretch: int, members: int = 0) -> Judgement:
         whole, other = (self._estimate(one, stretch, members) for one in (self.whole, trial))
@@ -224,7 +236,7 @@ class Trials:
             same = neither | ((off == 0.0) & ((uncertain == 0.0) | (not scattered)))
             changes, errors = np.where(same, 0.0, off / size), np.where(same, 0.0, uncertain / size)
         verdicts = tuple(self._verdict(c, e, scattered) for c, e in zip(changes.tolist(), errors.tolist(), strict=True))
-        return Judgement(changes, errors, verdicts, max(len(whole.members), len(other.members)), stretch)
+        return Judgement(changes, errors, verdicts, len(other.members) or len(whole.members), stretch)
 
     def _verdict(self, change: float, error: float, scattered: bool) -> Verdict:
         within = self.scene.within

@@ -53,14 +53,13 @@ def test_verdicts(trials: Trials, whole: Estimate, without: Estimate, expected: 
 
 def test_a_change_of_nothing_is_never_needed_in_a_chaotic_motion(hammer: Callable[..., gb.Drivetrain]) -> None:
     # a seal without any drag to speak of: two runs, with and without, differ by tens of percent all the same
-    for amplitude in (0.5, 0.53, 0.56):
-        rig = hammer(amplitude)
-        rig.connect(rig.add("seal", gb.BearingFriction(viscous=1e-12)).a, rig["disc"].b)
-        asked = (gb.rms("lash.torque", after=50), gb.peak("lash.torque", after=100))
-        trials = Trials(gb.Scene(rig, t_end=150, quantity=asked, within=0.01))
-        found = trials.judged(trials.trial(["seal.viscous"]))
-        assert found.members >= 16 and (found.errors > 0.01).all()
-        assert found.verdict is Verdict.undecided
+    rig = hammer(0.53)
+    rig.connect(rig.add("seal", gb.BearingFriction(viscous=1e-12)).a, rig["disc"].b)
+    asked = (gb.rms("lash.torque", after=50), gb.peak("lash.torque", after=100))
+    trials = Trials(gb.Scene(rig, t_end=150, quantity=asked, within=0.01))
+    found = trials.judged(trials.trial(["seal.viscous"]))
+    assert found.members > 16 and (np.abs(found.changes) <= found.errors).all()
+    assert Verdict.needed not in found.verdicts
 
 
 def test_what_matters_is_needed_in_a_chaotic_motion(hammer_scene: gb.Scene) -> None:
