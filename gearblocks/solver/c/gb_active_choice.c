@@ -24,6 +24,7 @@ void gb_active_choose(const gb_constraint_rows *rows, const double *value, const
     const int n = rows->n;
     const gb_delassus W = {n, rows->pattern, matrix};
     int from[n + 1], is_own[n + 1], count = 0;
+    from[0] = 0;
     for (int i = 0; i < n; i++) {
         a->redundant[i] = 0.0;
         is_own[i] = 0;

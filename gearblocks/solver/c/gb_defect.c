@@ -1,7 +1,9 @@
 #include "gb_defect.h"
 #include "gb_dense_output.h"
 #include "gb_error_control.h"
+#include "gb_features.h"
 #include "gb_rates.h"
+#include "gb_rosenbrock.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
@@ -9,11 +11,38 @@
  * most. */
 static const double DENSE = 4.0, MOST_TRUSTED = 2.0;
 
+/* Of an implicit step of size h that moves a feature: log2 of the integral of its defect. */
+static double log_integral(gb_sim *sim, double h) {
+    const gb_model *model = sim->model;
+    const gb_method *method = sim->method;
+    const gb_weights *w = &method->quadratures[0];
+    double worst = 0.0, *rest = sim->events.defect;
+    if (model->n_quadratures == 0 || !gb_moves_feature(sim, h)) {
+        return -100.0;
+    }
+    for (int i = 0; i < model->n_padded; i++) {
+        double sum = 0.0;
+        for (int j = 0; j < w->count; j++) {
+            const int at = w->index[j];
+            sum += w->value[j] * (at == 0 ? sim->k1[i] : sim->k[(size_t)at * (size_t)model->n_total + (size_t)i]);
+        }
+        rest[i] = (sim->y0[i] - sim->z[i]) + h * sum;
+    }
+    gb_rosenbrock_response(sim, rest);
+    for (int i = 0; i < model->n; i++) {
+        worst = gb_max(worst, fabs(rest[i]) * sim->control.error_weight[i] / method->gamma);
+    }
+    return gb_rough_log2(worst + 1e-30);
+}
+
 double gb_log_defect(gb_sim *sim, double h) {
     gb_head *head = sim->head;
-    const double theta = sim->method->defect[0], factor = sim->method->defect[1] / DENSE;
+    const double theta = sim->method->defect[0], factor = sim->method->defect[1] / (gb_moves_feature(sim, h) ? 1.0 : DENSE);
     /* not in the last row of the stages: the dense output of the quadratures is still made from all of them */
     double worst = 0.0, *slope = sim->events.defect, *rate = slope + sim->model->n_total;
+    if (sim->method->gamma > 0.0) {
+        return log_integral(sim, h);
+    }
     if (!(factor > 0.0)) {
         return -100.0;
     }

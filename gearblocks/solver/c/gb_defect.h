@@ -1,14 +1,19 @@
 /* The defect of the dense output, y'(th) - f(t, y(th)) at one point inside a step: it sees what a law does between the
- * stages (Enright 1989). Asked for where a step has grown beyond those that were looked at.
+ * stages (Enright 1989). Asked for where a step has grown beyond those that were looked at, and where it moves a narrow
+ * feature of a law: few states bend there, and an embedded estimate passes zero by chance.
+ * Of implicit methods the defect is integrated, by the formula of the quadratures, and answered by the step matrix:
+ *     (I - gamma h J)^-1 (y0 + h sum_i w_i f(y_i) - y1)
+ * Assumed: for these the rates at the nodes, which trains with quadratures have.
  * Knows nothing of events. */
 #ifndef GB_DEFECT_H
 #define GB_DEFECT_H
 
-#include "gb_internal.h"
+#include "gb_features.h"
 
-/* A step of size h is so much longer than those that were looked at (by a fifth) that it is to be looked at itself. */
+/* A step of size h is so much longer than those that were looked at (by a fifth) that it is to be looked at itself, or
+ * moves a feature. */
 static inline int gb_defect_is_due(const gb_sim *sim, double h) {
-    return h > 1.2 * sim->head->control.h_trusted && sim->head->options.locate;
+    return (h > 1.2 * sim->head->control.h_trusted || gb_moves_feature(sim, h)) && sim->head->options.locate;
 }
 
 /* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial less its

@@ -4,7 +4,7 @@
 #ifndef GB_DRIFT_H
 #define GB_DRIFT_H
 
-#include "gb_internal.h"
+#include "gb_features.h"
 
 /* log2 of what the step of size h just computed adds to the balance, in units of its tolerance: an embedded estimate
  * passes zero by chance. -100 for a while where a shorter try of a step did not help. Assumed: the stages and the end
@@ -14,9 +14,7 @@ double gb_log_imbalance(gb_sim *sim, double h);
 /* Where gains change with the position few states move much at once: every step; else one that moves a narrow feature
  * of a law. */
 static inline int gb_imbalance_is_due(const gb_sim *sim, double h) {
-    const struct gb_pace *control = &sim->head->control;
-    const int feature = control->h_feature > 0.0 && h > 0.1 * control->h_feature;
-    return (sim->model->varying_inertia || feature) && sim->model->energy_sign && sim->head->options.locate &&
+    return (sim->model->varying_inertia || gb_moves_feature(sim, h)) && sim->model->energy_sign && sim->head->options.locate &&
            !sim->head->choice.large_step;
 }
 

@@ -12,4 +12,9 @@
 /* The part of a step of size h that may be kept, in (0, 1]; proposes a limit of the step after it. */
 double gb_features_part(gb_sim *sim, double h);
 
+/* Whether a step of size h moves a feature: it is no small part of what the step before leaves it. */
+static inline int gb_moves_feature(const gb_sim *sim, double h) {
+    return sim->head->control.h_feature > 0.0 && h > 0.1 * sim->head->control.h_feature;
+}
+
 #endif
