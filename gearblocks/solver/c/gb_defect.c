@@ -7,8 +7,8 @@
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
-/* How many tolerances the error inside a step may have, and by how much more a step that was looked at is trusted at
- * most. */
+/* How many tolerances the error inside a step that moves no feature may have, and by how much more a step that was
+ * looked at is trusted at most. */
 static const double DENSE = 4.0, MOST_TRUSTED = 2.0;
 
 /* Of an implicit step of size h that moves a feature: log2 of the integral of its defect. */
@@ -37,7 +37,8 @@ static double log_integral(gb_sim *sim, double h) {
 
 double gb_log_defect(gb_sim *sim, double h) {
     gb_head *head = sim->head;
-    const double theta = sim->method->defect[0], factor = sim->method->defect[1] / (gb_moves_feature(sim, h) ? 1.0 : DENSE);
+    const double theta = sim->method->defect[0], allowed = gb_moves_feature(sim, h) ? 1.0 : DENSE;
+    const double factor = sim->method->defect[1] / allowed;
     /* not in the last row of the stages: the dense output of the quadratures is still made from all of them */
     double worst = 0.0, *slope = sim->events.defect, *rate = slope + sim->model->n_total;
     if (sim->method->gamma > 0.0) {

@@ -14,8 +14,8 @@ double gb_log_imbalance(gb_sim *sim, double h);
 /* Where gains change with the position few states move much at once: every step; else one that moves a narrow feature
  * of a law. */
 static inline int gb_imbalance_is_due(const gb_sim *sim, double h) {
-    return (sim->model->varying_inertia || gb_moves_feature(sim, h)) && sim->model->energy_sign && sim->head->options.locate &&
-           !sim->head->choice.large_step;
+    return (sim->model->varying_inertia || gb_moves_feature(sim, h)) && sim->model->energy_sign &&
+           sim->head->options.locate && !sim->head->choice.large_step;
 }
 
 /* After a step that was accepted, when it is time to look. */

@@ -64,7 +64,7 @@ def test_the_automatic_gearbox_is_right_with_every_method():
     t = np.linspace(0.0, 60.0, 3001)
     right = gb.simulate(model, t=t, rtol=1e-12, method="rodas")
     for method in ("auto", "dp5", "dp8", "rodas"):
-        for rtol in (1e-4, 1e-6, 1e-8):
+        for rtol in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10):
             run = gb.simulate(model, t=t, rtol=rtol, method=method)
             for name in ("half_shafts.torque", "crank.w", "ring.w", "turbine.w", "car.v", "wheels.w"):
                 error = np.max(abs(run[name] - right[name])) / np.max(abs(right[name]))
