@@ -18,7 +18,7 @@ from fmu_export.fmi2.description import Header, describe
 from fmu_export.from_scene import started_as_in, with_inputs
 from fmu_export.manifest import Manifest
 from fmu_export.options import Experiment, SolverOptions, solver_options
-from fmu_export.start import start_vector
+from fmu_export.start import rolled_values, start_vector
 from fmu_export.tables import TOKEN_DIGITS, render_table, token_of
 from fmu_export.templates import render
 from fmu_export.variables import Variable, variables_of
@@ -80,6 +80,7 @@ def export(
     program = with_inputs(model.program, held)
     by_name = initial if isinstance(initial, Mapping) else None
     values = parameter_vector(model, parameters or {}, by_name)
+    values = rolled_values(model, program, values, initial)
     _say_what_does_not_follow(model)
     start = start_vector(program, initial)
     solver = solver_options(method, rtol, step, max_step, locate)

@@ -12,6 +12,7 @@ from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError, warn
 from gearblocks.language.expression import finite_number
 from gearblocks.language.signals import Table
+from gearblocks.language.starts import is_rolling
 
 if TYPE_CHECKING:
     from gearblocks.analysis.scenes.scene import Scene
@@ -30,7 +31,7 @@ def started_as_in(
         raise ParameterError(f"export takes a gb.Drivetrain, a gb.Model or a gb.Scene, not {scene!r:.80}")
     tuned = {**scene.parameters, **(parameters or {})}
     start = scene.initial if initial is None else initial
-    if isinstance(start, str):
+    if isinstance(start, str) and not is_rolling(start):
         start = bench_of(scene.changed(parameters=tuned, initial=start)).start
     held: dict[str, float] = {}
     for name, source in scene.inputs.items():

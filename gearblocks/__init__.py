@@ -138,6 +138,7 @@ if TYPE_CHECKING:
         tanh,
     )
     from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
+    from gearblocks.language.starts import rolling
     from gearblocks.language.tables import Table2
     from gearblocks.language.units import rpm
     from gearblocks.language.watches import Excitation, Watch
@@ -163,7 +164,7 @@ __all__ = [
     "campbell", "carried_start", "classify", "compare", "cos", "count", "design_ratio", "driver_angle",
     "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit", "frequency_response", "last",
     "latin_hypercube", "line", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak",
-    "period", "pi", "piecewise", "poincare", "points", "price", "random_cases", "rms", "rpm", "sense", "signal",
+    "period", "pi", "piecewise", "poincare", "points", "price", "random_cases", "rms", "rolling", "rpm", "sense", "signal",
     "simulate", "sin", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "time", "trough", "twist",
     "work_precision",
 ]  # fmt: skip
@@ -205,6 +206,7 @@ _NAMES = {
     "language.fields": "Flange State effect exact option param signal",
     "language.functions": "Heaviside cos exp log maximum minimum pi piecewise sin sqrt tan tanh",
     "language.signals": "Input Parameter Table sense time twist",
+    "language.starts": "rolling",
     "language.tables": "Table2",
     "language.units": "rpm",
     "language.watches": "Excitation Watch",

@@ -14,7 +14,7 @@ from gearblocks.model.build import build_tree
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
-    from gearblocks.simulation.arguments import InputSource
+    from gearblocks.simulation.arguments import InputSource, Start
     from gearblocks.simulation.trajectory import Trajectory
 
 
@@ -33,7 +33,7 @@ def simulate(
     train: Drivetrain | Model, *, t_end: float | str | None = None, t: ArrayLike | None = None,
     t_start: float | str | None = None, method: str = "auto", rtol: float = 1e-6, step: float | None = None,
     max_step: float | None = None, locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
-    parameters: Mapping[str, float | str] | None = None, initial: Mapping[str, float | str] | Trajectory | str | None = None,
+    parameters: Mapping[str, float | str] | None = None, initial: Start = None,
     outputs: str | Sequence[str] = "*", progress: Callable[[float], None] | None = None, residual: float | None = None,
     watch: bool = True,
 ) -> Trajectory:  # fmt: skip
@@ -48,7 +48,8 @@ def simulate(
     inputs: by name a number, a `Table` over time, a pair (t, y) or a Series of pandas over time [s] (straight lines between
     the samples), or a function of time (called per stage: slow; a Table is fast).
     parameters: other values by path ("mesh.k"), without recompiling. initial: start values by name ("motor.w",
-    "motor.phi", states of blocks), an earlier run to continue, "static" (the equilibrium with every excitation by time at
+    "motor.phi", states of blocks), an earlier run to continue, "rolling" or `gb.rolling({"motor.w": 300})` (the train turns as
+    one piece), "static" (the equilibrium with every excitation by time at
     its mean, contact side from the load; speeds and absolute angles stay) or "static_at_start" (under everything as it is
     at t_start). outputs: a pattern or several ("mesh.*").
     residual: the run stops where its energy residual (run.energy.residual), looked at between samples about every 50 ms of
@@ -73,9 +74,9 @@ def simulate(
 @by_name_only
 def carried_start(
     full: Drivetrain | Model, variant: Drivetrain | Model, *,
-    initial: Mapping[str, float | str] | Trajectory | str | None = None, t_start: float | str | None = None,
+    initial: Start = None, t_start: float | str | None = None,
     parameters: Mapping[str, float | str] | None = None, inputs: Mapping[str, InputSource] | None = None,
-) -> Mapping[str, float | str] | Trajectory | str | None:  # fmt: skip
+) -> Start:  # fmt: skip
     """What `initial` a train without some effects is to be run with, so that it starts where the full train starts.
 
     `initial` itself where that does it, or where it asks for an equilibrium that the variant has; else start values by name,

@@ -22,9 +22,11 @@ from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, UnknownNameError, by_name_only, did_you_mean
+from gearblocks.language.starts import is_rolling
 from gearblocks.running import build
 from gearblocks.simulation.arguments import (
     InputSource,
+    Start,
     begin_of,
     checked,
     is_static,
@@ -36,6 +38,7 @@ from gearblocks.simulation.arguments import (
 )
 from gearblocks.simulation.equilibrium import equilibrium
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
+from gearblocks.simulation.rolling import rolled
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
 from gearblocks.solver.point import Point, derivative, opened, restarted, state_matrix, steps_of
@@ -48,7 +51,7 @@ if TYPE_CHECKING:
     from gearblocks.equations.document import Document
 
 
-OperatingPoint: TypeAlias = "Mapping[str, float | str] | Trajectory | str | None"
+OperatingPoint: TypeAlias = Start
 Complex = NDArray[np.complex128]
 
 DENSE = 1000
@@ -68,6 +71,8 @@ def operating_point(
     with model.library.open() as sim:
         sim.parameters[:] = parameter_vector(model, parameters or {}, at)
         set_inputs(sim, program, inputs or {})
+        if is_rolling(at):
+            sim.parameters[:] = rolled(model, sim, begin, at)
         y0 = start_state(program, at)
         with _named(begin), opened(sim, program, begin, y0) as point:
             if is_static(at):

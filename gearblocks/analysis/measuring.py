@@ -23,6 +23,7 @@ from gearblocks.analysis.run_measuring import RunMeasuring
 from gearblocks.analysis.span import Span
 from gearblocks.analysis.study_point import Interrupted, Measure, Measured, Task, options_until, point_vector, span_of
 from gearblocks.errors import GearblocksError
+from gearblocks.language.starts import with_values
 from gearblocks.simulation.run import run_model, silent
 from gearblocks.simulation.solution import solution_of
 from gearblocks.simulation.trajectory import Trajectory
@@ -96,7 +97,7 @@ def _of_a_trajectory(task: Task, point: Array) -> tuple[list[float | Array], flo
     }
     base = dict(zip((p.path for p in program.parameters), task.base.tolist(), strict=True))
     base = {path: x for path, x in base.items() if path not in program.structural_paths}
-    initial = {**(task.initial or {}), **by_kind["start"]} if by_kind["start"] else task.initial
+    initial = with_values(task.initial, by_kind["start"])
     try:
         span = span_of(task, point_vector(task, point))
         arguments = dict(task.arguments)

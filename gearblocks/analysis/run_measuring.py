@@ -17,6 +17,7 @@ from gearblocks.analysis.span import Span
 from gearblocks.analysis.study_point import Interrupted, Task, moves_starts, options_until, point_vector, span_of
 from gearblocks.codegen.program import Program
 from gearblocks.errors import GearblocksError, SimulationError
+from gearblocks.language.starts import is_rolling, with_values
 from gearblocks.simulation.arguments import is_static, set_inputs, start_state
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.failures import reason
@@ -85,6 +86,8 @@ class RunMeasuring:
                 known = alike and bool(self._spans)
                 span = self._spans[0] if known else span_of(task, parameters)
                 needs = None if known else merged(program, [q.needs(span) for q in quantities])
+                if is_rolling(task.initial):
+                    parameters = self._rolled(sim, parameters, i, span)
                 start = self._balanced(sim, parameters, self._inputs(i, sim), span) if static else None
             except (GearblocksError, OverflowError) as error:
                 self.messages[i] = str(error)
@@ -129,6 +132,19 @@ class RunMeasuring:
             return static_state(sim, self.task.model.program, span.begin, means=self.task.initial == "static")
         except RuntimeError:
             raise StoppedError(Code(sim.report.code)) from None
+        finally:
+            sim.inputs[:] = kept
+
+    def _rolled(self, sim: Simulation, vector: Array, i: int, span: Span) -> Array:
+        """The parameters of a point that starts rolling."""
+        from gearblocks.simulation.rolling import rolled
+
+        axes = zip(self.task.axes, self.points[i], strict=True)
+        asked = with_values(self.task.initial, {axis.path: float(x) for axis, x in axes if axis.kind == "start"})
+        sim.parameters[:], kept = vector, sim.inputs.copy()
+        sim.inputs[:] = self._inputs(i, sim)
+        try:
+            return rolled(self.task.model, sim, span.begin, asked)
         finally:
             sim.inputs[:] = kept
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.sections import Section, section_period
 from gearblocks.analysis.span import Span, program_span
+from gearblocks.language.starts import is_rolling
 from gearblocks.language.units import parse_unit
 from gearblocks.simulation.arguments import parameter_vector, with_followed
 from gearblocks.simulation.trajectory import Trajectory
@@ -108,7 +109,7 @@ def point_vector(task: Task, point: Array) -> Array:
             starts[axis.path] = float(value)
     if any(axis.path in model.start_parameters for axis in task.axes):
         vector = with_followed(model, vector, task.given_starts)
-    if starts:
+    if starts and not is_rolling(task.initial):
         vector = parameter_vector(model, {}, {**(task.initial or {}), **starts}, vector)
     return vector
 

@@ -21,6 +21,7 @@ from gearblocks.analysis.study_point import Axis, Measure, Task, Window, point_v
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.language.expression import finite_number
 from gearblocks.language.signals import Table
+from gearblocks.language.starts import is_rolling, values_of
 from gearblocks.language.units import number_in_si, parse_unit
 from gearblocks.simulation.arguments import (
     begin_of,
@@ -167,7 +168,7 @@ def _axis(model: Model, path: str, initial: Any, fields: Set[str]) -> Axis:
     except UnknownNameError as unknown:
         starts, inputs = program.start_numbers, program.input_numbers
         if path in starts:
-            if not (initial is None or isinstance(initial, Mapping)):
+            if not (initial is None or isinstance(initial, Mapping) or is_rolling(initial)):
                 raise ParameterError(
                     f"'{path}' is a start value, and initial = {initial!r:.40} gives all of them"
                 ) from None
@@ -202,7 +203,7 @@ def _check_axes(model: Model, points: Array, axes: Sequence[Axis], s: Settings) 
     program = model.program
     fixed = {
         "parameter": {program.parameters[resolve(p, program.parameter_numbers, "parameter")].path for p in s.parameters or {}},
-        "start": set(s.initial) if isinstance(s.initial, Mapping) else set(),
+        "start": set(values_of(s.initial)),
         "input": {program.inputs[resolve(name, program.input_numbers, "input")].name for name in s.inputs or {}},
     }  # fmt: skip
     for i, axis in enumerate(axes):

@@ -121,6 +121,42 @@ class PrescribedStart(NamedTuple):
     of: str = ""
 
 
+class GroupStart(NamedTuple):
+    """A group of shafts that no rigid constraint determines: the parameters at `angle` and `speed` (-1: there is none) are its
+    angle and speed times the gains.
+
+    output: an output that shows its speed, as `output_gain` times that; prescribed: something moves it, by an angle or a speed
+    of its own; varying: a relation moves it whose gain is no number.
+    """
+
+    angle: int
+    angle_gain: float
+    speed: int
+    speed_gain: float
+    output: str
+    output_gain: float
+    prescribed: bool
+    varying: bool
+
+
+class RigidRow(NamedTuple):
+    """A form over angles of groups, sum of factor * phi + sum of offset factor * parameter; its rate without the latter.
+
+    component: a body, whose angle it is, with the names of its start angle and speed and whether it gives them; or a
+    compliant element or switched constraint, whose deflection or slip it is (names empty).
+    """
+
+    component: str
+    groups: tuple[int, ...]
+    factors: tuple[float, ...]
+    offsets: tuple[int, ...]
+    offset_factors: tuple[float, ...]
+    angle: str = ""
+    speed: str = ""
+    gives_angle: bool = False
+    gives_speed: bool = False
+
+
 _COUNTED = ("states", "parameters", "inputs", "switches", "outputs")
 """What a program says about itself, besides its name."""
 
@@ -144,6 +180,7 @@ class Program:
     structural: values of parameters that the structure rests on (ratios); another value needs another program.
     unknown: names of outputs that are NaN: accelerations of shafts without inertia.
     lanes: the laws over lanes in C (solver/lanes.py); "" where the train cannot be stepped so.
+    groups, bodies, deflections, slips: the train as it turns undeformed, see GroupStart and RigidRow.
     """
 
     name: str
@@ -165,6 +202,10 @@ class Program:
     prescribed_starts: tuple[PrescribedStart, ...] = ()
     unknown: tuple[tuple[str], ...] = ()
     lanes: str = ""
+    groups: tuple[GroupStart, ...] = ()
+    bodies: tuple[RigidRow, ...] = ()
+    deflections: tuple[RigidRow, ...] = ()
+    slips: tuple[RigidRow, ...] = ()
 
     @cached_property
     def output_numbers(self) -> Mapping[str, int]:

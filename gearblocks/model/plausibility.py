@@ -12,26 +12,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
-from gearblocks.assembly.tables import GROUND_GROUP, Assembly, Batch
 from gearblocks.errors import GearblocksError
 from gearblocks.language.block import Block
 from gearblocks.language.expression import Expr, as_expr, evaluate
-from gearblocks.language.fields import COMPLIANCE, Field
-from gearblocks.language.signals import Table, constant_value
-from gearblocks.language.units import parse_unit
+from gearblocks.language.fields import COMPLIANCE
+from gearblocks.language.signals import Table
 from gearblocks.model.build import check_user_blocks
-from gearblocks.train.graph import Component, Train, Tree, flatten
+from gearblocks.model.open_starts import open_starts
+from gearblocks.model.single_springs import inertias, is_stiffness, mobility, stiffnesses
+from gearblocks.train.graph import Train, Tree, flatten
 from gearblocks.train.plausibility import unusual
 from gearblocks.train.summary import field_texts
-from gearblocks.train.values import numbers_of
 
 HIGHEST = 1e6
 """Natural frequency [Hz] above which a spring is too stiff, or an inertia too small, to be meant."""
-_STIFFNESS = tuple(parse_unit(unit) for unit in ("N/m", "N m/rad"))
 
 
 def implausible(tree: Tree) -> Iterator[str]:
@@ -60,6 +57,7 @@ def described(tree: Tree, effects: int) -> str:
     widths = [max((len(r[i]) for r in rows), default=0) for i in range(2)]
     head = f"{tree.name}: {len(rows)} blocks, {effects} effects"
     doubts = [f"is it meant? {words}" for words in implausible(tree)]
+    doubts += open_starts(tree)
     return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows), *doubts])
 
 
@@ -75,15 +73,11 @@ def _blocks(tree: Tree, prefix: str) -> Iterator[tuple[str, Block]]:
 # -- stiffness below zero ---------------------------------------------------------------------------------------------
 
 
-def _is_stiffness(spec: Field) -> bool:
-    return spec.belongs_to == COMPLIANCE and any(parse_unit(spec.unit) == unit for unit in _STIFFNESS)
-
-
 def _negative(path: str, block: Block) -> Iterator[str]:
     """Stiffnesses over time or an angle that fall below zero somewhere; where inputs decide, nothing is known."""
     for name, spec in type(block).fields.items():
         value = block.__dict__[name]
-        if isinstance(value, (Table, Expr)) and _is_stiffness(spec):
+        if isinstance(value, (Table, Expr)) and is_stiffness(spec):
             least, at = _least(value)
             if least < 0:
                 yield (
@@ -144,69 +138,20 @@ def _alone(tree: Tree, prefix: str = "") -> Iterator[str]:
 
 def _too_stiff(train: Train) -> Iterator[str]:
     """Springs that alone give a natural frequency above HIGHEST."""
-    if not any(_is_stiffness(spec) for c in train.components for spec in type(c.block).fields.values()):
+    if not any(is_stiffness(spec) for c in train.components for spec in type(c.block).fields.values()):
         return
     from gearblocks.assembly.assemble import assemble
 
     assembly = assemble(train)
-    inertia = _inertias(assembly)
+    inertia = inertias(assembly)
     for batch in assembly.batches:
         for e, index in enumerate(batch.components):
             c = train.components[index]
-            for name, k in _stiffnesses(c):
-                frequency = math.sqrt(k * _mobility(assembly, batch, e, c, inertia)) / (2 * math.pi)
+            for name, k in stiffnesses(c):
+                frequency = math.sqrt(k * mobility(assembly, batch, e, c, inertia)) / (2 * math.pi)
                 if frequency > HIGHEST:
                     yield (
                         f"{c.path}.{name} = {k:.4g} on the inertias beside it gives a natural frequency of "
                         f"{frequency / 1e6:.3g} MHz, above 1 MHz, which costs steps and tells nothing; look at the units of "
                         f'both, or leave it out: rig.without("{c.path}.{COMPLIANCE}")'
                     )
-
-
-def _stiffnesses(c: Component) -> Iterator[tuple[str, float]]:
-    """Constant stiffnesses of a block."""
-    for name, spec in type(c.block).fields.items():
-        k = constant_value(v) if _is_stiffness(spec) and (v := c.block.__dict__[name]) is not None else math.nan
-        if k > 0 and math.isfinite(k):
-            yield name, k
-
-
-def _inertias(assembly: Assembly) -> dict[int, float]:
-    """Inertia of every independent group that nothing dependent rests on; NaN for the others."""
-    found = {g: math.nan for f in assembly.dependent_groups for g in (f.group, *f.sources)}
-    for batch in assembly.batches:
-        for flange, expression in batch.law.bodies:
-            for e, index in enumerate(batch.components):
-                group, gain = batch.groups[flange][e], float(batch.gains[flange][e])
-                number = _number(batch, assembly.train.components[index], expression)
-                found[group] = found.get(group, 0.0) + gain**2 * number
-    return found
-
-
-def _mobility(assembly: Assembly, batch: Batch, e: int, c: Component, inertia: dict[int, float]) -> float:
-    """g' M^-1 g of the first deflection of a block; 0 where it cannot be told."""
-    if not batch.law.forms:
-        return 0.0
-    form = batch.law.forms[0]
-    row: dict[int, float] = {}
-    for flange, coefficient in form.coefficients.items():
-        if flange in batch.groups and (group := batch.groups[flange][e]) != GROUND_GROUP:
-            lever = _number(batch, c, form.scale * coefficient) * float(batch.gains[flange][e])
-            row[group] = row.get(group, 0.0) + lever
-    if not all(group < assembly.n_speeds and inertia.get(group, 0.0) > 0 for group in row):
-        return 0.0
-    found = sum(lever**2 / inertia[group] for group, lever in row.items())
-    return found if math.isfinite(found) else 0.0
-
-
-def _number(batch: Batch, c: Component, expression: Any) -> float:
-    """An expression of numbers of a block; NaN where it holds anything else."""
-    numbers = {path: constant_value(value) for path, value, _ in numbers_of(c.block, "")}
-    values = {}
-    for symbol in getattr(expression, "free_symbols", ()):
-        meaning = batch.law.pool.roles[symbol]
-        values[symbol] = meaning.of.si if meaning.role == "shared" else numbers.get(meaning.of, math.nan)
-    try:
-        return float(expression.xreplace(values)) if values else float(expression)
-    except (TypeError, ValueError):
-        return math.nan

@@ -16,6 +16,7 @@ from gearblocks.errors import ParameterError, UnknownNameError, by_name, did_you
 from gearblocks.language.expression import finite_number
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Table, check_increasing
+from gearblocks.language.starts import ROLLING, Rolling, is_rolling
 from gearblocks.language.units import has_unit, number_in_si, parse_unit, seconds
 from gearblocks.model.following_starts import followed
 from gearblocks.model.listing import matches, near_patterns
@@ -26,6 +27,8 @@ from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
 
+Start: TypeAlias = "Mapping[str, float | str] | Trajectory | Rolling | str | None"
+"""What `initial` takes."""
 InputSource: TypeAlias = "float | str | Table | Callable[[float], float] | tuple[ArrayLike, ArrayLike] | TimeSeries"
 STATIC = ("static", "static_at_start")
 METHODS = {method.name.lower(): method for method in Method if method is not Method.AUTO}
@@ -159,7 +162,8 @@ def parameter_vector(
     model: Model, changed: Mapping[str, float | str], initial: Any, values: Array | None = None
 ) -> Array:
     """The parameter vector (values: instead of that of the model) with changed parameters and start values, not to be written
-    to. Start values follow the Parameters that they are given by, but for those that are given here."""
+    to. Start values follow the Parameters that they are given by, but for those that are given here; those of a rolling start
+    are found later (rolling.py)."""
     program, values = model.program, model.values if values is None else values
     if not changed and initial is None and isinstance(changed, dict):
         return values
@@ -189,10 +193,10 @@ def parameter_vector(
     if isinstance(initial, Mapping):
         if initial:
             _initial(model, result, initial)
-    elif not (initial is None or isinstance(initial, Trajectory) or is_static(initial)):
+    elif not (initial is None or isinstance(initial, Trajectory) or is_static(initial) or is_rolling(initial)):
         raise ParameterError(
-            f"initial = {initial!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static' or "
-            f"'static_at_start'{did_you_mean(initial, STATIC)}"
+            f"initial = {initial!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static', "
+            f"'static_at_start', 'rolling' or gb.rolling(...){did_you_mean(initial, (*STATIC, ROLLING))}"
         )
     return result
 
@@ -226,7 +230,7 @@ def _initial(model: Model, result: Array, initial: Mapping[str, float | str]) ->
     given: dict[int, tuple[str, float]] = {}
     for name, value in initial.items():
         info = program.starts[resolve(name, starts, "initial value")]
-        number = checked(info.name, _start_number(program, info.name, value), "", None, None) * info.factor
+        number = checked(info.name, start_number(program, info.name, value), "", None, None) * info.factor
         of = program.parameters[info.offset]
         if model.start_parameters.get(of.path, 1) > 1 and abs(number - result[info.offset]) > 1e-12 * abs(number):
             raise ParameterError(
@@ -240,7 +244,7 @@ def _initial(model: Model, result: Array, initial: Mapping[str, float | str]) ->
             )
         result[info.offset] = number
     for dependent, wanted in asked.items():
-        value = _start_number(program, dependent.name, wanted)
+        value = start_number(program, dependent.name, wanted)
         follows = sum(f * result[i] for i, f in zip(dependent.offsets, dependent.factors, strict=True))
         if abs(follows - value) > 1e-9 * max(abs(value), abs(follows)):
             names = ", ".join(program.parameters[i].path for i in dependent.offsets)
@@ -250,7 +254,8 @@ def _initial(model: Model, result: Array, initial: Mapping[str, float | str]) ->
             )
 
 
-def _start_number(program: Program, name: str, value: Any) -> Any:
+def start_number(program: Program, name: str, value: Any) -> Any:
+    """A start value in SI: it brings its unit, or is a bare number."""
     return number_in_si(name, value, program.output_units.get(name, "1")) if has_unit(value) else value
 
 

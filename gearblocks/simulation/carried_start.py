@@ -23,11 +23,21 @@ import numpy as np
 
 from gearblocks.errors import GearblocksError, SimulationError
 from gearblocks.language.fields import ANGLE, SPEED
-from gearblocks.simulation.arguments import InputSource, begin_of, is_static, parameter_vector, set_inputs, start_state
+from gearblocks.language.starts import is_rolling
+from gearblocks.simulation.arguments import (
+    InputSource,
+    Start,
+    begin_of,
+    is_static,
+    parameter_vector,
+    set_inputs,
+    start_state,
+)
 from gearblocks.simulation.equilibrium import static_state
 from gearblocks.simulation.failures import reason
 from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.records import FinalState
+from gearblocks.simulation.rolling import rolled
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.active_set import reduced
 from gearblocks.solver.kinematics import kinds
@@ -39,7 +49,6 @@ from gearblocks.solver.structures import Array, Code
 from gearblocks.solver.switched_constraints import ConstraintKind
 
 _Key: TypeAlias = tuple[ConstraintKind, str, str]
-Start: TypeAlias = "Mapping[str, float | str] | Trajectory | str | None"
 _SAME = 1e-9  # of the largest value of one unit: start values that are solved for are found to so much
 _ROUNDS = 8  # of Newton's method for angles; one where all relations are linear
 _ROUNDING, _RANK = 1e-14, 1e-9
@@ -113,6 +122,8 @@ def _started(model: Model, initial: Start, asked: _Asked) -> Iterator[Point]:
         given = {k: v for k, v in carried_values(model, own).items() if k not in program.structural_paths}
         sim.parameters[:] = parameter_vector(model, given, initial)
         set_inputs(sim, program, carried_values(model, asked.inputs, inputs=True))
+        if is_rolling(initial):
+            sim.parameters[:] = rolled(model, sim, asked.begin, initial)
         try:
             static = is_static(initial)
             y0 = static_state(sim, program, asked.begin, means=initial == "static") if static else None

@@ -15,9 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 from gearblocks.codegen.program import Program
 from gearblocks.errors import GearblocksError, ParameterError, SimulationError, log, warn
 from gearblocks.language.expression import finite_number
+from gearblocks.language.starts import is_rolling
 from gearblocks.simulation.arguments import (
     METHOD_NAMES,
     InputSource,
+    Start,
     begin_of,
     is_static,
     method_options,
@@ -39,6 +41,7 @@ from gearblocks.simulation.measured_runs import run_again
 from gearblocks.simulation.progress import Progress
 from gearblocks.simulation.recorded_memory import memory_limit
 from gearblocks.simulation.records import FinalState, NamedValues, Stats
+from gearblocks.simulation.rolling import rolled
 from gearblocks.simulation.samples import Outputs, Samples
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.simulation.watched_effects import NOTHING, Watched
@@ -54,7 +57,7 @@ def run_model(
     t_start: float | str | None = None,
     method: str = "auto", rtol: float = 1e-6, step: float | None = None, max_step: float | None = None,
     locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
-    parameters: Mapping[str, float | str] | None = None, initial: Mapping[str, float | str] | Trajectory | str | None = None,
+    parameters: Mapping[str, float | str] | None = None, initial: Start = None,
     outputs: str | Sequence[str] = "*", progress: Callable[[float], None] | None = None,
     residual: float | None = None, watch: bool = True,
 ) -> Trajectory:  # fmt: skip
@@ -76,6 +79,8 @@ def run_model(
                 f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
             )
         set_inputs(sim, program, inputs)
+        if is_rolling(initial):
+            values = sim.parameters[:] = rolled(model, sim, begin, initial)
         meta = _meta(program, options, values)
         run = _Run(model, sim, samples, end, pick, values, progress, residual, meta)
         y0 = run.balanced(begin, initial) if is_static(initial) else start_state(program, initial)

@@ -24,6 +24,7 @@ from gearblocks.analysis.span import Span, program_span
 from gearblocks.analysis.study_point import Measure
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import GearblocksError, ParameterError, SimulationError
+from gearblocks.language.starts import is_rolling
 from gearblocks.running import build
 from gearblocks.simulation.arguments import (
     is_static,
@@ -41,6 +42,7 @@ from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.measured_runs import StoppedError, measured_run, merged, run_again
 from gearblocks.simulation.needs import Needs
 from gearblocks.simulation.records import Stats
+from gearblocks.simulation.rolling import rolled
 from gearblocks.simulation.run import run_case, stats_of
 from gearblocks.solver.library import Model
 from gearblocks.solver.point import opened, state_matrix
@@ -207,8 +209,17 @@ def bench_of(
         initial = carried_start(full, model, initial, t_start=scene.begin, parameters=tuned, inputs=driven)
         tuned, driven = carried_values(model, tuned), carried_values(model, driven, inputs=True)
     vector = parameter_vector(model, tuned, initial)
+    if is_rolling(initial):
+        vector = _rolled(model, vector, driven, initial, scene.begin)
     start = _start(model, vector, driven, initial, scene.begin)
     return Bench(scene, drivetrain or scene.drivetrain, model, vector, driven, start)
+
+
+def _rolled(model: Model, vector: Array, inputs: Mapping[str, Any], initial: Any, begin: float) -> Array:
+    with model.library.open() as sim:
+        sim.parameters[:] = vector
+        set_inputs(sim, model.program, inputs)
+        return rolled(model, sim, begin, initial)
 
 
 def _start(model: Model, vector: Array, inputs: Mapping[str, Any], initial: Any, begin: float) -> Array | None:

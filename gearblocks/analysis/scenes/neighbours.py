@@ -22,6 +22,7 @@ from gearblocks.language.block import start_fields
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import SPEED
 from gearblocks.language.signals import Input, Parameter, Table
+from gearblocks.language.starts import Rolling
 from gearblocks.language.units import check_unit
 from gearblocks.simulation.input_series import with_tables
 from gearblocks.train.values import leaves_of
@@ -55,12 +56,19 @@ def _scaled(scene: Scene, units: tuple[str, ...], share: float) -> Scene | None:
     parameters |= {name: _times(share, scene.parameters.get(name, value)) for name, value in named.items()}
     initial = scene.initial
     if speeds and isinstance(initial, Mapping):
-        initial = {k: _times(share, v) if k.endswith((".w", ".v")) else v for k, v in initial.items()}
+        initial = _faster(share, initial)
+    elif speeds and isinstance(initial, Rolling):
+        initial = Rolling(_faster(share, initial.values))
     changed = driving | starts
     return scene.changed(
         drivetrain=train.set(changed) if changed else train, parameters=parameters, inputs={**scene.inputs, **inputs},
         initial=initial,
     )  # fmt: skip
+
+
+def _faster(share: float, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Start values with speeds times `share`."""
+    return {k: _times(share, v) if k.endswith((".w", ".v")) else v for k, v in values.items()}
 
 
 def _times(share: float, given: Any) -> Any:

@@ -16,8 +16,7 @@ from gearblocks.analysis.study_task import measures_of, names_of
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name, by_name_only
 from gearblocks.language.expression import finite_number
-from gearblocks.simulation.arguments import begin_of, sample_times
-from gearblocks.simulation.trajectory import Trajectory
+from gearblocks.simulation.arguments import Start, begin_of, sample_times
 
 
 @final
@@ -41,7 +40,7 @@ class Scene:
     t_start: float | str | None = None
     inputs: Mapping[str, Any] = field(default_factory=dict)
     parameters: Mapping[str, float | str] = field(default_factory=dict)
-    initial: Mapping[str, float | str] | Trajectory | str | None = None
+    initial: Start = None
     name: str = ""
 
     def __post_init__(self) -> None:

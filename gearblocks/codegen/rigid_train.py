@@ -1,0 +1,116 @@
+"""The rigid train: angles of bodies, slips and deflections of compliant elements as forms over the angles of groups of shafts.
+
+    phi_body, slip = sum of c phi_g,    deflection = sum of c phi_g + sum of d p    (p: angles at which the ground holds)
+
+Groups that rigid constraints determine are put in. For starts in which the train turns as one piece. Knows nothing of values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from gearblocks.assembly.assemble import expand_rows
+from gearblocks.assembly.elimination import Combination
+from gearblocks.assembly.tables import GROUND_GROUP
+from gearblocks.codegen.generator import Generator
+from gearblocks.codegen.output_names import components_of
+from gearblocks.codegen.program import GroupStart, RigidRow
+from gearblocks.language.block import given_start
+from gearblocks.language.fields import ANGLE, COMPLIANCE, SPEED
+from gearblocks.laws.rational import Exact
+from gearblocks.train.translational import flange_names
+
+
+def group_starts(g: Generator) -> Iterator[GroupStart]:
+    """Every group, by number."""
+    a, lay = g.assembly, g.lay
+    dependent = {f.group: f for f in a.dependent_groups}
+    shown = _shown(g) if a.dependent_groups else {}
+    varying: set[int] = set()
+    for f in a.dependent_groups:
+        if (f.prescribed is not None and f.sources) or not varying.isdisjoint(f.sources):
+            varying.add(f.group)
+    for group in range(a.n_groups):
+        start = a.starts[group] if group < len(a.starts) else None
+        output, gain = shown.get(group, ("", 1.0))
+        own = dependent.get(group)
+        yield GroupStart(
+            -1 if start is None else lay.phi0[group],
+            1.0 if start is None else float(start.phi0_gain),
+            lay.w0[group] if group < a.n_speeds else -1,
+            float(a.starts[group].w0_gain) if group < a.n_speeds else 1.0,
+            output,
+            gain,
+            own is not None and own.prescribed is not None,
+            group in varying,
+        )
+
+
+def _shown(g: Generator) -> Mapping[int, tuple[str, float]]:
+    """By group: the speed of a flange in it, and the gain of that."""
+    found: dict[int, tuple[str, float]] = {}
+    for code in g.codes:
+        for flange in code.batch.flanges:
+            groups, gains = code.batch.groups[flange], code.batch.gains[flange]
+            for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
+                speed = flange_names(flange in c.sliders)[1]
+                found.setdefault(group, (f"{c.path}.{flange}.{speed}", float(gain)))
+    return found
+
+
+def body_rows(g: Generator) -> Iterator[RigidRow]:
+    """The angle of every body."""
+    expanded = expand_rows(g.assembly)
+    for code in g.codes:
+        for flange, _ in code.law.bodies:
+            groups, gains = code.batch.groups[flange], code.batch.gains[flange]
+            for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
+                if group == GROUND_GROUP:
+                    continue
+                form = Combination()
+                form.add(expanded.get(group, Combination({group: 1})), gain)
+                angle, speed, _, _ = flange_names(flange in c.sliders)
+                given = (given_start(c.block, of) is not None for of in (ANGLE, SPEED))
+                yield RigidRow(c.path, *_parts(g, form), f"{c.path}.{angle}", f"{c.path}.{speed}", *given)
+
+
+def deflection_rows(g: Generator) -> Iterator[RigidRow]:
+    """The relative angle of every compliant element, as far as it is linear in the angles."""
+    a = g.assembly
+    for code in g.codes:
+        for e, c in enumerate(components_of(g, code)):
+            if COMPLIANCE not in c.block.effects():
+                continue
+            for j in range(len(code.law.forms)):
+                if code.batch.used[j]:
+                    source = code.batch.sources[j][e]
+                    form = a.dependents[source] if code.batch.dependent[j] else Combination(coordinates={source: 1})
+                    yield RigidRow(c.path, *_parts(g, _over_groups(g, form)))
+
+
+def slip_rows(g: Generator) -> Iterator[RigidRow]:
+    """The slip of every switched constraint, by number; of stops the gap."""
+    expanded = expand_rows(g.assembly) if g.constraints.members else {}
+    for member in g.constraints.members:
+        form = Combination()
+        for group, value in member.row.items():
+            form.add(expanded.get(group, Combination({group: 1})), value)  # type: ignore[arg-type]  # floats
+        yield RigidRow(member.path, *_parts(g, form))
+
+
+def _over_groups(g: Generator, form: Combination) -> Combination:
+    """A form over coordinates, over groups."""
+    whole = Combination(dict(form.groups), {}, dict(form.offsets))
+    for source, factor in form.coordinates.items():
+        whole.add(Combination(dict(g.assembly.rows[source]), {}, dict(g.assembly.row_offsets[source])), factor)
+    return whole
+
+
+def _parts(
+    g: Generator, form: Combination
+) -> tuple[tuple[int, ...], tuple[float, ...], tuple[int, ...], tuple[float, ...]]:
+    def numbers(values: Mapping[int, Exact] | Mapping[str, Exact]) -> tuple[float, ...]:
+        return tuple(float(x) for x in values.values())
+
+    offsets = tuple(g.lay.path_of[path] for path in form.offsets)
+    return tuple(form.groups), numbers(form.groups), offsets, numbers(form.offsets)

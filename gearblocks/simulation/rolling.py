@@ -1,0 +1,320 @@
+"""Rolling starts: speeds and angles of the rigid train, for a train whose compliant elements are to begin undeformed.
+
+    speeds   rate of every deflection = 0, slip of every lossy tie = 0, v = named; then, as far as these leave it free, slip = 0
+             of what is engaged, the strongest first; v = given by bodies; slip = 0 elsewhere; then min v' M v (Kelvin: set
+             going by impacts on the given bodies alone)
+    angles   deflection = 0, phi = given; lossy ties as far as these leave them free; what is free starts at 0
+
+Answers a parameter vector, in which the start values are these. Knows nothing of runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from gearblocks.codegen.program import GroupStart, ParameterInfo, Program, RigidRow
+from gearblocks.errors import ParameterError, SimulationError
+from gearblocks.language.starts import Rolling, is_rolling
+from gearblocks.simulation.arguments import checked, resolve, start_number
+from gearblocks.simulation.failures import reason
+from gearblocks.solver.binding import Simulation
+from gearblocks.solver.kinematics import kinematics
+from gearblocks.solver.library import Model
+from gearblocks.solver.matrix_algebra import algebra_of
+from gearblocks.solver.point import Point, opened
+from gearblocks.solver.rigid_motion import AGREES, RigidMotion
+from gearblocks.solver.structures import Array, Code
+from gearblocks.solver.switched_constraints import ConstraintKind
+from gearblocks.train.disjoint_sets import DisjointSets
+
+
+def rolled(model: Model, sim: Simulation, t: float, initial: Any) -> Array:
+    """The parameters of `sim`, with start values as a rolling start asks for; others as they are. The inputs of `sim` are
+    those of the start. Raises ParameterError for values that contradict each other, UnknownNameError."""
+    vector = np.array(sim.parameters)
+    if not is_rolling(initial):
+        return vector
+    given = _named(model, vector, initial.values if isinstance(initial, Rolling) else {})
+    with _at_rest(model, sim, t, vector) as point:
+        angles, speeds = _angles(model.program, vector, given, point), _speeds(model.program, vector, given, point)
+    for g, start in enumerate(model.program.groups):
+        if start.angle >= 0:
+            _write(model, vector, start.angle, start.angle_gain * angles[g])
+        if start.speed >= 0:
+            _write(model, vector, start.speed, start.speed_gain * speeds[g])
+    vector.setflags(write=False)
+    return vector
+
+
+@dataclass(frozen=True, slots=True)
+class _Given:
+    """Start angles and speeds that are named, by body row."""
+
+    angles: Mapping[int, float]
+    speeds: Mapping[int, float]
+
+
+def _named(model: Model, vector: Array, values: Mapping[str, float | str]) -> _Given:
+    """What is named; states of blocks go into the vector."""
+    program = model.program
+    names = {row.angle: i for i, row in enumerate(program.bodies)}
+    first = len(program.bodies)
+    names |= {row.speed: first + i for i, row in enumerate(program.bodies)}
+    states = {s.name: 2 * first + s.offset for s in program.starts if s.of == "state"}
+    found: tuple[dict[int, float], dict[int, float]] = ({}, {})
+    for name, value in values.items():
+        i = resolve(name, {**names, **states}, "initial value")
+        full = next(n for n, k in (*names.items(), *states.items()) if k == i)
+        number = checked(full, start_number(program, full, value), "", None, None)
+        if i >= 2 * first:
+            vector[i - 2 * first] = number
+        else:
+            found[i // first][i % first] = number
+    return _Given(*found)
+
+
+@contextmanager
+def _at_rest(model: Model, sim: Simulation, t: float, vector: Array) -> Iterator[Point]:
+    """The model at its start without start speeds. SimulationError where it has none."""
+    program = model.program
+    still = np.array(vector)
+    still[[g.speed for g in program.groups if g.speed >= 0 and program.parameters[g.speed].start]] = 0.0
+    sim.parameters[:] = still
+    try:
+        with opened(sim, program, t) as point:
+            yield point.at(algebra=algebra_of(program.n))
+    except RuntimeError:
+        words = reason(program, Code(sim.report.code), sim.report, sim.parameters)
+        raise SimulationError(sim.report.t, *words) from sim.error
+    finally:
+        sim.parameters[:] = vector
+
+
+def _write(model: Model, vector: Array, offset: int, value: float) -> None:
+    """A start value into the vector; one that a Parameter gives must be what it says, where that stands elsewhere too."""
+    info: ParameterInfo = model.program.parameters[offset]
+    if abs(value - vector[offset]) <= 1e-12 * abs(value):
+        return
+    if model.start_parameters.get(info.path, 1) > 1:
+        raise ParameterError(
+            f"initial: a start value is the Parameter '{info.path}', which stands elsewhere too, and would have to be "
+            f"{value:.9g}: give parameters={{'{info.path}': ...}}, or the block a number"
+        )
+    vector[offset] = value
+
+
+# -- angles and speeds of groups --------------------------------------------------------------------------------------
+
+
+@dataclass(slots=True)
+class _Solving:
+    """Rows that were taken, and which given values stand in one connected part."""
+
+    program: Program
+    what: str
+    motion: RigidMotion = field(default_factory=RigidMotion)
+    joined: DisjointSets[int] = field(default_factory=DisjointSets)
+    named: list[tuple[str, int]] = field(default_factory=list)
+
+    def take(self, row: RigidRow, wanted: float) -> bool:
+        """Whether a row said something new."""
+        self.check(row)
+        for other in row.groups[1:]:
+            self.joined.join(other, row.groups[0])
+        return self.motion.take(self.factors(row), wanted)
+
+    def check(self, row: RigidRow) -> None:
+        """ParameterError where the form has no numbers for factors."""
+        if any(self.program.groups[g].varying for g in row.groups):
+            raise ParameterError(
+                f"initial: '{row.component}' moves with a shaft whose ratio to others varies or that is driven against a "
+                "moving housing: a rolling start is not known there; give start values by name"
+            )
+
+    @staticmethod
+    def factors(row: RigidRow) -> dict[int, float]:
+        """The factors by group."""
+        return dict(zip(row.groups, row.factors, strict=True))
+
+    def give(self, name: str, row: RigidRow, wanted: float) -> None:
+        """Takes a given value. ParameterError where another one follows from those before."""
+        if not self.take(row, wanted):
+            follows = self.motion.left(self.factors(row))[1]
+            if abs(follows - wanted) > AGREES * max(abs(follows), abs(wanted)):
+                raise ParameterError(
+                    f"initial: '{name}' = {wanted:.9g} contradicts the {follows:.9g} that follows from "
+                    f"{self.sources(row) or 'what moves or holds it'}, where {self.what}; leave one of them out"
+                )
+        elif row.groups:
+            self.named.append((name, row.groups[0]))
+
+    def told(self) -> set[int]:
+        """The connected parts that a given value stands in."""
+        return {self.joined.root(group) for _, group in self.named}
+
+    def is_told(self, row: RigidRow, told: set[int]) -> bool:
+        """Whether a row touches one of them."""
+        return any(self.joined.root(g) in told for g in row.groups)
+
+    def sources(self, row: RigidRow) -> str:
+        """The given values that a row is joined with."""
+        if not row.groups:
+            return ""
+        root = self.joined.root(row.groups[0])
+        return ", ".join(f"'{name}'" for name, group in self.named if self.joined.root(group) == root)
+
+    def values(self, free: Mapping[int, float] | None = None) -> list[float]:
+        """The value of every group, free ones as given, else 0."""
+        free, found = free or {}, []
+        for g in range(len(self.program.groups)):
+            factors, constant = self.motion.definitions.get(g, ({g: 1.0}, 0.0))
+            found.append(constant + sum(c * free[x] for x, c in factors.items() if x in free))
+        return found
+
+
+def _give_named(solving: _Solving, named: Mapping[int, float], names: list[str]) -> None:
+    for i, value in named.items():
+        solving.give(names[i], solving.program.bodies[i], value)
+
+
+def _give_own(solving: _Solving, own: Mapping[int, float], named: Mapping[int, float], names: list[str]) -> None:
+    """Values of bodies, where the named ones leave them free."""
+    told = solving.told()
+    before = solving.motion.copied()
+    for i, value in own.items():
+        row = solving.program.bodies[i]
+        follows = not before.left(solving.factors(row))[0]
+        if i not in named and not (follows and solving.is_told(row, told)):
+            solving.give(names[i], row, value)
+
+
+def _own(program: Program, vector: Array, speeds: bool) -> dict[int, float]:
+    """The start values that bodies give themselves, by row."""
+    found: dict[int, float] = {}
+    for i, row in enumerate(program.bodies):
+        if not (row.gives_speed if speeds else row.gives_angle):
+            continue
+        starts = [program.groups[g] for g in row.groups]
+        places = [(s.speed, s.speed_gain) if speeds else (s.angle, s.angle_gain) for s in starts]
+        if all(offset >= 0 for offset, _ in places):
+            terms = [f * vector[o] / gain for f, (o, gain) in zip(row.factors, places, strict=True)]
+            found[i] = float(sum(terms)) + (0.0 if speeds else _constant(row, vector))
+    return found
+
+
+def _constant(row: RigidRow, vector: Array) -> float:
+    return float(sum(f * vector[o] for o, f in zip(row.offsets, row.offset_factors, strict=True)))
+
+
+def _angles(program: Program, vector: Array, given: _Given, point: Point) -> list[float]:
+    solving = _Solving(program, "nothing is twisted")
+    found = point.outputs()
+    for g, start in enumerate(program.groups):
+        if start.prescribed and start.angle < 0 and not start.varying:
+            solving.motion.take({g: 1.0}, _shown(program, start, found, angle=True))
+    for row in program.deflections:
+        solving.take(row, -_constant(row, vector))  # a loop that is under tension by itself stays so
+    own = _own(program, vector, speeds=False)
+    named = {i: x - _constant(program.bodies[i], vector) for i, x in given.angles.items()}
+    own = {i: x - _constant(program.bodies[i], vector) for i, x in own.items()}
+    names = [row.angle for row in program.bodies]
+    _give_named(solving, named, names)
+    _give_own(solving, own, named, names)
+    for row in _ties(point):
+        solving.take(row, 0.0)
+    return solving.values()
+
+
+def _shown(program: Program, start: GroupStart, outputs: Array, *, angle: bool) -> float:
+    """The speed of a group that something moves, or its angle."""
+    name = start.output
+    if angle:
+        flange, _, speed = name.rpartition(".")
+        name = f"{flange}.{'phi' if speed == 'w' else 's'}"
+    return float(outputs[program.output_numbers[name]]) / start.output_gain
+
+
+def _speeds(program: Program, vector: Array, given: _Given, point: Point) -> list[float]:
+    solving = _Solving(program, "nothing is twisted at a rate")
+    found = point.outputs()
+    for g, start in enumerate(program.groups):
+        if start.prescribed and not start.varying:
+            solving.motion.take({g: 1.0}, _shown(program, start, found, angle=False))
+    for row in (*program.deflections, *_ties(point)):
+        if not solving.take(row, 0.0):
+            left = solving.motion.left(solving.factors(row))[1]
+            if abs(left) > AGREES * _size(solving, row):
+                raise ParameterError(
+                    f"initial: what moves the shafts beside '{row.component}' winds it up at {left:.6g} rad/s (m/s): the "
+                    "train cannot roll; change the prescribed speeds, or give start values by name"
+                )
+    own = _own(program, vector, speeds=True)
+    names = [row.speed for row in program.bodies]
+    _give_named(solving, given.speeds, names)
+    _hold(solving, point, beside_named=True)
+    _give_own(solving, own, given.speeds, names)
+    _hold(solving, point)
+    return solving.values(_least_energy(solving, point))
+
+
+def _ties(point: Point) -> list[RigidRow]:
+    """The ties of lossy gears."""
+    kinds = (x.kind for x in point.sim.constraints().constraints)
+    return [row for row, kind in zip(point.program.slips, kinds, strict=True) if kind is ConstraintKind.TIE]
+
+
+def _size(solving: _Solving, row: RigidRow) -> float:
+    """The largest speed that a row compares."""
+    terms = (abs(c * solving.motion.left({g: 1.0})[1]) for g, c in solving.factors(row).items())
+    return max(terms, default=0.0)
+
+
+def _hold(solving: _Solving, point: Point, *, beside_named: bool = False) -> None:
+    """No slip in what is engaged, the strongest first; stops between two bodies take each other along last. beside_named: only
+    in what is joined with a named value."""
+    program, at = point.program, point.constraints()
+    kinds = [x.kind for x in point.sim.constraints().constraints]
+    engaged = [i for i, kind in enumerate(kinds) if kind is ConstraintKind.FRICTION and at.bounds[i, 4] > 0]
+    engaged.sort(key=lambda i: -max(-at.bounds[i, 0], at.bounds[i, 1]))
+    stops = [i for i, kind in enumerate(kinds) if kind is ConstraintKind.STOP and len(program.slips[i].groups) > 1]
+    waiting = [*engaged, *stops]
+    while waiting:
+        told = solving.told()
+        i = next((i for i in waiting if not beside_named or solving.is_told(program.slips[i], told)), None)
+        if i is None:
+            return
+        waiting.remove(i)
+        if not solving.take(program.slips[i], 0.0) and kinds[i] is ConstraintKind.FRICTION:
+            _refuse_impact(solving, program.slips[i], at.bounds[i])
+
+
+def _refuse_impact(solving: _Solving, row: RigidRow, bounds: Array) -> None:
+    """ParameterError where a lock without limit would have to close on a slip."""
+    slip = solving.motion.left(solving.factors(row))[1]
+    most = AGREES * _size(solving, row)
+    if (slip < -most and bounds[1] == np.inf) or (slip > most and bounds[0] == -np.inf):
+        raise ParameterError(
+            f"initial: '{row.component}' is locked, but the speeds that follow from {solving.sources(row) or 'others'} would "
+            f"make it slip at {slip:.6g} rad/s (m/s); leave one of them out, or give start values by name"
+        )
+
+
+def _least_energy(solving: _Solving, point: Point) -> dict[int, float]:
+    """Speeds of the free groups that follow others in some share: those of the least kinetic energy."""
+    free = list(solving.motion.moved())
+    if not free:
+        return {}
+    kin = kinematics(point)
+    n = len(kin.speeds)
+    before = np.array(solving.values()[:n])
+    shape = np.zeros((n, len(free)))
+    for k, g in enumerate(free):
+        shape[:, k] = np.array(solving.values({g: 1.0})[:n]) - before
+    M: Any = kin.M
+    found = np.linalg.lstsq(shape.T @ (M @ shape), -shape.T @ (M @ before), rcond=1e-12)[0]
+    return dict(zip(free, found.tolist(), strict=True))
