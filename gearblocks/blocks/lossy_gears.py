@@ -117,12 +117,24 @@ class LossyGear(Block):
             bearing = s.bearing if self.bearing is not None else (zero, zero)
             return (*s.efficiency, *bearing)
         assert self.loss_table is not None
-        w, *columns = zip(*_from_rest(self.loss_table), strict=True)
+        w, *columns = zip(*(self.loss_table if s.reading else _from_rest(self.loss_table)), strict=True)
         if len(w) == 1:
             eta1, eta2, tau1, tau2 = (sp.Float(c[0]) for c in columns)
         else:
-            eta1, eta2, tau1, tau2 = (s.tabled(Table(w, c), speed) for c in columns)
+            eta1, eta2, tau1, tau2 = (
+                s.tabled(Table(w, c), speed, "loss_table", name=name, words=f"{words}, over |w_a|", unit=unit)
+                for c, (name, words, unit) in zip(columns, _COLUMNS, strict=True)
+            )
         return eta1, eta2, tau1, tau2
+
+
+_COLUMNS = (
+    ("eta_1", "efficiency where a drives", "1"),
+    ("eta_2", "efficiency where b drives", "1"),
+    ("tau_1", "bearing torque at a where a drives", "N m"),
+    ("tau_2", "bearing torque at a where b drives", "N m"),
+)
+"""Name, words and unit of what a loss table says over the speed."""
 
 
 def _from_rest(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:

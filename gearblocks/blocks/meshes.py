@@ -22,7 +22,7 @@ from gearblocks.blocks.effects import (
 from gearblocks.blocks.gears import teeth_problems
 from gearblocks.blocks.rigid_impact import hits, impact, without
 from gearblocks.blocks.tooth_friction import with_tooth_friction
-from gearblocks.geometry.involute import NUMBERS, ToothPair, contact_ratio_or_nan, iso_problems, mesh_stiffness
+from gearblocks.geometry.involute import NUMBERS, ToothPair, contact_ratio_or_nan, iso_problems, mesh_stiffness, unnamed
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Tie
 from gearblocks.language.fields import Flange, effect, exact, option, param
@@ -185,22 +185,22 @@ class GearMesh(Block):
     def _first_is_smaller(self) -> bool:
         return not self.external or self.teeth[0] <= self.teeth[1]
 
-    def _pair(self, s: Any, f: Any = NUMBERS) -> ToothPair:
-        """The gears for geometry, of the numbers in self or the symbols in s."""
+    def _pair(self, s: Any) -> ToothPair:
+        """The gears for geometry, of the numbers in a block or the symbols in s."""
+        from gearblocks.laws.functions import SYMBOLS
+
+        f, named = (NUMBERS, unnamed) if isinstance(s, Block) else (SYMBOLS, s.named)
         return ToothPair(
             s.teeth[0], s.teeth[1] if self.external else -s.teeth[1], s.module, s.pressure_angle,
             0 if s.helix_angle is None else s.helix_angle, s.profile_shift, 1 if s.addendum is None else s.addendum, f,
+            named,
         )  # fmt: skip
 
     def _radius(self, s: Any) -> Any:
         """Base radius of the pinion; that of the wheel follows from the teeth."""
-        from gearblocks.laws.functions import SYMBOLS
-
         if self.r_base is not None:
-            return s.r_base[0]
-        if self.module is None:
-            return None
-        return self._pair(s, SYMBOLS).base_radius(s.teeth[0])
+            return s.named("r_1", s.r_base[0], "base radius of gear 1", "m")
+        return None if self.module is None else self._pair(s).base_radii[0]
 
     def without_effect(self, name: str) -> Block:
         """Without compliance a restitution stays, as that of a rigid impact."""
@@ -214,7 +214,7 @@ class GearMesh(Block):
             radius = number_or_zero(self.r_base[0])
         else:
             values = {n: number_or_zero(getattr(self, n)) for n in ("module", "pressure_angle", "helix_angle")}
-            radius = self._pair(self.changed(**values, profile_shift=None)).base_radius(self.teeth[0])
+            radius = self._pair(self.changed(**values, profile_shift=None)).base_radii[0]
         lever = radius * (1 if flange == "pinion" else self.teeth[1] / self.teeth[0])
         return "compliance", number_or_zero(self.k) * lever**2
 
@@ -232,8 +232,6 @@ class GearMesh(Block):
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Contact along the line of action, or the rigid tie."""
-        from gearblocks.laws.functions import SYMBOLS
-
         sign = 1 if self.external else -1
         ratio = sign * s.teeth[1] / s.teeth[0]
         turn, back = s.pinion.phi - s.carrier.phi, s.wheel.phi - s.carrier.phi
@@ -251,11 +249,10 @@ class GearMesh(Block):
         k = s.k
         if k is None:
             k = s.named(
-                "k_iso", mesh_stiffness(self._pair(s, SYMBOLS), s.face_width, self._first_is_smaller),
+                "k_iso", mesh_stiffness(self._pair(s), s.face_width, self._first_is_smaller),
                 "stiffness after ISO 6336-1", "N/m",
             )  # fmt: skip
         speeds = s.pinion.w - s.carrier.w, s.wheel.w - s.carrier.w
-        r1 = s.named("r_1", r1, "base radius of gear 1", "m")
         r2 = s.named("r_2", r1 * s.teeth[1] / s.teeth[0], "base radius of gear 2", "m")
         c = damping(s, k, r1**2 * s.pinion.mobility + r2**2 * s.wheel.mobility)
         line = Line(r1 * (turn + ratio * back), r1 * (speeds[0] + ratio * speeds[1]), k, c, s.teeth[0] * turn)
@@ -263,4 +260,4 @@ class GearMesh(Block):
             lever, speed = r1 * turn + sign * r2 * back, r1 * speeds[0] + sign * r2 * speeds[1]
             line = Line(lever, speed, k, c, line.angle)
         found = mesh(self, s, line)
-        yield from found if self.friction is None else with_tooth_friction(self, s, found, line, self._pair(s, SYMBOLS))
+        yield from found if self.friction is None else with_tooth_friction(self, s, found, line, self._pair(s))

@@ -35,7 +35,8 @@ def _pressing(block: Any, s: Any, force: Force) -> Any:
 
     if block.backlash is None or block.contact_damping == "always":
         return sp.Abs(force.force)
-    return s.named("side_N", block.backlash.pushing_side(s.backlash, force.deflection)) * force.force
+    side = block.backlash.pushing_side(s.backlash, force.deflection)
+    return s.named("side_N", side, "sign of the force of the contact") * force.force
 
 
 def _sliding(block: Any, s: Any, force: Force, line: Line, pair: ToothPair) -> Iterator[Contribution]:
@@ -45,27 +46,28 @@ def _sliding(block: Any, s: Any, force: Force, line: Line, pair: ToothPair) -> I
     theta, rates = theta_of(block.friction, s.friction, line.angle, s.time)
     yield from rates
     turned = block.friction.driven_by == "angle" and block.friction.flank == "coast"
-    cycles = (-theta if turned else theta) / (2 * sp.pi)
+    cycles = s.named("u", (-theta if turned else theta) / (2 * sp.pi), "turn of the teeth, in mesh cycles")
     entered = sp.floor(cycles)
-    approach, pitch = s.named("g_f", pair.path[0]), s.named("p_b", pair.base_pitch)
-    double = s.named("two_pairs", entered - sp.floor(cycles - (pair.contact_ratio - 1)))
+    approach, pitch, arms = pair.path[0], pair.base_pitch, pair.lever_arms
+    double = entered - sp.floor(cycles - (pair.contact_ratio - 1))
+    double = s.named("two_pairs", double, "1 while two pairs are in contact, else 0")
     normal = s.friction.mu * _pressing(block, s, force)
-    arms = tuple(s.named(f"rho_{i}", arm) for i, arm in enumerate(pair.lever_arms, 1))
     flanges = (s.pinion, s.wheel)
     torques: list[Any] = [0, 0]
     total: Any = 0
     lost: Any = 0
     for j, share in enumerate((1 - double / 2, double / 2)):
-        place = s.named(f"xi_{j + 1}", pitch * (cycles - entered + j) - approach)
+        place = pitch * (cycles - entered + j) - approach
+        place = s.named(f"xi_{j + 1}", place, f"place of contact of pair {j + 1}, from the pitch point", "m")
         radii = arms[0] + place, arms[1] - place
         slip = sum(rho * (flange.w - s.carrier.w) for rho, flange in zip(radii, flanges, strict=True))
-        slip = s.named(f"v_{j + 1}", slip)
+        slip = s.named(f"v_{j + 1}", slip, f"sliding speed of pair {j + 1}", "m/s")
         if s.friction.transition is None:
             direction = sp.sign(slip)
             yield Switch(f"sliding of pair {j + 1}", slip, when=double if j else 1, low=-1.0, high=1.0)
         else:
             direction = slip / sp.sqrt(slip**2 + s.friction.transition**2)
-        rubbing = normal * share * direction
+        rubbing = s.named(f"F_{j + 1}", normal * share * direction, f"friction force of pair {j + 1}", "N")
         torques = [tau - rubbing * rho for tau, rho in zip(torques, radii, strict=True)]
         total += rubbing
         lost += rubbing * slip

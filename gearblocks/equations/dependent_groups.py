@@ -24,7 +24,7 @@ class DependentGroups:
     """symbols: angles and speeds of dependent groups over the others; gains: rows of K; acceleration_bias: a.
 
     n: number of groups that are not dependent (independent or massless). rates: of angles of which only the speed is
-    prescribed.
+    prescribed. angles: those of bodies that are no linear function of others, by their symbols.
     """
 
     n: int
@@ -33,6 +33,7 @@ class DependentGroups:
     gains: list[dict[int, Any]] = field(default_factory=list)
     acceleration_bias: list[Any] = field(default_factory=list)
     rates: dict[Any, Any] = field(default_factory=dict)
+    angles: dict[Any, Any] = field(default_factory=dict)
 
     def put(self, expr: Any) -> Any:
         """An expression over groups that are not dependent."""
@@ -75,9 +76,12 @@ def _block(mass: Any, rows: set[int]) -> list[int]:
 
 def over_independent_groups(
     assembly: Assembly, prescribed: Mapping[tuple[int, int], PrescribedMotion], q: Sequence[Any], v: Sequence[Any],
-    scales: Sequence[Any], offset: Callable[[str], Any],
+    scales: Sequence[Any], offset: Callable[[str], Any], body: Callable[[int], Any],
 ) -> DependentGroups:  # fmt: skip
-    """Dependent groups over the others, in the symbols q, v of all groups, which scales take to those of the assembly."""
+    """Dependent groups over the others, in the symbols q, v of all groups, which scales take to those of the assembly.
+
+    offset: the symbol of a ground angle; body: that of the angle of a body of a group, None where it has none.
+    """
     n = assembly.n_speeds + assembly.n_massless
     found = DependentGroups(n, assembly.n_groups)
     found.gains = [{i: sp.Integer(1)} if i < n else {} for i in range(assembly.n_groups)]
@@ -107,6 +111,8 @@ def over_independent_groups(
         found.symbols[v[f.group]] = speed
         if angle is None:
             found.rates[q[f.group]] = speed
+        elif f.row is None and gains and (own_angle := body(f.group)) is not None:
+            found.symbols[q[f.group]], found.angles[own_angle] = own_angle, found.put(angle)
         else:
             found.symbols[q[f.group]] = found.put(angle)
     return found

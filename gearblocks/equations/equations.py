@@ -89,10 +89,19 @@ class Equations:
         stuck = [r for r, e in acting.items() if e is None]
         if stuck:
             forcing = made._without({r.torque for r in stuck})
-            spelled = [r.mapped(lambda e: inserted(sp.sympify(e), self.definitions)) for r in stuck]
-            held = constraint_torques(spelled, self.mass_matrix, forcing, self.q, self.v, time_symbol())
+            rates = self._rates()
+            within = {s: e for s, e in self.definitions.items() if s not in rates}
+            spelled = [r.mapped(lambda e: inserted(sp.sympify(e), within)) for r in stuck]
+            rates |= dict(zip(self.q, self.v, strict=True))
+            held = constraint_torques(spelled, self.mass_matrix, forcing, self.v, rates, time_symbol())
             made.definitions.update(zip((r.torque for r in stuck), held, strict=True))  # type: ignore[attr-defined]
         return made
+
+    def _rates(self) -> dict[Any, Any]:
+        """The rates of defined symbols that have one by name, of which no speeds are needed."""
+        pairs = {sections.base(x): x for x in self.definitions}
+        found = {s: x for s, x in pairs.items() if s in self.definitions}
+        return {s: x for s, x in found.items() if not inserted(s, self.definitions).free_symbols & {*self.v}}
 
     def _without(self, torques: set[Any]) -> Any:
         """The forcing without the defined symbols that depend on these."""

@@ -73,7 +73,7 @@ def name_latex(name: Name) -> str:
         letter = f"{letter}^{{({name.dots})}}"
     elif name.dots:
         letter = f"{_DOTS[name.dots]}{{{letter}}}"
-    number = "" if not name.number else name.number if name.number.isdigit() else word(name.number)
+    number = name.number if not name.number or name.number.isdigit() else _GREEK.get(name.number) or word(name.number)
     index = ",".join(x for x in (number, _foot(name.owner)) if x)
     return f"{change}{letter}_{{{index}}}" if index else change + letter
 

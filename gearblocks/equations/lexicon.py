@@ -12,6 +12,7 @@ import sympy as sp
 from gearblocks.equations import names, nomenclature
 from gearblocks.language.signals import Input, Parameter
 from gearblocks.language.units import unit_along
+from gearblocks.laws.symbols import LawTable
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import words_along
 
@@ -54,6 +55,8 @@ class Lexicon:
             return self._claim(_spelled(c, of), (role, c.path, of))
         if role in ("table", "table2"):
             return self._table(c, of)
+        if role == "law_table":
+            return self._law_table(c, of)
         return self._switched(c, role, of) if role in _SWITCHED else None
 
     def shared(self, leaf: Parameter | Input, text: str) -> Any:
@@ -128,17 +131,22 @@ class Lexicon:
         return symbol
 
     def _table(self, c: Component, table: Any) -> Any:
-        """Named by the field that it stands in; a law may make one itself."""
+        """Named by the field that it stands in; a law may make one itself and say nothing of it."""
         path = next((p for p, own in nomenclature.tables_of(c.block) if _is_same(own, table)), None)
         if path is None:
             symbol = self._claim(f"table_{flat(c.path)}", ("table", c.path, table.digest()))
-            entry = nomenclature.of_law_table(c, table)
+            entry = nomenclature.of_unnamed_table(c, table)
             before = [s for s, name in self.names.items() if name.letter == "table" and self.owners.get(s) == c.path]
             number = 1 + (before.index(symbol) if symbol in before else len(before))
             self._note(symbol, names.Name("table", str(number), _foot(c)), entry, c)
             return symbol
         symbol = self._claim(f"{flat(path.split('.')[-1])}_table_{flat(c.path)}", ("table", c.path, path))
         self._note(symbol, names.of_table(path, _foot(c)), nomenclature.of_table(c, path, table), c)
+        return symbol
+
+    def _law_table(self, c: Component, made: LawTable) -> Any:
+        symbol = self._claim(_spelled(c, made.name), ("law_table", c.path, made.name))
+        self._note(symbol, names.of_defined(made.name, _foot(c)), nomenclature.of_law_table(c, made), c)
         return symbol
 
     def _switched(self, c: Component, role: str, of: str) -> Any:

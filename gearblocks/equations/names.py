@@ -29,6 +29,7 @@ _STATES = {"slowness": "γ"}
 _DEFINED = {
     "k_t": ("k", ""), "k_iso": ("k", "iso"), "m_e": ("m", "e"), "J_e": ("J", "e"), "sign_g": ("sgn g", ""),
     "side_N": ("sgn N", ""), "g_f": ("g", "f"), "p_b": ("p", "b"), "two_pairs": ("n", "2"),
+    "epsilon_alpha": ("ε", "α"),
 }  # fmt: skip
 _IN_EFFECT = {"transmission_error": "e", "friction": "f", "slip": "s", "tyre": "s", "first": "a", "second": "b"}
 

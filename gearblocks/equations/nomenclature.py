@@ -16,6 +16,7 @@ from gearblocks.language.fields import Field
 from gearblocks.language.signals import Input, Parameter, Table
 from gearblocks.language.tables import Table2
 from gearblocks.language.units import Given, parse_unit, unit_along
+from gearblocks.laws.symbols import LawTable
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import words_along
 
@@ -68,16 +69,24 @@ def of_table(c: Component, path: str, table: Any) -> Entry:
     elif not isinstance(table, Table):
         words = "periodic part of the ratio law, over the angle of gear 1"
     else:
-        ends = "periodic" if table.periodic else "held outside"
-        words = f"{field.words}: {len(table.x)} points from {table.x[0]:.4g} to {table.x[-1]:.4g}, {table.kind}, {ends}"
+        words = _points(field.words, table)
     return Entry(words, "", unit_along(field.unit, c.slides), f"{c.path}.{path}", table)
 
 
-def of_law_table(c: Component, table: Any) -> Entry:
-    """A table that the law of a block makes from its fields."""
-    return Entry(
-        f"made by its law: {len(table.x)} points from {table.x[0]:.4g} to {table.x[-1]:.4g}", "", "1", c.path, table
-    )
+def of_law_table(c: Component, made: LawTable) -> Entry:
+    """A table that the law of a block makes from one of its fields."""
+    unit = unit_along(made.unit, c.slides)
+    return Entry(_points(made.words, made.table), "", unit, f"{c.path}.{made.field}", made.table)
+
+
+def of_unnamed_table(c: Component, table: Any) -> Entry:
+    """A table that the law of a block makes, and says nothing of."""
+    return Entry(_points("made by its law", table), "", "1", c.path, table)
+
+
+def _points(words: str, table: Any) -> str:
+    ends = "periodic" if table.periodic else "held outside"
+    return f"{words}: {len(table.x)} points from {table.x[0]:.4g} to {table.x[-1]:.4g}, {table.kind}, {ends}"
 
 
 def tables_of(block: Declared, prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -27,7 +27,7 @@ Written: TypeAlias = Any
 def reader(eq: Written) -> Reader:
     """The notation of a train."""
     moving: dict[Any, int] = {}
-    for symbol in (*eq.q, *eq.v, *eq.coordinates, *eq.states, *eq.held, time_symbol(), *eq.inputs):
+    for symbol in (*eq.q, *eq.v, *eq.ties, *eq.coordinates, *eq.states, *eq.held, time_symbol(), *eq.inputs):
         moving[symbol] = 0
     for c in eq.switched_constraints:
         moving |= dict.fromkeys((c.torque, c.slip, *c.shown), 0)
@@ -100,7 +100,7 @@ def part(eq: Written, path: str) -> Iterator[Line]:
     """Lines of one part: definitions, cases of its friction and stops, rates of its states."""
     read = reader(eq)
     for symbol, expr in eq.definitions.items():
-        if eq.owners.get(symbol) == path and not (eq.names[symbol].dots and _base(symbol) in eq.definitions):
+        if eq.owners.get(symbol) == path and not (eq.names[symbol].dots and base(symbol) in eq.definitions):
             lines, plain = _lifted(read, expr, path, "p")
             yield from lines
             yield Line(read.read(symbol), read.read(plain))
@@ -131,8 +131,8 @@ def counters(eq: Written) -> set[Any]:
     return found
 
 
-def _base(symbol: Any) -> Any:
-    """What a symbol of this name is the rate of."""
+def base(symbol: Any) -> Any:
+    """What a symbol of this name is the rate of, None where it is none."""
     stem = symbol.name.split("'_", 1)
     return sp.Symbol("_".join(stem), real=True) if len(stem) == 2 else None
 

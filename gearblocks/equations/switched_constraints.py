@@ -221,18 +221,18 @@ def constraint_torques(
     switched_constraints: Sequence[SwitchedConstraint],
     mass: Any,
     forcing: Any,
-    q: Sequence[Any],
     v: Sequence[Any],
+    rates: Mapping[Any, Any],
     t: Any,
 ) -> list[Any]:
     """Constraint forces T of an active set: G M^-1 (f + F T) + acceleration bias = 0, W T = -(...) with W = G M^-1 F.
 
-    The minimum-norm split where rows of G are dependent. forcing: f + F T, without definitions of these torques.
+    The minimum-norm split where rows of G are dependent. forcing: f + F T, without definitions of these torques. rates: of
+    angles and of what stands for functions of these.
     """
     moving = [i for i in range(mass.shape[0]) if any(mass[i, j] != 0 for j in range(mass.shape[1]))]
     torques = [r.torque for r in switched_constraints]
     G = sp.Matrix([[sp.diff(r.sliding, x) for x in v] for r in switched_constraints])
-    rates = dict(zip(q, v, strict=True))
     bias = sp.Matrix(
         [
             sum((sp.diff(r.sliding, x) * w for x, w in rates.items()), sp.diff(r.sliding, t))

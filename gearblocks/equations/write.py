@@ -15,6 +15,7 @@ from gearblocks.assembly.tables import GROUND_GROUP, Assembly
 from gearblocks.equations.dependent_groups import DependentGroups, over_independent_groups, rational
 from gearblocks.equations.equations import Equations
 from gearblocks.equations.lexicon import Lexicon, flat
+from gearblocks.equations.sections import base
 from gearblocks.equations.switched_constraints import SwitchedConstraint
 from gearblocks.errors import ModelError
 from gearblocks.language.block import start_fields
@@ -133,9 +134,19 @@ class _Writer:
                 continue
             group, gain = self._place(c.nodes[0])
             angle = sp.Integer(0) if group == GROUND_GROUP else dependent.put(gain * self.q[group])
-            if angle.free_symbols and not angle.is_Symbol:
+            if angle in dependent.angles and angle == self._body(group):
+                found[angle] = dependent.angles[angle]
+            elif angle.free_symbols and (not angle.is_Symbol or angle in dependent.angles):
                 found[self.lexicon.body(c)] = angle
         return found
+
+    def _body(self, group: int) -> Any:
+        """The angle of the first body that turns as its group does, None where there is none."""
+        bodies = (
+            c for c in self.assembly.train.components if ANGLE in start_fields(type(c.block)) and c.nodes[0] != GROUND
+        )
+        found = next((c for c in bodies if self._place(c.nodes[0]) == (group, 1)), None)
+        return None if found is None else self.lexicon.body(found)
 
     def _symbol(self, c: Component, meaning: Any, text: str, groups: Mapping[str, Any]) -> Any:
         """The symbol of the whole train for one of a kind."""
@@ -229,7 +240,8 @@ class _Writer:
 
     def finish(self) -> Equations:
         """The frozen equations."""
-        dependent = over_independent_groups(self.assembly, self.prescribed, self.q, self.v, self.scales, self._offset)
+        symbols = self.q, self.v, self.scales
+        dependent = over_independent_groups(self.assembly, self.prescribed, *symbols, self._offset, self._body)
         exprs = [*self.shows.values(), *self.definitions.values(), *self.states.values()]
         exprs += [e for row in self.torque for e in row.values()]
         read = {x.name for e in exprs for x in sp.sympify(e).free_symbols}
@@ -247,6 +259,7 @@ class _Writer:
         )
         torque = [sp.Add(*(e for _, e in row)) for row in contributions]
         definitions = {s: self._sensed(dependent.put(e).xreplace(mobility)) for s, e in self.definitions.items()}
+        definitions |= dependent.angles
         self.states = {s: self._sensed(dependent.put(e)) for s, e in self.states.items()} | dependent.rates
         self.switched_constraints = [
             r.mapped(lambda e: self._sensed(dependent.put(e).xreplace(mobility))) for r in self.switched_constraints
@@ -254,17 +267,17 @@ class _Writer:
         self.deflections = {x: dependent.put(e) for x, e in self.deflections.items()}
         ties = self._ties(dependent)
         self.q, self.v = self.q[: dependent.n], self.v[: dependent.n]
-        used: set[Any] = set()
+        used: set[Any] = set(mass.free_symbols)
         for e in [*torque, *self.states.values(), *(e for r in self.switched_constraints for e in r.expressions())]:
             used |= e.free_symbols
         kept: dict[Any, Any] = {}
         while new := [s for s in definitions if s in used and s not in kept]:
             for s in new:
                 kept[s] = definitions[s]
-                used |= definitions[s].free_symbols
+                used |= definitions[s].free_symbols | {base(s)}  # a rate is said by what it is the rate of
         ordered = {s: kept[s] for s in definitions if s in kept}
         used |= {x for e in ties.values() for x in e.free_symbols}
-        parameters = {s: p for s, p in self.lexicon.parameters.items() if s in used or s in mass.free_symbols}
+        parameters = {s: p for s, p in self.lexicon.parameters.items() if s in used}
         words = self.lexicon
         return Equations(
             self.assembly.train.name, tuple(self.q), tuple(self.v), mass, sp.Matrix(torque), self.states,

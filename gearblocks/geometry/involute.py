@@ -43,12 +43,18 @@ class Functions(NamedTuple):
 NUMBERS = Functions()
 
 
+def unnamed(_symbol: str, quantity: Any, _words: str = "", _unit: str = "1") -> Any:
+    """The quantity as it is: in computation, nothing has a name of its own."""
+    return quantity
+
+
 @dataclass(frozen=True, slots=True)
 class ToothPair:
     """Two involute gears. z2 < 0: an internal gear (ISO 21771), whose radii are then negative too.
 
     module: normal module [m]; pressure_angle, helix_angle [rad]; shifts: profile shifts (x1, x2) over the module, positive
-    towards the tip, None: none; addendum: over the module. Tips are not shortened. f: the functions to compute with.
+    towards the tip, None: none; addendum: over the module. Tips are not shortened. f: the functions to compute with; named:
+    (symbol, quantity, words, unit) -> what stands for a quantity, which is its symbol in equations for people.
     """
 
     z1: Any
@@ -59,13 +65,15 @@ class ToothPair:
     shifts: tuple[Any, Any] | None = None
     addendum: Any = 1
     f: Functions = NUMBERS
+    named: Callable[..., Any] = unnamed
 
     @property
     def transverse_angle(self) -> Any:
         """Pressure angle in the transverse section at the reference circles [rad]."""
         if self.helix_angle == 0:
             return self.pressure_angle
-        return self.f.atan(self.f.tan(self.pressure_angle) / self.f.cos(self.helix_angle))
+        angle = self.f.atan(self.f.tan(self.pressure_angle) / self.f.cos(self.helix_angle))
+        return self.named("alpha_t", angle, "transverse pressure angle", "rad")
 
     @property
     def working_angle(self) -> Any:
@@ -74,41 +82,57 @@ class ToothPair:
         if self.shifts is None:
             return angle
         shift = 2 * self.f.tan(self.pressure_angle) * (self.shifts[0] + self.shifts[1]) / (self.z1 + self.z2)
-        return self.f.inverse_involute(self.f.tan(angle) - angle + shift)
+        working = self.f.inverse_involute(self.f.tan(angle) - angle + shift)
+        return self.named("alpha_w", working, "working pressure angle", "rad")
 
-    def radius(self, z: Any) -> Any:
-        """Reference radius [m]."""
-        return self.module * z / (2 * self.f.cos(self.helix_angle))
+    @property
+    def base_radii(self) -> tuple[Any, Any]:
+        """Base radii [m], signed like z."""
+        radius = self.module * self.z1 / (2 * self.f.cos(self.helix_angle)) * self.f.cos(self.transverse_angle)
+        first = self.named("r_1", radius, "base radius of gear 1", "m")
+        return first, self._of_gear_2("r_2", first * self.z2 / self.z1, "base radius of gear 2")
 
-    def base_radius(self, z: Any) -> Any:
-        """Base radius [m]."""
-        return self.radius(z) * self.f.cos(self.transverse_angle)
+    @property
+    def tip_radii(self) -> tuple[Any, Any]:
+        """Tip radii [m], signed like z."""
+        first, second = (
+            self.module * z / (2 * self.f.cos(self.helix_angle)) + self.module * (self.addendum + shift)
+            for z, shift in zip((self.z1, self.z2), self.shifts or (0, 0), strict=True)
+        )
+        words = "tip radius of gear"
+        return self.named("r_a1", first, f"{words} 1", "m"), self._of_gear_2("r_a2", second, f"{words} 2")
+
+    def _of_gear_2(self, symbol: str, radius: Any, words: str) -> Any:
+        """A radius of gear 2; the name is that of its size."""
+        return -self.named(symbol, -radius, words, "m") if self.is_internal else self.named(symbol, radius, words, "m")
 
     @property
     def base_pitch(self) -> Any:
         """Transverse base pitch [m]: the way along the line of action from one tooth to the next."""
-        return self.f.pi * self.module * self.f.cos(self.transverse_angle) / self.f.cos(self.helix_angle)
+        pitch = self.f.pi * self.module * self.f.cos(self.transverse_angle) / self.f.cos(self.helix_angle)
+        return self.named("p_b", pitch, "transverse base pitch", "m")
 
     @property
     def lever_arms(self) -> tuple[Any, Any]:
         """Lever arms of friction at the pitch point [m]: radii of curvature r_b tan(a_w), signed like z."""
         t = self.f.tan(self.working_angle)
-        return self.base_radius(self.z1) * t, self.base_radius(self.z2) * t
+        first, second = (
+            self.named(f"rho_{gear}", radius * t, f"lever arm of friction on gear {gear} at the pitch point", "m")
+            for gear, radius in enumerate(self.base_radii, 1)
+        )
+        return first, second
 
     @property
     def path(self) -> tuple[Any, Any]:
         """(approach, recess): lengths of the path of contact before and after the pitch point [m], gear 1 driving."""
+        reaches = [self.f.sqrt(tip**2 - base**2) for tip, base in zip(self.tip_radii, self.base_radii, strict=True)]
         arms = self.lever_arms
-        ends = []
-        for z, shift, arm in ((self.z1, 0, arms[0]), (self.z2, 1, arms[1])):
-            tip = self.radius(z) + self.module * (self.addendum + (self.shifts[shift] if self.shifts else 0))
-            reach = self.f.sqrt(tip**2 - self.base_radius(z) ** 2)
-            ends.append((reach if self.is_outside(z) else -reach) - arm)
-        return ends[1], ends[0]
-
-    def is_outside(self, z: Any) -> bool:
-        """Whether the teeth of the gear with tooth number z stand outwards."""
-        return not (z is self.z2 and self.is_internal)
+        approach = (-reaches[1] if self.is_internal else reaches[1]) - arms[1]
+        words = "length of the path of contact, gear 1 driving"
+        return (
+            self.named("g_f", approach, f"{words}, before the pitch point", "m"),
+            self.named("g_a", reaches[0] - arms[0], f"{words}, behind it", "m"),
+        )
 
     @property
     def is_internal(self) -> bool:
@@ -119,7 +143,7 @@ class ToothPair:
     def contact_ratio(self) -> Any:
         """Transverse contact ratio: how many tooth pairs are in contact on average."""
         approach, recess = self.path
-        return (approach + recess) / self.base_pitch
+        return self.named("epsilon_alpha", (approach + recess) / self.base_pitch, "transverse contact ratio")
 
 
 def single_stiffness(pair: ToothPair, first_is_smaller: bool = True) -> Any:
@@ -132,17 +156,20 @@ def single_stiffness(pair: ToothPair, first_is_smaller: bool = True) -> Any:
     Gear 1 of the formula is the smaller one; an internal gear counts as zn2 = infinity. Solid discs of steel, dedendum
     = addendum + 0.25 modules (ISO 53), x1 >= x2, -0.5 <= x1 + x2 <= 2, load of 100 N per mm of face width or more.
     """
-    f, beta = pair.f, pair.helix_angle
+    f, beta, named = pair.f, pair.helix_angle, pair.named
     normal = (1 - (f.sin(beta) * f.cos(pair.pressure_angle)) ** 2) * f.cos(beta)
-    inverse = [normal / pair.z1, 0 if pair.is_internal else normal / pair.z2]
+    words = "virtual number of teeth of gear"
+    inverse = [1 / named("z_n1", pair.z1 / normal, f"{words} 1")]
+    inverse.append(0 if pair.is_internal else 1 / named("z_n2", pair.z2 / normal, f"{words} 2"))
     x = list(pair.shifts or (0, 0))
     if not first_is_smaller:
         inverse.reverse()
         x.reverse()
     q = _C[0] + _C[1] * inverse[0] + _C[2] * inverse[1] + _C[3] * x[0] + _C[4] * x[0] * inverse[0] + _C[5] * x[1]
     q = q + _C[6] * x[1] * inverse[1] + _C[7] * x[0] ** 2 + _C[8] * x[1] ** 2
+    q = named("q_pair", q, "flexibility of a tooth pair, q' of ISO 6336-1", "mm um/N")
     rack = (1 + 0.5 * (0.95 - pair.addendum)) * (1 - 0.02 * (20 - pair.pressure_angle * 180 / f.pi))
-    return 0.8e9 * rack * f.cos(beta) / q
+    return named("c_pair", 0.8e9 * rack * f.cos(beta) / q, "stiffness of a tooth pair, c' of ISO 6336-1", "N/m2")
 
 
 def mesh_stiffness(pair: ToothPair, face_width: Any, first_is_smaller: bool = True) -> Any:

@@ -70,7 +70,33 @@ def prescribed_angle(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any)
     by_gains = sum((g * others[n].w for n, g in gains.items()), sp.Integer(0))
     speeds = {f.phi: f.w for f in others.values()}
     acceleration_bias = _rate(law, kind, velocity_bias, speeds) + _rate(law, kind, by_gains, speeds)
-    return PrescribedMotion(name, gains, velocity_bias, acceleration_bias, angle)
+    motion = PrescribedMotion(name, gains, velocity_bias, acceleration_bias, angle)
+    if not law.pool.reading or all(g.is_number for g in gains.values()):
+        return motion
+    return _with_names(law, motion, {n: f.w for n, f in others.items()}, lambda e: _rate(law, kind, e, speeds))
+
+
+def _with_names(
+    law: Any, motion: PrescribedMotion, speeds: Mapping[str, Any], rate: Callable[[Any], Any]
+) -> PrescribedMotion:
+    """A prescribed motion for people: gains and velocity bias by their names, the acceleration bias by the rates of these."""
+    number = str(len(law.prescribed) + 1) if law.prescribed else ""
+
+    def named(letter: str, expr: Any, words: str, unit: str) -> tuple[Any, Any]:
+        rates = {"1": "1/s", "rad/s": "rad/s2"}
+        dots = law.pool.named(f"{letter}'", rate(expr), f"rate of the {words}", rates[unit])
+        return law.pool.named(letter, expr, words, unit), dots
+
+    gains, bias = {}, motion.velocity_bias
+    acceleration: Any = sp.Integer(0)
+    for name, gain in motion.gains.items():
+        letter = f"K{number}" if len(motion.gains) == 1 else f"K{number}_{name}"
+        gains[name], change = named(letter, gain, f"speed of {motion.flange} over that of {name}", "1")
+        acceleration += change * speeds[name]
+    if bias != 0:
+        bias, change = named(f"b{number}", bias, f"speed of {motion.flange} in time", "rad/s")
+        acceleration += change
+    return PrescribedMotion(motion.flange, gains, bias, acceleration, motion.angle)
 
 
 def prescribed_speed(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> PrescribedMotion:

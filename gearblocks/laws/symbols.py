@@ -26,14 +26,27 @@ from gearblocks.laws.functions import EllipseLead, Table2At, TableAt
 class SymbolRole:
     """Role of a symbol: what it stands for.
 
-    role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, phi,
-    w, alpha, tau, state, coordinate, mode, direction, stuck, constraint_force, friction (of a Stick: by its name; the last one:
-    sliding or constraint force, in equations for reading); in generated functions hoisted, force, gain (of a flange on its
-    group), torque_rate (of a flange), local (C text). of: flange, state, switch number, path, or the leaf itself.
+    role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, law_table (of
+    a LawTable, in equations for reading), phi, w, alpha, tau, state, coordinate, mode, direction, stuck, constraint_force,
+    friction (of a Stick: by its name; the last one: sliding or constraint force, in equations for reading); in generated
+    functions hoisted, force, gain (of a flange on its group), torque_rate (of a flange), local (C text).
+
+    of: flange, state, switch number, path, or the leaf itself.
     """
 
     role: str
     of: Any
+
+
+@dataclass(frozen=True, slots=True)
+class LawTable:
+    """A Table that a law makes from a field of its block, as people read it."""
+
+    table: Table
+    field: str
+    name: str
+    words: str
+    unit: str = "1"
 
 
 LEVEL = {
@@ -105,6 +118,16 @@ class Pool:
         """The symbol of a table."""
         return self.symbol("table", table, f"table_{table.digest()}")
 
+    def named(self, name: str, expr: Any, words: str = "", unit: str = "1") -> Any:
+        """The expression; in equations for reading the symbol of that name, with the expression as its definition."""
+        expr = sp.sympify(expr)
+        if not self.reading or expr.is_number or (expr.is_Symbol and expr not in self.definitions):
+            return expr
+        symbol = self.symbol("named", name, name.split(".")[-1])
+        self.definitions[symbol] = expr
+        self.words[symbol] = words, unit
+        return symbol
+
     def spelled(self, expr: Any, moving: set[Any]) -> Any:
         """The expression with those defined symbols put in that depend on one of `moving`."""
         expr = sp.sympify(expr)
@@ -144,7 +167,7 @@ class Pool:
 def _level_of(meaning: SymbolRole) -> int:
     if meaning.role == "hoisted":
         return int(meaning.of[0])
-    return CONSTANT if meaning.role in ("table", "table2") else LEVEL.get(meaning.role, MOVING)
+    return CONSTANT if meaning.role in ("table", "table2", "law_table") else LEVEL.get(meaning.role, MOVING)
 
 
 class FlangeSymbols:
@@ -231,13 +254,7 @@ class Symbols:
 
         A name that ends in ' is the rate of the one without it. words, unit: for the list of symbols.
         """
-        expr = sp.sympify(expr)
-        if not self._pool.reading or expr.is_number or (expr.is_Symbol and expr not in self._pool.definitions):
-            return expr
-        symbol = self._pool.symbol("named", self._prefix + name, name)
-        self._pool.definitions[symbol] = expr
-        self._pool.words[symbol] = words, unit
-        return symbol
+        return self._pool.named(self._prefix + name, expr, words, unit)
 
     def turned(self, law: RatioLaw, x: Any) -> Any:
         """F(x) of a ratio law: its mean ratio times x, exactly, and a periodic part."""
@@ -262,9 +279,15 @@ class Symbols:
             return getattr(self, field)
         return to_sympy(value, lambda leaf: self._pool.leaf(leaf, values))
 
-    def tabled(self, table: Table, x: Any) -> Any:
-        """A Table that a law makes itself, over a quantity. Tables with the same joints share one switch."""
-        return TableAt(self._pool.symbol("table", table, f"table_{table.digest()}"), x, sp.Integer(0))
+    def tabled(self, table: Table, x: Any, field: str = "", **meaning: str) -> Any:
+        """A Table that a law makes itself, over a quantity. Tables with the same joints share one switch.
+
+        field: of the block, from which it is made; meaning: name, words and unit, for the list of symbols.
+        """
+        if field and self._pool.reading:
+            made = LawTable(table, self._prefix + field, **meaning)
+            return TableAt(self._pool.symbol("law_table", made, made.name), x, sp.Integer(0))
+        return TableAt(self._pool.table(table), x, sp.Integer(0))
 
     def stick(self, name: str) -> tuple[Any, Any, Any]:
         """Of the Stick or Stop of that name: direction of sliding (-1, 1; 0 when stuck or free), 1 while stuck (closed),

@@ -31,11 +31,12 @@ def read(latex):
 def of_all(equations, paths):
     """Equations of alike parts (an index i, its values in the heading) as those of each part; sums over i as their terms."""
     alike = {}
-    for path in paths:
-        stem = path.rstrip("0123456789")
-        if stem != path:
-            foot = stem.rstrip("_").replace("_", r"\_")
-            alike[rf"{foot}}}\,i", path[len(stem) :]] = path.replace("_", r"\_")
+    for path in paths:  # at the foot of symbols gear.planet[1] is "gear planet1", and one of any "gear planet i"
+        whole = path.translate({ord("["): None, ord("]"): None, ord("."): r"\,", ord("_"): r"\_"})
+        stem = whole.rstrip("0123456789")
+        if stem != whole:
+            foot = stem.removesuffix(r"\_")
+            alike[rf"{foot}}}\,i", whole[len(stem) :]] = whole
     for heading, left, right in equations:
         over = re.search(r", i = (\d+), \.\.\., (\d+)$", heading)
         for i in range(int(over[1]), int(over[2]) + 1) if over else [None]:
@@ -89,11 +90,18 @@ def _power(one, two):
     return one.through(value, two.value * one.value ** (two.value - 1))
 
 
+def _solved(x, angle):
+    """The angle a with tan(a) - a = x."""
+    return x.through(angle, 1 / mp.tan(angle) ** 2)
+
+
 FUNCTIONS = {
     r"\sin": lambda x: x.through(mp.sin(x.value), mp.cos(x.value)),
     r"\cos": lambda x: x.through(mp.cos(x.value), -mp.sin(x.value)),
+    r"\tan": lambda x: x.through(mp.tan(x.value), 1 + mp.tan(x.value) ** 2),
     r"\arctan": lambda x: x.through(mp.atan(x.value), 1 / (1 + x.value**2)),
     r"\exp": lambda x: x.through(mp.exp(x.value), mp.exp(x.value)),
+    "arcinv": lambda x: _solved(x, mp.findroot(lambda a: mp.tan(a) - a - x.value, mp.cbrt(3 * x.value))),
     "sgn": lambda x: Moving(mp.mpf(mp.sign(x.value))),
     "H": lambda x: Moving(mp.mpf(x.value >= 0)),
     r"\max": lambda *x: max(x),

@@ -55,7 +55,7 @@ def test_the_path_of_contact_is_cut_off_by_the_tip_circles(
 ) -> None:
     pair = ToothPair(z1, -z2 if internal else z2, 2e-3, ANGLE, shifts=shifts)
     assert pair.path == pytest.approx([2e-3 * s for s in _path_by_hand(z1, z2, internal, shifts)], rel=1e-11)
-    assert pair.base_pitch == pytest.approx(2 * math.pi * pair.base_radius(z1) / z1, rel=1e-15)
+    assert pair.base_pitch == pytest.approx(2 * math.pi * pair.base_radii[0] / z1, rel=1e-15)
     assert pair.contact_ratio == pytest.approx(sum(pair.path) / (math.pi * 2e-3 * math.cos(ANGLE)), rel=1e-14)
 
 
