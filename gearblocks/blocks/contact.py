@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gearblocks.blocks.effects import Backlash, HuntCrossley, Superposition
+from gearblocks.blocks.play import Play
 from gearblocks.language.contributions import Acts, Contribution, Energy, Force, Hold, Rate, Shows, Switch
 
 
@@ -17,18 +18,20 @@ from gearblocks.language.contributions import Acts, Contribution, Energy, Force,
 class Contact:
     """Symbols of one contact. x: deflection; rate: its rate; k: stiffness with variation; c: damping or None.
 
-    gap: the backlash or None, with its symbols; choice: what damping does in the gap; force: what readers call the force.
+    gap: the backlash or None, with its symbols; choice: what damping does in the gap; force: what readers call the force;
+    exponent: of the deflection beyond the gap, k g abs(g)^(n - 1), or None for 1.
     """
 
     x: Any
     rate: Any
     k: Any
     c: Any
-    gap: Backlash | None
+    gap: Backlash | Play | None
     gap_symbols: Any
     choice: str | HuntCrossley
     choice_symbols: Any
     force: str = "N"
+    exponent: Any = None
 
 
 def damping(s: Any, k: Any, compliance_of_bodies: Any, *, unit: str = "N s/m", body: str = "m_e") -> Any:
@@ -78,7 +81,8 @@ def _impact_problems(block: Any, damped: bool) -> Iterator[str]:
     gap = getattr(block, "backlash", None)
     if damped:
         yield "contact_damping=HuntCrossley(...) takes the place of c and damping_ratio; leave these out"
-    if getattr(block, "half_gap", None) is None and (gap is None or gap.law != "exact"):
+    ends = (getattr(block, name, None) for name in ("half_gap", "lower", "upper"))
+    if all(end is None for end in ends) and (gap is None or gap.law != "exact"):
         yield "contact_damping=HuntCrossley(...) needs a contact that starts: give backlash with law='exact'"
 
 
@@ -114,7 +118,7 @@ def contact(s: Any, law: Contact) -> Iterator[Contribution]:
     import sympy as sp
 
     x, gap, symbols = law.x, law.gap, law.gap_symbols
-    g, potential = _deflection(law)
+    g, potential = _risen(law, *_deflection(law))
     side, pushing = sp.Integer(1), sp.Integer(1)
     if gap is not None:
         side = symbols.named("side", gap.side(symbols, x), "side of the contact: 1 drive, -1 coast, 0 none")
@@ -139,6 +143,15 @@ def contact(s: Any, law: Contact) -> Iterator[Contribution]:
     yield Shows("contact", side, "1", "-1 coast side, 0 none, +1 drive side")
     if gap is not None and gap.gaps is not None:
         yield Shows("engaged_teeth", gap.engaged(symbols, x), "1", "teeth that carry load")
+
+
+def _risen(law: Contact, g: Any, potential: Any) -> tuple[Any, Any]:
+    """g abs(g)^(n - 1) and its integral."""
+    from gearblocks.laws.functions import SignedPower
+
+    if law.exponent is None:
+        return g, potential
+    return SignedPower(g, law.exponent, 0), SignedPower(g, law.exponent, -1)
 
 
 def _deflection(law: Contact) -> tuple[Any, Any]:
@@ -182,10 +195,13 @@ def _for_reading(s: Any, law: Contact, elastic: Any, pushing: Any) -> Any:
         return elastic + s.named("d", sp.Max(-limit, sp.Min(viscous, limit)), f"damping part of the {force}", unit)
     if law.gap.gaps is not None:
         return pushing * sp.Max(0, pushing * (elastic + viscous))
-    b = law.gap_symbols.half_gap
-    return sp.Piecewise(
-        (sp.Max(0, elastic + viscous), law.x > b), (sp.Min(0, elastic + viscous), law.x < -b), (0, True)
-    )
+    if isinstance(law.gap, Play):
+        lower, upper = law.gap.lower, law.gap.upper
+    else:
+        lower, upper = -law.gap_symbols.half_gap, law.gap_symbols.half_gap
+    above = [] if upper is None else [(sp.Max(0, elastic + viscous), law.x > upper)]
+    below = [] if lower is None else [(sp.Min(0, elastic + viscous), law.x < lower)]
+    return sp.Piecewise(*above, *below, (0, True))
 
 
 def _growth(s: Any) -> Any:

@@ -15,8 +15,14 @@ def _gap_field(block: Any) -> str:
     return "half_gap" if "half_gap" in type(block).fields else "backlash"
 
 
+def _ends(block: Any) -> list[str]:
+    """Fields that give the gap."""
+    found = [_gap_field(block), *(name for name in ("lower", "upper") if name in type(block).fields)]
+    return [name for name in found if getattr(block, name) is not None]
+
+
 def _has_restitution(block: Any) -> bool:
-    return getattr(block, _gap_field(block)) is not None and isinstance(block.contact_damping, HuntCrossley)
+    return bool(_ends(block)) and isinstance(block.contact_damping, HuntCrossley)
 
 
 def hits(block: Any) -> bool:
@@ -29,19 +35,26 @@ def without(block: Any, name: str, changed: Block) -> Block:
 
     Gap and restitution outlive the compliance; of a rigid impact, they go together.
     """
-    gap = _gap_field(block)
     if name == "compliance" and _has_restitution(block):
-        changed = changed.changed(**{gap: getattr(block, gap), "contact_damping": block.contact_damping})
+        kept = [*_ends(block), "contact_damping", *(["rest"] if "rest" in type(block).fields else [])]
+        changed = changed.changed(**{field: getattr(block, field) for field in kept})
     elif name in ("backlash", "damping") and hits(block):
-        changed = changed.changed(**{gap: None, "contact_damping": "clipped"})
+        gone = [*_ends(block), *(["rest"] if "rest" in type(block).fields else [])]
+        changed = changed.changed(**{**dict.fromkeys(gone), "contact_damping": "clipped"})
     return changed
 
 
 def impact(block: Any, s: Any, angle: Any, radius: Any) -> Generator[Contribution, None, Any]:
     """The stops at both ends of the gap about zero deflection radius * angle, and the force against it: > 0 on the drive
     side. The angle has exact factors, which the stops need."""
-    lower, upper = (-s.half_gap, s.half_gap) if _gap_field(block) == "half_gap" else block.backlash.ends(s.backlash)
-    limits = Limits(angle, lower / radius, upper / radius, s.contact_damping.restitution)
+    if "half_gap" not in type(block).fields:
+        lower, upper = block.backlash.ends(s.backlash)
+    elif block.half_gap is not None:
+        lower, upper = -s.half_gap, s.half_gap
+    else:
+        lower, upper = s.lower, s.upper
+    least, most = (None if end is None else end / radius for end in (lower, upper))
+    limits = Limits(angle, least, most, s.contact_damping.restitution)
     yield from stops(limits)
     force, contact = pressing(s, limits)
     yield Shows("contact", contact, "1", "-1 coast side, 0 none, +1 drive side")

@@ -8,9 +8,11 @@ from typing import Any
 from gearblocks.blocks.bodies import Inertia
 from gearblocks.blocks.contact import Contact, contact, damping, damping_problems
 from gearblocks.blocks.effects import Backlash, HuntCrossley, Hysteresis
+from gearblocks.blocks.play import Play
 from gearblocks.blocks.rigid_impact import hits, impact, without
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Energy, Force, Parts, Rate, Shows, Stick, Tie
+from gearblocks.language.expression import as_expr
 from gearblocks.language.fields import Flange, effect, option, param, signal
 from gearblocks.language.signals import Signal, Value, constant_value, number_or_zero
 from gearblocks.language.watches import Watch
@@ -23,9 +25,10 @@ class Shaft(Block):
               --[]--             positive torque pulls a forward and b back ... on b: -(k twist + c twist')
 
     Either k (a number or signal), or torque: an expression of gb.twist or a Table over the twist, the torque that
-    pulls the ends together. Damping by c or damping_ratio. With its own inertia J the shaft becomes a chain of `segments`
-    springs with J lumped at their ends; without the effect `segments`, of one spring between two halves of J.
-    hysteresis=Hysteresis(...): inner friction beside the spring.
+    pulls the ends together. rest: the twist (on sliders s_b - s_a, a free length) at which it carries nothing: twist - rest
+    then stands for the twist in both; the output twist stays phi_b - phi_a. Damping by c or damping_ratio. With its own
+    inertia J the shaft becomes a chain of `segments` springs with J lumped at their ends; without the effect `segments`, of
+    one spring between two halves of J. hysteresis=Hysteresis(...): inner friction beside the spring.
 
     Example:
         rig = gb.Drivetrain("two discs")
@@ -42,6 +45,7 @@ class Shaft(Block):
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     allow_negative: bool = option("admit k < 0", default=False)
+    rest: Value | None = param("twist without load", "rad", default=None, belongs_to="compliance")
     hysteresis: Hysteresis | None = effect("inner friction", default=None)
     rigid: bool = option(
         "turns as one piece; what is left when compliance is taken away", default=False, absence_of="compliance"
@@ -60,6 +64,10 @@ class Shaft(Block):
             yield "a rigid shaft has no k, torque, c or damping_ratio"
         if isinstance(self.k, (int, float)) and self.k <= 0 and not self.allow_negative:
             yield f"k = {self.k!r} N m/rad must be > 0 (or give allow_negative=True)"
+        if self.rigid and self.rest is not None:
+            yield "a rigid shaft has no rest: it keeps the angle between its ends as it is"
+        if self.rest is not None and (self.J is not None or self.segments != 1):
+            yield "rest is that of one spring; leave J and segments out"
         if self.rigid and self.hysteresis is not None:
             yield "a rigid shaft has no hysteresis: nothing twists"
         if self.torque is not None and self.damping_ratio is not None:
@@ -77,6 +85,10 @@ class Shaft(Block):
     def gives_way(self, flange: str) -> tuple[str, float] | None:  # noqa: ARG002  both ends alike
         """Its compliance."""
         return None if self.rigid else ("compliance", number_or_zero(self.k))
+
+    def undeformed(self) -> dict[str, str]:
+        """Its rest."""
+        return {} if self.rest is None else {"rest": "rest"}
 
     def parts(self) -> Parts | None:
         """The chain of springs and lumps, when it has an inertia."""
@@ -119,11 +131,12 @@ class Shaft(Block):
             yield Tie(twist)
             yield Shows("torque", s.b.tau, "N m", "torque on flange b")
             return
-        elastic = s.k * twist if self.k is not None else s.local("torque", twist=twist)
+        strain = twist if self.rest is None else twist - s.rest
+        elastic = s.k * strain if self.k is not None else s.local("torque", twist=strain)
         c = damping(s, s.k, s.a.mobility + s.b.mobility, unit="N m s/rad", body="J_e")
         drag = c * rate if c is not None else 0
         yield Force(twist, s.named("T", elastic + drag, "torque that pulls the ends together", "N m"))
-        stored = s.k * twist**2 / 2 if self.k is not None else s.energy_of("torque", "twist", twist)
+        stored = s.k * strain**2 / 2 if self.k is not None else s.energy_of("torque", "twist", strain)
         yield Energy(stored=stored, loss=drag * rate if c is not None else None)
         inner, lost = yield from _inner_friction(self, s, twist, rate)
         yield Shows("torque", -elastic - drag - inner, "N m", "torque on flange b")
@@ -180,6 +193,9 @@ class Lash(Block):
 
         a o---| |-/\/\/---o b        twist > 0 pulls a forward and b back
 
+    In place of half_gap the ends of the gap may be given: no torque while lower <= twist <= upper; one of them alone is a
+    contact on one side (Modelica's ElastoGap: lower = its free length s_rel0). rest: all is measured from there, twist - rest
+    for the twist. exponent n >= 1: the elastic torque k g abs(g)^(n - 1), g the twist beyond the gap, k then in N m/rad^n.
     Without compliance it is a rigid tie, or with contact_damping=HuntCrossley(...) a rigid impact of that restitution at
     both ends of the gap.
 
@@ -191,7 +207,13 @@ class Lash(Block):
 
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)
     k: Value | None = param("torsional stiffness in contact", "N m/rad", gt=0, belongs_to="compliance")
-    half_gap: Value | None = param("half of the free play", "rad", ge=0, belongs_to="backlash")
+    half_gap: Value | None = param(
+        "half of the free play", "rad", default=None, ge=0, belongs_to="backlash", or_one_of=("lower", "upper")
+    )
+    lower: Value | None = param("least twist without torque", "rad", default=None, belongs_to="backlash")
+    upper: Value | None = param("largest twist without torque", "rad", default=None, belongs_to="backlash")
+    rest: Value | None = param("twist that the others are measured from", "rad", default=None, belongs_to="compliance")
+    exponent: Value | None = param("exponent of the twist beyond the gap", default=None, ge=1, belongs_to="compliance")
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     contact_damping: str | HuntCrossley = option(
@@ -204,14 +226,38 @@ class Lash(Block):
     def problems(self) -> Iterator[str]:
         """Contradicting fields."""
         yield from damping_problems(self)
+        ends = [name for name in ("lower", "upper") if getattr(self, name) is not None]
+        if self.half_gap is not None and ends:
+            yield f"half_gap and {' and '.join(ends)} are both given; give half_gap, or the ends of the gap"
+        lower, upper = constant_value(self.lower), constant_value(self.upper)
+        if len(ends) == 2 and lower > upper:
+            yield f"lower = {lower!r} rad must be <= upper = {upper!r} rad"
+        if self.damping_ratio is not None and self.exponent is not None:
+            yield "damping_ratio needs a stiffness that does not depend on the twist; give c"
+        if self.k is None and (self.rest is not None or self.exponent is not None) and not hits(self):
+            yield "rest and exponent need k: a rigid lash keeps the angle between its sides as it is"
 
     def without_effect(self, name: str) -> Block:
-        """Without compliance a restitution stays, as that of a rigid impact."""
-        return without(self, name, super().without_effect(name))
+        """Without compliance a restitution stays, as that of a rigid impact; without the gap the spring rests at the end, or
+        in the middle between both."""
+        changed = without(self, name, super().without_effect(name))
+        ends = [x for x in (self.lower, self.upper) if x is not None]
+        if name != "backlash" or not ends or self.k is None:
+            return changed
+        middle = ends[0] if len(ends) == 1 else (as_expr(ends[0]) + as_expr(ends[1])) / 2
+        rest = middle if self.rest is None else as_expr(self.rest) + as_expr(middle)
+        number = constant_value(rest)
+        moved = changed.changed(rest=rest if any(leaf.op == "parameter" for leaf in as_expr(rest).leaves()) else number)
+        assert isinstance(moved, Block)
+        return moved
 
     def gives_way(self, flange: str) -> tuple[str, float] | None:  # noqa: ARG002  both ends alike
         """Its compliance."""
         return None if self.k is None else ("compliance", number_or_zero(self.k))
+
+    def undeformed(self) -> dict[str, str]:
+        """Its rest, and the ends of its gap where they are given."""
+        return {name: name for name in ("rest", "lower", "upper") if getattr(self, name) is not None}
 
     def would_show(self, effect: str) -> Iterator[Watch]:
         """Without free play the torque changes its sign where the sides would part."""
@@ -224,8 +270,9 @@ class Lash(Block):
         if self.k is not None:
             twist, rate = s.named("theta", twist, "twist", "rad"), s.named("theta'", rate, "rate of the twist", "rad/s")
         yield Shows("twist", twist, "rad", "twist phi_b - phi_a")
+        strain = twist if self.rest is None else twist - s.rest
         if hits(self):
-            force = yield from impact(self, s, twist, 1)
+            force = yield from impact(self, s, strain, 1)
             yield Shows("torque", -force, "N m", "torque on flange b")
             return
         if self.k is None:
@@ -233,8 +280,11 @@ class Lash(Block):
             yield Shows("torque", s.b.tau, "N m", "torque on flange b")
             return
         c = damping(s, s.k, s.a.mobility + s.b.mobility, unit="N m s/rad", body="J_e")
-        gap = None if self.half_gap is None else Backlash(half_gap=self.half_gap)
-        for item in contact(s, Contact(twist, rate, s.k, c, gap, s, self.contact_damping, s.contact_damping, "T")):
+        gap: Any = None if self.half_gap is None else Backlash(half_gap=self.half_gap)
+        if self.lower is not None or self.upper is not None:
+            gap = Play(s.lower, s.upper)
+        choice = self.contact_damping, s.contact_damping
+        for item in contact(s, Contact(strain, rate, s.k, c, gap, s, *choice, "T", s.exponent)):
             yield item
             if isinstance(item, Force):
                 yield Shows("torque", -item.force, "N m", "torque on flange b")

@@ -143,7 +143,8 @@ class RigidRow(NamedTuple):
     """A form over angles of groups, sum of factor * phi + sum of offset factor * parameter; its rate without the latter.
 
     component: a body, whose angle it is, with the names of its start angle and speed and whether it gives them; or a
-    compliant element or switched constraint, whose deflection or slip it is (names empty).
+    compliant element or switched constraint, whose deflection or slip it is (names empty). rest, lower, upper: of an element
+    the parameters that say where it carries nothing (-1: there is none; UNKNOWN: it is no parameter by itself), times scale.
     """
 
     component: str
@@ -155,8 +156,13 @@ class RigidRow(NamedTuple):
     speed: str = ""
     gives_angle: bool = False
     gives_speed: bool = False
+    rest: int = -1
+    lower: int = -1
+    upper: int = -1
+    scale: float = 1.0
 
 
+UNKNOWN = -2
 _COUNTED = ("states", "parameters", "inputs", "switches", "outputs")
 """What a program says about itself, besides its name."""
 

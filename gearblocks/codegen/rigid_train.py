@@ -8,16 +8,20 @@ Groups that rigid constraints determine are put in. For starts in which the trai
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from gearblocks.assembly.assemble import expand_rows
 from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.tables import GROUND_GROUP
+from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.output_names import components_of
-from gearblocks.codegen.program import GroupStart, RigidRow
+from gearblocks.codegen.program import UNKNOWN, GroupStart, RigidRow
 from gearblocks.language.block import given_start
 from gearblocks.language.fields import ANGLE, COMPLIANCE, SPEED
+from gearblocks.language.signals import Parameter
 from gearblocks.laws.rational import Exact
+from gearblocks.train.graph import Component
 from gearblocks.train.translational import flange_names
 
 
@@ -85,7 +89,22 @@ def deflection_rows(g: Generator) -> Iterator[RigidRow]:
                 if code.batch.used[j]:
                     source = code.batch.sources[j][e]
                     form = a.dependents[source] if code.batch.dependent[j] else Combination(coordinates={source: 1})
-                    yield RigidRow(c.path, *_parts(g, _over_groups(g, form)))
+                    yield RigidRow(c.path, *_parts(g, _over_groups(g, form)))._replace(**_natural(g, c, code, j))
+
+
+def _natural(g: Generator, c: Component, code: BatchCode, j: int) -> dict[str, Any]:
+    """Where an element carries nothing: of its first deflection, which is scale times the coordinate."""
+    fields = c.block.undeformed() if j == 0 else {}
+    if not fields:
+        return {}
+    found: dict[str, Any] = {"scale": 1.0 / float(code.law.forms[0].scale)}
+    for what, field in fields.items():
+        value = c.block.__dict__[field]
+        if isinstance(value, Parameter):
+            found[what] = g.lay.shared[value.name]
+        else:
+            found[what] = g.lay.path_of.get(f"{c.path}.{field}", UNKNOWN)
+    return found
 
 
 def slip_rows(g: Generator) -> Iterator[RigidRow]:

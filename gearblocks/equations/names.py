@@ -17,7 +17,7 @@ GREEK = {
 }  # fmt: skip
 
 _FIELDS = {
-    "half_gap": "b", "damping_ratio": "ζ", "radius": "r", "wheel_radius": "r", "driven_by": "ω", "phase": "ϑ",
+    "half_gap": "b", "exponent": "n", "damping_ratio": "ζ", "radius": "r", "wheel_radius": "r", "driven_by": "ω", "phase": "ϑ",
     "teeth": "z", "module": "m", "pressure_angle": "α", "helix_angle": "β", "r_base": "r", "coeffs": "c",
     "ripple": "ε", "ratio": "i", "cos": "a", "sin": "a", "mass": "m", "capacity": "C", "profile_shift": "X",
     "face_width": "B", "efficiency": "η", "stiffness": "k", "friction": "M", "restitution": "e", "addendum": "h",

@@ -24,6 +24,7 @@ from gearblocks.laws.functions import (
     EllipseLead,
     InverseInvolute,
     RestitutionDamping,
+    SignedPower,
     Table2At,
     TableAt,
 )
@@ -234,6 +235,7 @@ _READERS: dict[Any, Callable[[Reader, Any], Node]] = {
     ContactSide: lambda reader, expr: reader.read(
         sp.Piecewise((1, expr.args[0] > expr.args[1]), (-1, expr.args[0] < -expr.args[1]), (0, True))
     ),
+    SignedPower: lambda reader, expr: reader.read(expr.spelled_out()),
     EllipseLead: lambda reader, expr: reader.read(expr.written_out()),
     InverseInvolute: lambda reader, expr: reader._call(Words("arcinv"), expr.args),
     RestitutionDamping: lambda reader, expr: reader._call(Words("a"), expr.args),

@@ -34,7 +34,7 @@ from gearblocks.language.watches import Excitation, Watch, excitations_by_time
 
 _TAKEN = {
     "changed", "effects", "energy_of", "excitations", "fields", "flanges", "gives_way", "is_constant", "local", "named",
-    "parts", "physics", "problems", "rate_of", "reading", "slope", "states", "stick", "tabled", "time", "turned",
+    "parts", "physics", "problems", "rate_of", "reading", "slope", "states", "stick", "tabled", "time", "turned", "undeformed",
     "without_effect", "would_show",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
@@ -82,9 +82,10 @@ class Declared(metaclass=Documented):
                     if type(value) not in _BARE and (spec.role in ("param", "signal") or spec.unit != "1"):
                         value = _in_si(value, spec)
                     store[name] = value if spec.convert is None else spec.convert(value)
-                elif spec.required:
+                elif spec.required or (spec.or_one_of and not any(n in values for n in spec.or_one_of)):
                     unit = "" if spec.unit == "1" else f", {spec.unit}"
-                    problems.append(f"{kind} needs {name} ({spec.words}{unit}); it was not given")
+                    beside = f", or {' or '.join(spec.or_one_of)}" if spec.or_one_of else ""
+                    problems.append(f"{kind} needs {name} ({spec.words}{unit}){beside}; it was not given")
                 else:
                     store[name] = spec.default
             except GearblocksError as error:
@@ -272,6 +273,11 @@ class Block(Declared, ABC):
         """The effect that lets a flange turn against the others, and its stiffness about that flange [N m/rad] as far as it
         is a number, else 0. None where it gives no way."""
         return (COMPLIANCE, 0.0) if COMPLIANCE in self.effects() and not type(self).flanges[flange].ground else None
+
+    def undeformed(self) -> Mapping[str, str]:
+        """Of a compliant element the fields that say at which deflection it carries nothing: "rest" names where that is (else
+        0), "lower" and "upper" the ends of the range about it, as far as it has one."""
+        return {}
 
     def would_show(self, effect: str) -> Iterator[Watch]:  # noqa: ARG002  most effects act always
         """What shows, on the block without this effect, that it would act; nothing for one that always acts."""

@@ -45,7 +45,8 @@ class Field:
     option says is absent. leading: of a row, how many of its first numbers the law takes; the others follow from them.
     usual: the largest size that one expects, above which rig.describe() asks whether it is meant. each: of a row, words
     of its numbers one by one, or one text for all with {n} (1, 2, ...) or {odd} (1, 3, ...). of_deflection: in the unit of
-    the deflection that an effect is of: a length, or an angle where the field for the effect says so (turns).
+    the deflection that an effect is of: a length, or an angle where the field for the effect says so (turns). or_one_of:
+    fields one of which must be given where this one is not.
     """
 
     words: str
@@ -64,6 +65,7 @@ class Field:
     absence_of: str | None = None
     leading: int | None = None
     usual: float | None = None
+    or_one_of: tuple[str, ...] = ()
     each: tuple[str, ...] = ()
     of_deflection: bool = False
     turns: bool = False
@@ -94,7 +96,7 @@ def param(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
     lt: float | None = None, le: float | None = None, many: bool = False, belongs_to: str | None = None,
     start: str | None = None, leading: int | None = None, usual: float | None = None, each: tuple[str, ...] = (),
-    of_deflection: bool = False,
+    of_deflection: bool = False, or_one_of: tuple[str, ...] = (),
 ) -> Any:  # fmt: skip
     """A number in SI units; a `Parameter` may stand for it. Bounds: gt (>), ge (>=), lt (<), le (<=).
 
@@ -103,7 +105,7 @@ def param(
     physics of the block cannot read it. leading: only so many first numbers of a row run as values, the others follow.
     usual: the largest size that one expects; above it rig.describe() asks whether it is meant. each: words of the numbers of
     a row one by one, or one text with {n} (1, 2, ...) or {odd} (1, 3, ...). of_deflection: of an effect, a length that is an
-    angle where the deflection is one (see `effect`).
+    angle where the deflection is one (see `effect`). or_one_of: fields one of which must be given where this one is not.
     """
     if start not in (None, ANGLE, SPEED) or (start is not None and many):
         raise ModelError(f"param '{words}': start = {start!r} must be 'angle' or 'speed', of one number")
@@ -123,6 +125,7 @@ def param(
         usual=usual,
         each=each,
         of_deflection=of_deflection,
+        or_one_of=or_one_of,
     )
 
 

@@ -82,6 +82,27 @@ def dead_zone_branch(beyond: Any, order: Any) -> Any:
     return {-1: beyond**2 / 2, 0: beyond, 1: sp.Integer(1)}.get(int(order), sp.Integer(0))
 
 
+class SignedPower(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """x abs(x)^(n - 1) for order 0, n >= 1; its integral for order -1, its slopes above. No switch: it is smooth once."""
+
+    nargs = 3
+
+    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002  sympy's signature
+        """The next derivative by x."""
+        x, n, order = self.args
+        return SignedPower(x, n, order + 1)
+
+    def _latex(self, printer: Any) -> str:
+        return str(printer.doprint(self.spelled_out()))
+
+    def spelled_out(self) -> Any:
+        """The definition, for readers."""
+        x, n, order = self.args
+        size = sp.Abs(x)
+        forms = {-1: size ** (n + 1) / (n + 1), 0: x * size ** (n - 1), 1: n * size ** (n - 1)}
+        return forms.get(int(order), n * (n - 1) * x * size ** (n - 3))
+
+
 class EllipseLead(sp.Function):  # type: ignore[misc]  # sympy carries no types
     """2 atan(e sin x/(1 - e cos x)): by how much the mate of an ellipse that turns about its focus runs ahead."""
 

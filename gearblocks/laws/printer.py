@@ -69,6 +69,10 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
     def _print_EllipseLead(self, expr: Any) -> str:
         return str(self._print(expr.written_out()))
 
+    def _print_SignedPower(self, expr: Any) -> str:
+        x, n, order = expr.args
+        return f"gb_signed_power({self._print(x)}, {self._print(n)}, {int(order)})"
+
     def _print_RestitutionDamping(self, expr: Any) -> str:
         return f"gb_restitution_damping({self._print(expr.args[0])})"
 

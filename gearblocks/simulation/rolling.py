@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from gearblocks.codegen.program import GroupStart, ParameterInfo, Program, RigidRow
+from gearblocks.codegen.program import UNKNOWN, GroupStart, ParameterInfo, Program, RigidRow
 from gearblocks.errors import ParameterError, SimulationError
 from gearblocks.language.starts import Rolling, is_rolling
 from gearblocks.simulation.arguments import checked, resolve, start_number
@@ -211,6 +211,17 @@ def _constant(row: RigidRow, vector: Array) -> float:
     return float(sum(f * vector[o] for o, f in zip(row.offsets, row.offset_factors, strict=True)))
 
 
+def _natural(row: RigidRow, vector: Array) -> float:
+    """The deflection at which an element carries nothing, the nearest to its rest."""
+    if UNKNOWN in (row.rest, row.lower, row.upper):
+        raise ParameterError(
+            f"initial: '{row.component}' carries nothing at a deflection that an expression gives: give it a number or a "
+            "Parameter for a rolling start"
+        )
+    rest, lower, upper = (0.0 if i < 0 else float(vector[i]) for i in (row.rest, row.lower, row.upper))
+    return row.scale * (rest + max(lower, 0.0) + min(upper, 0.0))
+
+
 def _angles(program: Program, vector: Array, given: _Given, point: Point) -> list[float]:
     solving = _Solving(program, "nothing is twisted")
     found = point.outputs()
@@ -218,7 +229,9 @@ def _angles(program: Program, vector: Array, given: _Given, point: Point) -> lis
         if start.prescribed and start.angle < 0 and not start.varying:
             solving.motion.take({g: 1.0}, _shown(program, start, found, angle=True))
     for row in program.deflections:
-        solving.take(row, -_constant(row, vector))  # a loop that is under tension by itself stays so
+        solving.take(
+            row, _natural(row, vector) - _constant(row, vector)
+        )  # a loop that is under tension by itself stays so
     own = _own(program, vector, speeds=False)
     named = {i: x - _constant(program.bodies[i], vector) for i, x in given.angles.items()}
     own = {i: x - _constant(program.bodies[i], vector) for i, x in own.items()}
