@@ -169,6 +169,4 @@ def test_contradictions_and_omissions_are_named(tmp_path: Path) -> None:
     rig.to_json(tmp_path / "rig.json")
     assert gb.Drivetrain.from_json(tmp_path / "rig.json")["gap"] == rig["gap"]
     text = str(rig.equations())
-    assert (
-        "F_gap = k_gap g_gap (|g_gap|)^(n_gap - 1) + d_gap" in text and "least deflection without force" in text
-    )
+    assert "F_gap = k_gap g_gap (|g_gap|)^(n_gap - 1) + d_gap" in text and "least deflection without force" in text
