@@ -27,6 +27,7 @@ from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import PrescribedMotion, frozen_motion
 from gearblocks.laws.switched_constraints import ConstraintLaw
 from gearblocks.laws.symbols import SymbolRole, time_symbol
+from gearblocks.train.expression_depth import refused_where_too_deep
 from gearblocks.train.graph import GROUND, Component, Train
 from gearblocks.train.structure import structure_of
 from gearblocks.train.translational import flange_names, slider_names
@@ -34,11 +35,11 @@ from gearblocks.train.translational import flange_names, slider_names
 
 def write_equations(train: Train) -> Equations:
     """The equations of a train; laws are derived once per kind and written out for every component."""
-    assembly = assemble(train, reading=True)
-    writer = _Writer(assembly)
-    for c in train.components:
-        writer.write(c)
-    return writer.finish()
+    with refused_where_too_deep(train.components):
+        writer = _Writer(assemble(train, reading=True))
+        for c in train.components:
+            writer.write(c)
+        return writer.finish()
 
 
 class _Writer:

@@ -21,6 +21,7 @@ from gearblocks.model.following_starts import with_starts
 from gearblocks.model.start_values import contradictions, fit_lossy, fit_prescribed, parameter_value, solve_dependent
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.library import Model, compile_program, start_core_build
+from gearblocks.train.expression_depth import refused_where_too_deep
 from gearblocks.train.graph import GROUND, Train, Tree, flatten
 from gearblocks.train.structure import structural_text, structure_of
 from gearblocks.train.values import leaves_of, numbers_of
@@ -28,7 +29,7 @@ from gearblocks.train.values import leaves_of, numbers_of
 
 def build_train(train: Train) -> Model:
     """The model of a train. Raises ModelError, or CompileError where there is no working compiler."""
-    with _without_collector():
+    with _without_collector(), refused_where_too_deep(train.components):
         return _build(train)
 
 
@@ -51,7 +52,7 @@ def _without_collector() -> Iterator[None]:
 
 def program_of(train: Train) -> tuple[Program, dict[str, float]]:
     """The program of a train and the values of its parameters by path; nothing is compiled."""
-    with _without_collector():
+    with _without_collector(), refused_where_too_deep(train.components):
         return _program(train)
 
 

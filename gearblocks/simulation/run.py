@@ -178,6 +178,8 @@ class _Run:
             code = Code.PAUSE
         if isinstance(self.sim.error, KeyboardInterrupt):
             code = Code.PAUSE
+        elif self.sim.error is not None and not isinstance(self.sim.error, Exception):
+            raise self.sim.error  # an input function ended the program
         self.counters = self.sim.counters  # before anything is run once more
         if self.watching is not None:
             self.watched = self.watching.ended(self.parameters, self.rows)

@@ -34,7 +34,7 @@ static int cannot_be_told(gb_sim *sim, int i, double speed, double height, doubl
     const double impacts = sim->constraints.impacts[i], slow = gb_min(impacts, 1.0 / sqrt(sim->head->options.rtol));
     return restitution * restitution > MOST_KEPT &&
            speed <= (impacts < MANY ? 1.0 : slow) * gb_tolerance_of_slip(sim, i) &&
-           height <= gb_tolerance_of(sim, sim->model->constraints[i].slip, 0);
+           height <= gb_tolerance_of(sim, sim->model->constraints[i].slip);
 }
 
 /* The restitution of stop i. It comes to rest where what presses it brings it back from nothing but such a flight; how

@@ -6,21 +6,35 @@ static double tolerance(const gb_sim *sim, int j) {
     return weight > 0.0 ? 1.0 / weight : 0.0;
 }
 
-double gb_tolerance_of(gb_sim *sim, int i, int small_alone) {
+/* Adds what the tolerances of the states admit for the event functions [first, first + count); small_alone: of states
+ * that are small beside what counts as a size for them. */
+static void add_tolerances(gb_sim *sim, int first, int count, int small_alone, double *sum) {
     const gb_model *model = sim->model;
-    const double here = sim->events.s[i], rtol = sim->head->options.rtol;
-    double *moved = sim->events.moved, *y = sim->z2, sum = 0.0;
+    const double rtol = sim->head->options.rtol;
+    double *moved = sim->events.moved, *y = sim->z2;
     memcpy(y, sim->y, sizeof(double) * (size_t)model->n_total);
     for (int j = 0; j < model->n; j++) {
         const double size = tolerance(sim, j);
         if (size > 0.0 && (!small_alone || 2.0 * sim->control.largest[j] * rtol < size)) {
             y[j] += size;
             model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, moved);
-            sum += fabs(moved[i] - here);
+            for (int i = 0; i < count; i++) {
+                sum[i] += fabs(moved[first + i] - sim->events.s[first + i]);
+            }
             y[j] = sim->y[j];
         }
     }
+}
+
+double gb_tolerance_of(gb_sim *sim, int i) {
+    double sum = 0.0;
+    add_tolerances(sim, i, 1, 0, &sum);
     return sum;
+}
+
+void gb_tolerances_of_small(gb_sim *sim, double *sum) {
+    memset(sum, 0, sizeof(double) * (size_t)sim->model->n_event_functions);
+    add_tolerances(sim, 0, sim->model->n_event_functions, 1, sum);
 }
 
 double gb_tolerance_of_slip(gb_sim *sim, int i) {

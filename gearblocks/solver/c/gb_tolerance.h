@@ -5,8 +5,11 @@
 
 #include "gb_internal.h"
 
-/* Of event function i at the front; of states alone that are small beside what counts as a size for them. */
-double gb_tolerance_of(gb_sim *sim, int i, int small_alone);
+/* Of event function i at the front. */
+double gb_tolerance_of(gb_sim *sim, int i);
+
+/* Of all event functions, by states alone that are small beside what counts as a size for them. */
+void gb_tolerances_of_small(gb_sim *sim, double *sum);
 
 /* Of the slip of constraint i. */
 double gb_tolerance_of_slip(gb_sim *sim, int i);

@@ -180,6 +180,22 @@ def test_an_input_function_that_ends_the_program_at_its_first_call_ends_it(end, 
         gb.simulate(rig, t_end=1.0, inputs={"u": source}, initial=initial)
 
 
+@pytest.mark.parametrize("sampled", [True, False])
+@pytest.mark.parametrize("end", [SystemExit, GeneratorExit])
+def test_an_input_function_that_ends_the_program_later_ends_it_then(end, sampled):
+    """Ctrl-C alone keeps what there is of the run."""
+
+    def source(t):
+        if t > 0.5:
+            raise end
+        return 1.0
+
+    rig = _chain(("drive", gb.Torque(tau=gb.Input("u"))), ("a", gb.Inertia(J=1.0)))
+    how = {"t": [0.0, 0.2, 1.0]} if sampled else {"t_end": 1.0}
+    with pytest.raises(end):
+        gb.simulate(rig, inputs={"u": source}, **how)
+
+
 def test_a_shaft_without_inertia_that_one_mode_leaves_undamped_says_what_damps_it():
     def rig(**lash):
         return _chain(

@@ -1,0 +1,60 @@
+"""Expressions that are nested deeper than Python follows are refused by name; long ones are not deep."""
+
+import pytest
+
+import gearblocks as gb
+from gearblocks.train.expression_depth import depth
+
+
+def cases(count):
+    return gb.piecewise(*((float(i), gb.time < (i + 1) / count) for i in range(count)), (0.0, True))
+
+
+def nested(count):
+    law = gb.sin(gb.time)
+    for _ in range(count):
+        law = 0.1 + gb.sin(law)
+    return law
+
+
+def rig(tau):
+    train = gb.Drivetrain("deep")
+    train.chain(train.add("drive", gb.Torque(tau=tau)), train.add("J", gb.Inertia(J=1.0)))
+    return train
+
+
+def test_depth_is_the_longest_way_to_a_leaf():
+    assert depth(gb.time) == 1
+    assert depth(sum(gb.sin(i * gb.time) for i in range(1, 1000))) == 4
+    assert depth(nested(7)) == 2 + 2 * 7
+    assert depth(cases(30)) > 30
+
+
+@pytest.mark.parametrize("law", [cases(600), nested(400), gb.maximum(0.0, nested(400)) * gb.sense("J.w")])
+@pytest.mark.parametrize("what", [gb.build, lambda train: train.equations(), lambda train: train.outputs()])
+def test_what_is_nested_too_deep_is_refused_by_name(law, what):
+    with pytest.raises(gb.ModelError, match=r"drive\.tau is an expression of \d+ levels") as told:
+        what(rig(law))
+    assert "gb.Table" in str(told.value)
+
+
+def test_a_recursion_that_no_expression_causes_stays_what_it_is(monkeypatch):
+    monkeypatch.setattr("gearblocks.model.build._program", lambda *_: (_ for _ in ()).throw(RecursionError("other")))
+    with pytest.raises(RecursionError, match="other"):
+        gb.build(rig(nested(3)))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("law", ["sum", "product", "cases"])
+def test_what_is_long_and_not_deep_runs(law):
+    """w(1) of a thousand terms by their sum, of the product by its power, of a hundred cases by their mean."""
+    if law == "sum":
+        found = gb.simulate(rig(sum(2 * gb.time * i for i in range(1000))), t_end=1.0)["J.w"][-1]
+        assert found == pytest.approx(499500.0, rel=1e-9)
+    elif law == "product":
+        tau = 1 + 0 * gb.time
+        for _ in range(1000):
+            tau = tau * (1 + gb.time / 1000)
+        assert gb.simulate(rig(tau), t_end=1.0)["J.w"][-1] == pytest.approx((1.001**1001 - 1) * 1000 / 1001, rel=1e-5)
+    else:
+        assert gb.simulate(rig(cases(100)), t_end=1.0)["J.w"][-1] == pytest.approx(49.5, rel=1e-9)
