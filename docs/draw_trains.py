@@ -48,6 +48,7 @@ def symbols_on_a_shaft() -> gb.Drivetrain:
         gb.SpeedLoad(coeffs=(0.0, 0.0, 1.0)), gb.Torque(tau=1.0), gb.Vehicle(mass=1.0, wheel_radius=1.0),
     )  # fmt: skip
     rig.chain(*_named(rig, *blocks))
+    _named(rig, gb.ThermalMass(C=1.0), gb.ThermalConductance(G=1.0, a="ThermalMass", b=293.15))
     return rig
 
 

@@ -71,6 +71,8 @@ if TYPE_CHECKING:
         SplineCoupling,
         Stribeck,
         Synchronizer,
+        ThermalConductance,
+        ThermalMass,
         Torque,
         TorqueConverter,
         TyreSlip,
@@ -137,7 +139,8 @@ if TYPE_CHECKING:
         tan,
         tanh,
     )
-    from gearblocks.language.signals import Input, Parameter, Table, sense, time, twist
+    from gearblocks.language.heat import HeatPort
+    from gearblocks.language.signals import Input, Parameter, Table, sense, temperature, time, twist
     from gearblocks.language.starts import rolling
     from gearblocks.language.tables import Table2
     from gearblocks.language.units import rpm
@@ -154,19 +157,19 @@ __all__ = [
     "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain", "EddyCurrentBrake",
     "Effect", "Energy", "Engine", "Excitation", "Fixed", "Flange", "FluidDrag", "Force", "Fourier", "Freewheel",
     "FrequencyResponse", "GearMesh", "GearblocksError", "GearblocksWarning", "Governor", "HardStop", "Harmonic",
-    "Heaviside", "Hold", "HuntCrossley", "Hysteresis", "IdealGear", "IdealPlanetary", "Inertia", "Input", "Lash",
-    "Linearization", "LossyGear", "LossyTie", "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion",
+    "HeatPort", "Heaviside", "Hold", "HuntCrossley", "Hysteresis", "IdealGear", "IdealPlanetary", "Inertia", "Input",
+    "Lash", "Linearization", "LossyGear", "LossyTie", "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion",
     "NonCircularGear", "OneWayClutch", "Parameter", "ParameterError", "Parts", "PlanetaryGear", "Potential",
     "Profile", "Quantity", "Rack", "Rate", "RatioLaw", "RatioLawError", "Scene", "Shaft", "Shows", "SimulationError",
     "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Stick", "Stop", "Stribeck", "Study",
-    "Superposition", "Switch", "Synchronizer", "Table", "Table2", "Tie", "ToothFriction", "Torque", "TorqueConverter",
-    "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "build",
-    "campbell", "carried_start", "classify", "compare", "cos", "count", "design_ratio", "driver_angle",
-    "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit", "frequency_response", "last",
-    "latin_hypercube", "line", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak",
-    "period", "pi", "piecewise", "poincare", "points", "price", "random_cases", "rms", "rolling", "rpm", "sense", "signal",
-    "simulate", "sin", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "time", "trough", "twist",
-    "work_precision",
+    "Superposition", "Switch", "Synchronizer", "Table", "Table2", "ThermalConductance", "ThermalMass", "Tie",
+    "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError",
+    "Vehicle", "Watch", "Worm", "at", "build", "campbell", "carried_start", "classify", "compare", "cos", "count",
+    "design_ratio", "driver_angle", "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit",
+    "frequency_response", "last", "latin_hypercube", "line", "linearize", "log", "maximum", "mean", "minimum",
+    "modes", "option", "param", "peak", "period", "pi", "piecewise", "poincare", "points", "price", "random_cases",
+    "rms", "rolling", "rpm", "sense", "signal", "simulate", "sin", "sqrt", "std", "stroboscopic", "study", "sweep",
+    "tan", "tanh", "temperature", "time", "trough", "twist", "work_precision",
 ]  # fmt: skip
 
 _NAMES = {
@@ -188,7 +191,8 @@ _NAMES = {
         "Angle BearingFriction BeltDrive Brake Clutch Creep Damper DCMotor Differential DogClutch "
         "EddyCurrentBrake Engine Fixed FluidDrag Force Freewheel GearMesh Governor HardStop IdealGear IdealPlanetary "
         "Inertia Lash LossyGear Mass NonCircularGear OneWayClutch PlanetaryGear Rack Shaft Speed SpeedLoad "
-        "SplineCoupling Stribeck Synchronizer Torque TorqueConverter TyreSlip UniversalJoint Vehicle Worm"
+        "SplineCoupling Stribeck Synchronizer ThermalConductance ThermalMass Torque TorqueConverter TyreSlip "
+        "UniversalJoint Vehicle Worm"
     ),
     "blocks.effects": (
         "Backlash Fourier Harmonic HuntCrossley Hysteresis MeshLaw Profile Square Superposition ToothFriction"
@@ -205,7 +209,8 @@ _NAMES = {
     ),
     "language.fields": "Flange State effect exact option param signal",
     "language.functions": "Heaviside cos exp log maximum minimum pi piecewise sin sqrt tan tanh",
-    "language.signals": "Input Parameter Table sense time twist",
+    "language.heat": "HeatPort",
+    "language.signals": "Input Parameter Table sense temperature time twist",
     "language.starts": "rolling",
     "language.tables": "Table2",
     "language.units": "rpm",

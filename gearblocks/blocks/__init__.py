@@ -14,6 +14,7 @@ from gearblocks.blocks.sources import Angle, Speed, SpeedLoad, Torque
 from gearblocks.blocks.spline import SplineCoupling
 from gearblocks.blocks.springs import Damper, Lash, Shaft
 from gearblocks.blocks.stops import HardStop
+from gearblocks.blocks.thermal import ThermalConductance, ThermalMass
 from gearblocks.blocks.translational import Force, Mass, Rack
 from gearblocks.blocks.vehicles import TyreSlip, Vehicle
 
@@ -53,6 +54,8 @@ __all__ = [
     "SplineCoupling",
     "Stribeck",
     "Synchronizer",
+    "ThermalConductance",
+    "ThermalMass",
     "Torque",
     "TorqueConverter",
     "TyreSlip",

@@ -10,6 +10,7 @@ import numpy as np
 from gearblocks.language.block import Block, Effect
 from gearblocks.language.contributions import Acts, Contribution, Energy, Shows, Tie
 from gearblocks.language.fields import Flange, effect, exact, option, param
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Table, Value, constant_value
 from gearblocks.language.watches import Excitation, Watch
 
@@ -43,6 +44,7 @@ class TorqueConverter(Block):
         "torque capacity T_i/w_i^2 in N m s2/rad2, over the speed ratio; None: locked up", belongs_to="slip"
     )
     ratio: Table | None = option("torque ratio T_t/T_i, over the speed ratio; None: locked up", belongs_to="slip")
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Tables that are none, that jump, or that create energy."""
@@ -128,6 +130,7 @@ class BeltDrive(Block):
     housing = Flange("frame", ground=True)
     ratio: float = exact("ratio phi_a/phi_b without slip")
     slip: Creep | None = effect("elastic creep", default=None)
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """A ratio of zero."""

@@ -14,6 +14,7 @@ import numpy as np
 from gearblocks.language.block import Block, Effect
 from gearblocks.language.contributions import Acts, Contribution, Energy, Rate, Shows, Start, Stick
 from gearblocks.language.fields import Flange, State, effect, option, param, signal
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Signal, Table, Value
 
 CAPACITY: Any = signal("torque that it transmits while it slips", "N m", default=None, ge=0)
@@ -126,6 +127,7 @@ class Clutch(Block):
     geometry: Value = GEOMETRY
     peak: Value = PEAK
     phi_rel = State("relative angle", "rad")
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Contradicting or missing fields."""
@@ -159,6 +161,7 @@ class Brake(Block):
     geometry: Value = GEOMETRY
     peak: Value = PEAK
     phi_rel = State("angle from the housing", "rad")
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Contradicting or missing fields."""
@@ -232,6 +235,7 @@ class BearingFriction(Block):
         "largest torque while stuck over the slip torque at rest", default=1.0, ge=1, belongs_to="coulomb"
     )
     phi_rel = State("angle from the housing", "rad")
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Contradicting fields."""
@@ -239,7 +243,7 @@ class BearingFriction(Block):
             yield f"torque = {self.torque!r:.80} must be a gb.Table over abs(w); a constant torque is coulomb"
         if self.torque is not None and self.coulomb is not None:
             yield "give either torque, a Table over abs(w), or coulomb"
-        elif not self.effects() and self.peak is not None:  # an emptied bearing has no peak
+        elif self.effects().keys() <= {"heat"} and self.peak is not None:  # an emptied bearing has no peak
             yield "give either torque, a Table over abs(w), or coulomb, or viscous, windage or churning"
         if self.torque is not None and (self.viscous is not None or self.stribeck is not None):
             yield "viscous and stribeck go with coulomb; put them into the Table"

@@ -21,6 +21,7 @@ from gearblocks.blocks.friction import (
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Stick, Switch
 from gearblocks.language.fields import Flange, State, signal
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Signal, Value
 
 _LEAST = 1e-4  # break-away torque while not engaged, over that of the largest normal force
@@ -50,6 +51,7 @@ class OneWayClutch(Block):
     geometry: Value = GEOMETRY
     peak: Value = PEAK
     phi_rel = State("relative angle", "rad")
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Contradicting or missing fields."""
@@ -89,6 +91,7 @@ class Freewheel(Block):
 
     a, b = Flange("side that drives", slider=None), Flange("side that may run ahead", slider=None)
     phi_rel = State("relative angle", "rad")
+    heat: HeatPort | None = HEAT
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """A constraint force >= 0, which pushes b forward alone."""
@@ -119,6 +122,7 @@ class DogClutch(Block):
     engaged: Signal = signal("locked while > 0")
     phi_rel = State("relative angle", "rad")
     impulse = State("impulse of the last closing", "N m s")
+    heat: HeatPort | None = HEAT
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """A lock without limit."""
@@ -157,6 +161,7 @@ class Synchronizer(Block):
     geometry: Value = GEOMETRY
     peak: Value = PEAK
     phi_rel = State("relative angle", "rad")
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Contradicting or missing fields."""

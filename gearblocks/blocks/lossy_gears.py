@@ -11,6 +11,7 @@ from gearblocks.errors import ModelError
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, LossyTie, Parts, Shows, Tie
 from gearblocks.language.fields import Flange, exact, option, param
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Table
 
 
@@ -66,6 +67,7 @@ class LossyGear(Block):
     loss_table: tuple[tuple[float, ...], ...] | None = option(
         "losses by speed: rows of (abs(w_a), eta1, eta2, tau1, tau2)", default=None, many=True, belongs_to="loss"
     )
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Losses that are given twice, or are none."""
@@ -201,6 +203,7 @@ class Worm(Block):
     lead_angle: float = option("lead angle gamma", "rad")
     friction: float | None = option("coefficient of friction mu; None: without losses", belongs_to="loss")
     pressure_angle: float = option("normal pressure angle alpha", "rad", default=0.3490658503988659)
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Angles and friction without a gear."""
@@ -225,12 +228,12 @@ class Worm(Block):
         """The gear that it is."""
         eta1, eta2 = self.efficiency()
         if self.friction is None:
-            return self._of(LossyGear(ratio=self.ratio))
+            return self._of(LossyGear(ratio=self.ratio, heat=self.heat))
         if eta2 == 0:
             raise ModelError(
                 "the wheel drives with efficiency 0, neither free nor self-locking; change friction a little"
             )
-        return self._of(LossyGear(ratio=self.ratio, efficiency=(eta1, eta2)))
+        return self._of(LossyGear(ratio=self.ratio, efficiency=(eta1, eta2), heat=self.heat))
 
     def _of(self, gear: LossyGear) -> Parts:
         return Parts({"gear": gear}, (), {n: ("gear", n) for n in ("a", "b", "housing")})

@@ -8,6 +8,7 @@ from typing import Any
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Acts, Contribution, Energy, Rate, Shows
 from gearblocks.language.fields import Flange, State, option, param, signal
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Signal, Value
 from gearblocks.language.tables import Table2
 
@@ -17,7 +18,9 @@ class EddyCurrentBrake(Block):
 
     The torque is largest, excitation tau_nominal, at w = w_nominal (Wouterse, Critical torque and speed of eddy
     current brake, IEE Proceedings B 138, 1991); it is 0 at rest. excitation: 1 for the nominal field, in proportion to
-    the square of the field; it must not be negative. All power is lost.
+    the square of the field; it must not be negative. All power is lost. With a heat port and alpha the resistance of the
+    disc follows its temperature T, and with it the speed of the largest torque: w_nominal (1 + alpha (T - T_ref)) takes the
+    place of w_nominal (Modelica.Mechanics.Rotational.Sources.EddyCurrentTorque; alpha is its alpha20 where T_ref is 20 degC).
 
     Example:
         rig = gb.Drivetrain("retarder")
@@ -30,16 +33,37 @@ class EddyCurrentBrake(Block):
     tau_nominal: Value = param("largest torque", "N m", ge=0)
     w_nominal: Value = param("speed of the largest torque", "rad/s", gt=0)
     excitation: Signal = signal("factor on the torque", default=1.0)
+    alpha: Value | None = param(
+        "temperature coefficient of the resistance at T_ref", "1/K", default=None, belongs_to="heat"
+    )
+    T_ref: Value | None = param(
+        "temperature that w_nominal holds at, 293.15 K where it is not given",
+        "K",
+        default=None,
+        ge=0,
+        belongs_to="heat",
+    )
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """An excitation that would drive."""
         if isinstance(self.excitation, (int, float)) and self.excitation < 0:
             yield f"excitation = {self.excitation!r} must be >= 0: a brake does not drive"
+        if self.alpha is not None and self.heat is None:
+            yield f"alpha = {self.alpha!r} needs the temperature: give heat=gb.HeatPort(T=...)"
+        if self.T_ref is not None and self.alpha is None:
+            yield f"T_ref = {self.T_ref!r} K goes with alpha"
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The torque against the motion, and its reaction."""
-        w = s.flange.w - s.housing.w
-        slope = 2 * s.excitation * s.tau_nominal * s.w_nominal / (w**2 + s.w_nominal**2)
+        import sympy as sp
+
+        w, w_nominal = s.flange.w - s.housing.w, s.w_nominal
+        if self.alpha is not None:
+            T_ref = sp.Float(293.15) if self.T_ref is None else s.T_ref
+            w_nominal = w_nominal * (1 + s.alpha * (s.heat.T - T_ref))
+            w_nominal = s.named("w_T", w_nominal, "speed of the largest torque", "rad/s")
+        slope = 2 * s.excitation * s.tau_nominal * w_nominal / (w**2 + w_nominal**2)
         slope = s.named("d", slope, "braking torque over speed", "N m s/rad")
         yield Acts(s.flange, -slope * w)
         yield Acts(s.housing, slope * w)
@@ -68,6 +92,7 @@ class DCMotor(Block):
     k: Value = param("torque constant, and voltage per speed", "N m/A")
     u: Signal = signal("terminal voltage", "V")
     i = State("current", "A")
+    heat: HeatPort | None = HEAT
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The circuit and the torque."""

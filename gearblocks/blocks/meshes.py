@@ -26,6 +26,7 @@ from gearblocks.geometry.involute import NUMBERS, ToothPair, contact_ratio_or_na
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Tie
 from gearblocks.language.fields import Flange, effect, exact, option, param
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Value, number_or_zero
 from gearblocks.language.watches import Excitation, Watch, orders_of
 
@@ -105,6 +106,7 @@ class GearMesh(Block):
         "no-load transmission error e, subtracted from the deflection", default=None, convert=as_error
     )
     friction: ToothFriction | None = effect("friction of the teeth", default=None)
+    heat: HeatPort | None = HEAT
 
     # -- what is wrong ------------------------------------------------------------------------------------------------
 

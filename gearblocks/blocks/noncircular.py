@@ -12,6 +12,7 @@ from gearblocks.language.block import Block
 from gearblocks.language.contributions import Acts, Contribution, Force, Rate, Shows, Start, Tie
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import Flange, State, effect, option, param, signal
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Input, Parameter, Signal, Table, Value
 from gearblocks.language.watches import Excitation, Watch
 
@@ -66,6 +67,7 @@ class NonCircularGear(Block):
     friction: ToothFriction | None = effect(
         "friction in the form of papers: M (1 + mu wave), direction='square_wave'", default=None
     )
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """A law that is none, a phase that a rigid pair cannot follow, effects that need compliance."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 from math import cos, isfinite, pi, sin
-from typing import Any
+from typing import Any, cast
 
 from gearblocks.blocks.bodies import Inertia
 from gearblocks.blocks.effects import MeshLaw, ToothFriction
@@ -14,6 +14,7 @@ from gearblocks.blocks.meshes import GearMesh
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Parts
 from gearblocks.language.fields import Flange, effect, exact, option, param
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Value
 from gearblocks.language.watches import Watch
 
@@ -69,6 +70,7 @@ class PlanetaryGear(Block):
     ring_phase: float | None = option("ring mesh against sun mesh, in mesh cycles", default=None)
     sun_mesh: MeshLaw | None = effect("law of the sun's meshes", default=None)
     ring_mesh: MeshLaw | None = effect("law of the ring's meshes", default=None)
+    heat: HeatPort | None = HEAT
 
     # -- what is wrong ------------------------------------------------------------------------------------------------
 
@@ -153,7 +155,7 @@ class PlanetaryGear(Block):
             values["friction"] = values["friction"].changed(flank=other.get((flank := values["friction"].flank), flank))
         return GearMesh(
             teeth=(first, second), external=name == "sun_mesh", module=self.module, pressure_angle=self.pressure_angle,
-            helix_angle=self.helix_angle, **values,
+            helix_angle=self.helix_angle, heat=self.heat if isinstance(law, MeshLaw) else None, **values,
         )  # fmt: skip
 
     def parts(self) -> Parts:
@@ -205,12 +207,13 @@ class PlanetaryGear(Block):
     # -- effects: those of the meshes, once for all planets --------------------------------------------------------------
 
     def effects(self) -> dict[str, Any]:
-        """The effects of the sun's and the ring's meshes, such as "sun_mesh.backlash"."""
-        return {
+        """The effects of the sun's and the ring's meshes, such as "sun_mesh.backlash", and their heat port."""
+        return ({} if self.heat is None else {"heat": self.heat}) | {
             f"{name}.{inner}": value
             for name in ("sun_mesh", "ring_mesh")
             if getattr(self, name) is not None
             for inner, value in self._mesh(name, 0.0).effects().items()
+            if inner != "heat"
         }
 
     def gives_way(self, flange: str) -> tuple[str, float] | None:
@@ -227,7 +230,9 @@ class PlanetaryGear(Block):
                 yield Watch(f"{mesh}[{i}].{watch.output}", watch.words, watch.limit)
 
     def without_effect(self, name: str) -> Block:
-        """Without an effect of all sun or ring meshes."""
+        """Without an effect of all sun or ring meshes, or without their heat port."""
+        if name == "heat":
+            return cast("Block", self.changed(heat=None))
         mesh, _, inner = name.partition(".")
         left = self._mesh(mesh, 0.0).without_effect(inner)
         kept = {field for field in MeshLaw.fields if getattr(left, field) is not None}

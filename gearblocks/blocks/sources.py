@@ -8,6 +8,7 @@ from typing import Any
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Acts, Contribution, Energy, Motion, Rate, Shows, Start, Stick, Tie
 from gearblocks.language.fields import Flange, State, param, signal
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Signal, Value
 
 
@@ -116,6 +117,7 @@ class SpeedLoad(Block):
         many=True,
         each=("dry friction", "torque per speed", "torque per speed squared"),
     )
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """A wrong number of coefficients."""

@@ -11,6 +11,7 @@ from gearblocks.blocks.rigid_impact import hits, impact, without
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Tie
 from gearblocks.language.fields import Flange, effect, exact, option, param
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Value, number_or_zero
 from gearblocks.language.watches import Excitation, Watch, orders_of
 
@@ -50,6 +51,7 @@ class SplineCoupling(Block):
     contact_damping: str | HuntCrossley = option(
         "damping and gap: 'clipped', 'clipped_force', 'always' or HuntCrossley", default="clipped", belongs_to="damping"
     )
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Contradicting fields."""

@@ -14,6 +14,7 @@ from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Energy, Force, Parts, Rate, Shows, Stick, Tie
 from gearblocks.language.expression import as_expr
 from gearblocks.language.fields import Flange, effect, option, param, signal
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Signal, Value, constant_value, number_or_zero
 from gearblocks.language.watches import Watch
 
@@ -52,6 +53,7 @@ class Shaft(Block):
     )
     segments: int = option("number of springs in a row", default=1, belongs_to="segments")
     J: Value | None = param("own moment of inertia", "kg m2", default=None, ge=0)
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Contradicting fields."""
@@ -177,6 +179,7 @@ class Damper(Block):
 
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)
     c: Value = param("torsional damping", "N m s/rad", ge=0)
+    heat: HeatPort | None = HEAT
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """torque = c w_rel."""
@@ -222,6 +225,7 @@ class Lash(Block):
         belongs_to="damping",
         turns=True,
     )
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Contradicting fields."""

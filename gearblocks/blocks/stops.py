@@ -9,6 +9,7 @@ from typing import Any
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Shows, Stop
 from gearblocks.language.fields import Flange, State, param
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Value
 
 
@@ -68,6 +69,7 @@ class HardStop(Block):
     restitution: Value = param("speed after an impact over the speed before", ge=0, le=1)
     impulse = State("impulse of the last impact", "N m s")
     impacts = State("number of impacts")
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """Stops that leave no room."""

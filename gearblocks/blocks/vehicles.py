@@ -8,6 +8,7 @@ from typing import Any
 from gearblocks.language.block import Block, Effect
 from gearblocks.language.contributions import Acts, Body, Contribution, Energy, Rate, Shows, Stick
 from gearblocks.language.fields import Flange, State, effect, param, signal
+from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Signal, Value, constant_value
 from gearblocks.language.watches import Watch
 
@@ -66,6 +67,7 @@ class Vehicle(Block):
     tyre: TyreSlip | None = effect("slip of the tyres", default=None)
     v = State("speed of the vehicle", "m/s")
     s = State("distance", "m")
+    heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
         """A slope that no road has, and a rolling speed without rolling resistance."""

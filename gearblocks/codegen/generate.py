@@ -26,6 +26,7 @@ from gearblocks.codegen.operands import Assignment, Operand, Role
 from gearblocks.codegen.output_names import (
     dependent_starts,
     flange_outputs,
+    heat_infos,
     lossy_starts,
     prescribed_starts,
     shown,
@@ -188,8 +189,10 @@ def _rates(g: Generator, code: BatchCode) -> None:
             place = Operand(Role.RATES, g.n_end, instance=True)
             assignments.append(Assignment(place, "=", entry, full=True))
             if part == "loss" and code.constraint_loss is not None:
-                loss = Assignment(place, "+=", code.constraint_loss, full=True)
-                g.keep("constraint_losses", code.function("constraint_losses", [loss]))
+                losses = [Assignment(place, "+=", code.constraint_loss, full=True)]
+                if code.law.heat:
+                    losses.append(Assignment(_state(g, code, code.law.heat, Role.RATES), "+=", code.constraint_loss))
+                g.keep("constraint_losses", code.function("constraint_losses", losses))
             g.integrals += [IntegralInfo(code.paths[e], part, g.n_end + e) for e in range(code.n)]
             g.n_end += code.n
     function = code.function("rates", assignments)
@@ -253,7 +256,7 @@ def _program(g: Generator, source: str, key: str, lanes: str) -> Program:
         g.outputs, tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
         tuple(start_infos(g)), g.assembly.structural, (*dependent_starts(g), *lossy_starts(g)),
         tuple(prescribed_starts(g)), tuple(unknown_outputs(g)), lanes, tuple(group_starts(g)), tuple(body_rows(g)),
-        tuple(deflection_rows(g)), tuple(slip_rows(g)),
+        tuple(deflection_rows(g)), tuple(slip_rows(g)), tuple(heat_infos(g)),
     )  # fmt: skip
 
 

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple, final, overload
 class Quantity(NamedTuple):
     """Name, SI unit and description of one number in a vector.
 
-    kind, of a state: "coordinate" (relative), "angle" (absolute), "speed", or "state" of a block; positions count as angles.
+    kind, of a state: "coordinate" (relative), "angle" (absolute), "speed", "state" of a block, or "sum"
+    of what passes it (heat); positions count as angles.
     """
 
     name: str

@@ -13,12 +13,15 @@ from gearblocks.codegen.program import (
     LOSSY_VARYING,
     POWER_INTO_FLANGE,
     DependentStart,
+    HeatInfo,
     PrescribedStart,
     StartInfo,
 )
+from gearblocks.language.block import declared_state
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.units import unit_along
 from gearblocks.train.graph import Component
+from gearblocks.train.heat import heat_paths
 from gearblocks.train.translational import flange_names, slider_names, words_along
 
 
@@ -68,7 +71,8 @@ def state_quantities(g: Generator) -> list[Quantity]:
                     unit, words = unit_along("rad", c.slides), words_along("relative angle", c.slides)
                     states[code.batch.sources[j][e]] = Quantity(f"{c.path}.coordinate", unit, words, "coordinate")
             for state in code.law.rates:
-                states[lay.state0[code.number, state] + e] = Quantity(f"{c.path}.{state}", "1", "state", "state")
+                kind = "sum" if declared_state(c.block, state).accumulates else "state"
+                states[lay.state0[code.number, state] + e] = Quantity(f"{c.path}.{state}", "1", "state", kind)
     sliders = slider_names(g.assembly.train.components)
     for i, start in enumerate(g.assembly.starts[: g.assembly.n_speeds]):
         slides = start.w0 in sliders
@@ -81,6 +85,17 @@ def state_quantities(g: Generator) -> list[Quantity]:
             unit, words = unit_along("rad", slides), words_along("angle", slides)
             states[lay.angle0 + i] = Quantity(f"{owner}.{flange_names(slides)[0]}", unit, words, "angle")
     return states
+
+
+def heat_infos(g: Generator) -> Iterator[HeatInfo]:
+    """What the thermal column of the ledger adds up."""
+    components = g.assembly.train.components
+    paths = {path.component: path for path in heat_paths({c.path: c.block for c in components})}
+    for code in g.codes if paths else ():
+        for e, c in enumerate(components_of(g, code)):
+            if (path := paths.get(c.path)) is not None:
+                offset = g.lay.state0[code.number, path.state] + e
+                yield HeatInfo(c.path, offset, path.source, path.sink, path.is_loss)
 
 
 def start_infos(g: Generator) -> Iterator[StartInfo]:

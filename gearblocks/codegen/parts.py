@@ -19,7 +19,8 @@ VALUES = 5
 
 @dataclass(slots=True)
 class SwitchedConstraint:
-    """One switched constraint: its component, its row over the groups, its switches and state offsets (-1: none)."""
+    """One switched constraint: its component, its row over the groups, its switches and state offsets (-1: none; heat:
+    one more than the offset, 0: none)."""
 
     path: str
     law: ConstraintLaw
@@ -31,6 +32,7 @@ class SwitchedConstraint:
     impacts: int = -1
     loss: int = -1
     partner: int = -1
+    heat: int = 0
 
     @property
     def kind(self) -> str:

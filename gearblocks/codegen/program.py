@@ -81,6 +81,17 @@ class IntegralInfo(NamedTuple):
     offset: int
 
 
+class HeatInfo(NamedTuple):
+    """Heat that the state at `offset` counts: from the ThermalMass `source` to `sink`; source "": what the component loses, or
+    surroundings; sink "": surroundings."""
+
+    component: str
+    offset: int
+    source: str
+    sink: str
+    is_loss: bool
+
+
 class StartInfo(NamedTuple):
     """An initial value by the name of an output ("motor.w"): the parameter at `offset` takes value * factor.
 
@@ -212,6 +223,7 @@ class Program:
     bodies: tuple[RigidRow, ...] = ()
     deflections: tuple[RigidRow, ...] = ()
     slips: tuple[RigidRow, ...] = ()
+    heat: tuple[HeatInfo, ...] = ()
 
     @cached_property
     def output_numbers(self) -> Mapping[str, int]:

@@ -164,6 +164,7 @@ def _place(g: Generator, code: BatchCode, member: SwitchedConstraint, constraint
     switches = {what: code.offsets.switches[number] + e for what, number in constraint.switches.items()}
     member.slip = next(iter(switches.values()))
     member.active, member.free = switches["hold"], switches.get("engaged", -1)
+    member.heat = 1 + g.lay.state0[code.number, code.law.heat] + e if code.law.heat else 0
     for key in ("impulse", "impacts"):
         state = getattr(constraint, key)
         if state is not None:

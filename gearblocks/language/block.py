@@ -14,7 +14,7 @@ from typing import Any, ClassVar, dataclass_transform
 
 from gearblocks.errors import GearblocksError, ModelError, did_you_mean
 from gearblocks.language.contributions import Contribution, Parts
-from gearblocks.language.expression import from_sympy, is_sympy
+from gearblocks.language.expression import Expr, from_sympy, is_sympy
 from gearblocks.language.fields import (
     ANGLE,
     COMPLIANCE,
@@ -33,9 +33,9 @@ from gearblocks.language.units import given, has_unit, is_quantity, unit_along
 from gearblocks.language.watches import Excitation, Watch, excitations_by_time
 
 _TAKEN = {
-    "changed", "effects", "energy_of", "excitations", "fields", "flanges", "gives_way", "is_constant", "local", "named",
-    "parts", "physics", "problems", "rate_of", "reading", "slope", "states", "stick", "tabled", "time", "turned", "undeformed",
-    "without_effect", "would_show",
+    "brings", "changed", "effects", "energy_of", "excitations", "fields", "flanges", "gives_way", "is_constant", "local",
+    "named", "needed_by", "parts", "physics", "problems", "rate_of", "reading", "slope", "states", "stick", "tabled", "time",
+    "turned", "undeformed", "without_effect", "would_show",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 
@@ -79,6 +79,8 @@ class Declared(metaclass=Documented):
             try:
                 if name in values:
                     value = _plain(values[name], spec.many)
+                    if spec.part and isinstance(value, str) and not is_quantity(value):
+                        value = Expr("sense", f"{value}.{spec.part}")
                     if type(value) not in _BARE and (spec.role in ("param", "signal") or spec.unit != "1"):
                         value = _in_si(value, spec)
                     store[name] = value if spec.convert is None else spec.convert(value)
@@ -182,6 +184,14 @@ def given_start(block: Declared, of: str) -> Any:
     return None if name is None else block.__dict__[name]
 
 
+def declared_state(owner: Declared, path: str) -> State:
+    """The declaration of a state of a block or of its effects, by its path inside the block."""
+    *inner, name = path.split(".")
+    for part in inner:
+        owner = owner.__dict__[part]
+    return type(owner).states[name]
+
+
 def _plain(value: Any, many: bool) -> Any:
     """A given value as it is kept: tuples for lists and arrays, Python numbers, light expressions for sympy ones."""
     if many and not isinstance(value, (str, bytes)) and hasattr(value, "__iter__") and not is_sympy(value):
@@ -204,6 +214,10 @@ class Effect(Declared, ABC):
             raise ModelError(
                 f"{cls.__name__}.{next(iter(starts.values()))}: an effect has no start values; its block has"
             )
+
+    def needed_by(self, block: Block) -> bool:  # noqa: ARG002  few are
+        """Whether a law of the block reads it, so that it cannot be left out."""
+        return False
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(param, exact, option, signal, effect))
@@ -250,8 +264,10 @@ class Block(Declared, ABC):
         present: dict[str, Any] = {}
         for name, spec in type(self).fields.items():
             key = name if spec.role == "effect" else spec.belongs_to
-            if key and self.__dict__[name] is not None and self.__dict__[name] != spec.default:
-                present.setdefault(key, self.__dict__[name])
+            value = self.__dict__[name]
+            needed = isinstance(value, Effect) and value.needed_by(self)
+            if key and value is not None and value != spec.default and not needed:
+                present.setdefault(key, value)
         return present
 
     def without_effect(self, name: str) -> Block:

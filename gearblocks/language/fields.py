@@ -46,7 +46,8 @@ class Field:
     usual: the largest size that one expects, above which rig.describe() asks whether it is meant. each: of a row, words
     of its numbers one by one, or one text for all with {n} (1, 2, ...) or {odd} (1, 3, ...). of_deflection: in the unit of
     the deflection that an effect is of: a length, or an angle where the field for the effect says so (turns). or_one_of:
-    fields one of which must be given where this one is not.
+    fields one of which must be given where this one is not. part: the output of another part ("T") that a text in the field,
+    the name of that part, stands for.
     """
 
     words: str
@@ -69,6 +70,7 @@ class Field:
     each: tuple[str, ...] = ()
     of_deflection: bool = False
     turns: bool = False
+    part: str = ""
 
     def __post_init__(self) -> None:
         if self.unit != "1":
@@ -149,14 +151,15 @@ def option(
 
 def signal(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, ge: float | None = None, belongs_to: str | None = None,
-    over: str | None = None,
+    over: str | None = None, part: str = "",
 ) -> Any:  # fmt: skip
     """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense), by sympy too.
 
     ge: the least value of a number or Parameter; what varies is not judged. over: a quantity of the block that may stand
-    in it too, see Symbols.local; a Table then goes over that quantity.
+    in it too, see Symbols.local; a Table then goes over that quantity. part: an output, such as "T": a text is the name of the
+    part of the train that shows it.
     """
-    return Field(words, unit, "signal", default, ge=ge, belongs_to=belongs_to, over=over)
+    return Field(words, unit, "signal", default, ge=ge, belongs_to=belongs_to, over=over, part=part)
 
 
 def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None, turns: bool = False) -> Any:
@@ -186,11 +189,15 @@ class Flange:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """A state of a block's own. The block yields Rate(s.name, expression), or Hold(s.name, value, when)."""
+    """A state of a block's own. The block yields Rate(s.name, expression), or Hold(s.name, value, when).
+
+    accumulates: it adds up what passes, such as heat; a static equilibrium does not ask it to rest.
+    """
 
     words: str
     unit: str = "1"
     start: float = 0.0
+    accumulates: bool = False
 
     def __post_init__(self) -> None:
         declared(f"State '{self.words}'", self.unit)

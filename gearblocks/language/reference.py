@@ -8,9 +8,10 @@ from __future__ import annotations
 import functools
 import inspect
 import re
-import sys
 from abc import ABCMeta
-from typing import Any, get_args
+from typing import Any
+
+from gearblocks.language.annotations import effect_classes
 
 
 class Documented(ABCMeta):
@@ -61,19 +62,6 @@ def annotation_of(cls: type, name: str) -> Any:
         return None
     found = inspect.get_annotations(owner)[name]
     return found if isinstance(found, str) or not isinstance(found, type) else found.__name__
-
-
-@functools.cache
-def effect_classes(cls: type, name: str) -> tuple[Any, ...]:
-    """The classes of effects that the annotation of a field names; empty where it names none."""
-    for base in cls.__mro__:
-        annotation = inspect.get_annotations(base).get(name)
-        if annotation is not None:
-            words = re.findall(r"\w+", annotation) if isinstance(annotation, str) else []
-            known = vars(sys.modules[base.__module__])
-            found = [known.get(word) for word in words] or [*get_args(annotation), annotation]
-            return tuple(dict.fromkeys(x for x in found if isinstance(x, Documented)))
-    return ()
 
 
 @functools.cache

@@ -22,6 +22,7 @@ from gearblocks.language.units import check_unit, in_unit, parse_unit
 
 time = Expr("time")  # time in s, for expressions
 twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft
+temperature = Expr("local", "temperature")  # in K, of an element with a heat port
 
 
 class SympyExpression(Protocol):

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping
 from types import FunctionType
 from typing import Any, NamedTuple
 
+from gearblocks.language.annotations import effect_classes
 from gearblocks.language.contributions import Shows
 
 
@@ -27,10 +28,14 @@ class WrittenOutput(NamedTuple):
 def written_outputs(kind: Any) -> tuple[WrittenOutput, ...]:
     """Every output that blocks of a class may show, by its own name, in the order of the source.
 
-    Where several share a name, their words stand beside each other.
+    Where several share a name, their words stand beside each other. Those that effects bring come last.
     """
     found: dict[str, WrittenOutput] = {}
-    for output in _Source(kind).outputs(kind.physics, {}):
+    brought = [
+        x for name in kind.fields for effect in effect_classes(kind, name) for x in getattr(effect, "brings", ())
+    ]
+    of_effects = (WrittenOutput(x.name, x.unit, x.words) for x in dict.fromkeys(brought))
+    for output in (*_Source(kind).outputs(kind.physics, {}), *of_effects):
         before = found.setdefault(output.name, output)
         if output.words not in before.words:
             found[output.name] = before._replace(words=f"{before.words} / {output.words}".removeprefix(" / "))

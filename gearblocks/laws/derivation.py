@@ -37,6 +37,7 @@ from gearblocks.language.contributions import (
 )
 from gearblocks.laws.energy_balance import add_energy_balance
 from gearblocks.laws.functions import Table2At, TableAt
+from gearblocks.laws.heat import add_heat
 from gearblocks.laws.law import COORDINATES, LOCATED, READ, Form, Law
 from gearblocks.laws.prescribed_motion import (
     can_be_solved,
@@ -100,6 +101,7 @@ def derive(
     law.torques = _torques(law, flanges, found, reading)
     _energies(law, found[Energy])
     law.shows = [Shows(x.name, sp.sympify(x.expr), x.unit, x.words) for x in found[Shows]]
+    add_heat(law, block, s)
     for constraint in law.constraints.values():
         law = law.map(partial(along, pool, constraint), "shows")
     if not reading:

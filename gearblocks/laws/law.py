@@ -50,7 +50,8 @@ class Law:
     forces along linear forms and what they are. torques: by flange, over the forces. rates, starts: by state. holds:
     (state, value, when). supplied: stored' + loss + power into the flanges. constraint_loss: power lost that reads constraint
     forces. switches: event functions. constraints: switched constraints. replaced: angles by what they are in coordinates.
-    invertible: the other flange that the nonlinear relation could be solved for, where it has one.
+    invertible: the other flange that the nonlinear relation could be solved for, where it has one. heat: the state that counts
+    what is lost, where it heats a thermal mass.
     """
 
     pool: Pool
@@ -73,6 +74,7 @@ class Law:
     shows: list[Shows] = field(default_factory=list)
     replaced: dict[Any, Any] = field(default_factory=dict)
     invertible: str | None = None
+    heat: str = ""
 
     def map(self, f: Replace, *of: str) -> Law:
         """The law with f(expression) in place of every expression of these parts: a part by its name ("torques"), or all

@@ -17,6 +17,7 @@ from gearblocks.geometry.ratio_law import RatioLaw
 from gearblocks.language.block import Declared
 from gearblocks.language.contributions import Rate
 from gearblocks.language.expression import Expr, to_sympy
+from gearblocks.language.heat import heat_port
 from gearblocks.language.signals import Input, Parameter, Table
 from gearblocks.language.tables import Table2
 from gearblocks.laws.functions import EllipseLead, Table2At, TableAt
@@ -77,6 +78,8 @@ class Pool:
         self.roles: dict[Any, SymbolRole] = {time_symbol(): SymbolRole("time", None)}
         self.nonzero: set[str] = set()
         """Numbers of the block that its bounds keep from 0."""
+        self.temperature: Any = None
+        """What gb.temperature stands for: that of the heat port of the block."""
         self.starts: set[str] = set()
         """Numbers of the block that are start values of its bodies."""
         self._made: dict[SymbolRole, Any] = {}
@@ -94,6 +97,8 @@ class Pool:
 
     def leaf(self, leaf: Expr, local: Mapping[str, Any] | None = None) -> Any:
         """The symbol (or table call) of a leaf of an expression; local: what stands for the block's own quantities."""
+        if is_temperature(leaf):
+            return self.temperature
         if leaf.op == "local" and local is not None:
             return local[leaf.args[0]]
         if leaf.op == "time":
@@ -164,6 +169,11 @@ class Pool:
         return found
 
 
+def is_temperature(leaf: Expr) -> bool:
+    """Whether it is gb.temperature."""
+    return leaf.op == "local" and leaf.args[0] == "temperature"
+
+
 def _level_of(meaning: SymbolRole) -> int:
     if meaning.role == "hoisted":
         return int(meaning.of[0])
@@ -219,6 +229,10 @@ class Symbols:
             setattr(self, name, FlangeSymbols(pool, name, name in grounded))
         for name in cls.states:
             setattr(self, name, pool.symbol("state", prefix + name, name))
+        port = heat_port(owner)
+        if port is not None:  # first, as signals may read its temperature
+            inner = Symbols(port[1], pool, grounded, f"{prefix}{port[0]}.")
+            pool.temperature = inner.T
         for name, field in cls.fields.items():
             value = getattr(owner, name)
             if isinstance(value, Declared):
@@ -240,7 +254,7 @@ class Symbols:
         if isinstance(value, (Parameter, Input, Table)):
             return self._pool.leaf(value._expr_())
         if isinstance(value, Expr):
-            if any(leaf.op == "local" for leaf in value.leaves()):
+            if any(leaf.op == "local" and not is_temperature(leaf) for leaf in value.leaves()):
                 return value
             return to_sympy(value, self._pool.leaf)
         return self._pool.symbol("own", self._prefix + name, name)

@@ -25,7 +25,9 @@ from gearblocks.train.left_out import closed
 
 SHOWN = 5
 """The fastest modes that are told of."""
-_KINDS = {"coordinate": "relative angles", "state": "states of blocks", "speed": "speeds", "angle": "angles"}
+_KINDS = {
+    "coordinate": "relative angles", "state": "states of blocks", "sum": "sums", "speed": "speeds", "angle": "angles",
+}  # fmt: skip
 
 
 class ModeOfElement(NamedTuple):

@@ -77,7 +77,24 @@ class EnergyBalance:
             largest_stored=max(start, self.largest, self.samples.largest_energy()),
             unbalanced=self.unbalanced,
             rounding=self.rounding,
+            **self._heat(change),
         )
+
+    def _heat(self, change: Array) -> dict[str, dict[str, float]]:
+        """The thermal column: given off by elements, stored in masses, passed to surroundings."""
+        given: dict[str, float] = {}
+        stored: dict[str, float] = {}
+        passed: dict[str, float] = {}
+        for item in self.program.heat:
+            amount = float(change[item.offset])
+            if item.is_loss:
+                given[item.component] = amount
+            elif not (item.source and item.sink):
+                passed[item.component] = amount if item.source else -amount
+            for mass, sign in ((item.sink, 1.0), (item.source, -1.0)):
+                if mass:
+                    stored[mass] = stored.get(mass, 0.0) + sign * amount
+        return {"heat": given, "heat_stored": stored, "heat_passed": passed}
 
 
 def _sum(values: Array) -> float:

@@ -84,6 +84,9 @@ class Stats:
         return small_table("Counters of the solver", self.table(), numbers=(1,), notes=[self.why] if self.why else ())
 
 
+_HEAT = ("heat", "heat_stored", "heat_passed")
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnergyLedger:
@@ -95,7 +98,9 @@ class EnergyLedger:
     largest_stored: greatest total during the run;
     rounding: where all motion was rounding of forces that balance, an energy of which nothing can be told; else 0;
     unbalanced: where the residual is above 10 rtol, what the balance of each element misses over the first steps of the run
-    (what it stored, lost and passed on more than it was supplied with), largest first.
+    (what it stored, lost and passed on more than it was supplied with), largest first;
+    heat, heat_stored, heat_passed: the thermal column, over the run: heat of elements to thermal masses (part of what they
+    dissipated), heat stored in each mass, heat through each conductance to surroundings.
     """
 
     stored: Mapping[str, float] = field(default_factory=dict)
@@ -106,9 +111,12 @@ class EnergyLedger:
     largest_stored: float = 0.0
     unbalanced: Mapping[str, float] = field(default_factory=dict)
     rounding: float = 0.0
+    heat: Mapping[str, float] = field(default_factory=dict)
+    heat_stored: Mapping[str, float] = field(default_factory=dict)
+    heat_passed: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in ("stored", "dissipated", "supplied", "unbalanced"):
+        for name in ("stored", "dissipated", "supplied", "unbalanced", *_HEAT):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -135,6 +143,19 @@ class EnergyLedger:
         missing = max(abs(self.imbalance) - self.rounding, 0.0)
         return missing / self.turnover if self.turnover > 0 else missing
 
+    @property
+    def heat_imbalance(self) -> float:
+        """What elements with a heat port dissipated more than masses stored and surroundings took [J]: 0 at best."""
+        lost = sum(self.dissipated.get(name, 0.0) for name in self.heat)
+        return lost - sum(self.heat_stored.values()) - sum(self.heat_passed.values())
+
+    @property
+    def heat_residual(self) -> float:
+        """Size of that imbalance relative to the heat that was given off, stored and passed on."""
+        columns = (self.heat, self.heat_stored, self.heat_passed)
+        moved = sum(abs(x) for column in columns for x in column.values())
+        return abs(self.heat_imbalance) / moved if moved > 0 else abs(self.heat_imbalance)
+
     def to_dict(self) -> dict[str, Any]:
         """Plain fields, as the constructor takes them."""
         return {
@@ -146,6 +167,7 @@ class EnergyLedger:
             "largest_stored": self.largest_stored,
             **({"unbalanced": dict(self.unbalanced)} if self.unbalanced else {}),
             **({"rounding": self.rounding} if self.rounding else {}),
+            **{name: dict(column) for name in _HEAT if (column := getattr(self, name))},
         }
 
     @property
@@ -162,7 +184,11 @@ class EnergyLedger:
         rows = [("stored at the start", self.start), ("stored at the end", self.end)]
         rows += [(f"supplied by {name}", value) for name, value in self.supplied.items()]
         rows += [(f"dissipated in {name}", value) for name, value in self.dissipated.items()]
-        return [*rows, ("left over", self.imbalance)]
+        rows.append(("left over", self.imbalance))
+        rows += [(f"of these as heat from {name}", value) for name, value in self.heat.items()]
+        rows += [(f"heat stored in {name}", value) for name, value in self.heat_stored.items()]
+        rows += [(f"heat to surroundings by {name}", value) for name, value in self.heat_passed.items()]
+        return [*rows, ("heat left over", self.heat_imbalance)] if self.heat_stored else rows
 
     def _culprit_words(self) -> list[str]:
         missing = f"misses {self.unbalanced[self.culprit]:.2g} J in the first steps" if self.culprit else ""

@@ -50,7 +50,7 @@ class Kinematics:
 
 def kinds(program: Program) -> tuple[Indices, Indices, Indices, Indices]:
     """Indices of coordinates, absolute angles, states of blocks and speeds in the state vector."""
-    found: dict[str, list[int]] = {"coordinate": [], "angle": [], "state": [], "speed": []}
+    found: dict[str, list[int]] = {"coordinate": [], "angle": [], "state": [], "speed": [], "sum": []}
     for i, quantity in enumerate(program.states):
         found[quantity.kind].append(i)
     found["angle"] += [x.offset for x in program.integrals if x.part == "angle"]

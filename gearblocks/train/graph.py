@@ -5,13 +5,14 @@ Frozen; found without sympy. Knows nothing of laws: whether a node moves by itse
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 from gearblocks.errors import ModelError
 from gearblocks.language.block import Block
 from gearblocks.language.expression import Expr
 from gearblocks.train.disjoint_sets import DisjointSets
+from gearblocks.train.heat import receiving
 from gearblocks.train.nesting import localised
 from gearblocks.train.translational import sliders_of, sliding_nodes
 from gearblocks.train.values import unit_problems
@@ -152,4 +153,7 @@ def _number(tree: Tree, parts: _Parts, complete: bool) -> Train:
     wrong = [problem for c in flat for problem in unit_problems(c.path, c.block, c.slides)]
     if wrong:
         raise ModelError(wrong)
+    masses = receiving({c.path: c.block for c in flat}) if complete else {}
+    if masses:
+        flat = tuple(replace(c, block=masses.get(c.path, c.block)) for c in flat)
     return Train(tree.name, flat, len(numbers), tree.coordinates)

@@ -13,6 +13,7 @@ import numpy as np
 
 import gearblocks.blocks as catalogue
 import gearblocks.blocks.effects as effects
+import gearblocks.language.heat as heat
 from gearblocks.errors import GearblocksError, ModelError, StorageError, did_you_mean
 from gearblocks.files import write_text
 from gearblocks.geometry.ratio_law import RatioLaw
@@ -136,7 +137,7 @@ def _leaf(item: Mapping[str, Any]) -> Parameter | Input | Table | Table2:
 
 def _class(name: str) -> Any:
     """A block or effect of the catalogue by name, or None."""
-    found = getattr(catalogue, name, None) or getattr(effects, name, None)
+    found = getattr(catalogue, name, None) or getattr(effects, name, None) or getattr(heat, name, None)
     return found if isinstance(found, type) and issubclass(found, Declared) else None
 
 

@@ -9,10 +9,11 @@ from fractions import Fraction
 from typing import Any
 
 from gearblocks.errors import ModelError, did_you_mean
+from gearblocks.language.annotations import effect_classes
 from gearblocks.language.block import Block, Declared, Effect
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import Field
-from gearblocks.language.reference import effect_classes
+from gearblocks.language.heat import heat_port, reads_temperature
 from gearblocks.language.signals import Input, Parameter, Table, constant_value
 from gearblocks.language.tables import Table2
 from gearblocks.language.units import Given, parse_unit, unit_along
@@ -53,13 +54,21 @@ def leaves_of(block: Any) -> Iterator[Parameter | Input]:
 def value_problems(path: str, block: Block) -> Iterator[str]:
     """Numbers that are not finite or out of bounds, and what the block itself finds wrong."""
     kind = f"{type(block).__name__} '{path}'"
-    found = [f"{kind}: {problem}" for problem in _field_problems(block, "")]
+    found = [f"{kind}: {problem}" for problem in (*_field_problems(block, ""), *_temperature_problems(block))]
     yield from found
     if not found:
         yield from (f"{kind}: {p}" for p in block.problems())
         for part in block.__dict__.values():
             if isinstance(part, Declared):
                 yield from (f"{kind}: {p}" for p in part.problems())
+
+
+def _temperature_problems(block: Block) -> Iterator[str]:
+    """Signals that contain gb.temperature of a block without a heat port."""
+    if heat_port(block) is None:
+        for name, value, _ in numbers_of(block, ""):
+            if reads_temperature(value):
+                yield f"{name} = '{value}' contains gb.temperature: give the block heat=gb.HeatPort(T=...)"
 
 
 def _field_problems(owner: Declared, prefix: str) -> Iterator[str]:
@@ -167,7 +176,8 @@ def _signal_problem(name: str, value: Any, field: Field) -> str:
         return f"{name} = '{value}' is a condition, not a value: give gb.piecewise((value, condition), (other, True))"
     if field.role == "signal":
         leaves = value.leaves() if isinstance(value, Expr) else ()
-        local = next((x.args[0] for x in leaves if x.op == "local" and x.args[0] != field.over), None)
+        own = (field.over, "temperature")  # of a heat port, which the block is asked for
+        local = next((x.args[0] for x in leaves if x.op == "local" and x.args[0] not in own), None)
         by = {"twist": "the torque of a Shaft", "driver_angle": "the k of a NonCircularGear"}.get(
             str(local), "its block"
         )

@@ -127,6 +127,8 @@ class Slopes:
         none = dict.fromkeys(code.forces, sp.Integer(0))
         for flange, expr in torques.items():
             self._add({self._speed(flange): sp.Integer(1)}, expr.xreplace(none))
+        if code.law.heat and code.constraint_loss is not None:
+            raise NotImplementedError("a heat flow follows from a constraint force")
         for state, expr in code.rates.items():
             self._add({pool.symbol("state", state, state): sp.Integer(1)}, expr)
         for flange, expr in code.balance.torque_rates.items() if with_torque_rates else ():

@@ -120,6 +120,9 @@ static void note_impact(gb_sim *sim, int i, double impulse, double before, doubl
         sim->y[constraint->loss] += lost;
         sim->head->ledger.turnover += fabs(lost);
     }
+    if (constraint->heat > 0) {
+        sim->y[constraint->heat - 1] += lost;
+    }
     gb_log(sim, constraint->slip, 2, before, after);
 }
 

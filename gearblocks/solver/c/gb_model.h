@@ -53,11 +53,11 @@ typedef struct gb_wrapped {
  * slides, 0 when stuck or free; of a stop its gap; of a lossy gear the sign of its force), active (mode 1 while stuck
  * or closed; event function: by how much the constraint force exceeds its bounds) and free (mode 1 where it is not
  * engaged; -1: its bounds tell). impulse, impacts: states that keep the last impulse and count (-1: none); loss: entry
- * of y that counts what impacts lose. */
+ * of y that counts what impacts lose; heat: one more than the state that counts it as heat (0: none). */
 enum { GB_FRICTION, GB_STOP, GB_TIE, GB_LOSS };
 
 typedef struct gb_constraint {
-    int kind, partner, slip, active, free, impulse, impacts, loss;
+    int kind, partner, slip, active, free, impulse, impacts, loss, heat;
 } gb_constraint;
 
 struct gb_constraint_rows;

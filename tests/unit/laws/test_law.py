@@ -36,7 +36,13 @@ def test_every_kind_of_contribution_has_one_check():
 
 def test_every_member_of_a_law_that_holds_expressions_is_a_part_of_its_traversal():
     walked = {part.member for part in PARTS.values()}
-    assert {x.name for x in dataclasses.fields(Law)} - walked == {"pool", "coordinates", "replaced", "invertible"}
+    assert {x.name for x in dataclasses.fields(Law)} - walked == {
+        "pool",
+        "coordinates",
+        "replaced",
+        "invertible",
+        "heat",
+    }
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda b: type(b).__name__)
