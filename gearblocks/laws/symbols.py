@@ -231,7 +231,7 @@ class Symbols:
             setattr(self, name, pool.symbol("state", prefix + name, name))
         port = heat_port(owner)
         if port is not None:  # first, as signals may read its temperature
-            inner = Symbols(port[1], pool, grounded, f"{prefix}{port[0]}.")
+            inner: Any = Symbols(port[1], pool, grounded, f"{prefix}{port[0]}.")
             pool.temperature = inner.T
         for name, field in cls.fields.items():
             value = getattr(owner, name)
