@@ -56,16 +56,19 @@ def symbols_between_shafts() -> gb.Drivetrain:
     """Pairs from one axis to another, and sliders."""
     rig = gb.Drivetrain("symbols between shafts")
     mesh = gb.GearMesh(teeth=(20, 60), external=False, module=1e-3, pressure_angle=0.35)
-    *pairs, belt, rack, mass, force = _named(
+    *pairs, belt, rack, mass, chassis, force, tyre = _named(
         rig, gb.DCMotor(R=1.0, L=1.0, k=1.0, u=1.0), gb.IdealGear(ratio=-2.0), mesh,
         gb.NonCircularGear(law=gb.RatioLaw.ellipse(0.2), external=True), gb.LossyGear(ratio=2.0, efficiency=(0.9, 0.9)),
         gb.Worm(ratio=20.0, lead_angle=0.1, friction=0.05), gb.BeltDrive(ratio=1.0), gb.Rack(radius=1.0), gb.Mass(m=1.0),
-        gb.Force(f=1.0),
+        gb.Chassis(mass=1.0), gb.Force(f=1.0),
+        gb.Tyre(radius=1.0, stiffness=1.0, grip=1.0, low_speed=1.0, normal_force=1.0),
     )  # fmt: skip
     rig.chain(*pairs, belt)
     rig.connect(belt.b, rack.flange)
     rig.connect(rack.slider, mass.a)
-    rig.connect(mass.b, force.flange)
+    rig.connect(mass.b, chassis.a)
+    rig.connect(chassis.b, force.flange, tyre.vehicle)
+    rig.connect(tyre.wheel, belt.b)
     return rig
 
 
@@ -75,9 +78,9 @@ def symbols_of_sets() -> gb.Drivetrain:
     planets = gb.PlanetaryGear(
         z_sun=20, z_planet=20, z_ring=60, planets=4, module=1e-3, pressure_angle=0.35, planet_inertia=1.0
     )
-    speed, first, second, differential, wall, angle, torque, brake = _named(
+    speed, first, second, differential, wall, angle, torque, brake, acceleration = _named(
         rig, gb.Speed(w=1.0), gb.IdealPlanetary(ratio=2.0), planets, gb.Differential(), gb.Fixed(), gb.Angle(phi=1.0),
-        gb.Torque(tau=1.0), gb.Brake(capacity=1.0),
+        gb.Torque(tau=1.0), gb.Brake(capacity=1.0), gb.Acceleration(alpha=1.0),
     )  # fmt: skip
     rig.connect(speed.flange, first.sun)
     rig.connect(first.ring, wall.flange)
@@ -85,7 +88,7 @@ def symbols_of_sets() -> gb.Drivetrain:
     rig.connect(second.ring, brake.a)
     rig.connect(second.carrier, differential.carrier)
     rig.connect(differential.left, angle.flange)
-    rig.connect(differential.right, torque.flange)
+    rig.connect(differential.right, torque.flange, acceleration.flange)
     return rig
 
 

@@ -36,10 +36,12 @@ if TYPE_CHECKING:
     from gearblocks.analysis.sections import classify, poincare, stroboscopic
     from gearblocks.analysis.study_result import Study
     from gearblocks.blocks import (
+        Acceleration,
         Angle,
         BearingFriction,
         BeltDrive,
         Brake,
+        Chassis,
         Clutch,
         Creep,
         Damper,
@@ -75,6 +77,7 @@ if TYPE_CHECKING:
         ThermalMass,
         Torque,
         TorqueConverter,
+        Tyre,
         TyreSlip,
         UniversalJoint,
         Vehicle,
@@ -140,11 +143,12 @@ if TYPE_CHECKING:
         tanh,
     )
     from gearblocks.language.heat import HeatPort
-    from gearblocks.language.signals import Input, Parameter, Table, sense, temperature, time, twist
+    from gearblocks.language.signals import Input, Parameter, Table, distance, sense, temperature, time, twist
     from gearblocks.language.starts import rolling
     from gearblocks.language.tables import Table2
     from gearblocks.language.units import rpm
     from gearblocks.language.watches import Excitation, Watch
+    from gearblocks.language.waveforms import pulse, trapezoid
     from gearblocks.running import build, carried_start, simulate
     from gearblocks.simulation.comparison import compare
     from gearblocks.simulation.trajectory import Trajectory
@@ -153,23 +157,24 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "Acts", "Angle", "Backlash", "BearingFriction", "BeltDrive", "Block", "Body", "Brake", "Campbell", "Clutch",
-    "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain", "EddyCurrentBrake",
-    "Effect", "Energy", "Engine", "Excitation", "Fixed", "Flange", "FluidDrag", "Force", "Fourier", "Freewheel",
-    "FrequencyResponse", "GearMesh", "GearblocksError", "GearblocksWarning", "Governor", "HardStop", "Harmonic",
-    "HeatPort", "Heaviside", "Hold", "HuntCrossley", "Hysteresis", "IdealGear", "IdealPlanetary", "Inertia", "Input",
-    "Lash", "Linearization", "LossyGear", "LossyTie", "Mass", "MeshLaw", "Model", "ModelError", "Modes", "Motion",
-    "NonCircularGear", "OneWayClutch", "Parameter", "ParameterError", "Parts", "PlanetaryGear", "Potential",
-    "Profile", "Quantity", "Rack", "Rate", "RatioLaw", "RatioLawError", "Scene", "Shaft", "Shows", "SimulationError",
-    "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Stick", "Stop", "Stribeck", "Study",
-    "Superposition", "Switch", "Synchronizer", "Table", "Table2", "ThermalConductance", "ThermalMass", "Tie",
-    "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "TyreSlip", "UniversalJoint", "UnknownNameError",
-    "Vehicle", "Watch", "Worm", "at", "build", "campbell", "carried_start", "classify", "compare", "cos", "count",
-    "design_ratio", "driver_angle", "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit",
-    "frequency_response", "last", "latin_hypercube", "line", "linearize", "log", "maximum", "mean", "minimum",
-    "modes", "option", "param", "peak", "period", "pi", "piecewise", "poincare", "points", "price", "random_cases",
-    "rms", "rolling", "rpm", "sense", "signal", "simulate", "sin", "sqrt", "std", "stroboscopic", "study", "sweep",
-    "tan", "tanh", "temperature", "time", "trough", "twist", "work_precision",
+    "Acceleration", "Acts", "Angle", "Backlash", "BearingFriction", "BeltDrive", "Block", "Body", "Brake", "Campbell",
+    "Chassis", "Clutch", "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain",
+    "EddyCurrentBrake", "Effect", "Energy", "Engine", "Excitation", "Fixed", "Flange", "FluidDrag", "Force",
+    "Fourier", "Freewheel", "FrequencyResponse", "GearMesh", "GearblocksError", "GearblocksWarning", "Governor",
+    "HardStop", "Harmonic", "HeatPort", "Heaviside", "Hold", "HuntCrossley", "Hysteresis", "IdealGear",
+    "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear", "LossyTie", "Mass", "MeshLaw",
+    "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch", "Parameter", "ParameterError",
+    "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate", "RatioLaw", "RatioLawError",
+    "Scene", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State",
+    "Stick", "Stop", "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table", "Table2",
+    "ThermalConductance", "ThermalMass", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "Tyre",
+    "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "build", "campbell",
+    "carried_start", "classify", "compare", "cos", "count", "design_ratio", "distance", "driver_angle",
+    "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit", "frequency_response", "last",
+    "latin_hypercube", "line", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak",
+    "period", "pi", "piecewise", "poincare", "points", "price", "pulse", "random_cases", "rms", "rolling", "rpm",
+    "sense", "signal", "simulate", "sin", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh",
+    "temperature", "time", "trapezoid", "trough", "twist", "work_precision",
 ]  # fmt: skip
 
 _NAMES = {
@@ -188,10 +193,10 @@ _NAMES = {
     "analysis.sections": "classify poincare stroboscopic",
     "analysis.study_result": "Study",
     "blocks": (
-        "Angle BearingFriction BeltDrive Brake Clutch Creep Damper DCMotor Differential DogClutch "
+        "Acceleration Angle BearingFriction BeltDrive Brake Chassis Clutch Creep Damper DCMotor Differential DogClutch "
         "EddyCurrentBrake Engine Fixed FluidDrag Force Freewheel GearMesh Governor HardStop IdealGear IdealPlanetary "
         "Inertia Lash LossyGear Mass NonCircularGear OneWayClutch PlanetaryGear Rack Shaft Speed SpeedLoad "
-        "SplineCoupling Stribeck Synchronizer ThermalConductance ThermalMass Torque TorqueConverter TyreSlip "
+        "SplineCoupling Stribeck Synchronizer ThermalConductance ThermalMass Torque TorqueConverter Tyre TyreSlip "
         "UniversalJoint Vehicle Worm"
     ),
     "blocks.effects": (
@@ -210,11 +215,12 @@ _NAMES = {
     "language.fields": "Flange State effect exact option param signal",
     "language.functions": "Heaviside cos exp log maximum minimum pi piecewise sin sqrt tan tanh",
     "language.heat": "HeatPort",
-    "language.signals": "Input Parameter Table sense temperature time twist",
+    "language.signals": "Input Parameter Table distance sense temperature time twist",
     "language.starts": "rolling",
     "language.tables": "Table2",
     "language.units": "rpm",
     "language.watches": "Excitation Watch",
+    "language.waveforms": "pulse trapezoid",
     "running": "build carried_start simulate",
     "simulation.comparison": "compare",
     "simulation.trajectory": "Trajectory",

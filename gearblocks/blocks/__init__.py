@@ -10,19 +10,21 @@ from gearblocks.blocks.machines import DCMotor, EddyCurrentBrake, Engine, Govern
 from gearblocks.blocks.meshes import GearMesh
 from gearblocks.blocks.noncircular import NonCircularGear
 from gearblocks.blocks.planetary import PlanetaryGear
-from gearblocks.blocks.sources import Angle, Speed, SpeedLoad, Torque
+from gearblocks.blocks.sources import Acceleration, Angle, Speed, SpeedLoad, Torque
 from gearblocks.blocks.spline import SplineCoupling
 from gearblocks.blocks.springs import Damper, Lash, Shaft
 from gearblocks.blocks.stops import HardStop
 from gearblocks.blocks.thermal import ThermalConductance, ThermalMass
 from gearblocks.blocks.translational import Force, Mass, Rack
-from gearblocks.blocks.vehicles import TyreSlip, Vehicle
+from gearblocks.blocks.vehicles import Chassis, Tyre, TyreSlip, Vehicle
 
 __all__ = [
+    "Acceleration",
     "Angle",
     "BearingFriction",
     "BeltDrive",
     "Brake",
+    "Chassis",
     "Clutch",
     "Creep",
     "DCMotor",
@@ -58,6 +60,7 @@ __all__ = [
     "ThermalMass",
     "Torque",
     "TorqueConverter",
+    "Tyre",
     "TyreSlip",
     "UniversalJoint",
     "Vehicle",

@@ -10,6 +10,7 @@ from collections import defaultdict, deque
 from typing import final
 
 from gearblocks.blocks import (
+    Acceleration,
     Angle,
     DCMotor,
     Engine,
@@ -23,7 +24,7 @@ from gearblocks.blocks import (
 from gearblocks.drawing.scheme import Element, Scheme
 from gearblocks.language.block import Block
 
-_FIRST = {Engine: 0, DCMotor: 0, Speed: 1, Angle: 1, Torque: 2, Force: 2}
+_FIRST = {Engine: 0, DCMotor: 0, Speed: 1, Angle: 1, Acceleration: 1, Torque: 2, Force: 2}
 """What a train starts from, the lowest number first."""
 
 

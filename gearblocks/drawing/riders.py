@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from gearblocks.blocks import (
+    Acceleration,
     Angle,
     BearingFriction,
     Brake,
@@ -105,8 +106,8 @@ def _force(block: Any, slides: bool, left: bool, right: bool) -> Symbol:  # noqa
 
 
 def _prescribed(block: Any, slides: bool, left: bool, right: bool) -> Symbol:
-    letter = ("v" if slides else "ω") if isinstance(block, Speed) else ("s" if slides else "φ")
-    return _circle(letter, left, right)
+    letters: dict[Any, tuple[str, str]] = {Speed: ("ω", "v"), Angle: ("φ", "s"), Acceleration: ("α", "a")}
+    return _circle(letters[type(block)][slides], left, right)
 
 
 def _circle(letter: str, left: bool, right: bool) -> Symbol:
@@ -191,6 +192,7 @@ _RIDERS: dict[type[Block], Callable[[Any, bool, bool, bool], Symbol]] = {
     Torque: _torque,
     Force: _force,
     Speed: _prescribed,
+    Acceleration: _prescribed,
     Angle: _prescribed,
     DCMotor: _motor,
     Engine: _engine,

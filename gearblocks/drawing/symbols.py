@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 from gearblocks.blocks import (
+    Acceleration,
     Angle,
     BearingFriction,
     Brake,
@@ -260,6 +261,7 @@ _SERIES: dict[type[Block], Callable[[], Symbol]] = {
     Torque: lambda: _lettered("τ"),
     Force: lambda: _lettered("F"),
     Speed: lambda: _lettered("ω"),
+    Acceleration: lambda: _lettered("α"),
     Angle: lambda: _lettered("φ"),
     DCMotor: lambda: _lettered("M"),
 }

@@ -55,10 +55,12 @@ class Tie:
     solved for a flange that it contains linearly by itself (phi_b - F(phi_a)). Then it must be smooth twice over.
     inverse: (another flange, a function that returns the relation with that one linearly by itself, phi_a - F^-1(phi_b)),
     for trains in which something else moves or holds the first one.
+    rates: (speed, acceleration) of that flange, where they are given beside its angle instead of derived from it.
     """
 
     zero: Any
     inverse: tuple[Any, Callable[[], Any]] | None = None
+    rates: tuple[Any, Any] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,7 @@ from gearblocks.language.units import check_unit, in_unit, parse_unit
 
 time = Expr("time")  # time in s, for expressions
 twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft
+distance = Expr("local", "distance")  # that a vehicle has gone, in m, for its slope, wind and rolling resistance
 temperature = Expr("local", "temperature")  # in K, of an element with a heat port
 
 
@@ -190,6 +191,17 @@ def check_increasing(name: str, values: NDArray[np.float64]) -> None:
         )
 
 
+def _check_jumps(x: NDArray[np.float64]) -> None:
+    """ParameterError where x falls, or stands more than twice."""
+    steps = np.diff(x)
+    thrice = np.flatnonzero((steps[1:] == 0) & (steps[:-1] == 0))
+    if len(thrice):
+        raise ParameterError(
+            f"Table: x = {x[thrice[0]]} stands three times or more; twice is a jump, from the first y to the last"
+        )
+    check_increasing("Table: x", x if not steps.any() else x[np.concatenate([[True], steps != 0])])
+
+
 @dataclass(frozen=True, eq=False)
 class Table(_Leaf):
     """Points (x, y) joined by straight lines ("linear"), a spline ("cubic") or held from the left ("step").
@@ -198,7 +210,8 @@ class Table(_Leaf):
     law asks for it. Outside the end values are held, or the table repeats when `periodic` (y[-1] must then equal y[0] but
     for rounding; not of "step"). Each joint is a located switch. ends: of a spline that is not periodic "not-a-knot" (one
     cubic over the first two segments, and over the last two: of order 4 up to the ends, where its slope jumps to 0), or
-    "flat" (slope 0 there: what moves on smoothly when it is held, such as a prescribed angle).
+    "flat" (slope 0 there: what moves on smoothly when it is held, such as a prescribed angle). A linear table that is not
+    periodic may have an x twice: it jumps there, and its value is the second one.
     """
 
     x: NDArray[np.float64] | Sequence[float]
@@ -220,7 +233,12 @@ class Table(_Leaf):
                 raise ParameterError(
                     f"Table: {name}[{i}] = {row[i]} must be a finite number; drop the point or repair it"
                 )
-        check_increasing("Table: x", x)
+        if self.kind == "linear" and not self.periodic:
+            _check_jumps(x)
+        else:
+            doubled = self.kind != "step" and bool((np.diff(x) == 0).any())
+            why = f" ({'periodic' if self.periodic else self.kind}, which cannot jump)" if doubled else ""
+            check_increasing(f"Table{why}: x", x)
         if self.kind not in ("linear", "cubic", "step"):
             raise ParameterError(f"Table: kind = {self.kind!r} must be 'linear', 'cubic' or 'step'")
         if self.ends not in ("not-a-knot", "flat"):
@@ -245,12 +263,28 @@ class Table(_Leaf):
         )
         return np.asarray(spline(x, 2), dtype=float)
 
+    @property
+    def jumps(self) -> tuple[tuple[float, float], ...]:
+        """(x, size) of each jump: where an x stands twice."""
+        x, y = np.asarray(self.x), np.asarray(self.y)
+        return tuple((float(x[i]), float(y[i + 1] - y[i])) for i in np.flatnonzero(np.diff(x) == 0))
+
+    @property
+    def continuous(self) -> Table:
+        """The table without its jumps: table(x) = continuous(x) + sum of size H(x - where)."""
+        x, y = np.asarray(self.x), np.asarray(self.y)
+        again = np.concatenate([[False], np.diff(x) == 0])
+        lower = y - np.cumsum(np.where(again, np.diff(y, prepend=y[0]), 0.0))
+        return Table(x[~again], lower[~again])
+
     def values(self, x: ArrayLike) -> NDArray[np.float64]:
         """y at the quantities x, shape of x, as a run reads the table."""
         known, y, x = np.asarray(self.x), np.asarray(self.y), np.asarray(x, dtype=float)
         span = known[-1] - known[0]
         at = known[0] + np.mod(x - known[0], span) if self.periodic else np.clip(x, known[0], known[-1])
         i = np.clip(np.searchsorted(known, at, side="right") - 1, 0, len(known) - 2)
+        if self.jumps:
+            return self.continuous.values(x) + sum(size * (x >= where) for where, size in self.jumps)
         if self.kind == "step":
             return np.asarray(np.where(at >= known[-1], y[-1], y[i]))
         h, a, m = known[i + 1] - known[i], at - known[i], self.second

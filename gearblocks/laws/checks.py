@@ -207,6 +207,8 @@ class _Check:
         """A relation of flange angles, or of flange speeds alone."""
         if sound:
             yield self.tie(item)
+        for rate in getattr(item, "rates", None) or ():
+            yield self.expression(rate, False, False)
 
     def of_state(self, item: Rate | Start | Hold, _sound: bool) -> Iterator[str]:
         """Something about a state of the block or of its effects."""

@@ -92,7 +92,7 @@ def derive(
             linear = linear_tie(flanges, zero)
             law.ties += [linear] if linear[0] else []
         else:
-            law.prescribed.append(prescribed_angle(law, kind, flanges, zero))
+            law.prescribed.append(prescribed_angle(law, kind, flanges, zero, tie.rates))
     speeds = {f.w for f in flanges.values()}
     zeros = [sp.expand(pool.spelled(m.zero, speeds)) for m in found[Motion]]
     law.prescribed += [prescribed_speed(law, kind, flanges, zero) for zero in zeros]

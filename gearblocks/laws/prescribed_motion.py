@@ -57,15 +57,21 @@ def linear_tie(flanges: Mapping[str, Any], zero: Any) -> tuple[dict[str, Any], A
     return coefficients, zero.xreplace({f.phi: sp.Integer(0) for f in flanges.values()})
 
 
-def prescribed_angle(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> PrescribedMotion:
+def prescribed_angle(
+    law: Any, kind: str, flanges: Mapping[str, Any], zero: Any, rates: tuple[Any, Any] | None = None
+) -> PrescribedMotion:
     """The prescribed motion phi = F(t, other angles) of a nonlinear relation, solved for the first flange in it that has a
-    number as its factor."""
+    number as its factor. rates: its speed and acceleration, where they are given beside."""
     name, slope = _pivot(kind, zero, {n: f.phi for n, f in flanges.items()})
     flange = flanges[name]
     angle = -sp.expand(zero - slope * flange.phi) / slope
-    _check_smooth(law.pool, kind, angle)
+    if rates is None:
+        _check_smooth(law.pool, kind, angle)
     others = {n: f for n, f in flanges.items() if n != name}
     gains = {n: g for n, f in others.items() if (g := sp.diff(angle, f.phi)) != 0}
+    if rates is not None:
+        speed, acceleration = (sp.sympify(x) for x in rates)
+        return PrescribedMotion(name, gains, speed, acceleration, angle)
     velocity_bias = _rate(law, kind, angle, {})
     by_gains = sum((g * others[n].w for n, g in gains.items()), sp.Integer(0))
     speeds = {f.phi: f.w for f in others.values()}

@@ -113,7 +113,10 @@ class Pool:
         return self.table_at(leaf.args[0], *(to_sympy(x, lambda e: self.leaf(e, local)) for x in leaf.args[1:]))
 
     def table_at(self, table: Table | Table2, *quantities: Any) -> Any:
-        """A table over its quantities."""
+        """A table over its quantities; the jumps of one beside it."""
+        if isinstance(table, Table) and table.jumps:
+            steps = (sp.Float(size) * sp.Heaviside(quantities[0] - sp.Float(x), 1) for x, size in table.jumps)
+            return sp.Add(self.table_at(table.continuous, *quantities), *steps)
         if isinstance(table, Table):
             return TableAt(self.table(table), *quantities, sp.Integer(0))
         symbol = self.symbol("table2", table, f"table_{table.digest()}")

@@ -178,9 +178,11 @@ def _signal_problem(name: str, value: Any, field: Field) -> str:
         leaves = value.leaves() if isinstance(value, Expr) else ()
         own = (field.over, "temperature")  # of a heat port, which the block is asked for
         local = next((x.args[0] for x in leaves if x.op == "local" and x.args[0] not in own), None)
-        by = {"twist": "the torque of a Shaft", "driver_angle": "the k of a NonCircularGear"}.get(
-            str(local), "its block"
-        )
+        by = {
+            "twist": "the torque of a Shaft",
+            "driver_angle": "the k of a NonCircularGear",
+            "distance": "a Vehicle or a Chassis",
+        }.get(str(local), "its block")
         return "" if local is None else f"{name} = '{value}' contains gb.{local}, which only {by} knows"
     changing = not isinstance(value, (Expr, Parameter)) or (isinstance(value, Expr) and not _is_constant(value))
     return (

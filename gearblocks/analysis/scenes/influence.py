@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from gearblocks.analysis.quantity import Quantity, belongs
-from gearblocks.blocks.sources import Angle, Speed
+from gearblocks.blocks.sources import Acceleration, Angle, Speed
 from gearblocks.language.block import Declared
 from gearblocks.language.expression import Expr
 from gearblocks.train.graph import GROUND, Component, Train
@@ -75,7 +75,7 @@ def _reached(train: Train, asked: set[str]) -> set[str]:
 
 
 def _prescribes(c: Component) -> bool:
-    return isinstance(c.block, (Speed, Angle)) and c.nodes[1] == GROUND
+    return isinstance(c.block, (Speed, Angle, Acceleration)) and c.nodes[1] == GROUND
 
 
 def _sensed(c: Component, by_path: dict[str, Component]) -> Iterator[str]:

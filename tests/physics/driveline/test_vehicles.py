@@ -122,3 +122,136 @@ def test_a_tyre_of_any_shape_has_the_stiffness_asked_for_and_the_curve_of_its_fo
     assert little.sum() > 5
     assert np.allclose(force[little], stiffness * slip[little], rtol=3e-3)  # (0.05)^2 in the next term
     assert np.allclose(force, most * np.sin(shape * np.arctan(stiffness * slip / (shape * most))), rtol=1e-9)
+
+
+# -- wind, slope and rolling resistance along the way -------------------------------------------------------------------
+
+
+def test_a_car_in_the_wind_comes_to_the_speed_of_the_air():
+    m, r, area, wind, v0 = 900.0, 0.3, 0.8, 12.0, 30.0
+    rig = _chain(wheels=gb.Inertia(J=0.0, w0=v0 / r), car=gb.Vehicle(mass=m, wheel_radius=r, drag_area=area, wind=wind))
+    t = np.linspace(0.0, 200.0, 21)
+    run = gb.simulate(rig, t=t, rtol=1e-11)
+    u0, k = v0 - wind, 1.2 * area / 2 / m
+    assert np.allclose(run["car.v"], wind + u0 / (1 + k * u0 * t), rtol=1e-9, atol=0)  # u' = -k u^2
+    assert run.energy.residual < 1e-10 and run.energy.supplied["car"] < 0  # the wind from behind holds the air back
+    u = run["car.v"][-1] - wind
+    assert run.energy.dissipated["car"] == pytest.approx(m / 2 * (u0**2 - u**2), rel=1e-9)
+
+
+def test_a_slope_over_the_way_gives_back_what_it_took():
+    m, r, J, v0 = 1000.0, 0.3, 5.0, 20.0
+    way = gb.Table([0.0, 50.0, 100.0, 150.0, 200.0], [0.0, 0.1, 0.0, -0.1, 0.0])
+    car = gb.Vehicle(mass=m, wheel_radius=r, wheel_inertia=J, grade=way(gb.distance))
+    run = gb.simulate(_chain(wheels=gb.Inertia(J=0.0, w0=v0 / r), car=car), t_end=12.0, rtol=1e-10)
+    s = np.linspace(0.0, 200.0, 200001)
+    height = np.concatenate([[0.0], np.cumsum(np.sin(way.values((s[1:] + s[:-1]) / 2)) * (s[1] - s[0]))])
+    inside = run["car.s"] < 200.0
+    climbed = np.interp(run["car.s"], s, height)[inside]
+    whole = m + J / r**2
+    assert np.allclose(whole / 2 * (v0**2 - run["car.v"][inside] ** 2), m * 9.80665 * climbed, rtol=0, atol=1e-4 * m)
+    assert run["car.s"][-1] > 200.0 and run["car.v"][-1] == pytest.approx(v0, rel=1e-9)
+
+
+def test_rolling_resistance_that_jumps_along_the_way_brakes_by_two_parabolas():
+    m, r, v0, g = 800.0, 0.25, 15.0, 9.80665
+    rolling = gb.Table([0.0, 100.0, 100.0, 200.0], [0.01, 0.01, 0.05, 0.05])(gb.distance)
+    car = gb.Vehicle(mass=m, wheel_radius=r, rolling=rolling)
+    run = gb.simulate(_chain(wheels=gb.Inertia(J=0.0, w0=v0 / r), car=car), t_end=60.0, rtol=1e-10)
+    end = 100.0 + (v0**2 - 2 * 0.01 * g * 100.0) / (2 * 0.05 * g)
+    assert run["car.v"][-1] == 0.0 and run["car.s"][-1] == pytest.approx(end, rel=1e-10)
+    assert run.energy.dissipated["car"] == pytest.approx(m / 2 * v0**2, rel=1e-10)
+
+
+def test_wheels_of_the_vehicle_are_inertias_on_its_shaft():
+    kw = {"mass": 1200.0, "wheel_radius": 0.3, "drag_area": 0.7, "rolling": 0.012}
+    inside = _chain(drive=gb.Torque(tau=300.0), car=gb.Vehicle(wheel_inertia=4.0, **kw))
+    beside = _chain(drive=gb.Torque(tau=300.0), wheels=gb.Inertia(J=4.0), car=gb.Vehicle(**kw))
+    one, two = (gb.simulate(rig, t=[0.0, 5.0, 10.0], rtol=1e-11) for rig in (inside, beside))
+    for name in ("car.v", "car.s", "car.force", "car.resistance"):
+        assert np.allclose(one[name], two[name], rtol=1e-12, atol=0), name
+
+
+# -- a chassis with its wheels --------------------------------------------------------------------------------------------
+
+
+def test_a_chassis_on_a_wheel_that_rolls_is_the_vehicle():
+    road = {"mass": 1200.0, "drag_area": 0.7, "rolling": 0.012, "wind": -5.0, "grade": 0.02 * gb.sin(gb.distance / 50)}
+    car = _chain(drive=gb.Torque(tau=300.0), wheels=gb.Inertia(J=4.0), car=gb.Vehicle(wheel_radius=0.3, **road))
+    parts = _chain(
+        drive=gb.Torque(tau=300.0), wheels=gb.Inertia(J=4.0), rack=gb.Rack(radius=0.3), car=gb.Chassis(**road)
+    )
+    one, two = (gb.simulate(rig, t=[0.0, 10.0, 20.0], rtol=1e-11) for rig in (car, parts))
+    for name in ("car.v", "car.s", "car.resistance"):
+        assert np.allclose(one[name], two[name], rtol=1e-11, atol=0), name
+    assert two.energy.dissipated["car"] == pytest.approx(one.energy.dissipated["car"], rel=1e-11)
+    assert two.energy.residual < 1e-11
+
+
+def test_two_driven_axles_pull_as_one_of_twice_the_stiffness():
+    m, r, g = 1200.0, 0.3, 9.80665
+    tyre = gb.TyreSlip(stiffness=5e4, grip=0.9, low_speed=0.5)
+    one = _chain(
+        drive=gb.Torque(tau=300.0), wheels=gb.Inertia(J=4.0), car=gb.Vehicle(mass=m, wheel_radius=r, tyre=tyre)
+    )
+    two = gb.Drivetrain("two axles")
+    car = two.add("car", gb.Chassis(mass=m))
+    for axle in ("front", "rear"):
+        half = gb.Tyre(radius=r, stiffness=2.5e4, grip=0.9, low_speed=0.5, normal_force=m * g / 2)
+        drive, wheels = two.add(f"drive_{axle}", gb.Torque(tau=150.0)), two.add(f"wheels_{axle}", gb.Inertia(J=2.0))
+        two.chain(drive, wheels, two.add(f"tyre_{axle}", half), car)
+    a, b = (gb.simulate(rig, t=[0.0, 2.0, 5.0], rtol=1e-11) for rig in (one, two))
+    assert np.allclose(a["car.v"], b["car.v"], rtol=1e-10, atol=0)
+    assert np.allclose(a["car.slip"], b["tyre_rear.slip"], rtol=1e-9, atol=1e-15)
+    assert b.energy.dissipated["tyre_front"] == pytest.approx(a.energy.dissipated["car"] / 2, rel=1e-9)
+
+
+def test_an_axle_without_grip_spins_while_the_other_pulls():
+    rig = gb.Drivetrain("ice at the rear")
+    car = rig.add("car", gb.Chassis(mass=1000.0))
+    for axle, grip in (("front", 1.0), ("rear", 0.05)):
+        tyre = gb.Tyre(radius=0.3, stiffness=5e4, grip=grip, low_speed=0.5, normal_force=5e3)
+        drive, wheels = rig.add(f"drive_{axle}", gb.Torque(tau=600.0)), rig.add(f"wheels_{axle}", gb.Inertia(J=1.0))
+        rig.chain(drive, wheels, rig.add(f"tyre_{axle}", tyre), car)
+    run = gb.simulate(rig, t_end=1.0, rtol=1e-8)
+    assert run["wheels_rear.w"][-1] > 20 * run["wheels_front.w"][-1] * 0.3
+    assert run["tyre_rear.force"][-1] == pytest.approx(0.05 * 5e3, rel=2e-3)
+    assert run.energy.residual < 1e-7
+
+
+def test_a_trailer_is_pulled_by_its_share_of_the_force():
+    rig = gb.Drivetrain("with a trailer")
+    car, trailer = rig.add("car", gb.Chassis(mass=1500.0)), rig.add("trailer", gb.Chassis(mass=500.0, rolling=0.01))
+    rig.chain(rig.add("pull", gb.Force(f=1000.0)), car, rig.add("hitch", gb.Shaft(rigid=True)), trailer)
+    run = gb.simulate(rig, t_end=10.0, rtol=1e-10)
+    resistance = 0.01 * 500.0 * 9.80665
+    a = (1000.0 - resistance) / 2000.0
+    assert run["car.v"][-1] == pytest.approx(10.0 * a, rel=1e-12)
+    assert abs(run["hitch.torque"][-1]) == pytest.approx(500.0 * a + resistance, rel=1e-10)
+
+
+def test_a_chassis_stands_on_a_slope_that_its_rolling_resistance_holds():
+    rig = gb.Drivetrain("parked")
+    grade = gb.Table([0.0, 1.0, 2.0], [0.0, 0.0, 0.04])
+    rig.add("car", gb.Chassis(mass=1000.0, rolling=0.02, grade=grade))
+    run = gb.simulate(rig, t=[0.0, 1.49, 4.0])
+    assert list(run["car.v"][:2]) == [0.0, 0.0] and run["car.v"][2] < 0  # tan(grade) passes 0.02 at 1.5 s
+
+
+@pytest.mark.parametrize(
+    ("block", "says"),
+    [
+        (lambda: gb.Vehicle(mass=1.0, wheel_radius=1.0, wind=3.0), "wind needs drag_area"),
+        (lambda: gb.Chassis(mass=1.0, grade=2.0), r"grade = 2.0 rad must be within \+-1.5"),
+        (lambda: gb.Chassis(mass=1.0, rolling=-0.1), "rolling = -0.1 must be >= 0"),
+        (
+            lambda: gb.Tyre(radius=0.3, stiffness=1.0, grip=1.0, low_speed=0.1, normal_force=0.0),
+            "normal_force = 0 must be > 0",
+        ),
+        (lambda: gb.Speed(w=gb.distance), "contains gb.distance, which only a Vehicle or a Chassis knows"),
+    ],
+)
+def test_vehicles_that_cannot_be_are_refused_by_name(block, says):
+    rig = gb.Drivetrain("rig")
+    with pytest.raises(gb.ModelError, match=says):
+        rig.add("part", block())
