@@ -11,9 +11,13 @@ EXAMPLES = [
     for section in re.split(r"\n(?=## )", PAGE)
     for code in re.findall(r"```python\n(.*?)```", section, flags=re.DOTALL)
 ]
-ROWS = re.findall(r"^\| (.+?) \| (\w+) \| (.+) \|$", PAGE.split("\n## Components\n")[1].split("\n## ")[0], flags=re.MULTILINE)
+ROWS = re.findall(
+    r"^\| (.+?) \| (\w+) \| (.+) \|$", PAGE.split("\n## Components\n")[1].split("\n## ")[0], flags=re.MULTILINE
+)
 
-COMPONENTS = """
+COMPONENTS = re.findall(
+    r"\S+",
+    """
     R.Inertia T.Mass R.Fixed T.Fixed R.Spring R.SpringDamper T.Spring T.SpringDamper R.Damper T.Damper R.ElastoBacklash
     R.ElastoBacklash2 T.ElastoGap R.BearingFriction T.SupportFriction R.Brake T.Brake R.Clutch R.OneWayClutch R.IdealGear
     R.IdealPlanetary R.LossyGear R.Gearbox R.IdealGearR2T R.IdealRollingWheel R.Disc T.Rod T.MassWithStopAndFriction
@@ -28,7 +32,8 @@ COMPONENTS = """
     R.TorqueSensor R.PowerSensor R.MultiSensor T.ForceSensor T.PowerSensor T.MultiSensor Flange_a Flange_b Support
     InternalSupport PartialOneFlange PartialCompliant PartialFriction PartialElementaryConditionalHeatPort HeatCapacitor
     ThermalConductor Convection FixedTemperature Sine Step Ramp Pulse Trapezoid CombiTimeTable
-""".split()
+""",
+)
 
 
 @pytest.mark.parametrize(("section", "code"), EXAMPLES, ids=[section for section, _ in EXAMPLES])
