@@ -13,7 +13,7 @@ from gearblocks.codegen import comments
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.comments import in_comment, key_of, tool, with_comments, without_comments
 from gearblocks.codegen.enclosures import lay_out_enclosures
-from gearblocks.codegen.feedback import order_signals, reads_angles
+from gearblocks.codegen.feedback import order_signals, reads_angles, signals_behind_motion
 from gearblocks.codegen.function import column, identifier
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.hoisted_terms import lay_out_terms
@@ -59,6 +59,7 @@ def generate(assembly: Assembly, compiled: CompiledTemplates | None = None) -> P
     g.feedback = {path: FeedbackSignal(path, i) for i, path in enumerate(wanted)}
     g.n_end = g.lay.quadratures0
     _columns(g)
+    g.behind_motion = signals_behind_motion(g, in_law)
     _laws(g)
     g.feedback = order_signals(g.feedback, g.codes, g.assembly, set(in_law), g.wrapping.unwrapped)
     if g.n_surfaces > g.n_affine:
@@ -195,9 +196,17 @@ def _rates(g: Generator, code: BatchCode) -> None:
                 g.keep("constraint_losses", code.function("constraint_losses", losses))
             g.integrals += [IntegralInfo(code.paths[e], part, g.n_end + e) for e in range(code.n)]
             g.n_end += code.n
-    function = code.function("rates", assignments)
+    late = [a for a in assignments if _reads_motion(g, code, a.expr)]
+    function = code.function("rates", [a for a in assignments if a not in late])
     function.take(code.coordinate_argument(j) for j in own)
     g.keep("rates", function)
+    g.keep("late_rates", code.function("late_rates", late))
+
+
+def _reads_motion(g: Generator, code: BatchCode, expr: Any) -> bool:
+    """Whether an expression reads a signal behind the motion."""
+    roles = code.law.pool.roles
+    return any(roles[x].role == "sense" and roles[x].of in g.behind_motion for x in sp.sympify(expr).free_symbols)
 
 
 def _bodies(g: Generator, code: BatchCode) -> None:

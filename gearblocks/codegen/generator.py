@@ -37,6 +37,7 @@ class Generator:
     feedback: dict[str, FeedbackSignal] = field(default_factory=dict)
     tables: dict[str, tuple[str, Table]] = field(default_factory=dict)
     maps: dict[str, tuple[str, Table2, list[str]]] = field(default_factory=dict)
+    behind_motion: frozenset[str] = frozenset()
     n_par: int = 0
     n_time: int = 0
     shared: dict[tuple[int, str], Operand] = field(default_factory=dict)

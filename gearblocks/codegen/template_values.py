@@ -98,6 +98,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         **_linear(g, angles_in_law),
         "feedback": [str(call) for _, call in signals],
         "law_feedback": [str(call) for index, call in signals if index in in_law],
+        **_late(g),
         "columns": list({x.column.name: x for f in _all(g) for x in f.tables}.values()),
         "coordinates": coordinates,
         "angles_in_law": angles_in_law,
@@ -343,7 +344,21 @@ def _signals_in_law(g: Generator) -> set[int]:
     wanted = [
         meaning.of for b in g.assembly.batches for meaning in b.law.pool.roles.values() if meaning.role == "sense"
     ]
-    return {g.feedback[path].index for path in wanted}
+    return {g.feedback[path].index for path in wanted if path not in g.behind_motion}
+
+
+def _late(g: Generator) -> dict[str, Any]:
+    """Calls of the signals behind the motion that rates read, with what they read in turn; whether these are reactions."""
+    behind: set[str] = set()
+    for path in reversed(g.feedback):  # each reads only earlier ones
+        if path in g.behind_motion:
+            behind.add(path)
+            signal = g.feedback[path]
+            roles = g.codes[signal.batch].law.pool.roles
+            behind |= {roles[x].of for x in signal.expr.free_symbols if roles[x].role == "sense"}
+    late = [x for x in g.feedback.values() if x.call is not None and x.path in behind and g.functions.get("late_rates")]
+    reads = [g.codes[x.batch].law.pool.roles[symbol].role for x in late for symbol in x.expr.free_symbols]
+    return {"late_feedback": [str(x.call) for x in late], "late_reactions": "tau" in reads}
 
 
 def _c_string(text: str) -> str:
