@@ -1,8 +1,8 @@
 """Feedback signals: the outputs that signals read, where they come from and in which order they are computed.
 
-Each may read others; an algebraic loop of them is refused. Accelerations, constraint forces and reactions are signals behind the
-motion: they follow from all torques, so only rates of states and the ledger may read them. Knows nothing of what a signal does
-in a law.
+Each may read others; an algebraic loop of them is refused. Accelerations, constraint forces and reactions are signals behind
+the motion: they follow from all torques, so only rates of states and the ledger may read them. Knows nothing of what a signal
+does in a law.
 """
 
 from __future__ import annotations
