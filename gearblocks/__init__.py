@@ -143,7 +143,7 @@ if TYPE_CHECKING:
         tanh,
     )
     from gearblocks.language.heat import HeatPort
-    from gearblocks.language.signals import Input, Parameter, Table, distance, sense, temperature, time, twist
+    from gearblocks.language.signals import Input, Parameter, Table, distance, sense, slip, temperature, time, twist
     from gearblocks.language.starts import rolling
     from gearblocks.language.tables import Table2
     from gearblocks.language.units import rpm
@@ -173,7 +173,7 @@ __all__ = [
     "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit", "frequency_response", "last",
     "latin_hypercube", "line", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak",
     "period", "pi", "piecewise", "poincare", "points", "price", "pulse", "random_cases", "rms", "rolling", "rpm",
-    "sense", "signal", "simulate", "sin", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh",
+    "sense", "signal", "simulate", "sin", "slip", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh",
     "temperature", "time", "trapezoid", "trough", "twist", "work_precision",
 ]  # fmt: skip
 
@@ -215,7 +215,7 @@ _NAMES = {
     "language.fields": "Flange State effect exact option param signal",
     "language.functions": "Heaviside cos exp log maximum minimum pi piecewise sin sqrt tan tanh",
     "language.heat": "HeatPort",
-    "language.signals": "Input Parameter Table distance sense temperature time twist",
+    "language.signals": "Input Parameter Table distance sense slip temperature time twist",
     "language.starts": "rolling",
     "language.tables": "Table2",
     "language.units": "rpm",

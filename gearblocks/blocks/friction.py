@@ -5,19 +5,22 @@ Slides: force mu N against the slip. Stuck: slip = 0, constraint force within +-
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from gearblocks.language.block import Block, Effect
 from gearblocks.language.contributions import Acts, Contribution, Energy, Rate, Shows, Start, Stick
+from gearblocks.language.expression import Expr, as_expr, evaluate
 from gearblocks.language.fields import Flange, State, effect, option, param, signal
 from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Signal, Table, Value
 
-CAPACITY: Any = signal("torque that it transmits while it slips", "N m", default=None, ge=0)
+CAPACITY: Any = signal("torque that it transmits while it slips", "N m", default=None, ge=0, over="slip")
 MU: Any = signal("coefficient of friction, also over abs(slip)", default=None, ge=0, over="slip")
 FORCE_MAX: Any = param("largest normal force", "N", default=None, ge=0)
 ENGAGEMENT: Any = signal("normal force over the largest one", default=None)
@@ -47,12 +50,23 @@ def friction_problems(block: Any) -> Iterator[str]:
     if block.capacity is not None and block.geometry != 1:
         yield f"geometry = {block.geometry!r} goes with mu, force_max and engagement; capacity is the torque itself"
     yield from over_slip_problems("mu", block.mu)
+    if _is_over_slip(block.capacity):
+        yield from over_slip_problems("capacity", block.capacity)
+
+
+def _is_over_slip(value: Any) -> bool:
+    """Whether gb.slip stands in an expression."""
+    return isinstance(value, Expr) and any(leaf.op == "local" and leaf.args[0] == "slip" for leaf in value.leaves())
 
 
 def over_slip_problems(name: str, table: Any) -> Iterator[str]:
-    """Problems of a table over abs(slip): it must not be periodic, nor negative."""
+    """Problems of a table over abs(slip), which must not be periodic, or of an expression of gb.slip; none is negative."""
+    if isinstance(table, Expr):
+        yield from _expression_problems(name, table)
     if not isinstance(table, Table):
         return
+    if table.extrapolate == "linear" and table.y[-1] < table.y[-2]:
+        yield f"{name} = {table!r} falls at its end and would come below 0: let it end level, or extrapolate='hold'"
     if table.periodic:
         yield f"{name} = {table!r} must not be periodic: it goes over the size of the slip"
     points = np.interp(np.linspace(0, len(table.x) - 1, 32 * len(table.x)), np.arange(len(table.x)), table.x)
@@ -60,16 +74,61 @@ def over_slip_problems(name: str, table: Any) -> Iterator[str]:
         yield f"{name} = {table!r} must be >= 0 everywhere: friction takes energy, it gives none"
 
 
+def _expression_problems(name: str, law: Expr) -> Iterator[str]:
+    """Of an expression of the slip and of Parameters: no value at rest, or a negative one; others nothing is known of."""
+    for x in (0.0, *np.geomspace(1e-3, 1e4, 141).tolist()):
+        try:
+            value = evaluate(law, partial(_leaf_at, x))
+        except (ValueError, ZeroDivisionError, OverflowError):
+            value = math.nan
+        except (AttributeError, KeyError, TypeError):
+            return
+        if x == 0.0 and not math.isfinite(value):
+            yield f"{name} = '{law}' has no value at slip 0, where it sticks"
+            return
+        if value < 0:
+            yield f"{name} = '{law}' is {value:.4g} at slip {x:.4g}, and must be >= 0: friction takes energy, it gives none"
+            return
+
+
+def _leaf_at(slip: float, leaf: Expr) -> float:
+    """The number of a Parameter, the slip, or a table over either; AttributeError for what changes by itself."""
+    if leaf.op == "local" and leaf.args[0] == "slip":
+        return slip
+    if leaf.op == "table":
+        inner = evaluate(as_expr(leaf.args[1]), partial(_leaf_at, slip))
+        return float(leaf.args[0].values(inner))
+    if leaf.op != "parameter":
+        raise AttributeError(leaf.op)
+    return float(leaf.args[0].si)
+
+
+def over_slip(s: Any, field: str, size: Any) -> Any:
+    """A field over abs(slip) = size, with powers of it that have a value where a step looks past 0."""
+    import sympy as sp
+
+    from gearblocks.laws.functions import SignedPower
+
+    found = s.local(field, slip=size)
+    powers = {e: SignedPower(e.base, e.exp, 0) for e in found.atoms(sp.Pow) if e.base == size and not e.exp.is_Integer}
+    return found.xreplace(powers) if powers and not s.reading else found
+
+
 def dry_friction(block: Any, s: Any, slip: Any) -> DryFriction:
     """The friction of a block with the common fields, over the slip."""
     import sympy as sp
 
     if block.capacity is not None:
-        capacity = s.named("C", s.capacity, "torque that it transmits while it slips", "N m")
-        return DryFriction(capacity, capacity, s.peak * capacity)
+        if not _is_over_slip(block.capacity):
+            capacity = s.named("C", s.capacity, "torque that it transmits while it slips", "N m")
+            return DryFriction(capacity, capacity, s.peak * capacity)
+        sliding, held = over_slip(s, "capacity", sp.Abs(slip)), s.local("capacity", slip=sp.Integer(0))
+        sliding = s.named("C", sliding, "torque that it transmits while it slips", "N m")
+        held = s.named("C_0", held, "that torque where the slip is 0", "N m")
+        return DryFriction(held, sliding, s.peak * held)
     engaged = s.named("f_n", s.engagement, "normal force over the largest one")
     pressed = s.geometry * s.force_max * engaged
-    mu, mu_0 = s.local("mu", slip=sp.Abs(slip)), s.local("mu", slip=sp.Integer(0))
+    mu, mu_0 = over_slip(s, "mu", sp.Abs(slip)), s.local("mu", slip=sp.Integer(0))
     sliding = s.named("C", pressed * mu, "torque that it transmits while it slips", "N m")
     at_rest = sliding if mu == mu_0 else s.named("C_0", pressed * mu_0, "that torque where the slip is 0", "N m")
     return DryFriction(engaged, sliding, s.peak * at_rest)
@@ -105,7 +164,8 @@ class Clutch(Block):
 
         a o---| |---o b        w_rel = w_b - w_a, phi_rel = phi_b - phi_a, torque: on b
 
-    While it slips the torque against the slip is capacity, or geometry mu(abs(w_rel)) force_max engagement. While it is
+    While it slips the torque against the slip is capacity, or geometry mu(abs(w_rel)) force_max engagement; mu as a number,
+    a Table over abs(w_rel) or an expression of gb.slip, which stands for that and may stand in capacity too. While it is
     stuck w_rel is exactly 0, phi_rel does not move, and it holds up to peak times the slip torque at rest, either way
     (Coulomb friction with a static peak; the fields are those of Modelica.Mechanics.Rotational.Components.Clutch, whose
     cgeo is geometry: n (r_o + r_i)/2 for n faces). capacity or engagement <= 0: free. mode: 0 stuck, +1 where w_rel > 0,
@@ -207,8 +267,9 @@ class BearingFriction(Block):
 
         a o---(o)---# housing
 
-        abs(torque) = coulomb + rise exp(-(w/speed)^2) + viscous abs(w) + c w^2,   or a Table over abs(w) + c w^2
+        abs(torque) = coulomb + rise exp(-(w/speed)^2) + viscous abs(w) + c w^2,   or torque(abs(w)) + c w^2
 
+    torque: a Table over abs(w), or an expression of gb.slip, which stands for abs(w): 2.0 + 1.5*gb.exp(-0.3*gb.slip).
     rise and speed: of stribeck=Stribeck(...); c: of windage=FluidDrag(...) and churning=FluidDrag(...), the drag of what the
     bearing carries. Stuck, it holds up to peak times the value at w = 0. Signs, outputs and modes as of `Brake`; it is never
     free. Without coulomb and Table the rest is a drag that never sticks (no phi_rel, no mode), or nothing.
@@ -221,9 +282,10 @@ class BearingFriction(Block):
 
     a = Flange("shaft", slider=None)
     housing = Flange("housing", ground=True, slider=None)
-    torque: Table | None = option(
-        "friction torque in N m, a gb.Table over abs(w) in rad/s", default=None, belongs_to="friction"
-    )
+    torque: Table | Expr | None = signal(
+        "friction torque over abs(w): a gb.Table, or an expression of gb.slip", "N m", default=None,
+        belongs_to="friction", over="slip",
+    )  # fmt: skip
     coulomb: Value | None = param(
         "friction torque that does not depend on speed", "N m", default=None, ge=0, belongs_to="coulomb"
     )
@@ -239,8 +301,9 @@ class BearingFriction(Block):
 
     def problems(self) -> Iterator[str]:
         """Contradicting fields."""
-        if self.torque is not None and not isinstance(self.torque, Table):
-            yield f"torque = {self.torque!r:.80} must be a gb.Table over abs(w); a constant torque is coulomb"
+        if self.torque is not None and not (isinstance(self.torque, Table) or _is_over_slip(self.torque)):
+            words = "must be a gb.Table over abs(w) or an expression of gb.slip; a constant torque is coulomb"
+            yield f"torque = {str(self.torque) if isinstance(self.torque, Expr) else self.torque!r:.80} {words}"
         if self.torque is not None and self.coulomb is not None:
             yield "give either torque, a Table over abs(w), or coulomb"
         elif self.effects().keys() <= {"heat"} and self.peak is not None:  # an emptied bearing has no peak
@@ -294,7 +357,7 @@ class BearingFriction(Block):
 
         drag = self._drag(s, speed) * speed
         if self.torque is not None:
-            return s.local("torque", slip=speed) + drag
+            return over_slip(s, "torque", speed) + drag
         size = sp.Integer(0) if self.coulomb is None else s.coulomb
         if self.stribeck is not None:
             size = size + s.stribeck.rise * sp.exp(-((w / s.stribeck.speed) ** 2))

@@ -199,8 +199,11 @@ class Acceleration(Block):
 class SpeedLoad(Block):
     """A load that opposes motion: tau = -sign(w) (c0 + c1 abs(w) + c2 w^2), coeffs = (c0, c1, c2).
 
+        flange o---(w)---# housing        w against the housing (the ground when not connected), which gets -tau
+
     On a slider w is its speed in m/s and tau a force in N. The constant part is dry friction: at w = 0 it holds the shaft
-    against up to c0.
+    against up to c0. direction="along" drives: tau = sign(w) (...), from w = 0 forward; "forward" and "backward" keep their
+    sign whatever the motion: tau = +-(...) (Modelica's TorqueDirection=true). What such a torque gives counts as supplied.
 
     Example:
         rig = gb.Drivetrain("pump")
@@ -209,6 +212,7 @@ class SpeedLoad(Block):
     """
 
     flange = Flange("loaded flange", slider=None)
+    housing = Flange("housing", ground=True, slider=None)
     coeffs: tuple[Value, Value, Value] = param(
         "coefficients c0, c1, c2",
         "N m (rad/s)^-i",
@@ -217,24 +221,37 @@ class SpeedLoad(Block):
         each=("dry friction", "torque per speed", "torque per speed squared"),
     )
     heat: HeatPort | None = HEAT
+    direction: str = option("'against' the motion, 'along' it, 'forward' or 'backward'", default="against")
 
     def problems(self) -> Iterator[str]:
-        """A wrong number of coefficients."""
+        """A wrong number of coefficients, and directions that do not exist."""
+        if self.direction not in ("against", "along", "forward", "backward"):
+            yield f"direction = {self.direction!r} must be 'against', 'along', 'forward' or 'backward'"
         if not isinstance(self.coeffs, tuple) or len(self.coeffs) != 3:
             yield f"coeffs = {self.coeffs!r} must be three numbers (c0, c1, c2)"
 
     def physics(self, s: Any) -> Iterator[Contribution]:
-        """The opposing torque; all its power is lost."""
+        """The torque; all power of one that opposes is lost."""
         import sympy as sp
 
-        w = s.flange.w
+        w = s.flange.w - s.housing.w
         c0, c1, c2 = s.coeffs
         size = sp.Piecewise(
             (w, w >= 0), (-w, True)
         )  # abs(w) of the drag, with or without a dry part that has a direction
+        if self.direction != "against":
+            tau = c0 + c1 * size + c2 * w**2
+            side = {"along": sp.Piecewise((1, w >= 0), (-1, True)), "forward": 1, "backward": -1}[self.direction]
+            tau = s.named("T", side * tau, "torque on the flange", "N m")
+            yield Acts(s.flange, tau)
+            yield Acts(s.housing, -tau)
+            yield Shows("torque", tau, "N m", "torque on the flange")
+            yield Shows("power", tau * w, "W", "power given")
+            return
         drag = c1 * w + c2 * w * size
         yield Stick("", w, c0, engaged=c0)
         yield Acts(s.flange, -drag)
+        yield Acts(s.housing, drag)
         yield Energy(loss=drag * w)
         direction, _, held = s.stick("")
         yield Shows("torque", held - direction * c0 - drag, "N m", "torque on the flange")

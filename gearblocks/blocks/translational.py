@@ -45,10 +45,13 @@ class Rack(Block):
 
            o flange
            |
-          (+)
+          (+)---# housing
         =======---o slider
+         # frame
 
-    force is what the rack exerts on its slider; the flange gets -radius force.
+    phi is the angle against the housing of the pinion, s the position against the frame (both the ground when not
+    connected): s_slider - s_frame = radius (phi_flange - phi_housing). force is what the rack exerts on its slider; the
+    flange gets -radius force, housing and frame the opposite of either.
 
     Example:
         rig = gb.Drivetrain("steering")
@@ -60,6 +63,8 @@ class Rack(Block):
 
     flange = Flange("pinion or wheel")
     slider = Flange("rack, or the axle of the wheel", slider=True)
+    housing = Flange("housing of the pinion", ground=True)
+    frame = Flange("frame that the rack slides in, or the road", ground=True, slider=True)
     radius: float = exact("rolling radius ds/dphi", "m")
 
     def problems(self) -> Iterator[str]:
@@ -69,7 +74,7 @@ class Rack(Block):
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The tie, and its force on the slider."""
-        yield Tie(s.slider.s - s.radius * s.flange.phi)
+        yield Tie((s.slider.s - s.frame.s) - s.radius * (s.flange.phi - s.housing.phi))
         yield Shows("force", s.slider.f, "N", "force on the slider")
 
 

@@ -86,6 +86,8 @@ def of_unnamed_table(c: Component, table: Any) -> Entry:
 
 def _points(words: str, table: Any) -> str:
     ends = "periodic" if table.periodic else "held outside"
+    if getattr(table, "extrapolate", "hold") == "linear":
+        ends = "extrapolated"
     return f"{words}: {len(table.x)} points from {table.x[0]:.4g} to {table.x[-1]:.4g}, {table.kind}, {ends}"
 
 

@@ -24,6 +24,7 @@ time = Expr("time")  # time in s, for expressions
 twist = Expr("local", "twist")  # phi_b - phi_a in rad, for the torque of a Shaft
 distance = Expr("local", "distance")  # that a vehicle has gone, in m, for its slope, wind and rolling resistance
 temperature = Expr("local", "temperature")  # in K, of an element with a heat port
+slip = Expr("local", "slip")  # abs(w_rel) in rad/s, or m/s on sliders, for laws of friction
 
 
 class SympyExpression(Protocol):
@@ -202,16 +203,20 @@ def _check_jumps(x: NDArray[np.float64]) -> None:
     check_increasing("Table: x", x if not steps.any() else x[np.concatenate([[True], steps != 0])])
 
 
+_FAR = 1e9  # of the reach of a table: where the lines of one that is extrapolated end
+
+
 @dataclass(frozen=True, eq=False)
 class Table(_Leaf):
     """Points (x, y) joined by straight lines ("linear"), a spline ("cubic") or held from the left ("step").
 
     x: increasing, shape (n,), n >= 2; y: shape (n,). Over time where a signal is wanted; over twist or slip where a
     law asks for it. Outside the end values are held, or the table repeats when `periodic` (y[-1] must then equal y[0] but
-    for rounding; not of "step"). Each joint is a located switch. ends: of a spline that is not periodic "not-a-knot" (one
-    cubic over the first two segments, and over the last two: of order 4 up to the ends, where its slope jumps to 0), or
-    "flat" (slope 0 there: what moves on smoothly when it is held, such as a prescribed angle). A linear table that is not
-    periodic may have an x twice: it jumps there, and its value is the second one.
+    for rounding; not of "step"), or with extrapolate="linear" a table of straight lines goes on as its first and last one
+    do (Modelica's friction and loss tables). Each joint is a located switch. ends: of a spline that is not periodic
+    "not-a-knot" (one cubic over the first two segments, and over the last two: of order 4 up to the ends, where its slope
+    jumps to 0), or "flat" (slope 0 there: what moves on smoothly when it is held, such as a prescribed angle). A linear
+    table that is not periodic may have an x twice: it jumps there, and its value is the second one.
     """
 
     x: NDArray[np.float64] | Sequence[float]
@@ -219,6 +224,7 @@ class Table(_Leaf):
     kind: str = "linear"
     periodic: bool = False
     ends: str = "not-a-knot"
+    extrapolate: str = "hold"
     second: NDArray[np.float64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -243,6 +249,13 @@ class Table(_Leaf):
             raise ParameterError(f"Table: kind = {self.kind!r} must be 'linear', 'cubic' or 'step'")
         if self.ends not in ("not-a-knot", "flat"):
             raise ParameterError(f"Table: ends = {self.ends!r} must be 'not-a-knot' or 'flat'")
+        if self.extrapolate not in ("hold", "linear"):
+            raise ParameterError(f"Table: extrapolate = {self.extrapolate!r} must be 'hold' or 'linear'")
+        if self.extrapolate == "linear" and (self.kind != "linear" or self.periodic):
+            what = "a periodic table" if self.periodic else f"kind = {self.kind!r}"
+            raise ParameterError(
+                f"Table: {what} has no lines to go on with: extrapolate='linear' goes with kind='linear'"
+            )
         if self.periodic and self.kind != "step":
             if abs(y[0] - y[-1]) > 1e-12 * np.abs(y).max():
                 raise GearblocksError(
@@ -275,10 +288,22 @@ class Table(_Leaf):
         x, y = np.asarray(self.x), np.asarray(self.y)
         again = np.concatenate([[False], np.diff(x) == 0])
         lower = y - np.cumsum(np.where(again, np.diff(y, prepend=y[0]), 0.0))
-        return Table(x[~again], lower[~again])
+        return Table(x[~again], lower[~again], extrapolate=self.extrapolate)
+
+    @property
+    def reached(self) -> Table:
+        """The table as laws read it, without jumps: with a joint far out on both sides where its lines go on."""
+        if self.extrapolate == "hold":
+            return self
+        x, y = np.asarray(self.x), np.asarray(self.y)
+        far = _FAR * (x[-1] - x[0] + np.abs(x).max())
+        first, last = (y[1] - y[0]) / (x[1] - x[0]), (y[-1] - y[-2]) / (x[-1] - x[-2])
+        return Table([x[0] - far, *x, x[-1] + far], [y[0] - far * first, *y, y[-1] + far * last])
 
     def values(self, x: ArrayLike) -> NDArray[np.float64]:
         """y at the quantities x, shape of x, as a run reads the table."""
+        if self.extrapolate != "hold" and not self.jumps:
+            return self.reached.values(x)
         known, y, x = np.asarray(self.x), np.asarray(self.y), np.asarray(x, dtype=float)
         span = known[-1] - known[0]
         at = known[0] + np.mod(x - known[0], span) if self.periodic else np.clip(x, known[0], known[-1])
@@ -293,12 +318,13 @@ class Table(_Leaf):
 
     def digest(self) -> str:
         """A short hash of the content, the table's name in printed expressions."""
-        flat = ("flat",) if self.ends == "flat" else ()
+        flat = (*(("flat",) if self.ends == "flat" else ()), *(("on",) if self.extrapolate == "linear" else ()))
         data = repr((list(self.x), list(self.y), self.kind, self.periodic, *flat)).encode()
         return hashlib.sha256(data).hexdigest()[:12]
 
     def __repr__(self) -> str:
-        return f"Table({len(self.x)} points, {self.kind}{', periodic' if self.periodic else ''}, {self.digest()})"
+        more = ", periodic" if self.periodic else ", extrapolated" if self.extrapolate == "linear" else ""
+        return f"Table({len(self.x)} points, {self.kind}{more}, {self.digest()})"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Table) and self.digest() == other.digest()

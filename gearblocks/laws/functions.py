@@ -83,7 +83,7 @@ def dead_zone_branch(beyond: Any, order: Any) -> Any:
 
 
 class SignedPower(sp.Function):  # type: ignore[misc]  # sympy carries no types
-    """x abs(x)^(n - 1) for order 0, n >= 1; its integral for order -1, its slopes above. No switch: it is smooth once."""
+    """x abs(x)^(n - 1), n > 0, for order 0; its integral for order -1, its slopes above. It needs no switch."""
 
     nargs = 3
 

@@ -118,7 +118,7 @@ class Pool:
             steps = (sp.Float(size) * sp.Heaviside(quantities[0] - sp.Float(x), 1) for x, size in table.jumps)
             return sp.Add(self.table_at(table.continuous, *quantities), *steps)
         if isinstance(table, Table):
-            return TableAt(self.table(table), *quantities, sp.Integer(0))
+            return TableAt(self.table(table if self.reading else table.reached), *quantities, sp.Integer(0))
         symbol = self.symbol("table2", table, f"table_{table.digest()}")
         return Table2At(symbol, *quantities, sp.Integer(0), sp.Integer(0))
 

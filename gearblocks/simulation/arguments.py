@@ -285,6 +285,7 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
         if info.given_in and (isinstance(source, Table) or callable(source)):
             source = _converted(source, parse_unit(info.given_in).factor)
         if isinstance(source, Table):
+            source = source.reached
             period = float(source.x[-1] - source.x[0]) if source.periodic else 0.0
             kind = {"linear": Kind.LINEAR, "step": Kind.STEP, "cubic": Kind.CUBIC}[source.kind]
             sim.set_table(i, kind, np.asarray(source.x), np.asarray(source.y), source.second, period)

@@ -112,6 +112,7 @@ def _expr(expr: Expr, leaves: dict[str, Any]) -> str:
             t = leaf.args[0]
             leaves[t.digest()] = {
                 "x": list(t.x), "y": list(t.y), "kind": t.kind, "periodic": t.periodic, "ends": t.ends,
+                "extrapolate": t.extrapolate,
             }  # fmt: skip
         elif leaf.op == "table2":
             leaves[leaf.args[0].digest()] = _grid(leaf.args[0])
@@ -132,7 +133,8 @@ def _leaf(item: Mapping[str, Any]) -> Parameter | Input | Table | Table2:
         return Input(item["input"], item["start"], item["unit"])
     if "z" in item:
         return Table2(item["x"], item["y"], item["z"], item["kind"])
-    return Table(item["x"], item["y"], item["kind"], item["periodic"], item.get("ends", "not-a-knot"))
+    ends, outside = item.get("ends", "not-a-knot"), item.get("extrapolate", "hold")
+    return Table(item["x"], item["y"], item["kind"], item["periodic"], ends, outside)
 
 
 def _class(name: str) -> Any:

@@ -180,6 +180,7 @@ def _signal_problem(name: str, value: Any, field: Field) -> str:
         local = next((x.args[0] for x in leaves if x.op == "local" and x.args[0] not in own), None)
         by = {
             "twist": "the torque of a Shaft",
+            "slip": "a law of friction",
             "driver_angle": "the k of a NonCircularGear",
             "distance": "a Vehicle or a Chassis",
         }.get(str(local), "its block")

@@ -105,16 +105,18 @@ GB_MATH_INLINE double gb_atan(double x) {
     return x < 0.0 ? -r : r;
 }
 
-/* x |x|^(n - 1), n >= 1, for order 0; its integral for order -1, its derivatives above (0 where they have no bound). */
+/* x |x|^(n - 1), n > 0, for order 0; its integral for order -1, its derivatives above (0 where they have no bound). */
 static inline double gb_signed_power(double x, double n, int order) {
     const double size = fabs(x);
     if (order < 0)
         return pow(size, n + 1.0) / (n + 1.0);
+    if (size == 0.0)
+        return order == 1 && n == 1.0 ? 1.0 : 0.0;
     if (order == 0)
         return x * pow(size, n - 1.0);
     if (order == 1)
         return n * pow(size, n - 1.0);
-    return size > 0.0 ? n * (n - 1.0) * x * pow(size, n - 3.0) : 0.0;
+    return n * (n - 1.0) * x * pow(size, n - 3.0);
 }
 
 /* The angle a with tan(a) - a = y; NaN for y < 0. Newton from above: the function is convex. */
