@@ -59,6 +59,7 @@ class Growth:
         self.initial: str | None = None
         self.count: dict[str, int] = {}
         self.following: set[str] = set()  # bodies whose start speed follows from a tie
+        self.laws = False  # whether gaps have ends, springs rests, and friction laws over the slip
 
     def name(self, stem: str) -> str:
         """A new name."""

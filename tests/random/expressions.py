@@ -12,8 +12,8 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Node:
-    """One operation. op: time, twist, sense, input, parameter, table, object, + * /, < >, both, one, not, either, cases, or a
-    function's name."""
+    """One operation. op: time, twist, slip, sense, input, parameter, table, object, + * /, < >, both, one, not, either,
+    cases, or a function's name."""
 
     op: str
     args: tuple[Any, ...] = ()
@@ -48,6 +48,7 @@ class Node:
 
 TIME = Node("time")
 TWIST = Node("twist")
+SLIP = Node("slip")
 
 
 def sense(path: str) -> Node:
@@ -108,7 +109,7 @@ def to_gearblocks(x: Any, gb: Any) -> Any:
         return tuple(to_gearblocks(a, gb) for a in x)
     if not isinstance(x, Node):
         return x
-    if x.op in ("time", "twist"):
+    if x.op in ("time", "twist", "slip"):
         return getattr(gb, x.op)
     if x.op == "sense":
         return gb.sense(x.args[0])
@@ -161,7 +162,7 @@ def to_text(x: Any) -> str:
         return "(" + ", ".join(to_text(a) for a in x) + ("," if len(x) == 1 else "") + ")"
     if not isinstance(x, Node):
         return repr(x)
-    if x.op in ("time", "twist"):
+    if x.op in ("time", "twist", "slip"):
         return f"gb.{x.op}"
     if x.op == "sense":
         return f"gb.sense({x.args[0]!r})"

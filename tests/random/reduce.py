@@ -167,7 +167,7 @@ def _simpler_signals(train: Train) -> Iterator[Train]:
         for name, value in part.fields:
             if isinstance(value, Node) and value.op not in ("object", "table"):
                 for simple in (*(a for a in value.args if isinstance(a, (Node, float))), 1.0):
-                    if isinstance(simple, Node) and simple.op in ("<", ">", "twist"):
+                    if isinstance(simple, Node) and simple.op in ("<", ">", "twist", "slip"):
                         continue
                     yield train.with_parts([*train.parts[:i], part.changed(**{name: simple}), *train.parts[i + 1 :]])
 

@@ -1,4 +1,4 @@
-"""Seven families of random trains; each is a function from a seed to a description."""
+"""Eight families of random trains; each is a function from a seed to a description."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from tests.random.description import Train
 from tests.random.families.contact import contact
 from tests.random.families.control import control
 from tests.random.families.friction import friction
+from tests.random.families.laws import laws
 from tests.random.families.lossy import lossy
 from tests.random.families.mixed import mixed
 from tests.random.families.smooth import smooth
 from tests.random.families.wide import wide
 
 FAMILIES: dict[str, Callable[[int], Train]] = {
-    f.__name__: f for f in (smooth, contact, friction, lossy, control, mixed, wide)
+    f.__name__: f for f in (smooth, contact, friction, lossy, control, mixed, wide, laws)
 }
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from tests.random.description import GROUND
 from tests.random.draw import Growth, any_signal, digits, given_input, smooth_signal
-from tests.random.expressions import TWIST, call, table, thing
+from tests.random.expressions import SLIP, TWIST, Node, call, table, thing
 
 
 def torque_size(g: Growth, node: str) -> float:
@@ -42,6 +42,8 @@ def shaft(g: Growth, a: str, b: str, smooth: bool = True) -> None:
             "torque": table((-x, 0.0, x), (digits(-2 * y), 0.0, y), g.d.choice(("linear", "cubic"))),
             "c": fields["c"],
         }
+    elif g.laws and kind > 0.6:
+        fields["rest"] = digits(g.d.either_sign(g.d.log(0.001, 0.1)))
     g.drops.append(g.add("shaft", "Shaft", {"a": a, "b": b}, **fields))
 
 
@@ -88,7 +90,23 @@ def lash(g: Growth, a: str, b: str) -> None:
         fields["contact_damping"] = g.d.choice((None, "clipped", "clipped_force", "always"))
     elif kind < 0.8:
         fields["contact_damping"] = thing("HuntCrossley", restitution=g.d.even(0.2, 0.95))
+    if g.laws and g.d.chance(0.6):
+        ends(g, fields)
     g.drops.append(g.add("lash", "Lash", {"a": a, "b": b}, **fields))
+
+
+def ends(g: Growth, fields: dict[str, Any]) -> None:
+    """Ends of its own for a gap, a rest, an exponent."""
+    room = fields.pop("half_gap")
+    side = g.d.random()
+    if side < 0.7:
+        fields["lower"] = digits(-room * g.d.log(0.3, 3.0))
+    if side > 0.3:
+        fields["upper"] = digits(room * g.d.log(0.3, 3.0))
+    if g.d.chance(0.3):
+        fields["rest"] = digits(g.d.either_sign(g.d.log(0.001, 0.1)))
+    if g.d.chance(0.4) and not isinstance(fields.get("contact_damping"), Node):
+        fields["exponent"] = g.d.choice((1.0, 1.5, 2.0))
 
 
 def stop(g: Growth, a: str, b: str) -> None:
@@ -146,6 +164,8 @@ def dry_fields(g: Growth, size: float) -> dict[str, Any]:
             kind = g.d.choice(("linear", "linear", "cubic"))
             knee = g.d.log(1.0, 10.0)
             mu = table((start, knee, digits(2.5 * knee)), (mu, digits(0.7 * mu), digits(0.6 * mu)), kind)
+        elif g.laws and g.d.chance(0.8):
+            mu = over_slip(g, mu)
         fields |= {
             "mu": mu,
             "force_max": digits(size / 0.2),
@@ -154,6 +174,16 @@ def dry_fields(g: Growth, size: float) -> dict[str, Any]:
         fields["geometry"] = g.d.choice((None, 0.5, 2.0))
     fields["peak"] = g.d.choice((None, None, None, 1.1, 1.3, 2.0))
     return fields
+
+
+def over_slip(g: Growth, size: float) -> Any:
+    """A law over the slip that starts near a size: Modelica's exponential, a fall, a rise."""
+    knee = g.d.log(0.5, 20.0)
+    return g.d.choice((
+        lambda: digits(0.7 * size) + digits(g.d.even(0.1, 1.0) * size) * call("exp", digits(-1.0 / knee) * SLIP),
+        lambda: Node("/", (size, 1.0 + digits(1.0 / knee) * SLIP)),
+        lambda: size + digits(size / knee) * SLIP,
+    ))()  # fmt: skip
 
 
 def dry(g: Growth, a: str, b: str, kinds: tuple[str, ...] = ()) -> None:
@@ -187,6 +217,8 @@ def bearing(g: Growth, a: str, housing: str = GROUND) -> None:
     if g.d.chance(0.25):
         start = g.d.choice((0.0, -1.0))
         fields["torque"] = table((start, g.d.log(2.0, 12.0), 30.0), (size, digits(1.4 * size), digits(2.0 * size)))
+    elif g.laws and g.d.chance(0.5):
+        fields["torque"] = over_slip(g, size)
     else:
         fields["coulomb"] = size
         fields["viscous"] = g.d.choice((None, digits(size / g.d.log(5.0, 100.0))))

@@ -26,11 +26,15 @@ def contact_law(s: System, p: Part, k: float) -> Force:
     gap: Any = p.field("backlash")
     if p.block == "Lash":
         gap = Node("object", ("Backlash", (("half_gap", p.field("half_gap")),)))
+    if p.block == "Lash" and p.field("half_gap") is None:
+        gap = Node("object", ("Ends", (("lower", p.field("lower")), ("upper", p.field("upper")))))
     choice = p.field("contact_damping", "clipped")
     zone = _zone(s.sw, gap)
     c = p.field("c")
     if isinstance(choice, Node):
         return _hunt_crossley(s, zone, k, dict(choice.args[1])["restitution"])
+    if p.block == "Lash" and p.field("exponent") is not None:
+        zone = _risen(zone, p.field("exponent"))
     if gap is None:
         viscosity = 0.0 if c is None else c
         return lambda x, rate, factor: (k * factor * x + viscosity * rate, x * x / 2)
@@ -58,6 +62,8 @@ def _zone(sw: Switches, gap: Any) -> Callable[[float], tuple[float, float, int]]
     if gap is None:
         return lambda x: (x, x * x / 2, 1 if x >= 0 else -1)
     fields = dict(gap.args[1])
+    if gap.args[0] == "Ends":
+        return _ends(sw, fields["lower"], fields["upper"])
     if "gaps" in fields:
         return _teeth(sw, fields["gaps"])
     b = fields["half_gap"]
@@ -76,6 +82,32 @@ def _zone(sw: Switches, gap: Any) -> Callable[[float], tuple[float, float, int]]
 
     zone.switches = (ahead, behind)  # type: ignore[attr-defined]
     return zone
+
+
+def _ends(sw: Switches, lower: float | None, upper: float | None) -> Callable[[float], tuple[float, float, int]]:
+    """A dead zone between two ends, one of which may be missing."""
+    ahead, behind = sw.new(), sw.new()
+
+    def zone(x: float) -> tuple[float, float, int]:
+        up = upper is not None and sw(ahead, x - upper)
+        down = lower is not None and sw(behind, lower - x)
+        end = upper if up else lower
+        if end is None or not (up or down):
+            return 0.0, 0.0, 0
+        return x - end, (x - end) ** 2 / 2, 1 if up else -1
+
+    zone.switches = tuple(i for i, end in ((ahead, upper), (behind, lower)) if end is not None)  # type: ignore[attr-defined]
+    return zone
+
+
+def _risen(zone: Callable[[float], tuple[float, float, int]], n: float) -> Callable[[float], tuple[float, float, int]]:
+    """A dead zone with g abs(g)^(n - 1) in place of g."""
+
+    def risen(x: float) -> tuple[float, float, int]:
+        g, _, side = zone(x)
+        return g * abs(g) ** (n - 1), abs(g) ** (n + 1) / (n + 1), side
+
+    return risen
 
 
 def _smooth_potential(x: float, b: float, w: float) -> float:
@@ -144,9 +176,10 @@ def lash(s: System, p: Part) -> None:
         return
     i, force = s.law_row(row), contact_law(s, p, p.field("k"))
     s.elastic.append(row)
+    rest = p.field("rest", 0.0)
 
     def law(c: Context, f: list[float]) -> None:
-        f[i] -= force(c.X[i], c.V[i], 1.0)[0]
+        f[i] -= force(c.X[i] - rest, c.V[i], 1.0)[0]
 
     s.laws.append(law)
 

@@ -163,7 +163,11 @@ def shaft(s: System, p: Part) -> None:
     if p.field("rigid"):
         s.ties.append(row)
         return
-    if p.field("k") is not None:
+    if p.field("rest") is not None:
+        i, k, rest = s.law_row(row), p.field("k"), p.field("rest")
+        s.elastic.append(row)
+        s.laws.append(lambda c, f: f.__setitem__(i, f[i] - k * (c.X[i] - rest)))
+    elif p.field("k") is not None:
         s.springs.append((row, p.field("k")))
         s.elastic.append(row)
     else:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tests.random.description import Part
-from tests.random.expressions import Node
+from tests.random.expressions import Node, walk
 from tests.random.reference.switches import Context, NoEvidenceError, Signal, Table1
 from tests.random.reference.system import Array, Dry, Lossy, Member, System
 
@@ -52,6 +52,9 @@ def constant(s: System, row: Array, size: float, name: str) -> None:
 def _friction_fields(s: System, p: Part) -> tuple[Signal, Callable[[Context, float], float], Signal]:
     """Engagement, sliding force over the slip, and what is held at rest."""
     peak = p.field("peak", 1.0)
+    if _is_law(p.field("capacity")):
+        law = _law(s, p.field("capacity"))
+        return lambda c: law(c, 0.0), law, lambda c: peak * law(c, 0.0)
     if p.field("capacity") is not None:
         capacity = s.compile(p.field("capacity"))
         return capacity, lambda c, slip: capacity(c), lambda c: peak * capacity(c)
@@ -59,6 +62,13 @@ def _friction_fields(s: System, p: Part) -> tuple[Signal, Callable[[Context, flo
     mu = p.field("mu")
     if not isinstance(mu, Node):
         return engagement, lambda c, slip: mu * force * engagement(c), lambda c: peak * mu * force * engagement(c)
+    if _is_law(mu):
+        law = _law(s, mu)
+        return (
+            engagement,
+            lambda c, slip: law(c, slip) * force * engagement(c),
+            lambda c: peak * law(c, 0.0) * force * engagement(c),
+        )
     xs, ys, kind, periodic, _ = mu.args
     table = Table1(s.sw, xs, ys, kind, periodic)
     rest = value_at(xs, ys, kind, 0.0)
@@ -67,6 +77,23 @@ def _friction_fields(s: System, p: Part) -> tuple[Signal, Callable[[Context, flo
         lambda c, slip: table(abs(slip)) * force * engagement(c),
         lambda c: peak * rest * force * engagement(c),
     )
+
+
+def _is_law(x: Any) -> bool:
+    """Whether the slip stands in a field."""
+    return any(n.op == "slip" for n in walk(x))
+
+
+def _law(s: System, x: Any) -> Callable[[Context, float], float]:
+    """A field over the size of the slip, of one that does not stand still."""
+    at = [0.0]
+    found = s.compile(x, lambda c: at[0])
+
+    def law(c: Context, slip: float) -> float:
+        at[0] = abs(slip)
+        return found(c)
+
+    return law
 
 
 def value_at(xs: tuple[float, ...], ys: tuple[float, ...], kind: str, x: float) -> float:
@@ -127,6 +154,10 @@ def bearing(s: System, p: Part) -> None:
     """coulomb + rise exp(-(w/speed)^2) + viscous abs(w), or a table."""
     row = s.node(p.node("a")) - s.node(p.node("housing"))
     peak = p.field("peak", 1.0)
+    if _is_law(p.field("torque")):
+        law = _law(s, p.field("torque"))
+        group(s, row, Member(p.name, 1.0, _always, law, lambda c: (-peak * law(c, 0.0), peak * law(c, 0.0))))
+        return
     if p.field("torque") is not None:
         xs, ys, kind, periodic, _ = p.field("torque").args
         table, rest = Table1(s.sw, xs, ys, kind, periodic), peak * value_at(xs, ys, kind, 0.0)

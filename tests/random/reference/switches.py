@@ -167,7 +167,7 @@ class Compiler:
             return lambda c: number
         if x.op == "time":
             return lambda c: c.t
-        if x.op == "twist":
+        if x.op in ("twist", "slip"):
             assert local is not None
             return local
         if x.op == "sense":
