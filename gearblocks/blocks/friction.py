@@ -16,7 +16,7 @@ import numpy as np
 from gearblocks.language.block import Block, Effect
 from gearblocks.language.contributions import Acts, Contribution, Energy, Rate, Shows, Start, Stick
 from gearblocks.language.expression import Expr, as_expr, evaluate
-from gearblocks.language.fields import Flange, State, effect, option, param, signal
+from gearblocks.language.fields import Flange, State, effect, param, signal
 from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Signal, Table, Value
 

@@ -18,9 +18,10 @@ class EddyCurrentBrake(Block):
 
     The torque is largest, excitation tau_nominal, at w = w_nominal (Wouterse, Critical torque and speed of eddy
     current brake, IEE Proceedings B 138, 1991); it is 0 at rest. excitation: 1 for the nominal field, in proportion to
-    the square of the field; it must not be negative. All power is lost. On a slider speeds are in m/s, tau a force in N. With a heat port and alpha the resistance of the
-    disc follows its temperature T, and with it the speed of the largest torque: w_nominal (1 + alpha (T - T_ref)) takes the
-    place of w_nominal (Modelica.Mechanics.Rotational.Sources.EddyCurrentTorque; alpha is its alpha20 where T_ref is 20 degC).
+    the square of the field; it must not be negative. All power is lost. On a slider speeds are in m/s, tau a force in N.
+    With a heat port and alpha the resistance of the disc follows its temperature T, and with it the speed of the largest
+    torque: w_nominal (1 + alpha (T - T_ref)) takes the place of w_nominal
+    (Modelica.Mechanics.Rotational.Sources.EddyCurrentTorque; alpha is its alpha20 where T_ref is 20 degC).
 
     Example:
         rig = gb.Drivetrain("retarder")

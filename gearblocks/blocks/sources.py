@@ -227,6 +227,8 @@ class SpeedLoad(Block):
         """A wrong number of coefficients, and directions that do not exist."""
         if self.direction not in ("against", "along", "forward", "backward"):
             yield f"direction = {self.direction!r} must be 'against', 'along', 'forward' or 'backward'"
+        elif self.direction != "against" and self.heat is not None:
+            yield f"heat: a torque with direction = {self.direction!r} loses nothing; leave heat out"
         if not isinstance(self.coeffs, tuple) or len(self.coeffs) != 3:
             yield f"coeffs = {self.coeffs!r} must be three numbers (c0, c1, c2)"
 

@@ -256,6 +256,8 @@ class Table(_Leaf):
             raise ParameterError(
                 f"Table: {what} has no lines to go on with: extrapolate='linear' goes with kind='linear'"
             )
+        if self.extrapolate == "linear" and (x[0] == x[1] or x[-1] == x[-2]):
+            raise ParameterError("Table: it jumps at an end, where extrapolate='linear' needs a line to go on with")
         if self.periodic and self.kind != "step":
             if abs(y[0] - y[-1]) > 1e-12 * np.abs(y).max():
                 raise GearblocksError(
