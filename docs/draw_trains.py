@@ -59,7 +59,8 @@ def symbols_between_shafts() -> gb.Drivetrain:
     *pairs, belt, rack, mass, chassis, force, tyre = _named(
         rig, gb.DCMotor(R=1.0, L=1.0, k=1.0, u=1.0), gb.IdealGear(ratio=-2.0), mesh,
         gb.NonCircularGear(law=gb.RatioLaw.ellipse(0.2), external=True), gb.LossyGear(ratio=2.0, efficiency=(0.9, 0.9)),
-        gb.Worm(ratio=20.0, lead_angle=0.1, friction=0.05), gb.BeltDrive(ratio=1.0), gb.Rack(radius=1.0), gb.Mass(m=1.0),
+        gb.Gearbox(ratio=2.0, efficiency=(0.9, 0.9), k=1.0), gb.Worm(ratio=20.0, lead_angle=0.1, friction=0.05),
+        gb.BeltDrive(ratio=1.0), gb.Rack(radius=1.0), gb.Mass(m=1.0),
         gb.Chassis(mass=1.0), gb.Force(f=1.0),
         gb.Tyre(radius=1.0, stiffness=1.0, grip=1.0, low_speed=1.0, normal_force=1.0),
     )  # fmt: skip

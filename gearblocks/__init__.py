@@ -54,6 +54,7 @@ if TYPE_CHECKING:
         FluidDrag,
         Force,
         Freewheel,
+        Gearbox,
         GearMesh,
         Governor,
         HardStop,
@@ -160,8 +161,8 @@ __all__ = [
     "Acceleration", "Acts", "Angle", "Backlash", "BearingFriction", "BeltDrive", "Block", "Body", "Brake", "Campbell",
     "Chassis", "Clutch", "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain",
     "EddyCurrentBrake", "Effect", "Energy", "Engine", "Excitation", "Fixed", "Flange", "FluidDrag", "Force",
-    "Fourier", "Freewheel", "FrequencyResponse", "GearMesh", "GearblocksError", "GearblocksWarning", "Governor",
-    "HardStop", "Harmonic", "HeatPort", "Heaviside", "Hold", "HuntCrossley", "Hysteresis", "IdealGear",
+    "Fourier", "Freewheel", "FrequencyResponse", "GearMesh", "GearblocksError", "GearblocksWarning", "Gearbox",
+    "Governor", "HardStop", "Harmonic", "HeatPort", "Heaviside", "Hold", "HuntCrossley", "Hysteresis", "IdealGear",
     "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear", "LossyTie", "Mass", "MeshLaw",
     "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch", "Parameter", "ParameterError",
     "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate", "RatioLaw", "RatioLawError",
@@ -194,7 +195,7 @@ _NAMES = {
     "analysis.study_result": "Study",
     "blocks": (
         "Acceleration Angle BearingFriction BeltDrive Brake Chassis Clutch Creep Damper DCMotor Differential DogClutch "
-        "EddyCurrentBrake Engine Fixed FluidDrag Force Freewheel GearMesh Governor HardStop IdealGear IdealPlanetary "
+        "EddyCurrentBrake Engine Fixed FluidDrag Force Freewheel Gearbox GearMesh Governor HardStop IdealGear IdealPlanetary "
         "Inertia Lash LossyGear Mass NonCircularGear OneWayClutch PlanetaryGear Rack Shaft Speed SpeedLoad "
         "SplineCoupling Stribeck Synchronizer ThermalConductance ThermalMass Torque TorqueConverter Tyre TyreSlip "
         "UniversalJoint Vehicle Worm"

@@ -70,6 +70,9 @@ int gb_fmu_solver_failed(gb_fmu *fmu, int code) {
     case GB_ERR_ESCAPE:
         return gb_fmu_refuse(fmu, "the motion grows without bound at t = %.9g s, quickest in '%s'", t,
                              state_name(fmu, i, 0));
+    case GB_ERR_JUMP:
+        return gb_fmu_refuse(fmu, "friction on a shaft without inertia and damping jumps at t = %.9g s, at '%s'", t,
+                             state_name(fmu, i, 0));
     case GB_ERR_MEMORY:
         return gb_fmu_refuse(fmu, "out of memory at t = %.9g s", t);
     default:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from gearblocks.assembly.algebraic_friction import algebraic_forces, force_unknowns
 from gearblocks.assembly.coordinates import Coordinates
 from gearblocks.assembly.elimination import Combination, dependency_order
 from gearblocks.assembly.inverted_relations import inverted_relations
@@ -30,8 +31,16 @@ __all__ = ["GROUND_GROUP", "Assembly", "Batch", "StartValues", "assemble", "expa
 def assemble(train: Train, *, reading: bool = False) -> Assembly:
     """Laws per kind, rigid constraints, groups, relative coordinates and batches of a train.
 
-    reading: for people, every shaft as it is. Raises ModelError for contradicting rigid constraints.
+    reading: for people, every shaft as it is, and friction as it is written. Raises ModelError for contradicting rigid
+    constraints.
     """
+    assembly = _assemble(train, reading)
+    if reading or (whole := algebraic_forces(assembly)) is train:
+        return assembly
+    return _assemble(whole, reading)
+
+
+def _assemble(train: Train, reading: bool) -> Assembly:
     made: dict[Any, Law] = {}
     laws = _laws(train, made, frozenset())
     known = _exact_values(train, laws)
@@ -46,6 +55,7 @@ def assemble(train: Train, *, reading: bool = False) -> Assembly:
     structural |= bodies.zeros | {(path, 0.0) for path in groups.zeros}
     assembly.structural = tuple(sorted(structural))
     number_groups(assembly, laws, bodies, None if reading else known)
+    assembly.force_unknowns = force_unknowns(assembly)
     assembly.starts = start_values(assembly, laws)
     _coordinates(assembly, laws, known)
     return assembly
@@ -170,6 +180,7 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
     assembly.steady = _steady(assembly, laws)
     _steady_first(assembly, coordinates.definitions.values())
     rows: dict[int, Combination | PrescribedRow] = dict(coordinates.definitions)
+    rows |= {group: Combination() for group in assembly.force_unknowns}  # no angle
     for g, f in dependent_groups.items():
         if f.row is not None:
             rows[g] = f.row

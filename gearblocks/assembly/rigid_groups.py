@@ -22,6 +22,7 @@ from gearblocks.language.block import given_start, start_fields
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Parameter
+from gearblocks.laws.algebraic_friction import TIE, ForceUnknown, tie_row
 from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import PrescribedMotion
 from gearblocks.laws.rational import Exact, exact, exact_value, over
@@ -235,15 +236,23 @@ def _through_lossy_ties(assembly: Assembly, laws: list[Law], owners: dict[int, t
                 changed = True
 
 
+def lossy_tie_of(c: Component, law: Law) -> Mapping[str, Any]:
+    """The row of a lossy tie, whose force may be an unknown; empty without one."""
+    tie = law.constraints.get("tie")
+    if tie is not None and tie.share is not None:
+        return tie.row
+    return tie_row(law) if isinstance(type(c.block).flanges.get(TIE), ForceUnknown) else {}
+
+
 def _lossy_pairs(assembly: Assembly, c: Component, law: Law) -> Iterable[tuple[tuple[int, Exact], tuple[int, Exact]]]:
     """The two groups of a lossy tie with their factors in it."""
-    tie = law.constraints.get("tie")
-    if tie is None or tie.share is None:
+    tied = lossy_tie_of(c, law)
+    if not tied:
         return
     numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
     nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
     row: dict[int, Exact] = {}
-    for flange, expr in tie.row.items():
+    for flange, expr in tied.items():
         values = {x: exact(numbers[law.pool.roles[x].of]) for x in expr.free_symbols}
         group, gain = assembly.group_of_node[nodes[flange]] if nodes[flange] >= 0 else (GROUND_GROUP, 1)
         row[group] = row.get(group, 0) + exact_value(expr, values) * gain
@@ -281,6 +290,12 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
                         owners.setdefault(group, (f"{c.path}.{name}", gain, False))
     for owners in found.values():
         _through_lossy_ties(assembly, laws, owners)
+    assembly.speed_ties = tuple(
+        pair
+        for c, law in zip(assembly.train.components, laws, strict=True)
+        if TIE in type(c.block).flanges
+        for pair in _lossy_pairs(assembly, c, law)
+    )
     for part, whole in assembly.floating.items():  # a part is named as its shaft
         for owners in found.values():
             owners[part] = owners[whole]

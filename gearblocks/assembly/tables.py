@@ -68,7 +68,9 @@ class Assembly:
     prescribed motions in between): the other group angles. in_law: a law reads angles. steady: groups whose speeds
     are fixed combinations; n_steady: coordinates at the front whose rates are. with_inertia: groups with inertia. floating:
     massless groups that are a part of another (massless_groups.py), with that other; floating_bases: numbers of those
-    that stand for several. inverted: components whose relation is solved for its other flange.
+    that stand for several. inverted: components whose relation is solved for its other flange. force_unknowns: massless
+    groups whose speeds are constraint forces (laws/algebraic_friction.py). speed_ties: pairs of groups, with factors, whose
+    speeds such a force ties.
     """
 
     train: Train
@@ -95,6 +97,8 @@ class Assembly:
     in_law: bool = False
     structural: tuple[tuple[str, float], ...] = ()
     inverted: frozenset[int] = frozenset()
+    force_unknowns: frozenset[int] = frozenset()
+    speed_ties: tuple[tuple[tuple[int, Exact], ...], ...] = ()
 
     def __repr__(self) -> str:
         counts = f"{self.n_groups} groups, {self.n_speeds} of them with a speed of their own"

@@ -3,6 +3,7 @@
 from gearblocks.blocks.bodies import Fixed, Inertia
 from gearblocks.blocks.couplings import BeltDrive, Creep, TorqueConverter, UniversalJoint
 from gearblocks.blocks.friction import BearingFriction, Brake, Clutch, FluidDrag, Stribeck
+from gearblocks.blocks.gearboxes import Gearbox
 from gearblocks.blocks.gears import Differential, IdealGear, IdealPlanetary
 from gearblocks.blocks.locking_couplings import DogClutch, Freewheel, OneWayClutch, Synchronizer
 from gearblocks.blocks.lossy_gears import LossyGear, Worm
@@ -38,6 +39,7 @@ __all__ = [
     "Force",
     "Freewheel",
     "GearMesh",
+    "Gearbox",
     "Governor",
     "HardStop",
     "IdealGear",

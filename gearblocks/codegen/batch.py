@@ -70,7 +70,8 @@ class BatchCode:
             self.constraint_values[name] |= {f"loss_{i}": hoist(x) for i, x in enumerate(constraint.losses or ())}
         self.constraint_loss = None if law.constraint_loss is None else hoist(law.constraint_loss)
         massless = self.offsets.massless
-        self.balance = balance_of(self.batch, hoist, massless, self.offsets.floating_bases) if massless else Balance()
+        of = self.offsets.floating_bases, self.offsets.by_mode
+        self.balance = balance_of(self.batch, hoist, massless, *of) if massless else Balance()
 
     def hoist(self, expr: Any) -> Any:
         """An expression that the motion needs, with hoisted terms in it; outputs and energies are hoisted apart."""

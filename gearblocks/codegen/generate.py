@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import Any
 
 import sympy as sp
@@ -26,6 +27,7 @@ from gearblocks.codegen.operands import Assignment, Operand, Role
 from gearblocks.codegen.output_names import (
     dependent_starts,
     flange_outputs,
+    flanges_of,
     heat_infos,
     lossy_starts,
     prescribed_starts,
@@ -93,6 +95,7 @@ def _columns(g: Generator) -> None:
             mass=g.mass,
             massless=massless,
             floating_bases=g.assembly.floating_bases,
+            by_mode=bool(g.assembly.force_unknowns),
             feedback={p: s.index for p, s in g.feedback.items()},
         )
         offsets.tables = {
@@ -132,9 +135,9 @@ def _laws(g: Generator) -> None:
         prescribed_motion_functions(g, code)
         _rates(g, code)
         event_functions(g, code)
-        for flange in code.batch.flanges:
-            code.offsets.flange_torques[flange] = flange_tau
-            flange_tau += code.n
+    for code, flange in chain.from_iterable(flanges_of(g)):
+        code.offsets.flange_torques[flange] = flange_tau
+        flange_tau += code.n
     _supplies(g)
     loss_offsets(g)
     for code in g.codes:

@@ -54,6 +54,7 @@ class Generator:
     predictions: list[Prediction] = field(default_factory=list)
     table_switches: list[tuple[int, int, str]] = field(default_factory=list)
     slip_switches: list[int] = field(default_factory=list)
+    force_switches: list[int] = field(default_factory=list)
     bands: list[Band] = field(default_factory=list)
     features: list[bool] = field(default_factory=list)
     n_affine: int = 0

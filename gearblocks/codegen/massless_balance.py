@@ -17,9 +17,10 @@ from gearblocks.laws.symbols import time_symbol
 
 
 def balance_of(
-    batch: Batch, hoist: Callable[[Any], Any], rows: MasslessRows, floating_bases: frozenset[int]
+    batch: Batch, hoist: Callable[[Any], Any], rows: MasslessRows, floating_bases: frozenset[int], by_mode: bool
 ) -> Balance:
-    """The balance of a batch, hoisted; empty where none of its flanges is at such a shaft."""
+    """The balance of a batch, hoisted; empty where none of its flanges is at such a shaft. by_mode: dampers may be without
+    effect in some modes."""
     law = batch.law
     at = [f for f in batch.flanges if any(group in rows for group in batch.groups[f])]
     speeds = {f: law.pool.symbol("w", f, f"w_{f}") for f in at}
@@ -28,7 +29,7 @@ def balance_of(
         if f not in law.torques or batch.groups[f][0] == GROUND_GROUP:
             continue
         torque = law.torques[f].xreplace(law.forces)
-        alone = all(floating_bases.isdisjoint(rows.get(group, ())) for group in batch.groups[f])
+        alone = not by_mode and all(floating_bases.isdisjoint(rows.get(group, ())) for group in batch.groups[f])
         torque_rate = _rate(law, torque, damped=alone)
         result.torques[f], result.torque_rates[f] = hoist(torque), hoist(torque_rate)
         for other, w in speeds.items():

@@ -61,6 +61,9 @@ def lay_out_massless(g: Generator) -> None:
                     pairs.add((a, b))
                     if a == b and (marks is sprung or a not in assembly.floating_bases):
                         marks[a] = True
+    forces = frozenset(group - assembly.n_speeds for group in assembly.force_unknowns)
+    for i in forces:
+        damped[i] = True
     for i in range(assembly.n_massless):
         if not damped[i] and not sprung[i]:
             raise ModelError(
@@ -72,13 +75,16 @@ def lay_out_massless(g: Generator) -> None:
         not (sp.sympify(e).free_symbols & {x for x, s in g.codes[n].law.pool.roles.items() if s.role == "w"})
         for n, balance in balances.items() for e in (*balance.damping_entries.values(), *balance.stiffness_entries.values())
     )  # fmt: skip
-    given = _given(assembly, rows)
+    given = _given(assembly, rows) | {
+        group - assembly.n_speeds for pair in assembly.speed_ties for group, _ in pair if group >= assembly.n_speeds
+    }
     free = [
         i not in given or not damped[i] for i in range(assembly.n_massless)
     ]  # model/start_values.py checks the second
-    g.massless = Massless(
-        rows, assembly.floating_bases, damped, free, eliminate(assembly.n_massless, pairs), affine, _shifts(g)
-    )
+    pattern = eliminate(assembly.n_massless, pairs, forces)
+    g.massless = Massless(rows, assembly.floating_bases, damped, free, pattern, affine, _shifts(g))
+    if forces:
+        g.massless.by_mode = frozenset(i for i, s in enumerate(sprung) if s and damped[i]) - forces
     for code in g.codes:
         _functions(g, code)
 
@@ -139,7 +145,7 @@ def _functions(g: Generator, code: BatchCode) -> None:
         assignments = [
             Assignment(Operand(vector, f"g_{f}"), "+=", e, flange=f) for f, e in exprs.items() if e != 0 or not elastic
         ]
-        if assignments and not (elastic and all(massless.damped)):
+        if assignments and not (elastic and all(massless.damped) and not massless.by_mode):
             g.keep(f"massless_{what}", code.function(f"massless_{what}", assignments))
     for vector, entries in (
         (Role.DAMPING_ENTRIES, balance.damping_entries),

@@ -20,6 +20,7 @@ from gearblocks.codegen.program import (
 from gearblocks.language.block import declared_state
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.units import unit_along
+from gearblocks.laws.algebraic_friction import ForceUnknown
 from gearblocks.train.graph import Component
 from gearblocks.train.heat import heat_paths
 from gearblocks.train.translational import flange_names, slider_names, words_along
@@ -38,7 +39,7 @@ def shown(g: Generator, code: BatchCode, name: str, unit: str, words: str) -> Ou
 
 def flange_outputs(g: Generator) -> Iterator[OutputGroup]:
     """Outputs of the flanges and the coordinates for reading, which follow the outputs of the blocks."""
-    flanges = [(code, flange) for code in g.codes for flange in code.batch.flanges]
+    flanges, _ = flanges_of(g)
     owners = [tuple(f"{path}.{flange}" for path in code.paths) for code, flange in flanges]
     slides = [bytes(flange in c.sliders for c in components_of(g, code)) for code, flange in flanges]
     for i, (unit, words) in enumerate((
@@ -58,6 +59,16 @@ def _group(owners: tuple[str, ...], names: tuple[str, str], unit: str, words: st
         for name, along in zip(names, (False, True), strict=True)
     )
     return OutputGroup(owners, turning, sliding, slides if any(slides) else b"")
+
+
+def flanges_of(g: Generator) -> tuple[list[tuple[BatchCode, str]], list[tuple[BatchCode, str]]]:
+    """Batches with their flanges in the order of the outputs, and those that stand for a force and are not shown."""
+    both: tuple[list[tuple[BatchCode, str]], list[tuple[BatchCode, str]]] = [], []
+    for code in g.codes:
+        for flange in code.batch.flanges:
+            kind = type(components_of(g, code)[0].block)
+            both[isinstance(kind.flanges[flange], ForceUnknown)].append((code, flange))
+    return both
 
 
 def state_quantities(g: Generator) -> list[Quantity]:

@@ -101,7 +101,8 @@ class Balance:
 @dataclass(slots=True)
 class Massless:
     """Massless groups by number. floating_bases: those that stand for several; damped: or not; free_start: whether the
-    angle at the start is one of balance. pattern: of their coupling; affine: whether one Newton step gives the speeds.
+    angle at the start is one of balance. by_mode: groups beside friction, which springs alone hold where it slides and nothing
+    damps them. pattern: of their coupling; affine: whether one Newton step gives the speeds.
     shifts: by state, what an angle moves it.
     """
 
@@ -112,6 +113,12 @@ class Massless:
     pattern: Pattern
     affine: bool
     shifts: list[dict[int, Exact]]
+    by_mode: frozenset[int] = frozenset()
+
+    @property
+    def rules(self) -> list[int]:
+        """By group 1: damped, 0: held by springs alone, 2: either, by the modes."""
+        return [2 if i in self.by_mode else int(damped) for i, damped in enumerate(self.damped)]
 
     @property
     def n_entries(self) -> int:

@@ -35,6 +35,17 @@ class Reaction:
     pivot: int | None = None
 
 
+def flange_numbers(g: Generator) -> dict[str, dict[int, int]]:
+    """Number in flange_tau of the flange of each component at each node."""
+    numbers: dict[str, dict[int, int]] = {}
+    for code in g.codes:
+        for flange in code.batch.flanges:
+            for e in range(code.n):
+                mine = numbers.setdefault(code.paths[e], {})
+                mine.setdefault(code.batch.nodes[flange][e], code.offsets.flange_torques[flange] + e)
+    return numbers
+
+
 def reaction_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) -> dict[str, Any]:
     """Tables for the template: phases of constraints; lambda of each from node torques, and its effect on flanges."""
     reactions = _reactions(g)

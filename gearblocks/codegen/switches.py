@@ -95,6 +95,8 @@ def _predictions(g: Generator, code: BatchCode) -> None:
     """Segments of tables, those over sizes of slips among them, and crossings that time alone gives."""
     for i, sort in enumerate(code.events.sorts):
         first = code.offsets.switches[i]
+        if code.law.switches[i].form is not None:
+            g.force_switches += range(first, first + code.n)
         table = code.law.switches[i].table
         name = code.offsets.tables[table] if table is not None else ""
         if table is not None:

@@ -35,6 +35,7 @@ class Offsets:
     mass: int = 0
     massless: MasslessRows = field(default_factory=dict)
     floating_bases: frozenset[int] = frozenset()
+    by_mode: bool = False
     flange_torques: dict[str, int] = field(default_factory=dict)
     feedback: Mapping[str, int] = field(default_factory=dict)
     tables: Mapping[Any, str] = field(default_factory=dict)

@@ -13,8 +13,9 @@ from gearblocks.codegen.comments import PARTS
 from gearblocks.codegen.function import Function
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.operands import Operand, Role
+from gearblocks.codegen.output_names import flanges_of
 from gearblocks.codegen.parts import GroupRows
-from gearblocks.codegen.reactions import reaction_tables
+from gearblocks.codegen.reactions import flange_numbers, reaction_tables
 from gearblocks.codegen.switched_constraints import constraint_columns, delassus_columns
 from gearblocks.laws.rational import Exact, over
 
@@ -130,7 +131,7 @@ def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str,
         "wrapped": _wrapped(g),
         "angle_speeds": [_speed_state(g, group) for group in assembly.angles],
         "turned": sparse("turned", _wrap_counts(g)),
-        "reactions": reaction_tables(g, _flange_numbers(g)),
+        "reactions": reaction_tables(g, flange_numbers(g)),
         "output_calls": [_output_call(f) for f in g.functions.get("outputs", [])],
         "first_flange_output": sum(code.n * len(code.law.shows) for code in g.codes),
         "inputs": list(lay.inputs),
@@ -379,22 +380,12 @@ def _flanges(g: Generator) -> dict[str, Any]:
     group: list[int] = []
     gain: list[Exact] = []
     node: list[int] = []
-    for batch in (code.batch for code in g.codes):
-        for flange in batch.flanges:
-            group += batch.groups[flange]
-            gain += batch.gains[flange]
-            node += batch.nodes[flange]
+    shown, hidden = flanges_of(g)
+    for code, flange in (*shown, *hidden):
+        group += code.batch.groups[flange]
+        gain += code.batch.gains[flange]
+        node += code.batch.nodes[flange]
     at = {n: g.lay.path_of[path] for n, path in g.assembly.ground_offset.items() if path}
     offset = [at.get(n, -1) for n in node]
-    return {"count": len(node), "group": group, "gain": _texts(gain), "offset": offset, "node": node}
-
-
-def _flange_numbers(g: Generator) -> dict[str, dict[int, int]]:
-    """Number in flange_tau of the flange of each component at each node."""
-    numbers: dict[str, dict[int, int]] = {}
-    for code in g.codes:
-        for flange in code.batch.flanges:
-            for e in range(code.n):
-                mine = numbers.setdefault(code.paths[e], {})
-                mine.setdefault(code.batch.nodes[flange][e], code.offsets.flange_torques[flange] + e)
-    return numbers
+    count = {"count": len(node), "shown": sum(code.n for code, _ in shown)}
+    return count | {"group": group, "gain": _texts(gain), "offset": offset, "node": node}

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
-from gearblocks.blocks import Differential, GearMesh, IdealGear, LossyGear, NonCircularGear, Worm
+from gearblocks.blocks import Differential, Gearbox, GearMesh, IdealGear, LossyGear, NonCircularGear, Worm
 from gearblocks.drawing import pairs
 from gearblocks.drawing.captions import Caption
 from gearblocks.drawing.lanes import Lanes
@@ -20,7 +20,7 @@ from gearblocks.drawing.scheme import Element
 from gearblocks.drawing.sets import differential, stick_scheme
 from gearblocks.drawing.symbols import Symbol, framed_pair, named_box, series, side_by_side
 
-FRAMED = (IdealGear, LossyGear, GearMesh, NonCircularGear, Worm)
+FRAMED = (IdealGear, LossyGear, Gearbox, GearMesh, NonCircularGear, Worm)
 """Pairs that are drawn in a frame where their housing or carrier turns."""
 CHANNEL, MARGIN = 8.0, 4.0
 """Distance of channels from each other and from the box; free room beside what a lane carries."""

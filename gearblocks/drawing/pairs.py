@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from gearblocks.blocks import BeltDrive, LossyGear, NonCircularGear, Rack, Worm
+from gearblocks.blocks import BeltDrive, Gearbox, LossyGear, NonCircularGear, Rack, Worm
 from gearblocks.drawing.shapes import FILLED, THIN, Circle, Shape, arc, line, moved, turned
 from gearblocks.language.block import Block
 
@@ -45,7 +45,7 @@ def _wheel_of(block: Block, k: int, radius: float, together: bool) -> tuple[Shap
         shapes = (*shapes, *(line((x, radius - 1.5), (x, radius + 5)) for x in (-6, 6)))
     if isinstance(block, NonCircularGear):
         shapes = (*shapes, arc(0, 0, 9, 0, 360, look=THIN, squeeze=0.55))
-    if isinstance(block, LossyGear) and not k:
+    if isinstance(block, (LossyGear, Gearbox)) and not k:
         shapes = (*shapes, line((-7, radius - 8), (7, radius + 5), look=THIN))
     return shapes
 

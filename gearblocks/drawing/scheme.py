@@ -16,6 +16,7 @@ from gearblocks.blocks import (
     BeltDrive,
     Differential,
     Fixed,
+    Gearbox,
     GearMesh,
     IdealGear,
     IdealPlanetary,
@@ -33,7 +34,7 @@ from gearblocks.train.disjoint_sets import DisjointSets
 from gearblocks.train.graph import GROUND, Component, Train
 
 BODIES = (Inertia, Mass)
-BETWEEN_LANES = (IdealGear, LossyGear, GearMesh, NonCircularGear, Worm, BeltDrive, Rack)
+BETWEEN_LANES = (IdealGear, LossyGear, Gearbox, GearMesh, NonCircularGear, Worm, BeltDrive, Rack)
 """Blocks that are drawn from one axis to a parallel one."""
 
 

@@ -95,7 +95,7 @@ def _either(pool: Pool, item: LossyTie, driving: Any, coasting: Any, neither: An
     return side * (side + 1) / 2 * driving + side * (side - 1) / 2 * coasting + (1 - side**2) * neither
 
 
-def _row(pool: Pool, flanges: Mapping[str, Any], expr: Any, of: str) -> dict[str, Any]:
+def row_of(pool: Pool, flanges: Mapping[str, Any], expr: Any, of: str) -> dict[str, Any]:
     """d expr / d (angle or speed) of each flange that moves it, through what it names."""
     moving = {n: getattr(f, of) for n, f in flanges.items()}
     spelled = sp.expand(pool.spelled(expr, set(moving.values())))
@@ -104,21 +104,21 @@ def _row(pool: Pool, flanges: Mapping[str, Any], expr: Any, of: str) -> dict[str
 
 def _tie(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.tie))
-    row = _row(pool, flanges, slip, "w")
+    row = row_of(pool, flanges, slip, "w")
     direction, _ = _directions(pool)
     made = ConstraintLaw("tie", slip, row, partner="loss")
     made.share = direction**2 * _either(pool, item, item.driving[0], item.coasting[0], -1)
-    return made.map(lambda e: _along(e, sp.expand(item.slip), direction))
+    return made.map(lambda e: along_slip(e, sp.expand(item.slip), direction))
 
 
 def _loss(pool: Pool, flanges: Mapping[str, Any], item: LossyTie) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.slip))
-    row = _row(pool, flanges, slip, "w")
+    row = row_of(pool, flanges, slip, "w")
     driving, coasting = ((1 + share) * rest for share, rest in (item.driving, item.coasting))
     size = _either(pool, item, driving, coasting, 0)
     made = ConstraintLaw("loss", slip, row, forward=size, backward=size, partner="tie")
     made.losses = tuple(sp.sympify(x) for x in (*item.driving, *item.coasting))
-    return made.map(lambda e: _along(e, slip, _directions(pool)[0]))
+    return made.map(lambda e: along_slip(e, slip, _directions(pool)[0]))
 
 
 def constraint_loss(pool: Pool, constraints: Mapping[str, ConstraintLaw]) -> Any:
@@ -134,7 +134,7 @@ def _state(pool: Pool, state: Any) -> str | None:
 
 def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> ConstraintLaw:
     slip = sp.expand(sp.sympify(item.slip))
-    row = _row(pool, flanges, slip, "w")
+    row = row_of(pool, flanges, slip, "w")
     lower, upper = item.limit if isinstance(item.limit, tuple) else (-item.limit, item.limit)
     lower, upper = (None if sp.sympify(x).is_infinite else sp.sympify(x) for x in (lower, upper))
     if item.sliding is None:
@@ -145,12 +145,12 @@ def _stick(pool: Pool, flanges: Mapping[str, Any], item: Stick) -> ConstraintLaw
     made = ConstraintLaw(item.name, slip, row, lower, upper, sp.sympify(forward), sp.sympify(backward))
     made.engaged = sp.sympify(item.engaged)
     made.impulse = _state(pool, item.impulse)
-    return made.map(lambda e: _along(e, slip, direction))
+    return made.map(lambda e: along_slip(e, slip, direction))
 
 
 def _stop(pool: Pool, flanges: Mapping[str, Any], item: Stop) -> ConstraintLaw:
     gap = sp.expand(sp.sympify(item.gap))
-    row = _row(pool, flanges, gap, "phi")
+    row = row_of(pool, flanges, gap, "phi")
     slip = sum((c * flanges[n].w for n, c in row.items()), sp.Integer(0))
     made = ConstraintLaw(item.name, slip, row, sp.Integer(0), None, gap=gap, restitution=sp.sympify(item.restitution))
     made.impulse, made.impacts = _state(pool, item.impulse), _state(pool, item.impacts)
@@ -159,7 +159,7 @@ def _stop(pool: Pool, flanges: Mapping[str, Any], item: Stop) -> ConstraintLaw:
 
 def along(pool: Pool, constraint: ConstraintLaw, expr: Any) -> Any:
     """An expression with abs(slip) and sign(slip) of a switched constraint written with its direction."""
-    return _along(
+    return along_slip(
         expr, constraint.slip, pool.symbol("direction", constraint.name, f"dir_{constraint.name}".rstrip("_"))
     )
 
@@ -173,7 +173,7 @@ def sizes_of_slips(pool: Pool, constraints: Mapping[str, ConstraintLaw]) -> froz
     )
 
 
-def _along(expr: Any, slip: Any, direction: Any) -> Any:
+def along_slip(expr: Any, slip: Any, direction: Any) -> Any:
     """abs(slip) as direction * slip, so that the law stays on one branch within a step."""
 
     def is_of_slip(e: Any) -> bool:

@@ -40,7 +40,8 @@ class EventFunction:
     surface: the expression g. Its mode is the sign of g (0 or 1), the segment of a `table` over it, or its side of a `band`
     about zero of that half width (-1, 0, 1). constraint: its part in a switched one: "slip", "gap", "sign" (of a force), "hold"
     or "free"; the solver then decides about its mode together with those of all others ("free" apart: 1 where it is not
-    engaged). of_slip: g is the size of a slip, which has a direction once the constraint has been decided about.
+    engaged). of_slip: g is the size of a slip, which has a direction once the constraint has been decided about. form: g as it
+    was asked for, where it reads its own mode (Pool.own_mode).
     """
 
     name: str
@@ -54,6 +55,7 @@ class EventFunction:
     band: Any = None
     constraint: str | None = None
     of_slip: bool = False
+    form: Any = None
 
     @property
     def is_sign(self) -> bool:
@@ -170,15 +172,19 @@ class Freezer:
         if surface.is_number:
             return sp.Integer(1 if surface >= 0 else 0)
         for switch in self.switches:
-            if switch.is_sign and switch.surface == surface:
+            known = switch.surface if switch.form is None else switch.form
+            if switch.is_sign and known == surface:
                 return switch.symbol
-            if switch.is_sign and switch.surface == -surface:
+            if switch.is_sign and known == -surface:
                 return 1 - switch.symbol
         if not self.locating or self.pool.level(surface) == CONSTANT:
             return sp.Heaviside(surface, 1)
         if name is None:
             name = f"switch {len(self.switches) + 1}"
-        return self._add(name, surface).symbol
+        made = self._add(name, surface)
+        if surface.has(self.pool.own_mode):
+            made.form, made.surface = surface, surface.xreplace({self.pool.own_mode: made.symbol})
+        return made.symbol
 
     def _dead_zone(self, e: Any) -> Any:
         """With the side m = -1, 0, 1 as one mode: g = m^2 x - m b, its integral g^2/2, its slope m^2."""

@@ -28,9 +28,10 @@ class SymbolRole:
     """Role of a symbol: what it stands for.
 
     role: own (a number of the block), exact, shared (a Parameter), mobility, time, input, sense, table, table2, law_table (of
-    a LawTable, in equations for reading), phi, w, alpha, tau, state, coordinate, mode, direction, stuck, constraint_force,
-    friction (of a Stick: by its name; the last one: sliding or constraint force, in equations for reading); in generated
-    functions hoisted, force, gain (of a flange on its group), torque_rate (of a flange), local (C text).
+    a LawTable, in equations for reading), phi, w, alpha, tau, state, coordinate, mode, own_mode (of the switch whose event
+    function reads it), direction, stuck, constraint_force, friction (of a Stick: by its name; the last one: sliding or
+    constraint force, in equations for reading); in generated functions hoisted, force, gain (of a flange on its group),
+    torque_rate (of a flange), local (C text).
 
     of: flange, state, switch number, path, or the leaf itself.
     """
@@ -94,6 +95,11 @@ class Pool:
             self.roles[made] = meaning
             self._made[meaning] = made
         return self._made[meaning]
+
+    @property
+    def own_mode(self) -> Any:
+        """In an event function: the mode that it decides about, 1 where it is >= 0."""
+        return self.symbol("own_mode", None, "m_own")
 
     def leaf(self, leaf: Expr, local: Mapping[str, Any] | None = None) -> Any:
         """The symbol (or table call) of a leaf of an expression; local: what stands for the block's own quantities."""

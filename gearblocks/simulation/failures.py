@@ -86,6 +86,11 @@ _CAUSES: dict[Code, tuple[str, str]] = {
         "look for what feeds it: a torque that rises with its own speed or angle, a stiffness below zero, a resonance without "
         "damping",
     ),
+    Code.ERR_JUMP: (
+        "friction on a shaft without inertia and damping jumps, and with it the twist of the spring that it loads",
+        "how a spring gets there nothing says: give it a c, or its shaft an inertia; peak = 1 and a capacity that does not "
+        "jump need neither",
+    ),
     Code.ERR_SINGULAR: (
         "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
     ),

@@ -43,6 +43,7 @@ class Code(IntEnum):
     ERR_BEYOND = -13
     ERR_UNSTABLE = -14
     ERR_ESCAPE = -15
+    ERR_JUMP = -16
 
 
 CODES: dict[int, Code] = {code.value: code for code in Code}

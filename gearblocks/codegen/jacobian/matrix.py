@@ -36,7 +36,8 @@ def linear_part(g: Generator) -> Linear | None:
         feedback = SignalSlopes(g, unknowns, kept)
         feedback.find({fed.path for slopes in batches for fed in slopes.fed})
         matrix = Matrix(unknowns, feedback)
-        pattern = eliminate(unknowns.count, matrix.coupled(batches))
+        forces = frozenset(unknowns.first_speed + group for group in g.assembly.force_unknowns)
+        pattern = eliminate(unknowns.count, matrix.coupled(batches), forces)
         linear = Linear(pattern, unknowns.n_kinematic, unknowns.first_speed, feedback.kept, feedback.n_slopes)
         if isinstance(unknowns, Unknowns) and not unknowns.plain:
             linear.group_rows = GroupRows(

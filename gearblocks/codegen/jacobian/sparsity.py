@@ -46,11 +46,12 @@ class Pattern:
         return self.steps[i] > self.steps[j]
 
 
-def eliminate(n: int, coupled: Iterable[tuple[int, int]]) -> Pattern:
+def eliminate(n: int, coupled: Iterable[tuple[int, int]], last: frozenset[int] = frozenset()) -> Pattern:
     """The pattern of n unknowns of which these pairs are coupled (in any order, repeated or not).
 
     What hangs on by one coupling goes first, level by level from the outside: a chain is eliminated from both ends at
-    once. What is left goes by the smallest number of neighbours.
+    once. What is left goes by the smallest number of neighbours. last: unknowns that go after all others, as their
+    diagonal may be 0 until then.
     """
     neighbours: list[set[int]] = [set() for _ in range(n)]
     for i, j in coupled:
@@ -58,14 +59,16 @@ def eliminate(n: int, coupled: Iterable[tuple[int, int]]) -> Pattern:
             neighbours[i].add(j)
             neighbours[j].add(i)
     columns: dict[int, list[int]] = {}
-    _peel(neighbours, columns)
+    _peel(neighbours, columns, last)
+    if last:
+        _by_degree(neighbours, columns, last)
     _by_degree(neighbours, columns)
     return _numbered(columns)
 
 
-def _peel(neighbours: list[set[int]], columns: dict[int, list[int]]) -> None:
-    """Takes leaves away until every unknown that is left has two neighbours at least."""
-    waiting = deque(i for i, around in enumerate(neighbours) if len(around) <= 1)
+def _peel(neighbours: list[set[int]], columns: dict[int, list[int]], last: frozenset[int]) -> None:
+    """Takes leaves away until every unknown that is left has two neighbours at least, or is one of the last."""
+    waiting = deque(i for i, around in enumerate(neighbours) if len(around) <= 1 and i not in last)
     while waiting:
         i = waiting.popleft()
         if i in columns:
@@ -73,17 +76,19 @@ def _peel(neighbours: list[set[int]], columns: dict[int, list[int]]) -> None:
         columns[i] = list(neighbours[i])
         for j in columns[i]:
             neighbours[j].discard(i)
-            if len(neighbours[j]) == 1:
+            if len(neighbours[j]) == 1 and j not in last:
                 waiting.append(j)
 
 
-def _by_degree(neighbours: list[set[int]], columns: dict[int, list[int]]) -> None:
+def _by_degree(
+    neighbours: list[set[int]], columns: dict[int, list[int]], without: frozenset[int] = frozenset()
+) -> None:  # fmt: skip
     """Eliminates the rest, fewest neighbours first; equal ones in turn, so that neighbours in the order are apart."""
-    heap = [(len(around), 0, i) for i, around in enumerate(neighbours) if i not in columns]
+    heap = [(len(around), 0, i) for i, around in enumerate(neighbours) if i not in columns and i not in without]
     heapify(heap)
     while heap:
         degree, turn, i = heappop(heap)
-        if i in columns or degree != len(neighbours[i]):
+        if i in columns or i in without or degree != len(neighbours[i]):
             continue
         columns[i] = list(neighbours[i])
         for j in columns[i]:

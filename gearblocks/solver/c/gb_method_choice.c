@@ -192,10 +192,15 @@ static int is_held_back(gb_sim *sim) {
     return 1;
 }
 
-/* The matrix of implicit steps is that of one side of a limit: what slides along it is followed by explicit steps. */
+/* The matrix of implicit steps is that of one side of a limit, and that of massless groups with their dampers: what
+ * slides along a limit, and springs that friction alone loads, are followed by explicit steps. */
 static int follows_slide(gb_sim *sim) {
     gb_head *head = sim->head;
-    const int slides = head->events.n_sliding > 0, implicit = sim->method->gamma > 0.0;
+    const gb_model *model = sim->model;
+    const int slides =
+        head->events.n_sliding > 0 ||
+        (model->springs_alone && model->springs_alone(sim->par, sim->mode, sim->instant.time_terms, sim->y) > 0);
+    const int implicit = sim->method->gamma > 0.0;
     if (!(head->options.step > 0.0) && (slides ? implicit : head->options.method == GB_RODAS && !implicit)) {
         gb_set_method(sim, slides ? head->choice.explicit_method : GB_RODAS);
         head->choice.trial = 0;

@@ -208,6 +208,8 @@ typedef struct gb_model {
 
     /* NULL, or: puts the angles of massless groups into balance (with `starting` at the start of a run). */
     void (*balance_massless)(const double *par, const double *mode, const double *time_terms, double *y, int starting);
+    /* NULL, or: how many massless groups beside friction springs alone hold in these modes. */
+    int (*springs_alone)(const double *par, const double *mode, const double *time_terms, const double *y);
 
     /* For implicit methods (pattern NULL: there are none). The states are [ kinematic | others ]: the n_kinematic first
      * ones are coordinates and angles whose rates are fixed combinations of the others, y_s' = B x (where gains change
