@@ -29,11 +29,14 @@ if TYPE_CHECKING:
         trough,
     )
     from gearblocks.analysis.quantity import Quantity
+    from gearblocks.analysis.regimes.exponents import lyapunov
+    from gearblocks.analysis.regimes.orbit import periodic_orbit
+    from gearblocks.analysis.regimes.regime import classify
     from gearblocks.analysis.scenes.fit import fit
     from gearblocks.analysis.scenes.price import price
     from gearblocks.analysis.scenes.scene import Scene
     from gearblocks.analysis.scenes.work_precision import work_precision
-    from gearblocks.analysis.sections import classify, poincare, stroboscopic
+    from gearblocks.analysis.sections import poincare, stroboscopic
     from gearblocks.analysis.study_result import Study
     from gearblocks.blocks import (
         Acceleration,
@@ -172,10 +175,10 @@ __all__ = [
     "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "build", "campbell",
     "carried_start", "classify", "compare", "cos", "count", "design_ratio", "distance", "driver_angle",
     "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit", "frequency_response", "last",
-    "latin_hypercube", "line", "linearize", "log", "maximum", "mean", "minimum", "modes", "option", "param", "peak",
-    "period", "pi", "piecewise", "poincare", "points", "price", "pulse", "random_cases", "rms", "rolling", "rpm",
-    "sense", "signal", "simulate", "sin", "slip", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh",
-    "temperature", "time", "trapezoid", "trough", "twist", "work_precision",
+    "latin_hypercube", "line", "linearize", "log", "lyapunov", "maximum", "mean", "minimum", "modes", "option", "param",
+    "peak", "period", "periodic_orbit", "pi", "piecewise", "poincare", "points", "price", "pulse", "random_cases", "rms",
+    "rolling", "rpm", "sense", "signal", "simulate", "sin", "slip", "sqrt", "std", "stroboscopic", "study", "sweep", "tan",
+    "tanh", "temperature", "time", "trapezoid", "trough", "twist", "work_precision",
 ]  # fmt: skip
 
 _NAMES = {
@@ -187,11 +190,14 @@ _NAMES = {
     "analysis.dynamic_quantities": "dynamic_factor line period",
     "analysis.quantities": "at count energy_lost event_time last mean peak points rms std trough",
     "analysis.quantity": "Quantity",
+    "analysis.regimes.exponents": "lyapunov",
+    "analysis.regimes.orbit": "periodic_orbit",
+    "analysis.regimes.regime": "classify",
     "analysis.scenes.fit": "fit",
     "analysis.scenes.price": "price",
     "analysis.scenes.scene": "Scene",
     "analysis.scenes.work_precision": "work_precision",
-    "analysis.sections": "classify poincare stroboscopic",
+    "analysis.sections": "poincare stroboscopic",
     "analysis.study_result": "Study",
     "blocks": (
         "Acceleration Angle BearingFriction BeltDrive Brake Chassis Clutch Creep Damper DCMotor Differential DogClutch "

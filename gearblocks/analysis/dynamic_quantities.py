@@ -134,8 +134,8 @@ class Line(Quantity):
 class Period(Quantity):
     """Number of periods of a section after which the motion repeats, at most `longest`; 0 where it does not.
 
-    Judged by the points within the window, as `gb.classify` judges those of one accuracy; `of`: outputs, or patterns of
-    them. Knows nothing of other accuracies: `gb.classify` asks two.
+    Judged by the points within the window, of one accuracy; `of`: outputs, or patterns of them. Knows nothing of orbits:
+    `gb.classify` finds them, and gives its evidence.
     """
 
     section: Section | None = None

@@ -1,4 +1,4 @@
-"""Stroboscopic points of a driven train, and a period label that does not speak before two accuracies agree."""
+"""Stroboscopic points of a driven train. What kind of motion they are of is asked elsewhere (`regimes`)."""
 
 from __future__ import annotations
 
@@ -58,27 +58,6 @@ class Points:
         return f"<Points of '{self.run.name}': {len(self.t)} from t = {self.t[0]:g} s: {listed}>"
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class Label:
-    """What was found. period: number of points that repeat, or None where none do within `longest`.
-
-    settled: False where the evidence does not suffice; words say why. residual: largest distance of a point to the one
-    `period` later; separation: smallest distance between different points of one period (both relative to the extent of
-    the points; separation is inf for period 1). accuracies: the two tolerances that agree.
-    """
-
-    period: int | None
-    settled: bool
-    residual: float
-    separation: float
-    accuracies: tuple[float, float]
-    words: str
-
-    def __str__(self) -> str:
-        return self.words
-
-
 def stroboscopic(frequency: str) -> Section:
     """The section once per period of a frequency parameter [rad/s]."""
     return Section(frequency)
@@ -97,22 +76,6 @@ def poincare(
     return section_points(
         build(train), section, of=of, transient=transient, keep=keep, rtol=rtol, parameters=parameters, initial=initial
     )
-
-
-@by_name_only
-def classify(
-    train: Drivetrain | Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
-    longest: int = LONGEST, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
-    initial: Mapping[str, float | str] | None = None,
-) -> Label:  # fmt: skip
-    """After how many periods, at most `longest`, the motion repeats: at rtol and again at rtol/100.
-
-    Judged by `keep` points after `transient` periods; of, parameters and initial: as for `poincare`.
-    """
-    return period_label(
-        build(train), section, of=of, transient=transient, keep=keep, longest=longest, rtol=rtol, parameters=parameters,
-        initial=initial,
-    )  # fmt: skip
 
 
 def section_points(
@@ -149,41 +112,6 @@ def section_period(section: Section, parameters: Mapping[str, float]) -> float:
     if not frequency > 0:
         raise ParameterError(f"the frequency '{section.frequency}' = {frequency!r} rad/s must be > 0")
     return float(2 * np.pi / frequency)
-
-
-def period_label(
-    model: Model, section: Section, *, of: Sequence[str] | None = None, transient: int = 300, keep: int = 100,
-    longest: int = LONGEST, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None,
-    initial: Mapping[str, float | str] | None = None,
-) -> Label:  # fmt: skip
-    """The number of periods after which the motion repeats, at rtol and again at rtol/100.
-
-    Repeats means: every point returns within 1e-5 of the extent of the motion, and the points of one period lie at least
-    100 times farther apart than that residual. A motion that is still settling, or two accuracies that disagree, give a
-    label that is not settled.
-    """
-    if keep < 2 * longest + 1:
-        raise ParameterError(f"keep = {keep} must be > twice longest = {longest}: every period must be seen to repeat")
-    tolerances = (rtol, rtol / 100)
-    found = []
-    for tolerance in tolerances:
-        points = section_points(
-            model, section, of=of, transient=transient, keep=keep, rtol=tolerance, parameters=parameters, initial=initial
-        )  # fmt: skip
-        found.append(repeats(points.values, longest, points.extent))
-    (period, residual, separation), (again, finer, apart) = found
-    if period != again:
-        words = f"undecided: {_words(period)} at rtol {rtol:g}, {_words(again)} at {rtol / 100:g}"
-        return Label(None, False, max(residual, finer), min(separation, apart), tolerances, words)
-    residual, separation = max(residual, finer), min(separation, apart)
-    if period is None and residual < 1e-3:
-        words = f"undecided: points still move by {residual:.1e} of their extent; give a longer transient"
-        return Label(None, False, residual, separation, tolerances, words)
-    return Label(period, True, residual, separation, tolerances, _words(period))
-
-
-def _words(period: int | None) -> str:
-    return "not periodic" if period is None else f"period {period}"
 
 
 def repeats(points: Array, longest: int, extent: Array) -> tuple[int | None, float, float]:

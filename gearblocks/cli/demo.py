@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from gearblocks import __version__
+from gearblocks.analysis.regimes.regime import classify
 from gearblocks.analysis.scenes.work_precision import work_precision
 from gearblocks.analysis.scenes.work_precision_points import Point
-from gearblocks.analysis.sections import Label, classify, stroboscopic
+from gearblocks.analysis.sections import stroboscopic
 from gearblocks.cli import scripts
 from gearblocks.cli.report import regimes
 from gearblocks.drivetrain import Drivetrain
@@ -131,25 +132,14 @@ def _regimes(coupling: regimes.Coupling, folder: Path, tell: Say) -> list[Regime
         speed = {coupling.speed: radians_per_second(rpm)}
         label = classify(coupling.model, stroboscopic(coupling.speed), transient=400, parameters=speed)
         answer = regimes.answer(coupling, rpm, transient=400, keep=3000 if label.period is None else 200, turns=10)
-        phase, section = regimes.phase(coupling, answer, label.words), regimes.section(coupling, answer, label.words)
-        regime = Regime(rpm, label.words, _evidence(label), phase, section)
+        phase, section = regimes.phase(coupling, answer, label.label), regimes.section(coupling, answer, label.label)
+        regime = Regime(rpm, label.label, "; ".join(label.evidence), phase, section)
         regimes.traces(coupling, answer, folder / regime.picture)
         answer.last.to_csv(folder / regime.data)
         found.append(regime)
     planes([regime.phase for regime in found], path=folder / "phase.png")
     planes([regime.section for regime in found], path=folder / "poincare.png")
     return found
-
-
-def _evidence(label: Label) -> str:
-    if not label.settled:
-        return ""
-    words = " and ".join(f"{rtol:.0e}" for rtol in label.accuracies)
-    words = f"tolerances {words} agree: "
-    if label.period is None:
-        return f"{words}points do not return after any number of turns up to 16 (nearest miss {label.residual:.0e})"
-    apart = f" and lie {label.separation:.2g} of it apart" if label.period > 1 else ""
-    return f"{words}points repeat within {label.residual:.0e} of the motion's size{apart}"
 
 
 def _cost(folder: Path, tell: Say) -> dict[str, Any]:

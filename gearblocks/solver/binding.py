@@ -207,10 +207,6 @@ class Simulation:
         self._shared.gb_evaluate(self._sim, address(row), 1, None, 0, None, address(energy))
         return energy
 
-    def quantity_room(self, count: int) -> int:
-        """How many numbers of room so many quantities along a run need."""
-        return int(self._shared.gb_quantity_room(self._sim, count))
-
     def account(self) -> Account:
         """What limits the steps from here on, counted as they are made."""
         return Account(self._shared, self._sim, self._program.n)
@@ -219,9 +215,10 @@ class Simulation:
         """Outputs to watch in a run that begins."""
         return Watches(self._shared, self._sim, outputs, limits)
 
-    def study(self, raw: ctypes.Structure, seconds: float) -> Code:
-        """Goes on with the runs of a study (`study_runs.py`)."""
-        return Code(self._shared.gb_study_run(self._sim, ctypes.byref(raw), seconds))
+    @property
+    def handle(self) -> tuple[ctypes.CDLL, int | None]:
+        """The shared object and the simulation in it, for calls that have a module of their own."""
+        return self._shared, self._sim
 
     def rhs(self, t: float, y: Array) -> Array:
         """dy/dt at (t, y) with the present modes; length n_total."""

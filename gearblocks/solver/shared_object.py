@@ -44,6 +44,8 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_watches_begin": (None, (POINTER(WatchesStructure),)),
     "gb_watches_end": (c_int, (c_void_p, POINTER(WatchesStructure))),
     "gb_study_run": (c_int, (c_void_p, c_void_p, c_double)),
+    "gb_tangent_size": (c_size_t, (c_void_p, c_int)),
+    "gb_tangents_run": (c_int, (c_void_p, c_void_p, c_double)),
     "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
     "gb_probe": (c_int, (c_void_p, POINTER(PointStructure), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),
     "gb_snapshot_size": (c_size_t, (c_void_p,)),

@@ -127,7 +127,8 @@ class StudyRuns:
         self._events = np.empty(_EVENTS, dtype=EVENT)
         record = RecordStructure(address(rows), 0, len(rows), address(self._events), 0, len(self._events), None, None)
         kinds = (_Quantity * max(n_kinds, 1))(*(_Quantity(kind) for kind in wanted.kinds))
-        room = np.empty(sim.quantity_room(n_kinds) if n_kinds else 0)
+        shared, handle = sim.handle
+        room = np.empty(shared.gb_quantity_room(handle, n_kinds) if n_kinds else 0)
         quantities = _Quantities(kinds, address(wanted.of), address(wanted.factors), n_kinds, 0, address(room))
         if n_kinds:
             record.quantities = ctypes.addressof(quantities)
@@ -151,7 +152,8 @@ class StudyRuns:
     def run(self, seconds: float) -> Code:
         """Goes on for about so many seconds of CPU time. DONE: all points are; FULL: take the events; below zero: the
         point cannot be run."""
-        return self._sim.study(self._raw, seconds)
+        shared, handle = self._sim.handle
+        return Code(shared.gb_study_run(handle, ctypes.byref(self._raw), seconds))
 
     def skip(self) -> None:
         """Goes on with the next point: this one failed."""

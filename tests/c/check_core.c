@@ -80,6 +80,7 @@ int main(void) {
     check_state();
     check_hard();
     check_stiff();
+    check_tangents();
     if (failures)
         printf("%d checks do not hold\n", failures);
     else

@@ -45,5 +45,6 @@ void check_state(void);
 void check_hard(void);
 void check_math(void);
 void check_stiff(void);
+void check_tangents(void);
 
 #endif

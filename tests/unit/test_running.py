@@ -44,7 +44,19 @@ def test_a_misspelt_or_nameless_argument_is_refused_by_name(act: Callable[[], An
 
 
 @pytest.mark.parametrize(
-    "name", ["sweep", "study", "linearize", "frequency_response", "modes", "campbell", "poincare", "classify"]
+    "name",
+    [
+        "sweep",
+        "study",
+        "linearize",
+        "frequency_response",
+        "modes",
+        "campbell",
+        "poincare",
+        "classify",
+        "lyapunov",
+        "periodic_orbit",
+    ],
 )
 def test_every_tool_names_the_argument_that_it_has_not(name: str) -> None:
     with pytest.raises(gb.ParameterError, match=f"{name} has no argument 'parametres'; .* did you mean 'parameters'"):

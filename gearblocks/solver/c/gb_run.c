@@ -73,6 +73,10 @@ GB_INLINE int move(gb_sim *sim, double target) {
     return code;
 }
 
+int gb_move(gb_sim *sim, double target) {
+    return move(sim, target);
+}
+
 int gb_advance_within(gb_sim *sim, double t, long moves) {
     gb_head *head = sim->head;
     int code = begin(sim);

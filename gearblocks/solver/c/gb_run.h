@@ -6,4 +6,7 @@
 
 #include "gb_core.h"
 
+/* The front moves on towards the target: what is pending there is applied, or else a step is taken. */
+int gb_move(gb_sim *sim, double target);
+
 #endif

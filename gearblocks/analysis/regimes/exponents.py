@@ -1,0 +1,166 @@
+"""Lyapunov exponents: how fast motions beside a motion leave it, from its tangents.
+
+    lambda_j = 1/T sum log r_jj,   Q_k R_k = M_k Q_{k-1}     (Benettin, Galgani, Giorgilli and Strelcyn 1980)
+
+Neutral directions are taken out of the columns in each period, and shown apart. Where motions are regular the mean is weighted
+with w(s) = exp(-1/(s (1 - s))), which converges faster than any power of T (Das, Saiki, Sander and Yorke 2017); where they are
+not it is the plain one, with a standard error from means over batches. Knows nothing of labels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions
+from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
+from gearblocks.analysis.regimes.settling import ARRIVED, misses
+from gearblocks.analysis.regimes.strobe import Strobe, strobe
+from gearblocks.analysis.sections import LONGEST, Section
+from gearblocks.drivetrain import Drivetrain
+from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.running import build
+from gearblocks.solver.library import Model
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+BATCHES = 20
+"""Batches of periods that a standard error is told from."""
+_REGULAR = 0.05  # of the error of a plain mean: halves of a regular motion agree better in their weighted means
+_TURNS_IN = 20  # periods in which the columns turn into their directions
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LyapunovExponents:
+    """Exponents of a motion, the largest first. logs: growth of each column in each period, shape (periods, m); period [s];
+    neutral: words of the directions whose exponents are 0 by structure, which are not among them; corner: an event without a
+    derivative on the way, in words, or ""; states: the last ones, shape (n,).
+
+    orbit: the periodic orbit that the motion has arrived at, or None; its exponents are those of the motion.
+    """
+
+    logs: Array
+    period: float
+    neutral: tuple[str, ...]
+    corner: str
+    states: Array
+    orbit: PeriodicOrbit | None = None
+
+    @property
+    def per_period(self) -> Array:
+        """Exponents per period of the section, shape (m,)."""
+        return self._estimates()[0]
+
+    @property
+    def errors_per_period(self) -> Array:
+        """Their standard errors, shape (m,)."""
+        return self._estimates()[1]
+
+    def _estimates(self) -> tuple[Array, Array]:
+        if self.orbit is not None:
+            known = self.orbit.exponents[: self.logs.shape[1]] * self.period
+            return known, np.full(len(known), self.orbit.closure)
+        half, length = len(self.logs) // 2, len(self.logs) // BATCHES
+        batches = self.logs[: length * BATCHES].reshape(BATCHES, length, -1).mean(axis=1)
+        with np.errstate(invalid="ignore"):
+            plain, error = self.logs.mean(axis=0), batches.std(axis=0, ddof=1) / np.sqrt(BATCHES)
+            weighted = _weighted(self.logs)
+            split = np.abs(_weighted(self.logs[:half]) - _weighted(self.logs[half:]))
+            regular = split < _REGULAR * error
+        return np.where(regular, weighted, plain), np.where(regular, split, error)
+
+    @property
+    def values(self) -> Array:
+        """Exponents [1/s], shape (m,)."""
+        return self.per_period / self.period
+
+    @property
+    def errors(self) -> Array:
+        """Their standard errors [1/s], shape (m,)."""
+        return self.errors_per_period / self.period
+
+    @property
+    def history(self) -> Array:
+        """What the exponents [1/s] came to after each period, shape (periods, m)."""
+        counts = np.arange(1, len(self.logs) + 1)[:, None]
+        so_far: Array = np.cumsum(self.logs, axis=0) / (counts * self.period)
+        return so_far
+
+    def __repr__(self) -> str:
+        listed = ", ".join(f"{v:.4g} +- {e:.1g}" for v, e in zip(self.values[:4], self.errors[:4], strict=True))
+        more = ", ..." if self.logs.shape[1] > 4 else ""
+        return f"<exponents {listed}{more} 1/s over {len(self.logs)} periods>"
+
+    def plot(self, path: str | Path | None = None) -> Figure:
+        """The history of the exponents over the periods; saved where a path is given."""
+        from gearblocks.analysis.regimes.pictures import draw_history
+
+        return draw_history(self, path)
+
+
+@by_name_only
+def lyapunov(
+    train: Drivetrain | Model, section: Section, *, periods: int = 2000, transient: int = 300, count: int | None = None,
+    rtol: float = 1e-8, parameters: Mapping[str, float | str] | None = None, initial: Any = None,
+) -> LyapunovExponents:  # fmt: skip
+    """The `count` largest exponents (default: all) of the motion after `transient` periods of the section, over `periods` of
+    them. A motion that has arrived at a periodic orbit has the exponents of that orbit. rtol: of the run; parameters and
+    initial: as for `simulate`. Raises SimulationError, ParameterError."""
+    if periods < BATCHES or transient < 0 or (count is not None and count < 1):
+        raise ParameterError(
+            f"periods = {periods} must be >= {BATCHES}, transient = {transient} >= 0 and count = {count} >= 1"
+        )
+    seen = strobe(build(train), section, parameters, initial, rtol)
+    y = seen.start(initial)
+    if transient:
+        y = seen.follow(y, transient).states[-1]
+    seen = seen.sized(y, transient)
+    neutral = neutral_directions(seen, y)
+    found = exponents_of(seen, y, neutral, periods, count, transient)
+    return replace(found, orbit=_arrived(seen, found.states, neutral))
+
+
+def _arrived(seen: Strobe, y: Array, neutral: Neutral) -> PeriodicOrbit | None:
+    """The orbit that the motion at the states y is on, if it is on one."""
+    points = np.vstack([y, seen.follow(y, 2 * LONGEST).states])
+    off = misses(points, seen, neutral, LONGEST)
+    for m in np.flatnonzero(off <= ARRIVED) + 1:
+        orbit = shoot(seen, y, int(m), neutral)
+        if orbit is not None and orbit.stable:
+            return orbit
+    return None
+
+
+def exponents_of(
+    seen: Strobe, y: Array, neutral: Neutral, periods: int, count: int | None = None, after: int = 0
+) -> LyapunovExponents:
+    """Those of the motion from the states y, which it has after so many periods. Raises SimulationError."""
+    m = neutral.rest.shape[1] if count is None else min(count, neutral.rest.shape[1])
+    columns, fixed = (x * seen.scale[:, None] for x in (_directions(neutral, m), neutral.basis))
+    run = seen.follow(y, periods + _TURNS_IN, columns, after=after, fixed=fixed)
+    return LyapunovExponents(run.logs[_TURNS_IN:], seen.period, neutral.words, run.corner, run.states[-1])
+
+
+def _weighted(logs: Array) -> Array:
+    """Means over the periods with weights that vanish smoothly at both ends."""
+    s = np.arange(1, len(logs) + 1) / (len(logs) + 1)
+    weights = np.exp(-1.0 / (s * (1.0 - s)))
+    mean: Array = weights @ logs / weights.sum()
+    return mean
+
+
+def _directions(neutral: Neutral, m: int) -> Array:
+    """m directions at random orthogonal to the neutral ones: none of them is likely to miss the largest exponent."""
+    width = neutral.rest.shape[1]
+    mix, _ = np.linalg.qr(np.random.default_rng(0).standard_normal((width, width)))
+    found: Array = neutral.rest @ mix[:, :m]
+    return found

@@ -1,0 +1,112 @@
+"""Neutral directions: moved along them the motion is as it was, from every state (a rigid turn, a free angle).
+
+    M(y) e = e  for the map over a period at every y,  and again in what is left without them
+
+Their multipliers are 1 and their exponents 0 by structure. Found from the maps at several states, since one orbit may have a
+multiplier of 1 by chance. Knows nothing of orbits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.regimes.strobe import Strobe
+from gearblocks.errors import SimulationError
+
+Array = NDArray[np.float64]
+
+_SAME = 3e-8  # of the size of the maps: what they are told to
+_SPLIT = 1e-6  # of 1: eigenvalues of neutral directions nearer to it are not split
+_STATES = 3  # at which it is looked
+_SPREAD = 0.1  # of the sizes: how far these lie apart
+_SHARE = 0.05  # of its largest entry: what of a direction has a name
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Neutral:
+    """basis: orthonormal directions in units of the sizes of the states, shape (n, p); rest: those orthogonal to them that
+    lossy gears allow, (n, m); words: what each of the first moves."""
+
+    basis: Array
+    rest: Array
+    words: tuple[str, ...]
+
+    @property
+    def allowed(self) -> Array:
+        """All directions that the train can move in, shape (n, p + m)."""
+        return np.column_stack([self.basis, self.rest])
+
+    def multipliers(self, scaled: Array) -> NDArray[np.complex128]:
+        """Eigenvalues of a map over the states, in units of their sizes, without the p of the neutral directions; the largest
+        first, shape (m,). Those next to 1 are theirs; where these are split by rounding (a free angle and its speed are a
+        Jordan block) what is left is taken from the map without the directions."""
+        p = self.basis.shape[1]
+        every = np.linalg.eigvals(self.allowed.T @ scaled @ self.allowed)
+        every = every[np.argsort(np.abs(every - 1.0))]
+        if p and not abs(every[p - 1] - 1.0) < _SPLIT:
+            every = np.concatenate([np.ones(p), np.linalg.eigvals(self.rest.T @ scaled @ self.rest)])
+        own = every[p:]
+        return own[np.argsort(-np.abs(own))].astype(np.complex128)
+
+    def apart(self, off: Array) -> Array:
+        """A difference of states, in units of their sizes, without what is along the directions: shape (m,)."""
+        return self.rest.T @ off
+
+
+def scaled(strobe: Strobe, matrix: Array) -> Array:
+    """A map in units of the sizes of the states."""
+    return matrix * (strobe.scale[None, :] / strobe.scale[:, None])
+
+
+def neutral_directions(strobe: Strobe, y: Array) -> Neutral:
+    """Those of a train, from maps over a period around the states y. Raises SimulationError."""
+    rng = np.random.default_rng(0)
+    allowed = _null(strobe.ties(y) * strobe.scale)
+    maps = [scaled(strobe, strobe.map(y, 1).maps[-1])]
+    for _ in range(4 * _STATES):
+        if len(maps) == _STATES:
+            break
+        try:
+            beside = y + _SPREAD * strobe.scale * (allowed @ rng.standard_normal(allowed.shape[1]))
+            maps.append(scaled(strobe, strobe.map(beside, 1).maps[-1]))
+        except SimulationError:  # a state that the train cannot be in
+            continue
+    return _neutral(strobe, maps, allowed)
+
+
+def _null(rows: Array) -> Array:
+    """Orthonormal directions that rows, shape (r, n), are zero along."""
+    _, sizes, directions = np.linalg.svd(rows)
+    found: Array = directions[int((sizes > 1e-12 * sizes.max(initial=0.0)).sum()) :].T
+    return found
+
+
+def _neutral(strobe: Strobe, maps: Sequence[Array], allowed: Array) -> Neutral:
+    basis, rest = np.empty((strobe.n, 0)), allowed
+    while rest.shape[1]:
+        stack = np.vstack(
+            [(rest.T @ m @ rest - np.eye(rest.shape[1])) / max(1.0, float(np.abs(m).max())) for m in maps]
+        )
+        _, sizes, rows = np.linalg.svd(stack)
+        found = rows[sizes < _SAME].T
+        if not found.shape[1]:
+            break
+        basis = np.column_stack([basis, rest @ found])
+        rest = rest @ _null(found.T)
+    return Neutral(basis, rest, tuple(_words(strobe, basis[:, j]) for j in range(basis.shape[1])))
+
+
+def _words(strobe: Strobe, direction: Array) -> str:
+    """What a direction moves."""
+    direction = direction * strobe.scale
+    moved = np.abs(direction) > _SHARE * np.abs(direction).max()
+    states = [q for q, m in zip(strobe.model.program.states, moved, strict=True) if m]
+    parts = dict.fromkeys(q.name.rsplit(".", 1)[0] for q in states)
+    kind = "rigid turn of" if all(q.kind == "speed" for q in states) else "free angle of"
+    return f"{kind} {', '.join(parts)}"

@@ -1,0 +1,169 @@
+"""Periodic orbits by shooting, and their multipliers.
+
+    P^m(y) = y by Newton's method,  dy = -(M - I)^+ (P^m(y) - y),   M = dP^m/dy;    multipliers: eigenvalues of M (Floquet 1883)
+
+The pseudo-inverse leaves out neutral directions. Stable and unstable orbits are found alike. Knows nothing of labels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions, scaled
+from gearblocks.analysis.regimes.strobe import Followed, Strobe, strobe
+from gearblocks.analysis.sections import Section
+from gearblocks.drivetrain import Drivetrain
+from gearblocks.errors import ParameterError, SimulationError, by_name_only
+from gearblocks.running import build
+from gearblocks.solver.library import Model
+
+Array = NDArray[np.float64]
+
+CLOSED = 1e-9
+"""Of the sizes of the states: what an orbit closes to, at the least."""
+_MOST = 40  # steps of Newton's method
+_HALVINGS = 8
+_RANK = 1e-10  # of the largest singular value: smaller ones are neutral directions
+_APART = 100.0  # closures that a divisor of the period has to be off by
+_ROUNDING = 30.0  # tolerances that a closed orbit is off by
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class PeriodicOrbit:
+    """An orbit that repeats after `periods` periods of the section, which last `period` [s] each.
+
+    points: states (names) at the section, shape (periods, n); closure: how far the last point misses the first one, in sizes
+    of the states; multipliers: shape (n - p,), the largest first, without the p neutral directions, whose words are in
+    `neutral`; exponents: log(abs(multipliers)) per second; corner: where no derivative exists, in words, or "".
+    """
+
+    names: tuple[str, ...]
+    points: Array
+    periods: int
+    period: float
+    closure: float
+    multipliers: NDArray[np.complex128]
+    neutral: tuple[str, ...]
+    corner: str
+    rtol: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether motions beside it come nearer: all multipliers lie inside the unit circle."""
+        return self.corner == "" and bool((np.abs(self.multipliers) < 1.0).all())
+
+    @property
+    def exponents(self) -> Array:
+        """Growth rates of motions beside it [1/s], the largest first."""
+        with np.errstate(divide="ignore"):
+            rates: Array = np.log(np.abs(self.multipliers)) / (self.periods * self.period)
+        return rates
+
+    def __repr__(self) -> str:
+        largest = f"{abs(self.multipliers[0]):.6g}" if len(self.multipliers) else "none"
+        kind = "stable" if self.stable else "unstable" if self.corner == "" else "no derivative"
+        return f"<period {self.periods}, {kind}: largest multiplier {largest}, closes to {self.closure:.1e}>"
+
+
+@by_name_only
+def periodic_orbit(
+    train: Drivetrain | Model, section: Section, *, periods: int = 1, transient: int = 300, rtol: float = 1e-11,
+    parameters: Mapping[str, float | str] | None = None, initial: Any = None,
+) -> PeriodicOrbit:  # fmt: skip
+    """The periodic orbit near the motion after `transient` periods: one that repeats after `periods` of them, or after a
+    divisor of that many. Stable or not; without a transient near the start. rtol: of its runs; parameters and initial: as for
+    `simulate`. Raises SimulationError where none is found."""
+    if periods < 1 or transient < 0:
+        raise ParameterError(f"periods = {periods} must be >= 1 and transient = {transient} must be >= 0")
+    seen = strobe(build(train), section, parameters, initial, rtol)
+    y = seen.start(initial)
+    if transient:
+        y = seen.follow(y, transient).states[-1]
+    seen = seen.sized(y, transient)
+    neutral = neutral_directions(seen, y)
+    orbit = shoot(seen, y, periods, neutral)
+    if orbit is None:
+        raise SimulationError(
+            transient * seen.period, "", f"no orbit that repeats after {periods} periods was found near the motion",
+            "give another number of periods, a start nearer to it, or a longer transient", None,
+        )  # fmt: skip
+    return orbit
+
+
+def shoot(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> PeriodicOrbit | None:
+    """The orbit by Newton's method from the states y, or None. Its period is the least one."""
+    found = _newton(seen, y, periods)
+    if found is None:
+        return None
+    y, run, closure = found
+    same = _APART * max(closure, _floor(seen), _unsure(seen, run, closure, neutral))
+    for divisor in range(1, periods):
+        if periods % divisor == 0 and _misses(seen, y, run.states[divisor - 1], neutral) <= same:
+            return shoot(seen, y, divisor, neutral)
+    multipliers = neutral.multipliers(scaled(seen, run.maps[-1]))
+    names = tuple(q.name for q in seen.model.program.states)
+    points = np.vstack([y, run.states[:-1]])
+    return PeriodicOrbit(
+        names, points, periods, seen.period, closure, multipliers, neutral.words, run.corner, seen.rtol,
+    )  # fmt: skip
+
+
+def _misses(seen: Strobe, y: Array, other: Array, neutral: Neutral) -> float:
+    """How far apart two states are, whatever neutral directions do."""
+    return float(np.abs(neutral.apart((y - other) / seen.scale)).max(initial=0.0))
+
+
+def _unsure(seen: Strobe, run: Followed, closure: float, neutral: Neutral) -> float:
+    """How far off the orbit a point may be that closes so well: far, where multipliers are next to 1."""
+    if not neutral.rest.shape[1]:
+        return 0.0
+    off = neutral.rest.T @ scaled(seen, run.maps[-1]) @ neutral.rest - np.eye(neutral.rest.shape[1])
+    return max(closure, 0.1 * seen.rtol) / float(max(np.linalg.svd(off, compute_uv=False)[-1], 1e-300))
+
+
+def _floor(seen: Strobe) -> float:
+    return _ROUNDING * seen.rtol
+
+
+def _newton(seen: Strobe, y: Array, periods: int) -> tuple[Array, Followed, float] | None:
+    run = _mapped(seen, y, periods)
+    best: tuple[Array, Followed, float] | None = None
+    for _ in range(_MOST):
+        if run is None:
+            return best
+        miss = (run.states[-1] - y) / seen.scale
+        closure = float(np.abs(miss).max())
+        if closure <= max(CLOSED, _floor(seen)):
+            if best is not None and closure > 0.1 * best[2]:  # as near as it comes
+                return best if best[2] <= closure else (y, run, closure)
+            best = y, run, closure
+        elif best is not None:
+            return best
+        step = np.linalg.lstsq(scaled(seen, run.maps[-1]) - np.eye(seen.n), -miss, rcond=_RANK)[0]
+        y, run = _damped(seen, y, step, periods, closure)
+    return best
+
+
+def _damped(seen: Strobe, y: Array, step: Array, periods: int, closure: float) -> tuple[Array, Followed | None]:
+    """The step, or the part of it that comes nearer."""
+    share = 1.0
+    for _ in range(_HALVINGS):
+        trial = y + share * seen.scale * step
+        run = _mapped(seen, trial, periods)
+        if run is not None and seen.distance(run.states[-1], trial) < max(closure, _floor(seen)):
+            return trial, run
+        share *= 0.5
+    return y, None
+
+
+def _mapped(seen: Strobe, y: Array, periods: int) -> Followed | None:
+    try:
+        return seen.map(y, periods)
+    except SimulationError:
+        return None

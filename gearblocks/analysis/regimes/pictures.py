@@ -1,0 +1,44 @@
+"""Pictures of the laboratory: what exponents came to, period by period."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+_DRAWN = 8  # exponents
+
+
+class History(Protocol):
+    """What is drawn (`exponents.py`)."""
+
+    @property
+    def history(self) -> Array: ...
+    @property
+    def values(self) -> Array: ...
+    @property
+    def errors(self) -> Array: ...
+
+
+def draw_history(found: History, path: str | os.PathLike[str] | None) -> Figure:
+    """A line for each exponent, and its value with three standard errors as a band."""
+    history = found.history
+    with style():
+        figure, (axis,) = new_figure(path, size=(6.4, 4.0))
+        for j in range(min(history.shape[1], _DRAWN)):
+            colour, value, error = COLOURS[j % len(COLOURS)], float(found.values[j]), 3 * float(found.errors[j])
+            axis.semilogx(np.arange(1, len(history) + 1), history[:, j], color=colour)
+            axis.axhspan(value - error, value + error, color=colour, alpha=0.2, linewidth=0)
+        axis.axhline(0.0, color="0.5", linewidth=0.8)
+        axis.set_xlabel("periods of the section")
+        axis.set_ylabel("Lyapunov exponents in 1/s")
+        return finished(figure, path)

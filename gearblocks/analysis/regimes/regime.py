@@ -1,0 +1,250 @@
+"""The kind of motion that a driven train answers with, and the evidence for it.
+
+    period n         shooting converges to an orbit of least period n, its multipliers lie inside the unit circle, and the
+                     motion comes nearer to it as they say, at two tolerances
+    chaotic          the largest exponent exceeds 3 standard errors, also after ten times the transient, at two tolerances
+    quasi-periodic   no exponent is positive, and a second frequency shows
+    diverged         the motion grows without bound
+    coexisting       several starts end in several of these
+    unresolved       none of them can be said
+
+Points of a section propose; they decide nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.regimes.drives import drive_periods
+from gearblocks.analysis.regimes.exponents import LyapunovExponents, exponents_of
+from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions
+from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
+from gearblocks.analysis.regimes.second_frequency import second_frequency
+from gearblocks.analysis.regimes.settling import Nearing, misses, nearing
+from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
+from gearblocks.analysis.sections import LONGEST, Section
+from gearblocks.drivetrain import Drivetrain
+from gearblocks.errors import ParameterError, SimulationError, by_name_only
+from gearblocks.running import build
+from gearblocks.solver.library import Model
+
+Array = NDArray[np.float64]
+
+SIGMAS = 3.0
+"""Standard errors by which a largest exponent has to exceed zero."""
+_PERIODS = 2000  # that exponents are told from
+_TENFOLD = 10  # times the transient, before chaos is said
+_GROWN = 10.0  # times the size of the first half: the motion is not bounded
+_SAME_MULTIPLIERS = 1e-3  # of two tolerances
+_APART = 1e-3  # of the sizes: orbits that are further apart are two
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Regime:
+    """What was found: `label` as in the table of this module; settled: False where it is unresolved; evidence: sentences.
+
+    period: periods of the section after which the motion repeats, or None; orbit, exponents: what the label rests on, or None;
+    parts: by start, of several.
+    """
+
+    label: str
+    evidence: tuple[str, ...]
+    period: int | None = None
+    orbit: PeriodicOrbit | None = None
+    exponents: LyapunovExponents | None = None
+    parts: tuple[Regime, ...] = field(default=())
+
+    @property
+    def settled(self) -> bool:
+        """Whether the evidence suffices for the label."""
+        return not self.label.startswith("unresolved")
+
+    def __str__(self) -> str:
+        return self.label
+
+    def __repr__(self) -> str:
+        return f"<{self.label}: {'; '.join(self.evidence)[:90]}>"
+
+
+@by_name_only
+def classify(
+    train: Drivetrain | Model, section: Section, *, transient: int = 300, keep: int = 100, longest: int = LONGEST,
+    starts: int = 1, rtol: float = 1e-9, parameters: Mapping[str, float | str] | None = None, initial: Any = None,
+) -> Regime:  # fmt: skip
+    """The regime of a motion after `transient` periods of the section, with its evidence.
+
+    keep: points that periods up to `longest` are proposed from; starts: how many starts are tried, the first one as given,
+    others beside it by its own size; rtol: looser of the two tolerances that must agree; parameters and initial: as for
+    `simulate`. Raises ParameterError, and SimulationError where a run cannot go on.
+    """
+    if transient < 0 or keep < 2 * longest + 1 or longest < 1 or starts < 1:
+        raise ParameterError(
+            f"transient = {transient} must be >= 0, longest = {longest} and starts = {starts} >= 1, and keep = {keep} > twice "
+            "longest: every period must be seen to repeat"
+        )
+    seen = strobe(build(train), section, parameters, initial, rtol)
+    found = [_Asked(seen, transient, keep, longest).regime(y) for y in _starts(seen, initial, starts)]
+    return found[0] if starts == 1 else _together(found)
+
+
+def _starts(seen: Strobe, initial: Any, count: int) -> Iterator[Array]:
+    y = seen.start(initial)
+    yield y
+    run = seen.follow(y, 100)
+    size = np.abs(np.vstack([y, run.states])).max(axis=0)
+    rng = np.random.default_rng(0)
+    for _ in range(count - 1):
+        yield y + size * rng.standard_normal(seen.n)
+
+
+def _together(found: list[Regime]) -> Regime:
+    """Of several starts."""
+    kinds: list[Regime] = []
+    for one in found:
+        if not any(_alike(one, other) for other in kinds):
+            kinds.append(one)
+    counted = tuple(
+        f"{sum(_alike(one, kind) for one in found)} of {len(found)} starts: {kind.label}, {kind.evidence[0]}"
+        for kind in kinds
+    )
+    if len(kinds) == 1:
+        return replace(found[0], evidence=(*counted, *found[0].evidence[1:]), parts=tuple(found))
+    label = "coexisting: " + " and ".join(kind.label for kind in kinds)
+    return Regime(label if all(k.settled for k in kinds) else "unresolved", counted, parts=tuple(found))
+
+
+def _alike(one: Regime, other: Regime) -> bool:
+    if one.label != other.label or one.orbit is None or other.orbit is None:
+        return one.label == other.label
+    scale = np.abs(np.vstack([one.orbit.points, other.orbit.points])).max(axis=0)
+    scale[scale == 0.0] = 1.0
+    near = [np.abs((one.orbit.points[0] - point) / scale).max() for point in other.orbit.points]
+    return bool(min(near) <= _APART)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class _Asked:
+    """How it is asked for."""
+
+    seen: Strobe
+    transient: int
+    keep: int
+    longest: int
+
+    def regime(self, y: Array) -> Regime:
+        """That of the motion from the states y."""
+        try:
+            return self._found(y)
+        except GrowthError as error:
+            return Regime("diverged", (f"the motion grows without bound until t = {error.time:.6g} s", str(error)))
+
+    def _found(self, y: Array) -> Regime:
+        run = self.seen.follow(y, self.transient + self.keep)
+        if regime := _growth(run.states):
+            return regime
+        points, after = run.states[-self.keep :], len(run.states)
+        seen = self.seen.sized(points[-1], after)
+        neutral = neutral_directions(seen, points[-1])
+        drives = drive_periods(seen, points[-1], self.longest, after)
+        return self._periodic(seen, points, neutral, drives, after) or self._other(seen, points, neutral, drives, after)
+
+    def _periodic(self, seen: Strobe, points: Array, neutral: Neutral, drives: int, after: int) -> Regime | None:
+        found = nearing(seen, points, neutral, drives, self.longest, after) if drives else None
+        if found is None:
+            return None
+        orbit = found.orbit
+        finer = shoot(seen.finer(max(seen.rtol / 100, 1e-13)), orbit.points[0], orbit.periods, neutral)
+        words = _nearing_words(found, neutral)
+        if finer is None or finer.periods != orbit.periods or not _same(orbit, finer):
+            return Regime("unresolved", (f"period {orbit.periods} at rtol {seen.rtol:g} alone", *words), orbit=orbit)
+        return Regime(f"period {orbit.periods}", words, orbit.periods, finer)
+
+    def _other(self, seen: Strobe, points: Array, neutral: Neutral, drives: int, after: int) -> Regime:
+        """No stable orbit was found yet: what exponents say now, and after ten times the transient."""
+        first = exponents_of(seen, points[-1], neutral, _PERIODS, 2, after)
+        after += _PERIODS + 20
+        more = max(_TENFOLD * self.transient, self.keep)
+        run = seen.follow(first.states, more, after=after)
+        if regime := _growth(np.vstack([points, run.states])):
+            return regime
+        points, after = run.states[-self.keep :], after + more
+        if regime := self._periodic(seen, points, neutral, drives, after):
+            return regime
+        last = exponents_of(seen, points[-1], neutral, _PERIODS, 2, after)
+        if _positive(first) and _positive(last):
+            return _chaos(seen, points[-1], neutral, last, after)
+        if not _positive(last):
+            return self._torus(seen, points, neutral, drives, last, after)
+        return Regime("unresolved", (f"the largest exponent is {_told(first)}, later {_told(last)}",), exponents=last)
+
+    def _torus(
+        self, seen: Strobe, points: Array, neutral: Neutral, drives: int, last: LyapunovExponents, after: int
+    ) -> Regime:  # fmt: skip
+        told = f"no exponent is positive: {_told(last)}"
+        if not drives:
+            words = f"the drives do not repeat together within {self.longest} periods of the section"
+            return Regime("quasi-periodic", (words, told), exponents=last)
+        nearest = float(misses(points, seen, neutral, self.longest).min())
+        second = second_frequency(seen, points[-1], neutral, self.longest, after)
+        if second is None or nearest < _APART:
+            words = f"points miss each other by {nearest:.1e} of their size at the least, and no second frequency shows"
+            return Regime("unresolved", (words, told, "give a longer transient"), exponents=last)
+        return Regime("quasi-periodic", (second, told), exponents=last)
+
+
+def _growth(states: Array) -> Regime | None:
+    """Diverged, where the last quarter of a run is many times as large as the half before."""
+    part = len(states) // 4
+    if part < 5:
+        return None
+    sizes = [np.abs(states[a : a + part]).max(axis=0) for a in (part, 2 * part, 3 * part)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        grows = (sizes[1] > _GROWN * sizes[0]) & (sizes[2] > _GROWN * sizes[1])
+    if not grows.any():
+        return None
+    return Regime("diverged", (f"states grow by more than {_GROWN:g} in every {part} periods",))
+
+
+def _same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:
+    largest = [abs(orbit.multipliers[:1]).max(initial=0.0) for orbit in (one, other)]
+    return bool(abs(largest[0] - largest[1]) <= _SAME_MULTIPLIERS)
+
+
+def _nearing_words(found: Nearing, neutral: Neutral) -> tuple[str, ...]:
+    orbit = found.orbit
+    largest = f"{abs(orbit.multipliers[0]):.6g}" if len(orbit.multipliers) else "none"
+    nears = f"the motion is {found.after:.1e} of its size off it"
+    if found.periods:
+        sizes = f"from {found.before:.1e} to {found.after:.1e} of its size in {found.periods} periods"
+        nears = f"the motion comes nearer as they say: {sizes}"
+    closes = f"shooting finds an orbit of least period {orbit.periods} that closes to {orbit.closure:.1e}"
+    aside = f"; {', '.join(neutral.words)}: neutral, multiplier 1" if neutral.words else ""
+    return (f"{closes}, with the largest multiplier {largest}{aside}", nears)
+
+
+def _positive(found: LyapunovExponents) -> bool:
+    return bool(found.per_period[0] > SIGMAS * found.errors_per_period[0] and found.per_period[0] * _PERIODS > SIGMAS)
+
+
+def _told(found: LyapunovExponents) -> str:
+    return f"{found.per_period[0]:+.4g} +- {found.errors_per_period[0]:.1g} per period"
+
+
+def _chaos(seen: Strobe, y: Array, neutral: Neutral, last: LyapunovExponents, after: int) -> Regime:
+    try:
+        finer = exponents_of(seen.finer(max(seen.rtol / 100, 1e-13)), y, neutral, _PERIODS, 2, after)
+    except SimulationError as error:
+        return Regime("unresolved", (f"the largest exponent is {_told(last)}", str(error)), exponents=last)
+    apart = abs(finer.per_period[0] - last.per_period[0])
+    both = float(np.hypot(finer.errors_per_period[0], last.errors_per_period[0]))
+    words = f"the largest exponent is {_told(last)}, with rtol/100 {_told(finer)}, after ten times the transient"
+    if not _positive(finer) or apart > SIGMAS * both:
+        return Regime("unresolved", (words,), exponents=last)
+    return Regime("chaotic", (words,), exponents=last)

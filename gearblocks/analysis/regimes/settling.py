@@ -1,0 +1,103 @@
+"""The periodic orbit that a motion nears, if it nears one: points propose periods, shooting decides, and the motion has to come
+nearer as the multipliers say.
+
+    e_k = y_k - y*,   e_{k + m} = M e_k
+
+Knows nothing of chaos.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.regimes.neutral import Neutral, scaled
+from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
+from gearblocks.analysis.regimes.strobe import Strobe
+
+Array = NDArray[np.float64]
+
+_NEAR = 0.05  # of the sizes: points that miss each other by more propose no period
+_CANDIDATES = 5
+ARRIVED = 1e-6
+"""Of the sizes: nearer than that the motion is the orbit."""
+_AS_SAID = 0.1  # of the distance that multipliers let expect
+_LONGER = 4  # times as many periods are looked at where that is not said yet
+_LOOKS = 4
+_MARGINAL = 1e-9  # multipliers nearer to the unit circle decide nothing
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Nearing:
+    """An orbit and how the motion nears it: distances in units of the sizes before and after so many periods."""
+
+    orbit: PeriodicOrbit
+    before: float
+    after: float
+    periods: int
+
+
+def misses(points: Array, seen: Strobe, neutral: Neutral, longest: int) -> Array:
+    """By how much the later half of the points, shape (k, n), miss those m periods later, m = 1 .. longest."""
+    scaled = neutral.apart(((points - points[-1]) / seen.scale).T).T[len(points) // 2 :]
+    return np.array(
+        [np.abs(scaled[m:] - scaled[:-m]).max() if m < len(scaled) else np.inf for m in range(1, longest + 1)]
+    )
+
+
+def nearing(seen: Strobe, points: Array, neutral: Neutral, base: int, longest: int, after: int) -> Nearing | None:
+    """The stable orbit that points, shape (k, n), of a motion come nearer to, or None. base: periods of the drives; after:
+    those that had passed at the last of the points."""
+    back = after % base
+    y = points[-1 - back]
+    off = misses(points, seen, neutral, longest)
+    proposed = [m for m in range(base, longest + 1, base) if off[m - 1] <= _NEAR]
+    best = sorted(proposed, key=lambda m: off[m - 1])[:_CANDIDATES]
+    for m in sorted(best):
+        orbit = shoot(seen, y, m, neutral)
+        if orbit is None or not orbit.stable or abs(orbit.multipliers[:1]).max(initial=0.0) > 1.0 - _MARGINAL:
+            continue
+        found = _nears(seen, y, orbit, neutral)
+        if found is not None:
+            return found
+    return None
+
+
+def _nears(seen: Strobe, y: Array, orbit: PeriodicOrbit, neutral: Neutral) -> Nearing | None:
+    """Whether the motion from y comes as near as the multipliers say."""
+    floor = max(ARRIVED, 100 * orbit.closure)
+    periods = orbit.periods * max(1, round(20 / orbit.periods))
+    for _ in range(_LOOKS):
+        target = _at_phase(seen, y, orbit, neutral)
+        before = _distance(seen, neutral, y, target)
+        if before <= floor:
+            return Nearing(orbit, before, before, 0)
+        run = seen.follow(y, periods)
+        expected = _expected(seen, orbit, neutral, y, target, periods)
+        left = neutral.apart((run.states[-1] - target) / seen.scale)
+        after = float(np.abs(left).max(initial=0.0))
+        if after <= floor or np.abs(left - expected).max() <= _AS_SAID * np.abs(expected).max() + floor:
+            return Nearing(orbit, before, after, periods)
+        y, periods = run.states[-1], periods * _LONGER
+    return None
+
+
+def _at_phase(seen: Strobe, y: Array, orbit: PeriodicOrbit, neutral: Neutral) -> Array:
+    """The point of the orbit that the motion is next to."""
+    found: Array = min(orbit.points, key=lambda point: _distance(seen, neutral, y, point))
+    return found
+
+
+def _distance(seen: Strobe, neutral: Neutral, y: Array, other: Array) -> float:
+    return float(np.abs(neutral.apart((y - other) / seen.scale)).max(initial=0.0))
+
+
+def _expected(seen: Strobe, orbit: PeriodicOrbit, neutral: Neutral, y: Array, target: Array, periods: int) -> Array:
+    """What is left of the small difference between y and a point of the orbit after so many periods, a multiple of its own."""
+    one = neutral.rest.T @ scaled(seen, seen.map(target, orbit.periods).maps[-1]) @ neutral.rest
+    left: Array = np.linalg.matrix_power(one, periods // orbit.periods) @ neutral.apart((y - target) / seen.scale)
+    return left

@@ -1,0 +1,198 @@
+"""A driven train seen once per period of its drive: states at the section, and derivatives of them by the state before.
+
+    y_k = P^k(y_0),   M = dP^k/dy_0      (c/gb_tangents.h: through corners, impacts, sticking and events of time)
+
+Knows nothing of what is looked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.sections import Section, section_period
+from gearblocks.errors import GearblocksError, SimulationError
+from gearblocks.simulation.arguments import is_static, parameter_vector, set_inputs, start_state
+from gearblocks.simulation.failures import component_of, reason
+from gearblocks.simulation.records import NamedValues
+from gearblocks.solver.binding import Simulation
+from gearblocks.solver.library import Model
+from gearblocks.solver.structures import Code, Method, Options
+from gearblocks.solver.switched_constraints import ConstraintKind
+from gearblocks.solver.tangents import Tangents
+
+Array = NDArray[np.float64]
+
+_SIZED, _PARTS = 4, 16  # periods that sizes are told from, and parts of each
+_LOOKS = 8  # points at which the fastest motion is looked for
+_BESIDE = 1e-4  # of the sizes
+_REACH = 2.0  # a step times the fastest rate: there order 8 is stable and right to 1e-3 in each step
+GROWS = (Code.ERR_ESCAPE, Code.ERR_NAN_RATE)
+"""How a run ends whose motion grows without bound."""
+
+
+class GrowthError(SimulationError):
+    """The motion grows without bound."""
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Followed:
+    """A run over k periods. states: the n states after each, shape (k, n); maps: derivatives of each by the start, (k, n, m);
+    logs: logarithms by which the columns grew in each, (k, m); corner: where no derivative exists, in words, or ""; events:
+    how many there were."""
+
+    states: Array
+    maps: Array
+    logs: Array
+    corner: str
+    events: int
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Strobe:
+    """A model at values of its parameters. period [s]; scale: sizes of the n states, in which distances are told; max_step [s]:
+    the longest step in which derivatives are told, too."""
+
+    model: Model
+    parameters: Array
+    period: float
+    rtol: float
+    scale: Array
+    max_step: float = np.inf
+
+    @property
+    def n(self) -> int:
+        """States."""
+        return int(self.model.program.n)
+
+    def finer(self, rtol: float) -> Strobe:
+        """The same at another tolerance."""
+        return replace(self, rtol=rtol)
+
+    def sized(self, y: Array, after: int) -> Strobe:
+        """The same with the sizes that the states come to within a few periods from y on, and steps within which the fastest of
+        the motions beside these is told: a run whose own motion is slow takes steps in which derivatives along a fast one
+        grow. after: as of `follow`."""
+        states = np.vstack([y, self.follow(y, _SIZED, after=after, parts=_PARTS).states])
+        size = np.abs(states).max(axis=0)
+        scale = np.where(size > 0.0, size, 1.0)
+        return replace(self, scale=scale, max_step=_REACH / max(self._fastest(states, scale), 1e-300))
+
+    def _fastest(self, states: Array, scale: Array) -> float:
+        """The largest eigenvalue of the rates by the states [1/s], at points along a period."""
+        largest = 0.0
+        full = np.zeros(self.model.program.n_total)
+        for i, y in enumerate(states[:: len(states) // _LOOKS]):
+            t = i * (len(states) // _LOOKS) / _PARTS * self.period
+            full[: self.n] = y
+            with self.opened(y) as sim:
+                columns = []
+                for j in range(self.n):
+                    step = np.zeros_like(full)
+                    step[j] = _BESIDE * scale[j]
+                    ends = [sim.probe(t, full + sign * step, None, "rates")[: self.n] for sign in (1, -1)]
+                    columns.append((ends[0] - ends[1]) / (2 * step[j]))
+            largest = max(largest, float(np.abs(np.linalg.eigvals(np.array(columns).T)).max(initial=0.0)))
+        return largest
+
+    def start(self, initial: Any) -> Array:
+        """The n states that a run begins with."""
+        program = self.model.program
+        with self.model.library.reopen() as sim:
+            self._set(sim)
+            y0 = start_state(program, initial)
+            if is_static(initial):
+                from gearblocks.simulation.equilibrium import static_state
+
+                y0 = static_state(sim, program, 0.0, means=initial == "static")
+            self._begin(sim, 0.0, y0)
+            return sim.state()[: self.n]
+
+    def follow(
+        self, y: Array, periods: int, columns: Array | None = None, *, after: int = 0, maps: bool = False,
+        fixed: Array | None = None, parts: int = 1,
+    ) -> Followed:  # fmt: skip
+        """A run from the states y over so many periods; columns: of derivatives beside it, shape (n, m), which with fixed
+        directions, shape (n, p), are made orthonormal to these and each other after each period; after: periods that have
+        passed before; parts: of each period, after which what is found is kept. Raises SimulationError."""
+        program = self.model.program
+        with self.model.library.reopen() as sim:
+            self._set(sim)
+            full = np.zeros(program.n_total)
+            full[: self.n] = y
+            self._begin(sim, after * self.period, full)
+            none = np.empty((self.n, 0))
+            columns, wanted = none if columns is None else columns, fixed is not None
+            tangents = Tangents(sim, program.n_total, columns, self.scale, none if fixed is None else fixed)
+            times: Array = self.period * (after + np.arange(1.0, parts * periods + 1) / parts)
+            tangents.begin(times, maps=maps, logs=wanted)
+            while (code := tangents.run()) != Code.DONE:
+                if code < 0:
+                    raise self._failure(sim, code)
+            where = tangents.undefined
+            corner = self._corner(where.switch, where.t) if where.events else ""
+            states = tangents.states[:, : self.n].copy()
+            return Followed(states, tangents.maps, tangents.logs, corner, sim.counters.events)
+
+    def map(self, y: Array, periods: int, *, after: int = 0) -> Followed:
+        """The same with all derivatives by the states."""
+        return self.follow(y, periods, np.eye(self.n), after=after, maps=True)
+
+    def ties(self, y: Array) -> Array:
+        """Rows over the n states that lossy gears hold at zero at the states y, whatever moves: shape (ties, n)."""
+        full = np.zeros(self.model.program.n_total)
+        full[: self.n] = y
+        with self.opened(y) as sim:
+            known = sim.constraints()
+            tied = [i for i, one in enumerate(known.constraints) if one.kind is ConstraintKind.TIE]
+            rows = np.zeros((len(tied), self.n))
+            if tied:
+                rows[:, self.n - known.n_speeds :] = sim.constraints_at(0.0, full, None).rows[tied]
+        return rows
+
+    def distance(self, y: Array, other: Array) -> float:
+        """How far apart two states are, in their sizes."""
+        return float(np.abs((y - other) / self.scale).max())
+
+    @contextmanager
+    def opened(self, y: Array) -> Iterator[Simulation]:
+        """A simulation that stands at the states y, at t = 0."""
+        full = np.zeros(self.model.program.n_total)
+        full[: self.n] = y
+        with self.model.library.reopen() as sim:
+            self._set(sim)
+            self._begin(sim, 0.0, full)
+            yield sim
+
+    def _set(self, sim: Simulation) -> None:
+        sim.parameters[:] = self.parameters
+        set_inputs(sim, self.model.program, {})
+
+    def _begin(self, sim: Simulation, t: float, y: Array | None) -> None:
+        options = Options(Method.DP8, 1, self.rtol, 0.0, self.max_step, np.inf)
+        if (code := sim.start(options, t, y)) < 0:
+            raise self._failure(sim, code)
+
+    def _failure(self, sim: Simulation, code: Code) -> GearblocksError:
+        kind = GrowthError if code in GROWS else SimulationError
+        return kind(sim.report.t, *reason(self.model.program, code, sim.report, sim.parameters))
+
+    def _corner(self, switch: int, t: float) -> str:
+        name = component_of(self.model.program, Code.ERR_CHATTER, switch)
+        return f"no derivative exists at t = {t:.6g} s" + (f", at a switch of '{name}'" if name else "")
+
+
+def strobe(
+    model: Model, section: Section, parameters: Mapping[str, float | str] | None, initial: Any, rtol: float
+) -> Strobe:
+    """Of a model and a section, with parameters and start values as for `simulate`. Raises ParameterError."""
+    vector = parameter_vector(model, parameters or {}, initial)
+    period = section_period(section, NamedValues(model.program.parameter_numbers, vector))
+    return Strobe(model, vector, period, rtol, np.ones(model.program.n))

@@ -1,0 +1,97 @@
+"""Labels of motions that are known for what they are, with the evidence that they rest on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+Oscillator = Callable[..., gb.Drivetrain]
+SECTION = gb.stroboscopic("drive")
+LIGHT = 2e-6 / (2 * np.pi)  # damping of a focus that decays by 1e-6 in a period
+
+
+def _sum(second: float, size: float = 1.0) -> Callable[[Any, Any, Any], Any]:
+    return lambda drive, x, v: gb.cos(drive * gb.time) + size * gb.cos(second * gb.time)
+
+
+def _van_der_pol(drive: Any, x: Any, v: Any) -> Any:
+    return 0.1 * gb.cos(drive * gb.time) + (1 - x**2) * v
+
+
+@pytest.mark.parametrize(
+    ("label", "torque", "numbers"),
+    [
+        ("period 1", lambda drive, x, v: gb.cos(drive * gb.time), {"k": 1.44, "c": LIGHT}),  # turns by a fifth
+        ("quasi-periodic", _sum(1.5 + 1e-7), {"k": 3.0, "c": 0.2}),
+        ("period 2", _sum(1.5), {"k": 3.0, "c": 0.2}),
+        ("period 2", _sum(0.5, 4e-6), {"k": 3.0, "c": 0.2}),
+        ("period 3", _sum(1 / 3, 1e-4), {"k": 3.0, "c": 0.2}),
+        ("quasi-periodic", lambda drive, x, v: gb.cos(drive * gb.time), {"k": 2.0, "c": 0.0}),  # its own, undamped
+        ("diverged", lambda drive, x, v: gb.cos(drive * gb.time) + 0.05 * v, {"k": 2.0, "c": 0.0}),
+        ("quasi-periodic", _van_der_pol, {"k": 3.3, "c": 0.0, "phi0": 0.1}),
+    ],
+)  # fmt: skip
+def test_motions_get_their_labels(oscillator: Oscillator, label: str, torque: Any, numbers: dict[str, float]) -> None:
+    found = gb.classify(oscillator(torque, **numbers), SECTION)
+    assert (found.label, found.settled) == (label, True), found.evidence
+    if found.period is not None:
+        assert found.orbit is not None and found.orbit.stable and found.orbit.closure < 1e-8
+        assert found.label == f"period {found.period}" == f"period {found.orbit.periods}"
+
+
+def test_multipliers_of_a_focus_are_those_of_its_equation(oscillator: Oscillator) -> None:
+    # x'' + c x' + k x: exp((-c/2 +- i sqrt(k - c^2/4)) T)
+    k, c = 1.44, 0.1
+    orbit = gb.periodic_orbit(oscillator(lambda drive, x, v: gb.cos(drive * gb.time), k=k, c=c), SECTION)
+    expected = np.exp((-c / 2 + 1j * np.sqrt(k - c**2 / 4)) * 2 * np.pi)
+    assert sorted(orbit.multipliers, key=lambda m: m.imag) == pytest.approx(
+        sorted([expected, expected.conjugate()], key=lambda m: m.imag), abs=1e-9
+    )
+    assert orbit.exponents == pytest.approx([-c / 2, -c / 2], abs=1e-10)
+
+
+def test_two_wells_are_two_motions(oscillator: Oscillator) -> None:
+    rig = oscillator(lambda drive, x, v: 0.1 * gb.cos(drive * gb.time) + 2 * x - x**3, c=0.25, phi0=0.5)
+    found = gb.classify(rig, SECTION, starts=4)
+    assert found.label == "coexisting: period 1 and period 1" and found.settled
+    wells = {bool(part.orbit.points[0, 0] > 0) for part in found.parts if part.orbit is not None}
+    assert wells == {True, False}
+
+
+@pytest.mark.long
+def test_ueda_is_chaotic_with_the_exponent_that_is_known(oscillator: Oscillator) -> None:
+    # x'' + 0.05 x' + x^3 = 7.5 cos t: 0.1029 +- 0.0003 1/s by a plain loop of Runge and Kutta's steps, 200,000 periods
+    rig = oscillator(lambda drive, x, v: 7.5 * gb.cos(drive * gb.time) - x**3, k=1e-12)
+    assert gb.classify(rig, SECTION).label == "chaotic"
+    found = gb.lyapunov(rig, SECTION, periods=10000)
+    assert abs(found.values[0] - 0.1029) <= 3 * np.hypot(found.errors[0], 0.0003) < 0.006
+    assert found.values.sum() == pytest.approx(-0.05, abs=1e-6)  # the trace
+
+
+def test_an_unstable_orbit_is_found_and_called_so(oscillator: Oscillator) -> None:
+    rig = oscillator(lambda drive, x, v: 1e-3 * gb.cos(drive * gb.time) + 2 * x - x**3, c=0.25)
+    orbit = gb.periodic_orbit(rig, SECTION, transient=0)  # on the hill between the wells
+    assert not orbit.stable and abs(orbit.points[0, 0]) < 1e-2 and "unstable" in repr(orbit)
+    # there x'' + 0.25 x' - x = 0
+    rate = -0.125 + np.sqrt(0.125**2 + 1)
+    assert orbit.exponents[0] == pytest.approx(rate, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda rig: gb.classify(rig, SECTION, keep=10), "keep = 10 > twice"),
+        (lambda rig: gb.lyapunov(rig, SECTION, periods=3), "periods = 3 must be >= 20"),
+        (lambda rig: gb.periodic_orbit(rig, SECTION, periods=0), "periods = 0 must be >= 1"),
+        (lambda rig: gb.classify(rig, gb.stroboscopic("drve")), "drve"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused_by_name(oscillator: Oscillator, call: Any, words: str) -> None:
+    rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time))
+    with pytest.raises(gb.GearblocksError, match=words):
+        call(rig)

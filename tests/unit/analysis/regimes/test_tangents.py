@@ -1,0 +1,96 @@
+"""Derivatives of the state by the start state against central differences of plain runs, across all that a motion meets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+from gearblocks.analysis.regimes.neutral import neutral_directions
+from gearblocks.analysis.regimes.strobe import strobe
+
+
+def _train(
+    name: str, tau: Any, *, after_disc: Callable[[gb.Drivetrain], Any] | None = None, **start: float
+) -> gb.Drivetrain:
+    rig = gb.Drivetrain(name)
+    source, disc = rig.add("source", gb.Torque(tau=tau)), rig.add("disc", gb.Inertia(J=1.0, **start))
+    rig.chain(source, disc)
+    if after_disc is not None:
+        after_disc(rig)
+    return rig
+
+
+def _beside(rig: gb.Drivetrain, *parts: tuple[str, Any]) -> None:
+    rig.chain(rig["disc"], *(rig.add(name, part) for name, part in parts), rig.add("ground", gb.Fixed()))
+
+
+def _corner(drive: Any) -> gb.Drivetrain:
+    lash = gb.Lash(k=40.0, c=0.3, half_gap=0.1)
+    return _train("corner", gb.cos(drive * gb.time), after_disc=lambda r: _beside(r, ("lash", lash)), w0=0.2)
+
+
+def _impact(drive: Any) -> gb.Drivetrain:
+    stop = gb.HardStop(lower=-0.3, upper=0.4, restitution=0.7)
+    return _train("impact", gb.cos(drive * gb.time) + 0.3, after_disc=lambda r: _beside(r, ("stop", stop)), w0=0.5)
+
+
+def _clutch(drive: Any) -> gb.Drivetrain:
+    rig = _train("clutch", 2.0 * gb.cos(drive * gb.time), w0=0.4)
+    rig.chain(
+        rig["disc"], rig.add("clutch", gb.Clutch(capacity=0.9)), rig.add("plate", gb.Inertia(J=0.5)),
+        rig.add("spring", gb.Shaft(k=3.0, c=0.2)), rig.add("ground", gb.Fixed()),
+    )  # fmt: skip
+    return rig
+
+
+def _timed(drive: Any) -> gb.Drivetrain:
+    tau = gb.piecewise((1.0, gb.time < 2.3), (gb.cos(drive * gb.time), True)) - gb.sense("disc.phi") ** 3
+    return _train("timed", tau, after_disc=lambda r: _beside(r, ("damper", gb.Damper(c=0.1))), phi0=0.3)
+
+
+def _turns(drive: Any) -> gb.Drivetrain:
+    tau = gb.cos(drive * gb.time) + 2.0 * gb.sin(3 * gb.sense("disc.phi"))
+    return _train("turns", tau, after_disc=lambda r: _beside(r, ("damper", gb.Damper(c=0.02))), w0=9.0)
+
+
+def _lossy(drive: Any) -> gb.Drivetrain:
+    rig = _train("lossy", 3.0 * gb.cos(drive * gb.time), w0=0.4)
+    rig.chain(
+        rig["disc"], rig.add("gear", gb.LossyGear(ratio=2.0, efficiency=(0.9, 0.8))), rig.add("wheel", gb.Inertia(J=0.5)),
+        rig.add("spring", gb.Shaft(k=3.0, c=0.2)), rig.add("ground", gb.Fixed()),
+    )  # fmt: skip
+    return rig
+
+
+@pytest.mark.parametrize("made", [_corner, _impact, _clutch, _timed, _turns, _lossy])
+def test_tangents_are_what_differences_of_runs_come_to(made: Callable[[Any], gb.Drivetrain]) -> None:
+    rig = made(gb.Parameter("drive", 1.0, "rad/s"))
+    seen = strobe(gb.build(rig), gb.stroboscopic("drive"), None, None, 1e-12)
+    y = seen.start(None)
+    run = seen.map(y, 2)
+    assert run.corner == "" and (run.events >= 2 or made in (_turns, _timed))
+    step = 1e-5
+    for direction in neutral_directions(seen, y).allowed.T:
+        ends = [seen.follow(y + h * direction, 2).states[-1] for h in (-2 * step, -step, step, 2 * step)]
+        difference = (ends[0] - 8 * ends[1] + 8 * ends[2] - ends[3]) / (12 * step)
+        tolerance = 1e-6 * max(1.0, float(np.abs(difference).max()))
+        assert np.abs(run.maps[-1] @ direction - difference).max() <= tolerance
+
+
+def test_a_grazing_impact_has_no_derivative() -> None:
+    # thrown up at 1 against 1 rad/s2: it turns back at 0.5 exactly, where the stop is
+    for height, corner in ((0.5 + 1e-13, True), (0.5 - 1e-13, True), (0.55, False), (0.45, False)):
+        rig = gb.Drivetrain("graze")
+        drive = gb.Parameter("drive", 3.0, "rad/s")
+        source = rig.add("source", gb.Torque(tau=-1.0 + 1e-30 * gb.cos(drive * gb.time)))
+        rig.chain(source, rig.add("disc", gb.Inertia(J=1.0, w0=1.0)))
+        _beside(rig, ("stop", gb.HardStop(lower=-height, upper=50.0, restitution=0.5)))
+        seen = strobe(gb.build(rig), gb.stroboscopic("drive"), None, None, 1e-12)
+        run = seen.map(seen.start(None), 1)
+        assert (run.corner != "") is corner, (height, run.corner)
+        if corner:
+            assert "stop" in run.corner and "t = 1" in run.corner
