@@ -247,9 +247,9 @@ GB_API int gb_study_run(gb_sim *sim, gb_study *study, double slice);
 /* Tangents beside a run from its start on: `count` columns of dy/dy0 over the n states, n_total numbers each, those
  * behind n zeros. times, rising: where steps end and, by time, what is not NULL is written: the state (n_total) into
  * states, the columns into maps; with logs the columns are made orthonormal there (in units of `scale`, by state), to
- * the n_fixed orthonormal directions in `fixed` too, and the logarithms of what they were as long as go into logs. done: times that are done with. undefined: events without a
- * derivative so far, the first of which was that of switch `index` at t. Behind: what is known of the event under way.
- * room: gb_tangent_size numbers of the caller's. */
+ * the n_fixed orthonormal directions in `fixed` too, and the logarithms of what they were as long as go into logs.
+ * done: times that are done with. undefined: events without a derivative so far, the first of which was that of switch
+ * `index` at t. Behind: what is known of the event under way. room: gb_tangent_size numbers of the caller's. */
 typedef struct gb_tangents {
     int count, n_fixed, index;
     long n_times, done;
