@@ -104,7 +104,6 @@ struct gb_ledger {
     double turnover, turnover_segment;
     double stored;               /* the largest that a look at it found */
     double noise;                /* of the powers, all together */
-    double log_dense;            /* error inside a step in units of its tolerance, base 2 */
     double found, h_found;       /* what the last look that was content found there, and its step size */
     uint64_t found_modes;        /* the modes there */
     long long found_at, look_at; /* steps that were done at that look, and at the next one */

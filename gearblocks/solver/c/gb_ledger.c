@@ -196,29 +196,37 @@ static double implicit_error_by_middle(double fourth) {
     return 1.5 * gb_rough_log2(fourth + 1e-30) - 1.0;
 }
 
+/* What tells the errors of a step: two embedded estimates of an explicit one, differences of powers of an implicit one.
+ */
+static void told_by_stages(const gb_sim *sim, double *one, double *two) {
+    const gb_method *method = sim->method;
+    if (method->gamma > 0.0) {
+        bends(sim, one, two);
+    } else {
+        *one = embedded_error(sim, &method->e[0]);
+        *two = method->n_errors > 1 ? embedded_error(sim, &method->e[1]) : 0.0;
+    }
+}
+
+/* The errors by these, over the yardstick. */
+static gb_errors errors_by(const gb_method *method, double one, double two) {
+    return method->gamma > 0.0 ? implicit_errors(one, two) : explicit_errors(method, one, two);
+}
+
 /* log2 of the error in units of its tolerance, at the cost that it takes to find out. */
 static double estimate(gb_sim *sim, double h) {
-    const gb_method *method = sim->method;
     gb_head *head = sim->head;
-    const int implicit = method->gamma > 0.0;
+    const int implicit = sim->method->gamma > 0.0;
     const double rtol = gb_max(head->options.rtol, LEAST), exchanged = gb_exchange(sim, sim->z);
-    double one, two = 0.0, noise = 0.0;
-    if (implicit) {
-        bends(sim, &one, &two);
-    } else {
-        one = embedded_error(sim, &method->e[0]);
-        two = method->n_errors > 1 ? embedded_error(sim, &method->e[1]) : 0.0;
-    }
+    double one, two, noise = 0.0;
+    told_by_stages(sim, &one, &two);
     for (int more = 0;; more++) {
         const double size = yardstick(sim, exchanged, h, head->front.t1 - head->front.t_start + h) / h;
         if (!(size > 0.0 && one + two > 1e-30 * size)) {
-            head->ledger.log_dense = -100.0;
             return -100.0;
         }
         const double tolerance = gb_rough_log2(rtol + gb_max(head->ledger.noise, noise) / size);
-        const gb_errors found =
-            implicit ? implicit_errors(one / size, two / size) : explicit_errors(method, one / size, two / size);
-        head->ledger.log_dense = found.inside - tolerance;
+        const gb_errors found = errors_by(sim->method, one / size, two / size);
         if (found.end + SAFETY <= tolerance) {
             return found.end + SAFETY - tolerance;
         }
@@ -282,14 +290,19 @@ static int integrate(gb_sim *sim, double theta) {
 
 int gb_ledger_cut(gb_sim *sim, double theta) {
     const struct gb_front *front = &sim->head->front;
-    const double h = front->h, start = front->t_start;
+    const double h = front->h, rtol = gb_max(sim->head->options.rtol, LEAST);
+    double one, two;
     if (!(front->t1 > front->t0)) {
         return GB_DONE;
     }
-    const double whole = yardstick(sim, gb_exchange(sim, sim->z), h, front->t0 + h - start),
-                 kept = yardstick(sim, gb_exchange(sim, sim->y), theta * h, front->t1 - start);
-    const double more = kept > 0.0 ? gb_rough_log2(whole / kept) : 0.0;
-    return sim->head->ledger.log_dense + more > 1.0 ? integrate(sim, theta) : GB_DONE;
+    const double kept = yardstick(sim, gb_exchange(sim, sim->y), theta * h, front->t1 - front->t_start) / h;
+    told_by_stages(sim, &one, &two);
+    if (!(kept > 0.0 && one + two > 1e-30 * kept)) {
+        return GB_DONE;
+    }
+    const double whole = yardstick(sim, gb_exchange(sim, sim->z), h, front->t0 + h - front->t_start) / h;
+    const double inside = errors_by(sim->method, one / whole, two / whole).inside + gb_rough_log2(whole / kept);
+    return inside > gb_rough_log2(rtol + sim->head->ledger.noise / kept) + 1.0 ? integrate(sim, theta) : GB_DONE;
 }
 
 /* sum |E_i| at a state, in the present modes at the front. */
@@ -302,10 +315,16 @@ static double energy_at(gb_sim *sim, const double *y) {
     return sum;
 }
 
-int gb_moves_by_rounding(const gb_sim *sim) {
+/* The speed that is taken for rounding: what the noise of its rate makes in the run so far; and less than the last bit
+ * of 1 rad (of 1 m) in all of it, which a friction leaves whose capacity passes 0 beside a body at rest. */
+static double rounding_of_speed(const gb_sim *sim, int i) {
     const double time = sim->head->front.t1 - sim->head->front.t_start;
+    return time > 0.0 ? gb_max(time * sim->control.noise[i], DBL_EPSILON / time) : 0.0;
+}
+
+int gb_moves_by_rounding(const gb_sim *sim) {
     for (int i = sim->model->n - sim->model->n_speeds; i < sim->model->n; i++) {
-        if (!(sim->control.largest[i] <= time * sim->control.noise[i])) {
+        if (!(sim->control.largest[i] <= rounding_of_speed(sim, i))) {
             return 0;
         }
     }
@@ -314,13 +333,12 @@ int gb_moves_by_rounding(const gb_sim *sim) {
 
 double gb_rounding_energy(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const double time = sim->head->front.t1 - sim->head->front.t_start;
     if (!gb_moves_by_rounding(sim)) {
         return 0.0;
     }
     memcpy(sim->z2, sim->y, sizeof(double) * (size_t)model->n_total);
     for (int i = model->n - model->n_speeds; i < model->n; i++) {
-        sim->z2[i] = time * sim->control.noise[i];
+        sim->z2[i] = rounding_of_speed(sim, i);
     }
     const int told = gb_time_terms_at(sim, sim->head->front.t1) == GB_DONE;
     return told ? gb_max(energy_at(sim, sim->z2) - energy_at(sim, sim->y), 0.0) : 0.0;

@@ -53,9 +53,8 @@ static inline double gb_ledger_log_error(gb_sim *sim, double h, double log_error
 }
 
 /* After the front was moved back to theta inside the step: the integrals once more, by points of Gauss along the
- * polynomials of the states, where the last look found those of the polynomials of the step off by 2 tolerances of what
- * is kept: the exchange beyond an event counts for nothing, laws do not hold there. Assumed: z is the end of the step.
- */
+ * polynomials of the states, where those of the polynomials of the step are off by 2 tolerances of what is kept: the
+ * exchange beyond an event counts for nothing, laws do not hold there. Assumed: z is the end of the step. */
 int gb_ledger_cut(gb_sim *sim, double theta);
 
 /* What the step exchanged counts as turnover. */

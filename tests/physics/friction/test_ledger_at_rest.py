@@ -64,3 +64,27 @@ def test_what_moves_is_held_to_its_balance_however_slow(load):
     run = gb.simulate(rig, t_end=3.0, rtol=1e-6)
     assert run.energy.rounding == 0.0
     assert run.energy.residual < 1e-5
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
+@pytest.mark.parametrize("capacity", [0.861, 40.0])
+def test_a_brake_that_comes_and_goes_beside_what_nothing_loads_leaves_rounding(capacity, method):
+    """Its capacity passes 0 as that of a clutch does: for 1e-14 s it slides, with forces of 1e-14 N m."""
+    rig = gb.Drivetrain("at rest")
+    body = {name: rig.add(name, gb.Inertia(J=J)) for name, J in (("one", 0.228), ("two", 1.63), ("ring", 0.5))}
+    capacities = 1 + 2 * gb.cos(9 * gb.time), abs(2 * gb.sin(7 * gb.time))
+    for i, comes in enumerate(capacities):
+        clutch = rig.add(f"clutch{i}", gb.Clutch(capacity=comes))
+        rig.connect(body["one"].b, clutch.a)
+        rig.connect(clutch.b, body["two"].a)
+    teeth = gb.Table([0.0, 0.3, 0.7], [-1.0, 1.0, -1.0], kind="step")
+    sync = rig.add("sync", gb.Synchronizer(engaged=teeth, capacity=1.8))
+    rig.connect(body["two"].b, sync.a)
+    rig.connect(sync.b, body["ring"].a)
+    planetary = rig.add("set", gb.IdealPlanetary(ratio=3.0))
+    rig.connect(body["ring"].b, planetary.ring, rig.add("brake", gb.Brake(capacity=capacity * gb.sin(14 * gb.time))).a)
+    rig.connect(rig.add("carrier", gb.Inertia(J=1.0)).a, planetary.carrier)
+    rig.connect(rig.add("sun", gb.Inertia(J=0.5)).a, planetary.sun)
+    for rtol in (1e-4, 1e-6, 1e-9):
+        run = gb.simulate(rig, t_end=1.0, method=method, rtol=rtol, residual=10 * rtol)
+        assert max(np.max(np.abs(run[f"{name}.w"])) for name in (*body, "carrier", "sun")) < 1e-20

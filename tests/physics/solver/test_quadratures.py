@@ -268,3 +268,28 @@ def test_the_ledger_of_twenty_thousand_steps_closes_as_that_of_a_hundred(rig, rt
     run = gb.simulate(rig, t=np.linspace(0.0, 1e5, 50), rtol=rtol, method="dp5")
     assert run.stats.steps > 10_000
     assert run.energy.residual < 10 * rtol
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
+@pytest.mark.parametrize(
+    ("constant", "swing", "frequency", "torque"),
+    [
+        (0.0, 5.0, 8.71, 0.152),
+        pytest.param(2.0, 5.0, 8.71, 0.152, marks=pytest.mark.long),
+        pytest.param(0.0, 50.0, 8.71, 0.152, marks=pytest.mark.long),
+        pytest.param(0.0, 5.0, 20.0, 0.152, marks=pytest.mark.long),
+        pytest.param(0.0, 5.0, 8.71, 0.5, marks=pytest.mark.long),
+    ],
+)
+def test_a_brake_that_comes_and_goes_ends_steps_that_nobody_looked_at(constant, swing, frequency, torque, method):
+    """The body slides to rest in each period; what the last look found inside its step says nothing of a later one."""
+    capacity = constant + swing * gb.cos(frequency * T)
+    rig = gb.Drivetrain("pulsing brake")
+    parts = rig.add("drive", gb.Torque(tau=torque)), rig.add("body", gb.Inertia(J=0.149))
+    rig.chain(*parts, rig.add("brake", gb.Brake(capacity=capacity)))
+    model = gb.build(rig)
+    for rtol in (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11):
+        run = gb.simulate(model, t=np.linspace(0, 3, 101), rtol=rtol, method=method)
+        (work,) = run.energy.supplied.values()
+        assert work == pytest.approx(torque * run["body.phi"][-1], rel=2 * rtol), rtol
+        assert run.energy.residual <= 3 * rtol, rtol
