@@ -16,7 +16,9 @@ class Inertia(Block):
 
         a o---[ J ]---o b        phi = phi_a = phi_b
 
-    phi0, w0: start values. Left out, they follow from tied neighbours, else they are 0. small=True makes the effect
+    phi0, w0: start values. Left out, they follow from tied neighbours, else they are 0. alpha0: start acceleration; what is
+    not given of angles, of its own first, then of speeds is chosen so that it has it under the values that the train is built
+    with: the twist of the springs beside. small=True makes the effect
     `inertia` of it: without that the part turns with its neighbour (the stiffest compliant element at its shaft becomes
     rigid), and J is lumped there, times the ratio squared.
 
@@ -30,6 +32,7 @@ class Inertia(Block):
     J: Value = param("moment of inertia", "kg m2", ge=0)
     phi0: Value | None = param("start angle", "rad", default=None, start="angle")
     w0: Value | None = param("start speed", "rad/s", default=None, start="speed")
+    alpha0: Value | None = param("start acceleration", "rad/s2", default=None, start="acceleration")
     small: bool = option("whether it may be lumped into its neighbour", default=False, belongs_to="inertia")
 
     def physics(self, s: Any) -> Iterator[Contribution]:

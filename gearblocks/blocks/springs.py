@@ -27,7 +27,8 @@ class Shaft(Block):
 
     Either k (a number or signal), or torque: an expression of gb.twist or a Table over the twist, the torque that
     pulls the ends together. rest: the twist (on sliders s_b - s_a, a free length) at which it carries nothing: twist - rest
-    then stands for the twist in both; the output twist stays phi_b - phi_a. Damping by c or damping_ratio. With its own
+    then stands for the twist in both; the output twist stays phi_b - phi_a. phi_rel0, w_rel0: twist
+    and its rate at the start, which bodies follow whose start nothing gives. Damping by c or damping_ratio. With its own
     inertia J the shaft becomes a chain of `segments` springs with J lumped at their ends; without the effect `segments`, of
     one spring between two halves of J. hysteresis=Hysteresis(...): inner friction beside the spring.
 
@@ -47,6 +48,10 @@ class Shaft(Block):
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     allow_negative: bool = option("admit k < 0", default=False)
     rest: Value | None = param("twist without load", "rad", default=None, belongs_to="compliance")
+    phi_rel0: Value | None = param("start twist", "rad", default=None, belongs_to="compliance", start="relative angle")
+    w_rel0: Value | None = param(
+        "start rate of the twist", "rad/s", default=None, belongs_to="compliance", start="relative speed"
+    )
     hysteresis: Hysteresis | None = effect("inner friction", default=None)
     rigid: bool = option(
         "turns as one piece; what is left when compliance is taken away", default=False, absence_of="compliance"
@@ -68,8 +73,10 @@ class Shaft(Block):
             yield f"k = {self.k!r} N m/rad must be > 0 (or give allow_negative=True)"
         if self.rigid and self.rest is not None:
             yield "a rigid shaft has no rest: it keeps the angle between its ends as it is"
-        if self.rest is not None and (self.J is not None or self.segments != 1):
-            yield "rest is that of one spring; leave J and segments out"
+        if (self.J is not None or self.segments != 1) and (given := self._of_one_spring()):
+            yield f"{' and '.join(given)}: of one spring; leave J and segments out"
+        if self.rigid and (self.phi_rel0 is not None or self.w_rel0 is not None):
+            yield "a rigid shaft has no start twist; give phi0 and w0 to the bodies beside"
         if self.rigid and self.hysteresis is not None:
             yield "a rigid shaft has no hysteresis: nothing twists"
         if self.torque is not None and self.damping_ratio is not None:
@@ -80,6 +87,9 @@ class Shaft(Block):
             yield "segments need k, J and (for damping) c"
         elif self.J is not None and not self.rigid and (self.k is None or self.damping_ratio is not None):
             yield "J needs k and (for damping) c"
+
+    def _of_one_spring(self) -> list[str]:
+        return [name for name in ("rest", "phi_rel0", "w_rel0") if getattr(self, name) is not None]
 
     def _numbers(self) -> tuple[Any, Any, Any]:
         return self.k, self.c, self.J
@@ -197,10 +207,10 @@ class Lash(Block):
         a o---| |-/\/\/---o b        twist > 0 pulls a forward and b back
 
     In place of half_gap the ends of the gap may be given: no torque while lower <= twist <= upper; one of them alone is a
-    contact on one side (Modelica's ElastoGap: lower = its free length s_rel0). rest: all is measured from there, twist - rest
-    for the twist. exponent n >= 1: the elastic torque k g abs(g)^(n - 1), g the twist beyond the gap, k then in N m/rad^n.
-    Without compliance it is a rigid tie, or with contact_damping=HuntCrossley(...) a rigid impact of that restitution at
-    both ends of the gap.
+    contact on one side (Modelica's ElastoGap: lower = its free length s_rel0). rest: all is measured from there, twist -
+    rest for the twist. phi_rel0, w_rel0: as of `Shaft`. exponent n >= 1: the elastic torque k g abs(g)^(n - 1), g the twist
+    beyond the gap, k then in N m/rad^n. Without compliance it is a rigid tie, or with contact_damping=HuntCrossley(...) a
+    rigid impact of that restitution at both ends of the gap.
 
     Example:
         rig = gb.Drivetrain("coupling with play")
@@ -216,6 +226,10 @@ class Lash(Block):
     lower: Value | None = param("least twist without torque", "rad", default=None, belongs_to="backlash")
     upper: Value | None = param("largest twist without torque", "rad", default=None, belongs_to="backlash")
     rest: Value | None = param("twist that the others are measured from", "rad", default=None, belongs_to="compliance")
+    phi_rel0: Value | None = param("start twist", "rad", default=None, belongs_to="compliance", start="relative angle")
+    w_rel0: Value | None = param(
+        "start rate of the twist", "rad/s", default=None, belongs_to="compliance", start="relative speed"
+    )
     exponent: Value | None = param("exponent of the twist beyond the gap", default=None, ge=1, belongs_to="compliance")
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
@@ -240,6 +254,8 @@ class Lash(Block):
             yield "damping_ratio needs a stiffness that does not depend on the twist; give c"
         if self.k is None and (self.rest is not None or self.exponent is not None) and not hits(self):
             yield "rest and exponent need k: a rigid lash keeps the angle between its sides as it is"
+        if self.k is None and (self.phi_rel0 is not None or self.w_rel0 is not None):
+            yield "phi_rel0 and w_rel0 need k; give start values to the bodies beside"
 
     def without_effect(self, name: str) -> Block:
         """Without compliance a restitution stays, as that of a rigid impact; without the gap the spring rests at the end, or

@@ -17,7 +17,8 @@ class Mass(Block):
 
         a o---[ m ]---o b        s = s_a = s_b
 
-    s0, v0: start values. Left out, they follow from tied neighbours, else they are 0. small: as of `Inertia`.
+    s0, v0: start values. Left out, they follow from tied neighbours, else they are 0. a0: start acceleration, as alpha0 of
+    `Inertia`. small: as of `Inertia`.
 
     Example:
         rig = gb.Drivetrain("sledge")
@@ -28,6 +29,7 @@ class Mass(Block):
     m: Value = param("mass", "kg", ge=0)
     s0: Value | None = param("start position", "m", default=None, start="angle")
     v0: Value | None = param("start speed", "m/s", default=None, start="speed")
+    a0: Value | None = param("start acceleration", "m/s2", default=None, start="acceleration")
     small: bool = option("whether it may be lumped into its neighbour", default=False, belongs_to="inertia")
 
     def physics(self, s: Any) -> Iterator[Contribution]:

@@ -13,7 +13,7 @@ from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Assembly, Batch
 from gearblocks.codegen.program import InputInfo, ParameterInfo
 from gearblocks.language.block import given_start
-from gearblocks.language.fields import ANGLE, SPEED, Field
+from gearblocks.language.fields import ANGLE, RELATIVE_ANGLE, RELATIVE_SPEED, SPEED, Field
 from gearblocks.language.signals import Input, Parameter
 from gearblocks.language.units import parse_unit, unit_along
 from gearblocks.train.translational import field_along, slider_names, start_name, words_along
@@ -79,8 +79,8 @@ def lay_out(assembly: Assembly, *, angles_in_law: bool, n_wrapped: int = 0) -> L
 
 
 def is_start(batch: Batch, spec: Field) -> bool:
-    """Whether an own number of a block is a start value: where the block has a body."""
-    return bool(batch.law.bodies) and spec.start is not None
+    """Whether an own number of a block is a start value: a relative one, or where the block has a body."""
+    return spec.start in (RELATIVE_ANGLE, RELATIVE_SPEED) or (bool(batch.law.bodies) and spec.start is not None)
 
 
 def own_numbers(batch: Batch, assembly: Assembly) -> Iterator[tuple[str, Field, int, Any]]:

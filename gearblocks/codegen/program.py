@@ -154,7 +154,8 @@ class RigidRow(NamedTuple):
     """A form over angles of groups, sum of factor * phi + sum of offset factor * parameter; its rate without the latter.
 
     component: a body, whose angle it is, with the names of its start angle and speed and whether it gives them; or a
-    compliant element or switched constraint, whose deflection or slip it is (names empty). rest, lower, upper: of an element
+    compliant element, whose deflection it is, and whether it gives that at the start or its rate; or a switched constraint,
+    whose slip it is. rest, lower, upper: of an element
     the parameters that say where it carries nothing (-1: there is none; UNKNOWN: it is no parameter by itself), times scale.
     """
 
@@ -167,6 +168,7 @@ class RigidRow(NamedTuple):
     speed: str = ""
     gives_angle: bool = False
     gives_speed: bool = False
+    gives_acceleration: bool = False
     rest: int = -1
     lower: int = -1
     upper: int = -1

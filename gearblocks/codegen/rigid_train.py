@@ -18,7 +18,7 @@ from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.output_names import components_of
 from gearblocks.codegen.program import UNKNOWN, GroupStart, RigidRow
 from gearblocks.language.block import given_start
-from gearblocks.language.fields import ANGLE, COMPLIANCE, SPEED
+from gearblocks.language.fields import ACCELERATION, ANGLE, COMPLIANCE, RELATIVE_ANGLE, RELATIVE_SPEED, SPEED
 from gearblocks.language.signals import Parameter
 from gearblocks.laws.rational import Exact
 from gearblocks.train.graph import Component
@@ -74,7 +74,7 @@ def body_rows(g: Generator) -> Iterator[RigidRow]:
                 form = Combination()
                 form.add(expanded.get(group, Combination({group: 1})), gain)
                 angle, speed, _, _ = flange_names(flange in c.sliders)
-                given = (given_start(c.block, of) is not None for of in (ANGLE, SPEED))
+                given = (given_start(c.block, of) is not None for of in (ANGLE, SPEED, ACCELERATION))
                 yield RigidRow(c.path, *_parts(g, form), f"{c.path}.{angle}", f"{c.path}.{speed}", *given)
 
 
@@ -89,7 +89,14 @@ def deflection_rows(g: Generator) -> Iterator[RigidRow]:
                 if code.batch.used[j]:
                     source = code.batch.sources[j][e]
                     form = a.dependents[source] if code.batch.dependent[j] else Combination(coordinates={source: 1})
-                    yield RigidRow(c.path, *_parts(g, _over_groups(g, form)))._replace(**_natural(g, c, code, j))
+                    row = RigidRow(c.path, *_parts(g, _over_groups(g, form)))
+                    yield row._replace(**_natural(g, c, code, j), **_given(c, j))
+
+
+def _given(c: Component, j: int) -> dict[str, Any]:
+    """Which start values an element gives of its first deflection."""
+    roles = {"gives_angle": RELATIVE_ANGLE, "gives_speed": RELATIVE_SPEED} if j == 0 else {}
+    return {what: given_start(c.block, of) is not None for what, of in roles.items()}
 
 
 def _natural(g: Generator, c: Component, code: BatchCode, j: int) -> dict[str, Any]:

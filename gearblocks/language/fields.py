@@ -26,6 +26,8 @@ _REQUIRED: Any = _Required()
 
 ANGLE, SPEED = "angle", "speed"
 """Roles of start values: the angle or the speed of a shaft; of a slider, position or speed."""
+RELATIVE_ANGLE, RELATIVE_SPEED, ACCELERATION = "relative angle", "relative speed", "acceleration"
+"""Further roles of start values: of a compliant element, from its first flange to its second; of a body."""
 COMPLIANCE = "compliance"
 """The effect that all others of a compliant block rest on."""
 SLIP, INERTIA = "slip", "inertia"
@@ -109,7 +111,8 @@ def param(
     a row one by one, or one text with {n} (1, 2, ...) or {odd} (1, 3, ...). of_deflection: of an effect, a length that is an
     angle where the deflection is one (see `effect`). or_one_of: fields one of which must be given where this one is not.
     """
-    if start not in (None, ANGLE, SPEED) or (start is not None and many):
+    known = (None, ANGLE, SPEED, RELATIVE_ANGLE, RELATIVE_SPEED, ACCELERATION)
+    if start not in known or (start is not None and many):
         raise ModelError(f"param '{words}': start = {start!r} must be 'angle' or 'speed', of one number")
     return Field(
         words,

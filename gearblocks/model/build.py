@@ -18,6 +18,8 @@ from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Input, Parameter
 from gearblocks.model.cache_key import classes_digest, package_digest
 from gearblocks.model.following_starts import with_starts
+from gearblocks.model.relative_starts import solve_relative
+from gearblocks.model.start_accelerations import fit_accelerations
 from gearblocks.model.start_values import contradictions, fit_lossy, fit_prescribed, parameter_value, solve_dependent
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.library import Model, compile_program, start_core_build
@@ -81,6 +83,7 @@ def _build(train: Train) -> Model:
     model = Model(program, compile_program(program), start)
     fit_prescribed(model, train)
     fit_lossy(model, train)
+    fit_accelerations(model, train)
     return with_starts(model, train)
 
 
@@ -151,6 +154,7 @@ def _check_against(program: Program, train: Train, values: dict[str, float], nam
     problems = [f"'{name}' names an input or Parameter and an output; rename the first" for name in sorted(double)]
     problems += contradictions(program, train)
     problems += solve_dependent(program, train, values)
+    problems += solve_relative(program, train, values)
     if problems:
         raise ModelError(problems)
 

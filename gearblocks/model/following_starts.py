@@ -13,6 +13,8 @@ from gearblocks.errors import ModelError, ParameterError
 from gearblocks.language.block import Block
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Parameter
+from gearblocks.model.relative_starts import solve_relative
+from gearblocks.model.start_accelerations import fit_accelerations
 from gearblocks.model.start_values import contradictions, fit_lossy, fit_prescribed, solve_dependent
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array
@@ -58,6 +60,7 @@ def followed(model: Model, vector: Array) -> Array:
         given = ((path, value, spec) for path, value, spec in numbers_of(c.block, c.path + "."))
         values |= {path: float(value) for path, value, spec in given if spec.start is not None and value is not None}
     problems = [*contradictions(program, train), *solve_dependent(program, train, values)]
+    problems += solve_relative(program, train, values)
     if problems:
         raise ParameterError("; ".join(problems))
     start = np.array([values.get(p.path, 0.0) for p in program.parameters])
@@ -66,6 +69,7 @@ def followed(model: Model, vector: Array) -> Array:
     try:
         fit_prescribed(again, train)
         fit_lossy(again, train)
+        fit_accelerations(again, train)
     except ModelError as error:
         raise ParameterError(str(error)) from None
     return again.values

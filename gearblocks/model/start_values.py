@@ -90,7 +90,7 @@ def _solve(
     program: Program, blocks: dict[str, Block], rows: list[tuple[DependentStart, float]], values: dict[str, float]
 ) -> None:  # fmt: skip
     """Open start values of minimum norm that fulfil the rows: sum of factor times value = the given one."""
-    offsets = dict.fromkeys(i for info, _ in rows for i in info.offsets if _is_open(program, blocks, i))
+    offsets = dict.fromkeys(i for info, _ in rows for i in info.offsets if is_open(program, blocks, i))
     unknown = {i: k for k, i in enumerate(offsets)}
     if not unknown:
         return
@@ -106,7 +106,7 @@ def _solve(
     values.update({program.parameters[i].path: float(found[k]) for i, k in unknown.items()})
 
 
-def _is_open(program: Program, blocks: dict[str, Block], offset: int) -> bool:
+def is_open(program: Program, blocks: dict[str, Block], offset: int) -> bool:
     """Whether a parameter is an open start value: one that nobody gives."""
     info = program.parameters[offset]
     path = info.path.rpartition(".")[0]
@@ -120,7 +120,7 @@ def fitted_later(program: Program, train: Train) -> frozenset[int]:
     if not given and all(x.of != LOSSY_VARYING for x in program.dependent_starts):
         return frozenset()
     starts = (s.offset for s in program.starts if s.of in (ANGLE, SPEED))
-    return frozenset(i for i in starts if _is_open(program, blocks, i))
+    return frozenset(i for i in starts if is_open(program, blocks, i))
 
 
 def fit_prescribed(model: Model, train: Train) -> None:
@@ -155,12 +155,12 @@ def fit_prescribed(model: Model, train: Train) -> None:
 def _at_start(model: Model, names: list[str], values: Array) -> Array | None:
     """Outputs at t = 0 with these parameters; None where the start fails."""
     offsets = {q.name: i for i, q in enumerate(model.program.outputs)}
-    with _started(model, values) as sim:
+    with started(model, values) as sim:
         return None if sim is None else sim.outputs()[[offsets[n] for n in names]]
 
 
 @contextmanager
-def _started(model: Model, values: Array) -> Iterator[Simulation | None]:
+def started(model: Model, values: Array) -> Iterator[Simulation | None]:
     """A run at t = 0 with these parameters; None where the start fails."""
     with model.library.open() as sim:
         sim.parameters[:] = values
@@ -172,7 +172,7 @@ def _started(model: Model, values: Array) -> Iterator[Simulation | None]:
 def _fitted(model: Model, names: list[str], asked: Array, found: Array, blocks: dict[str, Block]) -> Array:
     """Chooses the open start values. One linear step: nonlinear constraints may leave a difference."""
     starts = [s.offset for s in model.program.starts if s.of in (ANGLE, SPEED)]
-    free = [i for i in dict.fromkeys(starts) if _is_open(model.program, blocks, i)]
+    free = [i for i in dict.fromkeys(starts) if is_open(model.program, blocks, i)]
     columns = []
     for i in free:
         moved = model.values.copy()
@@ -216,7 +216,7 @@ def fit_lossy(model: Model, train: Train) -> None:
     free = [
         k
         for k, i in enumerate(offsets)
-        if (model.values[i] == 0.0 or i in shared) and _is_open(model.program, blocks, i)
+        if (model.values[i] == 0.0 or i in shared) and is_open(model.program, blocks, i)
     ]
     free = [k for k in free if asked[:, k].any()]
     if not free:
@@ -233,7 +233,7 @@ def _tie_rows(model: Model, offsets: list[int]) -> Array | None:
     """Rows of all lossy ties over the independent speeds, at the angles of the start; None where even a start at rest fails."""
     values = model.values.copy()
     values[offsets] = 0.0
-    with _started(model, values) as sim:
+    with started(model, values) as sim:
         if sim is None:
             return None
         ties = [x.kind is ConstraintKind.TIE for x in sim.constraints().constraints]

@@ -39,6 +39,11 @@ def rolled(model: Model, sim: Simulation, t: float, initial: Any) -> Array:
     vector = np.array(sim.parameters)
     if not is_rolling(initial):
         return vector
+    if fixed := [row.component for row in model.program.bodies if row.gives_acceleration]:
+        raise ParameterError(
+            f"initial: {', '.join(fixed)} gives a start acceleration, which a train that rolls undeformed does not have: leave "
+            "it out, or give start values by name"
+        )
     given = _named(model, vector, initial.values if isinstance(initial, Rolling) else {})
     with _at_rest(model, sim, t, vector) as point:
         angles, speeds = _angles(model.program, vector, given, point), _speeds(model.program, vector, given, point)
@@ -199,12 +204,17 @@ def _own(program: Program, vector: Array, speeds: bool) -> dict[int, float]:
     for i, row in enumerate(program.bodies):
         if not (row.gives_speed if speeds else row.gives_angle):
             continue
-        starts = [program.groups[g] for g in row.groups]
-        places = [(s.speed, s.speed_gain) if speeds else (s.angle, s.angle_gain) for s in starts]
-        if all(offset >= 0 for offset, _ in places):
-            terms = [f * vector[o] / gain for f, (o, gain) in zip(row.factors, places, strict=True)]
-            found[i] = float(sum(terms)) + (0.0 if speeds else _constant(row, vector))
+        if all((program.groups[g].speed if speeds else program.groups[g].angle) >= 0 for g in row.groups):
+            found[i] = _present(program, row, vector, speeds=speeds)
     return found
+
+
+def _present(program: Program, row: RigidRow, vector: Array, *, speeds: bool) -> float:
+    """The value of a form, or of its rate, by the start values of the vector."""
+    starts = [program.groups[g] for g in row.groups]
+    places = [(s.speed, s.speed_gain) if speeds else (s.angle, s.angle_gain) for s in starts]
+    terms = [f * vector[o] / gain for f, (o, gain) in zip(row.factors, places, strict=True)]
+    return float(sum(terms)) + (0.0 if speeds else _constant(row, vector))
 
 
 def _constant(row: RigidRow, vector: Array) -> float:
@@ -229,9 +239,8 @@ def _angles(program: Program, vector: Array, given: _Given, point: Point) -> lis
         if start.prescribed and start.angle < 0 and not start.varying:
             solving.motion.take({g: 1.0}, _shown(program, start, found, angle=True))
     for row in program.deflections:
-        solving.take(
-            row, _natural(row, vector) - _constant(row, vector)
-        )  # a loop that is under tension by itself stays so
+        wanted = _present(program, row, vector, speeds=False) if row.gives_angle else _natural(row, vector)
+        solving.take(row, wanted - _constant(row, vector))  # a loop that is under tension by itself stays so
     own = _own(program, vector, speeds=False)
     named = {i: x - _constant(program.bodies[i], vector) for i, x in given.angles.items()}
     own = {i: x - _constant(program.bodies[i], vector) for i, x in own.items()}
@@ -259,8 +268,9 @@ def _speeds(program: Program, vector: Array, given: _Given, point: Point) -> lis
         if start.prescribed and not start.varying:
             solving.motion.take({g: 1.0}, _shown(program, start, found, angle=False))
     for row in (*program.deflections, *_ties(point)):
-        if not solving.take(row, 0.0):
-            left = solving.motion.left(solving.factors(row))[1]
+        wanted = _present(program, row, vector, speeds=True) if row.gives_speed else 0.0
+        if not solving.take(row, wanted):
+            left = solving.motion.left(solving.factors(row))[1] - wanted
             if abs(left) > AGREES * _size(solving, row):
                 raise ParameterError(
                     f"initial: what moves the shafts beside '{row.component}' winds it up at {left:.6g} rad/s (m/s): the "
