@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         trough,
     )
     from gearblocks.analysis.quantity import Quantity
+    from gearblocks.analysis.regimes.bifurcation import bifurcation
     from gearblocks.analysis.regimes.exponents import lyapunov
     from gearblocks.analysis.regimes.orbit import periodic_orbit
     from gearblocks.analysis.regimes.regime import classify
@@ -172,7 +173,7 @@ __all__ = [
     "Scene", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State",
     "Stick", "Stop", "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table", "Table2",
     "ThermalConductance", "ThermalMass", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "Tyre",
-    "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "build", "campbell",
+    "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "bifurcation", "build", "campbell",
     "carried_start", "classify", "compare", "cos", "count", "design_ratio", "distance", "driver_angle",
     "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit", "frequency_response", "last",
     "latin_hypercube", "line", "linearize", "log", "lyapunov", "maximum", "mean", "minimum", "modes", "option", "param",
@@ -190,6 +191,7 @@ _NAMES = {
     "analysis.dynamic_quantities": "dynamic_factor line period",
     "analysis.quantities": "at count energy_lost event_time last mean peak points rms std trough",
     "analysis.quantity": "Quantity",
+    "analysis.regimes.bifurcation": "bifurcation",
     "analysis.regimes.exponents": "lyapunov",
     "analysis.regimes.orbit": "periodic_orbit",
     "analysis.regimes.regime": "classify",

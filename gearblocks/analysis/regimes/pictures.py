@@ -1,4 +1,4 @@
-"""Pictures of the laboratory: what exponents came to, period by period."""
+"""Pictures of the laboratory: what exponents came to, period by period; points of a section over a parameter."""
 
 from __future__ import annotations
 
@@ -16,6 +16,36 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _DRAWN = 8  # exponents
+
+
+class Diagram(Protocol):
+    """What is drawn (`bifurcation.py`)."""
+
+    @property
+    def path(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def values(self) -> Array: ...
+    @property
+    def of(self) -> str: ...
+    @property
+    def of_unit(self) -> str: ...
+    @property
+    def points(self) -> Array: ...
+
+
+def draw_bifurcation(found: Diagram, path: str | os.PathLike[str] | None) -> Figure:
+    """A dot for each point, those of the way up and of the way down in two colours."""
+    with style():
+        figure, (axis,) = new_figure(path, size=(7.2, 4.2))
+        for i, words in ((1, "down"), (0, "up")):
+            x = np.repeat(found.values, found.points.shape[2])
+            axis.plot(x, found.points[i].ravel(), ".", markersize=2.4 if i else 1.2, color=COLOURS[i], label=words)
+        axis.set_xlabel(f"{found.path} in {found.unit}" if found.unit not in ("", "1") else found.path)
+        axis.set_ylabel(f"{found.of} in {found.of_unit}" if found.of_unit not in ("", "1") else found.of)
+        axis.legend(markerscale=6)
+        return finished(figure, path)
 
 
 class History(Protocol):

@@ -89,7 +89,7 @@ def classify(
             "longest: every period must be seen to repeat"
         )
     seen = strobe(build(train), section, parameters, initial, rtol)
-    found = [_Asked(seen, transient, keep, longest).regime(y) for y in _starts(seen, initial, starts)]
+    found = [Asked(seen, transient, keep, longest).regime(y) for y in _starts(seen, initial, starts)]
     return found[0] if starts == 1 else _together(found)
 
 
@@ -130,8 +130,8 @@ def _alike(one: Regime, other: Regime) -> bool:
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class _Asked:
-    """How it is asked for."""
+class Asked:
+    """How it is asked for; arguments as of `classify`."""
 
     seen: Strobe
     transient: int
@@ -139,17 +139,17 @@ class _Asked:
     longest: int
 
     def regime(self, y: Array) -> Regime:
-        """That of the motion from the states y."""
+        """That of the motion from the states y on."""
         try:
-            return self._found(y)
+            return self.of(self.seen.follow(y, self.transient + self.keep).states)
         except GrowthError as error:
             return Regime("diverged", (f"the motion grows without bound until t = {error.time:.6g} s", str(error)))
 
-    def _found(self, y: Array) -> Regime:
-        run = self.seen.follow(y, self.transient + self.keep)
-        if regime := _growth(run.states):
+    def of(self, states: Array) -> Regime:
+        """That of a motion that has passed these states at the section, shape (transient + keep, n). Raises GrowthError."""
+        if regime := _growth(states):
             return regime
-        points, after = run.states[-self.keep :], len(run.states)
+        points, after = states[-self.keep :], len(states)
         seen = self.seen.sized(points[-1], after)
         neutral = neutral_directions(seen, points[-1])
         drives = drive_periods(seen, points[-1], self.longest, after)

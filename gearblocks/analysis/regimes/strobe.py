@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.sections import Section, section_period
 from gearblocks.errors import GearblocksError, SimulationError
+from gearblocks.language.starts import is_rolling
 from gearblocks.simulation.arguments import is_static, parameter_vector, set_inputs, start_state
 from gearblocks.simulation.failures import component_of, reason
 from gearblocks.simulation.records import NamedValues
+from gearblocks.simulation.rolling import rolled
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Code, Method, Options
@@ -194,5 +196,10 @@ def strobe(
 ) -> Strobe:
     """Of a model and a section, with parameters and start values as for `simulate`. Raises ParameterError."""
     vector = parameter_vector(model, parameters or {}, initial)
+    if is_rolling(initial):
+        with model.library.reopen() as sim:
+            sim.parameters[:] = vector
+            set_inputs(sim, model.program, {})
+            vector = rolled(model, sim, 0.0, initial)
     period = section_period(section, NamedValues(model.program.parameter_numbers, vector))
     return Strobe(model, vector, period, rtol, np.ones(model.program.n))

@@ -33,7 +33,7 @@ def _van_der_pol(drive: Any, x: Any, v: Any) -> Any:
         ("period 3", _sum(1 / 3, 1e-4), {"k": 3.0, "c": 0.2}),
         ("quasi-periodic", lambda drive, x, v: gb.cos(drive * gb.time), {"k": 2.0, "c": 0.0}),  # its own, undamped
         ("diverged", lambda drive, x, v: gb.cos(drive * gb.time) + 0.05 * v, {"k": 2.0, "c": 0.0}),
-        ("quasi-periodic", _van_der_pol, {"k": 3.3, "c": 0.0, "phi0": 0.1}),
+        pytest.param("quasi-periodic", _van_der_pol, {"k": 3.3, "c": 0.0, "phi0": 0.1}, marks=pytest.mark.long),
     ],
 )  # fmt: skip
 def test_motions_get_their_labels(oscillator: Oscillator, label: str, torque: Any, numbers: dict[str, float]) -> None:

@@ -1,0 +1,183 @@
+"""Points of a section over a parameter, up and down, each motion begun where the last one ended, with labels.
+
+    quick labels    points that repeat to 1e-5 of their extent; they call themselves so and prove nothing
+    full labels     those of `regime.py`, with their evidence
+
+A point that cannot be run is named; its neighbours begin as if it had not been there.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearblocks.analysis.regimes.regime import Asked, Regime
+from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
+from gearblocks.analysis.sections import LONGEST, RELATIVE, Section, repeats
+from gearblocks.analysis.study_progress import progress as shown
+from gearblocks.drivetrain import Drivetrain
+from gearblocks.errors import ParameterError, SimulationError, by_name_only
+from gearblocks.files import write_text
+from gearblocks.model.listing import matches
+from gearblocks.running import build
+from gearblocks.simulation.arguments import resolve
+from gearblocks.solver.library import Model
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+LABELS = ("quick", "full")
+DIRECTIONS = ("up", "down")
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Bifurcation:
+    """A diagram. values of the parameter `path` [unit], shape (k,), rising; points: output `of` at the section, shape (2, k,
+    keep), up and then down, NaN where a run failed; labels and regimes (None: quick ones), by direction and value; messages:
+    why runs failed, by (direction, value)."""
+
+    path: str
+    unit: str
+    values: Array
+    of: str
+    of_unit: str
+    points: Array
+    labels: tuple[tuple[str, ...], ...]
+    regimes: tuple[tuple[Regime | None, ...], ...]
+    messages: Mapping[tuple[str, float], str]
+
+    def __repr__(self) -> str:
+        kinds: dict[str, int] = {}
+        for label in [label for row in self.labels for label in row]:
+            kinds[label] = kinds.get(label, 0) + 1
+        listed = ", ".join(f"{count} {label}" for label, count in sorted(kinds.items(), key=lambda item: -item[1])[:5])
+        return f"<{self.of} over {len(self.values)} values of {self.path}, up and down: {listed}>"
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Points over the parameter, those of both directions; saved where a path is given."""
+        from gearblocks.analysis.regimes.pictures import draw_bifurcation
+
+        return draw_bifurcation(self, path)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Points and labels over direction and value, with units."""
+        import xarray
+
+        return xarray.Dataset(
+            {
+                self.of: (("direction", self.path, "point"), self.points, {"units": self.of_unit}),
+                "label": (("direction", self.path), np.array(self.labels)),
+            },
+            coords={"direction": [*DIRECTIONS], self.path: (self.path, self.values, {"units": self.unit})},
+        )
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """A row for each direction and value: label and points. Raises StorageError."""
+        columns = [f"{self.of} [{self.of_unit}]"] * self.points.shape[2]
+        rows = [",".join(["direction", f"{self.path} [{self.unit}]", "label", *columns])]
+        for i, direction in enumerate(DIRECTIONS):
+            for j, value in enumerate(self.values):
+                numbers = ",".join(f"{x:.17g}" for x in self.points[i, j])
+                rows.append(f'{direction},{value:.17g},"{self.labels[i][j]}",{numbers}')
+        write_text(path, "\n".join(rows) + "\n")
+
+
+@by_name_only
+def bifurcation(
+    train: Drivetrain | Model, parameter: str, values: ArrayLike, *, section: Section, of: str | None = None,
+    transient: int = 300, keep: int = 100, labels: str = "quick", longest: int = LONGEST, rtol: float = 1e-8,
+    parameters: Mapping[str, float | str] | None = None, initial: Any = None,
+    progress: Callable[[int, int], Any] | None = None,
+) -> Bifurcation:  # fmt: skip
+    """Points of a section over values of a parameter, up and down, with the state carried over from value to value.
+
+    values: of the parameter, in SI units; of: an output (default: the first deflection or twist); transient, keep: periods
+    before the points, and points, of each value; labels: "quick" or "full"; longest, rtol, parameters and initial: as of
+    `classify`; progress: called with how many runs are done, and of how many. Raises ParameterError, UnknownNameError.
+    """
+    model = build(train)
+    asked = _values(values)
+    if labels not in LABELS or transient < 0 or keep < 2 * longest + 1:
+        raise ParameterError(
+            f"labels = {labels!r} must be 'quick' or 'full', transient = {transient} >= 0, and keep = {keep} > twice longest "
+            f"= {longest}"
+        )
+    names = model.program.parameter_numbers
+    info = model.program.parameters[resolve(parameter, names, "parameter")]
+    output = _output(model, of)
+    points = np.full((2, len(asked), keep), np.nan)
+    regimes: list[list[Regime | None]] = [[None] * len(asked) for _ in DIRECTIONS]
+    said = [[""] * len(asked) for _ in DIRECTIONS]
+    messages: dict[tuple[str, float], str] = {}
+    with shown(2 * len(asked), 0, progress, "bifurcation") as tell:
+        for i, direction in enumerate(DIRECTIONS):
+            y: Array | None = None
+            for done, j in enumerate(range(len(asked)) if i == 0 else reversed(range(len(asked)))):
+                seen = strobe(model, section, {**(parameters or {}), info.path: float(asked[j])}, initial, rtol)
+                try:
+                    states = seen.follow(seen.start(initial) if y is None else y, transient + keep).states
+                    y = states[-1]
+                    points[i, j] = _outputs(seen, states[-keep:], output, transient + 1)
+                    regimes[i][j] = Asked(seen, transient, keep, longest).of(states) if labels == "full" else None
+                    found = regimes[i][j]
+                    said[i][j] = _quick(states[-keep:], longest) if found is None else found.label
+                except SimulationError as error:
+                    said[i][j] = "diverged" if isinstance(error, GrowthError) else "failed"
+                    messages[direction, float(asked[j])] = str(error)
+                    y = None
+                tell(i * len(asked) + done + 1)
+    quantity = model.program.outputs[output]
+    return Bifurcation(
+        info.path, info.unit, asked, quantity.name, quantity.unit, points, tuple(map(tuple, said)),
+        tuple(map(tuple, regimes)), messages,
+    )  # fmt: skip
+
+
+def _values(values: ArrayLike) -> Array:
+    asked = np.atleast_1d(np.asarray(values, dtype=np.float64))
+    if asked.ndim != 1 or not len(asked) or not np.isfinite(asked).all() or (np.diff(asked) <= 0).any():
+        raise ParameterError(f"values = {values!r:.80} must be finite and increase")
+    return asked
+
+
+def _output(model: Model, of: str | None) -> int:
+    numbers = model.program.output_numbers
+    if of is not None:
+        return resolve(of, numbers, "output")
+    relative: Sequence[str] = [name for name in numbers for kind in RELATIVE if matches(name, f"*.{kind}")]
+    if not relative:
+        raise ParameterError("of: the train has no deflection or twist to show; name an output")
+    return numbers[relative[0]]
+
+
+def _outputs(seen: Strobe, states: Array, output: int, first: int) -> Array:
+    """One output at points of the section, shape (k,); first: the number of the first of them."""
+    program = seen.model.program
+    rows = np.zeros((len(states), 1 + program.n_total + len(program.switches) + len(program.inputs)))
+    rows[:, 0] = seen.period * np.arange(first, first + len(states))
+    rows[:, 1 : 1 + seen.n] = states
+    modes = slice(1 + program.n_total, 1 + program.n_total + len(program.switches))
+    with seen.opened(states[-1]) as sim:
+        if len(program.switches):
+            for row in rows:
+                row[modes] = sim.probe(row[0], row[1 : 1 + program.n_total], None, "modes")
+        rows[:, modes.stop :] = sim.inputs
+        _, out, _ = sim.evaluate(rows, np.array([output], dtype=np.intc))
+    found: Array = out[:, 0]
+    return found
+
+
+def _quick(points: Array, longest: int) -> str:
+    extent = np.abs(points).max(axis=0)
+    extent[extent == 0.0] = 1.0
+    period, _, _ = repeats(points, longest, extent)
+    return "quick: not periodic" if period is None else f"quick: period {period}"

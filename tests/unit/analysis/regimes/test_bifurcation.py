@@ -1,0 +1,80 @@
+"""Diagrams: what is carried from value to value, points that fail, labels of both kinds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+Oscillator = Callable[..., gb.Drivetrain]
+SECTION = gb.stroboscopic("drive")
+
+
+def _duffing(oscillator: Oscillator) -> gb.Drivetrain:
+    force = gb.Parameter("force", 0.3)
+    return oscillator(lambda drive, x, v: force * gb.cos(drive * gb.time) - x**3, k=0.4, c=0.1)
+
+
+def test_the_state_is_carried_so_that_both_ways_differ_where_two_motions_stand_side_by_side(
+    oscillator: Oscillator,
+) -> None:
+    # a hardening spring driven above its resonance: a large and a small motion between two folds
+    rig = _duffing(oscillator)
+    found = gb.bifurcation(
+        rig,
+        "drive",
+        np.linspace(0.9, 3.0, 15),
+        section=SECTION,
+        of="disc.phi",
+        transient=60,
+        keep=33,
+        parameters={"force": 0.6},
+    )
+    apart = np.abs(found.points[0, :, -1] - found.points[1, :, -1]) > 0.3
+    assert 2 <= apart.sum() <= 12 and not apart[0] and not apart[-1]
+    assert np.isfinite(found.points).all() and not found.messages
+    run = gb.simulate(rig, t=2 * np.pi / 0.9 * np.arange(94), rtol=1e-10, parameters={"force": 0.6, "drive": 0.9})
+    assert found.points[0, 0] == pytest.approx(run["disc.phi"][-33:], abs=1e-6)
+
+
+def test_labels_say_which_protocol_they_come_from(oscillator: Oscillator, tmp_path: Path) -> None:
+    rig, values = _duffing(oscillator), [0.2, 0.25]
+    quick = gb.bifurcation(rig, "force", values, section=SECTION, of="disc.phi", transient=200, keep=33)
+    full = gb.bifurcation(rig, "force", values, section=SECTION, of="disc.phi", transient=200, keep=33, labels="full")
+    assert quick.labels == (("quick: period 1",) * 2,) * 2 and quick.regimes == ((None, None),) * 2
+    assert full.labels == (("period 1",) * 2,) * 2
+    assert all(one is not None and one.orbit is not None for row in full.regimes for one in row)
+    data = full.to_xarray()
+    assert (
+        data["disc.phi"].attrs["units"] == "rad"
+        and data["label"].sel(direction="down").values.tolist() == ["period 1"] * 2
+    )
+    full.to_csv(tmp_path / "diagram.csv")
+    assert len((tmp_path / "diagram.csv").read_text().splitlines()) == 5
+    full.plot(tmp_path / "diagram.png")
+    assert "2 values of force" in repr(full)
+
+
+def test_a_point_that_diverges_is_named_and_its_neighbours_are_as_they_were(oscillator: Oscillator) -> None:
+    gain = gb.Parameter("gain", 0.0)
+    rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + gain * v, k=2.0, c=0.1)
+    ask = {"section": SECTION, "of": "disc.phi", "transient": 2000, "keep": 33}
+    found = gb.bifurcation(rig, "gain", [0.0, 1.0], **ask)
+    alone = gb.bifurcation(rig, "gain", [0.0], **ask)
+    assert [row[1] for row in found.labels] == ["diverged", "diverged"]
+    assert set(found.messages) == {("up", 1.0), ("down", 1.0)}
+    assert np.isnan(found.points[:, 1]).all() and np.array_equal(found.points[0, 0], alone.points[0, 0])
+
+
+def test_what_cannot_be_drawn_is_refused_by_name(oscillator: Oscillator) -> None:
+    rig = _duffing(oscillator)
+    with pytest.raises(gb.ParameterError, match="must be finite and increase"):
+        gb.bifurcation(rig, "force", [0.2, 0.1], section=SECTION)
+    with pytest.raises(gb.ParameterError, match="labels = 'best' must be 'quick' or 'full'"):
+        gb.bifurcation(rig, "force", [0.1], section=SECTION, labels="best")
+    with pytest.raises(gb.UnknownNameError, match=r"disc\.fi"):
+        gb.bifurcation(rig, "force", [0.1], section=SECTION, of="disc.fi")
