@@ -17,9 +17,9 @@ CHAINS = {
 }
 
 
-def chain(inertias, stiffnesses, dampings) -> gb.Drivetrain:
+def chain(inertias, stiffnesses, dampings, tau=1.0) -> gb.Drivetrain:
     rig = gb.Drivetrain("chain")
-    parts = [rig.add("source", gb.Torque(tau=1.0))]
+    parts = [rig.add("source", gb.Torque(tau=tau))]
     for i, (J, k, c) in enumerate(zip(inertias, stiffnesses, dampings, strict=True)):
         parts += [
             rig.add(f"i{i}", gb.Inertia(J=J)),
@@ -63,10 +63,24 @@ def test_speeds_of_massless_shafts_are_as_right_as_those_of_others(name):
     phi, w = exact(*CHAINS[name], t)
     rig = chain(*CHAINS[name])
     for method in METHODS:
-        for rtol in (1e-3, 1e-4, 1e-6, 1e-8):
+        for rtol in (1e-3, 1e-4, 1e-6, 1e-8, 1e-10):
             run = gb.simulate(rig, t=t, rtol=rtol, method=method)
             for i in range(w.shape[1]):
                 for what, right in (("w", w[:, i]), ("phi", phi[:, i])):
                     error = np.max(abs(run[f"i{i}.{what}"] - right)) / np.max(abs(right))
                     # 30: the last body moves a fiftieth of what the first does; tolerances are those of twists
                     assert error < 30 * rtol, (method, rtol, i, what, error / rtol)
+
+
+@pytest.mark.parametrize("name", ["one", *(pytest.param(x, marks=pytest.mark.long) for x in CHAINS if x != "one")])
+def test_a_ramp_from_rest_finds_its_first_step_at_any_tolerance(name):
+    """Linear: the speeds under t N m are the angles under 1 N m. rodas once began with 1e-157 s at 1e-10."""
+    t = np.linspace(0.0, 0.3, 301)
+    phi, _ = exact(*CHAINS[name], t)
+    rig = chain(*CHAINS[name], tau=gb.time)
+    for method in METHODS:
+        for rtol in (1e-6, 1e-8, 1e-10):
+            run = gb.simulate(rig, t=t, rtol=rtol, method=method)
+            for i in range(phi.shape[1]):
+                error = np.max(abs(run[f"i{i}.w"] - phi[:, i])) / np.max(abs(phi[:, i]))
+                assert error < 30 * rtol, (method, rtol, i, error / rtol)
