@@ -36,6 +36,8 @@ class ThermalMass(Block):
 
         heat = sp.Integer(0) if self.received is None else s.received
         yield Shows("T", s.named("T", s.T0 + heat / s.C, "temperature", "K"), "K", "temperature")
+        yield Shows("rise", heat / s.C, "K", "temperature above that at the start")
+        yield Shows("T_start", s.T0, "K", "temperature at the start")
         yield Shows("heat", heat, "J", "heat received since the start")
 
 
@@ -43,7 +45,8 @@ class ThermalConductance(Block):
     """Thermal conductance, of a wall, a contact or a surface in air: heat_flow = G (T_a - T_b) from a to b.
 
     a, b: each the name of a ThermalMass, or a temperature: a number, an Input, an expression. G may be a signal, as where
-    a turning disc fans itself: G=gb.sense("disc.w")*0.1.
+    a turning disc fans itself: G=gb.sense("disc.w")*0.1. at_start, since: T_a - T_b in two parts, which a train fills in for
+    its masses, so that a small rise is not lost in the rounding of two temperatures near 300 K.
 
     Example:
         rig = gb.Drivetrain("two bodies")
@@ -54,11 +57,15 @@ class ThermalConductance(Block):
     G: Signal = signal("thermal conductance", "W/K", ge=0)
     a: Signal = signal("one temperature: a value, or the name of a ThermalMass", "K", ge=0, part="T")
     b: Signal = signal("the other temperature: a value, or the name of a ThermalMass", "K", ge=0, part="T")
+    at_start: Signal | None = signal("difference of the temperatures at the start", "K", default=None)
+    since: Signal | None = signal("what it has grown by since", "K", default=None)
     passed = State("heat passed on", "J", accumulates=True)
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The heat flow and its sum."""
-        flow = s.named("q", s.G * (s.a - s.b), "heat flow from a to b", "W")
+        whole = s.reading or self.at_start is None or self.since is None
+        flow = s.G * (s.a - s.b) if whole else s.G * s.at_start + s.G * s.since
+        flow = s.named("q", flow, "heat flow from a to b", "W")
         yield Rate(s.passed, flow)
         yield Shows("heat_flow", flow, "W", "heat flow from a to b")
         yield Shows("heat", s.passed, "J", "heat passed from a to b since the start")

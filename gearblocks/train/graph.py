@@ -153,7 +153,7 @@ def _number(tree: Tree, parts: _Parts, complete: bool) -> Train:
     wrong = [problem for c in flat for problem in unit_problems(c.path, c.block, c.slides)]
     if wrong:
         raise ModelError(wrong)
-    masses = receiving({c.path: c.block for c in flat}) if complete else {}
-    if masses:
-        flat = tuple(replace(c, block=masses.get(c.path, c.block)) for c in flat)
+    heated = receiving({c.path: c.block for c in flat}) if complete else {}
+    if heated:
+        flat = tuple(replace(c, block=heated.get(c.path, c.block)) for c in flat)
     return Train(tree.name, flat, len(numbers), tree.coordinates)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from gearblocks.blocks.thermal import ThermalConductance, ThermalMass
 from gearblocks.errors import ModelError, did_you_mean
 from gearblocks.language.block import Block
-from gearblocks.language.expression import Expr, as_expr
+from gearblocks.language.expression import Expr, as_expr, number
 from gearblocks.language.heat import heat_port, mass_of
 
 
@@ -37,7 +37,8 @@ def heat_paths(blocks: Mapping[str, Block]) -> Iterator[HeatPath]:
 
 
 def receiving(blocks: Mapping[str, Block]) -> dict[str, Block]:
-    """The masses by path, each with the heat that it receives. ModelError where a port names what is no ThermalMass."""
+    """The masses by path, each with the heat that it receives, and the conductances beside them, with the difference of
+    temperatures in two parts. ModelError where a port names what is no ThermalMass."""
     masses = {path for path, block in blocks.items() if type(block) is ThermalMass}
     received: dict[str, Any] = {}
     problems = []
@@ -54,7 +55,19 @@ def receiving(blocks: Mapping[str, Block]) -> dict[str, Block]:
     for mass, heat in received.items():
         other = blocks[mass].__dict__["received"]
         found[mass] = blocks[mass].changed(received=heat if other is None else as_expr(other) + heat)
+    for name, block in blocks.items():
+        if type(block) is ThermalConductance and any(mass_of(block.__dict__[end]) in masses for end in ("a", "b")):
+            (start_a, rise_a), (start_b, rise_b) = (_parts(block.__dict__[end], masses) for end in ("a", "b"))
+            found[name] = block.changed(at_start=start_a - start_b, since=rise_a - rise_b)
     return found
+
+
+def _parts(temperature: Any, masses: Collection[str]) -> tuple[Expr, Expr]:
+    """A temperature at the start, and its rise since; of what is no mass, the whole and nothing."""
+    mass = mass_of(temperature)
+    if mass not in masses:
+        return as_expr(temperature), number(0.0)
+    return Expr("sense", f"{mass}.T_start"), Expr("sense", f"{mass}.rise")
 
 
 def _no_mass(component: str, mass: str, masses: Collection[str]) -> str:

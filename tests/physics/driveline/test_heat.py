@@ -79,6 +79,23 @@ def test_a_bearing_settles_at_the_temperature_at_which_air_takes_what_it_loses()
     assert run.energy.heat_residual < 1e-8
 
 
+def test_a_small_rise_above_the_surroundings_is_not_lost_in_rounding():
+    def warmed(T):
+        rig = gb.Drivetrain("warming up")
+        damper = rig.add("damper", gb.Damper(c=0.1, heat=gb.HeatPort(T="oil")))
+        rig.chain(
+            rig.add("drive", gb.Torque(tau=1e-3 * gb.sin(5 * gb.time))), rig.add("disc", gb.Inertia(J=0.1)), damper
+        )
+        rig.connect(damper.b, rig.add("wall", gb.Fixed()).flange)
+        rig.add("oil", gb.ThermalMass(C=2.0, T0=T))
+        rig.add("air", gb.ThermalConductance(G=4.0, a=T, b="oil"))
+        return gb.simulate(rig, t=[0.0, 1.0, 2.0], rtol=1e-9)
+
+    cold, warm = warmed(0.0), warmed(300.0)
+    assert warm.stats.steps == cold.stats.steps  # rounding of 300 K once took 50 times the steps
+    assert np.allclose(warm["oil.rise"], cold["oil.T"], rtol=1e-12, atol=0) and 0 < cold["oil.T"][-1] < 1e-5
+
+
 def test_a_static_start_asks_no_heat_to_rest():
     rig = gb.Drivetrain("running")
     one, two = rig.add("one", gb.Inertia(J=1.0, w0=10.0)), rig.add("two", gb.Inertia(J=1.0, w0=10.0))
@@ -350,3 +367,36 @@ def test_a_temperature_below_absolute_zero_and_a_coefficient_without_a_port_are_
         rig.add("disc", gb.ThermalMass(C=1.0, T0=-5.0))
     with pytest.raises(ModelError, match=r"alpha = 0\.004 needs the temperature: give heat"):
         rig.add("brake", gb.EddyCurrentBrake(tau_nominal=1.0, w_nominal=1.0, alpha=0.004))
+
+
+# -- Modelica's HeatLosses ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.long
+def test_heat_losses_of_modelica_leave_through_the_convection():
+    # Modelica.Mechanics.Rotational.Examples.HeatLosses, with an inertia between gear and clutch and a mass at the convection
+    def port():
+        return gb.HeatPort(T="node")
+
+    rig, engagement = gb.Drivetrain("HeatLosses"), gb.sin(2 * gb.pi * 0.2 * gb.time)
+    one, two, three, four, five, six = (rig.add(f"inertia{i}", gb.Inertia(J=2.0)) for i in range(1, 7))
+    rig.chain(
+        rig.add("torque", gb.Torque(tau=20 * gb.sin(2 * gb.pi * 5 * gb.time))), one,
+        rig.add("springDamper", gb.Shaft(k=1e4, c=20.0, heat=port())), two,
+        rig.add("elastoBacklash", gb.Lash(k=1e5, c=100.0, half_gap=0.0005, heat=port())), three,
+        rig.add("spring3", gb.Shaft(k=1e4)), four,
+        rig.add("lossyGear", gb.LossyGear(ratio=2, loss_table=((0, 0.8, 0.8, 1, 1), (1, 0.7, 0.7, 2, 2)), heat=port())),
+        rig.add("between", gb.Inertia(J=0.05)),
+        rig.add("clutch", gb.Clutch(mu=0.5, force_max=10.0, engagement=engagement, heat=port())), five,
+        rig.add("oneWayClutch", gb.OneWayClutch(mu=0.5, force_max=1.0, engagement=engagement, heat=port())), six,
+        rig.add("brake", gb.Brake(mu=0.5, force_max=2.0, engagement=engagement, heat=port())),
+    )  # fmt: skip
+    rig.chain(one, rig.add("damper", gb.Damper(c=10.0, heat=port())), rig.add("fixed", gb.Fixed()))
+    friction = gb.BearingFriction(torque=gb.Table([0, 1], [0, 1]), heat=port())
+    rig.connect(three.b, rig.add("bearingFriction", friction).a)
+    rig.add("node", gb.ThermalMass(C=1.0, T0=298.15))
+    rig.add("convection", gb.ThermalConductance(G=20.0, a="node", b=298.15))
+    run = gb.simulate(rig, t_end=1.0, rtol=1e-8)
+    assert len(run.energy.heat) == 8 and min(run.energy.heat.values()) > 1e-3
+    assert run.energy.heat_residual < 1e-8 and run.energy.residual < 1e-7
+    assert run.stats.steps < 1000
