@@ -145,6 +145,17 @@ CASES = {
         gb.Vehicle(mass=5.0, wheel_radius=0.3, drag_area=0.7, rolling=0.01, grade=0.05 * gb.sin(2 * T)), ("flange",),
         stored=lambda run: 2.5 * (0.3 * run["one.w"]) ** 2, parts="in out", shows="",
     ),
+    "vehicle in the wind": Case(
+        gb.Vehicle(mass=5.0, wheel_radius=0.3, wheel_inertia=0.02, drag_area=0.7, wind=SIGN * 4 * gb.sin(3 * T)), ("flange",),
+        stored=lambda run: (2.5 * 0.3**2 + 0.01) * run["one.w"] ** 2, parts="in out", shows="",
+    ),
+    "acceleration": Case(
+        gb.Acceleration(alpha=SIGN * gb.piecewise((3, T < 0.6), (-1, True))), ("flange",), parts="in", shows=""
+    ),
+    "angle and its rates": Case(
+        gb.Angle(phi=SIGN * 0.5 * gb.sin(6 * T), w=SIGN * 3 * gb.cos(6 * T), alpha=-SIGN * 18 * gb.sin(6 * T)), ("flange",),
+        parts="in", shows="",
+    ),
     "torque": Case(
         gb.Torque(tau=SIGN * gb.piecewise((2, gb.sense("one.phi") * SIGN < 0.1), (-1, True))), ("flange",), parts="in", shows=""
     ),
