@@ -95,6 +95,10 @@ class NonCircularGear(Block):
                     "give a smooth expression of time or a cubic Table, filter=rad/s, or k"
                 )
 
+    def ratio_varies(self) -> bool:
+        """Its law over the angle of gear 1."""
+        return True
+
     def would_show(self, effect: str) -> Iterator[Watch]:
         """Without backlash the force changes its sign where the teeth would part."""
         if effect == "backlash":

@@ -157,6 +157,7 @@ class RigidRow(NamedTuple):
     compliant element, whose deflection it is, and whether it gives that at the start or its rate; or a switched constraint,
     whose slip it is. rest, lower, upper: of an element
     the parameters that say where it carries nothing (-1: there is none; UNKNOWN: it is no parameter by itself), times scale.
+    varying: it is so for the mean ratio alone.
     """
 
     component: str
@@ -173,6 +174,7 @@ class RigidRow(NamedTuple):
     lower: int = -1
     upper: int = -1
     scale: float = 1.0
+    varying: bool = False
 
 
 UNKNOWN = -2

@@ -90,7 +90,7 @@ def deflection_rows(g: Generator) -> Iterator[RigidRow]:
                     source = code.batch.sources[j][e]
                     form = a.dependents[source] if code.batch.dependent[j] else Combination(coordinates={source: 1})
                     row = RigidRow(c.path, *_parts(g, _over_groups(g, form)))
-                    yield row._replace(**_natural(g, c, code, j), **_given(c, j))
+                    yield row._replace(**_natural(g, c, code, j), **_given(c, j), varying=c.block.ratio_varies())
 
 
 def _given(c: Component, j: int) -> dict[str, Any]:

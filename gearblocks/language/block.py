@@ -33,9 +33,9 @@ from gearblocks.language.units import given, has_unit, is_quantity, unit_along
 from gearblocks.language.watches import Excitation, Watch, excitations_by_time
 
 _TAKEN = {
-    "brings", "changed", "effects", "energy_of", "excitations", "fields", "flanges", "gives_way", "is_constant", "local",
-    "named", "needed_by", "parts", "physics", "problems", "rate_of", "reading", "slope", "states", "stick", "tabled", "time",
-    "turned", "undeformed", "without_effect", "would_show",
+    "brings", "changed", "effects", "energy_of", "excitations", "fields", "flanges", "gives_way", "is_constant",
+    "local", "named", "needed_by", "parts", "physics", "problems", "rate_of", "ratio_varies", "reading", "slope",
+    "states", "stick", "tabled", "time", "turned", "undeformed", "without_effect", "would_show",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 
@@ -294,6 +294,10 @@ class Block(Declared, ABC):
         """Of a compliant element the fields that say at which deflection it carries nothing: "rest" names where that is (else
         0), "lower" and "upper" the ends of the range about it, as far as it has one."""
         return {}
+
+    def ratio_varies(self) -> bool:
+        """Whether, of a compliant element, the ratio at which nothing deforms follows from the angles."""
+        return False
 
     def would_show(self, effect: str) -> Iterator[Watch]:  # noqa: ARG002  most effects act always
         """What shows, on the block without this effect, that it would act; nothing for one that always acts."""

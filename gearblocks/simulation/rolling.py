@@ -135,9 +135,9 @@ class _Solving:
 
     def check(self, row: RigidRow) -> None:
         """ParameterError where the form has no numbers for factors."""
-        if any(self.program.groups[g].varying for g in row.groups):
+        if row.varying or any(self.program.groups[g].varying for g in row.groups):
             raise ParameterError(
-                f"initial: '{row.component}' moves with a shaft whose ratio to others varies or that is driven against a "
+                f"initial: '{row.component}' is, or moves with, a gear whose ratio varies, or a shaft that is driven against a "
                 "moving housing: a rolling start is not known there; give start values by name"
             )
 

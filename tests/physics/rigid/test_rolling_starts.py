@@ -161,7 +161,7 @@ def test_a_ratio_that_varies_is_refused() -> None:
     joint = rig.add("joint", gb.UniversalJoint(angle=0.3))
     rig.chain(rig.add("one", gb.Inertia(J=1.0)), joint, rig.add("two", gb.Inertia(J=1.0)), rig.add("shaft", gb.Shaft(k=1e3)),
               rig.add("three", gb.Inertia(J=1.0)))  # fmt: skip
-    with pytest.raises(gb.ParameterError, match=r"'shaft' moves with a shaft whose ratio to others varies"):
+    with pytest.raises(gb.ParameterError, match=r"'shaft' is, or moves with, a gear whose ratio varies"):
         gb.simulate(rig, t_end=1.0, initial=gb.rolling({"one.w": 5.0}))
 
 
