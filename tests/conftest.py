@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
 import numpy as np
@@ -27,6 +27,34 @@ def pytest_configure(config: pytest.Config) -> None:
             os.environ["CC"] = f"{compiler} -O0"
         settings.register_profile("quick", max_examples=25)
         settings.load_profile("quick")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of the cases of a test that is marked few(n), all but n are long."""
+    for item in beyond_the_few(items):
+        item.add_marker(pytest.mark.long)
+
+
+def beyond_the_few(items: Iterable[pytest.Item]) -> list[pytest.Item]:
+    """The cases of tests marked few(n) that are neither long nor among the n."""
+    cases: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        if item.get_closest_marker("few") and not item.get_closest_marker("long"):
+            cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    left = []
+    for found in cases.values():
+        mark = found[0].get_closest_marker("few")
+        assert mark is not None
+        left += [item for i, item in enumerate(found) if i not in diagonal(len(found), *mark.args)]
+    return left
+
+
+def diagonal(number: int, n: int) -> set[int]:
+    """n of the places 0 to number - 1: one in each n-th part, at another place in every part, so that of cases which are
+    products of parameters not always the same values of the last one are taken."""
+    parts = ((i * number // n, (i + 1) * number // n) for i in range(n))
+    return {low + i % (high - low) for i, (low, high) in enumerate(parts) if high > low}
 
 
 def _integrate(

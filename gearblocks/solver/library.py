@@ -154,9 +154,15 @@ def _begin_core() -> None:
 
 def core_files() -> dict[str, bytes]:
     """All C files of the core by name, the rendered tables among them; they compile in an empty folder."""
+    return {**_written("c"), **_written("h"), "gb_methods.h": _method_tables()}
+
+
+@functools.cache
+def _method_tables() -> bytes:
+    """The header of the methods, which are constants."""
     from gearblocks.solver.methods import render_tables
 
-    return {**_written("c"), **_written("h"), "gb_methods.h": render_tables().encode()}
+    return render_tables().encode()
 
 
 def core_sources(solver: Path) -> dict[str, bytes]:

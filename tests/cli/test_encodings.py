@@ -27,6 +27,7 @@ def test_equations_are_printed_in_a_narrow_encoding(encoding: str) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
+@pytest.mark.few(2)
 def test_pages_keep_every_character(encoding: str) -> None:
     status, out, err = shell(encoding, "equations", "spline_coupling", "--format", "html")
     assert (status, err) == (0, b"")

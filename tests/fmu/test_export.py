@@ -171,6 +171,7 @@ def test_sources_compile_in_an_empty_folder_without_a_warning(unpacked: Unpacked
     ],
     ids=["warning", "error in a header", "warning in the model"],
 )
+@pytest.mark.few(2)
 def test_sources_that_differ_from_those_that_compiled_are_compiled_again(
     unpacked: Unpacked, tmp_path: Path, name: str, change: Callable[[str], str], words: str
 ) -> None:

@@ -81,6 +81,7 @@ def test_a_rigid_pair_follows_a_phase_that_moves(amount, w):
 @pytest.mark.parametrize("side", ["a", "b"])
 @pytest.mark.parametrize(("given", "phase"), [(0.4, 0.0), (-1.3, 0.7), (7.5, -0.2)])
 @pytest.mark.parametrize("block", ["NonCircularGear", "UniversalJoint"])
+@pytest.mark.few(3)
 def test_a_nonlinear_tie_that_starts_off_zero_holds_there(block, given, phase, side):
     # tan(phi_b/2 + ..) = K tan(phi_a/2 + ..), the joint tan phi_b = tan phi_a/cos(angle); a or b turns steadily at 2 rad/s
     law = thing("RatioLaw.ellipse", e=0.3, order=1)
@@ -230,6 +231,7 @@ def test_a_body_that_hammers_another_against_its_stop_comes_to_rest_with_it(rest
 
 
 @pytest.mark.parametrize(("depth", "w", "fall"), [(1e-6, 22.0, 0.01), (5e-6, 22.0, 0.03), (1e-6, 40.0, 0.1)])
+@pytest.mark.few(2)
 def test_teeth_that_only_a_wave_of_their_error_brings_together_are_seen(depth, w, fall):
     # x = r (phi_a - phi_b) - e cos(z phi_a): the first crest is beyond the gap by `depth`; a step goes over 30 rad of waves
     r, gap, k, z, J, e, begin = 0.02, 2e-3, 1e6, 17, 0.1, 2.7e-4, -0.15 if w < 30.0 else -0.3

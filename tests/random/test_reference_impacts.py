@@ -36,6 +36,7 @@ def _hits(a, b, restitution, half_gap=0.1):
 @pytest.mark.parametrize("e", [1.0, 0.6, 0.1])
 @pytest.mark.parametrize(("m", "M", "ahead", "V"), [(1.0, 1.0, 1e-3, 2.0), (0.3, 2.0, 0.5, 1.5), (4.0, 1.0, 0.2, 3.0)])
 @pytest.mark.parametrize("block", ["Freewheel", "OneWayClutch"])
+@pytest.mark.few(5)
 def test_a_one_way_lock_that_is_ahead_is_caught_after_the_impact_that_throws_it_back(e, m, M, ahead, V, block):
     # momentum and restitution of the two bodies, then the lock takes what is left: no energy comes from either
     lock = Part("lock", block, (("capacity", 0.0),) if block == "OneWayClutch" else (), (("a", GROUND), ("b", "p")))
@@ -79,6 +80,7 @@ def _slider(k, up, end):
 
 @pytest.mark.parametrize("span", [0.2, 3.0, 20.0])
 @pytest.mark.parametrize(("k", "up"), [(1e8, 1e-4), (4e8, 5e-5), (1e7, 1e-4)])
+@pytest.mark.few(3)
 def test_a_slider_that_an_impact_turns_round_for_an_instant_holds_for_that_instant(k, up, span):
     # it slips down, is thrown up by a body of its own mass that comes its way, and slips down again once it is where it was
     inner = thing("Hysteresis", friction=2.0, stiffness=k)

@@ -130,6 +130,7 @@ ROWS = json.loads((DATA / "spline_kv_300.json").read_text())
 
 
 @pytest.mark.parametrize("row", ROWS, ids=[f"{r['tag']}-{r['Tm']:g}-{r['b'] * 1e3:g}mm" for r in ROWS])
+@pytest.mark.few(3)
 def test_both_dynamic_factors_at_300_rpm_are_those_of_the_reference(model, row):
     """print: (Fm + k_t x2)/Fm; contact: N/Fm; over 256 points of a settled period, from t = 0."""
     T, b, r, km = row["Tm"], row["b"], 0.025, 245e6
@@ -147,6 +148,7 @@ def test_both_dynamic_factors_at_300_rpm_are_those_of_the_reference(model, row):
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5, 1e-6])
+@pytest.mark.few(2)
 def test_the_peak_force_at_360_rpm_is_that_of_the_motion_and_not_of_a_step(rtol):
     """Over accepted steps of order 8 the peak reads percents low, where the solution itself is right to 6e-4."""
     scene = spline.period_5()

@@ -21,6 +21,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("error")
 def test_the_study_of_a_spur_pair(folder, capsys):
     names = runpy.run_path(str(folder / "examples" / "spur_pair_study.py"))

@@ -64,6 +64,7 @@ def _leave_out(rig, random, most=10**6, t_end=2e-3, **given):
             assert f"{path}.{effect}." not in states, f"{gone}: a trace of {name}"
 
 
+@pytest.mark.long
 def test_every_effect_of_the_gearbox_and_of_the_axle_can_go():
     for module, function in (("automatic_gearbox", "build"), ("limited_slip_differential", "build")):
         _leave_out(getattr(importlib.import_module(f"models.{module}"), function)(), Random(1))
@@ -74,6 +75,7 @@ def test_every_effect_of_the_spline_coupling_can_go():
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.few(3)
 def test_effects_of_a_drawn_train_can_go(family):
     train = draw(family, 1)
     _leave_out(build(train, gb), Random(3), most=1, **arguments(train, gb))

@@ -72,6 +72,7 @@ ORDERS = {
 @pytest.mark.parametrize(
     "make", [pytest.param(make, marks=[pytest.mark.long] * (make in (_paced, _slipping))) for make in ORDERS]
 )
+@pytest.mark.few(2)
 def test_every_angle_is_the_same_in_any_order_of_parts(make, method):
     plain = gb.simulate(_chain(make, (), False), t=T, method=method)
     for order, flipped in ((ORDERS[make], False), ((), True), (ORDERS[make], True)):

@@ -40,6 +40,7 @@ def _polynomial(x, coefficients):
     ],
     ids=["degree 9", "degree 5 on 3 half gaps", "printed"],
 )
+@pytest.mark.few(2)
 def test_a_polynomial_gap_moves_as_derived_by_hand(gap, coefficients, reference, distance):
     rig = _rig(gap, amplitude=2.0)
     run = gb.simulate(rig, t=T, initial={"body.w": 0.5}, **TIGHT)

@@ -51,6 +51,7 @@ def _condition() -> tuple[gb.Drivetrain, Any, Any]:
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("train", [_load, pytest.param(_car, marks=pytest.mark.long), _condition])
+@pytest.mark.few(2)
 def test_forces_beside_a_held_speed_are_no_reversal(
     train: Callable[[], tuple[gb.Drivetrain, Any, Any]], method: str
 ) -> None:

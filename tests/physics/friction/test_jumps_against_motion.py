@@ -47,6 +47,7 @@ def test_a_jump_with_a_width_holds_the_speed(method):
 
 @pytest.mark.parametrize("method", ["auto", pytest.param("dp5", marks=pytest.mark.long), "dp8", "rodas"])
 @pytest.mark.parametrize("torque", [0.0, pytest.param(20.0, marks=pytest.mark.long), -20.0])
+@pytest.mark.few(2)
 def test_a_car_on_slipping_tyres_is_held_by_rolling_resistance(torque, method):
     run = gb.simulate(_car(torque), t_end=1.0, method=method)
     assert abs(run["car.v"][-1]) < 1e-15

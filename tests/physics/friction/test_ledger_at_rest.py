@@ -46,6 +46,7 @@ HELD = [_differential, _behind_a_lossy_gear, _brake_and_clutch]
 @pytest.mark.parametrize(("method", "rtol"), [("dp5", 1e-8), ("dp8", 1e-6), ("rodas", 1e-6), ("auto", 1e-4)])
 @pytest.mark.parametrize("tau", [0.2, 0.226 * gb.sin(6.27 * gb.time)])
 @pytest.mark.parametrize("train", HELD)
+@pytest.mark.few(6)
 def test_the_ledger_of_a_train_at_rest_closes(train, tau, method, rtol):
     """Nothing moves, whatever the load; no run that asks for a residual is refused for what rounding leaves."""
     rig = gb.Drivetrain("held")

@@ -104,6 +104,7 @@ def _until(w, to, J):
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("w0", [1.0, -1.0, 2.5, -2.5])
 @pytest.mark.parametrize("part", ["brake", "clutch", "late clutch"])
+@pytest.mark.few(12)
 def test_a_slip_may_begin_on_a_joint_of_its_table(part, w0, method):
     """From the joint downwards; with a clutch that engages there as the run goes on as well."""
     rig = gb.Drivetrain("on a joint")
@@ -164,6 +165,7 @@ def _joined(parts, wires, order):
 
 @pytest.mark.parametrize("order", [pytest.param(1, marks=pytest.mark.long), -1])
 @pytest.mark.parametrize("made", [_between_two, _in_a_row, _carrier])
+@pytest.mark.few(2)
 def test_slips_on_joints_stop_alike_in_any_order_and_sense(made, order):
     """`base` beside the slip: its joint is met but for the rounding of both speeds."""
     for base, joint, sense in product((0.0, 1000.1), SPEEDS[1:], (1.0, -1.0)):

@@ -75,6 +75,7 @@ STEEP = gb.RatioLaw.segments(0.4, 0.3, np.radians(200))
 
 @pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("law", [LINE, STEEP, WAVES], ids=["line", "steep", "waves"])
+@pytest.mark.few(3)
 def test_the_work_of_a_motion_that_is_wholly_prescribed(law, method):
     """No state sets the steps, and laws with joints tend to infinity beyond them: the drive gives what the bodies gain."""
     rig = gb.Drivetrain("prescribed")

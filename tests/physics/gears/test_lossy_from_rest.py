@@ -50,6 +50,7 @@ def _in_numpy(springs, tau, begins, eta):
 
 @pytest.mark.parametrize("load", LOADS)
 @pytest.mark.parametrize("springs", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (2, 3)), 5])
+@pytest.mark.few(3)
 def test_a_gear_begins_to_slide_the_way_that_the_load_comes(springs, load):
     tau, same, begins = LOADS[load]
     rig = _chain(springs, tau, gb.LossyGear(ratio=RATIO, efficiency=(ETA, 0.76)))
@@ -91,6 +92,7 @@ def _play_in_numpy(tau, dry, eta):
 
 @pytest.mark.parametrize(("ratio", "eta"), [(1.0, 0.7), (-0.5, 0.674)])
 @pytest.mark.parametrize("dry", [0.0, 0.2, 0.02])
+@pytest.mark.few(2)
 def test_play_without_a_gap_beside_it_closes_the_way_that_it_begins_to_slide(dry, ratio, eta):
     """Which flank carries is told once the gear slides; that it slides, and that the bearing has let go, stays so."""
     rig = gb.Drivetrain("closed play")

@@ -132,6 +132,7 @@ def test_start_speeds_that_a_lossy_gear_does_not_allow_are_refused_by_name():
         (-2.5, -3.0, 2.0, 0.0, (2.0, 0.2)),
     ],
 )
+@pytest.mark.few(7)
 def test_a_drives_where_a_run_begins_between_both_bearing_torques(tau, load, ratio, w0, bearing, options):
     """Both sides hold all along, with u = J_b alpha/ratio - load/ratio below -tau2 and not below -tau1."""
     rig = _chain(

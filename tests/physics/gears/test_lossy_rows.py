@@ -168,6 +168,7 @@ LONG = ("bearing that sticks beside b", "no losses")
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.long] * (name in LONG)) for name in ROWS])
+@pytest.mark.few(2)
 def test_a_row_of_lossy_gears_turns_back_as_its_losses_say_with_every_method(name: str) -> None:
     row = ROWS[name]
     rig, (true, changes) = row.train(), row.speeds(AT)

@@ -40,6 +40,7 @@ def _acceleration(table, ratio, tau, load, w, inertia=J1):
 @pytest.mark.parametrize("table", [STEEP, THREE, LATE], ids=["steep", "three", "late"])
 @pytest.mark.parametrize("w0", [21.3, -21.3, 4.0, -0.7])
 @pytest.mark.parametrize(("ratio", "tau", "load"), [(-1.0, -2.4, 0.0), (0.25, 3.0, -1.0), (4.0, 0.0, 5.0)])
+@pytest.mark.few(9)
 def test_a_run_starts_with_the_losses_of_its_speed(table, w0, ratio, tau, load):
     run = gb.simulate(_train(table, ratio, tau, load, w0)[0], t_end=1e-3)
     assert run["one.alpha"][0] == pytest.approx(_acceleration(table, ratio, tau, load, w0), rel=1e-12)
@@ -47,6 +48,7 @@ def test_a_run_starts_with_the_losses_of_its_speed(table, w0, ratio, tau, load):
 
 @pytest.mark.parametrize("w0", [60.0, -60.0])
 @pytest.mark.parametrize("table", [FREE, STEEP, THREE], ids=["free", "steep", "three"])
+@pytest.mark.few(2)
 def test_an_impact_leaves_the_gear_with_the_losses_of_its_new_speed(table, w0):
     """A dog clutch closes on a flywheel: the momentum about shaft a is kept, the gear loses nothing in the impact."""
     ratio, tau, flywheel, slow = -1.0, -2.4, 2.0, 0.3

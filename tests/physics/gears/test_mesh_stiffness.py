@@ -34,6 +34,7 @@ def _rig(external=True, turning=False, load=20.0, free=False, **fields):
     {"profile_shift": (0.3, 0.1)},
     {"profile_shift": (0.2, -0.1), "addendum": 1.1, "helix_angle": np.deg2rad(-10)},
 ])  # fmt: skip
+@pytest.mark.few(2)
 def test_the_stiffness_of_the_standard_is_that_of_its_formula(fields):
     run = gb.simulate(_rig(k=None, stiffness="iso6336", face_width=0.02, **fields), t=[0.0], rtol=1e-6)
     shape = {("shifts" if name == "profile_shift" else name): value for name, value in fields.items()}

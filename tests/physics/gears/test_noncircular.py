@@ -317,6 +317,7 @@ def test_friction_as_a_square_wave_raises_and_lowers_the_moment():
 
 
 @pytest.mark.parametrize("method", ["auto", "dp8", "rodas"])
+@pytest.mark.few(2)
 def test_a_pair_that_dips_into_its_gap_for_less_than_a_step_goes_on(method):
     """Left at -q', the flank is met again after 2 q'/q'': far sooner than the steps that the free flight allows."""
     rig = _rig(ELLIPSE, external=True, k=1e4, c=1.0, backlash=gb.Backlash(half_gap=1e-3), load=0.0)

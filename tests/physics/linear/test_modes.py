@@ -183,6 +183,7 @@ def test_the_table_of_modes_names_what_moves_and_what_is_strained():
 
 
 @pytest.mark.parametrize("at", [0.0, 0.4, 1.2])
+@pytest.mark.few(2)
 def test_modes_at_a_position_of_a_universal_joint(at):
     """A body on a spring on either side of the joint, and torques in balance: with the ratio m = dphi_b/dphi_a,
     (J_a + J_b m^2) x'' + (k_a + k_b m^2 - tau dm/dphi_a) x = 0."""

@@ -58,6 +58,7 @@ def exact(inertias, stiffnesses, dampings, t):
 
 
 @pytest.mark.parametrize("name", CHAINS)
+@pytest.mark.few(2)
 def test_speeds_of_massless_shafts_are_as_right_as_those_of_others(name):
     t = np.linspace(0.0, 0.3, 301)
     phi, w = exact(*CHAINS[name], t)

@@ -22,6 +22,7 @@ def crank(tau, *, w0, J=1.0, drag=None):
 
 
 @pytest.mark.parametrize("method", [*METHODS, "auto"])
+@pytest.mark.few(2)
 def test_the_gas_torque_of_a_crank_acts_in_every_turn(method, reference):
     model = crank(gb.piecewise((200, gb.cos(PHI) > 0.9), (0, True)), w0=300.0, J=0.2, drag=0.3)
     rates = lambda t, y, m: (y[1], (200 * (m[0] > 0) - 0.3 * y[1]) / 0.2)  # noqa: E731
@@ -48,6 +49,7 @@ def test_work_over_half_turns_is_the_torque_times_the_angle(method, rtol):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10])
+@pytest.mark.few(3)
 def test_forty_switches_over_one_angle_flip_as_often_as_they_cross(method, rtol):
     small = sum(gb.piecewise((1e-9, gb.sin(n * PHI) > 0), (0, True)) for n in range(1, 41))
     run = gb.simulate(crank(small, w0=1e4), t_end=4.03e-4, method=method, rtol=rtol)
@@ -172,6 +174,7 @@ def test_windows_of_a_ten_thousandth_of_a_turn_are_seen_and_touches_are_not(meth
 
 
 @pytest.mark.parametrize("method", METHODS)
+@pytest.mark.few(2)
 def test_an_angle_behind_a_joint_and_one_of_a_shaft_without_inertia_are_followed(method):
     rig = gb.Drivetrain("joint")
     fork = rig.add("fork", gb.Inertia(J=1e-3))

@@ -52,6 +52,7 @@ MANY = ("largest", "held but for the touch", "cubed", "scaled by parts that roun
 
 @pytest.mark.parametrize("settings", QUICK, ids=str)
 @pytest.mark.parametrize("law", [pytest.param(law, marks=[pytest.mark.long] * (law in MANY)) for law in OVER_TIME])
+@pytest.mark.few(2)
 def test_a_corner_over_time_takes_the_side_ahead(law, settings):
     tau, true = OVER_TIME[law]
     run = gb.simulate(_train(tau), t_end=3.0, **settings)
@@ -74,6 +75,7 @@ def _over_angle(push):
 @pytest.mark.parametrize("settings", SETTINGS, ids=str)
 @pytest.mark.parametrize("push", [0.5, -0.5])
 @pytest.mark.parametrize("law", _over_angle(1.0))
+@pytest.mark.few(15)
 def test_a_corner_over_an_angle_is_left_at_once_from_rest(law, push, settings):
     run = gb.simulate(_train(_over_angle(push)[law]), t_end=1.0, **settings)
     assert run["body.w"][-1] == pytest.approx(push, rel=10.0 * settings.get("rtol", 1e-6))

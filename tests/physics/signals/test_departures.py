@@ -68,6 +68,7 @@ def _last_angle(springs, tau, name, damping):
 
 @pytest.mark.parametrize("springs", [*(pytest.param(n, marks=pytest.mark.long) for n in (2, 3)), 5])
 @pytest.mark.parametrize("name", LAWS)
+@pytest.mark.few(2)
 def test_a_law_far_from_the_load_begins_on_the_side_to_which_it_moves(name, springs):
     for tau in (4.0, -4.0):
         for damping, method in ((0.0, "dp5"), (0.01, "dp8"), (0.01, "rodas")):
@@ -113,6 +114,7 @@ def _behind_a_table(tau, table, springs):
 
 @pytest.mark.parametrize("springs", [1, 2])
 @pytest.mark.parametrize("name", TABLES)
+@pytest.mark.few(2)
 def test_a_shaft_rests_on_a_joint_of_its_table(name, springs):
     for tau in (0.5, -0.5):
         rig = gb.Drivetrain("train")

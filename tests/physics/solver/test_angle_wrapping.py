@@ -42,6 +42,7 @@ def _off(phase: Array, cycles: list[Any]) -> float:
 
 @pytest.mark.parametrize("teeth", [(23, 41), (100, 150), (17, 17)])
 @pytest.mark.parametrize("turns", [10**7, -(10**7), 10**9])
+@pytest.mark.few(3)
 def test_a_mesh_phase_is_right_at_a_start_angle_of_many_turns(teeth: tuple[int, int], turns: int) -> None:
     phi = 2 * np.pi * turns + 0.1
     run = gb.simulate(_pair(teeth), t=[0.0], initial={"pinion.phi": phi, "wheel.phi": -phi * teeth[0] / teeth[1]})
@@ -89,6 +90,7 @@ PAIRS = [
 
 @pytest.mark.parametrize("fields", PAIRS)
 @pytest.mark.parametrize("turns", [10**7, -(10**7)])
+@pytest.mark.few(2)
 def test_the_motion_after_ten_million_turns_is_that_at_the_first(fields: dict[str, Any], turns: int) -> None:
     far, near = _starts(0.3, (23, 41), turns, 70.0)
     model, t = gb.build(_pair(**fields)), np.linspace(0, 0.3, 301)
@@ -162,6 +164,7 @@ def _detent(**fields: Any) -> gb.Drivetrain:
 @pytest.mark.parametrize(("fields", "counted"), [
     ({"factor": 3}, 1), ({"factor": 0.25}, 1), ({"factor": 0.1}, 0), ({"factor": 3, "power": 2}, 0),
 ])  # fmt: skip
+@pytest.mark.few(2)
 def test_only_what_no_law_can_tell_is_taken_off(fields: dict[str, Any], counted: int, reference: Any) -> None:
     model = gb.build(_detent(**fields))
     assert (".n_wrapped = 1" in model.program.source) == bool(counted)

@@ -73,6 +73,7 @@ def _energy(name, run):
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.long] * (n == "joint")) for n in TRAINS])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+@pytest.mark.few(3)
 def test_what_loses_nothing_keeps_its_energy(name, method):
     model = gb.build(TRAINS[name]())
     with warnings.catch_warnings():

@@ -106,6 +106,7 @@ USERS = {
 @pytest.mark.parametrize(
     "law", [pytest.param(f, id=f.__name__, marks=[pytest.mark.long] * (f not in QUICK)) for f in USERS]
 )
+@pytest.mark.few(2)
 def test_a_narrow_function_that_a_user_writes_is_seen(law):
     w0, end, step = USERS[law]
     rig = gb.Drivetrain("narrow")

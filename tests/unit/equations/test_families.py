@@ -66,6 +66,7 @@ def test_what_is_named_one_by_one_stands_so_in_the_nomenclature():
 
 
 @pytest.mark.parametrize("name", [n for n in scripts.shipped() if n != "stiff_chain"])
+@pytest.mark.few(3)
 def test_every_symbol_that_is_printed_is_in_the_nomenclature(name):
     for maker in scripts.makers(scripts.locate(name)[0]):
         _check(scripts.make(f"{name}:{maker.name}").equations().document())
@@ -120,6 +121,7 @@ def test_terms_are_a_sum_though_parts_of_another_family_stand_in_them():
 
 
 @pytest.mark.parametrize(("family", "seed"), [("contact", 7002), ("friction", 7001), ("wide", 7000), ("smooth", 7002)])
+@pytest.mark.few(2)
 def test_every_symbol_of_trains_that_nobody_wrote_is_in_the_nomenclature(family, seed):
     _check(build(draw(family, seed), gb).equations().document())
 

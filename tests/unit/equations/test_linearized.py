@@ -109,6 +109,7 @@ def test_a_matrix_stands_in_brackets_where_it_fits_and_by_its_entries_where_it_d
 
 
 @pytest.mark.parametrize("name", MODELS)
+@pytest.mark.few(2)
 def test_shipped_models_print_their_linearised_equations(name):
     shown = scripts.make(name).equations().linearized()
     lines = str(shown).splitlines()

@@ -80,6 +80,7 @@ MODES = [
 
 
 @pytest.mark.parametrize("modes", MODES, ids=str)
+@pytest.mark.few(3)
 def test_the_c_computes_what_the_equations_say_in_every_mode(modes):
     rig = _train()
     model = gb.build(rig)

@@ -22,6 +22,7 @@ def _chain(seed: int) -> tuple[gb.Drivetrain, str]:
 
 
 @pytest.mark.parametrize("seed", range(8))
+@pytest.mark.few(3)
 def test_the_stiff_shaft_of_a_chain_is_named_and_so_is_the_way_out(seed: int) -> None:
     rig, stiff = _chain(seed)
     said = rig.explain()

@@ -163,6 +163,7 @@ def test_a_stiffness_that_stays_above_zero_that_inputs_decide_or_that_was_allowe
         gb.SplineCoupling(teeth=20, radius=0.03, k=3e15),
     ],
 )
+@pytest.mark.few(2)
 def test_a_mode_above_a_megahertz_is_found_without_computing_modes(spring: gb.Block) -> None:
     rig = _between(spring)
     (words,) = _doubts(rig)
@@ -222,6 +223,7 @@ def test_a_train_that_is_not_finished_is_described() -> None:
 
 
 @pytest.mark.parametrize("model", scripts.shipped())
+@pytest.mark.few(3)
 def test_nothing_is_asked_about_a_shipped_model(model: str) -> None:
     assert _doubts(scripts.make(model)) == []
 

@@ -272,6 +272,7 @@ T = 0.02
         (7 * gb.cos(0 * W * gb.time + 0.25), 7 * np.cos(0.25)),
     ],
 )  # fmt: skip
+@pytest.mark.few(3)
 def test_every_excitation_has_its_mean(tau, mean):
     found = _at_rest(_held(gb.Shaft(k=1e3), tau), t_start=T, t_end=T + 1e-9)
     assert abs(found["link.twist"]) == pytest.approx(mean / 1e3, rel=EXACT)

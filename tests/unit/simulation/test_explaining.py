@@ -25,6 +25,7 @@ def _rattling(seed: int) -> tuple[gb.Drivetrain, str]:
 
 
 @pytest.mark.parametrize("seed", range(8))
+@pytest.mark.few(3)
 def test_the_coupling_that_rattles_is_named_with_its_events(seed: int) -> None:
     rig, loose = _rattling(seed)
     run = gb.simulate(rig, t_end=1.0)
