@@ -37,12 +37,12 @@ def test_the_only_scene_of_a_script_is_told_drawn_and_written(
 ) -> None:
     (tmp_path / "swing.py").write_text(SCRIPT + SCENE, encoding="utf-8")
     picture, table = tmp_path / "cost.png", tmp_path / "cost.csv"
-    options = ["--budget", "5", "--plot", str(picture), "--out", str(table)]
+    options = ["--budget", "1", "--plot", str(picture), "--out", str(table)]
     assert main(["cost", str(tmp_path / "swing.py"), *options]) == 0
     out, _ = _said(capsys)
     assert "swing: peak(motor.phi) within 1 %, from 0 to 0.5 s" in out and "1 % of peak(motor.phi) costs " in out
     assert picture.is_file() and table.read_text(encoding="utf-8").startswith("method,rtol,step,located,")
-    assert main(["cost", f"{tmp_path / 'swing.py'}:swings", "--within", "1e-13", "--budget", "5"]) == 1
+    assert main(["cost", f"{tmp_path / 'swing.py'}:swings", "--within", "1e-13", "--budget", "1"]) == 1
     out, err = _said(capsys)
     assert "No run is within 1e-13" in out and "no way to run it" in err
 

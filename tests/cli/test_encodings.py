@@ -20,6 +20,7 @@ def shell(encoding: str, *arguments: str) -> tuple[int, bytes, bytes]:
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
+@pytest.mark.few(1)
 def test_equations_are_printed_in_a_narrow_encoding(encoding: str) -> None:
     status, out, err = shell(encoding, "equations", "spline_coupling")
     assert (status, err) == (0, b"")
@@ -27,7 +28,7 @@ def test_equations_are_printed_in_a_narrow_encoding(encoding: str) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_pages_keep_every_character(encoding: str) -> None:
     status, out, err = shell(encoding, "equations", "spline_coupling", "--format", "html")
     assert (status, err) == (0, b"")

@@ -75,6 +75,7 @@ def test_the_reference_stops_a_braked_wheel_when_momentum_says():
 
 @pytest.mark.parametrize("capacity", [0.289, 0.301, 0.1 + 0.2, 1 / 3, 0.71])
 @pytest.mark.parametrize("J", [0.0257, 0.3])
+@pytest.mark.few(3)
 def test_the_reference_breaks_away_where_loads_cancel_but_for_rounding(J, capacity):
     wheel = Part("j", "Inertia", (("J", J),), (("a", "j"),))
     held = [

@@ -164,6 +164,7 @@ def test_two_gears_that_a_cannot_both_drive_leave_a_start_open():
 
 @pytest.mark.parametrize("order", [("x", "y"), ("y", "x")])
 @pytest.mark.parametrize(("first", "second"), [(1.0, 1.2), (0.5, 0.9), (2.0, 2.1)])
+@pytest.mark.few(2)
 def test_of_two_static_peaks_in_a_row_the_smaller_one_breaks(first, second, order):
     # drive - clutch - body - brake - ground: the load rises until the weaker one slips, which then passes on half of its peak
     peak = 2.0
@@ -219,6 +220,7 @@ def test_a_static_start_inside_of_a_gap_is_looked_at_and_not_guessed(play):
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.6, 0.75])
+@pytest.mark.few(2)
 def test_a_body_that_hammers_another_against_its_stop_comes_to_rest_with_it(restitution):
     hits = thing("HuntCrossley", restitution=restitution)
     fields = (("k", 1e3), ("half_gap", 0.1), ("contact_damping", hits), ("hits", True))

@@ -113,6 +113,7 @@ def test_a_contact_in_which_a_run_begins_is_not_damped_until_it_has_ended(depth,
 @pytest.mark.parametrize(
     ("m", "M", "wall", "e"), [(1.0, 3.0, 0.0, 1.0), (1.0, 100.0, 0.0, 0.8), (2.0, 1.0, 0.0, 1.0), (1.0, 5.0, 0.6, 1.0)]
 )
+@pytest.mark.few(2)
 def test_a_body_that_is_pulled_off_its_wall_is_struck_apart_from_it(m, M, wall, e, pull):
     stop = Part("stop", "HardStop", (("upper", 0.0), ("restitution", wall)), (("a", "p"),))
     load = Part("load", "Torque", (("tau", -pull),), (("flange", "p"),))

@@ -82,6 +82,7 @@ def test_what_rested_so_leaves_its_stop_when_its_load_turns(method):
 
 @pytest.mark.parametrize("fast", [None, 100.0])
 @pytest.mark.parametrize("start", [1e-6, 1e-3])
+@pytest.mark.few(2)
 def test_low_impacts_that_lose_nothing_go_on(start, fast):
     """A size of its own, beside what turns 10^8 times as fast: flights of 2 v J / LOAD, as high as the first."""
     flight = 2 * start * J / LOAD

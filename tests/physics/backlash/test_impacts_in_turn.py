@@ -58,6 +58,7 @@ def _pair(J, w, wall, between, ratio=1.0):
         ((1.0, 7.0), [1.0, 0.2], 1.0, 1.0),
     ],
 )
+@pytest.mark.few(3)
 def test_what_a_wall_throws_back_hits_what_it_was_leaving(J, w, wall, between, ratio):
     run = gb.simulate(_pair(J, w, wall, between, ratio), t=[0.0, 0.1])
     expected = _in_turn(J, list(w), wall, between)
@@ -128,6 +129,7 @@ def test_a_short_flight_to_another_body_is_no_hammering(J, w, wall, gap, method)
         ((1.0, 5.0), 0.6, 1.0),
     ],
 )
+@pytest.mark.few(8)
 def test_a_body_that_is_pulled_off_its_wall_is_struck_apart_from_it(J, wall, between, pull, method):
     """Torn off by next to nothing or by more: it is driven back onto its wall, and struck again, until nothing is left."""
     V, rest = 2.0, 1.0

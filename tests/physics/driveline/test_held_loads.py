@@ -52,6 +52,7 @@ def test_a_load_on_a_held_sun_sees_no_reversal(name, method):
 
 
 @pytest.mark.parametrize("method", METHODS)
+@pytest.mark.few(2)
 def test_a_load_on_a_sun_that_comes_loose_and_is_caught_again_turns_each_way_once(method):
     """The brake holds until 1 s, is open until 2 s and catches the sun again; the load's mode changes with its speed alone."""
     capacity = gb.piecewise((7.0, gb.time < 1), (0.0, gb.time < 2), (7.0, True))

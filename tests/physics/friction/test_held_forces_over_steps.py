@@ -42,6 +42,7 @@ def held(height):
 @pytest.mark.parametrize(
     ("method", "step"), [("dp8", None), ("dp5", None), ("rodas", None), ("dp8", 0.02), ("rodas", 0.02)]
 )
+@pytest.mark.few(4)
 def test_each_pulse_beyond_the_capacity_is_one_break_away(beyond, method, step):
     """step: so short that one box serves many between two pulses."""
     height = (CAPACITY - BASE) * (1 + beyond)

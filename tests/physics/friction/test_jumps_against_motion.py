@@ -32,6 +32,7 @@ W = gb.sense("j.w")
         (gb.piecewise((4 + gb.time, gb.time + W < 2), (-4, True)), 0.0, -5.0 + 29.0**0.5, lambda t: 2.0 - t),
     ],
 )
+@pytest.mark.few(3)
 def test_a_torque_of_two_levels_holds_its_limit(torque, w0, at, limit, method):
     run = gb.simulate(_pushed(torque, w0), t_end=4.0, method=method)
     assert [e.after for e in run.events] == [0.5]

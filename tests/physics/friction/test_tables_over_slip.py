@@ -48,6 +48,7 @@ def _half_swings(t, level=1.0, rise=0.1, k=100.0):
         pytest.param([-2.0, -1.0, 0.0, 5.0, 12.0], id="joints below"),
     ],
 )
+@pytest.mark.few(2)
 def test_a_bearing_swings_out_whatever_its_table_says_below_slip_0(method, joints):
     table = gb.Table(joints, 1 + 0.1 * np.array(joints))
     run = gb.simulate(_swinging(gb.BearingFriction(torque=table)), t=[0.0, 1.1, 2.5], method=method, rtol=1e-9)
@@ -60,6 +61,7 @@ def test_a_bearing_swings_out_whatever_its_table_says_below_slip_0(method, joint
 
 
 @pytest.mark.parametrize("method", METHODS)
+@pytest.mark.few(2)
 def test_a_brake_and_a_clutch_take_tables_of_mu_from_slip_0(method):
     table = gb.Table([0.0, 12.0], [0.25, 0.55])
     brake = gb.Brake(mu=table, force_max=4.0, engagement=1.0)

@@ -169,6 +169,7 @@ def _struck(k, c, J, w0):
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("c", [100.0, 4000.0])
 @pytest.mark.parametrize(("k", "J"), [(24900.0, (1.82, 0.0282, 0.0455)), (8e4, (0.5, 0.4, 0.9))])
+@pytest.mark.few(3)
 def test_a_contact_that_its_damping_eats_up_leaves_a_freewheel_nothing_but_rounding(k, J, c, method):
     rig = gb.Drivetrain("clipped")
     strikes = rig.add("strikes", gb.Inertia(J=J[0], w0=3.0, phi0=0.7))

@@ -73,6 +73,7 @@ WORMS = {
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.long] * (n == "of few starts")) for n in WORMS])
 @pytest.mark.parametrize("load", [1.0, -1.0])
+@pytest.mark.few(2)
 def test_a_heavy_screw_has_the_one_motion_of_its_flanks(name, load):
     """J1 i^2 > -eta2 J2: also where the wheel pushes on, and J2 + i^2 J1/eta2 is below zero."""
     ratio, eta, *J = WORMS[name]
@@ -87,6 +88,7 @@ def test_a_heavy_screw_has_the_one_motion_of_its_flanks(name, load):
 
 
 @pytest.mark.parametrize("name", WORMS)
+@pytest.mark.few(2)
 def test_a_light_screw_on_which_the_wheel_pushes_jams(name):
     """The stiffer its flanks the sooner it stands, as 1/sqrt(k): rigid ones have no acceleration."""
     ratio, eta, _, wheel = WORMS[name]

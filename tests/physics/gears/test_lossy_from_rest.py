@@ -64,6 +64,7 @@ def test_a_gear_begins_to_slide_the_way_that_the_load_comes(springs, load):
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 @pytest.mark.parametrize("limits", [{"upper": 0.0, "lower": -3.0}, {"upper": 3.0, "lower": 0.0}])
+@pytest.mark.few(2)
 def test_a_stop_beside_it_opens_or_holds(sign, limits):
     gear, stop = gb.LossyGear(ratio=RATIO, efficiency=(ETA, 0.76)), gb.HardStop(restitution=0.0, **limits)
     rig = _chain(2, 5.0 * sign, gear, stop)
@@ -117,6 +118,7 @@ def test_play_without_a_gap_beside_it_closes_the_way_that_it_begins_to_slide(dry
 
 @pytest.mark.parametrize("springs", [2, pytest.param(3, marks=pytest.mark.long), 4])
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
+@pytest.mark.few(2)
 def test_without_losses_a_ramp_later_on_is_no_matter_of_step_sizes(springs, method, rtol):
     tau, same, begins = LOADS["later"]
     run = gb.simulate(_chain(springs, tau, gb.IdealGear(ratio=RATIO)), t_end=T_END, method=method, rtol=rtol)

@@ -40,6 +40,7 @@ def _lossy(tau, load=0.0, w0=0.0, ratio=RATIO, **losses):
 @EVERY_METHOD
 @pytest.mark.parametrize("ratio", [2.0, 0.5])  # either side may be the one that follows
 @pytest.mark.parametrize(("tau", "eta"), [(10.0, ETA1), (-1.0, 1 / ETA2)])
+@pytest.mark.few(5)
 def test_a_lossy_gear_passes_on_what_its_efficiency_leaves(tau, eta, ratio, options):
     run = gb.simulate(_lossy(tau, w0=9.0, ratio=ratio), t_end=1.0, **options)
     assert run["two.alpha"][-1] == pytest.approx(ratio * eta * tau / (J2 + ratio**2 * eta * J1), rel=EXACT)
@@ -75,6 +76,7 @@ def test_a_lossy_gear_changes_its_losses_when_its_force_turns(options):
 
 @pytest.mark.parametrize(("rise", "limit"), [(1.0, (5.0 + 1.0) / ETA1), (-1.0, (5.0 - 1.0) * ETA2)])
 @EVERY_METHOD
+@pytest.mark.few(3)
 def test_a_lossy_gear_at_rest_holds_between_what_both_directions_ask_for(rise, limit, options):
     rig = _lossy(4.5 + rise * gb.time, load=-10.0, bearing=(1.0, 1.0))
     run = gb.simulate(rig, t_end=4.0, rtol=1e-9, **options)

@@ -29,6 +29,7 @@ def _train(torque, load=0.0, *, J=(1.0, 1.0), w0=0.0, ratio=3.0, shaft=None, **l
 @METHODS
 @pytest.mark.parametrize("ratio", [3.0, -0.5])
 @pytest.mark.parametrize("eta", [(0.9, 0.9), (1.0, 1.0), (0.6, 0.95)])
+@pytest.mark.few(6)
 def test_a_sine_at_b_turns_the_torque_of_a_gear_that_turns_on(eta, ratio, method):
     """b turns with about 1 rad/s all the time: a forward torque at b drives a, against a backward one a drives b."""
     run = gb.simulate(_train(0.0, gb.sin(20 * gb.time), w0=1.0, ratio=ratio, efficiency=eta), t_end=2.0, method=method)
@@ -179,6 +180,7 @@ def test_a_wheel_that_drives_its_worm_loses_what_the_inclined_plane_says():
         ("ring", {"motor": 2.0, "sun": 5.0}),
     ],
 )
+@pytest.mark.few(2)
 def test_start_speeds_follow_through_a_lossy_gear_beside_a_planetary(place, told):
     rig = gb.Drivetrain("start")
     motor, sun, carrier, ring = (

@@ -88,6 +88,7 @@ def test_a_sliding_clutch_acts_by_the_slope_of_its_friction():
 
 
 @pytest.mark.parametrize(("speeds", "capacity", "free"), [((0, 0), 5.0, 1), ((4.0, 0), 5.0, 2), ((0, 0), 0.0, 2)])
+@pytest.mark.few(2)
 def test_free_rotations_are_counted_as_what_holds_allows(speeds, capacity, free):
     rig = gb.Drivetrain("pair")
     one, two = (rig.add(n, gb.Inertia(J=1.0, w0=w)) for n, w in zip(("one", "two"), speeds, strict=True))

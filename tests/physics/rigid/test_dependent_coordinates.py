@@ -146,6 +146,7 @@ def test_cosines_that_close_the_circle_leave_a_train_free_to_turn():
 
 
 @pytest.mark.parametrize(("p", "q"), [(0.5, 0.5), (0.0, 1.0), (1.0, 0.0), (0.0, 0.0)])
+@pytest.mark.few(2)
 def test_a_factor_of_a_deflection_may_be_nothing(p, q):
     w = gb.simulate(_on_a_lever(p=p, q=q), t=[0.7], rtol=1e-10, initial={"j2.w": 1.0})
     rate = 10.0 * (p**2 / 1 + q**2 / 2 + 1 / 3)  # the only mode swings along the deflection

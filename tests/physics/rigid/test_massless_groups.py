@@ -58,6 +58,7 @@ def test_a_damper_at_a_shaft_without_inertia_makes_a_state_of_first_order() -> N
 
 @pytest.mark.parametrize("method", ["dp8", "rodas"])
 @pytest.mark.parametrize("geared", [False, True])
+@pytest.mark.few(2)
 def test_shafts_without_inertia_that_are_damped_against_each_other_hang_on_a_spring(method: str, geared: bool) -> None:
     """The torque reaches the disc at once; the damped shaft between follows c x' + k x = tau from k x = tau(0)."""
     rig = gb.Drivetrain("hanging")

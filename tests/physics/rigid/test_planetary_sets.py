@@ -44,6 +44,7 @@ GEARS = [
         for case in GEARS
     ],
 )
+@pytest.mark.few(2)
 def test_every_gear_has_its_ratio_and_its_reflected_inertia(make, gear, ratio):
     rig = make(*gear)
     run = gb.simulate(rig, t=[0.0, 0.3], rtol=1e-9)

@@ -39,6 +39,7 @@ def test_a_prescribed_angle_is_kept_exactly() -> None:
 
 
 @pytest.mark.parametrize("beside", ["parallel", "through a third", "driving to ground", "driven to ground"])
+@pytest.mark.few(2)
 def test_an_angle_between_two_turning_shafts_lets_springs_go_any_way_beside_it(beside: str) -> None:
     rig = gb.Drivetrain("two shafts")
     i, j, spring = rig.add("i", gb.Inertia(J=1.0)), rig.add("j", gb.Inertia(J=2.0)), rig.add("s", gb.Shaft(k=10.0))

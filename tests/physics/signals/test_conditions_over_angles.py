@@ -71,6 +71,7 @@ def test_a_rectified_wave_changes_its_side_at_every_zero_and_does_its_work(metho
 
 
 @pytest.mark.parametrize("method", METHODS)
+@pytest.mark.few(2)
 def test_a_camshaft_with_twelve_followers_keeps_its_energy(method):
     # each lobe is a spring A/2 (cos 2 psi - cos 2 b) within b of its follower: energy is a function of the angle
     half, size, w0 = 0.4, 30.0, 50.0

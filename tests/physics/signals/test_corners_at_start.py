@@ -90,6 +90,7 @@ def test_it_is_so_at_the_corners_of_later_turns(law, phi0):
 
 @pytest.mark.parametrize("settings", SETTINGS, ids=str)
 @pytest.mark.parametrize("w0", [0.0, 2.0, -2.0])
+@pytest.mark.few(5)
 def test_a_size_over_an_angle_keeps_the_energy_of_its_potential(w0, settings):
     """w^2/2 of tau = push + abs(cos(5 phi) - 1) is w0^2/2 + push phi + phi - sin(5 phi)/5, across many touches."""
     push = -0.5 if w0 < 0.0 else 0.5

@@ -93,6 +93,7 @@ def test_a_cubic_table_is_a_spline_with_these_ends(ends, scipys):
     ],
     ids=["linear", "step", "another step", "cubic"],
 )
+@pytest.mark.few(2)
 def test_a_periodic_table_repeats(table, area, as_input):
     if area is None:
         from scipy.interpolate import CubicSpline
@@ -137,6 +138,7 @@ SWITCHES = {
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=[pytest.mark.long] * (n in ("nested", "abs", "min", "or"))) for n in SWITCHES]
 )
+@pytest.mark.few(2)
 def test_a_condition_on_time_is_met_exactly(name):
     expression, end, impulse = SWITCHES[name]
     assert _end(expression, end) == pytest.approx(impulse, rel=1e-12)
@@ -149,6 +151,7 @@ def test_the_largest_of_three_lines_is_taken():
 
 
 @pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-8])
+@pytest.mark.few(2)
 def test_a_pulse_of_a_millisecond_in_ten_seconds_is_seen(rtol):
     for pulse in (
         sp.Heaviside(t - 7) - sp.Heaviside(t - 7.001),

@@ -150,6 +150,7 @@ def _work(phi, torque, level, ripple):
 
 @pytest.mark.parametrize("rtol", [1e-6, 1e-7, 1e-8])
 @pytest.mark.parametrize(("J", "level"), [(0.03, 0.0521), (0.0641, 0.3), (0.15, 0.0521), (0.15, 0.3)])
+@pytest.mark.few(3)
 def test_a_body_that_switches_drive_faster_and_faster_has_the_energy_that_its_angle_says(J, level, rtol):
     torque, ripple, phi = 3.9, 0.335, gb.sense("body.phi")
     rig = gb.Drivetrain("rig")

@@ -117,6 +117,7 @@ def _shaken(*, beside):
 
 @pytest.mark.parametrize("beside", ["nothing", pytest.param("coasting", marks=pytest.mark.long), "slow"])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
+@pytest.mark.few(2)
 def test_the_ledger_closes_where_time_alone_moves_a_body(method, beside):
     if beside == "nothing" and method == "rodas":
         return  # without a state there is no matrix

@@ -41,6 +41,7 @@ def test_a_run_that_begins_late_is_as_right_as_time_is(models, spring, method):
 
 
 @pytest.mark.parametrize(("method", "rtol"), [("dp5", 1e-11), ("rodas", 1e-11), ("dp5", 1e-12), ("dp8", 1e-12)])
+@pytest.mark.few(2)
 def test_a_run_that_begins_late_goes_on_at_more_digits_than_time_has(models, method, rtol):
     for begin in np.linspace(60.0, 1500.0, 25):
         for model in models.values():

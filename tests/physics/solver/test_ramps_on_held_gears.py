@@ -103,6 +103,7 @@ def test_a_lossy_gear_breaks_away_where_its_losses_jump(
         ((0.02, 0.07, 0.8), (0.026, 0.9), 0.0),
     ],
 )
+@pytest.mark.few(4)
 def test_two_lossy_gears_at_rest_hold_what_any_split_between_them_can(
     loaded: tuple[float, float, float], carried: tuple[float, float], late: float, method: str
 ) -> None:

@@ -93,6 +93,7 @@ def _idle_too() -> tuple[gb.Drivetrain, dict[str, float]]:
 
 @pytest.mark.parametrize("train", [_chain, _lighter, _longer, _opposed, _branched, _geared])
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
+@pytest.mark.few(9)
 def test_it_stays_where_it_is(
     train: Callable[[], tuple[gb.Drivetrain, dict[str, float]]], method: str, rtol: float
 ) -> None:

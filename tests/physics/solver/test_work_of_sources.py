@@ -64,6 +64,7 @@ def test_the_work_of_a_source_with_conditions_is_the_energy_that_its_body_gains(
     ],
     ids=["condition", "with time", "limits", "factor"],
 )
+@pytest.mark.few(2)
 def test_a_parameter_that_turns_a_source_on_later_turns_its_work_on(tau):
     model = gb.build(_body(tau))
     off, on = gb.simulate(model, t_end=2.0), gb.simulate(model, t_end=2.0, parameters={"B": 10.0})

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ import pytest
 
 import gearblocks as gb
 
-pytest.importorskip("zarr")
+pytestmark = pytest.mark.skipif(find_spec("zarr") is None, reason="zarr is not here")  # to import it takes seconds
 
 VALUES = {"shaft.k": np.linspace(100.0, 200.0, 12), "gain": [0.0, 1e4]}
 QUANTITIES = [gb.peak("shaft.torque"), gb.energy_lost("clutch")]

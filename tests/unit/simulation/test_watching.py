@@ -86,6 +86,7 @@ def test_a_watch_changes_nothing_of_the_run_and_can_be_switched_off() -> None:
 
 @pytest.mark.usefixtures("quiet")
 @pytest.mark.parametrize("seed", range(6))
+@pytest.mark.few(2)
 def test_changes_of_sign_are_those_of_a_fine_look_but_for_dips_within_a_step(seed: int) -> None:
     random = np.random.default_rng(seed)
     low, high = sorted(random.uniform(20, 400, 2))
