@@ -16,7 +16,8 @@
 
 enum { GB_BESIDE = 4 }; /* points of a difference */
 
-extern const double gb_beside[GB_BESIDE], gb_beside_weight[GB_BESIDE];
+extern const double gb_beside[GB_BESIDE];
+extern const double gb_beside_weight[GB_BESIDE];
 
 /* Places in the room of the caller: vectors n_total long, of stages as many as there are. */
 typedef struct gb_tangent_room {
