@@ -8,7 +8,7 @@ shape have in those of all. Knows nothing of trains.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -89,20 +89,24 @@ def _steps(point: Point, shape: NDArray[np.complex128]) -> Sequence[Array]:
 
 
 def _strain(point: Point, shape: NDArray[np.complex128]) -> dict[str, float]:
-    base, found = point.energies(), dict[str, float]()
-    for step in _steps(point, shape):
-        change = point.energies(point.y + step) - 2 * base + point.energies(point.y - step)
-        for e in point.program.energies:
-            if e.part == "stored":
-                found[e.component] = found.get(e.component, 0.0) + float(change[e.offset])
-    return {c: x for c, x in found.items() if x > 0}
+    """Energy that the shape stores in each component."""
+    places = [(e.component, e.offset) for e in point.program.energies if e.part == "stored"]
+    return _curvatures(point, shape, point.energies, places)
 
 
 def _losses(point: Point, shape: NDArray[np.complex128]) -> dict[str, float]:
-    base, found = point.rates(), dict[str, float]()
+    """Power that each component loses while the train moves as the shape does."""
+    places = [(x.component, x.offset) for x in point.program.integrals if x.part == "loss"]
+    return _curvatures(point, shape, point.rates, places)
+
+
+def _curvatures(
+    point: Point, shape: NDArray[np.complex128], values: Callable[..., Array], places: Sequence[tuple[str, int]]
+) -> dict[str, float]:
+    """Second differences of values along both parts of a shape, at the places of each component added up, where > 0."""
+    base, found = values(), dict[str, float]()
     for step in _steps(point, shape):
-        change = point.rates(point.y + step) - 2 * base + point.rates(point.y - step)
-        for x in point.program.integrals:
-            if x.part == "loss":
-                found[x.component] = found.get(x.component, 0.0) + float(change[x.offset])
+        change = values(point.y + step) - 2 * base + values(point.y - step)
+        for component, offset in places:
+            found[component] = found.get(component, 0.0) + float(change[offset])
     return {c: x for c, x in found.items() if x > 0}

@@ -54,6 +54,7 @@ def test_it_passes_every_check_at_any_step(packed: Path, t_end: float, steps: in
     assert max(difference for _, difference in report.differences) == 0.0
 
 
+@pytest.mark.long
 def test_steps_that_end_exactly_on_an_event_change_nothing(model: gb.Model, packed: Path, tmp_path: Path) -> None:
     run = gb.simulate(model, t_end=12.0)
     events = sorted({e.t for e in run.events if e.component in ("c1", "c2", "b1", "b2", "brake")})

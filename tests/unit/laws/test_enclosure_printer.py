@@ -1,7 +1,6 @@
 """Enclosures in C: what a function takes over a box, and its rate, lie inside; and not far inside."""
 
 import ctypes
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +10,8 @@ import gearblocks as gb
 from gearblocks.laws.enclosure_printer import EnclosureError, enclosure_text
 from gearblocks.laws.functions import EllipseLead, InverseInvolute, Table2At, TableAt
 from gearblocks.laws.printer import c_text
-from gearblocks.solver.compiler import SHARED_SUFFIX, find_compiler
+from tests.unit.laws.enclosing_library import EXPORT, Box, library_of
 
-CORE = Path(__file__).parents[3] / "gearblocks" / "solver" / "c"
 X, Y, P = sp.symbols("x y p", real=True)
 LINE, CURVE, STEPS, ENDS, MAP = sp.symbols("line curve steps ends map", real=True)
 
@@ -61,43 +59,21 @@ def library(tmp_path_factory):
 {tables}
 void box(int i, gb_enclosure x, gb_enclosure y, double p, gb_enclosure *out);
 double point(int i, double x, double y, double p);
-#define EXPORT __attribute__((visibility("default")))
-EXPORT void box(int i, gb_enclosure x, gb_enclosure y, double p, gb_enclosure *out) {{
+{EXPORT} void box(int i, gb_enclosure x, gb_enclosure y, double p, gb_enclosure *out) {{
     switch (i) {{
 {boxes}    }}
 }}
-EXPORT double point(int i, double x, double y, double p) {{
+{EXPORT} double point(int i, double x, double y, double p) {{
     switch (i) {{
 {points}    }}
     return 0.0;
 }}
 """
-    (folder / "boxes.c").write_text(text, encoding="utf-8")
-    target = folder / f"boxes{SHARED_SUFFIX}"
-    flags = [
-        "-std=c99",
-        "-O2",
-        "-ffp-contract=off",
-        "-fPIC",
-        "-shared",
-        f"-I{CORE}",
-        "boxes.c",
-        "-lm",
-        "-o",
-        str(target),
-    ]
-    find_compiler().run(flags, folder)
-    found = ctypes.CDLL(str(target))
+    found = library_of(text, folder)
     found.point.restype, found.point.argtypes = ctypes.c_double, [ctypes.c_int] + [ctypes.c_double] * 3
     found.box.restype = None
     found.box.argtypes = [ctypes.c_int, Box, Box, ctypes.c_double, ctypes.POINTER(Box)]
     return found
-
-
-class Box(ctypes.Structure):
-    """gb_enclosure."""
-
-    _fields_ = [(name, ctypes.c_double) for name in ("lo", "hi", "down", "up")]
 
 
 def _enclosed(library, i, x, y):

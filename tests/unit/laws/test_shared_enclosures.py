@@ -3,7 +3,6 @@
 import ctypes
 import random
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,18 +10,11 @@ import sympy as sp
 
 from gearblocks.laws.enclosure_printer import enclosure_text, enclosure_texts
 from gearblocks.laws.printer import c_text
-from gearblocks.solver.compiler import SHARED_SUFFIX, find_compiler
+from tests.unit.laws.enclosing_library import EXPORT, Box, library_of
 
-CORE = Path(__file__).parents[3] / "gearblocks" / "solver" / "c"
 X, Y, P = sp.symbols("x y p", real=True)
 NAMES, MOVING = {P: "p"}, {X: "x", Y: ("y", "2.0")}
 P_VALUE = 0.7
-
-
-class Box(ctypes.Structure):
-    """gb_enclosure."""
-
-    _fields_ = [(name, ctypes.c_double) for name in ("lo", "hi", "down", "up")]
 
 
 def laws(seed):
@@ -60,31 +52,15 @@ def library(tmp_path_factory):
         f"case {i}: {' '.join(f'out[{k}] = {c_text(x, at)};' for k, x in enumerate(e))} break;\n"
         for i, e in enumerate(LAWS)
     )
-    export = '__attribute__((visibility("default")))'
     text = f"""#include "gb_enclosure.h"
-{export} void together(int i, gb_enclosure x, gb_enclosure y, double p, gb_enclosure *out) {{ switch (i) {{
+{EXPORT} void together(int i, gb_enclosure x, gb_enclosure y, double p, gb_enclosure *out) {{ switch (i) {{
 {together} }} }}
-{export} void alone(int i, gb_enclosure x, gb_enclosure y, double p, gb_enclosure *out) {{ switch (i) {{
+{EXPORT} void alone(int i, gb_enclosure x, gb_enclosure y, double p, gb_enclosure *out) {{ switch (i) {{
 {alone} }} }}
-{export} void point(int i, double x, double y, double p, double *out) {{ switch (i) {{
+{EXPORT} void point(int i, double x, double y, double p, double *out) {{ switch (i) {{
 {points} }} }}
 """
-    (folder / "laws.c").write_text(text, encoding="utf-8")
-    target = folder / f"laws{SHARED_SUFFIX}"
-    flags = [
-        "-std=c99",
-        "-O2",
-        "-ffp-contract=off",
-        "-fPIC",
-        "-shared",
-        f"-I{CORE}",
-        "laws.c",
-        "-lm",
-        "-o",
-        str(target),
-    ]
-    find_compiler().run(flags, folder)
-    found = ctypes.CDLL(str(target))
+    found = library_of(text, folder)
     for name in ("together", "alone"):
         getattr(found, name).argtypes = [ctypes.c_int, Box, Box, ctypes.c_double, ctypes.POINTER(Box)]
     found.point.argtypes = [ctypes.c_int, *[ctypes.c_double] * 3, ctypes.POINTER(ctypes.c_double)]
