@@ -15,6 +15,7 @@ from gearblocks.assembly.inverted_relations import inverted_relations
 from gearblocks.assembly.kinematics import DependentGroup, PrescribedRow
 from gearblocks.assembly.rigid_constraints import RigidConstraint, merge
 from gearblocks.assembly.rigid_groups import inertias, number_groups, start_values
+from gearblocks.assembly.series_friction import with_series_locked
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly, Batch, ExactValues, StartValues
 from gearblocks.errors import ModelError
 from gearblocks.laws.derivation import check_feedback, derive, unlocated
@@ -35,9 +36,15 @@ def assemble(train: Train, *, reading: bool = False) -> Assembly:
     constraints.
     """
     assembly = _assemble(train, reading)
-    if reading or (whole := algebraic_forces(assembly)) is train:
+    if reading or not assembly.n_massless:
         return assembly
-    return _assemble(whole, reading)
+    whole, numbers = with_series_locked(assembly)
+    if numbers:
+        assembly = _assemble(whole, reading)
+    if (whole := algebraic_forces(assembly)) is not assembly.train:
+        assembly = _assemble(whole, reading)
+    assembly.structural = tuple(sorted({*assembly.structural, *numbers}))
+    return assembly
 
 
 def _assemble(train: Train, reading: bool) -> Assembly:

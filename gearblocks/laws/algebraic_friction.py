@@ -20,7 +20,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.language.block import Block
-from gearblocks.language.contributions import Acts, Contribution, Energy, LossyTie, Rate, Stick, Switch
+from gearblocks.language.contributions import Acts, Contribution, Energy, LossyTie, Rate, Stick, Switch, Tie
 from gearblocks.language.fields import Flange
 from gearblocks.language.signals import Table
 from gearblocks.laws.checks import in_pair
@@ -107,6 +107,41 @@ def _in_terms_of(item: Contribution, known: Mapping[Any, Any]) -> Contribution:
     values = {f.name: getattr(item, f.name) for f in fields(item)}
     new = {n: x.xreplace(known) for n, x in values.items() if isinstance(x, sp.Basic) and x.free_symbols & known.keys()}
     return replace(item, **new) if new else item
+
+
+def held_fast(block: Block) -> Block:
+    """The block with its friction as a rigid constraint: it never slips."""
+    made = object.__new__(_held_kind(type(block)))
+    made.__dict__.update(block.__dict__)
+    return made
+
+
+@lru_cache(maxsize=64)
+def _held_kind(kind: type[Block]) -> type[Block]:
+    """The class of such blocks."""
+    members: dict[str, Any] = {
+        "__module__": kind.__module__,
+        "__qualname__": f"{kind.__qualname__} held fast",
+        "__doc__": kind.__doc__,
+        "physics": lambda self, s: _held(kind.physics(self, s), s),
+    }
+    return type(kind.__name__, (kind,), members)
+
+
+def _held(items: Iterator[Contribution], s: Any) -> Iterator[Contribution]:
+    """The contributions with a Tie in place of the Stick; its force is what the flanges get."""
+    kept, known = list[Contribution](), dict[Any, Any]()
+    for item in items:
+        if not isinstance(item, Stick):
+            kept.append(item)
+            continue
+        slip, flanges = sp.expand(sp.sympify(item.slip)), _flanges(s)
+        kept.append(Tie(slip.xreplace({f.w: f.phi for f in flanges.values()})))
+        flange, c = next(iter(row_of(s._pool, flanges, slip, "w").items()))
+        direction, stuck, force = s.stick(item.name)
+        known |= {direction: sp.Integer(0), stuck: sp.Integer(1), force: getattr(s, flange).tau / c}
+    for item in kept:
+        yield _in_terms_of(item, known)
 
 
 @dataclass(slots=True)

@@ -21,7 +21,12 @@ def reason(program: Program, code: Code, report: Any, parameters: Array) -> tupl
     massless = [
         p.path for p, v in zip(program.parameters, parameters, strict=True) if p.path.endswith((".J", ".m")) and v == 0
     ]
-    if code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and massless:
+    if code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and any(".held" in p.path for p in program.parameters):
+        remedy = (
+            "in this mode nothing holds a shaft without inertia: friction that is free, teeth in their gap and contact damping "
+            "that is clipped hold nothing; give a spring beside it a c, contact_damping='always', or the shaft an inertia"
+        )
+    elif code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and massless:
         remedy = (
             f"{', '.join(massless[:3])} = 0: a shaft without inertia moves by what damps it, in every mode (teeth in their "
             "gap damp nothing): give a spring beside it a c, contact_damping='always', or the shaft an inertia"

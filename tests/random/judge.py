@@ -7,6 +7,7 @@ and connections. `without` is held against the train that was built without.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -148,9 +149,12 @@ class Judge:
             shuffled = self._build("shuffled", self.train, Random(f"order {self.train.seed}"))
             if shuffled is not None:
                 self._run("shuffled", shuffled, method=used or "dp8", rtol=FINE)
-        self._against_reference()
+        if self.train.family == "inertialess":
+            self._against_limit()
+        else:
+            self._against_reference()
         if not light:
-            if "reference" not in self.verdict.evidence:
+            if not {"reference", "limit"} & set(self.verdict.evidence):
                 self._against_each_other(model, fine)
             self._without()
         if self.verdict.kind == "right" and not self.verdict.evidence:
@@ -209,6 +213,32 @@ class Judge:
             self.verdict.notes.append(f"no reference: {reason}")
         except HangError:
             self.verdict.notes.append("no reference: too slow")
+
+    def _against_limit(self) -> None:
+        """Against the same train with small inertias where there are none, extrapolated twice: other equations, states and
+        switching than those of algebraic forces. What both extrapolations do not agree on is no evidence."""
+        from tests.random.families.inertialess import with_inertias
+
+        self.stage("limit")
+        found: list[Motion] = []
+        if not self.runs:
+            return
+        for share in (4e-4, 2e-4, 1e-4):
+            train = with_inertias(self.train, share)
+            try:
+                with cpu_limit(CPU_LIMIT):
+                    run = self.gb.simulate(build(train, self.gb), t=self.t, rtol=1e-8, **arguments(train, self.gb))
+            except (self.gb.GearblocksError, HangError) as reason:
+                self.verdict.notes.append(f"no limit: {reason}")
+                return
+            found.append(motion_of(run, self.train))
+        first, second = (
+            Motion(2 * b.angles - a.angles, 2 * b.speeds - a.speeds, b.jumps) for a, b in itertools.pairwise(found)
+        )
+        unsure = deviations(first, second, self.t)
+        least = FACTOR * min(rtol for rtol, _ in self.runs.values())
+        factor = np.maximum.accumulate(1.0 + (10 * unsure + 1e-4) / least)
+        self._compare("limit", second, lambda _: factor - 1.0)
 
     def _given(self) -> Array | None:
         """The start of the first run, to be looked at by the reference where balance leaves a static start open."""

@@ -151,8 +151,72 @@ def test_an_undamped_spring_whose_friction_jumps_is_refused_by_name() -> None:
         gb.simulate(_rig(element, c=2.0), t_end=2.0)
 
 
-def test_two_elements_that_stick_on_one_shaft_without_inertia_are_refused_by_name() -> None:
+def test_three_elements_that_stick_on_one_shaft_without_inertia_are_refused_by_name() -> None:
     rig = _rig(gb.Clutch(capacity=15.0))
     rig.connect(rig["part"].a, rig.add("brake", gb.Brake(capacity=1.0)).a)
     with pytest.raises(gb.ModelError, match=r"'brake'.*one shaft without inertia.*put an Inertia there"):
         gb.build(rig)
+
+
+# -- friction in a row, with nothing between --------------------------------------------------------------------------
+
+
+def _row(*elements: gb.Block, J: float | None = None) -> gb.Drivetrain:
+    rig = gb.Drivetrain("friction in a row")
+    one, other = rig.add("one", gb.Inertia(J=0.3, w0=10.0)), rig.add("other", gb.Inertia(J=0.5))
+    row = []
+    for i, element in enumerate(elements):
+        row += [
+            rig.add(f"c{i}", element),
+            *([rig.add(f"n{i}", gb.Inertia(J=J))] if J and i < len(elements) - 1 else []),
+        ]
+    rig.chain(rig.add("drive", gb.Torque(tau=40 * gb.sin(7 * gb.time))), one, *row, other)
+    return rig
+
+
+@pytest.mark.parametrize("capacities", [(15.0, 20.0), pytest.param((20.0, 12.0, 30.0), marks=pytest.mark.long)])
+def test_of_clutches_in_a_row_the_weakest_slips(capacities: tuple[float, ...]) -> None:
+    clutches = [gb.Clutch(capacity=x) for x in capacities]
+    run = gb.simulate(_row(*clutches), t=T, rtol=1e-9)
+    single = gb.simulate(_row(gb.Clutch(capacity=min(capacities))), t=T, rtol=1e-9)
+    assert np.abs(run["one.w"] - single["one.w"]).max() < 1e-8 * np.abs(run["one.w"]).max()
+    weakest = capacities.index(min(capacities))
+    for i in range(len(capacities)):
+        np.testing.assert_allclose(run[f"c{i}.torque"], single["c0.torque"], rtol=1e-7, atol=1e-7)
+        np.testing.assert_allclose(run[f"c{i}.b.tau"], run[f"c{i}.torque"], rtol=1e-9, atol=1e-9)
+        slips = run[f"c{i}.w_rel"] if i == weakest else run[f"c{i}.mode"]
+        assert (slips != 0).any() == (i == weakest)
+    limit = [gb.simulate(_row(*clutches, J=J), t=T, rtol=1e-9)["one.w"] for J in (2e-5, 1e-5)]
+    assert np.abs(run["one.w"] - (2 * limit[1] - limit[0])).max() < 1e-6 * np.abs(run["one.w"]).max()
+
+
+def test_a_clutch_and_a_brake_on_a_shaft_without_inertia_are_in_a_row_too() -> None:
+    rig = gb.Drivetrain("clutch and brake")
+    one, clutch = rig.add("one", gb.Inertia(J=0.3, w0=10.0)), rig.add("clutch", gb.Clutch(capacity=3.0))
+    rig.chain(one, clutch, rig.add("brake", gb.Brake(capacity=5.0)))
+    run = gb.simulate(rig, t=[0.0, 0.4, 2.0])
+    assert run["one.w"] == pytest.approx([10.0, 6.0, 0.0])
+    assert run["brake.torque"][1] == pytest.approx(3.0)
+    assert run["clutch.loss_power"][1] == pytest.approx(18.0)
+
+
+@pytest.mark.parametrize(("elements", "rule"), [
+    ((gb.Clutch(capacity=15.0), gb.Clutch(capacity=15.0)), r"slip at the same torque, 15 N m"),
+    ((gb.Clutch(capacity=15.0, peak=1.5), gb.Clutch(capacity=20.0)), r"breaks away at no more \(20 N m\)"),
+    ((gb.Clutch(capacity=gb.Table([0.0, 1.0], [1.0, 9.0])), gb.Clutch(capacity=5.0)), r"'c0'.*with numbers for capacity"),
+    ((gb.Clutch(capacity=5.0), gb.Freewheel()), r"'c1'.*with numbers for capacity"),
+])  # fmt: skip
+def test_a_row_whose_weakest_element_the_numbers_do_not_tell_is_refused(
+    elements: tuple[gb.Block, ...], rule: str
+) -> None:
+    with pytest.raises(gb.ModelError, match=rule + ".*put an Inertia there"):
+        gb.build(_row(*elements))
+
+
+def test_capacities_of_a_row_are_structural() -> None:
+    rig = _row(gb.Clutch(capacity=15.0), gb.Clutch(capacity=20.0))
+    with pytest.raises(gb.GearblocksError, match=r"'c1\.capacity'.*structural.*rig\.set"):
+        gb.simulate(rig, t_end=0.1, parameters={"c1.capacity": 10.0})
+    changed = gb.simulate(rig.set({"c1.capacity": 10.0}), t=T, rtol=1e-9)
+    single = gb.simulate(_row(gb.Clutch(capacity=10.0)), t=T, rtol=1e-9)
+    assert np.abs(changed["one.w"] - single["one.w"]).max() < 1e-8 * np.abs(single["one.w"]).max()

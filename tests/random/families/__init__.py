@@ -1,4 +1,4 @@
-"""Eight families of random trains; each is a function from a seed to a description."""
+"""Nine families of random trains; each is a function from a seed to a description."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from tests.random.description import Train
 from tests.random.families.contact import contact
 from tests.random.families.control import control
 from tests.random.families.friction import friction
+from tests.random.families.inertialess import inertialess
 from tests.random.families.laws import laws
 from tests.random.families.lossy import lossy
 from tests.random.families.mixed import mixed
@@ -15,7 +16,7 @@ from tests.random.families.smooth import smooth
 from tests.random.families.wide import wide
 
 FAMILIES: dict[str, Callable[[int], Train]] = {
-    f.__name__: f for f in (smooth, contact, friction, lossy, control, mixed, wide, laws)
+    f.__name__: f for f in (smooth, contact, friction, lossy, control, mixed, wide, laws, inertialess)
 }
 
 
