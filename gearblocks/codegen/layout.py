@@ -167,6 +167,7 @@ def _start_values(lay: Layout) -> None:
     """Start angle and speed of every group, start of every state of a block."""
     blocks = {c.path: c.block for c in lay.assembly.train.components}
     sliders = slider_names(lay.assembly.train.components)
+    known: dict[str, int] = {}
     for group, start in enumerate(lay.assembly.starts):
         wanted = [(start.phi0, ANGLE, "rad", "start angle", lay.phi0)]
         if group < lay.assembly.n_speeds:
@@ -177,9 +178,11 @@ def _start_values(lay: Layout) -> None:
             if isinstance(given, Parameter):
                 target.append(lay.shared[given.name])
             else:
-                name = start_name(blocks.get(path), of, slides)
+                name = f"{path}.{start_name(blocks.get(path), of, slides)}"
                 spec = Field(words_along(words, slides), unit_along(unit, slides), "param")
-                target.append(_add(lay, f"{path}.{name}", spec, tunable=False, start=of))
+                if name not in known:  # both sides of a lossy gear may start as one body says
+                    known[name] = _add(lay, name, spec, tunable=False, start=of)
+                target.append(known[name])
     for b, batch in enumerate(lay.assembly.batches):
         for state in batch.law.rates:
             lay.state_start[b, state] = len(lay.parameters)

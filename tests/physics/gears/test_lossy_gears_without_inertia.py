@@ -137,3 +137,13 @@ def test_losses_that_the_torques_at_a_shaft_without_inertia_do_not_tell_are_refu
     rig.chain(one, *((gear, shaft) if order == "gear first" else (shaft, gear)), other)
     with pytest.raises(gb.ModelError, match=f"'gear'.*{rule}.*put an Inertia there"):
         gb.build(rig)
+
+
+def test_a_start_angle_passed_through_a_lossy_gear_is_one_parameter() -> None:
+    rig = gb.Drivetrain("one start")
+    motor, box = (
+        rig.add("motor", gb.Inertia(J=0.3, phi0=0.5)),
+        rig.add("box", gb.Gearbox(ratio=2.0, efficiency=(0.9, 0.8))),
+    )
+    rig.chain(motor, box, rig.add("load", gb.Inertia(J=0.5)))
+    assert [p.path for p in gb.build(rig).program.parameters].count("motor.phi0") == 1

@@ -37,7 +37,7 @@ def _compliant(g: Growth, a: str, b: str, size: float) -> None:
     k = digits(size * d.log(10.0, 300.0))
     c = digits(k / d.log(30.0, 400.0))
     if d.chance(0.35):
-        gap = d.choice((0.0, d.log(0.001, 0.05)))
+        gap = d.log(0.001, 0.05)
         g.add("lash", "Lash", {"a": a, "b": b}, k=k, c=c, half_gap=gap, contact_damping="always")
     else:
         g.add("shaft", "Shaft", {"a": a, "b": b}, k=k, c=c)
