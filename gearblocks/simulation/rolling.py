@@ -10,7 +10,7 @@ Answers a parameter vector, in which the start values are these. Knows nothing o
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -162,6 +162,17 @@ class _Solving:
         """The connected parts that a given value stands in."""
         return {self.joined.root(group) for _, group in self.named}
 
+    def reached(self, rows: list[RigidRow]) -> set[int]:
+        """The connected parts that a given value stands in, and those that rows join with them."""
+        beyond = DisjointSets[int]()
+        for row in rows:
+            for g in row.groups[1:]:
+                beyond.join(self.joined.root(g), self.joined.root(row.groups[0]))
+        told = {beyond.root(part) for part in self.told()}
+        return {
+            part for row in rows for g in row.groups if beyond.root(part := self.joined.root(g)) in told
+        } | self.told()
+
     def is_told(self, row: RigidRow, told: set[int]) -> bool:
         """Whether a row touches one of them."""
         return any(self.joined.root(g) in told for g in row.groups)
@@ -187,9 +198,11 @@ def _give_named(solving: _Solving, named: Mapping[int, float], names: list[str])
         solving.give(names[i], solving.program.bodies[i], value)
 
 
-def _give_own(solving: _Solving, own: Mapping[int, float], named: Mapping[int, float], names: list[str]) -> None:
-    """Values of bodies, where the named ones leave them free."""
-    told = solving.told()
+def _give_own(
+    solving: _Solving, own: Mapping[int, float], named: Mapping[int, float], names: list[str], held: Iterable[int] = ()
+) -> None:  # fmt: skip
+    """Values of bodies, where the named ones, and the friction that holds beside them in the groups `held`, leave them free."""
+    told = solving.told() | {solving.joined.root(g) for g in held}
     before = solving.motion.copied()
     for i, value in own.items():
         row = solving.program.bodies[i]
@@ -279,8 +292,8 @@ def _speeds(program: Program, vector: Array, given: _Given, point: Point) -> lis
     own = _own(program, vector, speeds=True)
     names = [row.speed for row in program.bodies]
     _give_named(solving, given.speeds, names)
-    _hold(solving, point, beside_named=True)
-    _give_own(solving, own, given.speeds, names)
+    held = _hold(solving, point, beside_named=True)
+    _give_own(solving, own, given.speeds, names, held)
     _hold(solving, point)
     return solving.values(_least_energy(solving, point))
 
@@ -297,23 +310,22 @@ def _size(solving: _Solving, row: RigidRow) -> float:
     return max(terms, default=0.0)
 
 
-def _hold(solving: _Solving, point: Point, *, beside_named: bool = False) -> None:
+def _hold(solving: _Solving, point: Point, *, beside_named: bool = False) -> set[int]:
     """No slip in what is engaged, the strongest first; stops between two bodies take each other along last. beside_named: only
-    in what is joined with a named value."""
+    in what is joined with a named value. Answers the groups of all rows that were looked at."""
     program, at = point.program, point.constraints()
     kinds = [x.kind for x in point.sim.constraints().constraints]
     engaged = [i for i, kind in enumerate(kinds) if kind is ConstraintKind.FRICTION and at.bounds[i, 4] > 0]
     engaged.sort(key=lambda i: -max(-at.bounds[i, 0], at.bounds[i, 1]))
     stops = [i for i, kind in enumerate(kinds) if kind is ConstraintKind.STOP and len(program.slips[i].groups) > 1]
     waiting = [*engaged, *stops]
-    while waiting:
-        told = solving.told()
-        i = next((i for i in waiting if not beside_named or solving.is_told(program.slips[i], told)), None)
-        if i is None:
-            return
-        waiting.remove(i)
+    if beside_named:
+        reached = solving.reached([program.slips[i] for i in waiting])
+        waiting = [i for i in waiting if solving.is_told(program.slips[i], reached)]
+    for i in waiting:
         if not solving.take(program.slips[i], 0.0) and kinds[i] is ConstraintKind.FRICTION:
             _refuse_impact(solving, program.slips[i], at.bounds[i])
+    return {g for i in waiting for g in program.slips[i].groups}
 
 
 def _refuse_impact(solving: _Solving, row: RigidRow, bounds: Array) -> None:

@@ -118,6 +118,16 @@ def test_friction_holds_where_the_given_speeds_let_it_the_strongest_first() -> N
     assert held["carrier.w"][0] == pytest.approx((sun + i * ring) / (1 + i), rel=1e-9)
 
 
+def test_of_two_that_cannot_both_hold_the_stronger_one_holds() -> None:
+    """A clutch to a turning motor against a brake to the ground: what a run would find, too."""
+    for clutch, brake, hub in ((80.0, 500.0, 0.0), (500.0, 80.0, 300.0)):
+        rig = gb.Drivetrain("between")
+        part = rig.add("hub", gb.Inertia(J=1.0, w0=7.0))  # which yields
+        rig.chain(rig.add("motor", gb.Inertia(J=1.0)), rig.add("clutch", gb.Clutch(capacity=clutch)), part)
+        rig.connect(part.b, rig.add("brake", gb.Brake(capacity=brake)).a)
+        assert gb.simulate(rig, t_end=1e-5, initial=gb.rolling({"motor.w": 300.0}))["hub.w"][0] == hub
+
+
 def test_a_lock_that_would_have_to_close_by_an_impact_is_refused() -> None:
     rig = gb.Drivetrain("freewheel")
     rig.chain(rig.add("one", gb.Inertia(J=1.0)), rig.add("free", gb.Freewheel()), rig.add("two", gb.Inertia(J=1.0)))
