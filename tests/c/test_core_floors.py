@@ -51,9 +51,10 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_locate",),
     ("gb_account", "gb_record"),
     ("gb_step",),
-    ("gb_quantity", "gb_watch"),
-    ("gb_run",),
-    ("gb_study",),
+    ("gb_quantity", "gb_watch", "gb_tangent_step"),
+    ("gb_run", "gb_tangent_event"),
+    ("gb_study", "gb_tangent_graze"),
+    ("gb_tangents",),
 )
 """From the ground up: a .c and its header each."""
 
@@ -76,6 +77,7 @@ ALONE = (
     "gb_enclosure.h",
     "gb_enclosed_table.h",
     "gb_vector.h",
+    "gb_tangent_room.h",
     "gb_lane.h",
     "gb_lane_run.h",
 )

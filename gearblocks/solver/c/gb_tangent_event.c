@@ -1,9 +1,10 @@
+#include "gb_tangent_event.h"
 #include "gb_departure.h"
 #include "gb_event.h"
 #include "gb_rates.h"
-#include "gb_tangents.h"
+#include "gb_snapshot.h"
+#include "gb_tangent_step.h"
 #include "gb_time_terms.h"
-#include "gb_vector.h"
 
 static const double ALONG = 1e-3;     /* steps: how far along the motion a difference goes */
 static const double GRAZING = 1e-4;   /* steps: a surface that is left again within less is grazed */
@@ -20,14 +21,14 @@ static int along(gb_sim *sim, const gb_tangent_room *room, double t, const doubl
     int code = GB_DONE;
     memset(out, 0, sizeof(double) * (size_t)model->n_event_functions);
     for (int p = 0; p < GB_BESIDE && general && reach > 0.0 && code == GB_DONE; p++) {
-        const double distance = gb_beside[p] * reach;
+        const double distance = gb_beside(p) * reach;
         for (int i = 0; i < model->n_padded; i++) {
             room->moved[i] = y[i] + distance * v[i];
         }
         code = gb_time_terms_at(sim, t + distance * dt);
         model->event_functions(sim->par, sim->mode, sim->instant.time_terms, room->moved, room->functions);
         for (int i = model->n_affine; i < model->n_event_functions; i++) {
-            out[i] += gb_beside_weight[p] / reach * room->functions[i];
+            out[i] += gb_beside_weight(p) / reach * room->functions[i];
         }
     }
     if (model->n_affine > 0) {
@@ -139,14 +140,14 @@ static int mapped(gb_sim *sim, const gb_tangent_room *room, const double *w) {
     for (int p = 0; p < GB_BESIDE && reach > 0.0; p++) {
         gb_restore(sim, room->block_before);
         for (int i = 0; i < n; i++) {
-            sim->y[i] += gb_beside[p] * reach * w[i];
+            sim->y[i] += gb_beside(p) * reach * w[i];
         }
         const int timed = sim->head->front.t1 >= sim->head->events.t_break;
         int code = gb_apply_event(sim);
         code = code == GB_DONE ? gb_depart(sim, 1, timed) : code;
         alike = alike && code == GB_DONE && sim->head->events.mode_hash == modes;
         for (int i = 0; i < n; i++) {
-            room->beyond[i] += gb_beside_weight[p] / reach * sim->y[i];
+            room->beyond[i] += gb_beside_weight(p) / reach * sim->y[i];
         }
     }
     gb_restore(sim, room->block_after);

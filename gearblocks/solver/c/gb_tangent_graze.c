@@ -1,9 +1,9 @@
+#include "gb_tangent_graze.h"
 #include "gb_dense_output.h"
 #include "gb_event_values.h"
 #include "gb_rates.h"
-#include "gb_tangents.h"
+#include "gb_tangent_event.h"
 #include "gb_time_terms.h"
-#include "gb_vector.h"
 
 static const double TOUCHES = 1e-8; /* of what an event function moves in the step: so near a limit it may be at it */
 static const double BESIDE = 0.02;  /* of the step: points of the parabola around an extremum */

@@ -1,11 +1,6 @@
+#include "gb_tangent_step.h"
 #include "gb_rates.h"
-#include "gb_report.h"
-#include "gb_tangents.h"
 #include "gb_time_terms.h"
-#include "gb_vector.h"
-
-const double gb_beside[GB_BESIDE] = {-2.0, -1.0, 1.0, 2.0};
-const double gb_beside_weight[GB_BESIDE] = {1.0 / 12.0, -8.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0};
 
 static const double NEAR = 1e-4; /* of the size of a state: laws bend over a hundredth of it and less */
 
@@ -25,7 +20,7 @@ static void product(gb_sim *sim, const gb_tangent_room *room, int lane, const do
     const double reach = gb_tangent_reach(sim, y, v);
     memset(out, 0, sizeof(double) * (size_t)padded);
     for (int p = 0; p < GB_BESIDE && reach > 0.0; p++) {
-        const double distance = gb_beside[p] * reach, weight = gb_beside_weight[p] / reach;
+        const double distance = gb_beside(p) * reach, weight = gb_beside_weight(p) / reach;
         for (int b = 0; b < padded; b++) {
             room->moved[b] = y[b] + distance * v[b];
         }

@@ -1,7 +1,10 @@
 #include "gb_tangents.h"
 #include "gb_report.h"
 #include "gb_run.h"
-#include "gb_vector.h"
+#include "gb_snapshot.h"
+#include "gb_tangent_event.h"
+#include "gb_tangent_graze.h"
+#include "gb_tangent_step.h"
 
 #include <time.h>
 
@@ -15,7 +18,8 @@ static double *take(double *base, size_t *at, size_t count) {
     return base ? base + here : NULL;
 }
 
-size_t gb_tangent_lay(const gb_sim *sim, int count, double *base, gb_tangent_room *room) {
+/* Laid out from `base` on; answers how many numbers there are. */
+static size_t lay(const gb_sim *sim, int count, double *base, gb_tangent_room *room) {
     const gb_model *m = sim->model;
     const size_t total = (size_t)m->n_total, stages = GB_STAGES, columns = (size_t)(count > 0 ? count : 1);
     const size_t block = (gb_snapshot_size(sim) + sizeof(double) - 1) / sizeof(double);
@@ -42,7 +46,7 @@ size_t gb_tangent_lay(const gb_sim *sim, int count, double *base, gb_tangent_roo
 
 size_t gb_tangent_size(const gb_sim *sim, int count) {
     gb_tangent_room room;
-    return gb_tangent_lay(sim, count, NULL, &room);
+    return lay(sim, count, NULL, &room);
 }
 
 static double product(const gb_sim *sim, const double *scale, const double *a, const double *b) {
@@ -103,11 +107,11 @@ static int move(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room *room,
     const int is_event = sim->head->events.pending && tangents->count > 0;
     int code = is_event ? gb_tangents_before(sim, tangents, room) : GB_DONE;
     code = code == GB_DONE ? gb_move(sim, target) : code;
-    if (code == GB_DONE) {
-        code = (is_event ? gb_tangents_after : gb_tangents_step)(sim, tangents, room);
-    }
-    if (code == GB_DONE && !is_event && tangents->count > 0) {
-        code = gb_tangents_graze(sim, tangents, room);
+    if (code == GB_DONE && is_event) {
+        code = gb_tangents_after(sim, tangents, room);
+    } else if (code == GB_DONE) {
+        code = gb_tangents_step(sim, tangents, room);
+        code = code == GB_DONE && tangents->count > 0 ? gb_tangents_graze(sim, tangents, room) : code;
     }
     sim->log.count = sim->log.flushed = 0;
     return code;
@@ -121,7 +125,7 @@ int gb_tangents_run(gb_sim *sim, gb_tangents *tangents, double slice) {
     if (code == GB_DONE && (sim->method->gamma > 0.0 || head->choice.automatic || !head->options.locate)) {
         code = gb_fail(sim, GB_ERR_METHOD, head->method, head->front.t1, 0.0);
     }
-    gb_tangent_lay(sim, tangents->count, tangents->room, &room);
+    lay(sim, tangents->count, tangents->room, &room);
     for (; tangents->done < tangents->n_times && code == GB_DONE; tangents->done++) {
         const double target = tangents->times[tangents->done];
         head->options.t_stop = target;

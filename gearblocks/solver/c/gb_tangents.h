@@ -8,46 +8,11 @@
  * where all laws are smooth; R_x w is one of whole events. No derivative exists where a surface is only grazed, where
  * motions beside reach two surfaces one after the other, and where an event beside decides otherwise.
  *
- * Knows nothing of what is done with the columns. */
+ * The calls are those of gb_core.h: gb_tangent_size, gb_tangents_run. Knows nothing of what is done with the columns.
+ */
 #ifndef GB_TANGENTS_H
 #define GB_TANGENTS_H
 
-#include "gb_internal.h"
-
-enum { GB_BESIDE = 4 }; /* points of a difference */
-
-extern const double gb_beside[GB_BESIDE];
-extern const double gb_beside_weight[GB_BESIDE];
-
-/* Places in the room of the caller: vectors n_total long, of stages as many as there are. */
-typedef struct gb_tangent_room {
-    gb_lanes lanes;
-    double *state, *combined, *moved, *rates; /* scratch */
-    double *slopes, *columns;                 /* rates of the stages: of the state, of each column */
-    double *before, *rates_before, *rates_after, *beyond;
-    double *functions, *speeds, *surfaces; /* event functions; how fast they change along the motion, along a column */
-    double *delay;                         /* dt by column */
-    double *block_before, *block_after;    /* saved states */
-} gb_tangent_room;
-
-/* Laid out from `base` on; answers how many numbers there are. */
-size_t gb_tangent_lay(const gb_sim *sim, int count, double *base, gb_tangent_room *room);
-
-/* How far along v a difference goes: a small part of the size of each state. 0: v is zero. */
-double gb_tangent_reach(const gb_sim *sim, const double *y, const double *v);
-
-/* The columns along the step that ended at the front. */
-int gb_tangents_step(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room *room);
-
-/* Whether the step that ended at the front has an event function turn at its limit: motions beside reach it, or do not.
- */
-int gb_tangents_graze(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room *room);
-
-/* An instant at which no derivative exists. */
-void gb_tangents_note(gb_tangents *tangents, double t);
-
-/* What is pending at the front, before it is applied and after. */
-int gb_tangents_before(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room *room);
-int gb_tangents_after(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room *room);
+#include "gb_core.h"
 
 #endif
