@@ -32,16 +32,18 @@ static int is_function(gb_sim *sim) {
     return 1;
 }
 
+/* By the limits of the modes, not by those of this step: what is held, or was noise, is watched again in the next. */
 static int is_alone(const gb_sim *sim) {
     const gb_model *model = sim->model;
-    for (int i = 0; i < model->n_event_functions; i++) {
-        sim->panel.watched[i] = sim->events.lo[i] > -HUGE_VAL || sim->events.hi[i] < HUGE_VAL;
-    }
+    double *lo = sim->events.moved, *hi = sim->events.until;
+    model->mode_limits(sim->par, sim->mode, lo, hi);
     for (int i = 0; i < model->n_constraints; i++) {
-        sim->panel.watched[model->constraints[i].active] = 0;
+        const int at = model->constraints[i].active;
+        lo[at] = -HUGE_VAL;
+        hi[at] = HUGE_VAL;
     }
     for (int i = 0; i < model->n_event_functions; i++) {
-        if (sim->panel.watched[i]) {
+        if (lo[i] > -HUGE_VAL || hi[i] < HUGE_VAL) {
             return 0;
         }
     }
