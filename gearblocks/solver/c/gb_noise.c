@@ -12,9 +12,6 @@ static const double OF_LOCKS = 256.0 * DBL_EPSILON;
 /* By how much the rates of implicit methods in time, which are differences over a small part of a step, are noisier. */
 static const double OF_DIFFERENCES = 1e2;
 
-/* Noise that is less than this part of another is less. */
-static const double NEARLY = 1.0 - 1e-9;
-
 /* What rounds in the force of each active constraint: itself, and what others do to its slip, which it answers. */
 static void sizes_of_forces(gb_sim *sim, const double *time_terms, const double *y, double *size) {
     const gb_delassus W = gb_delassus_of(sim);
@@ -53,8 +50,8 @@ static void accelerations_of_locks(gb_sim *sim, const double *time_terms, const 
     }
 }
 
-/* What locks make one moves as one: each of two speeds that such a row ties has the noise of the other, times the gain.
- */
+/* What locks make one moves as one: of two speeds that such a row ties, one without noise has that of the other, times
+ * the gain. */
 static void share_among_tied(const gb_sim *sim, double *noise) {
     const gb_constraint_rows *rows = sim->model->constraint_rows;
     const gb_active_set a = gb_active_at(rows, sim->mode + sim->model->n_switches);
@@ -66,10 +63,10 @@ static void share_among_tied(const gb_sim *sim, double *noise) {
             const int e = a.start[r], two = a.start[r + 1] == e + 1 && a.value[e] != 0.0;
             double *one = of + rows->speed[a.pivot[r]], *other = two ? of + rows->speed[a.column[e]] : one;
             const double gain = two ? fabs(a.value[e]) : 1.0;
-            if (*one < NEARLY * gain * *other) {
+            if (*one == 0.0 && *other > 0.0) {
                 *one = gain * *other;
                 changed = 1;
-            } else if (gain * *other < NEARLY * *one) {
+            } else if (*other == 0.0 && *one > 0.0) {
                 *other = *one / gain;
                 changed = 1;
             }
@@ -89,7 +86,9 @@ int gb_noise_of_locks(gb_sim *sim, const double *time_terms, const double *y, do
         const double noise = i < model->n - model->n_speeds ? 0.0 : part * (fabs(left[i]) + most[i]);
         left[i] = noise < HUGE_VAL ? noise : 0.0;
     }
-    share_among_tied(sim, left);
+    if (sim->head->control.unscaled || sim->head->counts.steps == 0) {
+        share_among_tied(sim, left);
+    }
     for (int i = 0; i < model->n; i++) {
         beyond |= left[i] > sim->control.noise[i];
     }
