@@ -28,7 +28,7 @@ Say = Callable[[str], None]
 
 HALF_GAP = "spline.backlash.half_gap"
 PUBLISHED = {300: "harmonic", 348: "period 2", 360: "period 5", 1080: "chaos"}
-EXPECTED = {300: "period 1", 348: "period 2", 360: "period 5", 1080: "not periodic"}
+EXPECTED = {300: "period 1", 348: "period 2", 360: "period 5", 1080: "chaotic"}
 LEVELS = (1e-2, 1e-4, 1e-6, 1e-8)
 FILES = {
     "scheme.svg": "the coupling as a kinematic scheme",

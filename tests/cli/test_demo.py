@@ -11,7 +11,7 @@ from lxml import html
 
 from gearblocks.cli.main import main
 
-EXPECTED = {"300 rpm": "period 1", "348 rpm": "period 2", "360 rpm": "period 5", "1080 rpm": "not periodic"}
+EXPECTED = {"300 rpm": "period 1", "348 rpm": "period 2", "360 rpm": "period 5", "1080 rpm": "chaotic"}
 
 
 @pytest.fixture(scope="module")
