@@ -120,10 +120,7 @@ def lyapunov(
             f"periods = {periods} must be >= {BATCHES}, transient = {transient} >= 0 and count = {count} >= 1"
         )
     seen = strobe(build(train), section, parameters, initial, rtol)
-    y = seen.start(initial)
-    if transient:
-        y = seen.follow(y, transient).states[-1]
-    seen = seen.sized(y, transient)
+    seen, y = seen.settled(initial, transient)
     neutral = neutral_directions(seen, y)
     found = exponents_of(seen, y, neutral, periods, count, transient)
     return replace(found, orbit=_arrived(seen, found.states, neutral))

@@ -82,10 +82,7 @@ def periodic_orbit(
     if periods < 1 or transient < 0:
         raise ParameterError(f"periods = {periods} must be >= 1 and transient = {transient} must be >= 0")
     seen = strobe(build(train), section, parameters, initial, rtol)
-    y = seen.start(initial)
-    if transient:
-        y = seen.follow(y, transient).states[-1]
-    seen = seen.sized(y, transient)
+    seen, y = seen.settled(initial, transient)
     neutral = neutral_directions(seen, y)
     orbit = shoot(seen, y, periods, neutral)
     if orbit is None:

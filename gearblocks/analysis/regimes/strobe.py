@@ -87,6 +87,13 @@ class Strobe:
         scale = np.where(size > 0.0, size, 1.0)
         return replace(self, scale=scale, max_step=_REACH / max(self._fastest(states, scale), 1e-300))
 
+    def settled(self, initial: Any, transient: int) -> tuple[Strobe, Array]:
+        """The same, sized by the motion after so many periods, and its states there."""
+        y = self.start(initial)
+        if transient:
+            y = self.follow(y, transient).states[-1]
+        return self.sized(y, transient), y
+
     def _fastest(self, states: Array, scale: Array) -> float:
         """The largest eigenvalue of the rates by the states [1/s], at points along a period."""
         largest = 0.0
