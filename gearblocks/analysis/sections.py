@@ -106,6 +106,8 @@ def section_points(
 
 def section_period(section: Section, parameters: Mapping[str, float]) -> float:
     """Period of a stroboscopic section [s]. Raises ParameterError where its frequency is not above 0."""
+    if not isinstance(section, Section):
+        raise ParameterError(f"section = {section!r:.80} must be a section such as gb.stroboscopic('speed')")
     paths = {path: i for i, path in enumerate(parameters)}
     path = [*parameters][resolve(section.frequency, paths, "parameter")]
     frequency = parameters[path]

@@ -143,7 +143,10 @@ def bifurcation(
 
 
 def _values(values: ArrayLike) -> Array:
-    asked = np.atleast_1d(np.asarray(values, dtype=np.float64))
+    try:
+        asked = np.atleast_1d(np.asarray(values, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise ParameterError(f"values = {values!r:.80} must be numbers, in SI units") from None
     if asked.ndim != 1 or not len(asked) or not np.isfinite(asked).all() or (np.diff(asked) <= 0).any():
         raise ParameterError(f"values = {values!r:.80} must be finite and increase")
     return asked

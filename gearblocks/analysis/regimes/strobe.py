@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gearblocks.analysis.sections import Section, section_period
 from gearblocks.errors import GearblocksError, SimulationError
 from gearblocks.language.starts import is_rolling
-from gearblocks.simulation.arguments import is_static, parameter_vector, set_inputs, start_state
+from gearblocks.simulation.arguments import is_static, method_options, parameter_vector, set_inputs, start_state
 from gearblocks.simulation.failures import component_of, reason
 from gearblocks.simulation.records import NamedValues
 from gearblocks.simulation.rolling import rolled
@@ -202,6 +202,7 @@ def strobe(
     model: Model, section: Section, parameters: Mapping[str, float | str] | None, initial: Any, rtol: float
 ) -> Strobe:
     """Of a model and a section, with parameters and start values as for `simulate`. Raises ParameterError."""
+    method_options("dp8", rtol, None, None, True, np.inf)
     vector = parameter_vector(model, parameters or {}, initial)
     if is_rolling(initial):
         with model.library.reopen() as sim:

@@ -89,6 +89,10 @@ def test_an_unstable_orbit_is_found_and_called_so(oscillator: Oscillator) -> Non
         (lambda rig: gb.lyapunov(rig, SECTION, periods=3), "periods = 3 must be >= 20"),
         (lambda rig: gb.periodic_orbit(rig, SECTION, periods=0), "periods = 0 must be >= 1"),
         (lambda rig: gb.classify(rig, gb.stroboscopic("drve")), "drve"),
+        (lambda rig: gb.classify(rig, "drive"), "section = 'drive' must be a section"),
+        (lambda rig: gb.classify(rig, SECTION, rtol=float("nan")), "rtol"),
+        (lambda rig: gb.lyapunov(rig, SECTION, rtol=-1.0), "rtol"),
+        (lambda rig: gb.bifurcation(rig, "drive", ["a"], section=SECTION), "values = .* must be numbers"),
     ],
 )
 def test_what_cannot_be_asked_is_refused_by_name(oscillator: Oscillator, call: Any, words: str) -> None:
