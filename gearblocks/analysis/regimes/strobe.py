@@ -148,6 +148,8 @@ class Strobe:
             where = tangents.undefined
             corner = self._corner(where.switch, where.t) if where.events else ""
             states = tangents.states[:, : self.n].copy()
+            counts = [i for i, q in enumerate(program.states) if q.name.endswith(".impacts")]
+            states[:, counts] = y[counts]  # what stops count grows for ever, and no law reads it
             return Followed(states, tangents.maps, tangents.logs, corner, sim.counters.events)
 
     def map(self, y: Array, periods: int, *, after: int = 0) -> Followed:

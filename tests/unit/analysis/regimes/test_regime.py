@@ -55,6 +55,14 @@ def test_multipliers_of_a_focus_are_those_of_its_equation(oscillator: Oscillator
     assert orbit.exponents == pytest.approx([-c / 2, -c / 2], abs=1e-10)
 
 
+def test_a_motion_that_strikes_its_stops_is_periodic_though_these_count() -> None:
+    rig, drive = gb.Drivetrain("stops"), gb.Parameter("drive", 1.0, "rad/s")
+    source = rig.add("source", gb.Torque(tau=gb.cos(drive * gb.time)))
+    stop = gb.HardStop(lower=-0.3, upper=0.4, restitution=0.6)
+    rig.chain(source, rig.add("disc", gb.Inertia(J=1.0)), rig.add("stop", stop), rig.add("ground", gb.Fixed()))
+    assert gb.classify(rig, SECTION).label == "period 1"
+
+
 def test_two_wells_are_two_motions(oscillator: Oscillator) -> None:
     rig = oscillator(lambda drive, x, v: 0.1 * gb.cos(drive * gb.time) + 2 * x - x**3, c=0.25, phi0=0.5)
     found = gb.classify(rig, SECTION, starts=4)
