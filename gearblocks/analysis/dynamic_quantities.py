@@ -23,57 +23,83 @@ from gearblocks.simulation.needs import Along, Needs, Solution
 Array = NDArray[np.float64]
 
 _FACTORS = ("contact", "print")
+_EXTREMES = {"peak": "trough", "trough": "peak", "mean": "mean"}
 _LEAST_SAMPLES, _MOST_SAMPLES, _PER_PERIOD = 1 << 12, 1 << 18, 32
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class DynamicFactor(Quantity):
-    """Peak of N/F ("contact") or of (F + k x)/F ("print") in the window: N the force of a mesh, k its stiffness, x its
-    deflection, F its force in the static equilibrium with every excitation at its mean."""
+    """Peak, trough or mean of N/F ("contact") or of (F + k x)/F ("print") in the window: N the force of a mesh, k its
+    stiffness, x its deflection, F its force in the static equilibrium with every excitation at its mean. samples: so many
+    equal distances from the begin of the window are looked at instead of the motion between them."""
 
     component: str
     kind: str = "contact"
+    which: str = "peak"
+    samples: int | None = None
     after: float | None = None
     before: float | None = None
     word: ClassVar[str] = "dynamic_factor"
     positional: ClassVar[tuple[str, ...]] = ("component",)
 
+    def _outputs(self) -> tuple[str, ...]:
+        """The force, or deflection and stiffness."""
+        names = ("force",) if self.kind == "contact" else ("deflection", "stiffness")
+        return tuple(f"{self.component}.{name}" for name in names)
+
     def _along(self, span: Span) -> tuple[Along, Along]:
-        """The force, or stiffness x deflection: highest and lowest."""
-        of = ("force", "") if self.kind == "contact" else ("deflection", "stiffness")
-        output, factor = (f"{self.component}.{name}" if name else "" for name in of)
+        """What is asked for, of a force along F and of one against it."""
+        output, factor = (*self._outputs(), "")[:2]
         start, end = self.window(span)
-        return Along("peak", output, start, end, factor), Along("trough", output, start, end, factor)
+        kinds = (self.which, _EXTREMES[self.which])
+        return Along(kinds[0], output, start, end, factor), Along(kinds[1], output, start, end, factor)
+
+    def _times(self, span: Span) -> Array:
+        start, end = self.window(span)
+        times: Array = start + (end - start) * np.arange(self.samples or 0) / (self.samples or 1)
+        return times
 
     def unit(self, span: Span) -> str:
         """A number."""
-        if self.kind not in _FACTORS:
-            words = f"{self.name}: kind = {self.kind!r} must be one of {', '.join(_FACTORS)}"
-            raise ParameterError(f"{words}{did_you_mean(self.kind, _FACTORS)}")
-        for name in ("force",) if self.kind == "contact" else ("force", "deflection", "stiffness"):
-            if f"{self.component}.{name}" not in span.units:
+        for what, value, known in (("kind", self.kind, _FACTORS), ("which", self.which, (*_EXTREMES,))):
+            if value not in known:
+                words = f"{self.name}: {what} = {value!r} must be one of {', '.join(known)}"
+                raise ParameterError(f"{words}{did_you_mean(value, known)}")
+        if self.samples is not None and (not isinstance(self.samples, int) or self.samples < 2):
+            raise ParameterError(f"{self.name}: samples = {self.samples!r} must be a whole number >= 2")
+        for output in (f"{self.component}.force", *self._outputs()):
+            if output not in span.units:
                 meshes = [x.rpartition(".")[0] for x in span.units if x.endswith(".force")]
                 near = did_you_mean(self.component, meshes)
+                name = output.rpartition(".")[2]
                 raise UnknownNameError(f"{self.name}: '{self.component}' has no output '{name}'; meshes have{near}")
         self.window(span)
         return "1"
 
     def needs(self, span: Span) -> Needs:
         """The force in the equilibrium, and what it is related to."""
-        return Needs(along=self._along(span), static=(f"{self.component}.force",))
+        static = (f"{self.component}.force",)
+        if self.samples is not None:
+            return Needs(self._outputs(), tuple(self._times(span).tolist()), static=static)
+        return Needs(along=self._along(span), static=static)
 
     def measure(self, run: Solution, span: Span) -> float:
         """The factor. Raises ParameterError where the equilibrium has no force."""
         static = run.static_value(f"{self.component}.force")
-        highest, lowest = (run.along_run(one) for one in self._along(span))
-        if abs(static) <= 1e-9 * max(abs(highest), abs(lowest)):
+        if self.samples is not None:
+            force = run.table(self._outputs(), self._times(span)).prod(axis=1)
+            known = {"peak": force.max(), "trough": force.min(), "mean": force.mean()}
+            along, against = (float(known[which]) for which in (self.which, _EXTREMES[self.which]))
+        else:
+            along, against = (run.along_run(one) for one in self._along(span))
+        if abs(static) <= 1e-9 * max(abs(along), abs(against)):
             raise ParameterError(
                 f"{self.name}: '{self.component}' carries no force in the static equilibrium ({static:.3g} N), so there is "
                 f"nothing to relate to; gb.peak('{self.component}.force') needs none"
             )
-        peak = (highest if static > 0 else lowest) / static
-        return peak if self.kind == "contact" else 1.0 + peak
+        factor = (along if static > 0 else against) / static
+        return factor if self.kind == "contact" else 1.0 + factor
 
 
 @final
@@ -200,15 +226,19 @@ class Period(Quantity):
 
 
 def dynamic_factor(
-    component: str, kind: str = "contact", *, after: float | str | None = None, before: float | str | None = None
+    component: str, kind: str = "contact", which: str = "peak", *, samples: int | None = None,
+    after: float | str | None = None, before: float | str | None = None,
 ) -> DynamicFactor:  # fmt: skip
-    """Dynamic factor of a mesh or spline between the times after and before [s]: the peak of its force over that of the
-    static equilibrium at mean excitations, F.
+    """Dynamic factor of a mesh or spline between the times after and before [s]: its force over that of the static
+    equilibrium at mean excitations, F.
 
     kind: "contact", N/F with the mesh force N; or "print", (F + k x)/F with stiffness k and deflection x, gap included, as
-    some papers print it.
+    some papers print it. which: its "peak", "trough" or "mean". samples: of so many values at equal distances from `after`
+    (as tables of papers have them), not of the motion between.
     """
-    return DynamicFactor(text_of("component", component), kind, time_of("after", after), time_of("before", before))
+    return DynamicFactor(
+        text_of("component", component), kind, which, samples, time_of("after", after), time_of("before", before)
+    )  # fmt: skip
 
 
 def line(output: str, frequency: float, *, after: float | str | None = None, before: float | str | None = None) -> Line:

@@ -343,7 +343,7 @@ def parsed(text: str) -> Quantity:
     for part in filter(None, (part.strip() for part in call[2].split(","))):
         name, equals, value = part.rpartition("=")
         try:
-            read: Any = int(value) if name.strip() in ("number", "longest") else float(value)
+            read: Any = int(value) if name.strip() in ("number", "longest", "samples") else float(value)
         except ValueError:
             read = value.strip()
         if equals:

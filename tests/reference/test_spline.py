@@ -137,14 +137,21 @@ def test_both_dynamic_factors_at_300_rpm_are_those_of_the_reference(model, row):
     twists = T / 109700.0, (T / r / km + b) / r, T / 22550.0
     angles = -np.cumsum((0.0, *twists))
     start = {f"{n}.phi": a for n, a in zip(("input", "external", "internal", "output"), angles, strict=True)}
-    period = 60 / 300.0
-    t = period * (400 + np.arange(256) / 256)
-    run = gb.simulate(model, t=t, rtol=1e-11, parameters={"torque": T, "spline.backlash.half_gap": b}, initial=start)
-    mean = T / r
-    for kind, kv in (("lit", (mean + run["spline.stiffness"] * run["x2"]) / mean), ("con", run["spline.force"] / mean)):
-        for what, value in (("min", kv.min()), ("mean", kv.mean()), ("max", kv.max())):
-            # the reference is printed with 10 digits; the force is known to 1e-9 of its amplitude of 2
-            assert value == pytest.approx(row[f"{kind}_{what}"], abs=1e-8), (kind, what)
+    window = {"after": 400 * 60 / 300.0, "before": 401 * 60 / 300.0}
+    kinds = {"lit": "print", "con": "contact"}
+    places = {"min": "trough", "mean": "mean", "max": "peak"}
+    wanted = {f"{k}_{w}": (kinds[k], places[w]) for k in kinds for w in places}
+    study = gb.sweep(
+        model, {"torque": [T]}, t_end=window["before"], rtol=1e-11, initial=start, parameters={"spline.backlash.half_gap": b},
+        quantity=[gb.dynamic_factor("spline", *how, samples=n, **window) for n in (256, None) for how in wanted.values()],
+    )  # fmt: skip
+    sampled, located = study.values[0].reshape(2, 6)
+    # the reference is printed with 10 digits; the force is known to 1e-9 of its amplitude of 2
+    assert sampled == pytest.approx([row[name] for name in wanted], abs=1e-8)
+    for low, mean, high, found in ((0, 1, 2, located), (3, 4, 5, located)):
+        # the motion goes beyond the samples, by (n pi/256)^2/2 of a swing for its harmonic n
+        assert found[low] < sampled[low] and found[high] > sampled[high]
+        assert found[[low, mean, high]] == pytest.approx(sampled[[low, mean, high]], abs=2e-3)
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5, 1e-6])

@@ -13,6 +13,7 @@ TORQUE, RADIUS, TURN = 2600.0, 0.025, 0.2
 SETTLED = 400 * TURN  # 0.925^400 of the start is left, nothing
 ALL = (
     gb.dynamic_factor("spline", after=SETTLED), gb.dynamic_factor("spline", "print", after=SETTLED, before=SETTLED + TURN),
+    gb.dynamic_factor("spline", "print", "mean", samples=64, after=SETTLED),
     gb.line("spline.force", 5.0, after=SETTLED - 5 * TURN), gb.period("speed", after=SETTLED - 60 * TURN),
     gb.period(gb.stroboscopic("speed"), of=["spline.deflection", "x?"], longest=8, after=SETTLED - 60 * TURN),
     gb.std("spline.force", after=SETTLED),
@@ -75,6 +76,10 @@ def test_what_has_no_dynamic_factor_is_refused(run: gb.Trajectory, tmp_path) -> 
         gb.dynamic_factor("shaft_in").of(run)
     with pytest.raises(gb.ParameterError, match="must be one of contact, print"):
         gb.dynamic_factor("spline", "peak").of(run)
+    with pytest.raises(gb.ParameterError, match="must be one of peak, trough, mean"):
+        gb.dynamic_factor("spline", which="rms").of(run)
+    with pytest.raises(gb.ParameterError, match="samples = 1 must be"):
+        gb.dynamic_factor("spline", samples=1).of(run)
     run.save(tmp_path / "run.nc")
     with pytest.raises(gb.ParameterError, match="a stored run does not know"):
         gb.dynamic_factor("spline").of(gb.Trajectory.load(tmp_path / "run.nc"))
