@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from gearblocks.analysis.regimes.exponents import lyapunov
     from gearblocks.analysis.regimes.orbit import periodic_orbit
     from gearblocks.analysis.regimes.regime import classify
+    from gearblocks.analysis.regimes.swept_speed import speed_sweep
     from gearblocks.analysis.scenes.fit import fit
     from gearblocks.analysis.scenes.price import price
     from gearblocks.analysis.scenes.scene import Scene
@@ -164,22 +165,22 @@ __version__ = "0.1.0"
 __all__ = [
     "Acceleration", "Acts", "Angle", "Backlash", "BearingFriction", "BeltDrive", "Block", "Body", "Brake", "Campbell",
     "Chassis", "Clutch", "CompileError", "Creep", "DCMotor", "Damper", "Differential", "DogClutch", "Drivetrain",
-    "EddyCurrentBrake", "Effect", "Energy", "Engine", "Excitation", "Fixed", "Flange", "FluidDrag", "Force",
-    "Fourier", "Freewheel", "FrequencyResponse", "GearMesh", "GearblocksError", "GearblocksWarning", "Gearbox",
-    "Governor", "HardStop", "Harmonic", "HeatPort", "Heaviside", "Hold", "HuntCrossley", "Hysteresis", "IdealGear",
-    "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear", "LossyTie", "Mass", "MeshLaw",
-    "Model", "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch", "Parameter", "ParameterError",
-    "Parts", "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate", "RatioLaw", "RatioLawError",
-    "Scene", "Shaft", "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State",
-    "Stick", "Stop", "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table", "Table2",
-    "ThermalConductance", "ThermalMass", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "Tyre",
-    "TyreSlip", "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "bifurcation", "build", "campbell",
+    "EddyCurrentBrake", "Effect", "Energy", "Engine", "Excitation", "Fixed", "Flange", "FluidDrag", "Force", "Fourier",
+    "Freewheel", "FrequencyResponse", "GearMesh", "GearblocksError", "GearblocksWarning", "Gearbox", "Governor",
+    "HardStop", "Harmonic", "HeatPort", "Heaviside", "Hold", "HuntCrossley", "Hysteresis", "IdealGear",
+    "IdealPlanetary", "Inertia", "Input", "Lash", "Linearization", "LossyGear", "LossyTie", "Mass", "MeshLaw", "Model",
+    "ModelError", "Modes", "Motion", "NonCircularGear", "OneWayClutch", "Parameter", "ParameterError", "Parts",
+    "PlanetaryGear", "Potential", "Profile", "Quantity", "Rack", "Rate", "RatioLaw", "RatioLawError", "Scene", "Shaft",
+    "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Stick", "Stop",
+    "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table", "Table2", "ThermalConductance",
+    "ThermalMass", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "Tyre", "TyreSlip",
+    "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "bifurcation", "build", "campbell",
     "carried_start", "classify", "compare", "cos", "count", "design_ratio", "distance", "driver_angle",
     "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit", "frequency_response", "last",
     "latin_hypercube", "line", "linearize", "log", "lyapunov", "maximum", "mean", "minimum", "modes", "option", "param",
-    "peak", "period", "periodic_orbit", "pi", "piecewise", "poincare", "points", "price", "pulse", "random_cases", "rms",
-    "rolling", "rpm", "sense", "signal", "simulate", "sin", "slip", "sqrt", "std", "stroboscopic", "study", "sweep", "tan",
-    "tanh", "temperature", "time", "trapezoid", "trough", "twist", "work_precision",
+    "peak", "period", "periodic_orbit", "pi", "piecewise", "poincare", "points", "price", "pulse", "random_cases",
+    "rms", "rolling", "rpm", "sense", "signal", "simulate", "sin", "slip", "speed_sweep", "sqrt", "std", "stroboscopic",
+    "study", "sweep", "tan", "tanh", "temperature", "time", "trapezoid", "trough", "twist", "work_precision",
 ]  # fmt: skip
 
 _NAMES = {
@@ -195,6 +196,7 @@ _NAMES = {
     "analysis.regimes.exponents": "lyapunov",
     "analysis.regimes.orbit": "periodic_orbit",
     "analysis.regimes.regime": "classify",
+    "analysis.regimes.swept_speed": "speed_sweep",
     "analysis.scenes.fit": "fit",
     "analysis.scenes.price": "price",
     "analysis.scenes.scene": "Scene",

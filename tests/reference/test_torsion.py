@@ -92,22 +92,82 @@ def test_a_planetary_with_lateral_motion_has_the_frequencies_of_lin_and_parker(n
     assert np.abs(found.damping).max() < 1e-10  # nothing is damped
 
 
-def test_a_gear_pair_jumps_to_the_upper_branch_where_the_reference_does():
-    table = _table("gear_pair_sweep_up.json")
+PAIR = _table("gear_pair_sweep_up.json")
+
+
+@pytest.fixture(scope="module")
+def pair():
+    """Kahraman and Singh's gear pair: x'' + 2 zeta x' + g(x) = Fm + Fa w^2 cos(w t)."""
     w = gb.Parameter("w", 0.5, "rad/s")
     rig = gb.Drivetrain("Kahraman and Singh")
-    drive = rig.add("drive", gb.Torque(tau=table["Fm"] + table["Fa"] * w**2 * gb.cos(w * gb.time)))
+    drive = rig.add("drive", gb.Torque(tau=PAIR["Fm"] + PAIR["Fa"] * w**2 * gb.cos(w * gb.time)))
     body = rig.add("body", gb.Inertia(J=1.0))
-    lash = rig.add("lash", gb.Lash(k=1.0, half_gap=1.0, c=2 * table["zeta"], contact_damping="always"))
+    lash = rig.add("lash", gb.Lash(k=1.0, half_gap=1.0, c=2 * PAIR["zeta"], contact_damping="always"))
     rig.chain(drive, body, lash, rig.add("ground", gb.Fixed()))
-    model, start = gb.build(rig), "static"
-    for row in table["sweep_up"]:
-        # the table was sampled 64 times a period over 40 periods, both ends counted
-        t = 2 * np.pi / row["W"] * (200 + np.arange(2561) / 64)
-        run = gb.simulate(
-            model, t=t, rtol=1e-9, parameters={"w": row["W"]}, initial=start, outputs=["body.phi", "body.w"]
-        )
-        x = run["body.phi"]
-        assert (x.mean(), x.min(), x.max()) == pytest.approx((row["mean"], row["xmin"], row["xmax"]), rel=1e-6)
-        assert x.std() == pytest.approx(row["rms"], rel=1e-6)  # the reference ran at a relative tolerance of 1e-8
-        start = {"body.phi": float(x[-1]), "body.w": float(run["body.w"][-1])}
+    return gb.build(rig)
+
+
+def test_the_sweep_of_a_gear_pair_is_that_of_the_reference(pair):
+    rows = PAIR["sweep_up"]
+    speeds = np.array([row["W"] for row in rows])
+    n = 64 * 40
+    found = gb.speed_sweep(pair, "w", speeds, of="body.phi", initial="static", rtol=1e-9, samples=64)
+    # the table was sampled 64 times a period over 40 periods, both ends counted: one value more than is here
+    last = -found.states[0, :, found.names.index("lash.coordinate")]
+    mean = (n * found.mean[0] + last) / (n + 1)
+    rms = np.sqrt((n * (found.rms[0] ** 2 + found.mean[0] ** 2) + last**2) / (n + 1) - mean**2)
+    for name, ours in (("mean", mean), ("rms", rms), ("xmin", found.low[0]), ("xmax", found.high[0])):
+        assert ours == pytest.approx([row[name] for row in rows], rel=1e-6)  # the reference ran at 1e-8
+    up, down = found.jumps
+    assert (up.direction, down.direction) == ("up", "down")
+    assert 0.8 < up.last < up.first < 0.85 and up.first - up.last <= 1e-3 * up.first
+    # without contact lost the motion is linear: it loses contact where its amplitude is Fm/k, for u = w^2 at
+    # (Fa u / Fm)^2 = (1 - u)^2 + (2 zeta)^2 u; there it cannot jump yet
+    ratio, loss = (PAIR["Fa"] / PAIR["Fm"]) ** 2, (2 * PAIR["zeta"]) ** 2
+    grazes = np.sqrt(min(np.roots([1 - ratio, loss - 2, 1]).real))
+    assert grazes < up.last < 1.02 * grazes
+    assert 0.70 < down.first < down.last < 0.71
+
+
+@pytest.mark.long
+def test_the_sweep_down_is_that_of_another_program(pair):
+    """x'' = Fm + Fa w^2 cos(w t) - 2 zeta x' - g(x), by scipy from corner to corner."""
+    from scipy.integrate import solve_ivp
+
+    zeta, Fm, Fa = PAIR["zeta"], PAIR["Fm"], PAIR["Fa"]
+    speeds = np.array([0.6, 0.69, 0.72, 0.76, 0.8, 0.84, 0.95, 1.1])
+    found = gb.speed_sweep(pair, "w", speeds, of="body.phi", initial="static", rtol=1e-10, samples=64)
+
+    def rates(t, y, w, side):
+        g = y[0] - side if side else 0.0
+        return y[1], Fm + Fa * w**2 * np.cos(w * t) - 2 * zeta * y[1] - g
+
+    def period(w, y):
+        samples, end = [], 2 * np.pi / w
+        times, t = np.arange(64) / 64 * end, 0.0
+        while t < end:
+            side = float(np.sign(y[0])) if abs(y[0]) > 1 or (abs(y[0]) == 1 and y[0] * y[1] > 0) else 0.0
+
+            def corner(_, y, *__, side=side):
+                return y[0] ** 2 - 1 if side == 0 else y[0] * side - 1
+
+            corner.terminal, corner.direction = True, -1 if side else 1
+            run = solve_ivp(
+                rates, (t, end), y, "DOP853", args=(w, side), events=corner, rtol=1e-11, atol=1e-13, dense_output=True
+            )
+            here = times[(times >= t) & (times < run.t[-1])]
+            samples.append(run.sol(here)[0] if len(here) else np.empty(0))
+            t, y = run.t[-1], run.y[:, -1]
+            if run.status == 1:
+                y = np.array([np.sign(y[0]), y[1]])
+        return y, np.concatenate(samples)
+
+    y = np.array([1 + Fm, 0.0])
+    for j in reversed(range(len(speeds))):
+        w = speeds[j]
+        for _ in range(200):
+            y, _ = period(w, y)
+        y, x = period(w, y)
+        ours = [found.mean[1, j], found.rms[1, j], found.low[1, j], found.high[1, j]]
+        assert ours == pytest.approx([x.mean(), x.std(), x.min(), x.max()], rel=1e-6)
+    assert found.jumps[-1].direction == "down" and 0.69 < found.jumps[-1].first < 0.72

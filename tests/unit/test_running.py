@@ -57,6 +57,7 @@ def test_a_misspelt_or_nameless_argument_is_refused_by_name(act: Callable[[], An
         "lyapunov",
         "periodic_orbit",
         "bifurcation",
+        "speed_sweep",
     ],
 )
 def test_every_tool_names_the_argument_that_it_has_not(name: str) -> None:

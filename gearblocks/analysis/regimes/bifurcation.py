@@ -9,21 +9,21 @@ A point that cannot be run is named; its neighbours begin as if it had not been 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gearblocks.analysis.regimes.carried import DIRECTIONS, carried, output_of, rising
 from gearblocks.analysis.regimes.regime import Asked, Regime
 from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
-from gearblocks.analysis.sections import LONGEST, RELATIVE, Section, repeats
+from gearblocks.analysis.sections import LONGEST, Section, repeats
 from gearblocks.analysis.study_progress import progress as shown
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.files import write_text
-from gearblocks.model.listing import matches
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
 from gearblocks.solver.library import Model
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LABELS = ("quick", "full")
-DIRECTIONS = ("up", "down")
 
 
 @final
@@ -105,7 +104,7 @@ def bifurcation(
     `classify`; progress: called with how many runs are done, and of how many. Raises ParameterError, UnknownNameError.
     """
     model = build(train)
-    asked = _values(values)
+    asked = rising(values)
     if labels not in LABELS or transient < 0 or keep < 2 * longest + 1:
         raise ParameterError(
             f"labels = {labels!r} must be 'quick' or 'full', transient = {transient} >= 0, and keep = {keep} > twice longest "
@@ -113,53 +112,32 @@ def bifurcation(
         )
     names = model.program.parameter_numbers
     info = model.program.parameters[resolve(parameter, names, "parameter")]
-    output = _output(model, of)
+    output = output_of(model.program, of)
     points = np.full((2, len(asked), keep), np.nan)
     regimes: list[list[Regime | None]] = [[None] * len(asked) for _ in DIRECTIONS]
     said = [[""] * len(asked) for _ in DIRECTIONS]
     messages: dict[tuple[str, float], str] = {}
+
+    def at(value: float) -> Strobe:
+        return strobe(model, section, {**(parameters or {}), info.path: value}, initial, rtol)
+
     with shown(2 * len(asked), 0, progress, "bifurcation") as tell:
-        for i, direction in enumerate(DIRECTIONS):
-            y: Array | None = None
-            for done, j in enumerate(range(len(asked)) if i == 0 else reversed(range(len(asked)))):
-                seen = strobe(model, section, {**(parameters or {}), info.path: float(asked[j])}, initial, rtol)
-                try:
-                    states = seen.follow(seen.start(initial) if y is None else y, transient + keep).states
-                    y = states[-1]
-                    points[i, j] = _outputs(seen, states[-keep:], output, transient + 1)
-                    regimes[i][j] = Asked(seen, transient, keep, longest).of(states) if labels == "full" else None
-                    found = regimes[i][j]
-                    said[i][j] = _quick(states[-keep:], longest) if found is None else found.label
-                except SimulationError as error:
-                    said[i][j] = "diverged" if isinstance(error, GrowthError) else "failed"
-                    messages[direction, float(asked[j])] = str(error)
-                    y = None
-                tell(i * len(asked) + done + 1)
+        for done, (i, j, seen, states, error) in enumerate(carried(at, asked, initial, transient + keep, on=False)):
+            try:
+                if error is not None:
+                    raise error
+                points[i, j] = _outputs(seen, states[-keep:], output, transient + 1)
+                found = regimes[i][j] = Asked(seen, transient, keep, longest).of(states) if labels == "full" else None
+                said[i][j] = _quick(states[-keep:], longest) if found is None else found.label
+            except SimulationError as failed:
+                said[i][j] = "diverged" if isinstance(failed, GrowthError) else "failed"
+                messages[DIRECTIONS[i], float(asked[j])] = str(failed)
+            tell(done + 1)
     quantity = model.program.outputs[output]
     return Bifurcation(
         info.path, info.unit, asked, quantity.name, quantity.unit, points, tuple(map(tuple, said)),
         tuple(map(tuple, regimes)), messages,
     )  # fmt: skip
-
-
-def _values(values: ArrayLike) -> Array:
-    try:
-        asked = np.atleast_1d(np.asarray(values, dtype=np.float64))
-    except (TypeError, ValueError):
-        raise ParameterError(f"values = {values!r:.80} must be numbers, in SI units") from None
-    if asked.ndim != 1 or not len(asked) or not np.isfinite(asked).all() or (np.diff(asked) <= 0).any():
-        raise ParameterError(f"values = {values!r:.80} must be finite and increase")
-    return asked
-
-
-def _output(model: Model, of: str | None) -> int:
-    numbers = model.program.output_numbers
-    if of is not None:
-        return resolve(of, numbers, "output")
-    relative: Sequence[str] = [name for name in numbers for kind in RELATIVE if matches(name, f"*.{kind}")]
-    if not relative:
-        raise ParameterError("of: the train has no deflection or twist to show; name an output")
-    return numbers[relative[0]]
 
 
 def _outputs(seen: Strobe, states: Array, output: int, first: int) -> Array:

@@ -1,0 +1,84 @@
+"""Motions over values of a parameter, up and down, each begun where the last one ended.
+
+A motion that cannot be run is told by its error; the next one begins at the start anew. Knows nothing of what is asked of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearblocks.analysis.regimes.strobe import Strobe
+from gearblocks.analysis.sections import RELATIVE
+from gearblocks.codegen.program import Program
+from gearblocks.errors import ParameterError, SimulationError
+from gearblocks.model.listing import matches
+from gearblocks.simulation.arguments import resolve
+
+Array = NDArray[np.float64]
+
+DIRECTIONS = ("up", "down")
+
+
+class Jump(NamedTuple):
+    """A jump on the way up or down: the two values of the parameter that it lies between, in the order in which they are
+    reached, and the peak-to-peak at each."""
+
+    direction: str
+    last: float
+    first: float
+    before: float
+    after: float
+
+
+class Motion(NamedTuple):
+    """The motion at value `number` on the way `direction` (a number in DIRECTIONS): its states at the section, shape
+    (periods, n), or why there is none."""
+
+    direction: int
+    number: int
+    seen: Strobe
+    states: Array
+    error: SimulationError | None
+
+
+def carried(at: Callable[[float], Strobe], values: Array, initial: Any, periods: int, *, on: bool) -> Iterator[Motion]:
+    """Motions of so many periods over the values, up and then down; on: down goes on where up has ended."""
+    y: Array | None = None
+    for direction in range(len(DIRECTIONS)):
+        y = y if on else None
+        order = range(len(values)) if direction == 0 else reversed(range(len(values)))
+        for j in order:
+            seen = at(float(values[j]))
+            try:
+                states = seen.follow(seen.start(initial) if y is None else y, periods).states
+                y = states[-1]
+                yield Motion(direction, j, seen, states, None)
+            except SimulationError as error:
+                y = None
+                yield Motion(direction, j, seen, np.empty((0, seen.n)), error)
+
+
+def rising(values: ArrayLike) -> Array:
+    """Values of a parameter that increase. Raises ParameterError."""
+    try:
+        asked = np.atleast_1d(np.asarray(values, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise ParameterError(f"values = {values!r:.80} must be numbers, in SI units") from None
+    if asked.ndim != 1 or not len(asked) or not np.isfinite(asked).all() or (np.diff(asked) <= 0).any():
+        raise ParameterError(f"values = {values!r:.80} must be finite and increase")
+    return asked
+
+
+def output_of(program: Program, of: str | None) -> int:
+    """The number of an output, by default of the first deflection or twist. Raises UnknownNameError, ParameterError."""
+    numbers = program.output_numbers
+    if of is not None:
+        return resolve(of, numbers, "output")
+    relative = [name for name in numbers for kind in RELATIVE if matches(name, f"*.{kind}")]
+    if not relative:
+        raise ParameterError("of: the train has no deflection or twist to show; name an output")
+    return numbers[relative[0]]

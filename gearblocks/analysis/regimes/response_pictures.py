@@ -1,0 +1,61 @@
+"""Pictures of responses over a parameter: sweeps with their jumps, branches of orbits with what is marked on them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.regimes.carried import Jump
+from gearblocks.simulation.plotting import COLOURS, NO_UNIT, finished, new_figure, prefixed, style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+Array = NDArray[np.float64]
+
+
+class Sweep(Protocol):
+    """What is drawn (`swept_speed.py`)."""
+
+    @property
+    def path(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def values(self) -> Array: ...
+    @property
+    def of(self) -> str: ...
+    @property
+    def of_unit(self) -> str: ...
+    @property
+    def rms(self) -> Array: ...
+    @property
+    def peak_to_peak(self) -> Array: ...
+    @property
+    def jumps(self) -> Sequence[Jump]: ...
+
+
+def label(words: str, unit: str) -> str:
+    """Words of an axis."""
+    return words if unit in NO_UNIT else f"{words} in {unit}"
+
+
+def draw_sweep(found: Sweep, path: str | os.PathLike[str] | None) -> Figure:
+    """Root mean square and peak-to-peak, each way in its colour, jumps as bands."""
+    with style():
+        figure, axes = new_figure(path, rows=2, size=(7.2, 5.2))
+        for axis, words, values in zip(axes, ("rms", "peak-to-peak"), (found.rms, found.peak_to_peak), strict=True):
+            factor, unit = prefixed([values], found.of_unit)
+            for i, way in ((1, "down"), (0, "up")):
+                axis.plot(found.values, values[i] * factor, ".-", markersize=4 + 4 * i, color=COLOURS[i], label=way)
+            for jump in found.jumps:
+                colour = COLOURS[jump.direction == "down"]
+                axis.axvspan(jump.last, jump.first, color=colour, alpha=0.4, linewidth=1.2, zorder=0)
+            axis.set_ylabel(label(words, unit))
+        axes[0].legend()
+        axes[0].set_title(found.of)
+        axes[1].set_xlabel(label(found.path, found.unit))
+        return finished(figure, path)
