@@ -13,7 +13,7 @@ if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
 from tests.random.description import GROUND, Part, Train  # noqa: E402
-from tests.random.expressions import TIME, call, sense, table, thing  # noqa: E402
+from tests.random.expressions import SLIP, TIME, call, sense, table, thing  # noqa: E402
 from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
 from tests.random.reference.steps import Steps  # noqa: E402
 
@@ -254,3 +254,15 @@ def test_teeth_that_only_a_wave_of_their_error_brings_together_are_seen(depth, w
     true = solve_ivp(rate, (0.0, 1.5 * crest), y0, "DOP853", rtol=1e-11, atol=1e-12, max_step=1e-5).y[2:, -1]
     assert abs(true[1] - y0[3]) > 3e-5  # they have touched
     assert np.abs(motion.speeds[:, 1] - true).max() < 1e-8
+
+
+@pytest.mark.parametrize(("rest", "rise"), [(0.2, 0.1), (0.3, -0.02), (0.1, 0.4)])
+def test_a_one_way_clutch_slips_by_its_law_and_then_stays(rest, rise):
+    # w' = -F (rest + rise w) until w = 0
+    w0, force = 5.0, 20.0
+    fields = (("mu", rest + rise * SLIP), ("force_max", force), ("engagement", 1.0))
+    clutch = Part("clutch", "OneWayClutch", fields, (("a", GROUND), ("b", "j")))
+    motion = reference_motion(_train(_body("j", w0=w0), clutch), T)
+    w = (w0 + rest / rise) * np.exp(-force * rise * T) - rest / rise
+    stop = math.log(1 + w0 * rise / rest) / (force * rise)
+    assert np.abs(motion.speeds[0] - np.where(stop > T, w, 0.0)).max() < 1e-8

@@ -9,6 +9,7 @@
 
 #include "gb_model.h"
 
+#include <float.h>
 #include <math.h>
 
 /* diag by elimination step, becomes 1/D; lower by place, becomes L. */
@@ -74,6 +75,10 @@ static inline int gb_balance_factor(const gb_pattern *p, double *diag, double *l
     return lost;
 }
 
+/* A difference that is less than this part of its terms is rounding: a speed that a force unknown holds at 0 is 0, and
+ * not the rounding of that force. */
+#define GB_BALANCED (64.0 * DBL_EPSILON)
+
 /* x becomes the solution; x is numbered as the unknowns. */
 static inline void gb_balance_solve(const gb_pattern *p, const double *diag, const double *lower, const double *upper,
                                     double *x) {
@@ -83,11 +88,13 @@ static inline void gb_balance_solve(const gb_pattern *p, const double *diag, con
         }
     }
     for (int k = p->n - 1; k >= 0; k--) {
-        double sum = x[p->order[k]];
+        double sum = x[p->order[k]], size = fabs(sum);
         for (int i = p->start[k]; i < p->start[k + 1]; i++) {
-            sum -= upper[i] * x[p->order[p->row[i]]];
+            const double term = upper[i] * x[p->order[p->row[i]]];
+            sum -= term;
+            size = fmax(size, fabs(term));
         }
-        x[p->order[k]] = diag[k] * sum;
+        x[p->order[k]] = fabs(sum) < GB_BALANCED * size ? 0.0 : diag[k] * sum;
     }
 }
 

@@ -40,8 +40,8 @@ static int is_soft(const gb_sim *sim, const double *later) {
     return 1;
 }
 
-/* Natural scales of the states in [from, to) that rest, from their rates over the window; adds what they change to z2.
- */
+/* Natural scales of the states in [from, to) that rest, and of their rates, from those over the window; adds what they
+ * change to z2. */
 static double drive(gb_sim *sim, int from, int to, double window, const double *rate) {
     double most = 0.0;
     sim->head->control.natural = -1.0;
@@ -49,6 +49,7 @@ static double drive(gb_sim *sim, int from, int to, double window, const double *
         const double change = window * rate[i];
         if (fabs(change) < HUGE_VAL && sim->control.largest[i] == 0.0) {
             sim->control.natural_scale[i] = gb_max(sim->control.natural_scale[i], fabs(change));
+            sim->control.fastest_rate[i] = gb_max(sim->control.fastest_rate[i], fabs(rate[i]));
             sim->z2[i] += change;
             most = gb_max(most, fabs(change));
         }

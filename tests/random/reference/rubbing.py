@@ -105,18 +105,25 @@ def value_at(xs: tuple[float, ...], ys: tuple[float, ...], kind: str, x: float) 
     return float(CubicSpline(xs, ys)(min(max(x, xs[0]), xs[-1])))
 
 
+def _not_engaged(s: System, p: Part) -> Signal:
+    """What a one-way clutch holds at rest where it is not engaged."""
+    mu = p.field("mu")
+    if p.field("force_max") is None:
+        return lambda c: 0.0
+    force = 1e-4 * p.field("geometry", 1.0) * p.field("force_max")
+    if _is_law(mu):
+        law = _law(s, mu)
+        return lambda c: force * law(c, 0.0)
+    rest = value_at(*mu.args[:3], 0.0) if isinstance(mu, Node) else mu
+    return lambda c: force * rest
+
+
 def clutch(s: System, p: Part) -> None:
     """Clutch, one-way clutch, and synchronizer: slip w_b - w_a."""
     row = s.node(p.node("b")) - s.node(p.node("a"))
     engaged, sliding, held = _friction_fields(s, p)
     if p.block == "OneWayClutch":
-        force = p.field("force_max")
-        if force is not None:
-            mu = p.field("mu")
-            rest = mu if not isinstance(mu, Node) else value_at(*mu.args[:3], 0.0)
-            least = 1e-4 * p.field("geometry", 1.0) * force * rest
-        else:
-            least = 0.0
+        least = _not_engaged(s, p)
         on = s.sw.new()
         more = s.sw.new()
 
@@ -125,8 +132,8 @@ def clutch(s: System, p: Part) -> None:
             return value if s.sw(on, engaged(c)) else 0.0
 
         def limits(c: Context) -> tuple[float, float]:
-            value = held(c) if s.sw(on, engaged(c)) else 0.0
-            return -(value if s.sw(more, value - least) else least), math.inf
+            value, rest = held(c) if s.sw(on, engaged(c)) else 0.0, least(c)
+            return -(value if s.sw(more, value - rest) else rest), math.inf
 
         group(s, row, Member(p.name, 1.0, _always, slides, limits, one_way=True))
         return
