@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     )
     from gearblocks.analysis.quantity import Quantity
     from gearblocks.analysis.regimes.bifurcation import bifurcation
+    from gearblocks.analysis.regimes.branch import continue_orbit
     from gearblocks.analysis.regimes.exponents import lyapunov
     from gearblocks.analysis.regimes.orbit import periodic_orbit
     from gearblocks.analysis.regimes.regime import classify
@@ -175,12 +176,13 @@ __all__ = [
     "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table", "Table2", "ThermalConductance",
     "ThermalMass", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "Tyre", "TyreSlip",
     "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "bifurcation", "build", "campbell",
-    "carried_start", "classify", "compare", "cos", "count", "design_ratio", "distance", "driver_angle",
-    "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit", "frequency_response", "last",
-    "latin_hypercube", "line", "linearize", "log", "lyapunov", "maximum", "mean", "minimum", "modes", "option", "param",
-    "peak", "period", "periodic_orbit", "pi", "piecewise", "poincare", "points", "price", "pulse", "random_cases",
-    "rms", "rolling", "rpm", "sense", "signal", "simulate", "sin", "slip", "speed_sweep", "sqrt", "std", "stroboscopic",
-    "study", "sweep", "tan", "tanh", "temperature", "time", "trapezoid", "trough", "twist", "work_precision",
+    "carried_start", "classify", "compare", "continue_orbit", "cos", "count", "design_ratio", "distance",
+    "driver_angle", "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit",
+    "frequency_response", "last", "latin_hypercube", "line", "linearize", "log", "lyapunov", "maximum", "mean",
+    "minimum", "modes", "option", "param", "peak", "period", "periodic_orbit", "pi", "piecewise", "poincare", "points",
+    "price", "pulse", "random_cases", "rms", "rolling", "rpm", "sense", "signal", "simulate", "sin", "slip",
+    "speed_sweep", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "temperature", "time", "trapezoid",
+    "trough", "twist", "work_precision",
 ]  # fmt: skip
 
 _NAMES = {
@@ -193,6 +195,7 @@ _NAMES = {
     "analysis.quantities": "at count energy_lost event_time last mean peak points rms std trough",
     "analysis.quantity": "Quantity",
     "analysis.regimes.bifurcation": "bifurcation",
+    "analysis.regimes.branch": "continue_orbit",
     "analysis.regimes.exponents": "lyapunov",
     "analysis.regimes.orbit": "periodic_orbit",
     "analysis.regimes.regime": "classify",

@@ -129,6 +129,31 @@ def test_the_sweep_of_a_gear_pair_is_that_of_the_reference(pair):
     assert 0.70 < down.first < down.last < 0.71
 
 
+def test_jumps_of_the_gear_pair_are_folds_with_an_unstable_branch_between(pair):
+    branch = gb.continue_orbit(pair, "w", (0.5, 1.2), section=gb.stroboscopic("w"), of="body.phi", initial="static")
+    assert [mark.kind for mark in branch.marks] == ["grazing", "fold", "fold"] and branch.values[-1] == pytest.approx(
+        1.2
+    )
+    graze, top, bottom = branch.marks
+    ratio, loss = (PAIR["Fa"] / PAIR["Fm"]) ** 2, (2 * PAIR["zeta"]) ** 2
+    known = np.sqrt(min(np.roots([1 - ratio, loss - 2, 1]).real))  # as in the sweep
+    assert graze.value == pytest.approx(known, rel=1e-6) and graze.words.startswith("0 events")
+    # a sweep jumps next to the folds: it passes them by what it needs to leave, and stays on a branch that is there
+    found = gb.speed_sweep(pair, "w", np.linspace(0.6, 1.0, 41), of="body.phi", initial="static")
+    up, down = found.jumps
+    for jump, fold in ((up, top), (down, bottom)):
+        assert fold.bracket[1] - fold.bracket[0] <= 1e-3 * fold.value
+        assert abs(jump.last - fold.value) <= 1e-3 * fold.value and abs(jump.first - fold.value) <= 1e-3 * fold.value
+    between = slice(top.number + 1, bottom.number)
+    assert not branch.stable[between].any() and bottom.number - top.number > 10
+    assert branch.stable[: top.number].all() and branch.stable[bottom.number + 1 :].all()
+    # the branch and the sweep are one motion where both are stable
+    for row, part in ((0, slice(0, top.number)), (1, slice(bottom.number + 1, None))):
+        near = np.interp(found.values, branch.values[part], branch.rms[part])
+        inside = (found.values > bottom.value + 0.02) & (found.values < top.value - 0.02)
+        assert found.rms[row][inside] == pytest.approx(near[inside], rel=2e-3)  # between points of the branch
+
+
 @pytest.mark.long
 def test_the_sweep_down_is_that_of_another_program(pair):
     """x'' = Fm + Fa w^2 cos(w t) - 2 zeta x' - g(x), by scipy from corner to corner."""

@@ -24,6 +24,7 @@ _SAME = 3e-8  # of the size of the maps: what they are told to
 _SPLIT = 1e-6  # of 1: eigenvalues of neutral directions nearer to it are not split
 _STATES = 3  # at which it is looked
 _SPREAD = 0.1  # of the sizes: how far these lie apart
+_RECORDS = (".impulse", ".impacts")
 _SHARE = 0.05  # of its largest entry: what of a direction has a name
 
 
@@ -58,6 +59,12 @@ class Neutral:
         """A difference of states, in units of their sizes, without what is along the directions: shape (m,)."""
         return self.rest.T @ off
 
+    def resized(self, ratio: Array) -> Neutral:
+        """The same directions where sizes are so many times as large, shape (n,)."""
+        basis, _ = np.linalg.qr(self.basis / ratio[:, None])
+        allowed, _ = np.linalg.qr(self.allowed / ratio[:, None])
+        return Neutral(basis, allowed @ _null(basis.T @ allowed), self.words)
+
 
 def scaled(strobe: Strobe, matrix: Array) -> Array:
     """A map in units of the sizes of the states."""
@@ -78,6 +85,21 @@ def neutral_directions(strobe: Strobe, y: Array) -> Neutral:
         except SimulationError:  # a state that the train cannot be in
             continue
     return _neutral(strobe, maps, allowed)
+
+
+def without_records(strobe: Strobe, y: Array, neutral: Neutral) -> Neutral:
+    """The same with what stops record (the impulse of the last impact) as neutral where no rate reads it: whether an orbit
+    strikes or not, it has then the same directions."""
+    records = [i for i, q in enumerate(strobe.model.program.states) if q.name.endswith(_RECORDS)]
+    if not records:
+        return neutral
+    others = np.setdiff1d(np.arange(strobe.n), records)
+    read = np.abs(scaled(strobe, strobe.map(y, 1).maps[-1])[others]).max(axis=0, initial=0.0)
+    unread = np.eye(strobe.n)[:, [i for i in records if read[i] < _SPLIT]]
+    left, sizes, _ = np.linalg.svd(np.column_stack([neutral.basis, unread]), full_matrices=False)
+    rows = unread.T @ neutral.rest
+    rows[np.abs(rows) < _SPLIT] = 0.0
+    return Neutral(left[:, sizes > _SPLIT], neutral.rest @ _null(rows), neutral.words)
 
 
 def _null(rows: Array) -> Array:

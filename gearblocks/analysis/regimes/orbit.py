@@ -151,7 +151,7 @@ def _damped(seen: Strobe, y: Array, step: Array, periods: int, closure: float) -
     """The step, or the part of it that comes nearer."""
     share = 1.0
     for _ in range(_HALVINGS):
-        trial = y + share * seen.scale * step
+        trial = seen.moved(y, share * step)
         run = _mapped(seen, trial, periods)
         if run is not None and seen.distance(run.states[-1], trial) < max(closure, _floor(seen)):
             return trial, run

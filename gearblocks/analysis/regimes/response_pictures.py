@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.carried import Jump
-from gearblocks.simulation.plotting import COLOURS, NO_UNIT, finished, new_figure, prefixed, style
+from gearblocks.simulation.plotting import COLOURS, MARKERS, NO_UNIT, finished, new_figure, prefixed, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,4 +58,59 @@ def draw_sweep(found: Sweep, path: str | os.PathLike[str] | None) -> Figure:
         axes[0].legend()
         axes[0].set_title(found.of)
         axes[1].set_xlabel(label(found.path, found.unit))
+        return finished(figure, path)
+
+
+class Branch(Protocol):
+    """What is drawn (`branch.py`)."""
+
+    @property
+    def path(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def values(self) -> Array: ...
+    @property
+    def of(self) -> str: ...
+    @property
+    def of_unit(self) -> str: ...
+    @property
+    def rms(self) -> Array: ...
+    @property
+    def stable(self) -> NDArray[np.bool_]: ...
+    @property
+    def marks(self) -> Sequence[Marked]: ...
+
+
+class Marked(Protocol):
+    """What is marked on a branch."""
+
+    @property
+    def kind(self) -> str: ...
+    @property
+    def value(self) -> float: ...
+    @property
+    def number(self) -> int: ...
+
+
+def draw_branch(found: Branch, path: str | os.PathLike[str] | None) -> Figure:
+    """Root mean square over the parameter: stable orbits as a line, others dashed; a mark where something happens."""
+    with style():
+        figure, (axis,) = new_figure(path, size=(7.2, 4.2))
+        factor, unit = prefixed([found.rms], found.of_unit)
+        rms, stable = found.rms * factor, found.stable
+        for kept, dashes, words in ((stable, "-", "stable"), (~stable, "--", "unstable")):
+            joined = kept.copy()
+            if words == "unstable":  # drawn up to the stable orbits beside
+                joined[1:] |= kept[:-1]
+                joined[:-1] |= kept[1:]
+            axis.plot(found.values, np.where(joined, rms, np.nan), dashes, color=COLOURS[0], label=words)
+        kinds = dict.fromkeys(mark.kind for mark in found.marks)
+        for i, kind in enumerate(kinds):
+            values = [mark.value for mark in found.marks if mark.kind == kind]
+            heights = [rms[mark.number : mark.number + 2].mean() for mark in found.marks if mark.kind == kind]
+            axis.plot(values, heights, MARKERS[i], color=COLOURS[1 + i], markersize=6, linestyle="none", label=kind)
+        axis.set_xlabel(label(found.path, found.unit))
+        axis.set_ylabel(label(f"rms of {found.of}", unit))
+        axis.legend()
         return finished(figure, path)

@@ -33,6 +33,7 @@ Array = NDArray[np.float64]
 _SIZED, _PARTS = 4, 16  # periods that sizes are told from, and parts of each
 _LOOKS = 8  # points at which the fastest motion is looked for
 _BESIDE = 1e-4  # of the sizes
+_ROUNDING = 1e-14  # of the sizes
 _REACH = 2.0  # a step times the fastest rate: there order 8 is stable and right to 1e-3 in each step
 GROWS = (Code.ERR_ESCAPE, Code.ERR_NAN_RATE)
 """How a run ends whose motion grows without bound."""
@@ -167,6 +168,13 @@ class Strobe:
             if tied:
                 rows[:, self.n - known.n_speeds :] = sim.constraints_at(0.0, full, None).rows[tied]
         return rows
+
+    def moved(self, y: Array, step: Array) -> Array:
+        """States that lie beside y by a step in their sizes; what is rounding of its size is none, since differences are
+        taken in sizes that a motion has had."""
+        found: Array = y + self.scale * step
+        found[np.abs(found) < _ROUNDING * self.scale] = 0.0
+        return found
 
     def distance(self, y: Array, other: Array) -> float:
         """How far apart two states are, in their sizes."""
