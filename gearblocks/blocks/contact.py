@@ -118,7 +118,7 @@ def contact(s: Any, law: Contact) -> Iterator[Contribution]:
     import sympy as sp
 
     x, gap, symbols = law.x, law.gap, law.gap_symbols
-    g, potential = _risen(law, *_deflection(law))
+    g, potential = _risen(law, *deflection_and_potential(law))
     side, pushing = sp.Integer(1), sp.Integer(1)
     if gap is not None:
         side = symbols.named("side", gap.side(symbols, x), "side of the contact: 1 drive, -1 coast, 0 none")
@@ -154,7 +154,7 @@ def _risen(law: Contact, g: Any, potential: Any) -> tuple[Any, Any]:
     return SignedPower(g, law.exponent, 0), SignedPower(g, law.exponent, -1)
 
 
-def _deflection(law: Contact) -> tuple[Any, Any]:
+def deflection_and_potential(law: Contact) -> tuple[Any, Any]:
     """g(x), and its integral; people read them by their names."""
     x, gap, symbols = law.x, law.gap, law.gap_symbols
     if gap is None:
@@ -307,7 +307,7 @@ def mesh(block: Any, s: Any, line: Line) -> Iterator[Contribution]:
 
 def _parametric_torque(block: Any, s: Any, law: Contact, k: Any) -> Iterator[Contribution]:
     """-dk/dphi G(x) on every flange whose angle k depends on; k is written out (law.k may be a name for it)."""
-    potential = _deflection(law)[1]
+    potential = deflection_and_potential(law)[1]
     slopes = {name: s.slope(k, getattr(s, name)) for name in type(block).flanges}
     first = next((slope for slope in slopes.values() if slope != 0), 0)
     named = s.named("kappa", first, "slope of the stiffness over the angle", "N/m")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 from typing import Any
 
-from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, error_of
+from gearblocks.blocks.contact import Contact, contact, damping, damping_problems, deflection_and_potential, error_of
 from gearblocks.blocks.effects import Backlash, Harmonic, Profile, Superposition, ToothFriction, as_error
 from gearblocks.geometry.ratio_law import RatioLaw
 from gearblocks.language.block import Block
@@ -150,7 +150,7 @@ class NonCircularGear(Block):
             if isinstance(item, Force):
                 yield Shows("moment", item.force, "N m", "moment M, positive where a drives b")
                 yield Shows("torque", -sign * item.force, "N m", "torque on flange b")
-        potential = q**2 / 2 if self.backlash is None else self.backlash.potential(s.backlash, q)
+        potential = deflection_and_potential(law)[1]
         yield from (Acts(x, -slope * potential) for x in (s.a, s.carrier) if (slope := s.slope(k, x)) != 0)
         yield Shows("deflection", q, "rad", "deflection about b")
         yield Shows("deflection_rate", rate, "rad/s", "rate of the deflection")

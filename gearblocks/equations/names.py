@@ -82,11 +82,12 @@ def of_field(field: str, owner: str, varies: bool = False) -> Name:
     *effects, last = field.split(".")
     match = re.fullmatch(r"(\w+?)(?:\[(\d+)\])?", last)
     word, place = (match[1], match[2]) if match else (last, None)
-    letter = _FIELDS.get(word) or plain(word).letter
+    own = Name(_FIELDS[word]) if word in _FIELDS else plain(word)
+    letter = own.letter
     number = "" if place is None else str(int(place) + (word not in _FROM_ZERO))
     if word == "sin":
         number = f"s{number}"
-    number = _of_effects(effects) + number
+    number = _of_effects(effects) + (own.number or own.owner) + number
     if word == "k" and varies:
         number = "0"
     return Name(letter, number, owner)
@@ -96,7 +97,7 @@ def of_state(state: str, owner: str) -> Name:
     """A state of a block: `state` with the effect before it."""
     *effects, last = state.split(".")
     name = Name(_STATES[last]) if last in _STATES else plain(last)
-    return Name(name.letter, _of_effects(effects) + name.number, owner)
+    return Name(name.letter, _of_effects(effects) + (name.number or name.owner), owner)
 
 
 def _of_effects(effects: Iterable[str]) -> str:

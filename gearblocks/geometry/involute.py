@@ -146,6 +146,12 @@ class ToothPair:
         return self.named("epsilon_alpha", (approach + recess) / self.base_pitch, "transverse contact ratio")
 
 
+def flexibility(inverse: tuple[Any, Any], x: tuple[Any, Any]) -> Any:
+    """q' of ISO 6336-1 [mm um/N] of a tooth pair: inverse: (1/zn1, 1/zn2), x: profile shifts over the module."""
+    q = _C[0] + _C[1] * inverse[0] + _C[2] * inverse[1] + _C[3] * x[0] + _C[4] * x[0] * inverse[0] + _C[5] * x[1]
+    return q + _C[6] * x[1] * inverse[1] + _C[7] * x[0] ** 2 + _C[8] * x[1] ** 2
+
+
 def single_stiffness(pair: ToothPair, first_is_smaller: bool = True) -> Any:
     """c' [N/m^2]: largest stiffness of one tooth pair per face width after ISO 6336-1, method B.
 
@@ -165,8 +171,7 @@ def single_stiffness(pair: ToothPair, first_is_smaller: bool = True) -> Any:
     if not first_is_smaller:
         inverse.reverse()
         x.reverse()
-    q = _C[0] + _C[1] * inverse[0] + _C[2] * inverse[1] + _C[3] * x[0] + _C[4] * x[0] * inverse[0] + _C[5] * x[1]
-    q = q + _C[6] * x[1] * inverse[1] + _C[7] * x[0] ** 2 + _C[8] * x[1] ** 2
+    q = flexibility((inverse[0], inverse[1]), (x[0], x[1]))
     q = named("q_pair", q, "flexibility of a tooth pair, q' of ISO 6336-1", "mm um/N")
     rack = (1 + 0.5 * (0.95 - pair.addendum)) * (1 - 0.02 * (20 - pair.pressure_angle * 180 / f.pi))
     return named("c_pair", 0.8e9 * rack * f.cos(beta) / q, "stiffness of a tooth pair, c' of ISO 6336-1", "N/m2")

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearblocks.errors import ParameterError
+from gearblocks.geometry.noncircular_stiffness import equivalent_teeth, mesh_stiffness
 from gearblocks.geometry.ratio_curves import TURN, Array, Curve
 from gearblocks.language.expression import finite_number
 
@@ -93,6 +94,26 @@ class PitchPair:
     def curvatures(self) -> tuple[Curvature, Curvature]:
         """Curvatures of gear 1 and gear 2."""
         return self._curvature(1), self._curvature(2)
+
+    def equivalent_teeth(self, phi: ArrayLike, gear: int, *, module: float) -> Array:
+        """Tooth number 2 rho/module of the cylindrical gear that has the curvature of gear 1 or 2 at phi [rad]."""
+        return equivalent_teeth(self, phi, _index(gear) + 1, module)
+
+    def mesh_stiffness(
+        self, phi: ArrayLike, *, module: float, face_width: float, shifts: tuple[float, float] = (0.0, 0.0),
+        factor: float = 0.8,
+    ) -> Array:  # fmt: skip
+        """Stiffness of a tooth pair [N/m] along the line of action at phi [rad] of gear 1, after ISO 6336-1, method B, with the
+        equivalent tooth numbers: k = factor face_width/q'. shifts: profile shifts over the module; factor: CM CR of the
+        standard. Raises ParameterError where a pitch curve is concave."""
+        return mesh_stiffness(self, phi, module, face_width, shifts, factor)
+
+    def placed(self, phi: float, gear: int, x: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
+        """Points (x, y) [m] of gear 1 or 2 from its own frame into that of the housing, where gear 1 has turned by phi [rad].
+        Its axis is the origin, that of gear 2 lies at (distance, 0), and the pitch point between them."""
+        turn = phi if _index(gear) == 0 else -float(self.law.F(phi))
+        c, s, x, y = math.cos(turn), math.sin(turn), np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+        return np.asarray(c * x - s * y + (gear - 1) * self.distance), np.asarray(s * x + c * y)
 
     def _curvature(self, gear: int) -> Curvature:
         from scipy.optimize import minimize_scalar

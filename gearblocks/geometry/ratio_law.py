@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from gearblocks.errors import ParameterError
 from gearblocks.geometry.pitch_curves import PitchPair
+from gearblocks.geometry.planet_assembly import PlanetAssembly, planet_assembly
 from gearblocks.geometry.ratio_curves import TURN, Array, Curve, Ellipse, Extremes, RatioLawError, extremes
 from gearblocks.geometry.ratio_fit import Fit, driver_angle, from_function, from_table, largest_segment, segments
 from gearblocks.geometry.ratio_inverse import inverse_fit, joints_of
@@ -183,6 +184,11 @@ class RatioLaw:
         if distance <= 0:
             raise ParameterError(f"RatioLaw.pair: distance = {distance!r} m must be > 0")
         return PitchPair(self, distance)
+
+    def planet_assembly(self, row_phase: float, spacing: float) -> PlanetAssembly:
+        """Whether a second planet, `spacing` [rad] further on, fits beside one whose two rows turn suns by this law, row 2
+        ahead by row_phase [rad]; print it for a sentence."""
+        return planet_assembly(self, row_phase, spacing)
 
     # -- identity ------------------------------------------------------------------------------------------------------
 

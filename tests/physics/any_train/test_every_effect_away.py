@@ -20,6 +20,7 @@ SHIPPED = {
         "simple_gear_shift", "lossy_gear",
     ),
     "noncircular_cvt": ("build", "dogs", "neutral"),
+    "noncircular_planetary": ("build",),
     "planetary_backlash": ("build",),
     "planetary_sets": ("compound", "simpson", "ravigneaux"),
     "spline_coupling": ("build", "steel"),
