@@ -103,6 +103,10 @@ class Reader:
     # -- kinds of expressions -----------------------------------------------------------------------------------------
 
     def _sum(self, expr: Any) -> Node:
+        factors = (x for term in expr.args for x in sp.Mul.make_args(term))
+        leads = {x: x.written_out() for x in factors if isinstance(x, EllipseLead)}  # which bring a sign of their own
+        if leads:
+            return self.read(expr.xreplace(leads))
         ordered = self.sorted_terms(expr)
         first = next((i for i, term in enumerate(ordered) if not _sign(term)[0]), 0)
         return self.terms([ordered[first], *ordered[:first], *ordered[first + 1 :]])

@@ -182,6 +182,8 @@ def _accelerations(eq, equations, sheet):
         (left, right) for heading, left, right in equations if heading.startswith("Angle form") and r"\ddot" in left
     ]
     names = [(bare(name_latex(eq.names[q]))[0], 2) for q in eq.q]
+    if not names:
+        return []
 
     def residual(alpha):
         sheet.known |= {name: Moving(mp.mpf(a), None) for name, a in zip(names, alpha, strict=True)}
@@ -224,7 +226,7 @@ def _checked(rig, places):
         equations = [*of_all(read(found.latex()), eq.kinds)]
         sheet = _written(equations, _known(rig, model, found, t, states, outputs), tables)
         alpha = _accelerations(found, equations, sheet)
-        largest = max(abs(x) for x in alpha)
+        largest = max((abs(x) for x in alpha), default=0)
         moved |= largest > 1e-3
         for q, a in zip(eq.q, alpha, strict=True):
             body = q.name.split("_", 1)[1]
@@ -237,7 +239,7 @@ def _checked(rig, places):
         for printed, expected in _relative(found, equations, sheet, alpha):
             assert abs(printed - expected) <= 1e-20 * (1 + abs(expected))
             relative += 1
-    assert moved
+    assert moved or not eq.q  # states alone: reference/test_noncircular_planetary.py compares those term by term
     return relative
 
 
