@@ -55,7 +55,7 @@ def _massless_constraints(assembly: Assembly) -> Iterator[tuple[int, tuple[str, 
     rows = massless_rows(assembly)
     if not rows:
         return
-    independent = Elimination()
+    independent, geared = Elimination(), set[int]()
     for batch in assembly.batches:
         for e, index in enumerate(batch.components):
             names, behind = [], False
@@ -74,20 +74,25 @@ def _massless_constraints(assembly: Assembly) -> Iterator[tuple[int, tuple[str, 
                     behind = True
                 elif row:
                     names.append(name)
-                    _note(independent, row, path)
+                    geared |= row.keys() if name == "tie" else set()
+                    _note(independent, row, path, not geared.isdisjoint(row))
             if "tie" in names:
                 _refuse_losses(path, assembly.train.components[index].block, behind or "loss" in names)
             if names or behind:
                 yield index, tuple(names), behind
 
 
-def _note(independent: Elimination, row: dict[int, Exact], path: str) -> None:
-    """ModelError where a slip is given by others of massless groups, so that two forces would hold the same."""
+def _note(independent: Elimination, row: dict[int, Exact], path: str, geared: bool) -> None:
+    """ModelError where a slip is given by others of massless groups, so that two forces would hold the same.
+
+    geared: one of them is a lossy gear, which ties the shaft rigidly, so that an inertia there makes nothing stiff.
+    """
     left = independent.left(row)
     if not left:
+        small = "; 1e-6 of that on the other side of the gear does, and is not stiff, as the gear ties it" if geared else ""
         raise ModelError(
             f"'{path}': several elements that can stick act on one shaft without inertia, whose balance does not tell their "
-            f"forces apart; put an Inertia there"
+            f"forces apart; put an Inertia there{small}"
         )
     independent.solve(Combination(dict(left)), next(iter(left)))
 

@@ -139,6 +139,23 @@ def test_losses_that_the_torques_at_a_shaft_without_inertia_do_not_tell_are_refu
         gb.build(rig)
 
 
+def test_a_lossy_gear_beside_a_clutch_is_refused_and_the_small_inertia_it_asks_for_is_not_stiff() -> None:
+    def train(J: float) -> gb.Drivetrain:
+        rig = gb.Drivetrain("gear and clutch")
+        one, other = _ends(rig)
+        gear, clutch = rig.add("gear", gb.LossyGear(ratio=2.5, efficiency=(0.9, 0.8))), gb.Clutch(capacity=6.0)
+        rig.chain(one, gear, *([rig.add("between", gb.Inertia(J=J))] if J else []), rig.add("clutch", clutch), other)
+        return rig
+
+    with pytest.raises(gb.ModelError, match=r"'clutch'.*put an Inertia there; 1e-6 of .* not stiff"):
+        gb.build(train(0.0))
+    runs = [gb.simulate(train(J), t=T, rtol=1e-10) for J in (2e-3, 1e-3, 0.3e-6)]
+    for body in ("one.w", "other.w"):
+        first, second, small = (run[body] for run in runs)
+        assert np.abs(small - (2 * second - first)).max() < 1e-5 * np.abs(small).max()
+    assert len(runs[2].events) > 4 and runs[2].stats.steps < 1.2 * runs[0].stats.steps
+
+
 def test_a_start_angle_passed_through_a_lossy_gear_is_one_parameter() -> None:
     rig = gb.Drivetrain("one start")
     motor, box = (
