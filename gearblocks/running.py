@@ -55,7 +55,8 @@ def simulate(
     residual: the run stops where its energy residual (run.energy.residual), looked at between samples about every 50 ms of
     CPU time and at the end, exceeds this.
     watch: of a train from which effects were left out (rig.without, rig.only), whether the run watches if they would have
-    acted: run.watched says how often and when first, and a GearblocksWarning names those that would.
+    acted: run.watched says how often and when first, and a GearblocksWarning names those that would; likewise friction and
+    loss tables that are held beyond their last point where their last line is not level (run.watched.tables).
     progress: called with the share done (0..1), five times a second at most; without it a long run says how far it is, on
     a terminal and in a notebook after two seconds, in a log by a line every so often.
 

@@ -89,7 +89,9 @@ def _note(independent: Elimination, row: dict[int, Exact], path: str, geared: bo
     """
     left = independent.left(row)
     if not left:
-        small = "; 1e-6 of that on the other side of the gear does, and is not stiff, as the gear ties it" if geared else ""
+        small = (
+            "; 1e-6 of that on the other side of the gear does, and is not stiff, as the gear ties it" if geared else ""
+        )
         raise ModelError(
             f"'{path}': several elements that can stick act on one shaft without inertia, whose balance does not tell their "
             f"forces apart; put an Inertia there{small}"

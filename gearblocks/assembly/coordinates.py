@@ -49,6 +49,9 @@ class Coordinates:
             return whole
         apart = self._join(list(form.groups))
         raw = [g for g in form.groups if g in free and g not in self.definitions] if apart else []
+        if raw and self.given:  # what cancels in the reduced form still stands in the definitions that the form names
+            behind = self._upstream(self._prescribed_behind(form))
+            raw = [g for g in raw if g not in behind]
         pivot = raw[-1] if raw else next(g for g in left if g in free)
         for g in (*reversed(raw), *(g for g in left if g in free)):
             pivot = g if self._rank(g) < self._rank(pivot) else pivot
@@ -72,6 +75,13 @@ class Coordinates:
             found |= new
             stack += new
         return found
+
+    def _prescribed_behind(self, form: Combination) -> list[int]:
+        """The prescribed groups that a form names, itself or through definitions."""
+        named = set(form.groups)
+        for pivot in self._elimination.order(form.groups):
+            named |= self.definitions[pivot].groups.keys()
+        return [g for g in named if g in self.given]
 
     def _join(self, groups: list[int]) -> bool:
         """Notes that a form joins these groups. True when none of them was joined to another one before, so that none

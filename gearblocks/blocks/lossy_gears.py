@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from math import cos, isfinite, tan
 from typing import Any
@@ -13,6 +14,7 @@ from gearblocks.language.contributions import Contribution, LossyTie, Parts, Sho
 from gearblocks.language.fields import Flange, exact, option, param
 from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Table
+from gearblocks.language.watches import Watch, beyond
 
 
 class LossyGear(Block):
@@ -85,6 +87,14 @@ class LossyGear(Block):
             yield from _efficiency_problems("efficiency", *self.efficiency)
         if self.loss_table is not None:
             yield from _table_problems(self.loss_table)
+
+    def beyond_tables(self) -> Iterator[tuple[str, Watch]]:
+        """The rows of its loss table, as far as the housing does not turn."""
+        w, *columns = zip(*(self.loss_table or [(0.0,) * 5]), strict=True)
+        if len(w) > 1:
+            for watch in (x for column in columns for x in beyond(Table(w, column), "a.w")):
+                yield "loss_table", replace(watch, unless="housing.w")
+                return
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The tie and what it loses."""

@@ -30,12 +30,12 @@ from gearblocks.language.fields import (
 )
 from gearblocks.language.reference import Documented
 from gearblocks.language.units import given, has_unit, is_quantity, unit_along
-from gearblocks.language.watches import Excitation, Watch, excitations_by_time
+from gearblocks.language.watches import Excitation, Watch, beyond, excitations_by_time
 
 _TAKEN = {
     "brings", "changed", "effects", "energy_of", "excitations", "fields", "flanges", "gives_way", "is_constant",
     "local", "named", "needed_by", "parts", "physics", "problems", "rate_of", "ratio_varies", "reading", "slope",
-    "states", "stick", "tabled", "time", "turned", "undeformed", "without_effect", "would_show",
+    "states", "stick", "tabled", "time", "turned", "undeformed", "without_effect", "would_show", "beyond_tables",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 
@@ -173,6 +173,12 @@ def _mentioned(code: CodeType) -> Iterator[str]:
 
 
 @cache
+def _over_slip(kind: type[Declared]) -> tuple[str, ...]:
+    """Names of the fields that may go over the slip."""
+    return tuple(name for name, spec in kind.fields.items() if spec.over == "slip")
+
+
+@cache
 def start_fields(kind: type[Declared]) -> Mapping[str, str]:
     """Names of the fields that are start values, by what they are of: "angle" and "speed", where they are declared."""
     return MappingProxyType({spec.start: name for name, spec in kind.fields.items() if spec.start is not None})
@@ -302,6 +308,17 @@ class Block(Declared, ABC):
     def would_show(self, effect: str) -> Iterator[Watch]:  # noqa: ARG002  most effects act always
         """What shows, on the block without this effect, that it would act; nothing for one that always acts."""
         return iter(())
+
+    def beyond_tables(self) -> Iterator[tuple[str, Watch]]:
+        """Fields with tables that are held beyond their last point, and what shows that a run went there: here those over its
+        slip, whose output is w_rel."""
+        for name in _over_slip(type(self)):
+            value = self.__dict__[name]
+            leaves = value.leaves() if isinstance(value, Expr) else ()
+            held = [leaf.args[0] for leaf in leaves if leaf.op == "table" and leaf.args[1].op == "local"]
+            bare = () if name == "capacity" else (value,)  # a capacity that is a bare Table goes over time
+            for table in (*bare, *held):
+                yield from ((name, watch) for watch in beyond(table, "w_rel"))
 
     def excitations(self) -> Iterator[Excitation]:
         """What excites the train: here the waves over time in its signals."""

@@ -11,18 +11,27 @@ from math import isfinite
 from typing import Any, final
 
 from gearblocks.language.expression import Expr, evaluate
-from gearblocks.language.signals import constant_value
+from gearblocks.language.signals import Table, constant_value
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Watch:
     """An output of a block that shows that an effect would act: its size exceeds `limit` [its unit], or, without one, its sign
-    changes. words: what this means."""
+    changes. words: what this means. unless: another output; where a train has it, this one tells nothing."""
 
     output: str
     words: str
     limit: float | None = None
+    unless: str = ""
+
+
+def beyond(table: Any, output: str) -> Iterator[Watch]:
+    """That the size of an output leaves a Table whose end value is held although its last line rises or falls."""
+    if not isinstance(table, Table) or (table.kind, table.periodic, table.extrapolate) != ("linear", False, "hold"):
+        return
+    if len(table.x) > 1 and table.x[-1] > 0 and table.y[-1] != table.y[-2]:
+        yield Watch(output, f"beyond its last point, {table.x[-1]:.6g}, it is held", float(table.x[-1]))
 
 
 @final

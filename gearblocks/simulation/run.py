@@ -188,8 +188,8 @@ class _Run:
         if code < 0:
             raise self._failure(code, result) from self.sim.error
         self._judged(result, balance, complete)
-        if self.watched.active and not self._stands_still(result):
-            warn(f"run of '{result.name}': {self.watched.warning()}; run.watched says more, watch=False nothing", 5)
+        if (words := self.watched.warning()) and not self._stands_still(result):
+            warn(f"run of '{result.name}': {words}; run.watched says more, watch=False nothing", 5)
         if log.isEnabledFor(DEBUG):
             log.debug("run of '%s' to t = %g s: %s", result.name, result.t[-1], result.stats)
         return result

@@ -89,7 +89,7 @@ class Trajectory:
         put(self, "meta", MappingProxyType(dict(meta or {})))
         put(self, "_final", final_state)
         put(self, "case", case)
-        put(self, "watched", watched or NOTHING)
+        put(self, "watched", NOTHING if watched is None else watched)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a run cannot be changed (attribute '{name}')")

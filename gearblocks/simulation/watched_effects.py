@@ -1,4 +1,5 @@
-"""What a run says about effects that were left out of its train: which of them would have acted, how often, and when first."""
+"""What a run says about effects that were left out of its train: which of them would have acted, how often, and when first;
+and about tables that it left."""
 
 from __future__ import annotations
 
@@ -32,10 +33,12 @@ class WatchedEffect(NamedTuple):
 @final
 @dataclass(frozen=True, repr=False)
 class Watched(Sequence[WatchedEffect]):
-    """What a run watched of effects that were left out. unwatched: those that nothing shows."""
+    """What a run watched of effects that were left out. unwatched: those that nothing shows. tables: rows of the same form for
+    tables that are held beyond their last point, by the field that they stand in."""
 
     rows: tuple[WatchedEffect, ...] = ()
     unwatched: tuple[str, ...] = ()
+    tables: tuple[WatchedEffect, ...] = ()
 
     @overload
     def __getitem__(self, at: int) -> WatchedEffect: ...
@@ -53,7 +56,7 @@ class Watched(Sequence[WatchedEffect]):
         return tuple(row for row in self.rows if row.times)
 
     def __str__(self) -> str:
-        lines = [str(row) for row in self.rows] or ["nothing that was left out was watched"]
+        lines = [str(row) for row in (*self.rows, *self.tables)] or ["nothing that was left out was watched"]
         return "\n".join([*lines, *([f"not watched: {', '.join(self.unwatched)}"] * bool(self.unwatched))])
 
     def __repr__(self) -> str:
@@ -62,18 +65,27 @@ class Watched(Sequence[WatchedEffect]):
     def _repr_html_(self) -> str:
         rows = [
             (x.effect, x.output, f"{x.times:,}", f"{x.first:.6g} s" if x.times else "", f"{x.low:.4g} .. {x.high:.4g}", x.words)
-            for x in self.rows
+            for x in (*self.rows, *self.tables)
         ]  # fmt: skip
-        head = ("effect left out", "output", "times", "first", "range", "what it means")
+        head = ("effect left out, or table", "output", "times", "first", "range", "what it means")
         notes = [f"not watched: {', '.join(self.unwatched)}"] if self.unwatched else ()
         return small_table("Effects left out", rows, head=head, numbers=(2, 3), notes=notes)
 
     def warning(self) -> str:
-        """What would have acted, in one sentence for each effect; "" where nothing would."""
+        """What would have acted and which tables were left, in one sentence for each; "" where nothing is to be said."""
         found: dict[str, list[WatchedEffect]] = {}
         for row in self.active:
             found.setdefault(row.effect, []).append(row)
-        return "; ".join(_sentence(effect, rows) for effect, rows in found.items())
+        left = (_left(row) for row in self.tables if row.times)
+        return "; ".join([*(_sentence(effect, rows) for effect, rows in found.items()), *left])
+
+
+def _left(row: WatchedEffect) -> str:
+    far = max(row.high, -row.low)
+    return (
+        f"the table of '{row.effect}' is left first at {row.first:.6g} s, up to {far:.4g} ({row.output}): {row.words}; "
+        "give it points there, or extrapolate='linear'"
+    )
 
 
 def _sentence(effect: str, rows: Sequence[WatchedEffect]) -> str:

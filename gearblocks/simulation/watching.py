@@ -1,4 +1,4 @@
-"""The watch of one run on effects that were left out of its train."""
+"""The watch of one run on effects that were left out of its train, and on tables that it may leave."""
 
 from __future__ import annotations
 
@@ -27,8 +27,10 @@ class Watching:
         assert model.left_out is not None
         self._model, self._left = model, model.left_out
         numbers = model.program.output_numbers
-        listed = [(effect, output, watch) for effect, output, watch in self._left.watches() if output in numbers]
-        self._listed: list[tuple[str, str, Watch]] = [x for x in listed if not _is_zero_limit(x[2])]
+        effects = [x for x in self._left.watches() if x[1] in numbers and not _is_zero_limit(x[2])]
+        tables = [x for x in self._left.beyond_tables(numbers) if x[1] in numbers]
+        self._listed: list[tuple[str, str, Watch]] = [*effects, *tables]
+        self._n_effects = len(effects)
         limits = [watch.limit or 0.0 for _, _, watch in self._listed]
         self._watches: Watches | None = None
         if self._listed:
@@ -42,11 +44,12 @@ class Watching:
     def ended(self, parameters: Array, rows: Sequence[Array]) -> Watched:
         """What the run has shown; its simulation is still where it ended."""
         seen = self._watches.end() if self._watches is not None else []
-        found = [_row(*x, s) for x, s in zip(self._listed, seen, strict=True)]
+        told = [_row(*x, s) for x, s in zip(self._listed, seen, strict=True)]
+        found, tables = told[: self._n_effects], told[self._n_effects :]
         near = self._resonances(parameters, rows)
         found += [WatchedEffect(x.effect, x.of, x.times, x.first, x.low, x.high, x.words) for x in near]
         shown = {row.effect for row in found}
-        return Watched(tuple(found), tuple(name for name in self._left.names if name not in shown))
+        return Watched(tuple(found), tuple(name for name in self._left.names if name not in shown), tuple(tables))
 
     def _resonances(self, parameters: Array, rows: Sequence[Array]) -> Sequence[Resonance]:
         if self._left.full is None or not rows:

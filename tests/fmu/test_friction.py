@@ -13,6 +13,8 @@ import fmu_export
 import gearblocks as gb
 from fmu_export.checks.instance import Instance, Unpacked
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*is left first")  # tables that are held on purpose
+
 LOCK_UP = 4.0 / 3.0  # s: 100 rad/s of slip go at 50 N m (1/1 + 1/2) per s
 
 

@@ -4,6 +4,8 @@ import pytest
 
 import gearblocks as gb
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*is left first")  # tables that are held on purpose
+
 _MESH = {"teeth": (20, 33), "module": 0.1, "pressure_angle": 0.35, "external": True, "k": 300.0, "c": 1.0}
 ELEMENTS = {
     "Shaft": gb.Shaft(k=200.0, c=0.5),

@@ -13,6 +13,8 @@ from scipy.integrate import solve_ivp
 
 import gearblocks as gb
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*is left first")  # tables that are held on purpose
+
 T = np.linspace(0.0, 2.0, 41)
 METHODS = ("dp8", pytest.param("rodas", marks=pytest.mark.long))
 

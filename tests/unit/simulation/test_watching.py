@@ -15,6 +15,45 @@ import gearblocks as gb
 SCENES = Path(__file__).parents[4] / "shared" / "reference" / "scenes.py"
 
 
+def _bearing(table: gb.Table, w0: float = 8.0) -> gb.Drivetrain:
+    rig = gb.Drivetrain("bearing")
+    rig.chain(rig.add("rotor", gb.Inertia(J=1.0, w0=w0)), rig.add("bearing", gb.BearingFriction(torque=table)))
+    return rig
+
+
+def test_a_friction_table_that_a_run_leaves_is_named_once_with_how_far() -> None:
+    with pytest.warns(
+        gb.GearblocksWarning, match=r"'bearing\.torque' is left first at 0 s, up to 8 .*extrapolate"
+    ) as said:
+        run = gb.simulate(_bearing(gb.Table([0, 1], [0.5, 1.0])), t_end=1.0)
+    assert len(said) == 1
+    (row,) = run.watched.tables
+    assert (row.times, row.first, row.high) == (1, 0.0, 8.0)
+
+
+@pytest.mark.parametrize(("table", "w0"), [
+    (gb.Table([0, 1, 2], [0.5, 1.0, 1.0]), 8.0),
+    (gb.Table([0, 1], [0.5, 1.0], extrapolate="linear"), 8.0),
+    (gb.Table([0, 10], [0.5, 1.0]), 8.0),
+    (gb.Table([0, 1], [0.5, 1.0], "step"), 8.0),
+])  # fmt: skip
+def test_a_table_that_ends_level_goes_on_or_is_not_left_says_nothing(table: gb.Table, w0: float) -> None:
+    run = gb.simulate(_bearing(table, w0), t_end=1.0)
+    assert not any(row.times for row in run.watched.tables)
+
+
+def test_rows_of_a_loss_table_are_watched_where_the_housing_stands_still() -> None:
+    rig = gb.Drivetrain("losses")
+    gear = rig.add("gear", gb.LossyGear(ratio=2, loss_table=((0, 0.9, 0.9, 0, 0), (1, 0.8, 0.8, 0, 0))))
+    rig.chain(
+        rig.add("drive", gb.Torque(tau=5.0)), rig.add("one", gb.Inertia(J=1.0)), gear, rig.add("two", gb.Inertia(J=1.0))
+    )
+    with pytest.warns(gb.GearblocksWarning, match=r"'gear\.loss_table' is left first at 0\.2"):
+        gb.simulate(rig, t_end=1.0)
+    rig.connect(rig.add("case", gb.Inertia(J=10.0)).a, gear.housing)
+    assert gb.simulate(rig, t_end=1.0).watched.tables == ()
+
+
 @pytest.fixture(scope="module")
 def scenes() -> dict[str, Any]:
     if not SCENES.exists():

@@ -14,6 +14,7 @@ import sympy as sp
 import gearblocks as gb
 from gearblocks.train.handles import FlangeHandle
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*is left first")  # tables that are held on purpose
 NAN = float("nan")
 
 # -- JSON -------------------------------------------------------------------------------------------------------------
