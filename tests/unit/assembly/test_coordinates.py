@@ -1,4 +1,4 @@
-"""Angles that prescribed ones are read from: they never come to be defined by what is behind these, in whatever order forms come."""
+"""Angles that prescribed ones are read from are never defined by what is behind these, in whatever order forms come."""
 
 from itertools import permutations
 
