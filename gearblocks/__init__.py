@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         trough,
     )
     from gearblocks.analysis.quantity import Quantity
+    from gearblocks.analysis.regimes.attraction import basins
     from gearblocks.analysis.regimes.bifurcation import bifurcation
     from gearblocks.analysis.regimes.branch import continue_orbit
     from gearblocks.analysis.regimes.exponents import lyapunov
@@ -175,8 +176,8 @@ __all__ = [
     "Shows", "SimulationError", "Speed", "SpeedLoad", "SplineCoupling", "Square", "Start", "State", "Stick", "Stop",
     "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table", "Table2", "ThermalConductance",
     "ThermalMass", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "Tyre", "TyreSlip",
-    "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "bifurcation", "build", "campbell",
-    "carried_start", "classify", "compare", "continue_orbit", "cos", "count", "design_ratio", "distance",
+    "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "basins", "bifurcation", "build",
+    "campbell", "carried_start", "classify", "compare", "continue_orbit", "cos", "count", "design_ratio", "distance",
     "driver_angle", "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit",
     "frequency_response", "last", "latin_hypercube", "line", "linearize", "log", "lyapunov", "maximum", "mean",
     "minimum", "modes", "option", "param", "peak", "period", "periodic_orbit", "pi", "piecewise", "poincare", "points",
@@ -194,6 +195,7 @@ _NAMES = {
     "analysis.dynamic_quantities": "dynamic_factor line period",
     "analysis.quantities": "at count energy_lost event_time last mean peak points rms std trough",
     "analysis.quantity": "Quantity",
+    "analysis.regimes.attraction": "basins",
     "analysis.regimes.bifurcation": "bifurcation",
     "analysis.regimes.branch": "continue_orbit",
     "analysis.regimes.exponents": "lyapunov",
