@@ -42,7 +42,8 @@ _NEARS = 1e-2  # of the extent: a motion that near to an attractor ends on it
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Attractor:
     """What motions end on. period: of its points, None where they do not repeat; points: of the outputs, shape (period,
-    outputs), or all that were kept of one motion; share: of the starts; start: one of these, by path; regime: what it is, or None."""
+    outputs), or all that were kept of one motion; share: of the starts; start: one of these, by path; regime: what it is,
+    or None."""
 
     period: int | None
     points: Array
