@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gearblocks.analysis.campbell import Campbell, campbell
+    from gearblocks.analysis.contact_intervals import contact_loss
     from gearblocks.analysis.designs import latin_hypercube, random_cases
     from gearblocks.analysis.dynamic_quantities import dynamic_factor, line, period
     from gearblocks.analysis.linearization import FrequencyResponse, Linearization, frequency_response, linearize
@@ -33,7 +34,9 @@ if TYPE_CHECKING:
     from gearblocks.analysis.regimes.bifurcation import bifurcation
     from gearblocks.analysis.regimes.branch import continue_orbit
     from gearblocks.analysis.regimes.exponents import lyapunov
+    from gearblocks.analysis.regimes.line_spectrum import spectrum
     from gearblocks.analysis.regimes.orbit import periodic_orbit
+    from gearblocks.analysis.regimes.order_map import orders
     from gearblocks.analysis.regimes.regime import classify
     from gearblocks.analysis.regimes.swept_speed import speed_sweep
     from gearblocks.analysis.scenes.fit import fit
@@ -177,17 +180,18 @@ __all__ = [
     "Stribeck", "Study", "Superposition", "Switch", "Synchronizer", "Table", "Table2", "ThermalConductance",
     "ThermalMass", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "Tyre", "TyreSlip",
     "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "basins", "bifurcation", "build",
-    "campbell", "carried_start", "classify", "compare", "continue_orbit", "cos", "count", "design_ratio", "distance",
-    "driver_angle", "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp", "fit",
-    "frequency_response", "last", "latin_hypercube", "line", "linearize", "log", "lyapunov", "maximum", "mean",
-    "minimum", "modes", "option", "param", "peak", "period", "periodic_orbit", "pi", "piecewise", "poincare", "points",
-    "price", "pulse", "random_cases", "rms", "rolling", "rpm", "sense", "signal", "simulate", "sin", "slip",
-    "speed_sweep", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "temperature", "time", "trapezoid",
-    "trough", "twist", "work_precision",
+    "campbell", "carried_start", "classify", "compare", "contact_loss", "continue_orbit", "cos", "count",
+    "design_ratio", "distance", "driver_angle", "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp",
+    "fit", "frequency_response", "last", "latin_hypercube", "line", "linearize", "log", "lyapunov", "maximum", "mean",
+    "minimum", "modes", "option", "orders", "param", "peak", "period", "periodic_orbit", "pi", "piecewise", "poincare",
+    "points", "price", "pulse", "random_cases", "rms", "rolling", "rpm", "sense", "signal", "simulate", "sin", "slip",
+    "spectrum", "speed_sweep", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "temperature", "time",
+    "trapezoid", "trough", "twist", "work_precision",
 ]  # fmt: skip
 
 _NAMES = {
     "analysis.campbell": "Campbell campbell",
+    "analysis.contact_intervals": "contact_loss",
     "analysis.designs": "latin_hypercube random_cases",
     "analysis.linearization": "FrequencyResponse Linearization frequency_response linearize",
     "analysis.modes": "Modes modes",
@@ -199,7 +203,9 @@ _NAMES = {
     "analysis.regimes.bifurcation": "bifurcation",
     "analysis.regimes.branch": "continue_orbit",
     "analysis.regimes.exponents": "lyapunov",
+    "analysis.regimes.line_spectrum": "spectrum",
     "analysis.regimes.orbit": "periodic_orbit",
+    "analysis.regimes.order_map": "orders",
     "analysis.regimes.regime": "classify",
     "analysis.regimes.swept_speed": "speed_sweep",
     "analysis.scenes.fit": "fit",

@@ -58,6 +58,7 @@ def test_a_misspelt_or_nameless_argument_is_refused_by_name(act: Callable[[], An
         "periodic_orbit",
         "bifurcation",
         "speed_sweep",
+        "spectrum",
         "basins",
         "continue_orbit",
     ],

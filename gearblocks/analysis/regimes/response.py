@@ -39,16 +39,26 @@ def response(
 ) -> Response:
     """Of the motion from the states y over so many periods, when `after` of them have passed; samples: so many in each period,
     from its begin, in place of the motion itself. Raises SimulationError."""
+    if samples is not None:
+        x = sampled(seen, y, periods, output, samples, after=after)[:-1]
+        return Response(float(x.mean()), float(x.std()), float(x.min()), float(x.max()))
+    case = _case(seen, y, periods, after)
+    along = [Along(kind, output, case.begin, case.end) for kind in _KINDS]
+    with run_again(case, Needs(along=tuple(along))) as run:
+        return Response(*(run.along_run(one) for one in along))
+
+
+def sampled(seen: Strobe, y: Array, periods: int, output: str, samples: int, *, after: int = 0) -> Array:
+    """The output at so many equal distances of each period, and at the end. Raises SimulationError."""
+    case = _case(seen, y, periods, after)
+    times = case.begin + (case.end - case.begin) * np.arange(periods * samples + 1) / (periods * samples)
+    with run_again(case, Needs((output,), tuple(times.tolist()))) as run:
+        return run.table([output], times)[:, 0]
+
+
+def _case(seen: Strobe, y: Array, periods: int, after: int) -> Case:
     begin, end = after * seen.period, (after + periods) * seen.period
     full = np.zeros(seen.model.program.n_total)
     full[: seen.n] = y
     options = Options(Method.DP8, 1, seen.rtol, 0.0, np.inf, end)
-    case = Case(seen.model.library, seen.parameters, {}, options, begin, end, full)
-    if samples is None:
-        along = [Along(kind, output, begin, end) for kind in _KINDS]
-        with run_again(case, Needs(along=tuple(along))) as run:
-            return Response(*(run.along_run(one) for one in along))
-    times = begin + seen.period * np.arange(periods * samples) / samples
-    with run_again(case, Needs((output,), tuple(times.tolist()))) as run:
-        x = run.table([output], times)[:, 0]
-    return Response(float(x.mean()), float(x.std()), float(x.min()), float(x.max()))
+    return Case(seen.model.library, seen.parameters, {}, options, begin, end, full)

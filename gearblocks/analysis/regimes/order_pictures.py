@@ -1,0 +1,88 @@
+"""Pictures of orders: lines of a steady motion; amplitudes over order and speed."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.regimes.response_pictures import label
+from gearblocks.simulation.plotting import COLOURS, finished, new_figure, prefixed, style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+_SMALL = 1e-3  # of the largest line: what is drawn
+_TRACKS = 4
+
+
+class Lines(Protocol):
+    """What is drawn of a steady motion (`line_spectrum.py`)."""
+
+    @property
+    def order(self) -> Array: ...
+    @property
+    def amplitude(self) -> Array: ...
+    @property
+    def of(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+
+
+class Orders(Protocol):
+    """What is drawn of a run-up (`order_map.py`)."""
+
+    @property
+    def order(self) -> Array: ...
+    @property
+    def speed(self) -> Array: ...
+    @property
+    def amplitude(self) -> Array: ...
+    @property
+    def of(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def speed_name(self) -> str: ...
+    @property
+    def speed_unit(self) -> str: ...
+    def track(self, order: float) -> Array: ...
+    def largest(self, count: int) -> list[float]: ...
+
+
+def draw_lines(found: Lines, path: str | os.PathLike[str] | None) -> Figure:
+    """A line for each order but the mean, up to where all are small."""
+    large = np.flatnonzero(found.amplitude[1:] > _SMALL * found.amplitude[1:].max(initial=0.0))
+    shown = slice(1, 2 + int(large[-1]) if len(large) else None)
+    factor, unit = prefixed([found.amplitude[shown]], found.unit)
+    with style():
+        figure, (axis,) = new_figure(path, size=(7.2, 2.8))
+        axis.vlines(found.order[shown], 0.0, found.amplitude[shown] * factor, color=COLOURS[0], linewidth=1.6)
+        axis.set_ylim(bottom=0.0)
+        axis.set_xlabel("order: times the frequency of the section")
+        axis.set_ylabel(label(found.of, unit))
+        return finished(figure, path)
+
+
+def draw_orders(found: Orders, path: str | os.PathLike[str] | None) -> Figure:
+    """Waterfall: amplitudes over order and speed in colours; and the largest orders as curves over the speed."""
+    factor, unit = prefixed([found.amplitude], found.unit)
+    with style():
+        figure, (left, right) = new_figure(path, columns=2, size=(10.0, 4.0))
+        mesh = left.pcolormesh(
+            found.order, found.speed, found.amplitude * factor, shading="nearest", cmap="viridis", rasterized=True
+        )
+        figure.colorbar(mesh, ax=left, label=label(found.of, unit))
+        left.grid(visible=False)
+        left.set_xlabel("order")
+        left.set_ylabel(label(found.speed_name, found.speed_unit))
+        for i, order in enumerate(found.largest(_TRACKS)):
+            right.plot(found.speed, found.track(order) * factor, color=COLOURS[i], label=f"order {order:.4g}")
+        right.set_xlabel(label(found.speed_name, found.speed_unit))
+        right.set_ylabel(label(found.of, unit))
+        right.legend()
+        return finished(figure, path)
