@@ -28,8 +28,8 @@ class ContactLoss:
     """Loss of contact of `component` between the times after and before [s].
 
     free: intervals without contact [s], shape (k, 2); closings: times at which contact is made [s], impacts of rigid stops
-    among them; time_share: of the time; turn_share: of the revolutions of the angle that was named, or None; per_period: closings
-    in a period of the section that was given, or None.
+    among them; time_share: of the time; turn_share: of the revolutions of the angle that was named, or None; per_period:
+    closings in a period of the section that was given, or None.
     """
 
     component: str
