@@ -121,11 +121,12 @@ static double candidate_slip(const gb_sim *sim, int i) {
     return fabs(w) > gb_acceleration_rounding(sim, i, size) ? w : 0.0;
 }
 
-/* Among the candidates that slip beyond their static peaks those break that the load exceeds most, in proportion to
- * the peak: they would be the first if it rose from zero. */
-static int break_first(gb_sim *sim) {
+/* Among `over` candidates that slip beyond their static peaks those break that the load exceeds most, in proportion to
+ * the peak: they would be the first if it rose from zero. Of one alone nothing has to be asked, and held without limit
+ * beside a lossy gear it may leave no forces, or many. */
+static int break_first(gb_sim *sim, int over) {
     struct gb_constraints *c = &sim->constraints;
-    const int n = sim->model->n_constraints, code = solve_within(sim, 1);
+    const int n = sim->model->n_constraints, code = over > 1 ? solve_within(sim, 1) : GB_DONE;
     double most = 0.0;
     for (int i = 0; i < n && code == GB_DONE; i++) {
         c->peak[i] = c->in[i] && c->peak[i] > 0.0 ? fabs(c->force[i]) / c->peak[i] : 0.0;
@@ -156,7 +157,7 @@ static int solve_with_peaks(gb_sim *sim) {
             over += sim->constraints.peak[i] > 0.0;
         }
         if (over > 0) {
-            code = break_first(sim);
+            code = break_first(sim, over);
         }
     }
     return code;

@@ -155,3 +155,21 @@ def test_start_speeds_follow_through_a_gear_behind_gains_that_vary(first, given)
     assert turned / (run["driving.phi"][1] - run["driving.phi"][0]) == pytest.approx(
         w["middle"] / w["driving"], rel=1e-3
     )
+
+
+@pytest.mark.parametrize(("ratio", "eta1", "peak", "tau"), [
+    (2.0, 0.4, 1.3, 5.0), (2.0, 0.4, 1.3, -5.0), (3.0, 0.6, 1.5, 9.0), (2.5, 0.35, 2.0, 12.0)
+])  # fmt: skip
+def test_a_clutch_with_a_static_peak_that_bridges_a_lossy_gear_breaks_away_beside_it(
+    ratio: float, eta1: float, peak: float, tau: float
+) -> None:
+    """It slides with C from rest:  J w_a' = tau - C - u/eta1,  J w_b' = ratio u + C,  w_a = ratio w_b,  J = 1."""
+    rig = gb.Drivetrain("bridged")
+    one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=1.0))
+    gear = rig.add("gear", gb.LossyGear(ratio=ratio, efficiency=(eta1, 0.6)))
+    rig.chain(rig.add("drive", gb.Torque(tau=tau)), one, gear, two)
+    rig.chain(two, rig.add("clutch", gb.Clutch(capacity=1.0, peak=peak)), one)
+    u = (abs(tau) - (1 + ratio)) / (ratio**2 + 1 / eta1)
+    assert u > 0
+    run = gb.simulate(rig, t_end=0.1)
+    assert run["one.w"][-1] == pytest.approx(0.1 * ratio * (ratio * u + 1) * tau / abs(tau), rel=1e-9)
