@@ -91,8 +91,7 @@ static inline void gb_active_project(const gb_constraint_rows *rows, const gb_ac
 }
 
 /* Accelerations from torques on a few speeds. */
-static inline __attribute__((always_inline)) void gb_active_respond(const gb_constraint_rows *rows,
-                                                                    const gb_active_set *a, double *x) {
+GB_INLINE void gb_active_respond(const gb_constraint_rows *rows, const gb_active_set *a, double *x) {
     gb_block sum = {0.0};
     for (int j = 0; j < rows->n_speeds; j++) {
         sum += *(const gb_block *)(const void *)(a->answer + j * GB_PAD) * x[j];
@@ -103,8 +102,7 @@ static inline __attribute__((always_inline)) void gb_active_respond(const gb_con
 }
 
 /* Accelerations from torques for an active set that is like ties. */
-static inline __attribute__((always_inline)) void gb_active_accelerate(const gb_constraint_rows *rows,
-                                                                       const gb_active_set *a, double *x) {
+GB_INLINE void gb_active_accelerate(const gb_constraint_rows *rows, const gb_active_set *a, double *x) {
     const int roots = *a->n_roots, held = a->tie_start[roots];
     for (int q = 0; q < roots; q++) {
         double sum = x[a->root[q]];

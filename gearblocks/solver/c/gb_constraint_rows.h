@@ -9,6 +9,7 @@
 #ifndef GB_CONSTRAINT_ROWS_H
 #define GB_CONSTRAINT_ROWS_H
 
+#include "gb_inline.h"
 #include "gb_lcp.h"
 #include "gb_model.h"
 
@@ -50,8 +51,7 @@ static inline double *gb_active_take(double **at, long count) {
 
 /* The active set that begins at `base`; returns its length with all that is behind it. `carried`: up to where a copy
  * needs it. */
-static inline __attribute__((always_inline)) long gb_active_lay(const gb_constraint_rows *rows, double *base,
-                                                                gb_active_set *active, long *carried) {
+GB_INLINE long gb_active_lay(const gb_constraint_rows *rows, double *base, gb_active_set *active, long *carried) {
     const long n = rows->n, m = rows->n_speeds;
     const long integers = (4 * n + 3 * m + 7 + rows->n_reduced + rows->n_factors + 1) / 2;
     const long size = gb_delassus_size(rows->n, rows->pattern);
@@ -86,8 +86,7 @@ static inline __attribute__((always_inline)) long gb_active_lay(const gb_constra
 }
 
 /* What lies behind the saved part may be written to, so `base` is not const behind the scenes. */
-static inline __attribute__((always_inline)) gb_active_set gb_active_at(const gb_constraint_rows *rows,
-                                                                        const double *base) {
+GB_INLINE gb_active_set gb_active_at(const gb_constraint_rows *rows, const double *base) {
     gb_active_set active;
     long carried;
     gb_active_lay(rows, (double *)base, &active, &carried);

@@ -34,7 +34,7 @@ static inline gb_interval gb_interval_widened(double lo, double hi) {
 
 /* A function of its arguments alone that is not copied to where it is called: equal calls are made once, and compilers
  * have less to do. */
-#ifdef __GNUC__
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define GB_APART static __attribute__((noinline, const, unused))
 #else
 #define GB_APART static inline

@@ -9,18 +9,17 @@
 #ifndef GB_MATH_H
 #define GB_MATH_H
 
+#include "gb_inline.h"
+
 #include <math.h>
 
-/* Whatever the compiler thinks of the size: a call in a loop over lanes would keep it from being vector code. */
-#define GB_MATH_INLINE static inline __attribute__((always_inline))
-
 /* 1 from 0 on, else 0. */
-GB_MATH_INLINE double gb_unit_step(double x) {
+GB_INLINE double gb_unit_step(double x) {
     return x >= 0.0 ? 1.0 : 0.0;
 }
 
 /* x - floor(x), below 1 even where a tiny negative x would round up to it. */
-GB_MATH_INLINE double gb_fraction(double x) {
+GB_INLINE double gb_fraction(double x) {
     const double rest = x - floor(x);
     return rest < 1.0 ? rest : 0.0;
 }
@@ -31,7 +30,7 @@ typedef struct gb_reduced {
 } gb_reduced;
 
 /* The first three parts of pi/2 have 22 bits, so that their products with n < 2^31 are exact. */
-GB_MATH_INLINE gb_reduced gb_reduce(double x) {
+GB_INLINE gb_reduced gb_reduce(double x) {
     const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer */
     const double n = (x * 0x1.45f306dc9c883p-1 + shift) - shift;
     const double cycles = (n * 0.25 + shift) - shift;
@@ -46,7 +45,7 @@ GB_MATH_INLINE gb_reduced gb_reduce(double x) {
 }
 
 /* sin(hi + lo) and cos(hi + lo) for |hi| <= pi/4: Chebyshev interpolants, error below 2e-17. */
-GB_MATH_INLINE double gb_sin_core(double hi, double lo) {
+GB_INLINE double gb_sin_core(double hi, double lo) {
     const double z = hi * hi;
     const double z2 = z * z;
     const double low = -0x1.5555555555555p-3 + z * 0x1.1111111110bb1p-7;
@@ -56,7 +55,7 @@ GB_MATH_INLINE double gb_sin_core(double hi, double lo) {
     return hi + (z * hi * p + lo * (1.0 - 0.5 * z));
 }
 
-GB_MATH_INLINE double gb_cos_core(double hi, double lo) {
+GB_INLINE double gb_cos_core(double hi, double lo) {
     const double z = hi * hi;
     const double z2 = z * z;
     const double low = 0x1.5555555555555p-5 + z * -0x1.6c16c16c16966p-10;
@@ -68,7 +67,7 @@ GB_MATH_INLINE double gb_cos_core(double hi, double lo) {
     return lead + (((1.0 - lead) - half) + (z2 * p - hi * lo));
 }
 
-GB_MATH_INLINE double gb_sin(double x) {
+GB_INLINE double gb_sin(double x) {
     const gb_reduced r = gb_reduce(x);
     const double s = gb_sin_core(r.hi, r.lo);
     const double c = gb_cos_core(r.hi, r.lo);
@@ -77,7 +76,7 @@ GB_MATH_INLINE double gb_sin(double x) {
     return r.quadrant * r.quadrant == 1.0 ? odd : even;
 }
 
-GB_MATH_INLINE double gb_cos(double x) {
+GB_INLINE double gb_cos(double x) {
     const gb_reduced r = gb_reduce(x);
     const double s = gb_sin_core(r.hi, r.lo);
     const double c = gb_cos_core(r.hi, r.lo);
@@ -87,7 +86,7 @@ GB_MATH_INLINE double gb_cos(double x) {
 }
 
 /* Error below 2 ulp. atan a = base + atan t with t = a, (a - 1)/(a + 1) or -1/a and |t| <= tan(pi/8). */
-GB_MATH_INLINE double gb_atan(double x) {
+GB_INLINE double gb_atan(double x) {
     const double a = x < 0.0 ? -x : x;
     const int above = a > 0x1.a827999fcef32p-2, far = a > 0x1.3504f333f9de6p+1;
     const double t = (far ? -1.0 : (above ? a - 1.0 : a)) / (far ? a : (above ? a + 1.0 : 1.0));

@@ -4,6 +4,7 @@
 #ifndef GB_VECTOR_H
 #define GB_VECTOR_H
 
+#include "gb_inline.h"
 #include "gb_internal.h"
 
 static inline double gb_max(double a, double b) {
@@ -17,8 +18,6 @@ static inline double gb_min(double a, double b) {
 static inline const gb_block *gb_block_at(const double *x) {
     return (const gb_block *)(const void *)x;
 }
-
-#define GB_INLINE static inline __attribute__((always_inline))
 
 /* Half a block: what compilers compare and mask as one on most machines. The operations are exact, so that halves of
  * any width give the same bits. */
