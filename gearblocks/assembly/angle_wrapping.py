@@ -23,6 +23,7 @@ from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.kinematics import PrescribedRow
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly, Batch
 from gearblocks.errors import ModelError
+from gearblocks.laws.free_symbols import symbols_in
 from gearblocks.laws.functions import TableAt
 from gearblocks.laws.law import WRAPPED
 from gearblocks.laws.rational import Exact, exact_value, over
@@ -99,7 +100,7 @@ class _Reading:
 
     def touched(self, e: Any) -> bool:
         """Whether any free angle stands in an expression."""
-        return any(self.shifts.get(x) for x in e.free_symbols)
+        return any(self.shifts.get(x) for x in symbols_in(e))
 
     def _spoil(self, form: Iterable[int]) -> tuple[int, Form]:
         self.bad.update(form)

@@ -11,6 +11,7 @@ from typing import Any
 
 import sympy as sp
 
+from gearblocks.laws.free_symbols import symbols_in
 from gearblocks.laws.symbols import CONSTANT, MOVING, TIMED, Pool, SymbolRole
 
 
@@ -43,7 +44,7 @@ class Hoister:
             return expr
         if isinstance(expr, (sp.Add, sp.Mul)):
             return self._split(expr, self.hoist)
-        return expr.func(*(self.hoist(a) if a.free_symbols else a for a in expr.args))
+        return expr.func(*(self.hoist(a) if symbols_in(a) else a for a in expr.args))
 
     def spread(self, expr: Any) -> Any:
         """Carries factors that do not move into sums: each summand then has one hoisted term, and the longest chain of
@@ -83,7 +84,7 @@ class Hoister:
             return expr.func(whole if _is_plain(whole) else self._term(whole, CONSTANT), *rest)
         if isinstance(expr, (sp.sin, sp.cos)):
             return self._wave(expr)
-        return expr.func(*(self._inside_timed(a) if a.free_symbols else a for a in expr.args))
+        return expr.func(*(self._inside_timed(a) if symbols_in(a) else a for a in expr.args))
 
     def _wave(self, expr: Any) -> Any:
         """The time term of a sine or cosine of time. A constant phase that belongs to the instance is taken out by the
@@ -118,7 +119,7 @@ class Hoister:
 
     def _is_common(self, expr: Any) -> bool:
         """Whether no number of an instance stands in it."""
-        return all(self._is_shared(x) for x in expr.free_symbols)
+        return all(self._is_shared(x) for x in symbols_in(expr))
 
     def _is_shared(self, symbol: Any) -> bool:
         meaning = self.pool.roles[symbol]

@@ -17,6 +17,7 @@ from gearblocks.codegen.function import Names, identifier
 from gearblocks.codegen.layout import Layout, speed_index
 from gearblocks.codegen.operands import Local, Operand, Role
 from gearblocks.codegen.parts import MasslessRows
+from gearblocks.laws.free_symbols import symbols_in
 from gearblocks.laws.printer import c_text
 from gearblocks.laws.rational import exact_value
 from gearblocks.laws.symbols import TIMED
@@ -43,7 +44,7 @@ class Offsets:
 
 def by_name(*exprs: Any) -> list[Any]:
     """The symbols of expressions in a fixed order."""
-    return sorted({x for e in exprs for x in sp.sympify(e).free_symbols}, key=lambda x: str(x.name))
+    return sorted({x for e in exprs for x in symbols_in(sp.sympify(e))}, key=lambda x: str(x.name))
 
 
 _LETTERS = {"own": "p", "exact": "x"}

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from gearblocks.laws.free_symbols import symbols_in
 from gearblocks.laws.functions import EllipseLead, Table2At, TableAt
 from gearblocks.laws.printer import c_text
 
@@ -63,7 +64,7 @@ class _Printer:
         return c_text(e, self.names)
 
     def moves(self, e: Any) -> bool:
-        return any(x in self.moving for x in e.free_symbols)
+        return any(x in self.moving for x in symbols_in(e))
 
     def enclosed(self, e: Any) -> _Call:
         """The enclosure of an expression."""

@@ -11,6 +11,7 @@ from typing import Any
 
 import sympy as sp
 
+from gearblocks.laws.derivative import derivative
 from gearblocks.laws.law import Law
 from gearblocks.laws.symbols import time_symbol
 from gearblocks.laws.vanishing import vanishes
@@ -22,12 +23,12 @@ def add_energy_balance(law: Law, flanges: Mapping[str, Any]) -> None:
     rest = sum((tau.xreplace(law.forces) * flanges[n].w for n, tau in law.torques.items()), sp.Integer(0))
     rest += law.loss if law.loss is not None else 0
     if law.stored is not None:
-        parametric = sp.diff(law.stored, time_symbol())
+        parametric = derivative(law.stored, time_symbol())
         for form, u in zip(law.forms, law.coordinates, strict=True):
             rate = sum(c * flanges[n].w for n, c in form.coefficients.items())
-            rest += sp.diff(law.stored, u) * rate
-        rest += sum(sp.diff(law.stored, f.phi) * f.w for f in flanges.values())
+            rest += derivative(law.stored, u) * rate
+        rest += sum(derivative(law.stored, f.phi) * f.w for f in flanges.values())
         for name, rate in law.rates.items():
-            rest += sp.diff(law.stored, law.pool.symbol("state", name, name)) * rate
+            rest += derivative(law.stored, law.pool.symbol("state", name, name)) * rate
     supplied = parametric + (0 if vanishes(rest, law) else rest)
     law.supplied = None if supplied == 0 else supplied

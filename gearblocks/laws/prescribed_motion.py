@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.errors import ModelError
+from gearblocks.laws.derivative import derivative
 from gearblocks.laws.functions import TableAt
 from gearblocks.laws.symbols import CONSTANT, MOVING, Pool, time_symbol
 
@@ -43,7 +44,7 @@ class PrescribedMotion:
 
 def is_constant_tie(law: Any, flanges: Mapping[str, Any], zero: Any) -> bool:
     """Whether a relation of angles is a rigid constraint: sum c_f phi_f = 0, or = the start angle of the block."""
-    slopes = [sp.diff(zero, f.phi) for f in flanges.values() if f.phi.is_Symbol]
+    slopes = [derivative(zero, f.phi) for f in flanges.values() if f.phi.is_Symbol]
     if any(law.pool.level(c) != CONSTANT for c in slopes):
         return False
     rest = zero.xreplace({f.phi: sp.Integer(0) for f in flanges.values()})
@@ -53,7 +54,7 @@ def is_constant_tie(law: Any, flanges: Mapping[str, Any], zero: Any) -> bool:
 
 def linear_tie(flanges: Mapping[str, Any], zero: Any) -> tuple[dict[str, Any], Any]:
     """Coefficients of the flange angles and the constant of a tie."""
-    coefficients = {name: c for name, f in flanges.items() if (c := sp.diff(zero, f.phi)) != 0}
+    coefficients = {name: c for name, f in flanges.items() if (c := derivative(zero, f.phi)) != 0}
     return coefficients, zero.xreplace({f.phi: sp.Integer(0) for f in flanges.values()})
 
 
@@ -68,7 +69,7 @@ def prescribed_angle(
     if rates is None:
         _check_smooth(law.pool, kind, angle)
     others = {n: f for n, f in flanges.items() if n != name}
-    gains = {n: g for n, f in others.items() if (g := sp.diff(angle, f.phi)) != 0}
+    gains = {n: g for n, f in others.items() if (g := derivative(angle, f.phi)) != 0}
     if rates is not None:
         speed, acceleration = (sp.sympify(x) for x in rates)
         return PrescribedMotion(name, gains, speed, acceleration, angle)
@@ -109,7 +110,7 @@ def prescribed_speed(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any)
     """The prescribed motion w = F(t, states) + sum gains w of a relation of speeds alone."""
     name, slope = _pivot(kind, zero, {n: f.w for n, f in flanges.items()})
     speed = -sp.expand(zero - slope * flanges[name].w) / slope
-    gains = {n: g for n, f in flanges.items() if n != name and (g := sp.diff(speed, f.w)) != 0}
+    gains = {n: g for n, f in flanges.items() if n != name and (g := derivative(speed, f.w)) != 0}
     if any(g.free_symbols for g in gains.values()):
         raise ModelError(f"{kind}: the prescribed speed '{zero}' is not linear in the flange speeds")
     velocity_bias = speed.xreplace({f.w: sp.Integer(0) for f in flanges.values()})
@@ -134,7 +135,7 @@ def is_steady(law: Any, number: int) -> bool:
         return False
     added = [sp.sympify(motion.velocity_bias), sp.Integer(0) if motion.angle is None else sp.sympify(motion.angle)]
     moving = [(e, x) for e in added for x in e.free_symbols if pool.level(x) == MOVING and pool.roles[x].role != "phi"]
-    return all(pool.roles[x].role == "state" and sp.diff(e, x).is_number for e, x in moving)
+    return all(pool.roles[x].role == "state" and derivative(e, x).is_number for e, x in moving)
 
 
 def can_be_solved(zero: Any, flanges: Mapping[str, Any]) -> bool:
@@ -145,7 +146,7 @@ def can_be_solved(zero: Any, flanges: Mapping[str, Any]) -> bool:
 def _pivots(zero: Any, unknowns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """The flanges that have a number as their factor, and that."""
     for name, x in unknowns.items():
-        slope = sp.diff(zero, x) if x.is_Symbol else sp.Integer(0)
+        slope = derivative(zero, x) if x.is_Symbol else sp.Integer(0)
         if slope != 0 and slope.is_number:
             yield name, slope
 
@@ -169,12 +170,12 @@ def _rate(law: Any, kind: str, expr: Any, speeds: Mapping[Any, Any]) -> Any:
             )
         if law.pool.roles[x].role == "sense":
             raise ModelError(f"{kind}: a sensed output ('{x}') cannot prescribe a rigid motion; give compliance")
-    total = sp.diff(expr, time_symbol())
-    total += sum((sp.diff(expr, x) * w for x, w in speeds.items() if expr.has(x)), sp.Integer(0))
+    total = derivative(expr, time_symbol())
+    total += sum((derivative(expr, x) * w for x, w in speeds.items() if expr.has(x)), sp.Integer(0))
     for state, rate in law.rates.items():
         symbol = law.pool.symbol("state", state, state)
         if expr.has(symbol):
-            total += sp.diff(expr, symbol) * rate
+            total += derivative(expr, symbol) * rate
     return total
 
 

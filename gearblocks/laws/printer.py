@@ -35,6 +35,12 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
         printer._names = names
         return printer
 
+    def _handle_UnevaluatedExpr(self, expr: Any) -> Any:
+        return expr  # laws have none, and sympy would walk through all of each to find that
+
+    def _format_code(self, lines: list[str]) -> list[str]:
+        return lines if len(lines) == 1 else list(super()._format_code(lines))
+
     def _print_Symbol(self, expr: Any) -> str:
         return self._names[expr]
 

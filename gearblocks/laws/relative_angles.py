@@ -6,10 +6,12 @@ Knows nothing of which coordinates a law has.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import sympy as sp
 
+from gearblocks.laws.free_symbols import symbols_in
 from gearblocks.laws.symbols import Pool
 
 _ONE: Any = sp.Integer(1)
@@ -23,13 +25,13 @@ def in_coordinates(pool: Pool, expr: Any, replace: Mapping[Any, Any]) -> Any:
     turns.
     """
     new = sp.sympify(expr).xreplace(replace)
-    roles = {x: pool.roles[x].role for x in new.free_symbols}
+    roles = {x: pool.roles[x].role for x in symbols_in(new)}
     absolute = {x for x, role in roles.items() if role == "phi"}
     return _collected(new, absolute, absolute | {x for x, role in roles.items() if role == "coordinate"})
 
 
 def _collected(expr: Any, absolute: set[Any], unknowns: set[Any]) -> Any:
-    if not expr.free_symbols & absolute or expr.is_Symbol:
+    if not symbols_in(expr) & absolute or expr.is_Symbol:
         return expr
     if not expr.is_Add:
         return expr.func(*(_collected(a, absolute, unknowns) for a in expr.args))
@@ -43,14 +45,23 @@ def _collected(expr: Any, absolute: set[Any], unknowns: set[Any]) -> Any:
             rest.append(slopes.pop(_ONE, sp.Integer(0)))
             for x, c in slopes.items():
                 total.setdefault(x, []).append(c)
-    return sp.Add(*(x * sp.cancel(sp.Add(*c)) for x, c in total.items()), *rest)
+    return sp.Add(*(x * _lowest_terms(sp.Add(*c)) for x, c in total.items()), *rest)
+
+
+@lru_cache(maxsize=1000)
+def _lowest_terms(coefficient: Any) -> Any:
+    """A coefficient in lowest terms, which a product of numbers and powers of symbols is as it stands."""
+    powers = (a.as_base_exp() for a in sp.Mul.make_args(coefficient))
+    if all(base.is_Rational or (base.is_Symbol and exponent.is_Integer) for base, exponent in powers):
+        return coefficient
+    return sp.cancel(coefficient)
 
 
 def _slopes(expr: Any, unknowns: set[Any]) -> dict[Any, Any] | None:
     """Coefficients over the unknowns, with the rest under 1; None where it is not linear in them."""
     if expr in unknowns:
         return {expr: _ONE}
-    if not expr.free_symbols & unknowns:
+    if not symbols_in(expr) & unknowns:
         return {_ONE: expr}
     if not (expr.is_Add or expr.is_Mul):
         return None
@@ -63,7 +74,7 @@ def _slopes(expr: Any, unknowns: set[Any]) -> dict[Any, Any] | None:
             for x, c in (part or {}).items():
                 total[x] = total.get(x, 0) + c
         return total
-    moving = [i for i, a in enumerate(expr.args) if a.free_symbols & unknowns]
+    moving = [i for i, a in enumerate(expr.args) if symbols_in(a) & unknowns]
     if len(moving) > 1:
         return None
     factor = sp.Mul(*(a for i, a in enumerate(expr.args) if i != moving[0]))

@@ -20,6 +20,8 @@ from gearblocks.language.expression import Expr, to_sympy
 from gearblocks.language.heat import heat_port
 from gearblocks.language.signals import Input, Parameter, Table
 from gearblocks.language.tables import Table2
+from gearblocks.laws.derivative import derivative
+from gearblocks.laws.free_symbols import symbols_in
 from gearblocks.laws.functions import EllipseLead, Table2At, TableAt
 
 
@@ -172,7 +174,7 @@ class Pool:
     def level(self, expr: Any) -> int:
         """CONSTANT, TIMED or MOVING: what can change the expression during a run."""
         found = CONSTANT
-        for atom in expr.free_symbols:
+        for atom in symbols_in(expr):
             meaning = self.roles[atom]
             found = max(found, meaning.of.level if meaning.role == "mode" else _level_of(meaning))
         return found
@@ -326,16 +328,16 @@ class Symbols:
 
     def slope(self, expr: Any, flange: FlangeSymbols) -> Any:
         """d expr / d phi of a flange; 0 at the ground."""
-        return sp.diff(self._pool.spelled(expr, {flange.phi}), flange.phi) if flange.phi.is_Symbol else sp.Integer(0)
+        return derivative(self._pool.spelled(expr, {flange.phi}), flange.phi) if flange.phi.is_Symbol else sp.Integer(0)
 
     def rate_of(self, expr: Any, rates: Iterable[Rate] = ()) -> Any:
         """d expr / dt along the motion, for expressions of angles, time and states with the given rates."""
         expr = self._pool.spelled(expr, self._pool.moving())
-        total = sp.diff(expr, time_symbol())
+        total = derivative(expr, time_symbol())
         for name in type(self._owner).flanges:
             flange = getattr(self, name)
             total += self.slope(expr, flange) * flange.w
-        return total + sum(sp.diff(expr, r.state) * r.expr for r in rates)
+        return total + sum(derivative(expr, r.state) * r.expr for r in rates)
 
     def energy_of(self, field: str, name: str, x: Any) -> Any:
         """Stored energy of a polynomial field over its quantity, else None (the work then counts as exchange)."""

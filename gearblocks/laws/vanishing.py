@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from gearblocks.laws.free_symbols import symbols_in
 from gearblocks.laws.functions import Table2At, TableAt
 from gearblocks.laws.law import Law
 
@@ -88,7 +89,7 @@ def _products(expr: Any, modes: Any, known: dict[Any, Sets | None]) -> Sets | No
     """The largest sets of modes that stand in one product of the expression written out; None where these are too many."""
     if expr in known:
         return known[expr]
-    inside = frozenset(expr.free_symbols & modes)
+    inside = frozenset(symbols_in(expr) & modes)
     found: Sets | None = frozenset([inside])
     if len(inside) > 1 and expr.is_Add:
         parts = [_products(a, modes, known) for a in expr.args]

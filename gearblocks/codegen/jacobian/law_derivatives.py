@@ -16,6 +16,7 @@ import sympy as sp
 from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.operands import Assignment, Local, Operand, Role
+from gearblocks.laws.derivative import derivative
 from gearblocks.laws.vanishing import vanishes
 
 
@@ -109,7 +110,7 @@ class Slopes:
         rate = self.code.speeds[meaning.of]
         for w in sorted(rate.free_symbols, key=lambda x: str(x.name)):
             if self.code.law.pool.roles[w].role == "w":
-                yield w, sp.diff(rate, w)
+                yield w, derivative(rate, w)
 
     def _speed(self, flange: str) -> Any:
         return self.code.law.pool.symbol("w", flange, f"w_{flange}")
@@ -121,7 +122,7 @@ class Slopes:
         code, pool = self.code, self.code.law.pool
         torques = {f: e for f, e in code.torques.items() if code.batch.groups[f][0] != GROUND_GROUP}
         for force, expr in code.forces.items():
-            row = {self._speed(f): a for f, e in torques.items() if (a := sp.diff(e, force)) != 0}
+            row = {self._speed(f): a for f, e in torques.items() if (a := derivative(e, force)) != 0}
             if row:
                 self._add(row, expr)
         none = dict.fromkeys(code.forces, sp.Integer(0))
@@ -193,7 +194,7 @@ def partial(code: BatchCode, expr: Any) -> Iterator[tuple[Any, Any]]:
             continue
         if meaning.role in ("w", "phi") and code.batch.groups[meaning.of][0] == GROUND_GROUP:
             continue
-        slope = sp.diff(expr, x)
+        slope = derivative(expr, x)
         if slope.has(sp.Derivative, sp.Subs, sp.DiracDelta):
             raise NotImplementedError(f"no formula for the derivative of {expr} by {x}")
         if slope != 0:
