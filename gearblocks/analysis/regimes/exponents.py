@@ -35,7 +35,8 @@ Array = NDArray[np.float64]
 BATCHES = 20
 """Batches of periods that a standard error is told from."""
 _REGULAR = 0.05  # of the error of a plain mean: halves of a regular motion agree better in their weighted means
-_TURNS_IN = 20  # periods in which the columns turn into their directions
+TURNS_IN = 20
+"""Periods in which the columns turn into their directions."""
 
 
 @final
@@ -143,8 +144,8 @@ def exponents_of(
     """Those of the motion from the states y, which it has after so many periods. Raises SimulationError."""
     m = neutral.rest.shape[1] if count is None else min(count, neutral.rest.shape[1])
     columns, fixed = (x * seen.scale[:, None] for x in (_directions(neutral, m), neutral.basis))
-    run = seen.follow(y, periods + _TURNS_IN, columns, after=after, fixed=fixed)
-    return LyapunovExponents(run.logs[_TURNS_IN:], seen.period, neutral.words, run.corner, run.states[-1])
+    run = seen.follow(y, periods + TURNS_IN, columns, after=after, fixed=fixed)
+    return LyapunovExponents(run.logs[TURNS_IN:], seen.period, neutral.words, run.corner, run.states[-1])
 
 
 def _weighted(logs: Array) -> Array:

@@ -2,7 +2,8 @@
 
     period n         shooting converges to an orbit of least period n, its multipliers lie inside the unit circle, and the
                      motion comes nearer to it as they say, at two tolerances
-    chaotic          the largest exponent exceeds 3 standard errors, also after ten times the transient, at two tolerances
+    chaotic          the largest exponent exceeds 3 standard errors, also after ten times the transient and as many periods
+                     as chaos has to last, at two tolerances
     quasi-periodic   no exponent is positive, and a second frequency shows
     diverged         the motion grows without bound
     coexisting       several starts end in several of these
@@ -21,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.drives import drive_periods
-from gearblocks.analysis.regimes.exponents import LyapunovExponents, exponents_of
+from gearblocks.analysis.regimes.exponents import TURNS_IN, LyapunovExponents, exponents_of
 from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.second_frequency import second_frequency
@@ -75,29 +76,35 @@ class Regime:
 @by_name_only
 def classify(
     train: Drivetrain | Model, section: Section, *, transient: int = 300, keep: int = 100, longest: int = LONGEST,
-    starts: int = 1, rtol: float = 1e-9, parameters: Mapping[str, float | str] | None = None, initial: Any = None,
+    lasting: int = 20000, starts: int = 1, rtol: float = 1e-9, parameters: Mapping[str, float | str] | None = None, initial: Any = None,
 ) -> Regime:  # fmt: skip
     """The regime of a motion after `transient` periods of the section, with its evidence.
 
-    keep: points that periods up to `longest` are proposed from; starts: how many starts are tried, the first one as given,
+    keep: points that periods up to `longest` are proposed from; lasting: periods that chaos has to last after ten times the
+    transient, or it may be an irregular transient; starts: how many starts are tried, the first one as given,
     others beside it by its own size; rtol: looser of the two tolerances that must agree; parameters and initial: as for
     `simulate`. Raises ParameterError, and SimulationError where a run cannot go on.
     """
-    if transient < 0 or keep < 2 * longest + 1 or longest < 1 or starts < 1:
+    if min(transient, lasting) < 0 or keep < 2 * longest + 1 or longest < 1 or starts < 1:
         raise ParameterError(
-            f"transient = {transient} must be >= 0, longest = {longest} and starts = {starts} >= 1, and keep = {keep} > twice "
-            "longest: every period must be seen to repeat"
+            f"transient = {transient} and lasting = {lasting} must be >= 0, longest = {longest} and starts = {starts} >= 1, and "
+            f"keep = {keep} > twice longest: every period must be seen to repeat"
         )
     seen = strobe(build(train), section, parameters, initial, rtol)
-    found = [Asked(seen, transient, keep, longest).regime(y) for y in _starts(seen, initial, starts)]
+    found = [Asked(seen, transient, keep, longest, lasting).regime(y) for y in _starts(seen, initial, starts)]
     return found[0] if starts == 1 else _together(found)
 
 
 def _starts(seen: Strobe, initial: Any, count: int) -> Iterator[Array]:
     y = seen.start(initial)
     yield y
-    run = seen.follow(y, 100)
-    size = np.abs(np.vstack([y, run.states])).max(axis=0)
+    if count == 1:
+        return
+    try:
+        states = seen.follow(y, 100).states
+    except GrowthError:  # the first start is told by its own
+        states = y[None]
+    size = np.abs(np.vstack([y, states])).max(axis=0)
     rng = np.random.default_rng(0)
     for _ in range(count - 1):
         yield y + size * rng.standard_normal(seen.n)
@@ -137,6 +144,7 @@ class Asked:
     transient: int
     keep: int
     longest: int
+    lasting: int = 0
 
     def regime(self, y: Array) -> Regime:
         """That of the motion from the states y on."""
@@ -167,17 +175,21 @@ class Asked:
         return Regime(f"period {orbit.periods}", words, orbit.periods, finer)
 
     def _other(self, seen: Strobe, points: Array, neutral: Neutral, drives: int, after: int) -> Regime:
-        """No stable orbit was found yet: what exponents say now, and after ten times the transient."""
-        first = exponents_of(seen, points[-1], neutral, _PERIODS, 2, after)
-        after += _PERIODS + 20
-        more = max(_TENFOLD * self.transient, self.keep)
-        run = seen.follow(first.states, more, after=after)
-        if regime := _growth(np.vstack([points, run.states])):
-            return regime
-        points, after = run.states[-self.keep :], after + more
-        if regime := self._periodic(seen, points, neutral, drives, after):
-            return regime
-        last = exponents_of(seen, points[-1], neutral, _PERIODS, 2, after)
+        """No stable orbit was found yet: what exponents say now, after ten times the transient, and once more after `lasting`
+        periods, in which an irregular transient shows what it is."""
+        first = last = exponents_of(seen, points[-1], neutral, _PERIODS, 2, after)
+        for more in (max(_TENFOLD * self.transient, self.keep), self.lasting):
+            after += _PERIODS + TURNS_IN
+            run = seen.follow(last.states, more, after=after)
+            if regime := _growth(np.vstack([points, run.states])):
+                return regime
+            points, after = np.vstack([points, run.states])[-self.keep :], after + more
+            if regime := self._periodic(seen, points, neutral, drives, after):
+                before = (f"before, the largest exponent was {_told(first)}",) if _positive(first) else ()
+                return replace(regime, evidence=(*regime.evidence, *before))
+            last = exponents_of(seen, points[-1], neutral, _PERIODS, 2, after)
+            if not (self.lasting and _positive(last)):
+                break
         if _positive(first) and _positive(last):
             return _chaos(seen, points[-1], neutral, last, after)
         if not _positive(last):
@@ -244,7 +256,7 @@ def _chaos(seen: Strobe, y: Array, neutral: Neutral, last: LyapunovExponents, af
         return Regime("unresolved", (f"the largest exponent is {_told(last)}", str(error)), exponents=last)
     apart = abs(finer.per_period[0] - last.per_period[0])
     both = float(np.hypot(finer.errors_per_period[0], last.errors_per_period[0]))
-    words = f"the largest exponent is {_told(last)}, with rtol/100 {_told(finer)}, after ten times the transient"
+    words = f"the largest exponent is {_told(last)}, with rtol/100 {_told(finer)}, after {after} periods"
     if not _positive(finer) or apart > SIGMAS * both:
         return Regime("unresolved", (words,), exponents=last)
     return Regime("chaotic", (words,), exponents=last)

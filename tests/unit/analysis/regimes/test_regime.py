@@ -44,6 +44,71 @@ def test_motions_get_their_labels(oscillator: Oscillator, label: str, torque: An
         assert found.label == f"period {found.period}" == f"period {found.orbit.periods}"
 
 
+def _ueda(oscillator: Oscillator, force: float, share: float = 1.0) -> gb.Drivetrain:
+    """x'' + 0.05 x' + x^3 = force cos(share t), seen once per period of `drive` = 1."""
+    return oscillator(lambda drive, x, v: force * gb.cos(share * drive * gb.time) - x**3, k=1e-12)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", range(4))
+@pytest.mark.parametrize(("force", "share", "period"), [(8.045113, 0.5, 2), (10.932331, 1.0, 3)])
+def test_an_irregular_transient_is_no_chaos(
+    oscillator: Oscillator, force: float, share: float, period: int, number: int
+) -> None:
+    # next to a boundary crisis: irregular for a thousand periods of the section (six thousand) on the mean, then periodic
+    model = gb.build(_ueda(oscillator, force, share))
+    parameters = {"drive": 1.0 / share}
+    start = {"disc.phi": -3.0 + 6.0 * number / 4, "disc.w": 0.3 * number - 1.0}
+    run = gb.simulate(
+        model,
+        t=2 * np.pi * share * np.arange(60000),
+        rtol=1e-9,
+        parameters=parameters,
+        initial=start,
+        outputs=["disc.phi"],
+    )
+    off = np.abs(run["disc.phi"][period:] - run["disc.phi"][:-period])
+    assert off[-100:].max() < 1e-6  # the truth; by as long a run as it takes
+    settled = int(np.flatnonzero(off > 1e-3)[-1])
+    found = gb.classify(model, SECTION, parameters=parameters, initial=start)
+    assert found.label == f"period {period}", (settled, found.evidence)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("labels", "torque", "numbers"),
+    [
+        # a cascade: period 4 of Ueda's oscillator behind its period 2
+        (("period 4",), lambda drive, x, v: 5.28 * gb.cos(drive * gb.time) - x**3, {"k": 1e-12}),
+        # below and within the first tongue of Hill's equation, which begins at q = 0.2001 (test_branch.py)
+        (("period 1",), lambda drive, x, v: (1 - 0.1 * gb.cos(2 * drive * gb.time)) * -x + x, {"k": 1.0, "c": 0.1}),
+        (("diverged",), lambda drive, x, v: -0.5 * gb.cos(2 * drive * gb.time) * x, {"k": 1.0, "c": 0.1, "phi0": 0.1}),
+        # an oscillation of its own, caught by the drive (Adler: |detuning| < force/(2 a), a = 2) and not caught
+        (("period 1",), lambda drive, x, v: gb.cos(drive * gb.time) + (0.2 - 0.2 * x**2) * v, {"k": 1.05, "c": 0.0, "phi0": 0.1}),
+        (
+            ("quasi-periodic",),
+            lambda drive, x, v: 0.05 * gb.cos(drive * gb.time) + (0.2 - 0.2 * x**2) * v,
+            {"k": 2.2, "c": 0.0, "phi0": 0.1},
+        ),
+        # what is left of the start falls as 1/sqrt(t): the multiplier of rest is 1
+        (("period 1", "unresolved"), lambda drive, x, v: 0.0 * drive - x**3, {"k": 1e-15, "c": 1.0, "phi0": 1.0}),
+        # three drives, the third of which repeats after 7 periods
+        (
+            ("period 7",),
+            lambda drive, x, v: gb.cos(drive * gb.time) + gb.cos(3 * drive * gb.time) + 1e-3 * gb.sin(drive * gb.time / 7),
+            {"k": 3.0, "c": 0.2},
+        ),
+        # escapes from its well after it has swung up
+        (("diverged",), lambda drive, x, v: 0.25 * gb.cos(drive * gb.time) + x**3, {"k": 1.0, "c": 0.05}),
+    ],
+)  # fmt: skip
+def test_further_kinds_get_their_labels_or_none(
+    oscillator: Oscillator, labels: tuple[str, ...], torque: Any, numbers: dict[str, float]
+) -> None:
+    found = gb.classify(oscillator(torque, **numbers), SECTION)
+    assert found.label in labels, found.evidence
+
+
 def test_multipliers_of_a_focus_are_those_of_its_equation(oscillator: Oscillator) -> None:
     # x'' + c x' + k x: exp((-c/2 +- i sqrt(k - c^2/4)) T)
     k, c = 1.44, 0.1
