@@ -76,7 +76,8 @@ class Regime:
 @by_name_only
 def classify(
     train: Drivetrain | Model, section: Section, *, transient: int = 300, keep: int = 100, longest: int = LONGEST,
-    lasting: int = 20000, starts: int = 1, rtol: float = 1e-9, parameters: Mapping[str, float | str] | None = None, initial: Any = None,
+    lasting: int = 20000, starts: int = 1, rtol: float = 1e-9, parameters: Mapping[str, float | str] | None = None,
+    initial: Any = None,
 ) -> Regime:  # fmt: skip
     """The regime of a motion after `transient` periods of the section, with its evidence.
 
@@ -87,8 +88,8 @@ def classify(
     """
     if min(transient, lasting) < 0 or keep < 2 * longest + 1 or longest < 1 or starts < 1:
         raise ParameterError(
-            f"transient = {transient} and lasting = {lasting} must be >= 0, longest = {longest} and starts = {starts} >= 1, and "
-            f"keep = {keep} > twice longest: every period must be seen to repeat"
+            f"transient = {transient} and lasting = {lasting} must be >= 0, longest = {longest} and starts = {starts} >= 1, "
+            f"and keep = {keep} > twice longest: every period must be seen to repeat"
         )
     seen = strobe(build(train), section, parameters, initial, rtol)
     found = [Asked(seen, transient, keep, longest, lasting).regime(y) for y in _starts(seen, initial, starts)]
