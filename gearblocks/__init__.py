@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from gearblocks.analysis.linearization import FrequencyResponse, Linearization, frequency_response, linearize
     from gearblocks.analysis.modes import Modes, modes
     from gearblocks.analysis.parameter_study import study, sweep
+    from gearblocks.analysis.pitch_pictures import draw_pitch_curves
     from gearblocks.analysis.quantities import (
         at,
         count,
@@ -181,12 +182,12 @@ __all__ = [
     "ThermalMass", "Tie", "ToothFriction", "Torque", "TorqueConverter", "Trajectory", "Tyre", "TyreSlip",
     "UniversalJoint", "UnknownNameError", "Vehicle", "Watch", "Worm", "at", "basins", "bifurcation", "build",
     "campbell", "carried_start", "classify", "compare", "contact_loss", "continue_orbit", "cos", "count",
-    "design_ratio", "distance", "driver_angle", "dynamic_factor", "effect", "energy_lost", "event_time", "exact", "exp",
-    "fit", "frequency_response", "last", "latin_hypercube", "line", "linearize", "log", "lyapunov", "maximum", "mean",
-    "minimum", "modes", "option", "orders", "param", "peak", "period", "periodic_orbit", "pi", "piecewise", "poincare",
-    "points", "price", "pulse", "random_cases", "rms", "rolling", "rpm", "sense", "signal", "simulate", "sin", "slip",
-    "spectrum", "speed_sweep", "sqrt", "std", "stroboscopic", "study", "sweep", "tan", "tanh", "temperature", "time",
-    "trapezoid", "trough", "twist", "work_precision",
+    "design_ratio", "distance", "draw_pitch_curves", "driver_angle", "dynamic_factor", "effect", "energy_lost",
+    "event_time", "exact", "exp", "fit", "frequency_response", "last", "latin_hypercube", "line", "linearize", "log",
+    "lyapunov", "maximum", "mean", "minimum", "modes", "option", "orders", "param", "peak", "period", "periodic_orbit",
+    "pi", "piecewise", "poincare", "points", "price", "pulse", "random_cases", "rms", "rolling", "rpm", "sense",
+    "signal", "simulate", "sin", "slip", "spectrum", "speed_sweep", "sqrt", "std", "stroboscopic", "study", "sweep",
+    "tan", "tanh", "temperature", "time", "trapezoid", "trough", "twist", "work_precision",
 ]  # fmt: skip
 
 _NAMES = {
@@ -197,6 +198,7 @@ _NAMES = {
     "analysis.modes": "Modes modes",
     "analysis.parameter_study": "study sweep",
     "analysis.dynamic_quantities": "dynamic_factor line period",
+    "analysis.pitch_pictures": "draw_pitch_curves",
     "analysis.quantities": "at count energy_lost event_time last mean peak points rms std trough",
     "analysis.quantity": "Quantity",
     "analysis.regimes.attraction": "basins",

@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -218,7 +219,7 @@ def engaged_torque(run: gb.Trajectory) -> Any:
     return np.max(rows, axis=0)
 
 
-def picture(path: str, delta: float = math.radians(60)) -> None:
+def picture(path: str | Path, delta: float = math.radians(60)) -> None:
     """Torque of the engaged shafts and speed of the output by strategy, over the input's angle past a change-over."""
     from matplotlib.figure import Figure
 

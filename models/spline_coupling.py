@@ -14,14 +14,26 @@ and start values it does not give. Two sets fill the gap:
 `steel` has the numbers of steel discs (2e-4 to 1e-2 kg m2) and a backlash of 40 um in all. It answers with period 1 at
 all four speeds: 5 to 18 Hz is quasi-static against a mesh mode of several kHz, so the teeth stay in contact and follow
 the torque.
+
+kv (`dynamic_factors`): the print takes kv = (Fm + k x_2)/Fm, gap included; the factor of the contact force is N/Fm.
+With constant linear parameters kv depends on Tm/b alone, so the print's "kv grows with torque" and "kv grows with
+backlash" contradict each other wherever it is monotone: the trend with backlash comes out, the one with torque does
+not. `engagement`: teeth that carry load under random gaps, over a cycle of the torque; between two starts of teeth
+their stiffness is constant, not linear as printed. `picture_kv` and `picture_engagement` draw both.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 import gearblocks as gb
+from gearblocks.geometry.spline_teeth import deflection_at, engaged_teeth
 
 
 @dataclass(frozen=True)
@@ -113,3 +125,93 @@ def coupling(numbers: Numbers, rpm: float) -> gb.Drivetrain:
         rig.coordinate(f"x{i}", r * (gb.sense(f"{a}.phi") - gb.sense(f"{b}.phi")), "m")
         rig.coordinate(f"v{i}", r * (gb.sense(f"{a}.w") - gb.sense(f"{b}.w")), "m/s")
     return rig
+
+
+# -- dynamic factors and engaged teeth ---------------------------------------------------------------------------------
+
+
+def dynamic_factors(
+    torques: Sequence[float] = (2600.0,), half_gaps: Sequence[float] = (0.396e-3,), rpm: float = 360.0, *, after: int = 300,
+    turns: int = 10, rtol: float = 1e-9, numbers: Numbers = SET_S,
+) -> gb.Study:  # fmt: skip
+    """kv by both definitions over mean torques [N m] and half gaps [m]: the largest of so many turns after the transient.
+
+    A study with one dimension per row: columns "print" (Fm + k x_2)/Fm and "contact" N/Fm.
+    """
+    turn = 60.0 / rpm
+    begin, end = after * turn, (after + turns) * turn
+    return gb.sweep(
+        coupling(numbers, rpm), {"torque": torques, "spline.backlash.half_gap": half_gaps}, t_end=end,
+        quantity=[gb.dynamic_factor("spline", kind, after=begin, before=end) for kind in ("print", "contact")],
+        rtol=rtol, initial="static",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Engagement:
+    """Over one cycle of the torque: angles [rad], torque [N m], number of teeth that carry it, deflection [m]."""
+
+    angles: Any
+    torque: Any
+    teeth: Any
+    deflection: Any
+
+
+def random_gaps(sigma: float = 20e-6, mean: float = 75e-6, teeth: int = 20, seed: int = 0) -> tuple[float, ...]:
+    """Gaps of the teeth [m], normally distributed, none below 0."""
+    drawn = np.random.default_rng(seed).normal(mean, sigma, teeth)
+    return tuple(np.maximum(drawn, 0.0).tolist())
+
+
+def engagement(
+    gaps: Sequence[float], eps: float, *, torque: float = 2600.0, k_tooth: float = 400e6, radius: float = 0.025,
+    points: int = 17,
+) -> Engagement:  # fmt: skip
+    """Engaged teeth under T (1 + eps cos theta); gaps: of each tooth on the drive side [m]; k_tooth: of one pair [N/m]."""
+    angles = np.linspace(0.0, 2 * np.pi, points)
+    applied = torque * (1 + eps * np.cos(angles))
+    forces = [float(T) / radius for T in applied]
+    return Engagement(
+        angles, applied, np.array([engaged_teeth(F, gaps, k_tooth) for F in forces]),
+        np.array([deflection_at(F, gaps, k_tooth) for F in forces]),
+    )  # fmt: skip
+
+
+def picture_kv(path: str | Path) -> None:
+    """kv against torque and against backlash at 360 rpm, by both definitions."""
+    from matplotlib.figure import Figure
+
+    torques, gaps = np.linspace(1300.0, 5200.0, 14).tolist(), np.linspace(0.1e-3, 0.6e-3, 11).tolist()
+    over_torque, over_gap = dynamic_factors(torques), dynamic_factors(half_gaps=gaps)
+    figure = Figure(figsize=(8.0, 3.4), layout="constrained")
+    for axis, x, study, label in zip(
+        figure.subplots(1, 2, sharey=True), (torques, [1e3 * b for b in gaps]), (over_torque, over_gap),
+        ("mean torque in N m (b = 0.396 mm)", "half of the backlash in mm (2600 N m)"), strict=True,
+    ):  # fmt: skip
+        values = study.values.reshape(len(x), 2)
+        for column, words in enumerate(("print: (Fm + k x)/Fm", "contact: N/Fm")):
+            axis.plot(x, values[:, column], "o-", markersize=3, label=words)
+        axis.set_xlabel(label)
+        axis.grid(visible=True, color="0.9")
+        axis.legend(frameon=False)
+    figure.axes[0].set_ylabel("dynamic factor kv at 360 rpm")
+    figure.savefig(path, dpi=130)
+
+
+def picture_engagement(path: str | Path, gaps: Sequence[float] | None = None) -> None:
+    """Engaged teeth and deflection over a cycle of the torque, for a small and a large variation."""
+    from matplotlib.figure import Figure
+
+    row = random_gaps() if gaps is None else gaps
+    figure = Figure(figsize=(8.0, 3.4), layout="constrained")
+    teeth, deflection = figure.subplots(1, 2)
+    for eps in (0.1, 0.5):
+        found = engagement(row, eps, points=721)
+        for axis, values in ((teeth, found.teeth), (deflection, 1e6 * found.deflection)):
+            axis.plot(np.degrees(found.angles), values, label=f"eps = {eps}")
+    for axis, words in ((teeth, f"engaged teeth of {len(row)}"), (deflection, "deflection in \N{MICRO SIGN}m")):
+        axis.set_xlabel("angle of the torque in deg")
+        axis.set_ylabel(words)
+        axis.grid(visible=True, color="0.9")
+        axis.legend(frameon=False)
+    figure.savefig(path, dpi=130)

@@ -165,3 +165,33 @@ def test_the_peak_force_at_360_rpm_is_that_of_the_motion_and_not_of_a_step(rtol)
     sampled = run["spline.force"][run.t >= peak.after].max()
     assert 0.006 < 1 - sampled / true < 0.04
     assert abs(peak.of(run) / true - 1) < 6e-4
+
+
+def test_engaged_teeth_over_a_cycle_of_the_torque_are_those_of_the_reference():
+    true = json.loads((DATA / "spline_engaged_teeth.json").read_text())
+    gaps = [1e-6 * b for b in true["gap_drive_um"]]
+    ranges = {}
+    for eps, rows in true["cycle"].items():
+        found = spline.engagement(gaps, float(eps), torque=true["Tm"], k_tooth=true["kt"], radius=true["r2"])
+        assert found.torque == pytest.approx([row["T"] for row in rows], rel=1e-13)
+        assert found.teeth.tolist() == [row["r"] for row in rows]
+        assert found.deflection == pytest.approx([row["s"] for row in rows], rel=1e-13)
+        ranges[eps] = int(found.teeth.min()), int(found.teeth.max())
+    assert ranges == {"0.1": (15, 16), "0.5": (10, 18)}
+    drawn = spline.random_gaps(seed=3)
+    assert len(drawn) == 20 and min(drawn) >= 0 and drawn == spline.random_gaps(seed=3) != spline.random_gaps(seed=4)
+
+
+def test_kv_at_360_rpm_grows_with_backlash_and_falls_with_torque():
+    over_gap = spline.dynamic_factors(half_gaps=(0.1e-3, 0.6e-3)).values.reshape(2, 2)
+    assert over_gap[:, 0] == pytest.approx([3.48, 5.43], abs=5e-3)  # as the page says, in print's definition
+    assert over_gap[:, 1] == pytest.approx([2.19, 2.75], abs=5e-3)  # and by the contact force
+    over_torque = spline.dynamic_factors(torques=(1300.0, 2600.0, 5200.0)).values.reshape(3, 2)
+    assert (np.diff(over_torque, axis=0) < 0).all()
+
+
+@pytest.mark.long
+def test_kv_depends_on_torque_over_backlash_alone():
+    one = spline.dynamic_factors((1300.0,), (0.198e-3,)).values.ravel()
+    other = spline.dynamic_factors((2600.0,), (0.396e-3,)).values.ravel()
+    assert one == pytest.approx(other, rel=1e-6)
