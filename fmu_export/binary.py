@@ -31,7 +31,11 @@ GENERATED = ("fmu_table.c", "model.c")
 _BASELINE = "glibc_baseline.h"
 _NAMES = "variant_names.h"
 _PROTOTYPE = re.compile(r"^(?!typedef|#|\s|static|[A-Z_]+INLINE)[A-Za-z_][\w *]*?\b(gb_\w+)\([^;{]*\);", re.MULTILINE)
-_EXTERN = re.compile(r"^extern const [\w ]+?\b(gb_\w+)\b", re.MULTILINE)
+_EXTERN = re.compile(r"^extern const ([^;]*);", re.MULTILINE)
+_DECLARED = re.compile(r"\b(gb_\w+)\s*(?:\[[^\]]*\]\s*)*(?:,|$)")
+_IN_PROCESS = re.compile(r"gb_(study|tangents?(_\w+)?|lane(_run)?)\.[ch]")
+"""Files of the solver for studies and tangents, which no FMU runs."""
+
 _MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
 _PLATFORMS = {("linux", "x86_64"): "linux64", ("win32", "x86_64"): "win64", ("darwin", "x86_64"): "darwin64"}
 KNOWN_PLATFORMS = ("native", "linux64", "win64", "darwin64", "aarch64-linux", "aarch64-darwin")
@@ -41,7 +45,8 @@ def source_files(fmi: str, model: str, table: str) -> dict[str, bytes]:
     """All C files by name; those that end in .c, compiled and linked with libm, are the whole library."""
     glue = {name: (C_FOLDER / name).read_bytes() for name in SHARED_GLUE}
     glue |= {name: (VERSION_FOLDERS[fmi] / name).read_bytes() for name in VERSION_GLUE[fmi]}
-    return {**core_files(), **glue, "model.c": model.encode(), "fmu_table.c": table.encode()}
+    core = {name: data for name, data in core_files().items() if not _IN_PROCESS.fullmatch(name)}
+    return {**core, **glue, "model.c": model.encode(), "fmu_table.c": table.encode()}
 
 
 def native_platform() -> str:
@@ -148,7 +153,7 @@ def names_with(headers: Mapping[str, bytes], suffix: str) -> bytes:
         if not is_glue(name) or name == "gb_solver.h":
             text = re.sub(rb"/\*.*?\*/", b" ", data, flags=re.DOTALL).decode()
             found.update(_PROTOTYPE.findall(text))
-            found.update(_EXTERN.findall(text))
+            found.update(name for names in _EXTERN.findall(text) for name in _DECLARED.findall(names))
     found.add("gb_model_key")
     plain = {name: f"gb_solver{suffix}" if name == "gb_solver_plain" else name + suffix for name in sorted(found)}
     return "".join(f"#define {name} {new}\n" for name, new in plain.items()).encode()

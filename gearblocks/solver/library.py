@@ -44,7 +44,6 @@ _HOT = (
     "gb_error_control.c",
     "gb_evaluate.c",
     "gb_features.c",
-    "gb_force_split.c",
     "gb_ledger.c",
     "gb_locate.c",
     "gb_locate_polynomial.c",

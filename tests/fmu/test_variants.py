@@ -95,3 +95,15 @@ def test_what_is_compiled_again_shares_no_name(monkeypatch: pytest.MonkeyPatch) 
     assert "#define gb_solver_plain gb_solver_v3\n" in names and "gb_fmu" not in names
     monkeypatch.setenv("CC", "cc -march=x86-64")
     assert variants_of(find_compiler()) == ()
+
+
+def test_every_constant_of_a_declaration_gets_the_name_of_its_variant() -> None:
+    header = b"extern const double gb_one[3], gb_two;\nextern const gb_kind\n    gb_three[], *gb_four;\nint gb_run(int *sim);"
+    given = dict(line.split()[1:] for line in names_with({"gb_x.h": header}, "_v3").decode().splitlines())
+    assert set(given) == {"gb_one", "gb_two", "gb_three", "gb_four", "gb_run", "gb_solver_plain", "gb_model_key"}
+    assert given["gb_two"] == "gb_two_v3"
+
+
+def test_what_studies_and_tangents_run_is_no_part_of_an_fmu() -> None:
+    names = source_files("2.0", "", "")
+    assert not [name for name in names if "tangent" in name or "study" in name or "lane" in name]
