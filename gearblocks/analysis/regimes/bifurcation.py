@@ -1,4 +1,5 @@
-"""Points of a section over a parameter, up and down, each motion begun where the last one ended, with labels.
+"""Points of a section over a parameter, up and down, each motion begun where the last one ended, with labels; or each begun
+at the start, as the points of a study.
 
     quick labels    points that repeat to 1e-5 of their extent; they call themselves so and prove nothing
     full labels     those of `regime.py`, with their evidence
@@ -16,14 +17,21 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gearblocks.analysis.dynamic_quantities import period
+from gearblocks.analysis.parameter_study import sweep
+from gearblocks.analysis.quantities import points as section_points
+from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.regimes.carried import DIRECTIONS, carried, output_of, rising
 from gearblocks.analysis.regimes.regime import Asked, Regime
 from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
-from gearblocks.analysis.sections import LONGEST, Section, repeats
+from gearblocks.analysis.sections import LONGEST, RELATIVE, Section, repeats
 from gearblocks.analysis.study_progress import progress as shown
+from gearblocks.analysis.study_result import Study
+from gearblocks.codegen.program import ParameterInfo
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.files import write_text
+from gearblocks.model.listing import matches
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
 from gearblocks.solver.library import Model
@@ -35,14 +43,15 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LABELS = ("quick", "full")
+GROWS = "grows without bound"  # in words of a run that could not go on
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Bifurcation:
-    """A diagram. values of the parameter `path` [unit], shape (k,), rising; points: output `of` at the section, shape (2, k,
-    keep), up and then down, NaN where a run failed; labels and regimes (None: quick ones), by direction and value; messages:
-    why runs failed, by (direction, value)."""
+    """A diagram. values of the parameter `path` [unit], shape (k,), rising; points: output `of` at the section, shape
+    (directions, k, keep), NaN where a run failed; labels and regimes (None: quick ones), by direction and value; messages: why
+    runs failed, by (direction, value). directions: "up" and "down" with the state carried over, or "start"."""
 
     path: str
     unit: str
@@ -53,13 +62,14 @@ class Bifurcation:
     labels: tuple[tuple[str, ...], ...]
     regimes: tuple[tuple[Regime | None, ...], ...]
     messages: Mapping[tuple[str, float], str]
+    directions: tuple[str, ...] = DIRECTIONS
 
     def __repr__(self) -> str:
         kinds: dict[str, int] = {}
         for label in [label for row in self.labels for label in row]:
             kinds[label] = kinds.get(label, 0) + 1
         listed = ", ".join(f"{count} {label}" for label, count in sorted(kinds.items(), key=lambda item: -item[1])[:5])
-        return f"<{self.of} over {len(self.values)} values of {self.path}, up and down: {listed}>"
+        return f"<{self.of} over {len(self.values)} values of {self.path}, {' and '.join(self.directions)}: {listed}>"
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Points over the parameter, those of both directions; saved where a path is given."""
@@ -76,14 +86,14 @@ class Bifurcation:
                 self.of: (("direction", self.path, "point"), self.points, {"units": self.of_unit}),
                 "label": (("direction", self.path), np.array(self.labels)),
             },
-            coords={"direction": [*DIRECTIONS], self.path: (self.path, self.values, {"units": self.unit})},
+            coords={"direction": [*self.directions], self.path: (self.path, self.values, {"units": self.unit})},
         )
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """A row for each direction and value: label and points. Raises StorageError."""
         columns = [f"{self.of} [{self.of_unit}]"] * self.points.shape[2]
         rows = [",".join(["direction", f"{self.path} [{self.unit}]", "label", *columns])]
-        for i, direction in enumerate(DIRECTIONS):
+        for i, direction in enumerate(self.directions):
             for j, value in enumerate(self.values):
                 numbers = ",".join(f"{x:.17g}" for x in self.points[i, j])
                 rows.append(f'{direction},{value:.17g},"{self.labels[i][j]}",{numbers}')
@@ -94,10 +104,12 @@ class Bifurcation:
 def bifurcation(
     train: Drivetrain | Model, parameter: str, values: ArrayLike, *, section: Section, of: str | None = None,
     transient: int = 300, keep: int = 100, labels: str = "quick", longest: int = LONGEST, rtol: float = 1e-8,
+    carry: bool = True, executor: Any = None, threads: int | None = None, store: str | os.PathLike[str] | None = None,
     parameters: Mapping[str, float | str] | None = None, initial: Any = None,
     progress: Callable[[int, int], Any] | None = None,
 ) -> Bifurcation:  # fmt: skip
-    """Points of a section over values of a parameter, up and down, with the state carried over from value to value.
+    """Points of a section over values of a parameter, up and down, with the state carried over from value to value; with
+    carry=False each from the start: as a study of `gb.sweep`, with its executor, threads and store, and quick labels.
 
     values: of the parameter, in SI units; of: an output (default: the first deflection or twist); transient, keep: periods
     before the points, and points, of each value; labels: "quick" or "full"; longest, rtol, parameters and initial: as of
@@ -105,6 +117,7 @@ def bifurcation(
     """
     model = build(train)
     asked = rising(values)
+    _check(carry, labels, executor, threads, store)
     if labels not in LABELS or transient < 0 or keep < 2 * longest + 1:
         raise ParameterError(
             f"labels = {labels!r} must be 'quick' or 'full', transient = {transient} >= 0, and keep = {keep} > twice longest "
@@ -117,6 +130,14 @@ def bifurcation(
     regimes: list[list[Regime | None]] = [[None] * len(asked) for _ in DIRECTIONS]
     said = [[""] * len(asked) for _ in DIRECTIONS]
     messages: dict[tuple[str, float], str] = {}
+
+    if not carry:
+        study = sweep(
+            model, {info.path: asked}, quantity=_quantities(model, output, longest),
+            section=section, transient=transient, keep=keep, rtol=rtol, parameters=parameters, initial=initial,
+            executor=executor, threads=threads, store=store, progress=progress,
+        )  # fmt: skip
+        return _of_study(study, info, model.program.outputs[output].name, asked)
 
     def at(value: float) -> Strobe:
         return strobe(model, section, {**(parameters or {}), info.path: value}, initial, rtol)
@@ -137,6 +158,42 @@ def bifurcation(
     return Bifurcation(
         info.path, info.unit, asked, quantity.name, quantity.unit, points, tuple(map(tuple, said)),
         tuple(map(tuple, regimes)), messages,
+    )  # fmt: skip
+
+
+def _check(carry: bool, labels: str, executor: Any, threads: int | None, store: Any) -> None:
+    given = [n for n, x in (("executor", executor), ("threads", threads), ("store", store)) if x is not None]
+    if carry and given:
+        raise ParameterError(
+            f"{given[0]}: with the state carried over a diagram is one run after the other; with carry=False each value begins "
+            "at the start"
+        )
+    if not carry and labels != "quick":
+        raise ParameterError("labels = 'full' needs carry=True; gb.classify labels single values")
+
+
+def _quantities(model: Model, output: int, longest: int) -> list[Quantity]:
+    """Points of the output, and after how many periods the motion repeats."""
+    names = model.program.output_numbers
+    relative = any(matches(name, f"*.{kind}") for name in names for kind in RELATIVE)
+    name = model.program.outputs[output].name
+    return [section_points(name), period(of=() if relative else name, longest=longest)]
+
+
+def _of_study(study: Study, info: ParameterInfo, of: str, asked: Array) -> Bifurcation:
+    points, periods = (study[name].reshape(len(asked), -1) for name in study.names)
+    said, messages = [], {}
+    for j, done in enumerate(study.done.tolist()):
+        words = study.messages.get(j, "") if np.isnan(periods[j, 0]) else ""
+        repeated = (
+            "" if np.isnan(periods[j, 0]) else f"period {int(periods[j, 0])}" if periods[j, 0] else "not periodic"
+        )
+        said.append(("diverged" if GROWS in words else "failed") if words else f"quick: {repeated}" if done else "")
+        if words:
+            messages["start", float(asked[j])] = words
+    return Bifurcation(
+        info.path, info.unit, asked, of, study.name_units[0], points[None], (tuple(said),), ((None,) * len(asked),),
+        messages, ("start",),
     )  # fmt: skip
 
 

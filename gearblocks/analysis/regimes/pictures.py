@@ -33,18 +33,21 @@ class Diagram(Protocol):
     def of_unit(self) -> str: ...
     @property
     def points(self) -> Array: ...
+    @property
+    def directions(self) -> tuple[str, ...]: ...
 
 
 def draw_bifurcation(found: Diagram, path: str | os.PathLike[str] | None) -> Figure:
     """A dot for each point, those of the way up and of the way down in two colours."""
     with style():
         figure, (axis,) = new_figure(path, size=(7.2, 4.2))
-        for i, words in ((1, "down"), (0, "up")):
+        for i, words in reversed([*enumerate(found.directions)]):
             x = np.repeat(found.values, found.points.shape[2])
             axis.plot(x, found.points[i].ravel(), ".", markersize=2.4 if i else 1.2, color=COLOURS[i], label=words)
         axis.set_xlabel(f"{found.path} in {found.unit}" if found.unit not in ("", "1") else found.path)
         axis.set_ylabel(f"{found.of} in {found.of_unit}" if found.of_unit not in ("", "1") else found.of)
-        axis.legend(markerscale=6)
+        if len(found.directions) > 1:
+            axis.legend(markerscale=6)
         return finished(figure, path)
 
 

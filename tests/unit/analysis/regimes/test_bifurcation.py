@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -78,3 +79,57 @@ def test_what_cannot_be_drawn_is_refused_by_name(oscillator: Oscillator) -> None
         gb.bifurcation(rig, "force", [0.1], section=SECTION, labels="best")
     with pytest.raises(gb.UnknownNameError, match=r"disc\.fi"):
         gb.bifurcation(rig, "force", [0.1], section=SECTION, of="disc.fi")
+
+
+def _grows(oscillator: Oscillator) -> gb.Drivetrain:
+    gain = gb.Parameter("gain", 0.0)
+    return oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + gain * v, k=2.0, c=0.1)
+
+
+GAINS = np.linspace(-0.2, 1.0, 10)
+FREE: dict[str, Any] = {"section": SECTION, "of": "disc.phi", "transient": 2000, "keep": 33, "carry": False}
+
+
+def test_a_diagram_from_the_start_is_a_study_whose_diverging_points_are_named(
+    oscillator: Oscillator, tmp_path: Path
+) -> None:
+    rig = _grows(oscillator)
+    found = gb.bifurcation(rig, "gain", GAINS, **FREE)
+    grows = GAINS > 0.1
+    assert found.directions == ("start",) and found.points.shape == (1, 10, 33)
+    assert found.labels == (tuple("diverged" if g else "quick: period 1" for g in grows),)
+    assert set(found.messages) == {("start", float(gain)) for gain in GAINS[grows]}
+    assert all("grows without bound" in words for words in found.messages.values())
+    alone = gb.bifurcation(rig, "gain", GAINS[~grows], **FREE)
+    assert np.array_equal(found.points[0, ~grows], alone.points[0]) and np.isnan(found.points[0, grows]).all()
+    carried = gb.bifurcation(rig, "gain", GAINS[~grows], **{**FREE, "carry": True})
+    assert found.points[0, ~grows, -1] == pytest.approx(carried.points[0, :, -1], abs=1e-6)
+    found.plot(tmp_path / "diagram.png")
+    assert found.to_xarray().sizes["direction"] == 1 and "start: 7 diverged, 3 quick: period 1" in repr(found)
+
+
+def test_a_diagram_that_was_killed_and_goes_on_is_the_undisturbed_one(oscillator: Oscillator, tmp_path: Path) -> None:
+    rig = _grows(oscillator)
+    whole = gb.bifurcation(rig, "gain", GAINS, **FREE)
+
+    def killed(done: int, total: int) -> None:
+        if 2 <= done < total:
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        gb.bifurcation(rig, "gain", GAINS, threads=1, store=tmp_path / "d.zarr", progress=killed, **FREE)
+    told: list[int] = []
+    again = gb.bifurcation(
+        rig, "gain", GAINS, threads=2, store=tmp_path / "d.zarr", progress=lambda done, total: told.append(done), **FREE
+    )
+    assert told[0] > 2  # what was done is not done again
+    assert np.array_equal(again.points, whole.points, equal_nan=True)
+    assert again.labels == whole.labels and again.messages == whole.messages
+
+
+def test_what_cannot_be_carried_and_spread_is_refused_by_name(oscillator: Oscillator, tmp_path: Path) -> None:
+    rig = _grows(oscillator)
+    with pytest.raises(gb.ParameterError, match="store: with the state carried over"):
+        gb.bifurcation(rig, "gain", GAINS, section=SECTION, store=tmp_path / "d.zarr")
+    with pytest.raises(gb.ParameterError, match="labels = 'full' needs carry=True"):
+        gb.bifurcation(rig, "gain", GAINS, **FREE, labels="full")
