@@ -85,6 +85,19 @@ def test_multipliers_and_exponents_of_set_s_are_those_of_the_reference(model, rp
 
 
 @pytest.mark.long
+def test_the_branch_of_period_one_leads_to_the_orbit_of_period_two_of_the_reference(model):
+    known, section = json.loads((DATA / "spline_S.json").read_text())["periodic_orbits"], gb.stroboscopic("speed")
+    branch = gb.continue_orbit(model, "speed", gb.rpm(np.array([300.0, 350.0])), section=section)
+    assert np.abs(branch.multipliers[0]) == pytest.approx(known["300"]["floquet_abs"], abs=1e-7)
+    *_, before, last = branch.marked("period doubling")
+    assert before.value < gb.rpm(348) < last.value < gb.rpm(349)  # period 1 is unstable at 348 rpm
+    assert not branch.stable[before.number + 1 : last.number].any() and branch.stable[-1]
+    found = gb.continue_orbit(model, "speed", gb.rpm(np.array([350.0, 348.0])), section=section, start=last)
+    assert found.periods == known["348"]["period"] == 2 and found.values[-1] == pytest.approx(gb.rpm(348), rel=1e-12)
+    assert np.abs(found.multipliers[-1]) == pytest.approx(known["348"]["floquet_abs"], abs=1e-6)
+
+
+@pytest.mark.long
 def test_the_exponent_at_1080_rpm_is_that_of_the_reference(model):
     known, error = 0.34228, 0.00793  # per period, of 4000 periods of another solver
     found = gb.lyapunov(model, gb.stroboscopic("speed"), periods=20000, count=1, parameters={"speed": gb.rpm(1080)})

@@ -71,11 +71,16 @@ def draw_lines(found: Lines, path: str | os.PathLike[str] | None) -> Figure:
 def draw_orders(found: Orders, path: str | os.PathLike[str] | None) -> Figure:
     """Waterfall: amplitudes over order and speed in colours; and the largest orders as curves over the speed."""
     factor, unit = prefixed([found.amplitude], found.unit)
+    from matplotlib.colors import LogNorm
+
+    shown = found.amplitude * factor
+    top = float(shown[:, 1:].max(initial=0.0)) or 1.0  # but the mean
     with style():
         figure, (left, right) = new_figure(path, columns=2, size=(10.0, 4.0))
         mesh = left.pcolormesh(
-            found.order, found.speed, found.amplitude * factor, shading="nearest", cmap="viridis", rasterized=True
-        )
+            found.order, found.speed, np.maximum(shown, _SMALL * top), shading="nearest", cmap="viridis", rasterized=True,
+            norm=LogNorm(_SMALL * top, top),
+        )  # fmt: skip
         figure.colorbar(mesh, ax=left, label=label(found.of, unit))
         left.grid(visible=False)
         left.set_xlabel("order")
