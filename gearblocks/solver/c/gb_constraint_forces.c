@@ -270,15 +270,15 @@ double gb_idle_force(gb_sim *sim, int i, const double *time_terms, const double 
     return own > 0.0 ? 64.0 * DBL_EPSILON * imperceptible(sim, constraint) / own : 0.0;
 }
 
-double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y, double *force) {
+double gb_force_rounding(gb_sim *sim, int i, const double *time_terms, const double *y, double *force) {
     const gb_model *model = sim->model;
     const gb_delassus W = gb_delassus_of(sim);
     const int constraint = constraint_of(sim, i);
+    double largest = 0.0;
     *force = 0.0;
     if (constraint < 0) {
         return 0.0;
     }
-    double largest = imperceptible(sim, constraint);
     model->constraint_forces(sim->par, sim->mode, time_terms, y, sim->constraints.other, sim->constraints.right);
     model->delassus(sim->par, sim->mode, time_terms, y, 0, sim->constraints.delassus);
     for (int j = 0; j < W.n; j++) { /* rounding of one force goes on through those between it and another one */
@@ -289,4 +289,8 @@ double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double
     const double own = gb_delassus_diagonal(&W, constraint);
     *force = fabs(sim->constraints.other[constraint]);
     return own > 0.0 ? 64.0 * DBL_EPSILON * largest / own : 0.0;
+}
+
+double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y, double *force) {
+    return gb_max(gb_force_rounding(sim, i, time_terms, y, force), gb_idle_force(sim, i, time_terms, y));
 }
