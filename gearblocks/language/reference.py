@@ -16,6 +16,7 @@ from gearblocks.language.annotations import effect_classes
 
 class Documented(ABCMeta):
     # A docstring here would be that of every class: what stands at its place is the property below.
+    __instancecheck__ = type.__instancecheck__  # by descent alone: long trains ask millions of times, and an ABC thinks
 
     @property
     def __doc__(cls) -> str:  # type: ignore[override]
