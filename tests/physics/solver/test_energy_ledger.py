@@ -166,6 +166,7 @@ def test_what_is_exchanged_counts_every_amount_without_its_sign():
         assert ledger.exchanged == pytest.approx(8 * way, rel=1e-7)
         assert ledger.largest_stored == pytest.approx(16.0, rel=1e-7)
         assert ledger.turnover == pytest.approx(8 * way + 16.0, rel=1e-7)
+        assert abs(ledger.imbalance) < 1e-6 * ledger.turnover
 
 
 def test_the_largest_energy_is_that_of_the_whole_run():
