@@ -311,7 +311,7 @@ class Block(Declared, ABC):
 
     def beyond_tables(self) -> Iterator[tuple[str, Watch]]:
         """Fields with tables that are held beyond their last point, and what shows that a run went there: here those over its
-        slip, whose output is w_rel."""
+        slip, whose output is w_rel, and those of its parts."""
         for name in _over_slip(type(self)):
             value = self.__dict__[name]
             leaves = value.leaves() if isinstance(value, Expr) else ()
@@ -319,6 +319,10 @@ class Block(Declared, ABC):
             bare = () if name == "capacity" else (value,)  # a capacity that is a bare Table goes over time
             for table in (*bare, *held):
                 yield from ((name, watch) for watch in beyond(table, "w_rel"))
+        parts = self.parts()
+        for part, block in parts.blocks.items() if parts is not None else ():
+            for name, watch in block.beyond_tables():
+                yield f"{part}.{name}", watch.of_part(part)
 
     def excitations(self) -> Iterator[Excitation]:
         """What excites the train: here the waves over time in its signals."""

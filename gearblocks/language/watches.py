@@ -6,7 +6,7 @@ Knows nothing of trains and runs.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any, final
 
@@ -24,6 +24,10 @@ class Watch:
     words: str
     limit: float | None = None
     unless: str = ""
+
+    def of_part(self, part: str) -> Watch:
+        """The same, of a composite block whose part has these outputs."""
+        return replace(self, output=f"{part}.{self.output}", unless=self.unless and f"{part}.{self.unless}")
 
 
 def beyond(table: Any, output: str) -> Iterator[Watch]:

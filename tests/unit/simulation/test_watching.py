@@ -54,6 +54,15 @@ def test_rows_of_a_loss_table_are_watched_where_the_housing_stands_still() -> No
     assert gb.simulate(rig, t_end=1.0).watched.tables == ()
 
 
+def test_tables_of_the_parts_of_a_composite_block_are_watched() -> None:
+    rig = gb.Drivetrain("box of losses")
+    box = gb.Gearbox(ratio=2, loss_table=((0, 0.9, 0.9, 0, 0), (1, 0.8, 0.8, 0, 0)), k=1e4, c=1.0)
+    one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=1.0))
+    rig.chain(rig.add("drive", gb.Torque(tau=5.0)), one, rig.add("box", box), two)
+    with pytest.warns(gb.GearblocksWarning, match=r"'box\.gear\.loss_table' is left first"):
+        gb.simulate(rig, t_end=1.0)
+
+
 @pytest.fixture(scope="module")
 def scenes() -> dict[str, Any]:
     if not SCENES.exists():
