@@ -40,12 +40,15 @@ def test_what_accuracy_costs_is_what_direct_runs_say(name: str) -> None:
     choice = found.cheapest()
     bench = bench_of(scene)
     assert bench.timed(choice.effort, 1).rhs_calls == pytest.approx(choice.rhs_calls / choice.members, rel=1e-12)
-    members = found.reference.members
+    members = found.reference.enough
     again = bench.outcome(choice.effort) if members == 1 else mean_of(bench, choice.effort, members)
     off = np.abs(again.values - found.reference.values) / np.abs(found.reference.values)
     assert off.tolist() == choice.errors.tolist() and (off <= scene.within).all()
-    longer = scene.begin + 2 * (scene.end - scene.begin)
-    predicted = found.cheapest(t_end=longer).rhs_calls / choice.members
-    measured = bench.lengthened(2).timed(choice.effort, 1).rhs_calls
-    assert measured / 1.5 < predicted < 1.5 * measured
+    for times in (2, 3):
+        for offered in found.offered():  # of every method, at its loosest tolerance
+            within = float((offered.errors + offered.noise).max())
+            if within <= scene.within:
+                longer = found.cheapest(within, t_end=scene.begin + times * (scene.end - scene.begin))
+                measured = bench.lengthened(times).timed(longer.effort, 1).rhs_calls
+                assert measured / 1.5 < longer.rhs_calls / longer.members < 1.5 * measured
     assert found.sentence.count(" costs ") >= len(scene.names)

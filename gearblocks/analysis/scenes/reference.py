@@ -3,7 +3,7 @@
     settled:    values of a tight tolerance,  noise |values - those of ten times the tolerance|
     scattered:  mean of n runs with parameters (1 + 1e-6 xi),  noise that of the mean (`scatter.py`)
 
-both relative to the values. Where the motion scatters, an error is that of a mean over as many runs.
+both relative to the values. Where the motion scatters, an error is that of a mean.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _TIGHT = tuple(10.0**-k for k in (12, 11, 10, 9, 8, 7))
 _ORDER = {"dp8": 8.0, "dp5": 5.0, "rk4": 4.0, "rodas": 4.5}
 _MEAN = Effort("auto", 1e-8)  # of the runs of a mean
 _SHARE = 1 / 3  # of the accuracy wanted: how well the mean of a reference is known
-_MOST = 256  # runs of a mean
+_LEAST, _MOST = 4, 256  # runs of a mean
 
 
 class Mean(NamedTuple):
@@ -42,12 +42,14 @@ class Mean(NamedTuple):
 @dataclass(frozen=True, slots=True, eq=False)
 class Reference:
     """Values of the quantities, shape (Q,), and noise, what they are uncertain by, relative to each. effort: how they were
-    made; members: number of runs whose mean they are (1: of one run, the motion is settled)."""
+    made; members: number of runs whose mean they are (1: of one run, the motion is settled); enough: of how many a mean is
+    known to a third of the accuracy wanted."""
 
     values: Array
     noise: Array
     effort: Effort
     members: int = 1
+    enough: int = 1
 
     @property
     def scattered(self) -> bool:
@@ -103,7 +105,7 @@ def _mean_reference(bench: Bench, within: float, limit: float) -> Reference:
         needed = math.ceil(members * float(np.max(noise) / (_SHARE * within)) ** 2)
         most = min(_MOST, int(limit / max(found.stats.cpu_seconds, 1e-9)))
         if needed <= members or members >= most:
-            return replace(reference, noise=noise)
+            return replace(reference, noise=noise, enough=min(max(needed, _LEAST), members))
         members = max(min(needed * 5 // 4, 2 * members + needed // 2, most), members + 1)
 
 

@@ -58,17 +58,16 @@ def work_precision_of(bench: Bench, budget: float, progress: Callable[[str], Non
     """Work and precision of a train of a scene, which starts as the bench says."""
     runs = _Runs(bench, budget, progress or _silent)
     runs.tell("reference")
-    began = thread_time()
     reference = reference_of(runs.bench, runs.attempt, budget * _FOR_REFERENCE)
-    patience = max(budget * _FOR_ONE / reference.members, 2 * runs.attempt(Effort()).stats.cpu_seconds)
+    patience = max(budget * _FOR_ONE / reference.enough, 2 * runs.attempt(Effort()).stats.cpu_seconds)
     runs.bench = replace(bench, patience=patience)
-    runs.spent = thread_time() - began
     _adaptive(runs, reference)
     _fixed(runs, reference)
     points = tuple(point for line in runs.lines for point in line.points)
     found = WorkPrecision(bench.scene, reference, _verified(reference, points), points)
     best = found.cheapest_or_none()
-    return found if best is None else replace(found, late=runs.late(best.effort), quantities_cost=runs.extra(best))
+    after = {(point.effort.method, point.effort.locate): runs.after(point) for point in found.offered()}
+    return found if best is None else replace(found, after=after, quantities_cost=runs.extra(best))
 
 
 def _silent(words: str) -> None:
@@ -86,6 +85,7 @@ class _Line:
     locate: bool
     points: list[Point] = field(default_factory=list)
     ended: bool = False
+    took: list[float] = field(default_factory=list)  # CPU seconds of each point, all its runs and their quantities
 
     @property
     def last(self) -> Point | None:
@@ -101,28 +101,22 @@ class _Runs:
     bench: Bench
     budget: float
     tell: Callable[[str], None]
-    spent: float = 0.0
+    began: float = field(default_factory=thread_time)
     lines: list[_Line] = field(default_factory=list)
     _made: dict[Effort, Outcome] = field(default_factory=dict)
 
     def attempt(self, effort: Effort) -> Outcome:
         """A run with its quantities. Raises SimulationError."""
         if effort not in self._made:
-            began = thread_time()
-            try:
-                self._made[effort] = self.bench.outcome(effort)
-            finally:
-                self.spent += thread_time() - began
+            self._made[effort] = self.bench.outcome(effort)
         return self._made[effort]
 
     def point(self, effort: Effort, reference: Reference) -> Point:
-        """A run, or a mean over as many as the reference has, with its error and the time of a run without outputs."""
-        noise, members, scatter = reference.noise, reference.members, None
+        """A run, or a mean over as many as the accuracy takes, with its error and the time of a run without outputs."""
+        noise, members, scatter = reference.noise, reference.enough, None
         try:
             if reference.scattered:
-                began = thread_time()
                 mean = mean_of(self.bench, effort, members)
-                self.spent += thread_time() - began
                 values, stats = mean.values, mean.stats
                 scatter = mean.errors / reference.scale * np.sqrt(members)
                 noise = np.hypot(noise, mean.errors / reference.scale)
@@ -136,22 +130,22 @@ class _Runs:
 
     def timed(self, effort: Effort, repeats: int, bench: Bench | None = None) -> Stats:
         """The counters and the least CPU time of runs without outputs. They may be as bad as they like."""
-        began = thread_time()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", GearblocksWarning)
-            found = (bench or self.bench).timed(effort, repeats)
-        self.spent += thread_time() - began
-        return found
+            return (bench or self.bench).timed(effort, repeats)
 
     def affords(self, predicted: float) -> bool:
         """Whether a point that takes so long [CPU s] is made."""
-        return predicted <= min(self.budget * _FOR_ONE, self.budget - self.spent)
+        return predicted <= min(self.budget * _FOR_ONE, self.budget - (thread_time() - self.began))
 
-    def late(self, effort: Effort) -> float:
-        """Share of the right-hand sides that fall into the second half of the window."""
-        scene = self.bench.scene
-        half = replace(self.bench, scene=scene.changed(t_end=(scene.begin + scene.end) / 2))
-        return 1.0 - self.timed(effort, 1, half).rhs_calls / self.timed(effort, 1).rhs_calls
+    def after(self, point: Point) -> float:
+        """Right-hand sides of a window as long that follows, relative to those of the window; NaN where the run does not go
+        on to its end."""
+        try:
+            longer = self.timed(point.effort, 1, self.bench.lengthened(2))
+        except SimulationError:
+            return float("nan")
+        return longer.rhs_calls / point.stats.rhs_calls - 1.0
 
     def extra(self, point: Point) -> float:
         """CPU seconds that the quantities cost besides the run."""
@@ -186,13 +180,16 @@ def _fixed(runs: _Runs, reference: Reference) -> None:
 
 
 def _extend(line: _Line, runs: _Runs, reference: Reference, effort: Effort, factor: float) -> None:
-    """The next point of a line, where it can be afforded."""
-    made = reference.members + (_REPEATS if line.last and line.last.stats.cpu_seconds < _SHORT else 1)
-    if not runs.affords(made * factor * line.last.stats.cpu_seconds if line.last else 0.0):
+    """The next point of a line, where it can be afforded; a first one as those of other lines, in the mean."""
+    firsts = [other.took[0] for other in runs.lines if other.took]
+    predicted = factor * line.took[-1] if line.took else sum(firsts) / max(len(firsts), 1)
+    if not runs.affords(predicted):
         line.ended = True
         return
     runs.tell(str(effort))
+    began = thread_time()
     line.points.append(runs.point(effort, reference))
+    line.took.append(thread_time() - began)
     line.ended = _ends(line, runs)
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, final
 
@@ -47,8 +49,9 @@ class Choice:
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class WorkPrecision:
     """What accuracy costs in a scene. points: all runs; verified: the run of another method beside the reference (None: there
-    is none); late: share of the right-hand sides in the second half of the window; quantities_cost: CPU seconds that
-    measuring the quantities takes besides the cheapest run.
+    is none); after: right-hand sides of a window as long that follows, relative to those of the window, by method and whether
+    events are located, of those that `cheapest` chooses (NaN: the run does not come to its end); quantities_cost: CPU seconds
+    that measuring the quantities takes besides the cheapest run.
 
     print() shows sentences and table, .plot(path) draws it, .to_csv(path) writes it, .cheapest(within) chooses.
     """
@@ -57,7 +60,7 @@ class WorkPrecision:
     reference: Reference
     verified: Verified | None
     points: tuple[Point, ...]
-    late: float = 0.5
+    after: Mapping[tuple[str, bool], float] = field(default_factory=dict)
     quantities_cost: float = 0.0
 
     @property
@@ -69,9 +72,10 @@ class WorkPrecision:
         self, within: float | None = None, *, quantity: str | None = None, t_end: float | None = None
     ) -> Choice:
         """The cheapest run whose errors are at most `within` (default: that of the scene), as are those of all tighter ones of
-        its method, of one quantity or of all. t_end: for a window that ends there [s], by the price of its second half.
+        its method, of one quantity or of all. t_end: for a window that ends there [s], by what the window that follows costs,
+        in which its method was run.
 
-        Raises ParameterError where no run is as accurate.
+        Raises ParameterError where no run is as accurate, or none with its method goes on after the window.
         """
         which = self._number(quantity)
         asked = self.scene.within if within is None else within
@@ -81,7 +85,7 @@ class WorkPrecision:
         times = 1.0
         if t_end is not None:
             more = (t_end - self.scene.end) / (self.scene.end - self.scene.begin)
-            times = 1.0 + 2.0 * self.late * more if more >= 0 else 1.0 + more
+            times = 1.0 + (self._after(found, t_end) if more > 0 else 1.0) * more
         members = found.needed(asked, which)
         times *= members
         stats = found.stats
@@ -98,9 +102,35 @@ class WorkPrecision:
                 sure.append(point)
         return min(sure, key=lambda point: point.needed(asked, which) * point.stats.cpu_seconds, default=None)
 
+    def _after(self, point: Point, t_end: float) -> float:
+        words = f"t_end = {t_end:g} s cannot be priced:"
+        after = self.after.get((point.effort.method, point.effort.locate))
+        if after is None:
+            wanted = _share(self.scene.within)
+            raise ParameterError(
+                f"{words} it is for what is within the {wanted} of the scene; ask for within <= {wanted}"
+            )
+        if math.isnan(after):
+            raise ParameterError(
+                f"{words} after {self.scene.end:g} s, a run with {point.effort} does not come to its end"
+            )
+        return after
+
+    def offered(self) -> list[Point]:
+        """The loosest point of each line that `cheapest` chooses from, for any accuracy up to that of the scene."""
+        found: dict[tuple[str, bool], Point] = {}
+        for which in (slice(None), *(slice(i, i + 1) for i in range(len(self.scene.names)))):
+            known = {float((p.errors[which] + p.noise[which]).max()) for p in self.points}
+            for asked in sorted({self.scene.within, *(x for x in known if x <= self.scene.within)}, reverse=True):
+                point = self.cheapest_or_none(asked, which)
+                if point is not None:
+                    found.setdefault((point.effort.method, point.effort.locate), point)
+        return [*found.values()]
+
     def _none(self, asked: float, which: slice) -> str:
         known = [float((p.errors[which] + p.noise[which]).max()) for p in self.points if not p.failure]
-        best = f"the best is known to {_share(min(known))}" if known else "none came to its end"
+        none = "none came to its end" if self.points else "the reference alone took the budget"
+        best = f"the best is known to {_share(min(known))}" if known else none
         return f"no run is within {_share(asked)} of {', '.join(self.scene.names[which])}: {best}"
 
     def lines(self) -> list[list[Point]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,16 @@ def test_every_point_is_that_of_a_direct_run(scene: gb.Scene, found: WorkPrecisi
         assert point.values.tolist() == [q.of(run) for q in scene.measures]  # to the bit: the same steps
 
 
+@pytest.mark.parametrize("locate", [True, False])
+@pytest.mark.parametrize("method", ["dp8", "dp5", "rodas", "auto"])
+def test_quantities_change_no_step(scene: gb.Scene, method: str, locate: bool) -> None:
+    bench, effort = bench_of(scene), Effort(method, 1e-2, None, locate)
+    told, bare = bench.outcome(effort).stats, bench.timed(effort, 1)
+    assert (told.steps, told.rejected, told.events) == (bare.steps, bare.rejected, bare.events)
+    dense = 3 if method == "dp8" else 0  # rates of the solution between steps
+    assert bare.rhs_calls <= told.rhs_calls <= bare.rhs_calls + dense * bare.steps
+
+
 def test_errors_are_told_against_what_another_method_finds_too(scene: gb.Scene, found: WorkPrecision) -> None:
     run = direct(scene, Effort("dp5", 1e-12))
     true = np.array([q.of(run) for q in scene.measures])
@@ -84,11 +95,43 @@ def test_the_choice_is_within_and_so_is_all_that_is_tighter(found: WorkPrecision
         assert not all(p.within(within, slice(None)) for p in after)
 
 
-def test_the_price_holds_for_a_window_twice_as_long(scene: gb.Scene, found: WorkPrecision) -> None:
-    once, twice = found.cheapest(), found.cheapest(t_end=2 * scene.end)
+@pytest.mark.parametrize("within", [1e-2, 1e-5])
+def test_the_price_holds_for_longer_windows(scene: gb.Scene, found: WorkPrecision, within: float) -> None:
+    once = found.cheapest(within)
     assert once.rhs_calls == direct(scene, once.effort).stats.rhs_calls
-    measured = direct(scene.changed(t_end=2 * scene.end), once.effort).stats.rhs_calls
+    for times in (1.5, 2.0, 4.0):
+        measured = direct(scene.changed(t_end=times * scene.end), once.effort).stats.rhs_calls
+        assert measured / 1.5 < found.cheapest(within, t_end=times * scene.end).rhs_calls < 1.5 * measured
+    with pytest.raises(gb.ParameterError, match=r"within <= 1 %"):
+        replace(found, after={}).cheapest(t_end=2 * scene.end)
+
+
+def swing(w0: float = 1.0) -> gb.Drivetrain:
+    rig = gb.Drivetrain("swing")
+    disc, shaft = rig.add("disc", gb.Inertia(J=0.1, w0=w0)), rig.add("shaft", gb.Shaft(k=50.0, c=0.1))
+    rig.chain(disc, shaft, rig.add("wall", gb.Fixed()))
+    return rig
+
+
+def test_a_longer_window_is_priced_by_what_comes_not_by_what_has_passed() -> None:
+    rig = swing()
+    rig.connect(rig["disc"].a, rig.add("motor", gb.Torque(tau=gb.Input("tau", unit="N m"))).flange)
+    t = np.array([0.0, *np.linspace(3.0, 6.0, 201)])  # a torque that has corners in the second window alone
+    pulses = {"tau": gb.Table(t.tolist(), (np.arange(202) % 2 * (t > 3.0)).tolist())}
+    scene = gb.Scene(rig, t_end=3.0, inputs=pulses, quantity=gb.rms("disc.w"), within=0.01)
+    found = gb.work_precision(scene, budget=5.0)
+    once, twice = found.cheapest(), found.cheapest(t_end=6.0)
+    how = {"method": once.effort.method, "rtol": once.effort.rtol, "step": once.effort.step}
+    measured = gb.simulate(rig, t_end=6.0, inputs=pulses, **how).stats.rhs_calls
     assert measured / 1.5 < twice.rhs_calls < 1.5 * measured
+    assert measured > 3 * once.rhs_calls
+
+
+def test_a_budget_that_the_reference_takes_leaves_no_runs(scene: gb.Scene) -> None:
+    found = gb.work_precision(scene, budget=1e-9)
+    assert not found.points and "the reference alone took the budget" in found.sentence
+    with pytest.raises(gb.ParameterError, match="the reference alone took the budget"):
+        found.cheapest()
 
 
 def test_the_sentence_says_what_the_runs_say(scene: gb.Scene, found: WorkPrecision) -> None:
@@ -104,10 +147,7 @@ def test_the_sentence_says_what_the_runs_say(scene: gb.Scene, found: WorkPrecisi
 
 
 def test_a_train_without_events_has_nothing_to_locate() -> None:
-    rig = gb.Drivetrain("swing")
-    disc, shaft = rig.add("disc", gb.Inertia(J=0.1, w0=1.0)), rig.add("shaft", gb.Shaft(k=50.0, c=0.1))
-    rig.chain(disc, shaft, rig.add("wall", gb.Fixed()))
-    found = gb.work_precision(gb.Scene(rig, t_end=3.0, quantity=gb.rms("disc.w"), within=1e-3), budget=5.0)
+    found = gb.work_precision(gb.Scene(swing(), t_end=3.0, quantity=gb.rms("disc.w"), within=1e-3), budget=5.0)
     assert all(point.effort.locate for point in found.points)
     decay, w = 0.1 / 0.2, np.sqrt(500.0 - 0.25)  # of the amplitude; rad/s
     t = np.linspace(0.0, 3.0, 200_001)
