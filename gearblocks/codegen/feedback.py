@@ -117,6 +117,12 @@ def _check_reader(g: Generator, code: BatchCode, path: str) -> None:
         )
 
 
+def reads_motion(g: Generator, code: BatchCode, expr: Any) -> bool:
+    """Whether an expression reads a signal behind the motion."""
+    roles = code.law.pool.roles
+    return any(roles[x].role == "sense" and roles[x].of in g.behind_motion for x in sp.sympify(expr).free_symbols)
+
+
 def reads_angles(assembly: Assembly, path: str) -> bool:
     """Whether an output that a signal reads needs absolute angles."""
     for batch in assembly.batches:

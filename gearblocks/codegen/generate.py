@@ -14,7 +14,7 @@ from gearblocks.codegen import comments
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.comments import in_comment, key_of, tool, with_comments, without_comments
 from gearblocks.codegen.enclosures import lay_out_enclosures
-from gearblocks.codegen.feedback import order_signals, reads_angles, signals_behind_motion
+from gearblocks.codegen.feedback import order_signals, reads_angles, reads_motion, signals_behind_motion
 from gearblocks.codegen.function import column, identifier
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.hoisted_terms import lay_out_terms
@@ -199,17 +199,11 @@ def _rates(g: Generator, code: BatchCode) -> None:
                 g.keep("constraint_losses", code.function("constraint_losses", losses))
             g.integrals += [IntegralInfo(code.paths[e], part, g.n_end + e) for e in range(code.n)]
             g.n_end += code.n
-    late = [a for a in assignments if _reads_motion(g, code, a.expr)]
+    late = [a for a in assignments if reads_motion(g, code, a.expr)]
     function = code.function("rates", [a for a in assignments if a not in late])
     function.take(code.coordinate_argument(j) for j in own)
     g.keep("rates", function)
     g.keep("late_rates", code.function("late_rates", late))
-
-
-def _reads_motion(g: Generator, code: BatchCode, expr: Any) -> bool:
-    """Whether an expression reads a signal behind the motion."""
-    roles = code.law.pool.roles
-    return any(roles[x].role == "sense" and roles[x].of in g.behind_motion for x in sp.sympify(expr).free_symbols)
 
 
 def _bodies(g: Generator, code: BatchCode) -> None:

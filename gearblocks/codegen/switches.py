@@ -7,6 +7,7 @@ Knows nothing of how crossings are located.
 from __future__ import annotations
 
 from gearblocks.codegen.batch import BatchCode
+from gearblocks.codegen.feedback import reads_motion
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.operands import Assignment, Index, Operand, Role
 from gearblocks.codegen.parts import Band, Prediction
@@ -65,6 +66,8 @@ def event_functions(g: Generator, code: BatchCode) -> None:
     g.keep("update_states", code.function("update_states", states))
     features: list[Assignment] = []
     for argument, bounded in code.features:
+        if reads_motion(g, code, argument):  # known behind the torques alone
+            continue
         features.append(Assignment(Operand(Role.FEATURES, len(g.features), instance=True), "=", argument))
         g.features += [bounded] * code.n
     g.keep("features", code.function("features", features))

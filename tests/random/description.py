@@ -14,7 +14,8 @@ from tests.random.expressions import Node, to_gearblocks, to_text, walk
 
 GROUND, WALL = "ground", "wall"  # what does not turn, and what does not slide
 FIXED = (GROUND, WALL)
-BODIES = {"Inertia": "J", "Mass": "m"}
+BODIES = {"Inertia": "J", "Mass": "m", "Chassis": "mass"}
+SLIDING = ("Mass", "Chassis")
 HITS = "hits"  # no field of a block: its compliance is taken away, so that its sides hit each other
 # flanges that stand on the ground where they are not connected
 OPEN = {"housing": None, "carrier": ("GearMesh", "NonCircularGear"), "b": ("HardStop",)}
@@ -44,19 +45,21 @@ class Part:
 
     @property
     def is_body(self) -> bool:
-        """Whether it is an Inertia or a Mass."""
+        """Whether it is an Inertia, a Mass or a Chassis."""
         return self.block in BODIES
 
 
 @dataclass(frozen=True)
 class Train:
-    """A train and the run asked of it. inputs: trees over time by name; initial: None or "static"."""
+    """A train and the run asked of it. inputs: trees over time by name.
+
+    initial: None, "static", "rolling", or the (name, value) of gb.rolling."""
 
     family: str
     seed: int
     parts: tuple[Part, ...]
     t_end: float
-    initial: str | None = None
+    initial: str | tuple[tuple[str, float], ...] | None = None
     inputs: tuple[tuple[str, Any], ...] = ()
     drops: tuple[str, ...] = ()  # names of compliant parts to be tied in the comparison with `without`
 
@@ -72,9 +75,13 @@ class Train:
     def outputs(self) -> list[tuple[str, str]]:
         """(angle, speed) outputs of every body."""
         return [
-            (f"{p.name}.s", f"{p.name}.v") if p.block == "Mass" else (f"{p.name}.phi", f"{p.name}.w")
+            (f"{p.name}.s", f"{p.name}.v") if p.block in SLIDING else (f"{p.name}.phi", f"{p.name}.w")
             for p in self.bodies
         ]
+
+    def rises(self) -> list[str]:
+        """Outputs for the rise of the temperature of every thermal mass."""
+        return [f"{p.name}.rise" for p in self.parts if p.block == "ThermalMass"]
 
     def nodes(self) -> tuple[str, ...]:
         """Names of all nodes, the ground left out."""
@@ -138,7 +145,7 @@ def arguments(train: Train, gb: Any) -> dict[str, Any]:
     """What gb.simulate is given besides the train and how to solve."""
     given: dict[str, Any] = {"watch": False}
     if train.initial is not None:
-        given["initial"] = train.initial
+        given["initial"] = train.initial if isinstance(train.initial, str) else gb.rolling(dict(train.initial))
     used = {n.args[0] for p in train.parts for n in walk(p.fields) if n.op == "input"}
     if used:
         given["inputs"] = {name: to_gearblocks(value, gb) for name, value in train.inputs if name in used}
@@ -158,6 +165,8 @@ def script(train: Train, options: str = "") -> str:
     rigid = [f"{part.name}.compliance" for part in train.parts if part.field(HITS)]
     lines += [f"rig = rig.without({', '.join(map(repr, rigid))})"] if rigid else []
     more = f", initial={train.initial!r}" if train.initial else ""
+    if isinstance(train.initial, tuple):
+        more = f", initial=gb.rolling({dict(train.initial)!r})"
     used = {n.args[0] for p in train.parts for n in walk(p.fields) if n.op == "input"}
     if used:
         more += ", inputs={" + ", ".join(f"{n!r}: {to_text(v)}" for n, v in train.inputs if n in used) + "}"

@@ -12,8 +12,8 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Node:
-    """One operation. op: time, twist, slip, sense, input, parameter, table, object, + * /, < >, both, one, not, either,
-    cases, or a function's name."""
+    """One operation. op: time, twist, slip, distance, temperature, sense, input, parameter, table, object, + * /, < >, both,
+    one, not, either, cases, or a function's name."""
 
     op: str
     args: tuple[Any, ...] = ()
@@ -49,6 +49,9 @@ class Node:
 TIME = Node("time")
 TWIST = Node("twist")
 SLIP = Node("slip")
+DISTANCE = Node("distance")
+TEMPERATURE = Node("temperature")
+LOCAL = ("time", "twist", "slip", "distance", "temperature")
 
 
 def sense(path: str) -> Node:
@@ -72,10 +75,12 @@ def cases(*pairs: tuple[Any, Any], other: Any) -> Node:
 
 
 def table(
-    x: tuple[float, ...], y: tuple[float, ...], kind: str = "linear", periodic: bool = False, over: Any = None
+    x: tuple[float, ...], y: tuple[float, ...], kind: str = "linear", beyond: bool | str = False, over: Any = None
 ) -> Node:
-    """A table over time, or over another quantity; over=None inside of a field that says itself over what it goes."""
-    return Node("table", (tuple(x), tuple(y), kind, periodic, over))
+    """A table over time, or over another quantity; over=None inside of a field that says itself over what it goes.
+
+    beyond its ends: True: it repeats; False: held; "hold", "linear": the same said, and as its first and last line go on."""
+    return Node("table", (tuple(x), tuple(y), kind, beyond, over))
 
 
 def thing(name: str, **fields: Any) -> Node:
@@ -109,7 +114,7 @@ def to_gearblocks(x: Any, gb: Any) -> Any:
         return tuple(to_gearblocks(a, gb) for a in x)
     if not isinstance(x, Node):
         return x
-    if x.op in ("time", "twist", "slip"):
+    if x.op in LOCAL:
         return getattr(gb, x.op)
     if x.op == "sense":
         return gb.sense(x.args[0])
@@ -118,8 +123,9 @@ def to_gearblocks(x: Any, gb: Any) -> Any:
     if x.op == "parameter":
         return gb.Parameter(x.args[0], x.args[1])
     if x.op == "table":
-        xs, ys, kind, periodic, over = x.args
-        made = gb.Table(list(xs), list(ys), kind=kind, periodic=periodic)
+        xs, ys, kind, beyond, over = x.args
+        more = {"extrapolate": beyond} if isinstance(beyond, str) else {"periodic": beyond}
+        made = gb.Table(list(xs), list(ys), kind=kind, **more)
         return made if over is None else made(to_gearblocks(over, gb))
     if x.op == "object":
         target = gb
@@ -162,7 +168,7 @@ def to_text(x: Any) -> str:
         return "(" + ", ".join(to_text(a) for a in x) + ("," if len(x) == 1 else "") + ")"
     if not isinstance(x, Node):
         return repr(x)
-    if x.op in ("time", "twist", "slip"):
+    if x.op in LOCAL:
         return f"gb.{x.op}"
     if x.op == "sense":
         return f"gb.sense({x.args[0]!r})"
@@ -171,8 +177,9 @@ def to_text(x: Any) -> str:
     if x.op == "parameter":
         return f"gb.Parameter({x.args[0]!r}, {x.args[1]!r})"
     if x.op == "table":
-        xs, ys, kind, periodic, over = x.args
-        more = (f", kind={kind!r}" if kind != "linear" else "") + (", periodic=True" if periodic else "")
+        xs, ys, kind, beyond, over = x.args
+        more = f", kind={kind!r}" if kind != "linear" else ""
+        more += f", extrapolate={beyond!r}" if isinstance(beyond, str) else ", periodic=True" if beyond else ""
         text = f"gb.Table({list(xs)!r}, {list(ys)!r}{more})"
         return text if over is None else f"{text}({to_text(over)})"
     if x.op == "object":

@@ -46,4 +46,9 @@ def test_flights_and_a_slip_that_end_at_once_do_so_in_any_order(train, order, ch
 def test_the_run_is_that_of_the_reference(train):
     run = gb.simulate(build(train, gb, Random(2)), t=T, method="dp8", rtol=1e-10)
     motion = motion_of(run, train)
-    assert deviations(motion, reference_motion(train, T, given=np.array(motion.angles[:, 0])), T).max() < 1e-5
+    assert (
+        deviations(
+            motion, reference_motion(train, T, given=np.array([motion.angles[:, 0], motion.speeds[:, 0]])), T
+        ).max()
+        < 1e-5
+    )

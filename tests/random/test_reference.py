@@ -213,10 +213,10 @@ def test_a_static_start_inside_of_a_gap_is_looked_at_and_not_guessed(play):
     still = _train(body, gap, initial="static")
     with pytest.raises(NoEvidenceError, match="leaves open"):
         reference_motion(still, T)
-    motion = reference_motion(still, T, given=np.array([0.5 * play]))
+    motion = reference_motion(still, T, given=np.array([[0.5 * play], [0.0]]))
     assert np.abs(motion.angles[0] - 0.5 * play).max() < 1e-12
     with pytest.raises(NoEvidenceError, match="not the run's"):
-        reference_motion(still, T, given=np.array([3.0 * play]))
+        reference_motion(still, T, given=np.array([[3.0 * play], [0.0]]))
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.6, 0.75])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.integrate import solve_ivp
 
 import gearblocks as gb
 
@@ -173,3 +174,25 @@ def test_what_is_sensed_cannot_prescribe_a_motion(source, filter):
     rig.chain(rig.add("motion", motion), rig.add("body", gb.Inertia(J=1.0)))
     with pytest.raises(gb.ModelError, match=r"sensed output .*leader\.w.* cannot prescribe a rigid motion"):
         gb.build(rig)
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_a_voltage_that_saturates_over_an_acceleration_is_that_of_scipy(beside):
+    """A law that is narrow in what follows from the torques; beside: another signal that they read."""
+    J, k, L, R, most = 0.05, 0.5, 0.05, 0.4, 9.0
+    rig = gb.Drivetrain("saturating")
+    u = 3.0 + most * sp.tanh(0.2 * gb.sense("rotor.alpha"))
+    rig.chain(rig.add("motor", gb.DCMotor(R=R, L=L, k=k, u=u)), rig.add("rotor", gb.Inertia(J=J)))
+    if beside:
+        rig.connect(rig.add("drag", gb.Torque(tau=-0.1 * gb.sense("rotor.w"))).flange, rig["rotor"].a)
+    t = np.linspace(0, 1, 21)
+    run = gb.simulate(rig, t=t, rtol=1e-12)
+
+    def rates(_, y):
+        w, i = y
+        alpha = (k * i - 0.1 * w * beside) / J
+        return [alpha, (3.0 + most * np.tanh(0.2 * alpha) - R * i - k * w) / L]
+
+    found = solve_ivp(rates, (0, 1), [0.0, 0.0], "DOP853", t_eval=t, rtol=1e-13, atol=1e-12)
+    assert np.allclose(run["rotor.w"], found.y[0], rtol=1e-8, atol=1e-8)
+    assert np.abs(run["rotor.alpha"]).max() > 20.0  # far into both flat parts

@@ -1,4 +1,4 @@
-"""Nine families of random trains; each is a function from a seed to a description."""
+"""Thirteen families of random trains; each is a function from a seed to a description."""
 
 from __future__ import annotations
 
@@ -7,16 +7,35 @@ from collections.abc import Callable
 from tests.random.description import Train
 from tests.random.families.contact import contact
 from tests.random.families.control import control
+from tests.random.families.feedback import feedback
 from tests.random.families.friction import friction
+from tests.random.families.heat import heat
 from tests.random.families.inertialess import inertialess
 from tests.random.families.laws import laws
 from tests.random.families.lossy import lossy
 from tests.random.families.mixed import mixed
 from tests.random.families.smooth import smooth
+from tests.random.families.starts import starts
+from tests.random.families.vehicle import vehicle
 from tests.random.families.wide import wide
 
 FAMILIES: dict[str, Callable[[int], Train]] = {
-    f.__name__: f for f in (smooth, contact, friction, lossy, control, mixed, wide, laws, inertialess)
+    f.__name__: f
+    for f in (
+        smooth,
+        contact,
+        friction,
+        lossy,
+        control,
+        mixed,
+        wide,
+        laws,
+        inertialess,
+        heat,
+        vehicle,
+        feedback,
+        starts,
+    )
 }
 
 

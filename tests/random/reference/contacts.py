@@ -307,9 +307,9 @@ def hits(s: System, p: Part, row: Array, half_gap: float) -> None:
     stops(s, row, -half_gap, half_gap, restitution)
 
 
-def stops(s: System, row: Array, lower: float | None, upper: float | None, restitution: float) -> None:
+def stops(s: System, row: Array, lower: float | None, upper: float | None, restitution: float, heat: int = -1) -> None:
     """Unilateral contacts at either end."""
     if lower is not None:
-        s.stops.append(Stop(row, lower, restitution))
+        s.stops.append(Stop(row, lower, restitution, heat=heat))
     if upper is not None:
-        s.stops.append(Stop(-row, -upper, restitution))
+        s.stops.append(Stop(-row, -upper, restitution, heat=heat))

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.random.reference.heat import heat_of_gears
 from tests.random.reference.rubbing import merge
 from tests.random.reference.sharing import Sharing
 from tests.random.reference.switches import NoEvidenceError, is_zero
@@ -45,6 +46,9 @@ class Dynamics:
         self.constant = not s.nonlinear
         self.varying = [i for i, g in enumerate(s.lossy) if g.values(0.0) != g.values(1e3)]
         self.teeth = {id(m): k for m, k in getattr(s, "synchronizers", [])}
+        self.lost: list[
+            tuple[int, float]
+        ] = []  # states of heat and what friction and gears lose, of the last evaluation
         self.plain = not (s.dry or s.stops or s.lossy or s.nonlinear)
 
     # -- one evaluation -----------------------------------------------------------------------------------------------
@@ -132,6 +136,12 @@ class Dynamics:
             a, values = s.Minv @ force, []
         else:
             a, values = self._constrained(force, q, v, margins)
+        if s.after:
+            c.A = (s.R @ a).tolist()
+            for law in s.after:
+                law(c, f)
+        for k, power in self.lost:
+            f[-1 - k] += power
         rates = [v, a] if not s.has_massless else [y[self.cut[1] : self.cut[2]], v1, s.Ur.T @ a]
         if self.np:
             rates.append(np.array([d(c) for d in self.drives]))
@@ -163,6 +173,7 @@ class Dynamics:
         s, c = self.s, self.s.context
         numbers: list[Any] = []
         sliding = []
+        self.lost = []
         for d in s.dry:
             f, more = self._rub(d, f, v)
             sliding.append(more)
@@ -182,6 +193,8 @@ class Dynamics:
             wanted = -(G @ a) if gamma is None else gamma - G @ a
             numbers = (W @ wanted).tolist()
             a = a + MB @ np.array(numbers)
+        if any(g.heat >= 0 for g in s.lossy):
+            self.lost += heat_of_gears(s, v, numbers, losses)
         if not margins:
             return a, []
         if null is not None and gamma is not None and np.abs(G @ a - gamma).max() > 1e-8 * np.abs(wanted).max():
@@ -289,6 +302,8 @@ class Dynamics:
             size = m.sliding(c, m.scale * slip if d.mode else 0.0)
             if m.on and not m.dog and d.mode in (1, -1):
                 total -= d.mode * abs(m.scale) * size
+                if m.heat >= 0:
+                    self.lost.append((m.heat, abs(m.scale * slip) * size))
         return (f + total * d.row if total else f), slip
 
     def engage(self, m: Any) -> None:

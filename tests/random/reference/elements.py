@@ -10,7 +10,7 @@ import numpy as np
 
 from tests.random.description import GROUND, Part, Train
 from tests.random.expressions import Node, walk
-from tests.random.reference import contacts, further, rubbing
+from tests.random.reference import contacts, further, heat, rubbing, vehicles
 from tests.random.reference.composites import expanded
 from tests.random.reference.switches import Context, NoEvidenceError, Table2, ellipse, is_zero
 from tests.random.reference.system import Array, System, Tie, derivative
@@ -28,7 +28,7 @@ def system_of(train: Train) -> System:
 
 def _composed(train: Train, held: bool) -> System:
     s = System(train, held)
-    ordered = sorted(train.parts, key=lambda p: p.block not in ("Governor",))
+    ordered = sorted(heat.prepared(s, train), key=lambda p: p.block not in ("Governor",))
     for part in ordered:
         add = ELEMENTS.get(part.block)
         if add is None:
@@ -181,13 +181,23 @@ def shaft(s: System, p: Part) -> None:
         s.laws.append(law)
     if p.field("c") is not None:
         s.dampers.append((row, p.field("c")))
+        _rubs(s, p, row, p.field("c"))
     if p.field("hysteresis") is not None:
         rubbing.inner_friction(s, row, dict(p.field("hysteresis").args[1]), p.name)
 
 
 def damper(s: System, p: Part) -> None:
     """c w_rel."""
-    s.dampers.append((relative(s, p, "b", "a"), p.field("c")))
+    row = relative(s, p, "b", "a")
+    s.dampers.append((row, p.field("c")))
+    _rubs(s, p, row, p.field("c"))
+
+
+def _rubs(s: System, p: Part, row: Array, c1: float) -> None:
+    """The heat of a viscous part."""
+    if p.name in s.heats:
+        i = s.law_row(row)
+        heat.lost(s, p, lambda c: c1 * c.V[i] ** 2)
 
 
 def torque(s: System, p: Part) -> None:
@@ -217,15 +227,36 @@ def speed(s: System, p: Part) -> None:
 
 
 def speed_load(s: System, p: Part) -> None:
-    """-sign(w)(c0 + c1 abs(w) + c2 w^2); c0 holds at rest."""
-    row = s.node(p.node("flange"))
+    """-sign(w)(c0 + c1 abs(w) + c2 w^2); c0 holds at rest. Of other directions one that drives."""
+    row = relative(s, p, "flange", "housing")
     c0, c1, c2 = p.field("coeffs")
+    if p.field("direction") is not None:
+        _drives(s, row, (c0, c1, c2), p.field("direction"))
+        return
     if c1:
         s.dampers.append((row, c1))
+        _rubs(s, p, row, c1)
     if c2:
         square(s, row, c2)
+        if p.name in s.heats:
+            i = s.law_row(row)
+            heat.lost(s, p, lambda c: c2 * abs(c.V[i]) ** 3)
     if c0:
         rubbing.constant(s, row, c0, p.name)
+
+
+def _drives(s: System, row: Array, coeffs: tuple[float, float, float], direction: str) -> None:
+    """+-(c0 + c1 abs(w) + c2 w^2), along the motion or of one sign."""
+    i, k = s.law_row(row), s.sw.new()
+    c0, c1, c2 = coeffs
+
+    def law(c: Context, f: list[float]) -> None:
+        w = c.V[i]
+        ahead = 1.0 if s.sw(k, w if abs(w) > 1e-9 else 0.0) else -1.0
+        side = {"along": ahead, "forward": 1.0, "backward": -1.0}[direction]
+        f[i] += side * (c0 + c1 * ahead * w + c2 * w * w)
+
+    s.laws.append(law)
 
 
 def square(s: System, row: Array, c2: float) -> None:
@@ -239,37 +270,22 @@ def square(s: System, row: Array, c2: float) -> None:
     s.laws.append(law)
 
 
-def vehicle(s: System, p: Part) -> None:
-    """Mass, drag, rolling resistance as dry friction, slope."""
-    if p.field("tyre") is not None:
-        further.tyre(s, p)
-        return
-    if p.field("rolling_speed") is not None:
-        raise NoEvidenceError("a rolling speed")
-    r, m = p.field("wheel_radius"), p.field("mass")
-    row, grade = s.node(p.node("flange")), p.field("grade", 0.0)
-    s.J[s.index[p.node("flange")]] += m * r * r
-    weight = m * 9.80665
-    climb = weight * math.sin(grade) * r
-    if climb:
-        s.torques.append((row, lambda c: -climb, True))
-    if p.field("drag_area"):
-        square(s, row, 1.2 * p.field("drag_area") / 2 * r**3)
-    if p.field("rolling"):
-        rubbing.constant(s, row, p.field("rolling") * weight * math.cos(grade) * r, p.name)
-
-
 def eddy(s: System, p: Part) -> None:
     """-2 excitation tau_n/(w_n/w + w/w_n)."""
     i = s.law_row(relative(s, p, "flange", "housing"))
     excitation = s.compile(p.field("excitation", 1.0))
-    t_n, w_n = p.field("tau_nominal"), p.field("w_nominal")
+    t_n, nominal, alpha = p.field("tau_nominal"), p.field("w_nominal"), p.field("alpha", 0.0)
+    T, T_ref = s.compile(heat.as_signal(heat.port(p)) if alpha else 293.15), p.field("T_ref", 293.15)
+
+    def brakes(c: Context) -> float:
+        w, w_n = c.V[i], nominal * (1 + alpha * (T(c) - T_ref))
+        return 2 * excitation(c) * t_n * w_n * w / (w * w + w_n * w_n)
 
     def law(c: Context, f: list[float]) -> None:
-        w = c.V[i]
-        f[i] -= 2 * excitation(c) * t_n * w_n * w / (w * w + w_n * w_n)
+        f[i] -= brakes(c)
 
     s.laws.append(law)
+    heat.lost(s, p, lambda c: brakes(c) * c.V[i])
 
 
 def motor(s: System, p: Part) -> None:
@@ -278,11 +294,14 @@ def motor(s: System, p: Part) -> None:
     u, R, L, k = s.compile(p.field("u")), p.field("R"), p.field("L"), p.field("k")
 
     def law(c: Context, f: list[float]) -> None:
-        current = c.s[state]
-        f[i] += k * current
-        f[-1 - state] = (u(c) - R * current - k * c.V[i]) / L
+        f[i] += k * c.s[state]
+
+    def rate(c: Context, f: list[float]) -> None:
+        f[-1 - state] = (u(c) - R * c.s[state] - k * c.V[i]) / L
 
     s.laws.append(law)
+    (s.after if s.follows_motion(p.field("u")) else s.laws).append(rate)
+    heat.lost(s, p, lambda c: R * c.s[state] ** 2)
 
 
 def governor(s: System, p: Part) -> None:
@@ -329,18 +348,19 @@ def engine(s: System, p: Part) -> None:
 def stop(s: System, p: Part) -> None:
     """lower <= phi_b - phi_a <= upper; over the ground phi_a."""
     row = relative(s, p, "b", "a") if p.node("b") != GROUND else s.node(p.node("a"))
-    contacts.stops(s, row, p.field("lower"), p.field("upper"), p.field("restitution"))
+    contacts.stops(s, row, p.field("lower"), p.field("upper"), p.field("restitution"), s.heats.get(p.name, -1))
 
 
 def nothing(s: System, p: Part) -> None:
-    """The ground is built in."""
+    """The ground is built in, and stores of heat are known before."""
 
 
 ELEMENTS: dict[str, Any] = {
     "Inertia": body, "Mass": body, "IdealGear": gear, "BeltDrive": gear, "IdealPlanetary": planetary,
     "Differential": differential, "Rack": rack, "UniversalJoint": joint, "NonCircularGear": noncircular, "Shaft": shaft,
     "Damper": damper, "Torque": torque, "Force": torque, "Speed": speed, "Angle": speed, "SpeedLoad": speed_load,
-    "Vehicle": vehicle,
+    "Vehicle": vehicles.vehicle, "Chassis": vehicles.chassis, "Tyre": vehicles.tyre,
+    "ThermalMass": nothing, "ThermalConductance": heat.conductance,
     "EddyCurrentBrake": eddy, "DCMotor": motor, "Governor": governor, "Engine": engine, "HardStop": stop,
     "Lash": contacts.lash, "GearMesh": contacts.mesh, "SplineCoupling": contacts.spline, "Fixed": nothing,
     "Clutch": rubbing.clutch, "Brake": rubbing.brake, "OneWayClutch": rubbing.clutch, "Freewheel": rubbing.freewheel,

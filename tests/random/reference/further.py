@@ -1,4 +1,4 @@
-"""Fluid, belts with creep, tyres, and friction of teeth, written anew from the catalogue."""
+"""Fluid, belts with creep, and friction of teeth, written anew from the catalogue."""
 
 from __future__ import annotations
 
@@ -44,31 +44,6 @@ def creep(s: System, p: Part) -> None:
             tau /= math.hypot(1.0, tau / fields["limit"])
         f[i] -= tau
         f[j] += ratio * tau
-
-    s.laws.append(law)
-
-
-def tyre(s: System, p: Part) -> None:
-    """m v' = F - drag - rolling v/hypot(v, rolling_speed) - slope, F = D sin(C atan(K slip/(C D)))."""
-    i, v, distance = s.law_row(s.node(p.node("flange"))), s.state(), s.state()
-    fields, m, r, grade = dict(p.field("tyre").args[1]), p.field("mass"), p.field("wheel_radius"), p.field("grade", 0.0)
-    normal, climb = m * 9.80665 * math.cos(grade), m * 9.80665 * math.sin(grade)
-    most, shape = fields["grip"] * normal, fields.get("shape", 1.0)
-    area, rolling, speed = p.field("drag_area", 0.0), p.field("rolling", 0.0), p.field("rolling_speed")
-    forward = s.sw.new()
-    if rolling and speed is None:
-        raise NoEvidenceError("rolling that jumps at rest")
-
-    def law(c: Context, f: list[float]) -> None:
-        u = c.s[v]
-        slip = (r * c.V[i] - u) / math.hypot(u, fields["low_speed"])
-        F = most * math.sin(shape * math.atan(fields["stiffness"] * slip / (shape * most)))
-        against = 0.6 * area * u * u * (1 if s.sw(forward, u) else -1)
-        if rolling:
-            against += rolling * normal * u / math.hypot(u, speed)
-        f[i] -= r * F
-        f[-1 - v] = (F - against - climb) / m
-        f[-1 - distance] = u
 
     s.laws.append(law)
 

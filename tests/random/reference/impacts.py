@@ -88,9 +88,11 @@ class Impacts:
         if not hit:
             return self._settled(t, y, 1e-15) if self.still > 1 else y
         self.left += bool(leaving)
+        locks = len(both)
         both += [n.rate(q, v, s.context)[:2] for n in s.nonlinear]
         both += [(g.ra - g.ratio * g.rb, 0.0) for g in s.lossy]  # no loss in an impact
         self.jumps.append(t)
+        before = v
         v = self._impulse(v, one, both)
         died = False
         for row, target, i in one:
@@ -100,9 +102,23 @@ class Impacts:
                 if self._dies(t, self.with_v(y, v), row, float(row @ v), i, flat):
                     v = self._impulse(v, [(row, 0.0, -1)], [(row, 0.0), *both])
                     died = True
+        y = self._heated(y, before, v, one, locks)
         y = self.onto(self.with_v(y, v), [s.stops[i] for _, target, i in one if i >= 0 and target > 0])
         y = self._settled(t, y, 1e-13) if died else y  # what its end throws off its stop
         self.note(y)
+        return y
+
+    def _heated(self, y: Array, before: Array, v: Array, one: list[tuple[Array, float, int]], locks: int) -> Array:
+        """What an impact loses goes into the stop that was struck; where there are several nobody tells which."""
+        if not any(d.heat >= 0 for d in (*self.s.stops, *(m for x in self.s.dry for m in x.members))):
+            return y
+        heats = {self.s.stops[i].heat for _, _, i in one if i >= 0}
+        if len(heats) != 1 or locks or any(i < 0 for _, _, i in one):
+            raise NoEvidenceError("heat of what strikes beside others, or locks")
+        (k,), M = heats, self.s.M
+        if k >= 0:
+            y = y.copy()
+            y[self.d.cut[3] + k] += 0.5 * float(before @ M @ before - v @ M @ v)
         return y
 
     def leaving(self, t: float, y: Array) -> set[int]:

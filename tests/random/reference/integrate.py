@@ -45,12 +45,14 @@ class Integration:
         self.kicks = [span * (i + part) / kicks for i, part in enumerate(parts)] if perturbation else []
         self.alike, self.direction = draw > 0, np.zeros(0)  # of draws but the first all kicks go one way
         self.largest = np.zeros(0)  # of every state so far
+        self.rises = np.zeros((0, 0))
 
     def run(self, y: Array, t: Array) -> tuple[Array, Array]:
         """Angles and speeds at the times t of all bodies, shape (bodies, len(t))."""
         d, s = self.d, self.d.s
         bodies = [s.index[p.node("a")] for p in s.train.bodies]
         angles, speeds = np.empty((len(bodies), len(t))), np.empty((len(bodies), len(t)))
+        self.rises = np.empty((len(s.stores), len(t)))
         for _ in range(3):  # signals that read what others compute
             self.modes.begin(0.0, y)
         s.sw.fresh = False
@@ -70,6 +72,7 @@ class Integration:
                 part = next((f for lo, hi, f in dense if lo <= at <= hi), None)
                 value = state if at == end else (y if part is None else part(at))
                 angles[:, done], speeds[:, done] = d.motion(at, value, bodies)
+                self.rises[:, done] = s.rises(value[d.cut[3] :].tolist())
                 done += 1
             if done >= len(t):
                 break

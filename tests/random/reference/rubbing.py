@@ -17,6 +17,7 @@ from tests.random.reference.system import Array, Dry, Lossy, Member, System
 
 def group(s: System, row: Array, member: Member) -> None:
     """Adds a friction element to the group with the same slip, or to a new one. Rows over nodes; `merge` joins the rest."""
+    member.heat = s.heats.get(member.name, -1)
     s.dry.append(Dry(row, [member]))
 
 
@@ -62,6 +63,13 @@ def _friction_fields(s: System, p: Part) -> tuple[Signal, Callable[[Context, flo
     mu = p.field("mu")
     if not isinstance(mu, Node):
         return engagement, lambda c, slip: mu * force * engagement(c), lambda c: peak * mu * force * engagement(c)
+    if mu.op != "table" and not _is_law(mu):
+        now = s.compile(mu)
+        return (
+            engagement,
+            lambda c, slip: now(c) * force * engagement(c),
+            lambda c: peak * now(c) * force * engagement(c),
+        )
     if _is_law(mu):
         law = _law(s, mu)
         return (
@@ -111,6 +119,9 @@ def _not_engaged(s: System, p: Part) -> Signal:
     if p.field("force_max") is None:
         return lambda c: 0.0
     force = 1e-4 * p.field("geometry", 1.0) * p.field("force_max")
+    if isinstance(mu, Node) and mu.op != "table" and not _is_law(mu):
+        now = s.compile(mu)
+        return lambda c: force * now(c)
     if _is_law(mu):
         law = _law(s, mu)
         return lambda c: force * law(c, 0.0)
@@ -231,17 +242,17 @@ def lossy_gear(s: System, p: Part) -> None:
     """Rows over nodes; a table over abs(w_a) is linear in between and held outside."""
     a = s.node(p.node("a")) - s.node(p.node("housing"))
     b = s.node(p.node("b")) - s.node(p.node("housing"))
-    rows = p.field("loss_table")
+    rows, heat = p.field("loss_table"), s.heats.get(p.name, -1)
     if rows is None and p.field("efficiency") is None:
         s.ties.append(a - p.field("ratio") * b)
         return
     if rows is None or len(rows) == 1:
         one = (*p.field("efficiency"), *p.field("bearing", (0.0, 0.0))) if rows is None else tuple(rows[0][1:])
-        s.lossy.append(Lossy(a, b, p.field("ratio"), lambda w: one))
+        s.lossy.append(Lossy(a, b, p.field("ratio"), lambda w: one, heat=heat))
         return
     x = tuple(r[0] for r in rows)
     tables = [Table1(s.sw, x, tuple(r[i] for r in rows), "linear", False) for i in range(1, 5)]
-    s.lossy.append(Lossy(a, b, p.field("ratio"), lambda w: tuple(t(w) for t in tables)))  # type: ignore[arg-type]
+    s.lossy.append(Lossy(a, b, p.field("ratio"), lambda w: tuple(t(w) for t in tables), heat=heat))  # type: ignore[arg-type]
 
 
 def worm(s: System, p: Part) -> None:
@@ -256,4 +267,4 @@ def worm(s: System, p: Part) -> None:
         raise NoEvidenceError("a worm between free and self-locking")
     a = s.node(p.node("a")) - s.node(p.node("housing"))
     b = s.node(p.node("b")) - s.node(p.node("housing"))
-    s.lossy.append(Lossy(a, b, p.field("ratio"), lambda w: (one, two, 0.0, 0.0)))
+    s.lossy.append(Lossy(a, b, p.field("ratio"), lambda w: (one, two, 0.0, 0.0), heat=s.heats.get(p.name, -1)))

@@ -9,6 +9,7 @@ import numpy as np
 
 from tests.random.description import senses
 from tests.random.reference.equilibrium import at_rest
+from tests.random.reference.given_starts import asks_more, told
 from tests.random.reference.switches import NoEvidenceError, is_zero
 from tests.random.reference.system import Array
 
@@ -16,6 +17,8 @@ from tests.random.reference.system import Array
 def start(d: Any, perturbation: float, given: Array | None = None, draw: int = 0) -> Array:
     """Start values that agree with the given ones and the ties. given: angles at which a run starts at rest."""
     s, random = d.s, Random(f"reference {d.s.train.seed}" + f" {draw}" * (draw > 0))
+    if asks_more(s.train):
+        return told(d, perturbation, given, random)
     rows, angles, speeds, sped = [], [], [], []
     for p in s.train.bodies:
         row = s.N[s.index[p.node("a")]]
@@ -41,7 +44,7 @@ def start(d: Any, perturbation: float, given: Array | None = None, draw: int = 0
     s.context.t = 0.0
     driven = np.array([x(s.context) for x in d.driven_from])
     y = np.concatenate([qr, _balanced(d, qr, vr), vr, driven, np.array(s.start)])
-    return y if s.train.initial is None else at_rest(d, y, given)
+    return at_rest(d, y, None if given is None else given[0]) if s.train.initial == "static" else y
 
 
 def _met(s: Any, rows: list[Array], q: Array) -> Array:

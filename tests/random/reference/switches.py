@@ -22,15 +22,16 @@ class NoEvidenceError(Exception):
 
 
 class Context:
-    """What signals read: time, the values X and rates V of all rows, further states s, computed values aux; small: a speed
-    that counts as none."""
+    """What signals read: time, the values X, rates V and accelerations A of all rows, further states s, computed values aux;
+    small: a speed that counts as none."""
 
-    __slots__ = ("V", "X", "aux", "s", "small", "t")
+    __slots__ = ("A", "V", "X", "aux", "s", "small", "t")
 
     def __init__(self) -> None:
         self.t = 0.0
         self.X: Any = ()
         self.V: Any = ()
+        self.A: Any = ()
         self.s: Any = ()
         self.aux: list[float] = []
         self.small = 0.0
@@ -79,12 +80,14 @@ class Switches:
 
 
 class Table1:
-    """A table with frozen segments: linear, cubic (not-a-knot, or periodic) or step; held outside, or repeated."""
+    """A table with frozen segments: linear, cubic (not-a-knot, or periodic) or step; outside held, repeated, or going on."""
 
     def __init__(
-        self, switches: Switches, x: tuple[float, ...], y: tuple[float, ...], kind: str, periodic: bool
+        self, switches: Switches, x: tuple[float, ...], y: tuple[float, ...], kind: str, beyond: bool | str
     ) -> None:
+        periodic = beyond is True
         self.sw, self.x, self.y, self.kind, self.periodic = switches, list(x), list(y), kind, periodic
+        self.goes_on = beyond == "linear"
         self.low, self.high = switches.new(), switches.new()
         switches.jumps[self.low] = switches.jumps[self.high] = self.low
         self.c: Any = None
@@ -112,6 +115,9 @@ class Table1:
 
     def __call__(self, x: float, weight: float = 1.0) -> float:
         i, left, x = self.locate(x, weight)
+        if self.goes_on:
+            i = min(max(i, 0), len(self.x) - 2)
+            left = self.x[i]
         if i < 0:
             return self.y[0]
         if i >= len(self.x) - 1 or self.kind == "step":
@@ -167,7 +173,7 @@ class Compiler:
             return lambda c: number
         if x.op == "time":
             return lambda c: c.t
-        if x.op in ("twist", "slip"):
+        if x.op in ("twist", "slip", "distance"):
             assert local is not None
             return local
         if x.op == "sense":

@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tests.random.description import FIXED, Train
-from tests.random.expressions import Node
+from tests.random.description import FIXED, Part, Train
+from tests.random.expressions import Node, walk
 from tests.random.reference.switches import Compiler, Context, NoEvidenceError, Signal, Switches, is_zero
 
 Array = NDArray[np.float64]
+BEHIND = ("alpha", "acceleration", "b.tau", "b.power", "torque")  # of bodies and rigid parts
 Law = Callable[[Context, list[float]], None]
 
 
@@ -38,6 +39,7 @@ class Member:
     dog: bool = False
     on: bool = True
     switch: int = -1
+    heat: int = -1  # state that counts what it loses
 
 
 @dataclass
@@ -57,6 +59,7 @@ class Stop:
     bound: float
     restitution: float
     mode: int = 1
+    heat: int = -1  # state that counts what impacts lose
 
 
 @dataclass
@@ -71,6 +74,7 @@ class Lossy:
     ratio: float
     values: Callable[[float], tuple[float, float, float, float]]  # eta1, eta2, tau1, tau2 over abs(w_a)
     mode: tuple[int, int] = (0, 0)
+    heat: int = -1  # state that counts what it loses
 
 
 @dataclass
@@ -100,6 +104,9 @@ class System:
         self.prescribed: dict[str, tuple[Any, str]] = {}  # node -> (signal, "speed" or "angle")
         self.laws: list[Law] = []
         self.commands: list[Callable[[Context], None]] = []  # what signals of other parts read, before all else
+        self.after: list[Law] = []  # rates of states that read accelerations
+        self.stores: dict[str, Any] = {}  # thermal masses by name
+        self.heats: dict[str, int] = {}  # state that counts the heat of a part
         self.law_rows: list[Array] = []  # over nodes, until `reduce`
         self.springs: list[tuple[Array, float]] = []
         self.dampers: list[tuple[Array, float]] = []
@@ -139,7 +146,11 @@ class System:
 
     def sense(self, path: str) -> Signal:
         """An output of a part as a signal."""
-        name, output = path.split(".")
+        name, _, output = path.partition(".")
+        if output == "T":
+            return lambda c: self.stores[name].temperature(c)
+        if output not in ("phi", "w", "s", "v", "command"):
+            return self.sensed_output(next(p for p in self.train.parts if p.name == name), output)
         if output in ("phi", "w", "s", "v"):
             if name not in self.sensed:
                 body = next(p for p in self.train.parts if p.name == name)
@@ -147,10 +158,40 @@ class System:
             i = self.sensed[name]
             signal: Any = (lambda c: c.X[i]) if output in ("phi", "s") else (lambda c: c.V[i])
             return _Sensed(signal, i if output == "phi" else None)
-        if output == "command":
-            i = self.aux.setdefault(path, len(self.aux))
-            return lambda c: c.aux[i]
-        raise NoEvidenceError(f"the output {path}")
+        i = self.aux.setdefault(path, len(self.aux))
+        return lambda c: c.aux[i]
+
+    def follows_motion(self, x: Any) -> bool:
+        """Whether a signal reads accelerations."""
+        paths = [n.args[0].partition(".") for n in walk(x) if n.op == "sense"]
+        rigid = {p.name for p in self.train.parts if p.block not in ("Shaft", "Damper")}
+        return any(name in rigid and output in BEHIND for name, _, output in paths)
+
+    def sensed_output(self, p: Part, output: str) -> Signal:
+        """An output of a shaft, a damper or a body; of a gear or a clutch the torque on what hangs on its b alone."""
+        if p.is_body and output in ("alpha", "acceleration"):
+            i = self.law_row(self.node(p.node("a")))
+            return lambda c: c.A[i]
+        if p.block in ("Shaft", "Damper"):
+            i = self.law_row(self.node(p.node("b")) - self.node(p.node("a")))
+            k, c_ = p.field("k", 0.0), p.field("c", 0.0)
+            at_a = self.law_row(self.node(p.node("a")))
+            found: dict[str, Signal] = {
+                "twist": lambda c: c.X[i], "twist_rate": lambda c: c.V[i], "w_rel": lambda c: c.V[i],
+                "torque": lambda c: -k * c.X[i] - c_ * c.V[i], "loss_power": lambda c: c_ * c.V[i] ** 2,
+                "a.power": lambda c: (k * c.X[i] + c_ * c.V[i]) * c.V[at_a],
+            }  # fmt: skip
+            if output in found and p.field("rest") is None and p.field("torque") is None:
+                return found[output]
+        near = [other for other in self.train.parts if other is not p and p.node("b") in [n for _, n in other.at]]
+        if len(near) == 1 and near[0].is_body and output in ("b.tau", "b.power", "torque"):
+            J, i = near[0].field("J"), self.law_row(self.node(p.node("b")))
+            return (lambda c: J * c.A[i] * c.V[i]) if output == "b.power" else (lambda c: J * c.A[i])
+        raise NoEvidenceError(f"the output {p.name}.{output}")
+
+    def rises(self, states: Any) -> list[float]:
+        """Rises of the temperatures of all thermal masses."""
+        return [store.rise(states) for store in self.stores.values()]
 
     # -- reduction ----------------------------------------------------------------------------------------------------
 
