@@ -8,6 +8,7 @@ import re
 import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 
 from fmu_export.templates import C_FOLDER, VERSION_FOLDERS
 from gearblocks.errors import ParameterError
@@ -82,15 +83,15 @@ def build_binary(sources: Mapping[str, bytes], identifier: str) -> dict[str, byt
     is off: all have the bits of the run in-process. Objects that are the same for all models are kept in the user's cache.
     """
     compiler = find_compiler()
-    headers = {name: data for name, data in sources.items() if name.endswith(".h")}
     variants = variants_of(compiler)
+    headers = {variant: _headers(compiler, sources, variant) for variant in (None, *variants)}
     again = [name for name in sorted(sources) if name.endswith(".c") and is_of_solver(name)]
     units: list[tuple[str, Variant | None]] = [(name, None) for name in sorted(sources) if name.endswith(".c")]
     units += [(name, variant) for variant in variants for name in again]
 
     def made(unit: tuple[str, Variant | None]) -> bytes:
         name, variant = unit
-        return _object(compiler, headers, name, sources[name], variant, bool(variants))
+        return _object(compiler, headers[variant], name, sources[name], variant, bool(variants))
 
     with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as workers:
         objects = list(workers.map(made, units))
@@ -119,13 +120,34 @@ def is_glue(name: str) -> bool:
     return name in SHARED_GLUE or any(name in names for names in VERSION_GLUE.values())
 
 
+@dataclass(frozen=True, slots=True)
+class _Headers:
+    """The headers that all C files of a variant see, and their digest."""
+
+    files: Mapping[str, bytes]
+    key: str
+
+
+def _headers(compiler: Compiler, sources: Mapping[str, bytes], variant: Variant | None) -> _Headers:
+    files = {name: data for name, data in sources.items() if name.endswith(".h")}
+    if variant is not None:
+        files[_NAMES] = names_with(files, variant.suffix)
+    if _has_baseline(compiler):
+        files[_BASELINE] = (C_FOLDER / _BASELINE).read_bytes()
+    return _Headers(files, digest_of(files))
+
+
+def _has_baseline(compiler: Compiler) -> bool:
+    return sys.platform == "linux" and not compiler.is_zig
+
+
 def _object(
-    compiler: Compiler, headers: Mapping[str, bytes], name: str, source: bytes, variant: Variant | None, several: bool
+    compiler: Compiler, headers: _Headers, name: str, source: bytes, variant: Variant | None, several: bool
 ) -> bytes:
-    files = {**headers, name: source}
+    files = {**headers.files, name: source}
     arguments: tuple[str, ...] = (
         *FLAGS,
-        *(compiler.generated_flags if name in GENERATED else core_flags(name)),
+        *(compiler.generated_flags if name in GENERATED else (*core_flags(name), *compiler.level)),
         "-DGB_API=",
         "-c",
         name,
@@ -133,16 +155,14 @@ def _object(
         "out.o",
     )  # GB_API: nothing of the solver is exported
     if variant is not None:
-        files[_NAMES] = names_with(headers, variant.suffix)
         arguments = (*variant.flags, "-include", _NAMES, *arguments)
     if several and name == "gb_solver.c":
         arguments = ("-DGB_SOLVER_VARIANTS", *arguments)
-    if sys.platform == "linux" and not compiler.is_zig:
-        files[_BASELINE] = (C_FOLDER / _BASELINE).read_bytes()
+    if _has_baseline(compiler):
         arguments = ("-include", _BASELINE, *arguments)
     if name in GENERATED:
         return produced(compiler, files, arguments, "out.o")
-    return kept_object(compiler, files, arguments)
+    return kept_object(compiler, files, arguments, digest(headers.key, name, source))
 
 
 def names_with(headers: Mapping[str, bytes], suffix: str) -> bytes:
@@ -159,13 +179,17 @@ def names_with(headers: Mapping[str, bytes], suffix: str) -> bytes:
     return "".join(f"#define {name} {new}\n" for name, new in plain.items()).encode()
 
 
-def kept_object(compiler: Compiler, files: Mapping[str, bytes], arguments: Sequence[str]) -> bytes:
-    """The object out.o that the compiler makes of these files, from the user's cache where it was made before. Raises
-    CompileError."""
+def digest_of(files: Mapping[str, bytes]) -> str:
+    """Digest of files, their names and what is in them."""
+    return digest(*(part for name in sorted(files) for part in (name, files[name])))
+
+
+def kept_object(compiler: Compiler, files: Mapping[str, bytes], arguments: Sequence[str], key: str) -> bytes:
+    """The object out.o that the compiler makes of these files, from the user's cache where it was made before; key: what tells
+    these files from others. Raises CompileError."""
     cache = user_cache()
-    parts = [part for name in sorted(files) for part in (name, files[name])]
-    key = digest(compiler.identity, *arguments, *parts)
-    path = cache.find("fmu", key, ".o")
+    whole = digest(compiler.identity, *arguments, key)
+    path = cache.find("fmu", whole, ".o")
     if path is None:
-        path = cache.write("fmu", key, produced(compiler, dict(files), arguments, "out.o"), ".o")
+        path = cache.write("fmu", whole, produced(compiler, dict(files), arguments, "out.o"), ".o")
     return path.read_bytes()

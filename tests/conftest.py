@@ -19,8 +19,8 @@ Surfaces: TypeAlias = Callable[[float, Array], ArrayLike]
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Most of the time of the quick tier would be that of the C compiler: it does not optimise generated laws, the bits are
-    the same (unless CC names a level), and it draws a quarter of the examples of every random test."""
+    """Most of the time of the quick tier would be that of the C compiler: it does not optimise generated laws and FMUs, the
+    bits are the same (unless CC names a level), and it draws a quarter of the examples of every random test."""
     if "not long" in config.getoption("markexpr"):
         compiler = os.environ.get("CC", "").strip() or ("cc" if shutil.which("cc") else "")
         if compiler and " -O" not in compiler:

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from fmu_export.archive import irregularities
-from fmu_export.binary import GENERATED, kept_object, native_platform
+from fmu_export.binary import GENERATED, digest_of, kept_object, native_platform
 from fmu_export.checks.elf import SharedLibrary, read_shared_library
 from fmu_export.checks.instance import Unpacked
 from fmu_export.checks.limits import BYTES_OF_FILES, FILES, NAMES
 from fmu_export.checks.report import Item
 from fmu_export.fmi2.description import structured_name
 from gearblocks.errors import CompileError
+from gearblocks.solver.cache import digest
 from gearblocks.solver.compiler import SHARED_SUFFIX, find_compiler
 from gearblocks.solver.library import produced
 
@@ -189,15 +190,17 @@ def _compile_strictly(folder: Path, listed: Sequence[str]) -> None:
     solver in every FMU, are not compiled again. Raises CompileError."""
     compiler = find_compiler()
     headers = {file.name: file.read_bytes() for file in folder.glob("*.h")}
+    known = digest_of(headers)
     objects = {}
     for number, listed_name in enumerate(listed):
         name = Path(listed_name).name
-        files = {**headers, name: (folder / listed_name).read_bytes()}
+        source = (folder / listed_name).read_bytes()
+        files = {**headers, name: source}
         arguments = (*_STRICT, "-c", name, "-o", "out.o")
         if name in GENERATED:
             objects[f"{number}.o"] = produced(compiler, files, arguments, "out.o")
         else:
-            objects[f"{number}.o"] = kept_object(compiler, files, arguments)
+            objects[f"{number}.o"] = kept_object(compiler, files, arguments, digest(known, name, source))
     product = "all" + SHARED_SUFFIX
     produced(compiler, objects, ("-shared", *objects, "-o", product, "-lm"), product)
 

@@ -1,7 +1,8 @@
 """The C compiler: the one named in CC, else `cc` on PATH, else the zig that comes as a Python package.
 
 CC may hold flags: with one of -march= or -mcpu= ("cc -march=x86-64-v3") the C is made for that processor, else for the one at
-hand; a level of optimisation ("cc -O0") is that of generated laws: compiled sooner, slower to run, the same bits.
+hand; a level of optimisation ("cc -O0") is that of generated laws, and of all of an FMU: compiled sooner, slower to run, the
+same bits.
 """
 
 from __future__ import annotations
@@ -60,7 +61,12 @@ class Compiler:
     @property
     def generated_flags(self) -> tuple[str, ...]:
         """The flags of generated laws, behind FLAGS."""
-        return (*GENERATED_FLAGS, *[word for word in self.command[1:] if word.startswith("-O")])
+        return (*GENERATED_FLAGS, *self.level)
+
+    @property
+    def level(self) -> tuple[str, ...]:
+        """The level of optimisation that the command names."""
+        return tuple(word for word in self.command[1:] if word.startswith("-O"))
 
     def run(self, arguments: Sequence[str], directory: Path) -> None:
         """Calls the compiler in `directory`, which also takes its temporary files. Raises CompileError."""
@@ -188,7 +194,7 @@ def _tried(command: tuple[str, ...]) -> str:
 
 def _identity(program: str, command: tuple[str, ...]) -> str:
     """What tells one compiler from another without starting it: file, size, date of change, arguments but for a level of
-    optimisation, which the core does not heed."""
+    optimisation, which the core in-process does not heed."""
     real = os.path.realpath(program)
     status = os.stat(real)
     arguments = [word for word in command[1:] if not word.startswith("-O")]

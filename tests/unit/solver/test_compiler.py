@@ -85,14 +85,15 @@ def test_a_processor_named_in_cc_takes_the_place_of_the_one_at_hand(
 
 
 @on_posix
-def test_a_level_in_cc_is_that_of_generated_laws(empty_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_level_in_cc_is_that_of_generated_laws_and_fmus(empty_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _program(empty_path / "cc", f"echo > probe{SHARED_SUFFIX}")
     plain = find_compiler()
     monkeypatch.setenv("CC", "cc -O0")
     named = find_compiler()
     assert not [flag for flag in plain.generated_flags if flag.startswith("-O")]
     assert named.generated_flags == (*plain.generated_flags, "-O0") and named.native == plain.native
-    assert named.identity == plain.identity  # the core is the same
+    assert named.level == ("-O0",) and plain.level == ()
+    assert named.identity == plain.identity  # the core in-process is the same
 
 
 @on_posix
