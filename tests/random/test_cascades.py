@@ -29,7 +29,7 @@ def train():
 
 @pytest.mark.parametrize("order", [0, 2, 5])
 @pytest.mark.parametrize("changed", [{}, {"friction": 1.7}, {"stiffness": 30.0}])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_flights_and_a_slip_that_end_at_once_do_so_in_any_order(train, order, changed):
     parameters = {f"shaft1.hysteresis.{name}": value for name, value in changed.items()}
     model = gb.build(build(train, gb, Random(order)))

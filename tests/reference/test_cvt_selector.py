@@ -111,7 +111,7 @@ def _peaks(delta, strategy):
     ("delta", "strategy", "data", "own"),
     [
         pytest.param(60, "blend", "cvt_60_clutches", 0.373445, marks=pytest.mark.long),
-        (120, "dog_end", "cvt_120_dogs", 0.386522),
+        pytest.param(120, "dog_end", "cvt_120_dogs", 0.386522, marks=pytest.mark.long),
     ],
 )
 def test_the_peaks_are_those_of_the_reference_at_its_samples(delta, strategy, data, own):

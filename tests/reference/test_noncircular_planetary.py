@@ -133,6 +133,7 @@ RUNS = {
 }  # fmt: skip
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("path", "value"), [_label(p, v, long=RUNS[p, v] == "chaotic") for p, v in RUNS])
 def test_the_nine_runs_of_set_m1_have_the_labels_of_the_page(path, value):
     found = train.regime(path, value)

@@ -66,7 +66,11 @@ def test_the_points_of_the_periodic_orbit_are_those_of_the_reference(model, rpm)
         assert np.abs(point - true[(first + n) % len(true)]).max() < 1e-8
 
 
-@pytest.mark.parametrize(("rpm", "label"), [(300, "period 1"), (348, "period 2"), (360, "period 5"), (1080, "chaotic")])
+@pytest.mark.few(2)
+@pytest.mark.parametrize(
+    ("rpm", "label"),
+    [(300, "period 1"), (348, "period 2"), (360, "period 5"), pytest.param(1080, "chaotic", marks=pytest.mark.long)],
+)
 def test_set_s_answers_with_the_regimes_of_the_paper(model, rpm, label):
     found = gb.classify(model, gb.stroboscopic("speed"), parameters={"speed": gb.rpm(rpm)})
     assert found.settled and found.label == label, found.evidence

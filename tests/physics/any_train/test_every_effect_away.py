@@ -71,6 +71,7 @@ def test_every_effect_of_the_gearbox_and_of_the_axle_can_go():
         _leave_out(getattr(importlib.import_module(f"models.{module}"), function)(), Random(1))
 
 
+@pytest.mark.long
 def test_every_effect_of_the_spline_coupling_can_go():
     _leave_out(importlib.import_module("models.spline_coupling").build(), Random(2), most=8)
 

@@ -53,7 +53,7 @@ def test_impacts_that_drag_makes_lower_end_where_the_tolerance_tells_them_no_mor
     ("rtol", "start", "drag", "flanks"),
     [(1e-8, 3.0, DRAG, False), (1e-10, 3.0, DRAG, False), (1e-9, 9.0, DRAG, False), (1e-10, 3.0, DRAG, True)],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_impacts_that_are_too_many_end_where_their_energy_is_less_than_the_tolerance(rtol, start, drag, flanks):
     """v = LOAD / (2 rate N J) after N of them. From 1e5 on N rtol v0 may pass as rest, but no more than sqrt(rtol) v0, and
     a height of rtol times the largest angle: w0/a - push/a^2 ln(1 + a w0/push) with a = D/J, or the gap."""

@@ -64,7 +64,7 @@ def _rig(rest, ratio, w):
 @pytest.mark.parametrize(
     ("ratio", "w"), [(31 / 23, 1.49), pytest.param(2.0, -0.37, marks=pytest.mark.long), (1.0, 7.3)]
 )
-@pytest.mark.few(5)
+@pytest.mark.few(3)
 def test_what_nothing_reaches_stays_on_its_corner(rest, ratio, w, method):
     meets = 0.002 / (0.1 * round(23 * ratio) / 23 * abs(w))
     rig = _rig(rest, ratio, w)

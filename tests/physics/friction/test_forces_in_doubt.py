@@ -43,6 +43,7 @@ def shift():
     return gb.build(rig)
 
 
+@pytest.mark.long
 def test_a_brake_that_fades_behind_meshes_lets_go_at_any_tolerance():
     model = shift()
     wanted = ("sun.w", "ring.w", "carrier.w")

@@ -122,6 +122,7 @@ def test_a_clutch_between_two_shafts_without_inertia_is_the_limit_of_two_inertia
 # -- springs that friction alone loads --------------------------------------------------------------------------------
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("method", METHODS)
 def test_an_undamped_spring_keeps_the_twist_of_its_friction(method: str) -> None:
     """By hand: k z = F while it slides, so z stays; stuck, z' = w_other - w_one (the play operator)."""

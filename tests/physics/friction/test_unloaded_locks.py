@@ -131,7 +131,7 @@ def test_what_several_frictions_hold_stays_when_its_contact_opens(held, method, 
 )
 @pytest.mark.parametrize("ratio", [-1.0, 2.5])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
-@pytest.mark.few(5)
+@pytest.mark.few(3)
 def test_what_a_brake_leaves_for_the_gear_and_the_freewheel_behind_it_is_rounding(gear, ratio, method):
     rig = gb.Drivetrain("held")
     bodies = [rig.add(name, gb.Inertia(J=J)) for name, J in (("near", 0.2), ("middle", 0.366), ("far", 0.337))]
@@ -204,7 +204,7 @@ def test_a_contact_that_its_damping_eats_up_leaves_a_freewheel_nothing_but_round
     ],
 )
 @pytest.mark.parametrize("beside", ["nothing", "two locks"])
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 def test_the_same_while_a_mesh_rattles(beside, k, c, J, error, method):
     """Beside a body that two locks hold forces are sampled, else enclosed. Closed form: no force inside of the mesh changes
     the sum of momenta in parts of the radii."""

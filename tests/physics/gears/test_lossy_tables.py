@@ -42,7 +42,7 @@ def _acceleration(table, ratio, tau, load, w, inertia=J1):
 @pytest.mark.parametrize("table", [STEEP, THREE, LATE], ids=["steep", "three", "late"])
 @pytest.mark.parametrize("w0", [21.3, -21.3, 4.0, -0.7])
 @pytest.mark.parametrize(("ratio", "tau", "load"), [(-1.0, -2.4, 0.0), (0.25, 3.0, -1.0), (4.0, 0.0, 5.0)])
-@pytest.mark.few(9)
+@pytest.mark.few(4)
 def test_a_run_starts_with_the_losses_of_its_speed(table, w0, ratio, tau, load):
     run = gb.simulate(_train(table, ratio, tau, load, w0)[0], t_end=1e-3)
     assert run["one.alpha"][0] == pytest.approx(_acceleration(table, ratio, tau, load, w0), rel=1e-12)

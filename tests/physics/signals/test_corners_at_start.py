@@ -75,7 +75,7 @@ def _over_angle(push):
 @pytest.mark.parametrize("settings", SETTINGS, ids=str)
 @pytest.mark.parametrize("push", [0.5, -0.5])
 @pytest.mark.parametrize("law", _over_angle(1.0))
-@pytest.mark.few(15)
+@pytest.mark.few(6)
 def test_a_corner_over_an_angle_is_left_at_once_from_rest(law, push, settings):
     run = gb.simulate(_train(_over_angle(push)[law]), t_end=1.0, **settings)
     assert run["body.w"][-1] == pytest.approx(push, rel=10.0 * settings.get("rtol", 1e-6))

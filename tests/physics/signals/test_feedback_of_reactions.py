@@ -35,6 +35,7 @@ def _with_sum(path, middle, *, behind=None):
 # -- integrals that are known ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "middle",
     [
@@ -50,6 +51,7 @@ def test_the_integral_of_an_acceleration_is_the_speed(middle):
     assert run.energy.residual < 1e-9
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("path", "middle"),
     [

@@ -117,6 +117,7 @@ def test_so_does_what_carries_unloaded_branches(
         assert run[name] == pytest.approx(angle, rel=1e-12), name
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(("pull", "target", "gain"), [(2.05, 17.8, 0.023), (1.1, 11.3, 0.07), (4.7, 21.9, 0.0131)])
 @pytest.mark.parametrize("rtol", [1e-5, 1e-6, 1e-7, 1e-8])
 def test_a_command_that_is_rounding_alone_holds_nothing_up(

@@ -41,6 +41,7 @@ def at_random(eq, seed):
     return {x: sp.Float(drawn.uniform(0.5, 1.5)) for x in free}
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize(
     "effects",

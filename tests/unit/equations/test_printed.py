@@ -189,7 +189,7 @@ def test_the_mesh_force_of_the_readme_s_pair_fits_on_a_page():
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.long) if "chain" in n else n for n in MODELS])
-@pytest.mark.few(8)
+@pytest.mark.few(4)
 def test_all_models_are_shown_in_all_forms_with_distinct_names(name):
     eq = scripts.make(name).equations()
     document = eq.document()

@@ -244,7 +244,7 @@ def _checked(rig, places):
 
 
 @pytest.mark.parametrize("name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.long) for n in MODELS])
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 def test_what_stands_on_paper_is_what_runs(name):
     rig = scripts.make(name)
     relative = _checked(rig, 12 if rig.equations().switched_constraints else 2)

@@ -35,6 +35,7 @@ def test_the_stiff_shaft_of_a_chain_is_named_and_so_is_the_way_out(seed: int) ->
     assert without.modes[0].rate < 0.4 * highest
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(8))
 def test_a_stiff_shaft_limits_its_runs_too(seed: int) -> None:
     rig, stiff = _chain(seed)

@@ -31,6 +31,7 @@ def test_a_friction_table_that_a_run_leaves_is_named_once_with_how_far() -> None
     assert (row.times, row.first, row.high) == (1, 0.0, 8.0)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("table", "w0"), [
     (gb.Table([0, 1, 2], [0.5, 1.0, 1.0]), 8.0),
     (gb.Table([0, 1], [0.5, 1.0], extrapolate="linear"), 8.0),

@@ -30,6 +30,7 @@ def test_depth_is_the_longest_way_to_a_leaf():
     assert depth(cases(30)) > 30
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", [cases(600), nested(400), gb.maximum(0.0, nested(400)) * gb.sense("J.w")])
 @pytest.mark.parametrize("what", [gb.build, lambda train: train.equations(), lambda train: train.outputs()])
 def test_what_is_nested_too_deep_is_refused_by_name(law, what):

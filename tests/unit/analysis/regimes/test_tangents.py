@@ -66,6 +66,7 @@ def _lossy(drive: Any) -> gb.Drivetrain:
     return rig
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("made", [_corner, _impact, _clutch, _timed, _turns, _lossy])
 def test_tangents_are_what_differences_of_runs_come_to(made: Callable[[Any], gb.Drivetrain]) -> None:
     rig = made(gb.Parameter("drive", 1.0, "rad/s"))

@@ -74,6 +74,7 @@ FEEDBACKS = {
 }
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=pytest.mark.long) if name in ("speed", "angle", "force") else name for name in FEEDBACKS],
