@@ -1,6 +1,7 @@
 #include "gb_constraint_forces.h"
 #include "gb_constraint_state.h"
 #include "gb_constraints.h"
+#include "gb_force_split.h"
 #include "gb_loss.h"
 #include "gb_report.h"
 #include "gb_vector.h"
@@ -163,11 +164,61 @@ static int solve_with_peaks(gb_sim *sim) {
     return code;
 }
 
+/* The bounds of all candidates before any of them broke, in lo and hi; tie_of: ties of the losses among them. Returns
+ * how many these are. */
+static int bounds_before(gb_sim *sim, int *tie_of) {
+    struct gb_constraints *c = &sim->constraints;
+    int gears = 0;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        tie_of[i] = c->in[i] && sim->model->constraints[i].kind == GB_LOSS ? sim->model->constraints[i].partner : -1;
+        gears += tie_of[i] >= 0;
+        if (c->in[i] && tie_of[i] < 0) {
+            const int now = c->broken[i];
+            c->broken[i] = c->was_broken[i];
+            bounds_of(sim, i);
+            c->broken[i] = now;
+        }
+    }
+    return gears;
+}
+
+/* Slip accelerations of the candidates. A gear at rest that shares its load may hold it by more force on its tie than
+ * the complementarity problem has found: what can rest does, beside what slips in any case. */
+static void slips_of_candidates(gb_sim *sim, double *slip) {
+    struct gb_constraints *c = &sim->constraints;
+    const int n = sim->model->n_constraints;
+    int tie_of[n + 1], slips = 0, with = 0, alone = 0;
+    double force[n + 1], rest[n + 1], size;
+    for (int i = 0; i < n; i++) {
+        slip[i] = c->in[i] ? candidate_slip(sim, i) : 0.0;
+        slips += slip[i] != 0.0;
+    }
+    if (slips == 0 || bounds_before(sim, tie_of) == 0) {
+        return;
+    }
+    const gb_lcp problem = {gb_delassus_of(sim), c->in, NULL, c->room};
+    const gb_force_bounds bounds = {c->lo, c->hi, c->bounds, tie_of, c->shrink};
+    memcpy(force, c->force, sizeof(double) * (size_t)n);
+    gb_split_at_rest(&problem, c->right, &bounds, c->force);
+    for (int i = 0; i < n; i++) {
+        const double w = c->in[i] ? gb_slip_acceleration(sim, i, &size) : 0.0;
+        rest[i] = c->in[i] && fabs(w) > gb_acceleration_rounding(sim, i, size) ? w : 0.0;
+        with += rest[i] != 0.0 && slip[i] != 0.0;
+        alone += rest[i] != 0.0 && slip[i] == 0.0;
+    }
+    for (int i = 0; i < n; i++) {
+        c->force[i] = alone == 0 ? c->force[i] : force[i];
+        c->broken[i] = alone + with == 0 ? c->was_broken[i] : c->broken[i];
+        slip[i] = alone == 0 && rest[i] == 0.0 ? 0.0 : slip[i];
+    }
+}
+
 /* The candidates whose slip no force within their bounds keeps at zero slide from here; returns how many. */
 static int decide(gb_sim *sim, int *code) {
     const gb_model *model = sim->model;
     struct gb_constraints *c = &sim->constraints;
     const int n = model->n_constraints;
+    double slip[n + 1];
     int lost = 0;
     for (int i = 0; i < n; i++) {
         if (c->decision[i] == GB_CANDIDATE && cannot_hold(sim, i)) {
@@ -179,10 +230,12 @@ static int decide(gb_sim *sim, int *code) {
         c->right[i] = c->free_acceleration[i];
     }
     *code = solve_with_peaks(sim);
+    if (*code == GB_DONE) {
+        slips_of_candidates(sim, slip);
+    }
     for (int i = 0; i < n && *code == GB_DONE; i++) {
-        const double w = c->in[i] ? candidate_slip(sim, i) : 0.0;
-        if (w != 0.0) {
-            slide(sim, i, w);
+        if (slip[i] != 0.0) {
+            slide(sim, i, slip[i]);
             c->shrink[i] = 0.0;
             lost++;
         }

@@ -1,8 +1,12 @@
 #include "gb_force_split.h"
 
-/* A split with lossy gears along their sides forward and backward, two numbers each. is_own: the motion tells it. */
+/* Most combinations of sides that are looked at for a split. */
+enum { GB_SPLITS = 625 };
+
+/* A split with lossy gears along their sides forward and backward, two numbers each. is_own: the motion tells it.
+ * associated: one within the bounds, those of these sides among them, wherever there is one. */
 static void gb_split_once(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
-                          const int *sides, double *x) {
+                          const int *sides, int associated, double *x) {
     const int n = problem->A.n;
     double lo[n + 1], hi[n + 1], lo_slope[n + 1], hi_slope[n + 1];
     int on[n + 1];
@@ -13,17 +17,27 @@ static void gb_split_once(const gb_lcp *problem, const int *is_own, const double
         if (problem->in[i] && gb_split_is_loss(bounds, i) && !is_own[i]) {
             const gb_loss_line forward = gb_loss_on_side(bounds->losses + 5 * (long)i, sides[2 * i]),
                                backward = gb_loss_on_side(bounds->losses + 5 * (long)i, sides[2 * i + 1]);
+            const double keep = bounds->shrink ? 1.0 - bounds->shrink[i] : 1.0;
             on[i] = bounds->tie_of[i];
-            lo[i] = -forward.fixed;
-            lo_slope[i] = -forward.slope;
-            hi[i] = backward.fixed;
-            hi_slope[i] = -backward.slope;
+            lo[i] = -keep * forward.fixed;
+            lo_slope[i] = -keep * forward.slope;
+            hi[i] = keep * backward.fixed;
+            hi_slope[i] = -keep * backward.slope;
+            if (associated && !is_own[on[i]]) {
+                gb_loss_range(bounds->losses + 5 * (long)i, sides[2 * i], sides[2 * i + 1], lo + on[i], hi + on[i]);
+            }
         }
     }
-    const gb_coupled_bounds coupled = {on, lo_slope, hi_slope};
+    const gb_coupled_bounds coupled = {on, lo_slope, hi_slope, associated};
     gb_lcp once = *problem;
     once.coupled = bounds->tie_of ? &coupled : NULL;
     gb_lcp_solve(&once, b, lo, hi, x);
+}
+
+/* Sides of the loss i for a force of its tie. */
+static void gb_split_sides_of(const gb_force_bounds *bounds, int i, double tie, int *sides) {
+    sides[2 * i] = gb_loss_side(bounds->losses + 5 * (long)i, tie);
+    sides[2 * i + 1] = gb_loss_side(bounds->losses + 5 * (long)i, -tie);
 }
 
 /* The same, with the sides of the forces that come out: Newton steps, all lossy gears at once, later one alone. Where
@@ -33,13 +47,11 @@ static void gb_split_by_sides(const gb_lcp *problem, const int *is_own, const do
     const int n = problem->A.n;
     int sides[2 * n + 1], wrong = 1;
     for (int i = 0; i < n && bounds->tie_of; i++) {
-        const double tie = gb_split_is_loss(bounds, i) ? force[bounds->tie_of[i]] : 0.0;
-        sides[2 * i] = gb_loss_side(bounds->losses + 5 * (long)i, tie);
-        sides[2 * i + 1] = gb_loss_side(bounds->losses + 5 * (long)i, -tie);
+        gb_split_sides_of(bounds, i, gb_split_is_loss(bounds, i) ? force[bounds->tie_of[i]] : 0.0, sides);
     }
     for (int round = 0; wrong && round < 4 + n; round++) {
         double largest = 0.0;
-        gb_split_once(problem, is_own, b, bounds, sides, x);
+        gb_split_once(problem, is_own, b, bounds, sides, 0, x);
         for (int i = 0; i < n; i++) {
             largest = fmax(largest, fabs(x[i]));
         }
@@ -48,36 +60,90 @@ static void gb_split_by_sides(const gb_lcp *problem, const int *is_own, const do
             const double *of = bounds->losses + 5 * (long)i;
             if (problem->in[i] && gb_split_is_loss(bounds, i) && !is_own[i] && !is_own[bounds->tie_of[i]] &&
                 !gb_loss_agrees(of, sides[2 * i], sides[2 * i + 1], x[bounds->tie_of[i]], x[i], 1e-12 * largest)) {
-                sides[2 * i] = gb_loss_side(of, x[bounds->tie_of[i]]);
-                sides[2 * i + 1] = gb_loss_side(of, -x[bounds->tie_of[i]]);
+                gb_split_sides_of(bounds, i, x[bounds->tie_of[i]], sides);
                 wrong = 1;
             }
         }
     }
 }
 
+/* By how much the split x leaves slip accelerations that the forces do not have, < 0: by rounding. */
+static double gb_split_left(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
+                            const double *x) {
+    const int n = problem->A.n, *is_active = problem->in;
+    double worst = 0.0, size = 0.0;
+    for (int i = 0; i < n; i++) {
+        double terms = fabs(b[i]);
+        const double left = is_active[i] ? b[i] + gb_delassus_product(&problem->A, i, x, &terms) : 0.0;
+        worst = fmax(worst, is_own[i] ? 0.0 : fabs(left));
+        size = is_active[i] ? fmax(size, terms) : size;
+        if (is_active[i] && !is_own[i] && fabs(bounds->upper[i]) < HUGE_VAL) { /* what nothing loads has this scale */
+            size = fmax(size, fabs(gb_delassus_diagonal(&problem->A, i) * bounds->upper[i]));
+        }
+    }
+    return worst - (bounds->tie_of ? 1e-11 : 1e-11) * size - DBL_MIN; /* coupled bounds keep what is lifted */
+}
+
+/* Where bounds grow with forces the complementarity problem of a split can have a solution that slips beside those that
+ * hold: a clutch takes off a gear what would let it hold more. With every combination of sides of the gears at rest
+ * whose forces of ties the motion does not tell, the split that leaves least, into x where it leaves less than `left`;
+ * returns what is left. */
+static double gb_split_of_any_sides(const gb_lcp *problem, const int *is_own, const double *b,
+                                    const gb_force_bounds *bounds, const double *force, double left, double *x) {
+    const int n = problem->A.n;
+    int sides[2 * n + 1], option[n + 1], more = 1;
+    double other[n + 1];
+    memset(option, 0, sizeof option);
+    for (int count = 0; more && left > 0.0 && count < GB_SPLITS; count++) {
+        more = 0;
+        for (int i = 0; i < n; i++) {
+            if (!problem->in[i] || !gb_split_is_loss(bounds, i) || is_own[i]) {
+                continue;
+            }
+            if (is_own[bounds->tie_of[i]]) {
+                gb_split_sides_of(bounds, i, force[bounds->tie_of[i]], sides);
+                continue;
+            }
+            gb_loss_option(option[i], sides + 2 * i);
+            if (!more) { /* the next combination, of which this one is the digit that counts on */
+                option[i] = (option[i] + 1) % gb_loss_options(bounds->losses + 5 * (long)i);
+                more = option[i] != 0;
+            }
+        }
+        gb_split_once(problem, is_own, b, bounds, sides, 1, other);
+        const double now = gb_split_left(problem, is_own, b, bounds, other);
+        if (now < left) {
+            left = now;
+            memcpy(x, other, sizeof(double) * (size_t)n);
+        }
+    }
+    return left;
+}
+
+int gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_bounds *bounds, double *force) {
+    const int n = problem->A.n;
+    int is_own[n + 1];
+    memset(is_own, 0, sizeof is_own);
+    return gb_split_of_any_sides(problem, is_own, b, bounds, force, HUGE_VAL, force) <= 0.0;
+}
+
 void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, const gb_force_bounds *bounds,
               double *force, double *violation) {
     const int n = W->n;
     const gb_lcp problem = {*W, is_active, NULL, a->room};
-    double b[n + 1], x[n + 1], worst = 0.0, size = 0.0, ignored = 0.0;
+    double b[n + 1], x[n + 1], ignored = 0.0;
     int is_own[n + 1];
     for (int i = 0; i < n; i++) {
         is_own[i] = a->redundant[i] == 0.0;
         b[i] = is_active[i] ? -gb_delassus_product(W, i, force, &ignored) : 0.0;
     }
     gb_split_by_sides(&problem, is_own, b, bounds, force, x);
-    for (int i = 0; i < n; i++) {
-        double terms = fabs(b[i]);
-        const double left = is_active[i] ? b[i] + gb_delassus_product(W, i, x, &terms) : 0.0;
-        worst = fmax(worst, is_own[i] ? 0.0 : fabs(left));
-        size = is_active[i] ? fmax(size, terms) : size;
-        if (is_active[i] && !is_own[i] && fabs(bounds->upper[i]) < HUGE_VAL) { /* what nothing loads has this scale */
-            size = fmax(size, fabs(gb_delassus_diagonal(W, i) * bounds->upper[i]));
-        }
+    double left = gb_split_left(&problem, is_own, b, bounds, x);
+    if (left > 0.0 && bounds->tie_of) {
+        left = gb_split_of_any_sides(&problem, is_own, b, bounds, force, left, x);
     }
-    for (int i = 0; i < n; i++) { /* coupled bounds keep what is lifted */
+    for (int i = 0; i < n; i++) {
         force[i] = is_active[i] ? x[i] : force[i];
-        violation[i] = worst - (bounds->tie_of ? 1e-8 : 1e-11) * size - DBL_MIN;
+        violation[i] = left;
     }
 }

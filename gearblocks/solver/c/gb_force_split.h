@@ -9,10 +9,11 @@
 #include "gb_loss.h"
 
 /* tie_of: of the loss of a lossy gear its tie, -1 for all others (NULL: there is none); its losses are five numbers
- * further each. */
+ * further each, of which the part `shrink` is taken off (NULL: nothing). */
 typedef struct gb_force_bounds {
     const double *lower, *upper, *losses;
     const int *tie_of;
+    const double *shrink;
 } gb_force_bounds;
 
 static inline int gb_split_is_loss(const gb_force_bounds *bounds, int i) {
@@ -23,6 +24,11 @@ static inline int gb_split_is_loss(const gb_force_bounds *bounds, int i) {
  * bounds. */
 void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, const gb_force_bounds *bounds,
               double *force, double *violation);
+
+/* Forces within the bounds with which all that take part rest, b: their slip accelerations without forces. With lossy
+ * gears; what the complementarity problem finds may slip although there are such forces. 0: there are none, and `force`
+ * is what leaves least. */
+int gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_bounds *bounds, double *force);
 
 /* By how much the force of each active constraint exceeds its bounds, < 0 inside; -1 for all others. */
 static inline void gb_split_forces(const gb_delassus *W, gb_active_set *a, const int *is_active,

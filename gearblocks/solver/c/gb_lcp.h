@@ -2,7 +2,8 @@
  *     y_i >= 0 where x_i = lo_i,   y_i <= 0 where x_i = hi_i,   y_i = 0 between.
  * A: principal minors positive (symmetric positive definite: one solution), or positive semidefinite where rows are
  * redundant: y is still unique, of the x about the smallest is taken. Bounds may grow with another unknown that has
- * none (friction in proportion to a force); A with such columns may have no solution, or several. Method: block
+ * none (friction in proportion to a force); A with such columns may have no solution, or several. Associated: y is the
+ * gradient of x'A x/2 + b'x, least within these bounds, so that y = 0 where any x within them has it. Method: block
  * principal pivoting with a least index rule as a way out of cycles (Judice and Pires 1994); for a singular A proximal
  * steps,  (A + e I) x+ + b - e x  in place of  A x + b  (Rockafellar 1976). And  A x = b  by Gauss-Jordan elimination
  * with row exchanges. A in either form of gb_delassus.h; of its unknowns those take part that are marked, the others
@@ -53,10 +54,12 @@ static inline int gb_gauss_jordan(int n, int stride, double *A, int n_right, dou
 }
 
 /* Bounds that grow with another unknown: lo[i] x_p is added to the lower one, hi[i] x_p to the upper one, p = on[i]
- * (-1: they do not). NULL: none does. */
+ * (-1: they do not). NULL: none does. associated: at such a bound y_i pushes x_p too, by the slope of it, and x_p may
+ * have bounds of its own. */
 typedef struct gb_coupled_bounds {
     const int *on;
     const double *lo, *hi;
+    int associated;
 } gb_coupled_bounds;
 
 /* By how much the lower (side < 0) or upper bound of unknown i grows with another one. */
@@ -79,13 +82,35 @@ typedef struct gb_lcp {
     double *room;
 } gb_lcp;
 
-/* The matrix of the unknowns inside their bounds, numbered by inside[], and the solution with row exchanges: what
- * bounds of others take of them comes on top. */
+/* Unknown j is at a bound that pushes unknown i. */
+static inline int gb_lcp_pushes(const gb_lcp *lcp, const int *side, int j, int i) {
+    return lcp->coupled && lcp->coupled->associated && lcp->in[j] && side[j] && lcp->coupled->on[j] == i;
+}
+
+/* Adds the row of unknown i, times a factor, to one over the unknowns inside their bounds, by position[]: what bounds
+ * of others take of them comes on top. */
+static inline void gb_lcp_add_row(const gb_lcp *lcp, int i, double factor, double lift, const int *side,
+                                  const int *position, double *row) {
+    int column[lcp->A.n + 1];
+    double value[lcp->A.n + 1];
+    const int count = gb_delassus_row(&lcp->A, i, column, value);
+    for (int k = 0; k < count; k++) {
+        const int j = column[k], on = lcp->coupled ? lcp->coupled->on[j] : -1;
+        const double a = factor * (value[k] + (j == i ? lift : 0.0));
+        if (lcp->in[j] && !side[j]) {
+            row[position[j]] += a;
+        } else if (lcp->in[j] && on >= 0 && position[on] >= 0) {
+            row[position[on]] += a * gb_lcp_slope(lcp->coupled, j, side[j]);
+        }
+    }
+}
+
+/* The matrix of the unknowns inside their bounds, numbered by inside[], and the solution with row exchanges. */
 static inline void gb_lcp_dense(const gb_lcp *lcp, double lift, const int *side, int free, const int *inside,
                                 double *x) {
     const int n = lcp->A.n;
-    int column[n + 1], position[n + 1];
-    double value[n + 1], right[n + 1];
+    int position[n + 1];
+    double right[n + 1];
     memset(lcp->room, 0, sizeof(double) * (size_t)free * (size_t)free);
     for (int i = 0; i < n; i++) {
         position[i] = -1;
@@ -94,19 +119,14 @@ static inline void gb_lcp_dense(const gb_lcp *lcp, double lift, const int *side,
         position[inside[p]] = p;
     }
     for (int p = 0; p < free; p++) {
-        const int count = gb_delassus_row(&lcp->A, inside[p], column, value);
         double *row = lcp->room + (long)p * free;
         right[p] = x[inside[p]];
-        row[p] += lift;
-        for (int k = 0; k < count; k++) {
-            const int j = column[k];
-            if (!lcp->in[j]) {
-                continue;
-            }
-            if (!side[j]) {
-                row[position[j]] += value[k];
-            } else if (lcp->coupled && lcp->coupled->on[j] >= 0 && position[lcp->coupled->on[j]] >= 0) {
-                row[position[lcp->coupled->on[j]]] += value[k] * gb_lcp_slope(lcp->coupled, j, side[j]);
+        gb_lcp_add_row(lcp, inside[p], 1.0, lift, side, position, row);
+        for (int j = 0; j < n; j++) {
+            if (gb_lcp_pushes(lcp, side, j, inside[p])) {
+                const double slope = gb_lcp_slope(lcp->coupled, j, side[j]);
+                gb_lcp_add_row(lcp, j, slope, lift, side, position, row);
+                right[p] += slope * x[j];
             }
         }
     }
@@ -129,7 +149,9 @@ static inline void gb_lcp_inside(const gb_lcp *lcp, double lift, const double *b
         }
     }
     for (int i = 0; i < n; i++) {
-        right[i] = is_inside[i] ? -b[i] - gb_delassus_product(&lcp->A, i, x, &size) : 0.0;
+        const int pushes = lcp->coupled && gb_lcp_pushes(lcp, side, i, lcp->coupled->on[i]);
+        right[i] = is_inside[i] || pushes ? -b[i] - gb_delassus_product(&lcp->A, i, x, &size) : 0.0;
+        right[i] -= pushes ? lift * x[i] : 0.0;
     }
     if (lcp->A.pattern) {
         gb_delassus_factor(&lcp->A, is_inside, lift, lcp->room);
@@ -141,7 +163,8 @@ static inline void gb_lcp_inside(const gb_lcp *lcp, double lift, const double *b
         x[i] = is_inside[i] ? right[i] : x[i];
     }
     for (int j = 0; j < n && lcp->coupled; j++) {
-        x[j] += lcp->in[j] && side[j] ? gb_lcp_shift(lcp->coupled, j, side[j], x) : 0.0;
+        const int moves = lcp->in[j] && side[j] && lcp->coupled->on[j] >= 0 && !side[lcp->coupled->on[j]];
+        x[j] += moves ? gb_lcp_shift(lcp->coupled, j, side[j], x) : 0.0;
     }
 }
 
@@ -179,7 +202,12 @@ static inline int gb_lcp_misplaced(const gb_lcp *lcp, double lift, const double 
                          most = hi[i] + gb_lcp_shift(lcp->coupled, i, 1, x);
             want[i] = x[i] < least ? -1 : x[i] > most;
         } else {
-            const double y = gb_lcp_left(lcp, lift, b, x, largest, i);
+            double y = gb_lcp_left(lcp, lift, b, x, largest, i);
+            for (int j = 0; j < n && lcp->coupled && lcp->coupled->associated; j++) {
+                y += gb_lcp_pushes(lcp, side, j, i)
+                         ? gb_lcp_slope(lcp->coupled, j, side[j]) * gb_lcp_left(lcp, lift, b, x, largest, j)
+                         : 0.0;
+            }
             want[i] = (side[i] < 0 ? y < 0.0 : y > 0.0) ? 0 : side[i];
         }
         if (want[i] != side[i]) {
@@ -201,6 +229,10 @@ static inline int gb_lcp_pivoting(const gb_lcp *lcp, double lift, const double *
         int last = -1;
         for (int i = 0; i < n; i++) {
             x[i] = !lcp->in[i] || side[i] == 0 ? 0.0 : side[i] < 0 ? lo[i] : hi[i];
+        }
+        for (int i = 0; i < n && lcp->coupled; i++) {
+            const int with = lcp->in[i] && side[i] && lcp->coupled->on[i] >= 0 && side[lcp->coupled->on[i]];
+            x[i] += with ? gb_lcp_shift(lcp->coupled, i, side[i], x) : 0.0;
         }
         gb_lcp_inside(lcp, lift, b, side, x);
         const int bad = gb_lcp_misplaced(lcp, lift, b, lo, hi, x, side, want, &last);

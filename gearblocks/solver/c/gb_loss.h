@@ -66,4 +66,33 @@ static inline int gb_loss_agrees(const double *losses, int forward, int backward
     return force > least && force < most && gb_loss_excess(losses, tie, force) <= 0.0;
 }
 
+/* Sides forward and backward of a gear at rest, by the force that leaves it: above all rests, below, between; between
+ * the rests where nothing enters. So many of these options there are. */
+enum { GB_LOSS_OPTIONS = 5 };
+
+static inline void gb_loss_option(int option, int *sides) {
+    static const int all[GB_LOSS_OPTIONS][2] = {{1, -1}, {-1, 1}, {1, 1}, {1, 0}, {0, 1}};
+    sides[0] = all[option][0];
+    sides[1] = all[option][1];
+}
+
+static inline int gb_loss_options(const double *losses) {
+    return losses[1] < losses[3] ? 5 : losses[1] > 0.0 ? 3 : 2;
+}
+
+/* The forces of the tie for which a gear at rest has these sides; from a range that is wider. */
+static inline void gb_loss_range(const double *losses, int forward, int backward, double *least, double *most) {
+    const double driving = losses[1], driven = fmax(losses[1], losses[3]);
+    *least = forward == 1   ? (backward == 1   ? -driving
+                               : backward == 0 ? driving
+                                               : driven)
+             : forward == 0 ? -driven
+                            : *least;
+    *most = backward == 1   ? (forward == 1   ? driving
+                               : forward == 0 ? -driving
+                                              : -driven)
+            : backward == 0 ? driven
+                            : *most;
+}
+
 #endif

@@ -13,11 +13,6 @@ enum { STEPS = 60, PATIENCE = 3, COMBINATIONS = 20000 };
 enum { LOOKS = 729 };
 static const double OTHER = 1e-6;
 
-/* Sides forward and backward of a gear at rest, by the force that leaves it: above all rests, below, between; between
- * the rests where nothing enters. */
-enum { OPTIONS = 5 };
-static const int sides[OPTIONS][2] = {{1, -1}, {-1, 1}, {1, 1}, {1, 0}, {0, 1}};
-
 static const double *losses_of(const gb_sim *sim, int i) {
     return sim->constraints.bounds + 5 * i;
 }
@@ -135,9 +130,11 @@ static void forgive(gb_sim *sim) {
 
 static void take_option(gb_sim *sim, int i, int option) {
     const int rests = sim->lossy.base_decision[i] == GB_CANDIDATE, slides = option == 0 ? 1 : option == 1 ? -1 : 0;
+    int sides[2];
+    gb_loss_option(option, sides);
     sim->lossy.option[i] = option;
-    sim->lossy.forward[i] = rests ? sides[option][0] : slides;
-    sim->lossy.backward[i] = rests ? sides[option][1] : slides;
+    sim->lossy.forward[i] = rests ? sides[0] : slides;
+    sim->lossy.backward[i] = rests ? sides[1] : slides;
 }
 
 /* The next combination of sides that can be; 0: there is none. */
@@ -148,7 +145,7 @@ static int next_combination(gb_sim *sim) {
         }
         const double *losses = losses_of(sim, i);
         const int gap = losses[1] < losses[3], rests = sim->lossy.base_decision[i] == GB_CANDIDATE;
-        const int count = rests ? (gap ? 5 : losses[1] > 0.0 ? 3 : 2) : (gap ? 3 : 2);
+        const int count = rests ? gb_loss_options(losses) : (gap ? 3 : 2);
         take_option(sim, i, (sim->lossy.option[i] + 1) % count);
         if (sim->lossy.option[i] != 0) {
             return 1;
