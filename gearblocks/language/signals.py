@@ -304,11 +304,11 @@ class Table(_Leaf):
 
     def values(self, x: ArrayLike) -> NDArray[np.float64]:
         """y at the quantities x, shape of x, as a run reads the table."""
-        if self.extrapolate != "hold" and not self.jumps:
-            return self.reached.values(x)
         known, y, x = np.asarray(self.x), np.asarray(self.y), np.asarray(x, dtype=float)
         span = known[-1] - known[0]
-        at = known[0] + np.mod(x - known[0], span) if self.periodic else np.clip(x, known[0], known[-1])
+        at = known[0] + np.mod(x - known[0], span) if self.periodic else x
+        if self.extrapolate == "hold":
+            at = np.clip(at, known[0], known[-1])
         i = np.clip(np.searchsorted(known, at, side="right") - 1, 0, len(known) - 2)
         if self.jumps:
             return self.continuous.values(x) + sum(size * (x >= where) for where, size in self.jumps)

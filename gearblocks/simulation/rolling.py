@@ -3,7 +3,7 @@
     speeds   rate of every deflection = 0, slip of every lossy tie = 0, v = named; then, as far as these leave it free, slip = 0
              of what is engaged, the strongest first; v = given by bodies; slip = 0 elsewhere; then min v' M v (Kelvin: set
              going by impacts on the given bodies alone)
-    angles   deflection = 0, phi = given; lossy ties as far as these leave them free; what is free starts at 0
+    angles   deflection = 0, phi = given; lossy ties as far as these leave them free; then the first free body at 0
 
 Answers a parameter vector, in which the start values are these. Knows nothing of runs.
 """
@@ -262,6 +262,9 @@ def _angles(program: Program, vector: Array, given: _Given, point: Point) -> lis
     _give_own(solving, own, named, names)
     for row in _ties(point):
         solving.take(row, 0.0)
+    for row in program.bodies:
+        if not any(program.groups[g].varying for g in row.groups):
+            solving.motion.take(solving.factors(row), -_constant(row, vector))
     return solving.values()
 
 

@@ -112,6 +112,8 @@ def test_laws_that_drive_or_have_no_value_are_named(tmp_path: Path) -> None:
 def test_a_table_goes_on_as_its_last_line_does() -> None:
     """Modelica's LastTwoPoints: [0, 0.5; 1, 1] at 10 rad/s is 5.5, not 1."""
     on, held = (gb.Table([0.0, 1.0], [0.5, 1.0], extrapolate=way) for way in ("linear", "hold"))
+    steep = gb.Table([0.1, 1.0, 2.0], [0.3, 1.0, 4.0], extrapolate="linear")
+    assert steep.values([0.0, -1.0]) == pytest.approx([0.3 - 0.07 / 0.9, 0.3 - 0.77 / 0.9], rel=1e-14)
     assert on.values([-2.0, 0.5, 10.0]) == pytest.approx([-0.5, 0.75, 5.5], rel=1e-13) and held.values(10.0) == 1.0
     stop, turned = _stops_at(lambda w: 0.5 + 0.5 * w)
     run = gb.simulate(_coasting(gb.BearingFriction(torque=on)), t=[0.0, 2 * stop], rtol=1e-11, method="dp8")

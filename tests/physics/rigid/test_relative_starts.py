@@ -116,3 +116,13 @@ def test_what_nothing_open_gives_is_said() -> None:
         gb.build(driven)
     with pytest.raises(gb.ParameterError, match="left gives a start acceleration, which a train that rolls"):
         gb.simulate(_three({"alpha0": 5.0}), t_end=1.0, initial="rolling")
+
+
+def test_a_start_acceleration_moves_its_body_alone() -> None:
+    """Its neighbours stay at 0, the springs beside it are twisted: phi = -J alpha/(k1 + k2)."""
+    rig = _three().set({"lash": gb.Shaft(k=80.0), "wheel.alpha0": 6.0})
+    rig.connect(rig.add("wire", gb.Shaft(k=200.0)).a, rig["right"].b)
+    rig.connect(rig["wire"].b, rig.add("ground", gb.Fixed()).flange)
+    found = _start(rig, "left.phi", "wheel.phi", "right.phi", "wheel.alpha")
+    J, k = 0.3 + 4 * 0.2, 80.0 + 4 * 50.0  # on the shaft of the wheel
+    assert found == pytest.approx([0.0, -J * 6.0 / k, 0.0, 6.0], rel=1e-8, abs=1e-12)

@@ -221,3 +221,13 @@ def test_starts_that_nothing_gives_are_listed() -> None:
     # both discs by themselves: torque v sqrt(k J1 J2/(J1 + J2))
     blow = SPEED * np.sqrt(2e4 * 0.02 * 2e-4 / 0.0202)
     assert told[1].startswith(f"a blow of {blow:.3g} N m on 'front' at the start")
+
+
+def test_the_first_body_of_a_free_train_begins_at_the_angle_zero() -> None:
+    """Where no angle is given: the others are turned by the rests of the shafts between."""
+    rig = gb.Drivetrain("free")
+    one, two, three = (rig.add(name, gb.Inertia(J=J)) for name, J in (("one", 0.2), ("two", 0.9), ("three", 2.7)))
+    rig.chain(two, rig.add("right", gb.Shaft(k=30.0, rest=0.2)), three)
+    rig.chain(one, rig.add("left", gb.Shaft(k=60.0, rest=0.05)), two)
+    run = gb.simulate(rig, t_end=1e-6, initial=gb.rolling({"two.w": 3.0}))
+    assert [run[f"{n}.phi"][0] for n in ("one", "two", "three")] == pytest.approx([0.0, 0.05, 0.25], abs=1e-15)

@@ -68,6 +68,20 @@ def test_the_integral_of_a_torque_is_the_momentum_behind_it(path, middle):
     assert np.allclose(run["sum.y"], 1.0 * run["two.w"], rtol=0, atol=2e-8)
 
 
+def test_the_torques_at_both_ends_of_a_body_take_away_its_momentum():
+    """tau: what the body does to its flanges; of a vehicle at its one."""
+    rig = _with_sum("two.alpha", gb.Shaft(k=50.0, c=0.1))
+    car = rig.add("car", gb.Vehicle(mass=2.0, wheel_radius=0.5))
+    rig.connect(rig["two"].b, rig.add("axle", gb.Shaft(k=80.0)).a)
+    rig.connect(rig["axle"].b, car.flange)
+    rig.add("both", Sum(u=gb.sense("two.a.tau") + gb.sense("two.b.tau")))
+    rig.add("wheels", Sum(u=gb.sense("car.flange.tau")))
+    run = gb.simulate(rig, t_end=3.0, rtol=1e-10)
+    assert abs(run["two.w"]).max() > 1.0 and abs(run["car.flange.w"]).max() > 1.0
+    assert np.allclose(run["both.y"], -1.0 * run["two.w"], rtol=0, atol=2e-8)
+    assert np.allclose(run["wheels.y"], -2.0 * 0.25 * run["car.flange.w"], rtol=0, atol=2e-8)
+
+
 @pytest.mark.parametrize("middle", [gb.Shaft(k=50.0, c=0.1), gb.Shaft(rigid=True), gb.Clutch(capacity=3.0)])
 def test_the_integral_of_a_power_is_the_energy_behind_it(middle):
     run = gb.simulate(_with_sum("middle.b.power", middle), t_end=3.0, rtol=1e-10)

@@ -55,7 +55,8 @@ def _of_power(g: Growth, bodies: list[str], springs: list[Any]) -> None:
     d, (name, _, _) = g.d, g.d.choice(springs)
     node = d.choice(bodies)
     size = pieces.torque_size(g, node)
-    power = sense(f"{name}.{d.choice(('a.power', 'loss_power'))}")
+    damped = next(p for p in g.parts if p.name == name).field("c") is not None
+    power = sense(f"{name}.{d.choice(('a.power', 'loss_power' if damped else 'a.power'))}")
     bound = call("tanh", digits(1.0 / (size * d.log(1.0, 30.0))) * power)
     if d.chance(0.5):
         pieces.torque(g, node, d.even(-1.0, 1.0) * size * bound)

@@ -7,6 +7,8 @@ from tests.random.draw import Growth, digits
 from tests.random.families import meshes, pieces
 from tests.random.families.lossy import lossy_gear
 
+RUBS = ("Clutch", "OneWayClutch", "Freewheel", "Brake", "BearingFriction")
+
 
 def starts(seed: int) -> Train:
     """A tree of two to six bodies behind shafts, gaps and gears, with one kind of start."""
@@ -31,6 +33,10 @@ def starts(seed: int) -> Train:
         if d.chance(0.4):
             named += ((f"{d.choice(bodies)}.phi", d.even(-1.0, 1.0)),)
         g.initial = named
+    if kind in ("rolling", "named") and not any(p.field("phi0") for p in g.parts):
+        joints = [[b for b in bodies if b in (n for _, n in p.at)] for p in g.parts if p.block in RUBS]
+        for body in (bodies[0], *(pair[1] for pair in joints if len(pair) == 2)):
+            _own(g, body, phi0=0.0)  # where every piece has an angle the order of parts does not count
     if kind in ("rolling", "named") and d.chance(0.4):
         pieces.dry(g, d.choice(bodies), GROUND, ("Brake", "BearingFriction"))
     pieces.torque(g, d.choice(bodies), smooth=kind == "acceleration")
