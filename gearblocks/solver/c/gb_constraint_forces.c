@@ -100,7 +100,7 @@ static int solve_within(gb_sim *sim, int without_peaks) {
             }
         }
     }
-    const gb_coupled_bounds growth = {c->on, c->lo_slope, c->hi_slope};
+    const gb_coupled_bounds growth = {c->on, c->lo_slope, c->hi_slope, 0};
     const int code = gb_solve_problem(sim, coupled);
     for (int i = 0; i < n && coupled && code == GB_DONE; i++) {
         if (c->in[i]) {
