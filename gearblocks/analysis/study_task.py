@@ -25,6 +25,7 @@ from gearblocks.language.starts import is_rolling, values_of
 from gearblocks.language.units import number_in_si, parse_unit
 from gearblocks.simulation.arguments import (
     begin_of,
+    check_jacobian,
     checked,
     is_static,
     method_options,
@@ -37,7 +38,7 @@ from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.cache import digest
 from gearblocks.solver.library import Model
-from gearblocks.solver.structures import Method, Options
+from gearblocks.solver.structures import Options
 
 Array = NDArray[np.float64]
 
@@ -88,10 +89,7 @@ def task_of(
     )  # fmt: skip
     with model.library.open() as sim:
         set_inputs(sim, program, task.inputs)
-        if options.method == Method.RODAS and not sim.has_jacobian:
-            raise ParameterError(
-                f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
-            )
+        check_jacobian(options, program, sim.has_jacobian)
     span = span_of(task, point_vector(task, points[0]))
     units = tuple(m.unit(span) if isinstance(m, Quantity) else "" for m in measures)
     widths = widths_of(task, points)

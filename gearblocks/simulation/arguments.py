@@ -104,6 +104,16 @@ def _checked_options(
     return (number, int(locate), rtol, step or 0.0, max_step or math.inf), why
 
 
+def check_jacobian(options: Options, program: Program, has_jacobian: bool) -> None:
+    """ParameterError where an implicit method is asked of a train whose laws give no Jacobian."""
+    if options.method == Method.RODAS and not has_jacobian:
+        raise ParameterError(
+            f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'. It is missing as a rule "
+            "where a state follows from an acceleration or a constraint force: of a lossy gear that heats a ThermalMass (a "
+            "value as T of its heat port needs no state), or where a block reads one by gb.sense"
+        )
+
+
 def method_words(counters: Counters, why: str) -> tuple[str, str]:
     """The methods of a run, most steps first, and why: what was chosen, when the solver changed it and for what reason."""
     if counters.n_switches == 0:

@@ -21,6 +21,7 @@ from gearblocks.simulation.arguments import (
     InputSource,
     Start,
     begin_of,
+    check_jacobian,
     is_static,
     method_options,
     method_words,
@@ -49,7 +50,7 @@ from gearblocks.simulation.watching import Watching
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
 from gearblocks.solver.record import Record
-from gearblocks.solver.structures import Array, Code, Counters, Method, Options
+from gearblocks.solver.structures import Array, Code, Counters, Options
 
 
 def run_model(
@@ -74,10 +75,7 @@ def run_model(
     pick = picked_outputs(program, outputs)
     with model.library.reopen() as sim:
         values = sim.parameters[:] = parameter_vector(model, parameters or {}, initial)
-        if options.method == Method.RODAS and not sim.has_jacobian:
-            raise ParameterError(
-                f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'"
-            )
+        check_jacobian(options, program, sim.has_jacobian)
         set_inputs(sim, program, inputs)
         if is_rolling(initial):
             values = sim.parameters[:] = rolled(model, sim, begin, initial)
