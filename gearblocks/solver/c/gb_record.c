@@ -56,12 +56,13 @@ static int same_modes(const gb_model *m, const double *row, long left) {
     return count;
 }
 
-/* Outputs first .. last at a recorded row, in its modes, or all; `full` are these with their active set. */
-static void outputs_of_row(gb_sim *sim, const double *mode, const double *full, int lane, const double *y, int first,
+/* Outputs first .. last at a recorded row, in its modes, or all; `full` are these with their active set; shares: its
+ * modes, where they hold shares, else NULL. */
+static void outputs_of_row(gb_sim *sim, const double *shares, const double *full, int lane, const double *y, int first,
                            int last) {
     const gb_model *m = sim->model;
-    if (gb_has_shares(m, mode)) {
-        gb_outputs_with_shares(sim, mode, &sim->instant, lane, y, sim->scratch.outputs);
+    if (shares) {
+        gb_outputs_with_shares(sim, shares, &sim->instant, lane, y, sim->scratch.outputs);
         return;
     }
     const double *time_terms = sim->instant.time_terms + lane;
@@ -87,6 +88,7 @@ int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, i
     }
     while (r < n_rows) {
         const double *row = rows + (size_t)r * length, *mode = row + 1 + m->n_total;
+        const double *shares = gb_has_shares(m, mode) ? mode : NULL;
         const int count = same_modes(m, row, n_rows - r);
         for (int l = 0; l < GB_LANES; l++) {
             const double *at = row + (size_t)(l < count ? l : count - 1) * length;
@@ -105,7 +107,7 @@ int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, i
         for (int l = 0; l < count; l++, r++) {
             const double *y = rows + (size_t)r * length + 1, *time_terms = sim->instant.time_terms + l;
             if (n_pick > 0) {
-                outputs_of_row(sim, row + 1 + m->n_total, mode, l, y, first, last);
+                outputs_of_row(sim, shares, mode, l, y, first, last);
                 for (int j = 0; j < n_pick; j++) {
                     out[(size_t)r * (size_t)n_pick + (size_t)j] = sim->scratch.outputs[pick[j]];
                 }
