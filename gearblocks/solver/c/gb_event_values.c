@@ -17,10 +17,9 @@ int gb_event_functions_at(gb_sim *sim, double theta, double *s) {
 double gb_limit_distance(const gb_sim *sim, int i, double side, double s) {
     const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
     const double rounding = gb_limit_rounding(sim, i, limit);
-    const double start = side * (limit - sim->events.s0[i]);
-    const int armed =
-        sim->events.armed[i] == side && sim->events.slack[i] < 0.0; /* a force may jump inside as it turns */
-    const double from = armed || start <= rounding ? sim->events.s0[i] : limit;
+    /* One that has just flipped is on its limit as well as its root was found; inside it where its law jumps with it.
+     */
+    const double from = side * (limit - sim->events.s0[i]) <= rounding ? sim->events.s0[i] : limit;
     return side * (from - s) + gb_max(sim->events.slack[i], 0.0);
 }
 

@@ -108,24 +108,44 @@ static int start_on_limits(gb_sim *sim) {
     return code == GB_DONE && model->update_states != NULL ? gb_update_states(sim) : code;
 }
 
-/* Modes of the state's switches until they agree with each other. */
+/* A switch of the state whose mode is not the one of its event function, or -1. Of several the first that goes back to
+ * mode 0: friction at a shaft without inertia has a switch for each direction, and sticks before it goes the other way.
+ */
+static int first_apart(const gb_sim *sim) {
+    const gb_model *model = sim->model;
+    int first = -1;
+    for (int i = model->n_event_functions - 1; i >= 0; i--) {
+        const double mode = model->mode_at(sim->par, i, sim->events.s[i]);
+        if (sim->events.role[i] != GB_CONSTRAINED && mode != sim->mode[i] &&
+            (first < 0 || mode == 0.0 || model->mode_at(sim->par, first, sim->events.s[first]) != 0.0)) {
+            first = i;
+        }
+    }
+    return first;
+}
+
+/* Modes of the state's switches until they agree with each other: all at once, and one at a time where that goes in
+ * circles (for a complementarity problem with one solution that ends: Murty 1974). */
 static int modes_of_state(gb_sim *sim) {
     const gb_model *model = sim->model;
-    int code = GB_DONE, changed = model->n_event_functions > 0, last = 0;
-    for (int round = 0; round < GB_FLIPS && changed; round++) {
-        changed = 0;
+    const int most = GB_FLIPS + 8 * model->n_event_functions;
+    int first = 0, code = GB_DONE;
+    for (int round = 0; round < most && model->n_event_functions > 0 && code == GB_DONE; round++) {
         code = gb_event_functions_now(sim);
-        for (int i = 0; i < model->n_event_functions && code == GB_DONE; i++) {
-            const double mode = model->mode_at(sim->par, i, sim->events.s[i]);
-            if (sim->events.role[i] != GB_CONSTRAINED && mode != sim->mode[i]) {
-                gb_set_mode(sim, i, mode, 0);
-                changed = 1;
-                last = i;
+        first = code == GB_DONE ? first_apart(sim) : first;
+        if (code != GB_DONE || first < 0) {
+            return code;
+        }
+        const int all = round < GB_FLIPS, to = all ? model->n_event_functions : first + 1;
+        for (int i = all ? 0 : first; i < to; i++) {
+            if (sim->events.role[i] != GB_CONSTRAINED) {
+                gb_set_mode(sim, i, model->mode_at(sim->par, i, sim->events.s[i]), 0);
             }
         }
     }
-    return code == GB_DONE && changed ? gb_fail(sim, GB_ERR_BRANCH, last, sim->head->front.t1, sim->events.s[last])
-                                      : code;
+    return code == GB_DONE && model->n_event_functions > 0
+               ? gb_fail(sim, GB_ERR_BRANCH, first, sim->head->front.t1, sim->events.s[first])
+               : code;
 }
 
 /* Start values are worked out with modes (a ratio law on its segment), and modes with start values: until both stay. */

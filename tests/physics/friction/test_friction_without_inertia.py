@@ -223,3 +223,60 @@ def test_capacities_of_a_row_are_structural() -> None:
     changed = gb.simulate(rig.set({"c1.capacity": 10.0}), t=T, rtol=1e-9)
     single = gb.simulate(_row(gb.Clutch(capacity=10.0)), t=T, rtol=1e-9)
     assert np.abs(changed["one.w"] - single["one.w"]).max() < 1e-8 * np.abs(single["one.w"]).max()
+
+
+FADES = gb.Table([0.0, 1.0, 2.0], [1.0, 0.9, 0.0])  # N m over s
+
+
+def _star(seed: int, arms: int, *, gaps: bool) -> tuple[gb.Drivetrain, np.ndarray]:
+    """A body at rest, moving bodies around it, each behind a brake and a shaft; the torques of the brakes at t = 0 by hand."""
+    random = np.random.default_rng(seed)
+    rig = gb.Drivetrain("star")
+    hub = rig.add("hub", gb.Inertia(J=1.0))
+    w, share, c = random.uniform(-3, 3, arms), random.uniform(0.2, 1.0, arms), random.uniform(0.1, 0.5, arms)
+    for i in range(arms):
+        brake = rig.add(f"brake{i}", gb.Brake(capacity=share[i] * FADES))
+        link = gb.Lash(k=1.0, c=c[i], half_gap=1.0, contact_damping="always") if gaps else gb.Shaft(k=1.0, c=c[i])
+        link, body = rig.add(f"link{i}", link), rig.add(f"body{i}", gb.Inertia(J=1.0, w0=w[i]))
+        rig.connect(hub.a, brake.a)
+        rig.connect(brake.housing, link.a)
+        rig.connect(link.b, body.a)
+    return rig, -np.clip(c * w, -share, share)
+
+
+@pytest.mark.parametrize("gaps", [False, True])
+@pytest.mark.parametrize(
+    ("seed", "arms"), [(0, 1), (2, 4), *(pytest.param(s, 5, marks=pytest.mark.long) for s in range(6))]
+)
+def test_friction_whose_capacity_is_a_table_over_time_starts_stuck_or_sliding(seed: int, arms: int, gaps: bool) -> None:
+    rig, torques = _star(seed, arms, gaps=gaps)
+    run = gb.simulate(rig, t_end=0.5, outputs=[f"brake{i}.torque" for i in range(arms)])
+    assert [run[f"brake{i}.torque"][0] for i in range(arms)] == pytest.approx(torques, rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
+@pytest.mark.parametrize(("capacity", "peak"), [(0.1, 1.2), pytest.param(0.08, 1.5, marks=pytest.mark.long)])
+def test_a_static_peak_at_a_shaft_without_inertia_lets_go_at_the_speed_of_its_jump(
+    capacity: float, peak: float, method: str
+) -> None:
+    """The torque of the gap falls by (peak - 1) F at once, and so the rate of its twist by that over c: slip from there."""
+    rig = gb.Drivetrain("peak")
+    pushed, driving = rig.add("pushed", gb.Inertia(J=1.0)), rig.add("driving", gb.Inertia(J=1.0))
+    gap = rig.add("gap", gb.Lash(k=6.0, c=0.1, half_gap=0.02))
+    brake = rig.add("brake", gb.Brake(capacity=capacity, peak=peak))
+    rig.connect(pushed.a, gap.a)
+    rig.connect(gap.b, brake.a)
+    rig.connect(driving.a, brake.housing)
+    rig.connect(driving.b, rig.add("load", gb.Torque(tau=-0.1)).flange)
+    run = gb.simulate(rig, t_end=1.3, method=method, rtol=1e-8, outputs="*")
+    (breaks,) = [e.t for e in run.events if e.component == "brake" and e.after != 0.0][:1]
+    sticks = [e.t for e in run.events if e.component == "brake" and e.after == 0.0]
+    assert not sticks or sticks[0] > breaks + 0.2
+    after = np.flatnonzero(run.t > breaks)[:5]
+    apart = np.abs(run["driving.w"] - run["pushed.w"])
+    jump, fades = (peak - 1.0) * capacity / 0.1, np.exp(-6.0 / 0.1 * (run.t[after] - breaks))
+    slip = apart[after] - (np.interp(breaks, run.t, apart) - jump) * fades  # as c x' + k x = F
+    assert np.abs(run["brake.w_rel"][after]) == pytest.approx(slip, rel=1e-6)
+    assert run["brake.torque"][after] == pytest.approx(np.full(len(after), capacity), rel=1e-9)
+    assert run.stats.steps < 400
+    assert run.energy.residual < 1e-7
