@@ -67,21 +67,27 @@ static void gb_split_by_sides(const gb_lcp *problem, const int *is_own, const do
     }
 }
 
-/* By how much the split x leaves slip accelerations that the forces do not have, < 0: by rounding. */
+/* By how much the split x leaves slip accelerations that the forces do not have, < 0: by rounding, that of the forces
+ * `given` where there are some. Of several splits that fit one or the other is found: what is measured against it would
+ * jump from instant to instant. */
 static double gb_split_left(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
-                            const double *x) {
+                            const double *given, const double *x) {
     const int n = problem->A.n, *is_active = problem->in;
-    double worst = 0.0, size = 0.0;
+    double worst = 0.0, size = 0.0, ignored = 0.0;
     for (int i = 0; i < n; i++) {
         double terms = fabs(b[i]);
-        const double left = is_active[i] ? b[i] + gb_delassus_product(&problem->A, i, x, &terms) : 0.0;
+        const double left =
+            is_active[i] ? b[i] + gb_delassus_product(&problem->A, i, x, given ? &ignored : &terms) : 0.0;
         worst = fmax(worst, is_own[i] ? 0.0 : fabs(left));
+        if (is_active[i] && given) {
+            ignored = gb_delassus_product(&problem->A, i, given, &terms);
+        }
         size = is_active[i] ? fmax(size, terms) : size;
         if (is_active[i] && !is_own[i] && fabs(bounds->upper[i]) < HUGE_VAL) { /* what nothing loads has this scale */
             size = fmax(size, fabs(gb_delassus_diagonal(&problem->A, i) * bounds->upper[i]));
         }
     }
-    return worst - (bounds->tie_of ? 1e-11 : 1e-11) * size - DBL_MIN; /* coupled bounds keep what is lifted */
+    return worst - 1e-11 * size - DBL_MIN;
 }
 
 /* Where bounds grow with forces the complementarity problem of a split can have a solution that slips beside those that
@@ -89,7 +95,8 @@ static double gb_split_left(const gb_lcp *problem, const int *is_own, const doub
  * whose forces of ties the motion does not tell, the split that leaves least, into x where it leaves less than `left`;
  * returns what is left. */
 static double gb_split_of_any_sides(const gb_lcp *problem, const int *is_own, const double *b,
-                                    const gb_force_bounds *bounds, const double *force, double left, double *x) {
+                                    const gb_force_bounds *bounds, const double *force, const double *given,
+                                    double left, double *x) {
     const int n = problem->A.n;
     int sides[2 * n + 1], option[n + 1], more = 1;
     double other[n + 1];
@@ -111,7 +118,7 @@ static double gb_split_of_any_sides(const gb_lcp *problem, const int *is_own, co
             }
         }
         gb_split_once(problem, is_own, b, bounds, sides, 1, other);
-        const double now = gb_split_left(problem, is_own, b, bounds, other);
+        const double now = gb_split_left(problem, is_own, b, bounds, given, other);
         if (now < left) {
             left = now;
             memcpy(x, other, sizeof(double) * (size_t)n);
@@ -124,7 +131,7 @@ int gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_boun
     const int n = problem->A.n;
     int is_own[n + 1];
     memset(is_own, 0, sizeof is_own);
-    return gb_split_of_any_sides(problem, is_own, b, bounds, force, HUGE_VAL, force) <= 0.0;
+    return gb_split_of_any_sides(problem, is_own, b, bounds, force, NULL, HUGE_VAL, force) <= 0.0;
 }
 
 void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, const gb_force_bounds *bounds,
@@ -138,9 +145,9 @@ void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, cons
         b[i] = is_active[i] ? -gb_delassus_product(W, i, force, &ignored) : 0.0;
     }
     gb_split_by_sides(&problem, is_own, b, bounds, force, x);
-    double left = gb_split_left(&problem, is_own, b, bounds, x);
+    double left = gb_split_left(&problem, is_own, b, bounds, force, x);
     if (left > 0.0 && bounds->tie_of) {
-        left = gb_split_of_any_sides(&problem, is_own, b, bounds, force, left, x);
+        left = gb_split_of_any_sides(&problem, is_own, b, bounds, force, force, left, x);
     }
     for (int i = 0; i < n; i++) {
         force[i] = is_active[i] ? x[i] : force[i];

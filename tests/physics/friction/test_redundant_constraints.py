@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import gearblocks as gb
 
@@ -104,3 +105,36 @@ def test_of_three_brakes_on_a_planetary_the_weak_ones_slide_and_the_strong_one_h
     assert _modes(run, "ring_brake") == [(pytest.approx(2.0, rel=1e-9), -way)]
     assert (run["carrier_brake.mode"] == 0.0).all() and (run["carrier.phi"] == 0.0).all()
     assert run["sun.w"][-1] == pytest.approx(way * 0.5 / (0.1 + 0.8 / 4), rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["dp5", pytest.param("dp8", marks=pytest.mark.long), "rodas"])
+@pytest.mark.parametrize(
+    ("amplitude", "eta"),
+    [(13.3, 0.788), pytest.param(13.3, 0.9, marks=pytest.mark.long), pytest.param(9.0, 0.7, marks=pytest.mark.long)],
+)
+def test_gears_and_a_load_at_rest_break_away_together_where_several_splits_hold_them(amplitude, eta, method):
+    """Which of them holds how much is open, and jumps from instant to instant: no reason for a shorter step."""
+    rig = gb.Drivetrain("held by several")
+    h = {name: rig.add(name, gb.Inertia(J=J)) for name, J in {"j1": 0.168, "j2": 0.844, "j3": 0.5, "j4": 1.32}.items()}
+    shaft = rig.add("shaft", gb.Shaft(k=25.9, c=0.0209))
+    behind = rig.add("behind", gb.LossyGear(ratio=-0.5, efficiency=(0.646, 0.646)))
+    gear = rig.add("gear", gb.LossyGear(ratio=4.0, efficiency=(eta, 0.572), bearing=(0.93, 0.93)))
+    pull = rig.add("pull", gb.Torque(tau=amplitude * gb.sin(11.9 * gb.time)))
+    ramp = rig.add("ramp", gb.Torque(tau=gb.piecewise((24.6 * (gb.time - 2.06), gb.time > 2.06), (0.0, True))))
+    load = rig.add("load", gb.SpeedLoad(coeffs=(14.1, 4.01, 0.476)))
+    rig.connect(h["j1"].a, shaft.a)
+    rig.connect(h["j2"].a, shaft.b)
+    rig.connect(h["j2"].b, behind.a)
+    rig.connect(h["j3"].a, behind.b, gear.a)
+    rig.connect(h["j3"].b, ramp.flange)
+    rig.connect(h["j4"].a, gear.b, pull.flange)
+    rig.connect(h["j4"].b, load.flange)
+    run = gb.simulate(rig, t_end=2.3, method=method, rtol=1e-7)
+
+    def excess(t):  # of the ramp over what the gear asks for: T = what the load takes of the pull, at b
+        return 24.6 * (t - 2.06) - ((14.1 - amplitude * np.sin(11.9 * t)) / 4.0 + 0.93) / eta
+
+    breaks = brentq(excess, 2.06, 2.06 + 0.3)
+    assert next(e.t for e in run.events if e.component == "gear") == pytest.approx(breaks, rel=1e-8)
+    assert run.stats.steps < 300
+    assert run.energy.residual < 1e-6
