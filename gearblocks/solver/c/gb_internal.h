@@ -233,6 +233,7 @@ struct gb_events {
     double *slack;                     /* sign of the force of a lossy gear: how far beyond counts as on it; else -1 */
     int undersampled;                  /* samples of the last step do not tell what a constraint force does */
     int in_doubt;                      /* its polynomial takes back at once what was decided at its start */
+    int again;                         /* how often this step was cut short for one of these two */
 };
 
 /* Without location. */

@@ -15,12 +15,12 @@ static const double LAST = 1.0 - 1e-6;
 /* The force of an active constraint, located in this step, is on its bound at both ends of it but for what moves
  * nothing: a contact whose damping eats up its spring leaves such a force to a freewheel behind it. Where the force is
  * more than that itself, only its rounding moves nothing: what is beyond the bound in each of many short steps moves.
- */
+ * So where a step is tried again with a part of its size: what moves nothing in the part was something in the whole. */
 static int is_no_force(gb_sim *sim, int i, double start, const double *time_terms) {
     const double idle = gb_idle_force(sim, i, time_terms, sim->z);
     double force;
     const double rounding = gb_force_rounding(sim, i, time_terms, sim->z, &force);
-    const double noise = force < idle ? idle : gb_min(idle, rounding);
+    const double noise = force < idle && !sim->events.again ? idle : gb_min(idle, rounding);
     if (!(fabs(start) < noise)) {
         return 0;
     }

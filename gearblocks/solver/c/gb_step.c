@@ -77,7 +77,7 @@ static int count_step(gb_sim *sim, double from, double end) {
 
 /* Takes the step over: the front moves to its end or to the first event inside it. AGAIN: it was too long for that.
  * NOT_FINITE: it is to be rejected, as one whose own stages are not. */
-static int accept(gb_sim *sim, double end, int again) {
+static int accept(gb_sim *sim, double end) {
     const gb_model *model = sim->model;
     gb_head *head = sim->head;
     const double from = head->front.t1;
@@ -97,7 +97,7 @@ static int accept(gb_sim *sim, double end, int again) {
         }
         const int most = sim->events.undersampled ? MOST_AGAIN : sim->events.in_doubt ? MOST_DOUBTS : 0;
         const int longer = head->front.h > LEAST_AGAIN * gb_rounding(from, head->control.h_largest);
-        if (again < most && longer && !(head->options.step > 0.0)) { /* it may not be there in the next try */
+        if (sim->events.again < most && longer && !(head->options.step > 0.0)) { /* the next try may not find it */
             memset(sim->events.pending, 0, sizeof(double) * (size_t)model->n_event_functions);
             return AGAIN;
         }
@@ -294,10 +294,10 @@ static int prepare(gb_sim *sim, double limit) {
 int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
-    int rejected = 0, again = 0, code = sim->model->n_wrapped > 0 ? gb_wrap_angles(sim, 1) : GB_DONE;
+    int rejected = 0, code = sim->model->n_wrapped > 0 ? gb_wrap_angles(sim, 1) : GB_DONE;
     const double limit = gb_min(gb_min(head->events.t_break, stop), head->events.held_until);
     gb_copy(sim->y0, sim->y, sim->model->n_total);
-    head->front.have_dense = head->front.have_quadratures = 0;
+    head->front.have_dense = head->front.have_quadratures = sim->events.again = 0;
     head->front.h = 0.0;
     if (code == GB_DONE && limit - head->front.t1 <= 4.0 * DBL_EPSILON * fabs(head->front.t1)) {
         return jump(sim, limit);
@@ -322,7 +322,7 @@ int gb_step(gb_sim *sim, double stop) {
         }
         if (error <= 0.0) {
             propose(sim, error, size, h, rejected);
-            code = accept(sim, end, again);
+            code = accept(sim, end);
             if (code != AGAIN && code != NOT_FINITE) {
                 gb_account_accepted(sim, end, limit);
                 return code;
@@ -334,7 +334,7 @@ int gb_step(gb_sim *sim, double stop) {
         rejected = 1;
         gb_account_refused(sim, isnan(error) ? GB_BY_FAILURE : error <= 0.0 ? GB_BY_DOUBT : GB_BY_STATE);
         if (error <= 0.0) {
-            again++;
+            sim->events.again++;
             h = 0.25 * size;
             continue;
         }
