@@ -33,7 +33,10 @@ Array = NDArray[np.float64]
 _SIZED, _PARTS = 4, 16  # periods that sizes are told from, and parts of each
 _LOOKS = 8  # points at which the fastest motion is looked for
 _BESIDE = 1e-4  # of the sizes
+_UNSEEN = 1e-6  # of the largest state with the same unit: steps of differences are told from no less
+_LEAST = 1e-3  # of what the states beside it carry into a state: less is their rounding, and no size of its own
 _ROUNDING = 1e-14  # of the sizes
+_TERMS = 6  # of the series of exp over an eighth of the fastest motion
 _REACH = 2.0  # a step times the fastest rate: there order 8 is stable and right to 1e-3 in each step
 GROWS = (Code.ERR_ESCAPE, Code.ERR_NAN_RATE)
 """How a run ends whose motion grows without bound."""
@@ -85,8 +88,11 @@ class Strobe:
         grow. after: as of `follow`."""
         states = np.vstack([y, self.follow(y, _SIZED, after=after, parts=_PARTS).states])
         size = np.abs(states).max(axis=0)
-        scale = np.where(size > 0.0, size, 1.0)
-        return replace(self, scale=scale, max_step=_REACH / max(self._fastest(states, scale), 1e-300))
+        jacobians = self._jacobians(states, size)
+        fastest = max(float(np.abs(np.linalg.eigvals(j)).max(initial=0.0)) for j in jacobians)
+        driven = np.max([_driven(j, size, self.period) for j in jacobians], axis=0)
+        scale = np.maximum(size, _LEAST * driven)
+        return replace(self, scale=np.where(scale > 0.0, scale, 1.0), max_step=_REACH / max(fastest, 1e-300))
 
     def settled(self, initial: Any, transient: int) -> tuple[Strobe, Array]:
         """The same, sized by the motion after so many periods, and its states there."""
@@ -95,9 +101,12 @@ class Strobe:
             y = self.follow(y, transient).states[-1]
         return self.sized(y, transient), y
 
-    def _fastest(self, states: Array, scale: Array) -> float:
-        """The largest eigenvalue of the rates by the states [1/s], at points along a period."""
-        largest = 0.0
+    def _jacobians(self, states: Array, size: Array) -> list[Array]:
+        """Rates by the states [1/s], at points along a period."""
+        units = [q.unit for q in self.model.program.states]
+        alike = np.array([max(s for s, unit in zip(size, units, strict=True) if unit == own) for own in units])
+        beside = _BESIDE * np.maximum(size, np.where(alike > 0.0, _UNSEEN * alike, 1.0))
+        found = []
         full = np.zeros(self.model.program.n_total)
         for i, y in enumerate(states[:: len(states) // _LOOKS]):
             t = i * (len(states) // _LOOKS) / _PARTS * self.period
@@ -106,11 +115,11 @@ class Strobe:
                 columns = []
                 for j in range(self.n):
                     step = np.zeros_like(full)
-                    step[j] = _BESIDE * scale[j]
+                    step[j] = beside[j]
                     ends = [sim.probe(t, full + sign * step, None, "rates")[: self.n] for sign in (1, -1)]
                     columns.append((ends[0] - ends[1]) / (2 * step[j]))
-            largest = max(largest, float(np.abs(np.linalg.eigvals(np.array(columns).T)).max(initial=0.0)))
-        return largest
+            found.append(np.array(columns).reshape(self.n, self.n).T)
+        return found
 
     def start(self, initial: Any) -> Array:
         """The n states that a run begins with."""
@@ -206,6 +215,21 @@ class Strobe:
     def _corner(self, switch: int, t: float) -> str:
         name = component_of(self.model.program, Code.ERR_CHATTER, switch)
         return f"no derivative exists at t = {t:.6g} s" + (f", at a switch of '{name}'" if name else "")
+
+
+def _driven(jacobian: Array, size: Array, period: float) -> Array:
+    """What a motion of these sizes carries into each state within a period: max |exp(J t)| size. Of one that grows by itself,
+    in as long as it takes to grow by a factor of e."""
+    values = np.linalg.eigvals(jacobian)
+    end = period / max(1.0, period * float(values.real.max(initial=0.0)))
+    halvings = max(0, int(np.ceil(np.log2(max(1.0, end * float(np.abs(values).max(initial=0.0)))))) + 2)
+    step, found, flow = jacobian * end / 2.0**halvings, size, np.eye(len(size))
+    for k in range(_TERMS, 0, -1):
+        flow = np.eye(len(size)) + step @ flow / k
+    for _ in range(halvings + 1):
+        found = np.maximum(found, np.abs(flow) @ size)
+        flow = flow @ flow
+    return found
 
 
 def strobe(

@@ -17,7 +17,7 @@ static int along(gb_sim *sim, const gb_tangent_room *room, double t, const doubl
                  double *out) {
     const gb_model *model = sim->model;
     const int general = model->n_event_functions > model->n_affine;
-    const double reach = dt > 0.0 ? ALONG * sim->head->front.h / dt : gb_tangent_reach(sim, y, v);
+    const double reach = dt > 0.0 ? ALONG * sim->head->front.h / dt : gb_tangent_reach(sim, room, y, v);
     int code = GB_DONE;
     memset(out, 0, sizeof(double) * (size_t)model->n_event_functions);
     for (int p = 0; p < GB_BESIDE && general && reach > 0.0 && code == GB_DONE; p++) {
@@ -132,7 +132,7 @@ static int has_changed(const gb_sim *sim, const double *before, const double *af
 /* R_x w, into beyond. Answers whether motions beside meet the event likewise. The state after it is left as it was. */
 static int mapped(gb_sim *sim, const gb_tangent_room *room, const double *w) {
     const int n = sim->model->n;
-    const double reach = gb_tangent_reach(sim, room->before, w);
+    const double reach = gb_tangent_reach(sim, room, room->before, w);
     const uint64_t modes = sim->head->events.mode_hash;
     int alike = 1;
     memset(room->beyond, 0, sizeof(double) * (size_t)sim->model->n_total);

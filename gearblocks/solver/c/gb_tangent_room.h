@@ -19,6 +19,7 @@ static inline double gb_beside_weight(int point) {
 /* Places in the room of the caller: vectors n_total long, of stages as many as there are. */
 typedef struct gb_tangent_room {
     gb_lanes lanes;
+    const double *scale;                      /* sizes of the states, from the caller */
     double *state, *combined, *moved, *rates; /* scratch */
     double *slopes, *columns;                 /* rates of the stages: of the state, of each column */
     double *before, *rates_before, *rates_after, *beyond;

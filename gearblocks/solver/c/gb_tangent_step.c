@@ -4,10 +4,10 @@
 
 static const double NEAR = 1e-4; /* of the size of a state: laws bend over a hundredth of it and less */
 
-double gb_tangent_reach(const gb_sim *sim, const double *y, const double *v) {
+double gb_tangent_reach(const gb_sim *sim, const gb_tangent_room *room, const double *y, const double *v) {
     double most = 0.0, any = 0.0;
     for (int i = 0; i < sim->model->n; i++) {
-        const double size = gb_max(sim->control.largest[i], fabs(y[i]));
+        const double size = gb_max(gb_max(sim->control.largest[i], room->scale[i]), fabs(y[i]));
         any = gb_max(any, fabs(v[i]));
         most = size > 0.0 ? gb_max(most, fabs(v[i]) / size) : most;
     }
@@ -17,7 +17,7 @@ double gb_tangent_reach(const gb_sim *sim, const double *y, const double *v) {
 /* J v at y, into out. */
 static void product(gb_sim *sim, const gb_tangent_room *room, int lane, const double *y, const double *v, double *out) {
     const int padded = sim->model->n_padded;
-    const double reach = gb_tangent_reach(sim, y, v);
+    const double reach = gb_tangent_reach(sim, room, y, v);
     memset(out, 0, sizeof(double) * (size_t)padded);
     for (int p = 0; p < GB_BESIDE && reach > 0.0; p++) {
         const double distance = gb_beside(p) * reach, weight = gb_beside_weight(p) / reach;

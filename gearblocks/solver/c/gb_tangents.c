@@ -126,6 +126,7 @@ int gb_tangents_run(gb_sim *sim, gb_tangents *tangents, double slice) {
         code = gb_fail(sim, GB_ERR_METHOD, head->method, head->front.t1, 0.0);
     }
     lay(sim, tangents->count, tangents->room, &room);
+    room.scale = tangents->scale;
     for (; tangents->done < tangents->n_times && code == GB_DONE; tangents->done++) {
         const double target = tangents->times[tangents->done];
         head->options.t_stop = target;
