@@ -66,13 +66,14 @@ def as_done(workers: int, chunks: Sequence[slice], submit: Callable[[slice], Fut
             finished, _ = wait(waiting, return_when=FIRST_COMPLETED)
             for future in finished:
                 chunk = waiting.pop(future)
-                yield chunk, _result(future)
+                yield chunk, result_of(future)
     finally:
         for future in waiting:
             future.cancel()
 
 
-def _result(future: Future[T]) -> T:
+def result_of(future: Future[T]) -> T:
+    """What a worker found. Raises GearblocksError where there is none any more."""
     try:
         return future.result()
     except (BrokenExecutor, CancelledError) as error:

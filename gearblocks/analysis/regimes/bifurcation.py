@@ -10,8 +10,9 @@ A point that cannot be run is named; its neighbours begin as if it had not been 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -21,12 +22,13 @@ from gearblocks.analysis.dynamic_quantities import period
 from gearblocks.analysis.parameter_study import sweep
 from gearblocks.analysis.quantities import points as section_points
 from gearblocks.analysis.quantity import Quantity
-from gearblocks.analysis.regimes.carried import DIRECTIONS, carried, output_of, rising
+from gearblocks.analysis.regimes.carried import DIRECTIONS, Motion, carried, output_of, rising
 from gearblocks.analysis.regimes.regime import Asked, Regime
 from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
 from gearblocks.analysis.sections import LONGEST, RELATIVE, Section, repeats
 from gearblocks.analysis.study_progress import progress as shown
 from gearblocks.analysis.study_result import Study
+from gearblocks.analysis.workers import executor_of, result_of
 from gearblocks.codegen.program import ParameterInfo
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
@@ -108,8 +110,9 @@ def bifurcation(
     parameters: Mapping[str, float | str] | None = None, initial: Any = None,
     progress: Callable[[int, int], Any] | None = None,
 ) -> Bifurcation:  # fmt: skip
-    """Points of a section over values of a parameter, up and down, with the state carried over from value to value; with
-    carry=False each from the start: as a study of `gb.sweep`, with its executor, threads and store, and quick labels.
+    """Points of a section over values of a parameter, up and down, with the state carried over from value to value, full labels
+    on `threads` (default: every core) or an executor; with carry=False each from the start: as a study of `gb.sweep`, with
+    its executor, threads and store, and quick labels.
 
     values: of the parameter, in SI units; of: an output (default: the first deflection or twist); transient, keep: periods
     before the points, and points, of each value; labels: "quick" or "full"; longest, rtol, parameters and initial: as of
@@ -126,11 +129,6 @@ def bifurcation(
     names = model.program.parameter_numbers
     info = model.program.parameters[resolve(parameter, names, "parameter")]
     output = output_of(model.program, of)
-    points = np.full((2, len(asked), keep), np.nan)
-    regimes: list[list[Regime | None]] = [[None] * len(asked) for _ in DIRECTIONS]
-    said = [[""] * len(asked) for _ in DIRECTIONS]
-    messages: dict[tuple[str, float], str] = {}
-
     if not carry:
         study = sweep(
             model, {info.path: asked}, quantity=_quantities(model, output, longest),
@@ -142,31 +140,68 @@ def bifurcation(
     def at(value: float) -> Strobe:
         return strobe(model, section, {**(parameters or {}), info.path: value}, initial, rtol)
 
-    with shown(2 * len(asked), 0, progress, "bifurcation") as tell:
-        for done, (i, j, seen, states, error) in enumerate(carried(at, asked, initial, transient + keep, on=False)):
-            try:
-                if error is not None:
-                    raise error
-                points[i, j] = _outputs(seen, states[-keep:], output, transient + 1)
-                found = regimes[i][j] = Asked(seen, transient, keep, longest).of(states) if labels == "full" else None
-                said[i][j] = _quick(states[-keep:], longest) if found is None else found.label
-            except SimulationError as failed:
-                said[i][j] = "diverged" if isinstance(failed, GrowthError) else "failed"
-                messages[DIRECTIONS[i], float(asked[j])] = str(failed)
-            tell(done + 1)
+    points = np.full((2, len(asked), keep), np.nan)
+    protocol = Asked(at(asked[0]), transient, keep, longest)
+    motions = carried(at, asked, initial, transient + keep, on=False)
+    with shown(2 * len(asked), 0, progress, "bifurcation") as tell, executor_of(executor, threads) as (pool, _):
+        found = _told(motions, points, output, protocol, pool if labels == "full" else None, tell)
+    rows = [[found[i, j] for j in range(len(asked))] for i in range(2)]
     quantity = model.program.outputs[output]
     return Bifurcation(
-        info.path, info.unit, asked, quantity.name, quantity.unit, points, tuple(map(tuple, said)),
-        tuple(map(tuple, regimes)), messages,
+        info.path, info.unit, asked, quantity.name, quantity.unit, points, tuple(tuple(map(_said, row)) for row in rows),
+        tuple(tuple(one if isinstance(one, Regime) else None for one in row) for row in rows),
+        {(DIRECTIONS[i], float(asked[j])): str(x) for (i, j), x in found.items() if isinstance(x, SimulationError)},
     )  # fmt: skip
+
+
+def _told(
+    motions: Iterator[Motion], points: Array, output: int, protocol: Asked, pool: Executor | None, tell: Callable[[int], None],
+) -> dict[tuple[int, int], str | Regime | SimulationError]:  # fmt: skip
+    """What is told of each motion, whose points are filled in: full labels where workers are given."""
+    found: dict[tuple[int, int], str | Regime | SimulationError] = {}
+    waiting: dict[tuple[int, int], Future[Regime | SimulationError]] = {}
+    keep = protocol.keep
+    try:
+        for i, j, seen, states, error in motions:
+            if error is not None:
+                found[i, j] = error
+                continue
+            points[i, j] = _outputs(seen, states[-keep:], output, protocol.transient + 1)
+            if pool is not None:
+                waiting[i, j] = pool.submit(_full, replace(protocol, seen=seen), states)
+            else:
+                found[i, j] = _quick(states[-keep:], protocol.longest)
+                tell(len(found))
+        for point, future in waiting.items():
+            found[point] = result_of(future)
+            tell(len(found))
+    finally:
+        for future in waiting.values():
+            future.cancel()
+    return found
+
+
+def _said(found: str | Regime | SimulationError) -> str:
+    """The label of what was found."""
+    if isinstance(found, SimulationError):
+        return "diverged" if isinstance(found, GrowthError) else "failed"
+    return str(found)
+
+
+def _full(asked: Asked, states: Array) -> Regime | SimulationError:
+    """The label of a motion, on a worker."""
+    try:
+        return asked.of(states)
+    except SimulationError as error:
+        return error
 
 
 def _check(carry: bool, labels: str, executor: Any, threads: int | None, store: Any) -> None:
     given = [n for n, x in (("executor", executor), ("threads", threads), ("store", store)) if x is not None]
-    if carry and given:
+    if carry and given and (labels == "quick" or store is not None):
         raise ParameterError(
-            f"{given[0]}: with the state carried over a diagram is one run after the other; with carry=False each value begins "
-            "at the start"
+            f"{given[-1]}: with the state carried over a diagram is one run after the other, whose full labels alone go to "
+            "workers; with carry=False each value begins at the start"
         )
     if not carry and labels != "quick":
         raise ParameterError("labels = 'full' needs carry=True; gb.classify labels single values")

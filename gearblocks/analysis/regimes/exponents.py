@@ -37,6 +37,12 @@ BATCHES = 20
 _REGULAR = 0.05  # of the error of a plain mean: halves of a regular motion agree better in their weighted means
 TURNS_IN = 20
 """Periods in which the columns turn into their directions."""
+_FEW, _STILL, _MANY = (
+    500,
+    2000,
+    8000,
+)  # periods that the sign of an exponent is told from: if clear, if none grows, at most
+_SURE = 6.0  # standard errors that decide it before
 
 
 @final
@@ -44,7 +50,7 @@ TURNS_IN = 20
 class LyapunovExponents:
     """Exponents of a motion, the largest first. logs: growth of each column in each period, shape (periods, m); period [s];
     neutral: words of the directions whose exponents are 0 by structure, which are not among them; corner: an event without a
-    derivative on the way, in words, or ""; states: the last ones, shape (n,).
+    derivative on the way, in words, or ""; states: the last ones, shape (n,); passed: periods that had passed there.
 
     orbit: the periodic orbit that the motion has arrived at, or None; its exponents are those of the motion.
     """
@@ -54,6 +60,7 @@ class LyapunovExponents:
     neutral: tuple[str, ...]
     corner: str
     states: Array
+    passed: int
     orbit: PeriodicOrbit | None = None
 
     @property
@@ -145,7 +152,31 @@ def exponents_of(
     m = neutral.rest.shape[1] if count is None else min(count, neutral.rest.shape[1])
     columns, fixed = (x * seen.scale[:, None] for x in (_directions(neutral, m), neutral.basis))
     run = seen.follow(y, periods + TURNS_IN, columns, after=after, fixed=fixed)
-    return LyapunovExponents(run.logs[TURNS_IN:], seen.period, neutral.words, run.corner, run.states[-1])
+    passed = after + periods + TURNS_IN
+    return LyapunovExponents(run.logs[TURNS_IN:], seen.period, neutral.words, run.corner, run.states[-1], passed)
+
+
+def longer(seen: Strobe, neutral: Neutral, found: LyapunovExponents) -> LyapunovExponents | None:
+    """The same over twice as many periods; None: they are many already. Raises SimulationError."""
+    if len(found.logs) >= _MANY:
+        return None
+    more = exponents_of(seen, found.states, neutral, len(found.logs), found.logs.shape[1], found.passed)
+    return replace(more, logs=np.vstack([found.logs, more.logs]), corner=found.corner or more.corner)
+
+
+def told_exponents(seen: Strobe, y: Array, neutral: Neutral, after: int) -> LyapunovExponents:
+    """The two largest ones, over as many periods as it takes to see whether the first is positive. Raises SimulationError."""
+    found = exponents_of(seen, y, neutral, _FEW, 2, after)
+    while not _is_told(found) and (more := longer(seen, neutral, found)) is not None:
+        found = more
+    return found
+
+
+def _is_told(found: LyapunovExponents) -> bool:
+    """Whether the largest exponent is well above its error, or has let nothing grow in many periods."""
+    value, growth = found.per_period[0], found.per_period[0] * len(found.logs)
+    clear = value > _SURE * found.errors_per_period[0] and growth > _SURE
+    return bool(clear or (len(found.logs) >= _STILL and growth < 1.0))
 
 
 def _weighted(logs: Array) -> Array:

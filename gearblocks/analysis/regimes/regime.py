@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.drives import drive_periods
-from gearblocks.analysis.regimes.exponents import TURNS_IN, LyapunovExponents, exponents_of
+from gearblocks.analysis.regimes.exponents import LyapunovExponents, longer, told_exponents
 from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.second_frequency import second_frequency
@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 
 SIGMAS = 3.0
 """Standard errors by which a largest exponent has to exceed zero."""
-_PERIODS = 2000  # that exponents are told from
+_BEYOND = 8  # times the longest period, that is looked for where no exponent is positive or zero
 _TENFOLD = 10  # times the transient, before chaos is said
 _GROWN = 10.0  # times the size of the first half: the motion is not bounded
 _SAME_MULTIPLIERS = 1e-3  # of two tolerances
@@ -178,17 +178,16 @@ class Asked:
     def _other(self, seen: Strobe, points: Array, neutral: Neutral, drives: int, after: int) -> Regime:
         """No stable orbit was found yet: what exponents say now, after ten times the transient, and once more after `lasting`
         periods, in which an irregular transient shows what it is."""
-        first = last = exponents_of(seen, points[-1], neutral, _PERIODS, 2, after)
+        first = last = told_exponents(seen, points[-1], neutral, after)
         for more in (max(_TENFOLD * self.transient, self.keep), self.lasting):
-            after += _PERIODS + TURNS_IN
-            run = seen.follow(last.states, more, after=after)
+            run = seen.follow(last.states, more, after=last.passed)
             if regime := _growth(np.vstack([points, run.states])):
                 return regime
-            points, after = np.vstack([points, run.states])[-self.keep :], after + more
+            points, after = np.vstack([points, run.states])[-self.keep :], last.passed + more
             if regime := self._periodic(seen, points, neutral, drives, after):
                 before = (f"before, the largest exponent was {_told(first)}",) if _positive(first) else ()
                 return replace(regime, evidence=(*regime.evidence, *before))
-            last = exponents_of(seen, points[-1], neutral, _PERIODS, 2, after)
+            last = told_exponents(seen, points[-1], neutral, after)
             if not (self.lasting and _positive(last)):
                 break
         if _positive(first) and _positive(last):
@@ -204,12 +203,25 @@ class Asked:
         if not drives:
             words = f"the drives do not repeat together within {self.longest} periods of the section"
             return Regime("quasi-periodic", (words, told), exponents=last)
+        if last.per_period[0] + SIGMAS * last.errors_per_period[0] < 0.0 and (
+            regime := self._long_periodic(seen, neutral, drives, last)
+        ):
+            return regime
         nearest = float(misses(points, seen, neutral, self.longest).min())
         second = second_frequency(seen, points[-1], neutral, self.longest, after)
         if second is None or nearest < _APART:
             words = f"points miss each other by {nearest:.1e} of their size at the least, and no second frequency shows"
             return Regime("unresolved", (words, told, "give a longer transient"), exponents=last)
         return Regime("quasi-periodic", (second, told), exponents=last)
+
+    def _long_periodic(
+        self, seen: Strobe, neutral: Neutral, drives: int, last: LyapunovExponents
+    ) -> Regime | None:  # fmt: skip
+        """All exponents are negative: the motion is periodic, however long its period is."""
+        longest = _BEYOND * self.longest
+        points = seen.follow(last.states, 2 * longest + 1, after=last.passed).states
+        asked = replace(self, longest=longest)
+        return asked._periodic(seen, points, neutral, drives, last.passed + len(points))
 
 
 def _growth(states: Array) -> Regime | None:
@@ -243,21 +255,33 @@ def _nearing_words(found: Nearing, neutral: Neutral) -> tuple[str, ...]:
 
 
 def _positive(found: LyapunovExponents) -> bool:
-    return bool(found.per_period[0] > SIGMAS * found.errors_per_period[0] and found.per_period[0] * _PERIODS > SIGMAS)
+    return bool(
+        found.per_period[0] > SIGMAS * found.errors_per_period[0] and found.per_period[0] * len(found.logs) > SIGMAS
+    )
 
 
 def _told(found: LyapunovExponents) -> str:
     return f"{found.per_period[0]:+.4g} +- {found.errors_per_period[0]:.1g} per period"
 
 
+def _agree(one: LyapunovExponents, other: LyapunovExponents) -> bool:
+    """Whether two largest exponents differ by no more than their errors."""
+    both = float(np.hypot(one.errors_per_period[0], other.errors_per_period[0]))
+    return bool(abs(one.per_period[0] - other.per_period[0]) <= SIGMAS * both)
+
+
 def _chaos(seen: Strobe, y: Array, neutral: Neutral, last: LyapunovExponents, after: int) -> Regime:
+    fine = seen.finer(max(seen.rtol / 100, 1e-13))
     try:
-        finer = exponents_of(seen.finer(max(seen.rtol / 100, 1e-13)), y, neutral, _PERIODS, 2, after)
+        finer = told_exponents(fine, y, neutral, after)
+        while not (agree := _agree(last, finer)) or not _positive(finer):
+            both = longer(seen, neutral, last), longer(fine, neutral, finer)
+            if both == (None, None):
+                break
+            last, finer = both[0] or last, both[1] or finer
     except SimulationError as error:
         return Regime("unresolved", (f"the largest exponent is {_told(last)}", str(error)), exponents=last)
-    apart = abs(finer.per_period[0] - last.per_period[0])
-    both = float(np.hypot(finer.errors_per_period[0], last.errors_per_period[0]))
     words = f"the largest exponent is {_told(last)}, with rtol/100 {_told(finer)}, after {after} periods"
-    if not _positive(finer) or apart > SIGMAS * both:
+    if not (agree and _positive(last) and _positive(finer)):
         return Regime("unresolved", (words,), exponents=last)
     return Regime("chaotic", (words,), exponents=last)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +60,23 @@ def test_labels_say_which_protocol_they_come_from(oscillator: Oscillator, tmp_pa
     assert len((tmp_path / "diagram.csv").read_text().splitlines()) == 5
     full.plot(tmp_path / "diagram.png")
     assert "2 values of force" in repr(full)
+
+
+def test_full_labels_are_the_same_on_any_workers(oscillator: Oscillator) -> None:
+    gain = gb.Parameter("gain", 0.0)
+    model = gb.build(oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + gain * v - x**3 * gain, k=2.0, c=0.1))
+    ask: dict[str, Any] = {"section": SECTION, "of": "disc.phi", "transient": 100, "labels": "full"}
+    told: list[int] = []
+    one = gb.bifurcation(model, "gain", [-0.1, 0.0, 0.05], **ask, threads=1, progress=lambda done, _: told.append(done))
+    assert told == [1, 2, 3, 4, 5, 6] and one.labels == (("period 1",) * 3,) * 2
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        for more in ({"threads": 3}, {"executor": pool}):
+            other = gb.bifurcation(model, "gain", [-0.1, 0.0, 0.05], **ask, **more)
+            assert np.array_equal(other.points, one.points) and other.labels == one.labels
+            for a, b in zip(one.regimes[0] + one.regimes[1], other.regimes[0] + other.regimes[1], strict=True):
+                assert a is not None and b is not None and a.evidence == b.evidence
+    with pytest.raises(gb.ParameterError, match="threads: with the state carried over"):
+        gb.bifurcation(model, "gain", [0.0], section=SECTION, threads=2)
 
 
 def test_a_point_that_diverges_is_named_and_its_neighbours_are_as_they_were(oscillator: Oscillator) -> None:

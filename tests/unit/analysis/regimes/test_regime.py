@@ -44,6 +44,13 @@ def test_motions_get_their_labels(oscillator: Oscillator, label: str, torque: An
         assert found.label == f"period {found.period}" == f"period {found.orbit.periods}"
 
 
+def test_a_motion_whose_period_is_longer_than_was_looked_for_is_told_by_its_exponents(oscillator: Oscillator) -> None:
+    # x'' + 0.3 x' - x + x^3 = force cos 1.2 t: period 5 at 0.37
+    rig = oscillator(lambda drive, x, v: 0.37 * gb.cos(drive * gb.time) + 2 * x - x**3, c=0.3)
+    found = gb.classify(rig, SECTION, longest=2, parameters={"drive": 1.2})
+    assert found.label == "period 5", found.evidence
+
+
 def _ueda(oscillator: Oscillator, force: float, share: float = 1.0) -> gb.Drivetrain:
     """x'' + 0.05 x' + x^3 = force cos(share t), seen once per period of `drive` = 1."""
     return oscillator(lambda drive, x, v: force * gb.cos(share * drive * gb.time) - x**3, k=1e-12)
