@@ -72,13 +72,14 @@ class LineSpectrum:
 
 @by_name_only
 def spectrum(
-    train: Drivetrain | Model, of: str, *, section: Section, transient: int = 300, longest: int = LONGEST,
+    train: Drivetrain | Model, *, section: Section, of: str | None = None, transient: int = 300, longest: int = LONGEST,
     samples: int = 1024, rtol: float = 1e-9, parameters: Mapping[str, float | str] | None = None, initial: Any = None,
 ) -> LineSpectrum:  # fmt: skip
     """Amplitudes and phases of an output of the steady motion after `transient` periods of the section, line by line.
 
-    samples: in each period of the section, a power of two; lines up to half as many stand out. longest: period that is
-    looked for. rtol, parameters and initial: as for `simulate`. Raises ParameterError where the motion does not repeat.
+    of: an output (default: the first deflection or twist); samples: in each period of the section, a power of two; lines up
+    to half as many stand out. longest: period that is looked for. rtol, parameters and initial: as for `simulate`. Raises
+    ParameterError where the motion does not repeat.
     """
     model = build(train)
     if transient < 1 or longest < 1 or samples < 8 or samples & (samples - 1):

@@ -220,8 +220,11 @@ class Asked:
         """All exponents are negative: the motion is periodic, however long its period is."""
         longest = _BEYOND * self.longest
         points = seen.follow(last.states, 2 * longest + 1, after=last.passed).states
-        asked = replace(self, longest=longest)
-        return asked._periodic(seen, points, neutral, drives, last.passed + len(points))
+        off = misses(points, seen, neutral, longest)
+        least = next((m for m in range(drives, longest + 1, drives) if off[m - 1] <= _APART), None)
+        if least is None:
+            return None
+        return replace(self, longest=least)._periodic(seen, points, neutral, drives, last.passed + len(points))
 
 
 def _growth(states: Array) -> Regime | None:

@@ -43,6 +43,17 @@ def test_each_start_has_the_attractor_that_another_program_ends_on(oscillator: O
     assert (tmp_path / "basins.png").stat().st_size > 10_000 and "period 1" in repr(found)
 
 
+def test_motions_in_another_phase_of_one_orbit_end_on_one_attractor(oscillator: Oscillator) -> None:
+    # x'' + 0.3 x' - x + x^3 = 0.28 cos 1.2 t: one motion of period 2 in each well, met in either phase
+    rig = oscillator(lambda drive, x, v: 0.28 * gb.cos(drive * gb.time) + 2 * x - x**3, c=0.3)
+    grid = {"disc.phi": np.linspace(-1.5, 1.5, 8), "disc.w": np.linspace(-0.9, 1.0, 4)}
+    ask: dict[str, Any] = {"section": SECTION, "of": STATES, "labels": "quick", "parameters": {"drive": 1.2}}
+    even, odd = (gb.basins(rig, grid, transient=transient, **ask) for transient in (300, 301))
+    assert [one.label for one in even.attractors] == ["quick: period 2"] * 2
+    assert np.array_equal(even.numbers, odd.numbers)
+    assert even.attractors[0].points == pytest.approx(odd.attractors[0].points[::-1], abs=1e-5)
+
+
 def test_starts_that_fail_or_do_not_settle_are_shown_for_what_they_are(oscillator: Oscillator) -> None:
     # x'' + 0.05 x' + x = 0.1 cos t + a (x^3 + ...): beyond the hill the motion escapes; undamped it does not settle
     c = gb.Parameter("c", 0.2)

@@ -18,7 +18,7 @@ def test_lines_of_a_linear_train_are_those_of_its_transfer_function(oscillator: 
     rig = oscillator(
         lambda drive, x, v: 0.7 + gb.cos(drive * gb.time) + 0.2 * gb.sin(1.5 * drive * gb.time), k=3.0, c=0.2
     )
-    found = gb.spectrum(rig, "disc.phi", section=SECTION, parameters={"drive": 2.0}, samples=64)
+    found = gb.spectrum(rig, section=SECTION, of="disc.phi", parameters={"drive": 2.0}, samples=64)
     assert found.periods == 2 and found.miss < 1e-8
     expected = np.zeros(len(found.order), dtype=complex)
     expected[0] = 0.7 / 3.0
@@ -38,7 +38,7 @@ def test_lines_of_a_linear_train_are_those_of_its_transfer_function(oscillator: 
 
 def test_lines_are_those_of_the_run_under_a_window(oscillator: Oscillator) -> None:
     rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time) - x**3, k=1.0, c=0.3)
-    found = gb.spectrum(rig, "disc.phi", section=SECTION)
+    found = gb.spectrum(rig, section=SECTION, of="disc.phi")
     run = gb.simulate(rig, t_end=2 * np.pi * 332, rtol=1e-9)
     window = run.spectrum("disc.phi", after=2 * np.pi * 300, before=2 * np.pi * 332)
     for order in (1, 3, 5):
@@ -48,8 +48,8 @@ def test_lines_are_those_of_the_run_under_a_window(oscillator: Oscillator) -> No
 def test_what_has_no_lines_is_refused_by_name(oscillator: Oscillator) -> None:
     rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + gb.cos(np.sqrt(2) * gb.time), k=3.0, c=0.2)
     with pytest.raises(gb.ParameterError, match=r"does not repeat has run\.spectrum\('disc.phi'\)"):
-        gb.spectrum(rig, "disc.phi", section=SECTION)
+        gb.spectrum(rig, section=SECTION, of="disc.phi")
     with pytest.raises(gb.ParameterError, match="samples = 100 a power of two"):
-        gb.spectrum(rig, "disc.phi", section=SECTION, samples=100)
+        gb.spectrum(rig, section=SECTION, of="disc.phi", samples=100)
     with pytest.raises(gb.UnknownNameError, match=r"disc\.fi"):
-        gb.spectrum(rig, "disc.fi", section=SECTION)
+        gb.spectrum(rig, section=SECTION, of="disc.fi")
