@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.regimes.response_pictures import label
+from gearblocks.analysis.regimes.pictures import label
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, prefixed, style
 
 if TYPE_CHECKING:

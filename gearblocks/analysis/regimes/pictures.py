@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
+from gearblocks.simulation.plotting import COLOURS, NO_UNIT, finished, new_figure, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 _DRAWN = 8  # exponents
 
 
-class Diagram(Protocol):
-    """What is drawn (`bifurcation.py`)."""
+class OverParameter(Protocol):
+    """What is drawn over a parameter: its path and unit, its values, the output and its unit."""
 
     @property
     def path(self) -> str: ...
@@ -31,6 +31,16 @@ class Diagram(Protocol):
     def of(self) -> str: ...
     @property
     def of_unit(self) -> str: ...
+
+
+def label(words: str, unit: str) -> str:
+    """Words of an axis."""
+    return words if unit in NO_UNIT else f"{words} in {unit}"
+
+
+class Diagram(OverParameter, Protocol):
+    """What is drawn (`bifurcation.py`)."""
+
     @property
     def points(self) -> Array: ...
     @property
@@ -44,8 +54,8 @@ def draw_bifurcation(found: Diagram, path: str | os.PathLike[str] | None) -> Fig
         for i, words in reversed([*enumerate(found.directions)]):
             x = np.repeat(found.values, found.points.shape[2])
             axis.plot(x, found.points[i].ravel(), ".", markersize=2.4 if i else 1.2, color=COLOURS[i], label=words)
-        axis.set_xlabel(f"{found.path} in {found.unit}" if found.unit not in ("", "1") else found.path)
-        axis.set_ylabel(f"{found.of} in {found.of_unit}" if found.of_unit not in ("", "1") else found.of)
+        axis.set_xlabel(label(found.path, found.unit))
+        axis.set_ylabel(label(found.of, found.of_unit))
         if len(found.directions) > 1:
             axis.legend(markerscale=6)
         return finished(figure, path)

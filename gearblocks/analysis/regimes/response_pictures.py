@@ -10,37 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.carried import Jump
-from gearblocks.simulation.plotting import COLOURS, MARKERS, NO_UNIT, finished, new_figure, prefixed, style
+from gearblocks.analysis.regimes.pictures import OverParameter, label
+from gearblocks.simulation.plotting import COLOURS, MARKERS, finished, new_figure, prefixed, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
 Array = NDArray[np.float64]
 
 
-class Sweep(Protocol):
+class Sweep(OverParameter, Protocol):
     """What is drawn (`swept_speed.py`)."""
 
-    @property
-    def path(self) -> str: ...
-    @property
-    def unit(self) -> str: ...
-    @property
-    def values(self) -> Array: ...
-    @property
-    def of(self) -> str: ...
-    @property
-    def of_unit(self) -> str: ...
     @property
     def rms(self) -> Array: ...
     @property
     def peak_to_peak(self) -> Array: ...
     @property
     def jumps(self) -> Sequence[Jump]: ...
-
-
-def label(words: str, unit: str) -> str:
-    """Words of an axis."""
-    return words if unit in NO_UNIT else f"{words} in {unit}"
 
 
 def draw_sweep(found: Sweep, path: str | os.PathLike[str] | None) -> Figure:
@@ -61,19 +48,9 @@ def draw_sweep(found: Sweep, path: str | os.PathLike[str] | None) -> Figure:
         return finished(figure, path)
 
 
-class Branch(Protocol):
+class Branch(OverParameter, Protocol):
     """What is drawn (`branch.py`)."""
 
-    @property
-    def path(self) -> str: ...
-    @property
-    def unit(self) -> str: ...
-    @property
-    def values(self) -> Array: ...
-    @property
-    def of(self) -> str: ...
-    @property
-    def of_unit(self) -> str: ...
     @property
     def rms(self) -> Array: ...
     @property
