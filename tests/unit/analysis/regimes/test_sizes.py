@@ -47,7 +47,12 @@ def _drive() -> tuple[gb.Parameter, object]:
 
 
 @pytest.mark.parametrize(
-    "case", ["between two that swing against each other", "the same, free to turn", "at rest under a load"]
+    "case",
+    [
+        "between two that swing against each other",
+        pytest.param("the same, free to turn", marks=pytest.mark.long),
+        pytest.param("at rest under a load", marks=pytest.mark.long),
+    ],
 )
 def test_a_state_of_rounding_size_has_the_multipliers_of_its_equation(case: str) -> None:
     _, swings = _drive()
@@ -67,6 +72,7 @@ def test_a_state_of_rounding_size_has_the_multipliers_of_its_equation(case: str)
     assert np.sort_complex(orbit.multipliers) == pytest.approx(np.sort_complex(own), abs=tolerance)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("size", [1e-29, 1e-9])
 def test_a_small_state_that_nothing_large_reaches_keeps_its_own_size(size: float) -> None:
     # Mathieu's equation beside the swing that drives it: x'' + 0.1 x' + (2.7 - 0.5 phi) x = size cos
