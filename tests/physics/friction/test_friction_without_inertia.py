@@ -225,9 +225,6 @@ def test_capacities_of_a_row_are_structural() -> None:
     assert np.abs(changed["one.w"] - single["one.w"]).max() < 1e-8 * np.abs(single["one.w"]).max()
 
 
-FADES = gb.Table([0.0, 1.0, 2.0], [1.0, 0.9, 0.0])  # N m over s
-
-
 def _star(seed: int, arms: int, *, gaps: bool) -> tuple[gb.Drivetrain, np.ndarray]:
     """A body at rest, moving bodies around it, each behind a brake and a shaft; the torques of the brakes at t = 0 by hand."""
     random = np.random.default_rng(seed)
@@ -235,7 +232,7 @@ def _star(seed: int, arms: int, *, gaps: bool) -> tuple[gb.Drivetrain, np.ndarra
     hub = rig.add("hub", gb.Inertia(J=1.0))
     w, share, c = random.uniform(-3, 3, arms), random.uniform(0.2, 1.0, arms), random.uniform(0.1, 0.5, arms)
     for i in range(arms):
-        brake = rig.add(f"brake{i}", gb.Brake(capacity=share[i] * FADES))
+        brake = rig.add(f"brake{i}", gb.Brake(capacity=gb.Table([0.0, 1.0, 2.0], [share[i], 0.9 * share[i], 0.0])))
         link = gb.Lash(k=1.0, c=c[i], half_gap=1.0, contact_damping="always") if gaps else gb.Shaft(k=1.0, c=c[i])
         link, body = rig.add(f"link{i}", link), rig.add(f"body{i}", gb.Inertia(J=1.0, w0=w[i]))
         rig.connect(hub.a, brake.a)
