@@ -371,10 +371,7 @@ class Dynamics:
         return [sign * force if side else -math.copysign(1.0, two) * sign * force, NONE, NONE]
 
     def _rests(self, g: Lossy, tau: float, out: float) -> tuple[float, float]:
-        """Room of a gear at rest before it turns forward, and before it turns backward: friction by what leaves.
-
-        Where both sides hold (tau1 > tau2) nothing begins to move that can stay at rest: a drives.
-        """
+        """Room of a gear at rest before it turns forward, and backward, by what leaves; where both sides hold, a drives."""
         one, two, tau1, tau2 = g.values(0.0)
         if two < 0 or tau1 > tau2:
             ahead = (out + tau1) / one if out + tau1 >= 0 else two * (out + tau2)
