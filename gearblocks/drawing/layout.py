@@ -235,7 +235,7 @@ class _Sheet:
             shapes = [*moved(s.shapes, x, y), *moved(p.caption.shapes(s.up, s.down), x, y)]
             shapes += self._stubs(p, x, y)
         for c in p.channels:
-            if not c.straight:
+            if not c.straight and self.lanes.first[c.shaft] < self.lanes.last[c.shaft]:  # an open flange leads nowhere
                 edge = x + (-p.left if c.side < 0 else p.right)
                 self.wires.append(Wire(((edge, y + c.y), (x + c.x, y + c.y), (x + c.x, row.y[c.lane])), c.shaft))
         self.figures.append(Figure(p.element, number, tuple(shapes), p.caption.title))
