@@ -17,8 +17,7 @@ int gb_event_functions_at(gb_sim *sim, double theta, double *s) {
 double gb_limit_distance(const gb_sim *sim, int i, double side, double s) {
     const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
     const double rounding = gb_limit_rounding(sim, i, limit);
-    /* One that has just flipped is on its limit as well as its root was found; inside it where its law jumps with it.
-     */
+    /* one that has just flipped is on its limit as well as its root was found, or inside: its law may jump with it */
     const double from = side * (limit - sim->events.s0[i]) <= rounding ? sim->events.s0[i] : limit;
     return side * (from - s) + gb_max(sim->events.slack[i], 0.0);
 }

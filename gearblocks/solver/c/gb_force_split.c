@@ -90,10 +90,41 @@ static double gb_split_left(const gb_lcp *problem, const int *is_own, const doub
     return worst - 1e-11 * size - DBL_MIN;
 }
 
+/* Forces without bounds can circulate among those that take part: two gears side by side press on each other as hard as
+ * they like, and their losses would hold any load. Such rows depend on each other: a pivot vanishes (Cholesky). */
+static int gb_split_circulates(const gb_lcp *problem, const int *is_own, const gb_force_bounds *bounds) {
+    const int n = problem->A.n;
+    int at[n + 1], column[n + 1], count = 0;
+    double value[n + 1], row[n + 1], *L = problem->room;
+    for (int i = 0; i < n; i++) {
+        const int bounded = bounds->lower[i] > -HUGE_VAL && bounds->upper[i] < HUGE_VAL;
+        if (problem->in[i] && !is_own[i] && !bounded && !gb_split_is_loss(bounds, i)) {
+            at[count++] = i;
+        }
+    }
+    for (int k = 0; k < count; k++) {
+        memset(row, 0, sizeof row);
+        for (int c = gb_delassus_row(&problem->A, at[k], column, value) - 1; c >= 0; c--) {
+            row[column[c]] = value[c];
+        }
+        for (int j = 0; j <= k; j++) {
+            double sum = row[at[j]];
+            for (int m = 0; m < j; m++) {
+                sum -= L[k * n + m] * L[j * n + m];
+            }
+            if (j == k && !(sum > 1e-9 * row[at[k]])) {
+                return 1;
+            }
+            L[k * n + j] = j == k ? sqrt(sum) : sum / L[j * n + j];
+        }
+    }
+    return 0;
+}
+
 /* Where bounds grow with forces the complementarity problem of a split can have a solution that slips beside those that
  * hold: a clutch takes off a gear what would let it hold more. With every combination of sides of the gears at rest
  * whose forces of ties the motion does not tell, the split that leaves least, into x where it leaves less than `left`;
- * returns what is left. */
+ * returns what is left. Where forces circulate nothing tells how large they are: the split that was found stays. */
 static double gb_split_of_any_sides(const gb_lcp *problem, const int *is_own, const double *b,
                                     const gb_force_bounds *bounds, const double *force, const double *given,
                                     double left, double *x) {
@@ -101,6 +132,9 @@ static double gb_split_of_any_sides(const gb_lcp *problem, const int *is_own, co
     int sides[2 * n + 1], option[n + 1], more = 1;
     double other[n + 1];
     memset(option, 0, sizeof option);
+    if (gb_split_circulates(problem, is_own, bounds)) {
+        return left;
+    }
     for (int count = 0; more && left > 0.0 && count < GB_SPLITS; count++) {
         more = 0;
         for (int i = 0; i < n; i++) {
@@ -127,11 +161,11 @@ static double gb_split_of_any_sides(const gb_lcp *problem, const int *is_own, co
     return left;
 }
 
-int gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_bounds *bounds, double *force) {
+void gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_bounds *bounds, double *force) {
     const int n = problem->A.n;
     int is_own[n + 1];
     memset(is_own, 0, sizeof is_own);
-    return gb_split_of_any_sides(problem, is_own, b, bounds, force, NULL, HUGE_VAL, force) <= 0.0;
+    gb_split_of_any_sides(problem, is_own, b, bounds, force, NULL, HUGE_VAL, force);
 }
 
 void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, const gb_force_bounds *bounds,

@@ -26,9 +26,9 @@ void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, cons
               double *force, double *violation);
 
 /* Forces within the bounds with which all that take part rest, b: their slip accelerations without forces. With lossy
- * gears; what the complementarity problem finds may slip although there are such forces. 0: there are none, and `force`
- * is what leaves least. */
-int gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_bounds *bounds, double *force);
+ * gears; what the complementarity problem finds may slip although there are such forces. Where there are none: those
+ * that leave least. */
+void gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_bounds *bounds, double *force);
 
 /* By how much the force of each active constraint exceeds its bounds, < 0 inside; -1 for all others. */
 static inline void gb_split_forces(const gb_delassus *W, gb_active_set *a, const int *is_active,

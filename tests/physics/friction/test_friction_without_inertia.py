@@ -251,6 +251,21 @@ def test_friction_whose_capacity_is_a_table_over_time_starts_stuck_or_sliding(se
     assert [run[f"brake{i}.torque"][0] for i in range(arms)] == pytest.approx(torques, rel=1e-9)
 
 
+@pytest.mark.parametrize("w", [-6.0, -2.0, 2.0, 6.0])
+@pytest.mark.parametrize("nested", [False, True])
+def test_friction_whose_capacity_hangs_on_conditions_starts_stuck_or_sliding(w: float, nested: bool) -> None:
+    """Conditions that are found first put off by a round which direction of the friction is decided."""
+    capacity = gb.piecewise((0.8, gb.sense("hub.w") > -50.0), (0.1, True)) if nested else 0.8
+    rig = gb.Drivetrain("conditions")
+    brake = rig.add("brake", gb.Brake(capacity=gb.piecewise((capacity, gb.sense("body.w") > -100.0), (0.0, True))))
+    link, body = rig.add("link", gb.Shaft(k=1.0, c=0.2)), rig.add("body", gb.Inertia(J=1.0, w0=w))
+    rig.connect(rig.add("hub", gb.Inertia(J=1.0)).a, brake.a)
+    rig.connect(brake.housing, link.a)
+    rig.connect(link.b, body.a)
+    run = gb.simulate(rig, t_end=0.01, outputs=["brake.torque"])
+    assert run["brake.torque"][0] == pytest.approx(-np.clip(0.2 * w, -0.8, 0.8), rel=1e-9)
+
+
 @pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
 @pytest.mark.parametrize(("capacity", "peak"), [(0.1, 1.2), pytest.param(0.08, 1.5, marks=pytest.mark.long)])
 def test_a_static_peak_at_a_shaft_without_inertia_lets_go_at_the_speed_of_its_jump(

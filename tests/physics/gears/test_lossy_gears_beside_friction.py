@@ -8,6 +8,7 @@ efficiencies (eta1, .), the ratio i > 1, the friction F on b and the clutch at t
 Sliding it carries T = F/(i eta1) + (1 - 1/(i eta1)) C, less than that: both are possible between, and what can rest does.
 """
 
+import numpy as np
 import pytest
 
 import gearblocks as gb
@@ -88,3 +89,44 @@ def test_gear_clutch_and_freewheel_behind_an_ellipse_hold_a_load_that_swings(met
     run = gb.simulate(rig, t_end=0.5, method=method)
     assert abs(run["a.w"]).max() == 0.0
     assert not [e for e in run.events if e.kind == "state"]
+
+
+def _side_by_side(paths: str, held: float) -> gb.Drivetrain:
+    """A load that rises on a, gears of ratio 6 side by side between a and b, and a brake on b."""
+    rig = gb.Drivetrain("side by side")
+    a, b = rig.add("a", gb.Inertia(J=1.0)), rig.add("b", gb.Inertia(J=2.0))
+    rig.connect(rig.add("load", gb.Torque(tau=2.0 * gb.time)).flange, a.a)
+    losses = {"efficiency": (0.9, 0.8), "bearing": (0.3, 0.3)}
+    for i, path in enumerate(paths):
+        if path == "i":
+            gear = rig.add(f"gear{i}", gb.IdealGear(ratio=6.0))
+            rig.connect(a.b, gear.a)
+            rig.connect(gear.b, b.a)
+            continue
+        first = rig.add(f"gear{i}", gb.LossyGear(ratio=6.0 if path == "l" else 2.0, **losses))
+        rig.connect(a.b, first.a)
+        if path == "l":
+            rig.connect(first.b, b.a)
+            continue
+        last = rig.add(f"last{i}", gb.LossyGear(ratio=3.0, **losses))
+        rig.connect(first.b, rig.add(f"between{i}", gb.Inertia(J=0.1)).a, last.a)
+        rig.connect(last.b, b.a)
+    if held:
+        rig.connect(rig.add("hold", gb.Brake(capacity=held)).a, b.b)
+    return rig
+
+
+@pytest.mark.parametrize("held", [0.0, 3.0])
+@pytest.mark.parametrize(("paths", "most"), [("ll", 0.6 / 0.9), ("lll", 0.9 / 0.9), ("li", 0.3 / 0.9), ("ls", None)])
+def test_gears_side_by_side_press_on_each_other_no_more_than_the_load_asks(
+    paths: str, most: float | None, held: float
+) -> None:
+    """Forces that circulate would hold any load by what the gears lose. Of lossy gears each takes an equal part of the load;
+    an ideal gear (i) takes it all; of two in a row (s) there are bounds alone."""
+    run = gb.simulate(_side_by_side(paths, held), t_end=4.0)
+    gone = min((e.t for e in run.events if e.component == "gear0"), default=np.inf)
+    if most is not None:
+        assert 2.0 * gone == pytest.approx(most + held / (6.0 * (1.0 if "i" in paths else 0.9)), rel=1e-8)
+    assert 0.3 / 0.9 + held / 6.0 < 2.0 * gone + 1e-9 < 3.0
+    assert run["a.w"][-1] > 1.0
+    assert run.energy.residual < 1e-5
