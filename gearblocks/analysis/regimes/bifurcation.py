@@ -121,10 +121,14 @@ def bifurcation(
     model = build(train)
     asked = rising(values)
     _check(carry, labels, executor, threads, store)
-    if labels not in LABELS or transient < 0 or keep < 2 * longest + 1:
+    if labels not in LABELS:
+        raise ParameterError(f"labels = {labels!r} must be 'quick' or 'full'")
+    if transient < 0:
+        raise ParameterError(f"transient = {transient} must be 0 or more periods")
+    if keep <= 2 * longest:
         raise ParameterError(
-            f"labels = {labels!r} must be 'quick' or 'full', transient = {transient} >= 0, and keep = {keep} > twice longest "
-            f"= {longest}"
+            f"keep = {keep} points are too few to see a period of longest = {longest} repeat: give keep >= {2 * longest + 1} "
+            "or a smaller longest"
         )
     names = model.program.parameter_numbers
     info = model.program.parameters[resolve(parameter, names, "parameter")]
