@@ -270,11 +270,11 @@ static int hold_trapped(gb_sim *sim) {
     return gb_slide(sim, last) ? GB_DONE : gb_fail(sim, GB_ERR_CHATTER, last, sim->head->front.t1, ROUNDS);
 }
 
-int gb_depart(gb_sim *sim, int log, int timed) {
+int gb_depart(gb_sim *sim, int before, int timed) {
     const gb_model *model = sim->model;
     const struct gb_event_state *events = &sim->head->events;
-    const int held = events->held_until < HUGE_VAL, early = log && !timed && sim->head->counts.events < events->look_at;
-    int code = GB_DONE, flipped = 1;
+    const int held = events->held_until < HUGE_VAL, log = before == GB_AT_EVENT;
+    int code = GB_DONE, flipped = 1, early = log && !timed && sim->head->counts.events < events->look_at;
     double shortest = SHORTEST, ahead = 0.0;
     if (!sim->head->options.locate || model->n_event_functions == 0 || (early && !held)) {
         return GB_DONE;
@@ -294,7 +294,7 @@ int gb_depart(gb_sim *sim, int log, int timed) {
             hold_begun(sim);
         }
         if (code == GB_DONE && flipped > 0) {
-            code = gb_balance_massless(sim, !log);
+            code = gb_balance_massless(sim, before);
         }
         if (code == GB_DONE && flipped > 0 && model->update_states != NULL) {
             code = gb_update_states(sim);

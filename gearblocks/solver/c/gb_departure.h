@@ -8,8 +8,9 @@
 
 #include "gb_internal.h"
 
-/* After the start, or with `log` after an event (timed: of time): decides those that stand on a limit. */
-int gb_depart(gb_sim *sim, int log, int timed);
+/* After the start or an event (before: as of gb_balance_massless; timed: of time): decides those that stand on a limit.
+ */
+int gb_depart(gb_sim *sim, int before, int timed);
 
 /* The front has come to where the side is plain: limits are watched again. */
 int gb_departed(gb_sim *sim);

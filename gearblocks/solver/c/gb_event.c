@@ -85,8 +85,8 @@ static int refuse_jump(gb_sim *sim, const double *y0) {
     return GB_DONE;
 }
 
-int gb_balance_massless(gb_sim *sim, int starting) {
-    const int watched = !starting && sim->model->springs_alone != NULL;
+int gb_balance_massless(gb_sim *sim, int before) {
+    const int at_event = before == GB_AT_EVENT, watched = at_event && sim->model->springs_alone != NULL;
     int code = sim->model->balance_massless ? gb_time_terms_at(sim, sim->head->front.t1) : GB_DONE;
     uint64_t modes = ~sim->head->events.mode_hash;
     for (int round = 0;
@@ -96,10 +96,10 @@ int gb_balance_massless(gb_sim *sim, int starting) {
         if (watched) {
             memcpy(sim->z2, sim->y, sizeof(double) * (size_t)sim->model->n);
         }
-        sim->model->balance_massless(sim->par, sim->mode, sim->instant.time_terms, sim->y, starting);
+        sim->model->balance_massless(sim->par, sim->mode, sim->instant.time_terms, sim->y, before == GB_FROM_REST);
         code = watched ? refuse_jump(sim, sim->z2) : GB_DONE;
         if (code == GB_DONE) {
-            code = gb_settle_modes(sim, !starting);
+            code = gb_settle_modes(sim, at_event);
         }
     }
     return code;
@@ -191,7 +191,7 @@ int gb_apply_event(gb_sim *sim) {
         code = gb_settle_all(sim, 1);
     }
     if (code == GB_DONE) {
-        code = gb_balance_massless(sim, 0);
+        code = gb_balance_massless(sim, GB_AT_EVENT);
     }
     if (code == GB_DONE && head->events.n_sliding > 0) {
         code = gb_settle_sliding(sim);

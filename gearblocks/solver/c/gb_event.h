@@ -11,8 +11,12 @@ int gb_settle_modes(gb_sim *sim, int log);
 /* Switches the constraints, and what else flips because of it. */
 int gb_settle_all(gb_sim *sim, int log);
 
+/* What comes before: an event; nothing, so that angles that are not given are those at rest; a motion whose states are
+ * given, so that angles that dampers and friction hold are what they were. */
+enum { GB_AT_EVENT, GB_FROM_REST, GB_GOING_ON };
+
 /* Puts massless groups into balance, and takes the modes that belong to it. */
-int gb_balance_massless(gb_sim *sim, int starting);
+int gb_balance_massless(gb_sim *sim, int before);
 
 /* States that take a value as the modes change, from those in events.mode_before. */
 int gb_update_states(gb_sim *sim);

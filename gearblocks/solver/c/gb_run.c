@@ -50,7 +50,7 @@ static int event(gb_sim *sim, double target) {
     const int timed = sim->head->front.t1 >= sim->head->events.t_break;
     int code = gb_apply_event(sim);
     if (code == GB_DONE) {
-        code = gb_depart(sim, 1, timed);
+        code = gb_depart(sim, GB_AT_EVENT, timed);
     }
     return code == GB_DONE ? check_progress(sim, target) : code;
 }

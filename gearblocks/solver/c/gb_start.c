@@ -181,12 +181,12 @@ static int start_modes(gb_sim *sim, int fresh) {
         code = gb_settle_all(sim, 0);
     }
     if (code == GB_DONE) {
-        code = gb_balance_massless(sim, 1);
+        code = gb_balance_massless(sim, fresh ? GB_FROM_REST : GB_GOING_ON);
     }
     if (code == GB_DONE && model->n_affine > 0) {
         code = start_on_limits(sim);
     }
-    return code == GB_DONE ? gb_depart(sim, 0, 1) : code;
+    return code == GB_DONE ? gb_depart(sim, fresh ? GB_FROM_REST : GB_GOING_ON, 1) : code;
 }
 
 int gb_start(gb_sim *sim, const gb_options *options, double t0, const double *y0) {

@@ -144,7 +144,7 @@ static int mapped(gb_sim *sim, const gb_tangent_room *room, const double *w) {
         }
         const int timed = sim->head->front.t1 >= sim->head->events.t_break;
         int code = gb_apply_event(sim);
-        code = code == GB_DONE ? gb_depart(sim, 1, timed) : code;
+        code = code == GB_DONE ? gb_depart(sim, GB_AT_EVENT, timed) : code;
         alike = alike && code == GB_DONE && sim->head->events.mode_hash == modes;
         for (int i = 0; i < n; i++) {
             room->beyond[i] += gb_beside_weight(p) / reach * sim->y[i];
