@@ -251,6 +251,7 @@ def _angles(program: Program, vector: Array, given: _Given, point: Point) -> lis
     for g, start in enumerate(program.groups):
         if start.prescribed and start.angle < 0 and not start.varying:
             solving.motion.take({g: 1.0}, _shown(program, start, found, angle=True))
+    _take_shared(solving)
     for row in program.deflections:
         wanted = _present(program, row, vector, speeds=False) if row.gives_angle else _natural(row, vector)
         solving.take(row, wanted - _constant(row, vector))  # a loop that is under tension by itself stays so
@@ -266,6 +267,18 @@ def _angles(program: Program, vector: Array, given: _Given, point: Point) -> lis
         if not any(program.groups[g].varying for g in row.groups):
             solving.motion.take(solving.factors(row), -_constant(row, vector))
     return solving.values()
+
+
+def _take_shared(solving: _Solving) -> None:
+    """Groups whose angles one start value gives, through a lossy gear of which one side alone is given."""
+    first: dict[int, int] = {}
+    for g, start in enumerate(solving.program.groups):
+        if start.angle < 0 or start.varying or start.prescribed:
+            continue
+        other = first.setdefault(start.angle, g)
+        if other != g:
+            solving.joined.join(g, other)
+            solving.motion.take({other: solving.program.groups[other].angle_gain, g: -start.angle_gain}, 0.0)
 
 
 def _shown(program: Program, start: GroupStart, outputs: Array, *, angle: bool) -> float:

@@ -16,6 +16,15 @@ typedef struct gb_loss_line {
     double slope, fixed;
 } gb_loss_line;
 
+/* Losses read from a table are none below zero by more than rounding, and at rest, where nothing else acts, by none: a
+ * gear that gains 1e-17 N m there has no motion. */
+static inline void gb_loss_without_gain(double *losses) {
+    losses[0] = fmax(losses[0], 0.0);
+    losses[1] = fmax(losses[1], 0.0);
+    losses[2] = fmin(losses[2], 0.0);
+    losses[3] = fmax(losses[3], 0.0);
+}
+
 static inline int gb_loss_side(const double *losses, double u) {
     return u + losses[1] >= 0.0 ? 1 : u + losses[3] < 0.0 ? -1 : 0;
 }

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import gearblocks as gb
 
@@ -58,3 +59,33 @@ def test_what_a_load_pulls_at_is_let_go_when_the_capacity_is_the_load(load, meth
     at_end = 0.5 * fall * (END - release) ** 2 / FAR
     assert run["far.w"][1] == pytest.approx(at_end, rel=1e-4, abs=1e-14)
     assert run["far.w"][2] == pytest.approx(at_end + load * (0.8 - END) / FAR, rel=1e-7)
+
+
+PULSES = {
+    "sine": 40.9 * sp.Abs(gb.sin(4.45 * gb.time)),
+    "triangle": 11.0 * sp.Abs(gb.time - 0.7),
+    "powers": gb.piecewise((8.0 * (0.3 - gb.time), gb.time < 0.3), (90.0 * (gb.time - 0.3) ** 3, True)),
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("joint", ["clutch", "brake", "one-way"])
+@pytest.mark.parametrize("capacity", PULSES)
+def test_a_capacity_that_touches_zero_moves_nothing_that_rests(capacity, joint, method):
+    """Below zero by rounding where its corner was located, it drove what it joins at 1e-15 N m, and came back for ever."""
+    rig = gb.Drivetrain("touches")
+    one, two, three = (rig.add(n, gb.Inertia(J=J)) for n, J in (("one", 1.02), ("two", 0.46), ("three", 0.0567)))
+    blocks = {"clutch": gb.Clutch, "brake": gb.Brake, "one-way": gb.OneWayClutch}
+    touches = rig.add("touches", blocks[joint](capacity=PULSES[capacity]))
+    rig.connect(
+        one.a,
+        *([touches.b] if joint != "brake" else []),
+        rig.add("car", gb.Vehicle(mass=0.7, wheel_radius=0.1, drag_area=2.0)).flange,
+    )
+    rig.connect(two.a, touches.a)
+    gap = rig.add("gap", gb.Lash(k=20.2, half_gap=0.0, c=0.04, contact_damping="clipped"))
+    rig.connect(two.b, gap.a)
+    rig.connect(three.a, gap.b)
+    run = gb.simulate(rig, t_end=3.0, method=method, rtol=1e-9)
+    assert {x for name in ("one", "two", "three") for x in run[f"{name}.w"]} == {0.0}
+    assert all(e.kind == "time" or e.t == 0.0 for e in run.events) and run.stats.steps < 100

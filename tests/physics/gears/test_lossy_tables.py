@@ -65,3 +65,19 @@ def test_an_impact_leaves_the_gear_with_the_losses_of_its_new_speed(table, w0):
     assert run["one.w"][at] == pytest.approx(w, rel=2e-3)
     true = _acceleration(table, ratio, tau, 0.0, run["one.w"][at], J1 + flywheel)
     assert run["one.alpha"][at] == pytest.approx(true, rel=1e-9)
+
+
+@pytest.mark.parametrize("eta1", [0.993, 1.0])
+@pytest.mark.parametrize("eta2", [0.638, 1.0, -0.3])
+@pytest.mark.parametrize("speed", [11.1, 7.7, 0.3])
+def test_a_table_without_bearing_torque_at_rest_holds_nothing_and_moves_nothing(speed, eta2, eta1):
+    """Beside a gear at rest that is loaded; 2 - J1 w' = J2 w'/(4 eta1) from where the torque comes on."""
+    table = ((0.0, eta1, eta2, 0.0, 0.0), (speed, 0.769, 0.793 if eta2 > 0 else -0.4, 0.372, 0.372))
+    rig, _ = _train(table, 2.0, gb.piecewise((2.0, gb.time > 0.5), (0.0, True)), 0.0, 0.0)
+    held = rig.add("held", gb.LossyGear(ratio=-0.5, efficiency=(0.928, 0.564), bearing=(1.1, 1.1)))
+    three, four = rig.add("three", gb.Inertia(J=0.25)), rig.add("four", gb.Inertia(J=0.9))
+    rig.chain(rig.add("pull", gb.Torque(tau=0.665)), three, held, four)
+    end = 0.5 + 1e-3 * speed
+    run = gb.simulate(rig, t=[0.0, 0.5, end], rtol=1e-9)
+    assert set(run["three.w"]) == set(run["four.w"]) == {0.0} == set(run["one.w"][:2])
+    assert run["one.w"][2] == pytest.approx(2.0 / (J1 + J2 / (4 * eta1)) * (end - 0.5), rel=1e-2)

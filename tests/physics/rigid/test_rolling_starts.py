@@ -231,3 +231,30 @@ def test_the_first_body_of_a_free_train_begins_at_the_angle_zero() -> None:
     rig.chain(one, rig.add("left", gb.Shaft(k=60.0, rest=0.05)), two)
     run = gb.simulate(rig, t_end=1e-6, initial=gb.rolling({"two.w": 3.0}))
     assert [run[f"{n}.phi"][0] for n in ("one", "two", "three")] == pytest.approx([0.0, 0.05, 0.25], abs=1e-15)
+
+
+def _behind_a_lossy_gear(**angles: float) -> gb.Drivetrain:
+    rig = gb.Drivetrain("behind")
+    ends = [rig.add(n, gb.Inertia(J=0.1, phi0=angles.get(n))) for n in ("one", "two", "left", "right")]
+    one, two, left, right = ends
+    rig.chain(one, rig.add("gear", gb.LossyGear(ratio=1.5, efficiency=(0.9, 0.7))), two)
+    rig.chain(left, rig.add("first", gb.Shaft(k=50.0, rest=-0.06)), one)
+    rig.chain(two, rig.add("second", gb.Shaft(k=2.0, rest=0.03)), right)
+    return rig
+
+
+@pytest.mark.parametrize("named", ["left", "one", "two", "right"])
+@pytest.mark.parametrize("own", ["one", "two"])
+def test_angles_beside_a_lossy_gear_yield_to_one_that_is_named_beyond_it(own: str, named: str) -> None:
+    """One side of the gear gives its angle, the other one follows it: both follow what is named, and no shaft is twisted."""
+    run = gb.simulate(_behind_a_lossy_gear(**{own: 0.2}), t_end=1e-6, initial=gb.rolling({f"{named}.phi": 0.5}))
+    assert run[f"{named}.phi"][0] == pytest.approx(0.5, abs=1e-15)
+    assert run["one.phi"][0] == pytest.approx(1.5 * run["two.phi"][0], rel=1e-14)
+    assert [run["first.twist"][0], run["second.twist"][0]] == pytest.approx([-0.06, 0.03], abs=1e-15)
+
+
+def test_two_named_angles_of_sides_that_follow_each_other_contradict() -> None:
+    with pytest.raises(
+        gb.GearblocksError, match=r"'two.phi' = 0.5 contradicts the 0.133333333 that follows from 'one.phi'"
+    ):
+        gb.simulate(_behind_a_lossy_gear(one=0.3), t_end=1e-6, initial=gb.rolling({"one.phi": 0.2, "two.phi": 0.5}))

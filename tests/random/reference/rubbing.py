@@ -234,6 +234,8 @@ def inner_friction(s: System, row: Array, fields: dict[str, Any], name: str) -> 
             unit.value = [unit.mode * rate, 1.0]
         else:
             unit.value = [unit.friction - force, unit.friction + force]
+        if unit.mode and name in s.heats:
+            f[-1 - s.heats[name]] += force * rate
 
     s.laws.append(law)
 
