@@ -19,7 +19,12 @@ Force = Callable[[float, float, float], tuple[float, float]]
 
 
 def contact_law(s: System, p: Part, k: float) -> Force:
-    """(x, x', factor on k) -> (k factor g(x) + damping, G(x) the integral of g).
+    """The force of a contact, without its springs alone."""
+    return _contact(s, p, k)[0]
+
+
+def _contact(s: System, p: Part, k: float) -> tuple[Force, Callable[[float], float]]:
+    """(x, x', factor on k) -> (k factor g(x) + damping, G(x) the integral of g), and x -> k g(x).
 
     Damping: "clipped" c x' within +-abs(k g); "clipped_force" never pulling; "always" in the gap too; Hunt and Crossley.
     """
@@ -32,12 +37,12 @@ def contact_law(s: System, p: Part, k: float) -> Force:
     zone = _zone(s.sw, gap)
     c = p.field("c")
     if isinstance(choice, Node):
-        return _hunt_crossley(s, zone, k, dict(choice.args[1])["restitution"])
+        return _hunt_crossley(s, zone, k, dict(choice.args[1])["restitution"]), lambda x: k * zone(x)[0]
     if p.block == "Lash" and p.field("exponent") is not None:
         zone = _risen(zone, p.field("exponent"))
     if gap is None:
         viscosity = 0.0 if c is None else c
-        return lambda x, rate, factor: (k * factor * x + viscosity * rate, x * x / 2)
+        return lambda x, rate, factor: (k * factor * x + viscosity * rate, x * x / 2), lambda x: k * x
     low, high, pushes = s.sw.new(), s.sw.new(), s.sw.new()
 
     def force(x: float, rate: float, factor: float) -> tuple[float, float]:
@@ -54,7 +59,7 @@ def contact_law(s: System, p: Part, k: float) -> Force:
         on = s.sw(pushes, (elastic + viscous) * side)
         return (elastic + viscous if on and side else 0.0), G
 
-    return force
+    return force, lambda x: k * zone(x)[0]
 
 
 def _zone(sw: Switches, gap: Any) -> Callable[[float], tuple[float, float, int]]:
@@ -174,12 +179,16 @@ def lash(s: System, p: Part) -> None:
     if p.field("hits"):
         hits(s, p, row, p.field("half_gap"))
         return
-    i, force = s.law_row(row), contact_law(s, p, p.field("k"))
+    i, (force, spring) = s.law_row(row), _contact(s, p, p.field("k"))
     s.elastic.append(row)
-    rest = p.field("rest", 0.0)
+    rest, heat = p.field("rest", 0.0), s.heats.get(p.name, -1)
 
     def law(c: Context, f: list[float]) -> None:
-        f[i] -= force(c.X[i] - rest, c.V[i], 1.0)[0]
+        x = c.X[i] - rest
+        pushes = force(x, c.V[i], 1.0)[0]
+        f[i] -= pushes
+        if heat >= 0:
+            f[-1 - heat] += (pushes - spring(x)) * c.V[i]
 
     s.laws.append(law)
 
