@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 BATCHES = 20
 """Batches of periods that a standard error is told from."""
-_REGULAR = 0.05  # of the error of a plain mean: halves of a regular motion agree better in their weighted means
+_REGULAR = 0.05  # of the error of a plain mean: parts of a regular motion agree better in their weighted means
 TURNS_IN = 20
 """Periods in which the columns turn into their directions."""
 _FEW, _STILL, _MANY = (
@@ -77,14 +77,14 @@ class LyapunovExponents:
         if self.orbit is not None:
             known = self.orbit.exponents[: self.logs.shape[1]] * self.period
             return known, np.full(len(known), self.orbit.closure)
-        half, length = len(self.logs) // 2, len(self.logs) // BATCHES
+        length = len(self.logs) // BATCHES
         batches = self.logs[: length * BATCHES].reshape(BATCHES, length, -1).mean(axis=1)
         with np.errstate(invalid="ignore"):
             plain, error = self.logs.mean(axis=0), batches.std(axis=0, ddof=1) / np.sqrt(BATCHES)
-            weighted = _weighted(self.logs)
-            split = np.abs(_weighted(self.logs[:half]) - _weighted(self.logs[half:]))
+            weighted = _weighted_means(self.logs)
+            split = np.ptp(weighted, axis=0)
             regular = split < _REGULAR * error
-        return np.where(regular, weighted, plain), np.where(regular, split, error)
+        return np.where(regular, weighted[0], plain), np.where(regular, split, error)
 
     @property
     def values(self) -> Array:
@@ -177,6 +177,14 @@ def _is_told(found: LyapunovExponents) -> bool:
     value, growth = found.per_period[0], found.per_period[0] * len(found.logs)
     clear = value > _SURE * found.errors_per_period[0] and growth > _SURE
     return bool(clear or (len(found.logs) >= _STILL and growth < 1.0))
+
+
+def _weighted_means(logs: Array) -> Array:
+    """Of the whole, both halves and the half in the middle, shape (4, m): of an irregular motion two of them agree by chance
+    now and then, all four hardly ever."""
+    half, quarter = len(logs) // 2, len(logs) // 4
+    parts = (logs, logs[:half], logs[half:], logs[quarter : quarter + half])
+    return np.array([_weighted(part) for part in parts])
 
 
 def _weighted(logs: Array) -> Array:

@@ -39,6 +39,7 @@ Array = NDArray[np.float64]
 SIGMAS = 3.0
 """Standard errors by which a largest exponent has to exceed zero."""
 _BEYOND = 8  # times the longest period, that is looked for where no exponent is positive or zero
+_DRIVES = 128  # periods of the section within which drives may repeat together, however short periods are asked for
 _TENFOLD = 10  # times the transient, before chaos is said
 _GROWN = 10.0  # times the size of the first half: the motion is not bounded
 _SAME_MULTIPLIERS = 1e-3  # of two tolerances
@@ -161,8 +162,12 @@ class Asked:
         points, after = states[-self.keep :], len(states)
         seen = self.seen.sized(points[-1], after)
         neutral = neutral_directions(seen, points[-1])
-        drives = drive_periods(seen, points[-1], self.longest, after)
+        drives = drive_periods(seen, points[-1], self._farthest, after)
         return self._periodic(seen, points, neutral, drives, after) or self._other(seen, points, neutral, drives, after)
+
+    @property
+    def _farthest(self) -> int:
+        return max(_BEYOND * self.longest, _DRIVES)
 
     def _periodic(self, seen: Strobe, points: Array, neutral: Neutral, drives: int, after: int) -> Regime | None:
         found = nearing(seen, points, neutral, drives, self.longest, after) if drives else None
@@ -201,14 +206,14 @@ class Asked:
     ) -> Regime:  # fmt: skip
         told = f"no exponent is positive: {_told(last)}"
         if not drives:
-            words = f"the drives do not repeat together within {self.longest} periods of the section"
+            words = f"the drives do not repeat together within {self._farthest} periods of the section"
             return Regime("quasi-periodic", (words, told), exponents=last)
         if last.per_period[0] + SIGMAS * last.errors_per_period[0] < 0.0 and (
             regime := self._long_periodic(seen, neutral, drives, last)
         ):
             return regime
         nearest = float(misses(points, seen, neutral, self.longest).min())
-        second = second_frequency(seen, points[-1], neutral, self.longest, after)
+        second = second_frequency(seen, points[-1], neutral, {*range(1, self.longest + 1), drives, 2 * drives}, after)
         if second is None or nearest < _APART:
             words = f"points miss each other by {nearest:.1e} of their size at the least, and no second frequency shows"
             return Regime("unresolved", (words, told, "give a longer transient"), exponents=last)
@@ -218,7 +223,7 @@ class Asked:
         self, seen: Strobe, neutral: Neutral, drives: int, last: LyapunovExponents
     ) -> Regime | None:  # fmt: skip
         """All exponents are negative: the motion is periodic, however long its period is."""
-        longest = _BEYOND * self.longest
+        longest = _BEYOND * max(self.longest, drives)
         points = seen.follow(last.states, 2 * longest + 1, after=last.passed).states
         off = misses(points, seen, neutral, longest)
         least = next((m for m in range(drives, longest + 1, drives) if off[m - 1] <= _APART), None)

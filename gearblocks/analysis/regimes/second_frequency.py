@@ -5,6 +5,8 @@ Knows nothing of exponents.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,8 +22,8 @@ _WIDTH = 4  # bins of a line, to each side
 _STAYS = 0.5  # bins: the line of both halves
 
 
-def second_frequency(seen: Strobe, y: Array, neutral: Neutral, longest: int, after: int) -> str | None:
-    """In words, or None: where lines hold the power, and the largest stays, and is no n-th of the section's, n <= longest."""
+def second_frequency(seen: Strobe, y: Array, neutral: Neutral, orders: Iterable[int], after: int) -> str | None:
+    """In words, or None: where lines hold the power, and the largest stays, and is no n-th of the section's, n in orders."""
     run = seen.follow(y, _POINTS, after=after)
     points = neutral.apart((run.states / seen.scale).T).T
     column = points[:, int(np.argmax(points.std(axis=0)))]
@@ -29,7 +31,7 @@ def second_frequency(seen: Strobe, y: Array, neutral: Neutral, longest: int, aft
     whole = _largest(column)
     if abs(first - second) > _STAYS / (_POINTS // 2) or _power_in_lines(column) < _SHARE:
         return None
-    near = min(abs(whole - k / n) for n in range(1, longest + 1) for k in range(n // 2 + 1))
+    near = min(abs(whole - k / n) for n in orders for k in range(n // 2 + 1))
     if near < 1.0 / _POINTS:
         return None
     return f"the points have a second frequency, {whole:.6g} times that of the section"

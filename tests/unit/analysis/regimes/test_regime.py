@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
+from gearblocks.analysis.regimes.exponents import LyapunovExponents
 
 Oscillator = Callable[..., gb.Drivetrain]
 SECTION = gb.stroboscopic("drive")
@@ -49,6 +50,30 @@ def test_a_motion_whose_period_is_longer_than_was_looked_for_is_told_by_its_expo
     rig = oscillator(lambda drive, x, v: 0.37 * gb.cos(drive * gb.time) + 2 * x - x**3, c=0.3)
     found = gb.classify(rig, SECTION, longest=2, parameters={"drive": 1.2})
     assert found.label == "period 5", found.evidence
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize(
+    ("label", "second", "longest"),
+    [("period 2", 1.5, 1), ("quasi-periodic", 1.5 + 1e-7, 1), ("period 11", 12 / 11, 4), ("quasi-periodic", 2**0.5, 2)],
+)
+def test_drives_that_repeat_later_than_was_looked_for_are_no_torus(
+    oscillator: Oscillator, label: str, second: float, longest: int
+) -> None:
+    found = gb.classify(oscillator(_sum(second), k=3.0, c=0.2), SECTION, longest=longest)
+    assert found.label == label, found.evidence
+
+
+def test_errors_of_exponents_are_not_small_by_chance() -> None:
+    rng, periods, trials = np.random.default_rng(5), 500, 4000
+    irregular = 0.2 + 0.3 * rng.standard_normal((periods, trials))
+    found = LyapunovExponents(irregular, 1.0, (), "", np.zeros(1), periods)
+    off = np.abs(found.per_period - 0.2) / found.errors_per_period
+    assert (off > 3).mean() < 0.02 and (off > 30).sum() == 0
+    k = np.arange(periods)[:, None]
+    regular = 0.2 + 0.3 * np.cos(2 * np.pi * np.array([0.618, 0.1234, 0.377]) * k)
+    found = LyapunovExponents(regular, 1.0, (), "", np.zeros(1), periods)
+    assert np.abs(found.per_period - 0.2).max() < 1e-6 and found.errors_per_period.max() < 1e-5
 
 
 def _ueda(oscillator: Oscillator, force: float, share: float = 1.0) -> gb.Drivetrain:
