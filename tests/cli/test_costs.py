@@ -68,3 +68,25 @@ def test_a_run_of_a_scene_starts_and_ends_as_it_says(tmp_path: Path, capsys: pyt
     assert "up to t = 0.1 s" in _said(capsys)[0]
     assert main(["sweep", f"{tmp_path / 'swing.py'}:swings", "--over", "lash.k=150:250:2"]) == 0
     assert "peak(motor.phi): " in _said(capsys)[0]
+
+
+def _rows(path: Path) -> list[str]:
+    return path.read_text(encoding="utf-8").splitlines()[1:]
+
+
+def test_a_budget_is_what_all_runs_together_may_take(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "swing.py").write_text(SCRIPT + SCENE, encoding="utf-8")
+    script, few, many = str(tmp_path / "swing.py"), tmp_path / "few.csv", tmp_path / "many.csv"
+    assert main(["cost", script, "--budget", "1e-9", "--out", str(few)]) == 1  # of which the reference leaves nothing
+    assert "no way to run it" in _said(capsys)[1]
+    assert main(["cost", script, "--budget", "20", "--out", str(many)]) == 0
+    assert _rows(few) == []
+    methods = {row.split(",")[0] for row in _rows(many)}
+    assert methods == {"auto", "dp8", "dp5", "rodas", "rk4"}
+
+
+@pytest.mark.parametrize("budget", ["0", "-3", "nan", "much"])
+def test_a_budget_that_is_no_time_is_refused(budget: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "swing.py").write_text(SCRIPT + SCENE, encoding="utf-8")
+    assert main(["cost", str(tmp_path / "swing.py"), "--budget", budget]) == 2
+    assert "budget" in _said(capsys)[1]
