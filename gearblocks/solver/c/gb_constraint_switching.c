@@ -34,7 +34,9 @@ static void sort_by_slip(gb_sim *sim, int impacted) {
         const gb_constraint *constraint = &model->constraints[i];
         const double slip = sim->constraints.slip[i], rounding = sim->constraints.slip_rounding[i];
         const int pending = constraint->kind != GB_STOP && sim->events.pending[constraint->slip] != 0.0 && !impacted;
-        const int zero = fabs(slip) <= rounding || pending || (gb_is_active(sim, i) && !impacted);
+        /* another switch changed its mode where this one has just let go, at its limit: it has been decided */
+        const int goes_on = sim->constraints.was_broken[i] && sim->events.armed[constraint->slip] != 0.0 && !pending;
+        const int zero = (fabs(slip) <= rounding && !goes_on) || pending || (gb_is_active(sim, i) && !impacted);
         int *state = &sim->constraints.decision[i];
         const double held = gb_is_active(sim, i) || impacted ? 0.0 : sim->events.held_side[constraint->slip];
         sim->mode[constraint->slip] = constraint->kind == GB_TIE ? sim->mode[constraint->slip] : 0.0;
