@@ -132,6 +132,7 @@ static double gb_split_of_any_sides(const gb_lcp *problem, const int *is_own, co
     int sides[2 * n + 1], option[n + 1], more = 1;
     double other[n + 1];
     memset(option, 0, sizeof option);
+    memset(sides, 0, sizeof sides);
     if (gb_split_circulates(problem, is_own, bounds)) {
         return left;
     }
