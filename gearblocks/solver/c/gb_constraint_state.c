@@ -67,6 +67,10 @@ const double *gb_modes_with_active_set(gb_sim *sim, const double *mode, const do
     return sim->constraints.full_mode;
 }
 
+int gb_slips_are_exact(const gb_sim *sim) {
+    return *gb_active_at(sim->model->constraint_rows, sim->mode + sim->model->n_switches).has_answer;
+}
+
 int gb_project_velocities(gb_sim *sim, const double *time_terms) {
     const gb_model *model = sim->model;
     if (model->n_constraints == 0 || sim->mode[model->n_switches] == 0.0) {

@@ -42,6 +42,14 @@ const double *gb_modes_with_active_set(gb_sim *sim, const double *mode, const do
 /* Velocity projection: removes the slips of active constraints; 1: speeds changed by more than rounding. */
 int gb_project_velocities(gb_sim *sim, const double *time_terms);
 
+/* The active set is like ties whose gains are powers of two: steps leave its slips at zero to the last bit. */
+int gb_slips_are_exact(const gb_sim *sim);
+
+/* The projection behind a step, where there may be slips. */
+static inline int gb_slips_remain(gb_sim *sim, const double *time_terms) {
+    return sim->model->n_constraints > 0 && !gb_slips_are_exact(sim) && gb_project_velocities(sim, time_terms);
+}
+
 /* The largest speed in y. */
 double gb_largest_speed(const gb_sim *sim, const double *y);
 

@@ -78,11 +78,15 @@ static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
 }
 
 int gb_begins_to_move(const gb_sim *sim) {
-    int follow = sim->head->control.unscaled & GB_SMALL;
-    for (int i = 0; i < sim->model->n && !follow; i++) {
-        follow = sim->control.largest[i] == 0.0 && sim->z[i] != 0.0;
+    const gb_half none = {0.0};
+    gb_bits moves = {0};
+    if (sim->head->control.unscaled & GB_SMALL) {
+        return 1;
     }
-    return follow;
+    for (int i = 0; i < sim->model->n_padded; i += GB_PAD / 2) {
+        moves |= (*gb_half_at(sim->control.largest + i) == none) & (*gb_half_at(sim->z + i) != none);
+    }
+    return (moves[0] | moves[1] | moves[2] | moves[3]) != 0;
 }
 
 void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *trial) {
@@ -94,7 +98,8 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     const int longer = h > 4.0 * head->control.h_noise && (implicit || head->control.unscaled);
     double *left = sim->k + (size_t)(implicit ? GB_SPARE - 1 : GB_STAGES - 3) * (size_t)sim->model->n_total;
     const int due = head->counts.steps >= head->control.noise_at || (implicit && moved) || longer;
-    const int locked = (trial != NULL || due) && gb_some_active(sim);
+    const int follows = trial != NULL && (head->counts.steps == 0 || gb_begins_to_move(sim));
+    const int locked = (follows || due) && gb_some_active(sim);
     const int noisier = locked && gb_noise_of_locks(sim, at->time_terms + sim->method->stages, sim->y0, left);
     if (due || noisier) {
         const double elapsed = head->front.t1 - head->front.t_start + h;

@@ -7,8 +7,8 @@
  * nothing else has a limit, nor are they functions of anything but time and states. */
 enum { UNKNOWN, NO_FUNCTION, FUNCTION, ALONE };
 
-/* Steps for which a box is made. */
-static const double AHEAD = 16.0;
+/* Steps for which a box is made: at first, and at most where boxes prove good. */
+static const double AHEAD = 16.0, FAR_AHEAD = 256.0;
 
 /* Fills in what they answer to torques. */
 static int is_function(gb_sim *sim) {
@@ -61,6 +61,7 @@ static int what_is_known(gb_sim *sim) {
         panel->known = !is_function(sim) ? NO_FUNCTION : is_alone(sim) ? ALONE : FUNCTION;
         panel->known_modes = sim->head->events.mode_hash;
         panel->boxed = panel->has_kept = 0;
+        panel->ahead = AHEAD;
     }
     return panel->known;
 }
@@ -250,12 +251,14 @@ int gb_forces_stay(gb_sim *sim) {
     if (!sim->head->events.forces_agreed || sim->inputs.n_moving > 0 || what_is_known(sim) != ALONE) {
         return 0;
     }
-    int stay = sim->panel.boxed && is_in_box(sim);
-    for (double times = AHEAD; !stay && times > 0.0; times = times > 1.0 ? 1.0 : 0.0) {
+    struct gb_panel *panel = &sim->panel;
+    int stay = panel->boxed && is_in_box(sim);
+    for (double times = panel->ahead; !stay && times > 0.0; times = times > 1.0 ? 1.0 : 0.0) {
         make_box(sim, times);
         gb_forces_enclose(sim);
         stay = are_inside(sim);
-        sim->panel.boxed = stay;
+        panel->boxed = stay;
+        panel->ahead = stay && times > 1.0 ? gb_min(2.0 * times, FAR_AHEAD) : gb_max(0.25 * times, AHEAD);
     }
     return stay;
 }

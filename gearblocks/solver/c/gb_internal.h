@@ -256,12 +256,12 @@ struct gb_sliding {
  * shorter ones do not mend; x: all arguments over a piece; left, right: event functions at its ends, noise: how finely
  * told there; watched: those enclosed in this step; response: constraint forces per torque (unit) on each group. */
 struct gb_panel {
-    double from, to, kept_reach;
+    double from, to, kept_reach, ahead;
     double *values, *bernstein, *slack, *misfit, *rounding, *left, *right, *noise, *response, *unit;
     struct gb_enclosure *x, *enclosure, *torque, *bound, *kept;
     int *watched;
     int known, boxed, has_kept; /* of forces in these modes, see gb_force_enclosure.h (0: nothing); x is a box in which
-                                   they stay inside, and so is kept, kept_reach times wider than a step */
+                                   they stay inside, and so is kept, by so many steps */
     uint64_t known_modes;
 };
 

@@ -79,7 +79,8 @@ double gb_log_reach(gb_sim *sim, double h) {
     struct gb_pace *control = &sim->head->control;
     const double reach = sim->method->reach, before = control->reach_rate;
     const double rate = fastest_rate(sim), found = h * rate;
-    const int settled = fabs(rate - before) < 0.2 * before, other = control->reach_modes != sim->head->events.mode_hash;
+    const int settled = fabs(rate - before) < 0.2 * before;
+    const int other = before > 0.0 && control->reach_modes != sim->head->events.mode_hash;
     control->reach_modes = sim->head->events.mode_hash;
     control->reach_rate = other ? gb_max(rate, before) : rate;
     control->reach_gap = settled ? (2 * control->reach_gap < SELDOM ? 2 * control->reach_gap : SELDOM)

@@ -124,7 +124,7 @@ static int accept(gb_sim *sim, double end) {
     if (head->front.t1 >= head->events.t_break) { /* also where a switch of the state is pending there */
         gb_mark_time_events(sim);
     }
-    if (!head->events.pending && gb_project_velocities(sim, sim->lanes.time_terms + sim->method->stages)) {
+    if (!head->events.pending && gb_slips_remain(sim, sim->lanes.time_terms + sim->method->stages)) {
         head->front.have_k1 = 0;
     }
     if (head->events.armed && head->front.t1 - from > 10.0 * gb_rounding(from, head->front.h)) {

@@ -46,19 +46,43 @@ GB_INLINE double gb_block_sum(const gb_block *x) {
     return (((*x)[0] + (*x)[1]) + ((*x)[2] + (*x)[3])) + (((*x)[4] + (*x)[5]) + ((*x)[6] + (*x)[7]));
 }
 
+/* out = (y + h sum) + final latest, in half a block. */
+GB_INLINE void gb_finish(const gb_half *sum, const double *y, double h, double final, const double *latest,
+                         double *out) {
+    *(gb_half *)(void *)out = (*gb_half_at(y) + h * *sum) + final * *gb_half_at(latest);
+}
+
 /* out = y + h sum_j w_j k_j in the entries [from, to), both multiples of GB_PAD. The last entry of w is the latest
- * stage, which everything waits for: it enters last and through one product. */
+ * stage, which everything waits for: it enters last and through one product. Two blocks at once where there are as
+ * many: a weight and where its stage lies are read once. */
 GB_INLINE void gb_combine(const gb_weights *w, const double *k, int stride, int from, int to, const double *y, double h,
                           double *out) {
     const int last = w->count - 1;
     const double final = h * w->value[last];
-    for (int b = from; b < to; b += GB_PAD) {
+    const double *latest = k + (size_t)w->index[last] * (size_t)stride;
+    int b = from;
+    for (; b + GB_PAD < to; b += 2 * GB_PAD) {
+        const gb_half none = {0.0};
+        gb_half one = none, two = none, three = none, four = none;
+        for (int j = 0; j < last; j++) {
+            const double *at = k + (size_t)w->index[j] * (size_t)stride + b, weight = w->value[j];
+            one += weight * *gb_half_at(at);
+            two += weight * *gb_half_at(at + GB_PAD / 2);
+            three += weight * *gb_half_at(at + GB_PAD);
+            four += weight * *gb_half_at(at + GB_PAD + GB_PAD / 2);
+        }
+        gb_finish(&one, y + b, h, final, latest + b, out + b);
+        gb_finish(&two, y + b + GB_PAD / 2, h, final, latest + b + GB_PAD / 2, out + b + GB_PAD / 2);
+        gb_finish(&three, y + b + GB_PAD, h, final, latest + b + GB_PAD, out + b + GB_PAD);
+        gb_finish(&four, y + b + GB_PAD + GB_PAD / 2, h, final, latest + b + GB_PAD + GB_PAD / 2,
+                  out + b + GB_PAD + GB_PAD / 2);
+    }
+    if (b < to) {
         gb_block sum = {0.0};
         for (int j = 0; j < last; j++) {
             sum += w->value[j] * *gb_block_at(k + (size_t)w->index[j] * (size_t)stride + b);
         }
-        *(gb_block *)(void *)(out + b) =
-            (*gb_block_at(y + b) + h * sum) + final * *gb_block_at(k + (size_t)w->index[last] * (size_t)stride + b);
+        *(gb_block *)(void *)(out + b) = (*gb_block_at(y + b) + h * sum) + final * *gb_block_at(latest + b);
     }
 }
 
