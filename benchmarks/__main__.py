@@ -7,7 +7,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-NAMES = ("p1", "p2", "lanes", "p3", "p4", "choice", "locks", "rhs", "assembly", "cold", "studies", "interrupted", "fmu")
+NAMES = (
+    "p1", "p2", "lanes", "p3", "p4", "choice", "locks", "rhs", "assembly", "cold", "studies", "interrupted", "fmu", "watch",
+)  # fmt: skip
 SHORT = {
     "lanes": ("20",),
     "p4": ("100",),
@@ -18,8 +20,8 @@ SHORT = {
     "interrupted": ("2000",),
 }
 """Smaller numbers; what is not named is short as it is."""
-LONG = ("cold",)
-"""What has no short form: it compiles the core again and again."""
+LONG = ("cold", "watch")
+"""What has no short form: it compiles the core again and again, or runs in valgrind."""
 README = Path(__file__).with_name("README.md")
 MARK = "<!-- figures: written by `python -m benchmarks --write` -->"
 

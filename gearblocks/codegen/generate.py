@@ -155,7 +155,7 @@ def _shows(g: Generator, code: BatchCode) -> None:
     for i, (show, expr) in enumerate(code.shows):
         unwrapped = (code.number, i) in g.wrapping.unwrapped
         out = Operand(Role.OUTPUTS, len(g.outputs), instance=True)
-        shows[unwrapped].append(Assignment(out, "=", located(expr) if unwrapped else expr))
+        shows[unwrapped].append(Assignment(out, "show", located(expr) if unwrapped else expr))
         g.output_groups.append(shown(g, code, show.name, show.unit, show.words))
     g.keep("outputs", code.function("outputs", shows[False]))
     g.keep("outputs", code.function("unwrapped_outputs", shows[True], vector=Role.UNWRAPPED_ANGLES))

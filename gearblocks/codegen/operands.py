@@ -66,6 +66,7 @@ class Role(Enum):
     SKEWS = "skew"
     STEP = "g"
     FULL = "full"
+    LAST = "last"
     LANE = "i"
     INSTANCE = "e"
 
@@ -79,7 +80,7 @@ class Role(Enum):
         return f"{'' if written else 'const '}{kind} *restrict {self.value}"
 
 
-_KINDS = {Role.STEP: "double", Role.FULL: "int", Role.LANE: "int", Role.INSTANCE: "int"}
+_KINDS = {Role.STEP: "double", Role.FULL: "int", Role.LANE: "int", Role.INSTANCE: "int", Role.LAST: "int"}
 """Roles that are one number and no vector."""
 
 _ENCLOSURES = (
@@ -183,6 +184,7 @@ Target = Operand | Local | Choice | Index
 
 _ALSO_READ = {
     "sign": {Role.MODES}, "table": {Role.MODES}, "band": {Role.MODES}, "spread_terms": {Role.COEFFICIENTS},
+    "show": {Role.LAST},
 }  # fmt: skip
 _ALSO_WRITTEN = {
     "sign": {Role.LOWER_LIMITS, Role.UPPER_LIMITS},
@@ -196,8 +198,9 @@ _ALSO_WRITTEN = {
 class Assignment(NamedTuple):
     """A statement to be printed: target op expr.
 
-    op: "=", "+=", "-=", "max" (of the magnitude), "define" (a Local); of an Index: "sign", "table", "band" (limits of the
-    event function of a switch), "spread", "spread_terms" (entries of a matrix).
+    op: "=", "+=", "-=", "max" (of the magnitude), "define" (a Local), "show" ("=" of an output; behind the last one that is
+    wanted the function ends); of an Index: "sign", "table", "band" (limits of the event function of a switch), "spread",
+    "spread_terms" (entries of a matrix).
     full: only where the ledger is wanted. factor: an argument that multiplies. flange: one whose gain does, and which
     the target belongs to. table: C name of the table of op "table".
     """

@@ -24,8 +24,8 @@ class EnergyBalance:
 
     largest: the most that was stored at samples that are not kept (-inf without such).
 
-    rounding: energy [J] of rounding, where all motion is that of forces that balance; bound: the residual relative to what the
-    turnover is at least, as the samples between the ends may have stored more.
+    rounding: energy [J] of rounding, where all motion is that of forces that balance; turnover: what it is at least [J], as the
+    samples between the ends may have stored more; bound: the residual relative to that.
     """
 
     program: Program
@@ -37,6 +37,7 @@ class EnergyBalance:
     largest: float
     unbalanced: Mapping[str, float] = field(default_factory=dict)
     rounding: float = 0.0
+    turnover: float = field(init=False)
     bound: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -44,8 +45,8 @@ class EnergyBalance:
         start, end = _sum(self.before[1]), _sum(self.last)
         missing = abs(end - start + _sum(sign * self.change[place]))  # no BLAS: it wakes threads
         missing = max(missing - self.rounding, 0.0)
-        turnover = max(start, end) + self.exchanged
-        self.bound = missing / turnover if turnover > 0 else missing
+        self.turnover = max(start, end) + self.exchanged
+        self.bound = missing / self.turnover if self.turnover > 0 else missing
 
     @property
     def start(self) -> float:

@@ -186,7 +186,7 @@ class _Run:
         if code < 0:
             raise self._failure(code, result) from self.sim.error
         self._judged(result, balance, complete)
-        if (words := self.watched.warning()) and not self._stands_still(result):
+        if (words := self.watched.warning()) and not self._stands_still(result, balance):
             warn(f"run of '{result.name}': {words}; run.watched says more, watch=False nothing", 5)
         if log.isEnabledFor(DEBUG):
             log.debug("run of '%s' to t = %g s: %s", result.name, result.t[-1], result.stats)
@@ -210,9 +210,9 @@ class _Run:
                 stacklevel=6,
             )
 
-    def _stands_still(self, result: Trajectory) -> bool:
-        """Whether all that moves is rounding."""
-        return result.energy.turnover <= STILL
+    def _stands_still(self, result: Trajectory, balance: EnergyBalance | None) -> bool:
+        """Whether all that moves is rounding; the ledger is made only where that may be."""
+        return (balance is None or balance.turnover <= STILL) and result.energy.turnover <= STILL
 
     def _lost(self, first: tuple[Array, Array]) -> bool:
         """Whether the energy residual at the last sample is above the one asked for."""

@@ -25,32 +25,46 @@ int gb_modes_between(gb_sim *sim, double t, const double *y, const double **mode
 
 int gb_write_row(gb_sim *sim, double t, double *row) {
     const gb_model *m = sim->model;
-    if (t < sim->head->front.t1) {
-        const int code = gb_dense_quadratures(sim);
+    const double *mode = sim->mode;
+    int code = GB_DONE;
+    *row++ = t;
+    if (t >= sim->head->front.t1) { /* with few calls, as every step is watched */
+        memcpy(row, sim->y, sizeof(double) * (size_t)m->n_total);
+    } else {
+        code = gb_dense_quadratures(sim);
         if (code != GB_DONE) {
             return code;
         }
+        gb_dense_all(sim, t, row);
+        code = gb_modes_between(sim, t, row, &mode);
     }
-    *row++ = t;
-    gb_dense_all(sim, t, row);
-    const double *mode;
-    int code = gb_modes_between(sim, t, row, &mode);
     row += m->n_total;
     memcpy(row, mode, sizeof(double) * (size_t)m->n_switches);
     if (code == GB_DONE && sim->head->events.n_sliding > 0) {
         code = gb_time_terms_at(sim, t);
         gb_mode_with_shares(sim, &sim->instant, 0, row - m->n_total, row);
     }
-    return code == GB_DONE ? gb_input_values(sim, t, row + m->n_switches) : code;
+    return code == GB_DONE && m->n_inputs > 0 ? gb_input_values(sim, t, row + m->n_switches) : code;
+}
+
+/* Whether modes are the same numbers. */
+static int are_same(const double *one, const double *other, int n) {
+    for (int i = 0; i < n; i++) {
+        if (one[i] != other[i]) {
+            return 0;
+        }
+    }
+    return 1;
 }
 
 /* How many rows from this one on share its modes, at most GB_LANES. */
 static int same_modes(const gb_model *m, const double *row, long left) {
     const size_t length = gb_row_length(m);
-    const size_t bytes = sizeof(double) * (size_t)m->n_switches;
+    const int most = left < GB_LANES ? (int)left : GB_LANES;
+    const double *mode = row + 1 + m->n_total, *other = mode + length;
     int count = 1;
-    while (count < GB_LANES && count < left &&
-           (bytes == 0 || memcmp(row + 1 + m->n_total, row + (size_t)count * length + 1 + m->n_total, bytes) == 0)) {
+    while (count < most && are_same(mode, other, m->n_switches)) {
+        other += length;
         count++;
     }
     return count;

@@ -69,16 +69,20 @@ int gb_watches_end(gb_sim *sim, gb_watches *all) {
     return code;
 }
 
+/* The row at t, behind those that wait. */
+static int add(gb_sim *sim, gb_watches *all, double t) {
+    return gb_write_row(sim, t, all->room + (size_t)all->rows++ * gb_row_length(sim->model));
+}
+
 int gb_watches_take(gb_sim *sim, gb_watches *all, int is_step) {
     const struct gb_front *front = &sim->head->front;
-    const size_t length = gb_row_length(sim->model);
     int code = GB_DONE;
     if (is_step && all->from_event && sim->head->events.pending && front->t0 < front->t1) {
-        code = gb_write_row(sim, 0.5 * (front->t0 + front->t1), all->room + (size_t)all->rows++ * length);
+        code = add(sim, all, 0.5 * (front->t0 + front->t1));
     }
     all->from_event = !is_step;
     if (code == GB_DONE) {
-        code = gb_write_row(sim, front->t1, all->room + (size_t)all->rows++ * length);
+        code = add(sim, all, front->t1);
     }
     return code == GB_DONE && all->rows >= GB_LANES ? gb_watches_end(sim, all) : code;
 }

@@ -25,6 +25,13 @@ def test_roles_stand_in_one_order_with_single_numbers_last():
     )
 
 
+def test_outputs_are_given_the_last_one_that_is_wanted():
+    body = [Statement(Operand(Role.OUTPUTS, 3, instance=True), "show", "y[0]")]
+    function = _function(body, read=frozenset({Role.STATES}), count=2)
+    assert function.signature == ("const double *restrict y, double *restrict out, const int last, const int e")
+    assert function.calls == ["rates_b(y, out, last, 0)", "rates_b(y, out, last, 1)"]
+
+
 def test_words_in_a_text_ask_for_nothing():
     body = [Statement(Local("r0"), "define", "tau + mode + par")]
     assert _function(body).signature == "const int e"

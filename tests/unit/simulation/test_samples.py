@@ -122,3 +122,34 @@ def test_few_outputs_of_a_long_train_are_kept_without_its_states(
     assert kept.final_state is not None and plain.final_state is not None
     assert np.array_equal(kept.final_state.y, plain.final_state.y)
     assert isinstance(_run(model, t_end=1.0)._columns, Outputs)  # all of them
+
+
+def _alike(count: int) -> gb.Drivetrain:
+    """Bodies in a row with as many alike meshes and gaps between them, and a clutch that sticks."""
+    rig = gb.Drivetrain("alike")
+    first = rig.add("body0", gb.Inertia(J=0.01, w0=5.0))
+    parts = [rig.add("drive", gb.Torque(tau=3.0 + gb.sin(40 * gb.time))), first]
+    for i in range(count):
+        mesh = gb.GearMesh(
+            teeth=(20 + i, 31), module=2e-3, pressure_angle=0.35, external=True, k=1e7, damping_ratio=0.1,
+            stiffness_variation=gb.Fourier(cos=(0.2,)), friction=gb.ToothFriction(mu=0.05, transition=1e-2),
+        )  # fmt: skip
+        gap = gb.Lash(k=1e4, c=1.0, half_gap=1e-3)
+        parts += [rig.add(f"mesh{i}", mesh), rig.add(f"wheel{i}", gb.Inertia(J=0.02))]
+        parts += [rig.add(f"gap{i}", gap), rig.add(f"body{i + 1}", gb.Inertia(J=0.01))]
+    rig.chain(*parts)
+    rig.connect(rig.add("clutch", gb.Clutch(capacity=1e3)).a, first.b)
+    rig.connect(rig["clutch"].b, rig.add("disc", gb.Inertia(J=0.01, w0=5.0)).a)
+    return rig
+
+
+@pytest.mark.parametrize("count", [1, 3, pytest.param(9, marks=pytest.mark.long)])  # one by one, and in a loop
+def test_an_output_alone_has_the_bits_of_all_of_them(count: int) -> None:
+    run = gb.simulate(_alike(count), t_end=0.02)
+    taken = _lazily(run)._samples
+    every = taken.table(range(len(run)))
+    assert np.array_equal(every, np.column_stack([run[name] for name in run.names]), equal_nan=True)
+    random = np.random.default_rng(count)
+    picks = [[i] for i in range(len(run))] + [random.choice(len(run), 3, replace=False).tolist() for _ in range(30)]
+    for pick in picks:
+        assert np.array_equal(taken.table(pick), every[:, pick], equal_nan=True), [run.names[i] for i in pick]
