@@ -44,6 +44,9 @@ void gb_active_choose(const gb_constraint_rows *rows, const double *value, const
             gb_active_mark(rows, &W, d, a);
         }
     }
+    if (rows->shares) {
+        gb_active_invert(rows, matrix, a);
+    }
 }
 
 void gb_active_restore(const gb_constraint_rows *rows, const double *value, const double *matrix, gb_active_set *a) {

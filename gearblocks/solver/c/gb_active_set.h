@@ -1,14 +1,62 @@
 /* The active set of switched constraints G v + g(t) = 0 (gb_constraint_rows.h):
  *     slip acceleration = free acceleration + W lambda,   W = G M^-1 G' (gb_delassus.h; lambda: constraint forces),
  * lambda = -W_aa^-1 (free slip accelerations) for its independent rows; the pivots follow from the other speeds
- * exactly, not by integration. Where each of them follows from one speed alone and M is diagonal the active set is like
- * rigid ties: torques pass from the pivots to the speeds that they follow, inertias have done so before. Assumed: the
- * factors of lossy gears (columns of W less `skew` times that of the partner) leave W_aa regular. Source: Pfeiffer and
- * Glocker, Multibody dynamics with unilateral contacts, 1996. Knows nothing of friction laws or of time. */
+ * exactly, not by integration. Redundant rows have forces too: those of rows that give a little, all alike. With R
+ * their rows out of the independent ones,  lambda = R y,  W R y = -(free slip accelerations), of minimum norm where W
+ * is symmetric; with lossy gears, which lose by them, the motion hangs on it. Where each of them follows from one speed
+ * alone and M is diagonal the active set is like rigid ties: torques pass from the pivots to the speeds that they
+ * follow, inertias have done so before. Assumed: the factors of lossy gears (columns of W less `skew` times that of the
+ * partner) leave W_aa regular. Source: Pfeiffer and Glocker, Multibody dynamics with unilateral contacts, 1996. Knows
+ * nothing of friction laws or of time. */
 #ifndef GB_ACTIVE_SET_H
 #define GB_ACTIVE_SET_H
 
 #include "gb_constraint_rows.h"
+
+/* A matrix of k x k numbers in the room, inverted. */
+static inline void gb_active_invert_room(int k, gb_active_set *a) {
+    for (int i = 0; i < k * k; i++) {
+        a->inverse[i] = i % (k + 1) == 0 ? 1.0 : 0.0;
+    }
+    gb_gauss_jordan(k, k, a->room, k, a->inverse);
+}
+
+/* The rows that follow from others with their shares, R = W_redundant W_independent^-1; W R inverted in its place. */
+static inline void gb_active_share(const gb_constraint_rows *rows, const double *matrix, gb_active_set *a) {
+    const int n = rows->n, k = (int)*a->count;
+    int is_own[n + 1], count = 0;
+    memset(is_own, 0, sizeof is_own);
+    for (int r = 0; r < k; r++) {
+        is_own[(int)a->index[r]] = 1;
+    }
+    for (int i = 0; i < n; i++) {
+        if (a->redundant[i] != 0.0 && !is_own[i]) {
+            a->shared[count++] = i;
+        }
+    }
+    *a->n_shared = count;
+    for (int d = 0; d < count; d++) {
+        for (int j = 0; j < k; j++) {
+            double sum = 0.0;
+            for (int i = 0; i < k; i++) {
+                sum += matrix[(long)a->shared[d] * n + (long)a->index[i]] * a->inverse[(long)i * k + j];
+            }
+            a->share[(long)d * n + j] = sum;
+        }
+    }
+    for (int i = 0; i < k && count > 0; i++) {
+        for (int j = 0; j < k; j++) {
+            double sum = matrix[(long)a->index[i] * n + (long)a->index[j]];
+            for (int d = 0; d < count; d++) {
+                sum += matrix[(long)a->index[i] * n + a->shared[d]] * a->share[(long)d * n + j];
+            }
+            a->room[(long)i * k + j] = sum;
+        }
+    }
+    if (count > 0) {
+        gb_active_invert_room(k, a);
+    }
+}
 
 /* W of the independent active rows, factored; all numbers: inverted. */
 static inline void gb_active_invert(const gb_constraint_rows *rows, const double *matrix, gb_active_set *a) {
@@ -26,13 +74,17 @@ static inline void gb_active_invert(const gb_constraint_rows *rows, const double
     for (int i = 0; i < k; i++) {
         for (int j = 0; j < k; j++) {
             a->room[(long)i * k + j] = matrix[(long)a->index[i] * n + (long)a->index[j]];
-            a->inverse[(long)i * k + j] = i == j ? 1.0 : 0.0;
         }
     }
-    gb_gauss_jordan(k, k, a->room, k, a->inverse);
+    gb_active_invert_room(k, a);
+    *a->n_shared = 0;
+    if (rows->shares) {
+        gb_active_share(rows, matrix, a);
+    }
 }
 
-/* x = W_aa^-1 b for the independent active rows, by constraint; 0 for all others. */
+/* x = W_aa^-1 b for the independent active rows, by constraint, those that follow from them with their shares; 0 for
+ * all others. */
 static inline void gb_active_solve(const gb_constraint_rows *rows, const gb_active_set *a, const double *b, double *x) {
     const int n = rows->n, k = (int)*a->count;
     for (int i = 0; i < n; i++) {
@@ -47,6 +99,12 @@ static inline void gb_active_solve(const gb_constraint_rows *rows, const gb_acti
     }
     if (rows->pattern) {
         gb_delassus_solve(n, rows->pattern, a->inverse, x);
+        return;
+    }
+    for (int d = 0; d < *a->n_shared; d++) {
+        for (int j = 0; j < k; j++) {
+            x[a->shared[d]] += a->share[(long)d * n + j] * x[(int)a->index[j]];
+        }
     }
 }
 

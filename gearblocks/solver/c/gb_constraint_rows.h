@@ -14,9 +14,10 @@
 #include "gb_model.h"
 
 /* Rows: entries [start[i], start[i + 1]) lie in the columns column[]; column c is speed[c]. Reduced rows have up to
- * n_reduced entries besides their pivots; n_factors of the reduction are kept (0: no slip has a bias). */
+ * n_reduced entries besides their pivots; n_factors of the reduction are kept (0: no slip has a bias). shares: there
+ * are lossy gears, so that forces of redundant rows are felt (gb_active_set.h). */
 typedef struct gb_constraint_rows {
-    int n, n_columns, n_speeds, n_reduced, n_factors;
+    int n, n_columns, n_speeds, n_reduced, n_factors, shares;
     const int *start, *column, *speed;
     const gb_symmetric_pattern *pattern;
 } gb_constraint_rows;
@@ -35,12 +36,13 @@ static inline int gb_active_saved(int n) {
  * + 1]; the factors of the rows before that were taken off it are factor_start[r] .. factor_start[r + 1], then it was
  * multiplied with scale[r]. As ties (n_roots >= 0): root[q] and what follows it, speed tied[e] with tie_gain[e] from
  * tie_start[q] to tie_start[q + 1], then n_held that are at rest; inverse inertias by speed. Of a few speeds
- * (has_answer) also the accelerations per torque on each, in columns of GB_PAD. */
+ * (has_answer) also the accelerations per torque on each, in columns of GB_PAD. Of n_shared redundant rows shared[d]
+ * has the forces of the independent ones times share[d * n ..]. */
 typedef struct gb_active_set {
     double *count, *index, *redundant;
-    double *value, *factor, *scale, *tie_gain, *inverse_mass, *answer, *inverse, *room, *matrix;
-    int *n_rows, *n_roots, *n_held, *has_answer, *of, *pivot, *start, *column, *factor_start, *factor_row, *root,
-        *tie_start, *tied;
+    double *value, *factor, *scale, *tie_gain, *inverse_mass, *answer, *inverse, *share, *room, *matrix;
+    int *n_rows, *n_roots, *n_held, *has_answer, *n_shared, *shared, *of, *pivot, *start, *column, *factor_start,
+        *factor_row, *root, *tie_start, *tied;
 } gb_active_set;
 
 static inline double *gb_active_take(double **at, long count) {
@@ -53,7 +55,7 @@ static inline double *gb_active_take(double **at, long count) {
  * needs it. */
 GB_INLINE long gb_active_lay(const gb_constraint_rows *rows, double *base, gb_active_set *active, long *carried) {
     const long n = rows->n, m = rows->n_speeds;
-    const long integers = (4 * n + 3 * m + 7 + rows->n_reduced + rows->n_factors + 1) / 2;
+    const long integers = (5 * n + 3 * m + 8 + rows->n_reduced + rows->n_factors + 1) / 2;
     const long size = gb_delassus_size(rows->n, rows->pattern);
     double *at = base;
     active->count = gb_active_take(&at, 1);
@@ -63,7 +65,9 @@ GB_INLINE long gb_active_lay(const gb_constraint_rows *rows, double *base, gb_ac
     active->n_roots = active->n_rows + 1;
     active->n_held = active->n_roots + 1;
     active->has_answer = active->n_held + 1;
-    active->root = active->has_answer + 1;
+    active->n_shared = active->has_answer + 1;
+    active->shared = active->n_shared + 1;
+    active->root = active->shared + n;
     active->tied = active->root + m;
     active->tie_start = active->tied + m;
     active->of = active->tie_start + m + 1;
@@ -79,6 +83,7 @@ GB_INLINE long gb_active_lay(const gb_constraint_rows *rows, double *base, gb_ac
     active->inverse_mass = gb_active_take(&at, rows->n_speeds);
     active->answer = gb_active_take(&at, m <= GB_PAD ? m * GB_PAD : 0);
     active->inverse = gb_active_take(&at, size);
+    active->share = gb_active_take(&at, rows->shares ? n * n : 0);
     *carried = at - base;
     active->room = gb_active_take(&at, size);
     active->matrix = gb_active_take(&at, rows->pattern ? 0 : size);

@@ -74,12 +74,13 @@ static inline double gb_lcp_shift(const gb_coupled_bounds *coupled, int i, int s
 }
 
 /* A, the unknowns that take part, their coupled bounds (NULL: there are none), and room for as many numbers as A has.
- */
+ * graded: where rows are redundant each unknown counts, as where lossy gears share a load; so with coupled bounds. */
 typedef struct gb_lcp {
     gb_delassus A;
     const int *in;
     const gb_coupled_bounds *coupled;
     double *room;
+    int graded;
 } gb_lcp;
 
 /* Unknown j is at a bound that pushes unknown i. */
@@ -285,7 +286,9 @@ static inline int gb_lcp_correct(const gb_lcp *lcp, double lift, const double *b
 }
 
 /* The same for a matrix that may be singular: among the solutions about the smallest x, by steps of a proximal method.
- */
+ * The lift of the first is large where each unknown counts, since rounding leaves size/lift of a step along what A does
+ * not see; from one to the next there is less left to do. */
+enum { GB_LCP_GRADES = 6 };
 static inline int gb_lcp_solve(const gb_lcp *lcp, const double *b, const double *lo, const double *hi, double *x) {
     const int n = lcp->A.n;
     double right[n + 1], most = 0.0;
@@ -293,13 +296,15 @@ static inline int gb_lcp_solve(const gb_lcp *lcp, const double *b, const double 
         x[i] = 0.0;
         most = lcp->in[i] ? fmax(most, fabs(gb_delassus_diagonal(&lcp->A, i))) : most;
     }
-    const double lift = most > 0.0 ? 1e-9 * most : 1.0;
-    for (int round = 0; round < 4; round++) {
+    const int graded = lcp->graded || lcp->coupled;
+    double lift = most > 0.0 ? 1e-9 * most : 1.0;
+    for (int round = graded ? -GB_LCP_GRADES : 0; round < 4; round++) {
+        lift = graded && most > 0.0 ? (round < 0 ? pow(0.1, 9 + round) : 1e-9) * most : lift;
         for (int i = 0; i < n; i++) {
             right[i] = lcp->in[i] ? b[i] - lift * x[i] : 0.0;
         }
         const int found =
-            lcp->coupled ? gb_lcp_correct(lcp, lift, b, lo, hi, x) : gb_lcp_pivoting(lcp, lift, right, lo, hi, x);
+            graded ? gb_lcp_correct(lcp, lift, b, lo, hi, x) : gb_lcp_pivoting(lcp, lift, right, lo, hi, x);
         if (found != 1) {
             return found;
         }

@@ -59,6 +59,19 @@ void gb_hold_speeds(gb_sim *sim) {
     }
 }
 
+/* The forces of rows that follow from others, as far as the j-th of the active rows asks for them. */
+static void add_shares(gb_sim *sim, int j, double *torques) {
+    const gb_model *model = sim->model;
+    const gb_active_set active = gb_active_at(model->constraint_rows, sim->mode + model->n_switches);
+    double *row = sim->implicit.work;
+    for (int d = 0; d < *active.n_shared && model->constraint_rows->shares; d++) {
+        model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active.shared[d], 1, row);
+        for (int i = 0; i < model->n_speeds; i++) {
+            torques[i] += active.share[(size_t)d * (size_t)model->n_constraints + (size_t)j] * row[i];
+        }
+    }
+}
+
 /* What the step matrix answers to forces along the active rows, S^-1 G', and the inverse of G S^-1 G'. */
 void gb_factor_constraints(gb_sim *sim) {
     const gb_model *model = sim->model;
@@ -69,6 +82,7 @@ void gb_factor_constraints(gb_sim *sim) {
         memset(sim->implicit.unknown, 0, sizeof(double) * (size_t)size);
         model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active_index(sim, j), 1,
                               sim->implicit.unknown + first);
+        add_shares(sim, j, sim->implicit.unknown + first);
         gb_solve(model->pattern, sim->implicit.inverse, sim->implicit.lower, sim->implicit.upper, sim->implicit.unknown,
                  sim->implicit.work, answer);
     }
