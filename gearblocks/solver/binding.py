@@ -44,16 +44,16 @@ _PROBED = ("rates", "outputs", "energies", "modes")  # in the order of gb_probe
 
 
 class Simulation:
-    """One run of one model: owns the solver's memory and gives it back on close. Use as a context manager.
+    """One run of one model (its gb_model): owns the solver's memory and gives it back on close. Use as a context manager.
 
     Calls answer a `Code`. `error` holds the exception of an input function that stopped the run. spare: memory of earlier
     simulations that ended well and had numbers for inputs only: it is used again, with the parameters and inputs that it
     has, since a start clears all else.
     """
 
-    def __init__(self, shared: ctypes.CDLL, program: Program, spare: list[Memory] | None = None) -> None:
+    def __init__(self, shared: ctypes.CDLL, native: int, program: Program, spare: list[Memory] | None = None) -> None:
         self._sim: int | None = None
-        self._shared, self._program, self._spare = shared, program, spare
+        self._shared, self._native, self._program, self._spare = shared, native, program, spare
         memory = taken(spare) or self._allocated()
         self._sim, self.parameters, self.inputs, self._record = memory
         self._kept: list[object] = []
@@ -65,7 +65,7 @@ class Simulation:
 
     def _allocated(self) -> Memory:
         program = self._program
-        sim = self._shared.gb_open(self._shared.gb_get_model())
+        sim = self._shared.gb_open(self._native)
         if not sim:
             raise MemoryError(f"no memory for a simulation of '{program.name}'")
         parameters = view(self._shared.gb_parameters(sim), len(program.parameters))

@@ -94,7 +94,7 @@ class Lanes:
     def __init__(self, model: Model, outputs: Sequence[int]) -> None:
         self._model, self._n_outputs = model, len(outputs)
         self._shared = _compiled(model.program, tuple(outputs))
-        self._native = model.library.shared.gb_get_model()
+        self._native = model.library.native
         self.points = int(self._shared.gb_lane_points())
 
     def run(self, parameters: Array, step: Array, inputs: Array, how: LaneSteps, threads: int = 1) -> LaneResult:

@@ -1,6 +1,8 @@
-"""From C text to a loaded library: the core is compiled once per machine, a model once per content.
+"""From C text to loaded libraries: the core is compiled and linked once per machine, a model once per content.
 
-Nothing here imports sympy or jinja2 unless the core itself has to be compiled, so a cached model loads in milliseconds.
+The library of a model has its own C text and what that calls of the core, which are few files without a state; the solver is
+the core's library, which all models of a process share and which is handed the model. Nothing here imports sympy or jinja2
+unless the core itself has to be compiled, so a cached model loads in milliseconds.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ from gearblocks.solver.binding import Simulation
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, cpu_identity, find_compiler
 from gearblocks.solver.memory import Memory
-from gearblocks.solver.shared_object import open_shared
+from gearblocks.solver.shared_object import open_core, open_model
 from gearblocks.solver.structures import Array
 from gearblocks.solver.variants import asked_flags
 from gearblocks.train.graph import Train, Tree
@@ -58,26 +60,41 @@ _HOT = (
 """What every step runs through."""
 _COOL = ("-O2",)  # the rest of the core: a third quicker to compile
 _INCLUDE = re.compile(rb'^#include "(\w+\.h)"', re.MULTILINE)
-_builds: dict[tuple[int, str], Future[tuple[Path, ...]]] = {}
+_builds: dict[tuple[int, str], Future[Core]] = {}
 _lock = threading.Lock()
 
 
-class Library:
-    """A compiled program, loaded. Travels to other processes as its program and is found in the cache there."""
+@dataclass(frozen=True, slots=True)
+class Core:
+    """The compiled core. library: all of it, linked; objects: its files by their names, for models that call them."""
 
-    def __init__(self, program: Program, path: Path) -> None:
+    library: Path
+    objects: Mapping[str, Path]
+
+    @property
+    def is_there(self) -> bool:
+        """Whether nobody has removed its files."""
+        return all(path.is_file() for path in (self.library, *self.objects.values()))
+
+
+class Library:
+    """A compiled program, loaded: path of its library; shared: that of the core; native: the gb_model. Travels to other
+    processes as its program and is found in the cache there."""
+
+    def __init__(self, program: Program, path: Path, core: Path) -> None:
         self.program = program
         self.path = path
-        self.shared: ctypes.CDLL = open_shared(str(path))
+        self.shared: ctypes.CDLL = open_core(str(core))
+        self._own, self.native = open_model(str(path))
         self._spare: list[Memory] = []
 
     def open(self) -> Simulation:
         """A new simulation of this model."""
-        return Simulation(self.shared, self.program)
+        return Simulation(self.shared, self.native, self.program)
 
     def reopen(self) -> Simulation:
         """A simulation that may have run before: the caller sets all parameters and inputs."""
-        return Simulation(self.shared, self.program, self._spare)
+        return Simulation(self.shared, self.native, self.program, self._spare)
 
     def __del__(self) -> None:
         for memory in getattr(self, "_spare", ()):
@@ -121,12 +138,12 @@ def compile_program(program: Program) -> Library:
     path = cache.find("models", key, SHARED_SUFFIX)
     if path is None:
         began = time.perf_counter()
-        objects = _core_objects(compiler, core).result()
+        objects = _core(compiler, core).result().objects
         path = cache.write("models", key, _linked(compiler, program.source, objects), SHARED_SUFFIX)
         log.info("'%s': compiled in %.3g s", program.name, time.perf_counter() - began)
     else:
         log.debug("'%s': its library is in the cache", program.name)
-    return Library(program, path)
+    return Library(program, path, _core_library(compiler, core))
 
 
 def compiler_here() -> Compiler:
@@ -148,7 +165,7 @@ def start_core_build() -> None:
 def _begin_core() -> None:
     with contextlib.suppress(GearblocksError, RuntimeError):  # said by whoever needs the core
         compiler = compiler_here()
-        _core_objects(compiler, _core_key(compiler))
+        _core(compiler, _core_key(compiler))
 
 
 def core_files() -> dict[str, bytes]:
@@ -205,8 +222,13 @@ def _core_key(compiler: Compiler) -> str:
     )
 
 
-def _core_objects(compiler: Compiler, key: str) -> Future[tuple[Path, ...]]:
-    """The core's object files, being compiled in the background or ready. One build at a time in a process."""
+def _core_library(compiler: Compiler, key: str) -> Path:
+    """The library of the core, made where it is not in the cache."""
+    return user_cache().find("core", key, SHARED_SUFFIX) or _core(compiler, key).result().library
+
+
+def _core(compiler: Compiler, key: str) -> Future[Core]:
+    """The core, being compiled in the background or ready. One build at a time in a process."""
     place = (os.getpid(), key)
     with _lock:
         build = _builds.get(place)
@@ -217,11 +239,11 @@ def _core_objects(compiler: Compiler, key: str) -> Future[tuple[Path, ...]]:
         return build
 
 
-def _usable(build: Future[tuple[Path, ...]]) -> bool:
-    return build.exception() is None and all(path.is_file() for path in build.result())
+def _usable(build: Future[Core]) -> bool:
+    return build.exception() is None and build.result().is_there
 
 
-def _build_core(compiler: Compiler, key: str) -> tuple[Path, ...]:
+def _build_core(compiler: Compiler, key: str) -> Core:
     """Compiles what is missing, file by file and side by side; processes that begin at once share the work."""
     cache = user_cache()
     names = list(_written("c"))
@@ -238,7 +260,15 @@ def _build_core(compiler: Compiler, key: str) -> tuple[Path, ...]:
 
         with ThreadPoolExecutor(max_workers=min(len(missing), os.cpu_count() or 1)) as workers:
             found.update(zip(missing, workers.map(made, missing), strict=True))
-    return tuple(path for path in found.values() if path is not None)
+    objects = {name: path for name, path in found.items() if path is not None}
+    library = cache.find("core", key, SHARED_SUFFIX)
+    return Core(library or cache.write("core", key, _linked_core(compiler, objects), SHARED_SUFFIX), objects)
+
+
+def _linked_core(compiler: Compiler, objects: Mapping[str, Path]) -> bytes:
+    """The shared object of the core."""
+    files = {name[:-2] + ".o": path.read_bytes() for name, path in objects.items()}
+    return produced(compiler, files, ("-shared", *files, "-o", "core" + SHARED_SUFFIX, "-lm"), "core" + SHARED_SUFFIX)
 
 
 def core_flags(name: str) -> tuple[str, ...]:
@@ -252,43 +282,27 @@ def _compiled(compiler: Compiler, files: dict[str, bytes], name: str) -> bytes:
     return produced(compiler, files, arguments, "core.o")
 
 
-def _linked(compiler: Compiler, source: str, objects: Sequence[Path]) -> bytes:
-    """The shared object of a model: its C text and the objects of the core."""
+def _linked(compiler: Compiler, source: str, objects: Mapping[str, Path]) -> bytes:
+    """The shared object of a model: its C text, and the files of the core that it calls."""
     own = {"exports.h": _EXPORTS.encode(), "model.c": source.encode()}
-    files: dict[str, bytes | Sequence[Path]] = {**headers_of(b"".join(own.values())), **own}
-    folders = [*dict.fromkeys(path.parent for path in objects)]
-    files.update({f"core{i}": [path for path in objects if path.parent == folders[i]] for i in range(len(folders))})
-    cores = [f"core{folders.index(path.parent)}/{path.name}" for path in objects]
+    headers = headers_of(b"".join(own.values()))
+    called = [name for name in objects if name[:-2] + ".h" in headers]
+    files = {**headers, **own, **{name[:-2] + ".o": objects[name].read_bytes() for name in called}}
     product = "model" + SHARED_SUFFIX
     flags = (*FLAGS, *compiler.generated_flags, *compiler.native, "-include", "exports.h")
-    return produced(compiler, files, (*flags, "-shared", "model.c", *cores, "-o", product, "-lm"), product)
+    own_objects = (name[:-2] + ".o" for name in called)
+    return produced(compiler, files, (*flags, "-shared", "model.c", *own_objects, "-o", product, "-lm"), product)
 
 
-def produced(
-    compiler: Compiler, files: Mapping[str, bytes | Sequence[Path]], arguments: Sequence[str], product: str
-) -> bytes:
-    """Runs the compiler in a fresh folder that holds these files, and files of other folders in folders of their own: under
-    plain names whatever the user's paths are."""
+def produced(compiler: Compiler, files: Mapping[str, bytes], arguments: Sequence[str], product: str) -> bytes:
+    """Runs the compiler in a fresh folder that holds these files, under plain names whatever the user's paths are."""
     try:
         with tempfile.TemporaryDirectory(prefix="gearblocks-", ignore_cleanup_errors=True) as place:
             directory = Path(place)
             for name, content in files.items():
-                if isinstance(content, bytes):
-                    (directory / name).write_bytes(content)
-                else:
-                    _lay_out(directory / name, content)
+                (directory / name).write_bytes(content)
             compiler.run(arguments, directory)
             return (directory / product).read_bytes()
     except OSError as error:
         place = tempfile.gettempdir()
         raise CompileError(f"the model cannot be compiled in {place}: {error.strerror or error}") from error
-
-
-def _lay_out(place: Path, files: Sequence[Path]) -> None:
-    """Puts files of one folder there: by one link, since the solver has many, or as copies where the system has none."""
-    try:
-        place.symlink_to(files[0].parent, target_is_directory=True)
-    except OSError:
-        place.mkdir()
-        for file in files:
-            (place / file.name).write_bytes(file.read_bytes())

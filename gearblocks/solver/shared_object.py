@@ -1,9 +1,10 @@
-"""A compiled model as a shared object: the functions of gb_core.h with their types."""
+"""Shared objects: the core with the functions of gb_core.h and their types, and models, of which one function is seen."""
 
 from __future__ import annotations
 
 import ctypes
-from ctypes import POINTER, c_char_p, c_double, c_int, c_long, c_size_t, c_void_p
+import functools
+from ctypes import POINTER, c_double, c_int, c_long, c_size_t, c_void_p
 from typing import Any
 
 from gearblocks.errors import CompileError
@@ -21,7 +22,6 @@ from gearblocks.solver.structures import (
 from gearblocks.solver.switched_constraints import PROTOTYPES as CONSTRAINT_PROTOTYPES
 
 _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
-    "gb_get_model": (POINTER(c_char_p), ()),
     "gb_open": (c_void_p, (c_void_p,)),
     "gb_close": (None, (c_void_p,)),
     "gb_parameters": (c_void_p, (c_void_p,)),
@@ -56,13 +56,25 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 }
 
 
-def open_shared(path: str) -> ctypes.CDLL:
-    """Loads a shared object and gives its functions their types. Raises CompileError where it is none of ours."""
+@functools.cache
+def open_core(path: str) -> ctypes.CDLL:
+    """Loads the core and gives its functions their types, once in a process. Raises CompileError where it is none of ours."""
     try:
         handle = ctypes.CDLL(path)
         for name, (result, arguments) in (_PROTOTYPES | PROTOTYPES | CONSTRAINT_PROTOTYPES).items():
             function = getattr(handle, name)
             function.restype, function.argtypes = result, arguments
     except (OSError, AttributeError) as error:
-        raise CompileError(f"the compiled model {path} cannot be loaded: {error}") from error
+        raise CompileError(f"the compiled solver {path} cannot be loaded: {error}") from error
     return handle
+
+
+def open_model(path: str) -> tuple[ctypes.CDLL, int]:
+    """Loads a model: its handle, which stays as long as the model is used, and the address of its gb_model. Raises
+    CompileError where it is none of ours."""
+    try:
+        handle = ctypes.CDLL(path)
+        handle.gb_get_model.restype, handle.gb_get_model.argtypes = c_void_p, ()
+        return handle, int(handle.gb_get_model())
+    except (OSError, AttributeError) as error:
+        raise CompileError(f"the compiled model {path} cannot be loaded: {error}") from error

@@ -2,7 +2,7 @@
 not compiled again.
 
 An object is known by its C file, all headers and the flags. A model is compiled and linked in two calls, so that another
-solver costs it the linking alone; optimized less than elsewhere: the same bits, compiled sooner.
+core costs it the linking alone; optimized less than elsewhere: the same bits, compiled sooner.
 """
 
 import os
@@ -31,10 +31,9 @@ def kept(compiler, files, arguments, product):
         return produced(compiler, files, arguments, product)
     if "-shared" in arguments:
         flags = tuple(x for x in arguments if x != "-shared" and not x.endswith(".o"))[:-4]
-        code = {name: data for name, data in files.items() if isinstance(data, bytes)}
-        objects = {name: data for name, data in files.items() if not isinstance(data, bytes)}
         cores = [x for x in arguments if x.endswith(".o")]
-        objects["model.o"] = kept(compiler, code, (*flags, "-c", source, "-o", "model.o"), "model.o")
+        objects = {name: files[name] for name in cores}
+        objects["model.o"] = kept(compiler, files, (*flags, "-c", source, "-o", "model.o"), "model.o")
         linked = (*library.FLAGS, *compiler.native, "-shared", "model.o", *cores, "-o", product, "-lm")
         return produced(compiler, objects, linked, product)
     texts = {name: data for name, data in files.items() if name == source or name.endswith(".h")}
