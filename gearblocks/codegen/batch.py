@@ -9,12 +9,13 @@ import sympy as sp
 from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Batch
 from gearblocks.codegen.comments import of_components
+from gearblocks.codegen.common_terms import CommonTerms
 from gearblocks.codegen.event_functions import EventFunctions
 from gearblocks.codegen.function import Argument, Function, Names, column
 from gearblocks.codegen.hoisting import Hoister
 from gearblocks.codegen.layout import Layout
 from gearblocks.codegen.massless_balance import balance_of
-from gearblocks.codegen.operands import Assignment, Operand, Role, Statement
+from gearblocks.codegen.operands import NONE, Assignment, Operand, Role, Statement
 from gearblocks.codegen.parts import Balance
 from gearblocks.codegen.symbol_names import Offsets, SymbolNames
 from gearblocks.laws.features import narrow_features
@@ -125,13 +126,20 @@ class BatchCode:
         return self.symbols.of(exprs, vector=vector)
 
     def function(self, what: str, assignments: list[Assignment], *, vector: Role = Role.STATES) -> Function:
-        """A function that stores expressions; vector: see Names."""
+        """A function that stores expressions; vector: see Names. What they have in common is computed once, unless one of
+        them reads what another has stored."""
         names = self.names([a.expr for a in assignments], vector=vector)
         for flange in (a.flange for a in assignments):
             if flange is not None:
                 self.symbols.speed_key(flange, names)
                 self.symbols.gain(flange, names)
-        return self._function(what, names, [self._statement(a, names) for a in assignments])
+        written = NONE.union(*(a.target.written for a in assignments))
+        common = CommonTerms(() if written & names.reads else [a.expr for a in assignments])
+        body: list[Statement] = []
+        for a in assignments:
+            body += [names.common(x) for x in common.of(a.expr)]
+            body.append(self._statement(a, names))
+        return self._function(what, names, body)
 
     def _function(self, what: str, names: Names, body: list[Statement]) -> Function:
         arguments, constants = list(names.arguments.values()), list(names.constants.items())

@@ -70,7 +70,7 @@ _PLACES = {role: place for place, role in enumerate(Role)}
 
 @dataclass(slots=True)
 class Names:
-    """C of symbols, the arguments and constants that it needs, and the roles that it reads.
+    """C of symbols and of common subexpressions, the arguments and constants that it needs, and the roles that it reads.
 
     vector: what coordinates and speeds are read from: STATES, UNWRAPPED_ANGLES (with whole angles), DIRECTION,
     GROUP_SPEEDS; or TIME_TERMS, where those of a lane are written.
@@ -81,10 +81,18 @@ class Names:
     arguments: dict[str, Argument] = field(default_factory=dict)
     constants: dict[str, str] = field(default_factory=dict)
     read: set[Role] = field(default_factory=set)
+    n_common: int = 0
 
     def print(self, expr: Any) -> str:
         """C of an expression."""
         return c_text(expr, self.text)
+
+    def common(self, expr: Any) -> Statement:
+        """The definition of a subexpression, which is printed by its name from here on."""
+        text, name = self.print(expr), f"common_{self.n_common}"
+        self.n_common += 1
+        self.text[expr] = name
+        return Statement(Local(name), "define", text)
 
     def place(self, operand: Operand | Local) -> str:
         """C of a number of a vector, which is then read."""

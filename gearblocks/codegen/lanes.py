@@ -55,9 +55,9 @@ def _readers(g: Generator, role: Role, flanges: range) -> list[int]:
     """By output: 1 where it reads this vector; flanges: those of the flanges that do."""
     reads = [0] * len(g.outputs)
     for f in g.functions.get("outputs", []):
-        for s in f.body if role in f.roles else ():
-            assert isinstance(s.target, Operand)
-            first = int(s.target.offset)
+        stored = [s.target for s in f.body if isinstance(s.target, Operand)]
+        for target in stored if role in f.roles else ():
+            first = int(target.offset)
             reads[first : first + f.count] = [1] * f.count
     reads[flanges.start : flanges.stop] = [1] * len(flanges)
     return reads

@@ -21,7 +21,7 @@ _OWN_FUNCTIONS = {
 
 
 class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
-    """Expressions of a law in C; `names` gives the text of every symbol."""
+    """Expressions of a law in C; `names` gives the text of every symbol, and of subexpressions that have a name."""
 
     math_macros: Mapping[Any, str] = {}  # none; as a setting sympy would make all of its own first
 
@@ -40,6 +40,14 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
 
     def _format_code(self, lines: list[str]) -> list[str]:
         return lines if len(lines) == 1 else list(super()._format_code(lines))
+
+    def _print(self, expr: Any, **kwargs: Any) -> str:
+        name = self._names.get(expr)
+        return str(super()._print(expr, **kwargs)) if name is None else name
+
+    def parenthesize(self, item: Any, level: int, strict: bool = False) -> str:
+        name = self._names.get(item)
+        return str(super().parenthesize(item, level, strict)) if name is None else name
 
     def _print_Symbol(self, expr: Any) -> str:
         return self._names[expr]
