@@ -85,6 +85,8 @@ def test_inner_parts_come_first_and_every_name_is_read():
     exprs = [outer, outer * b, 1 / outer, inner]
     statements, texts = written(exprs, common=True)
     rest = [s.rhs for s in statements] + [text for _, text in texts]
+    assert len(statements) == 2
+    assert sum(text.count("gb_sin(") for text in rest) == 1
     for i, s in enumerate(statements):
         assert not any(str(s.target) in text for text in rest[: i + 1])
         assert any(str(s.target) in text for text in rest[i + 1 :])
@@ -97,7 +99,7 @@ def test_small_sums_are_written_out():
 
 def test_a_branch_keeps_to_itself_what_it_has():
     a, b, c, _ = NAMES
-    root = sp.sqrt(a)
+    root = sp.sin(sp.sqrt(a))
     branch = sp.Piecewise((root * (b + c * a + 1) + root, a > 0), (b, True))
     assert not written([branch], common=True)[0]
     statements, texts = written([branch * b, branch * c], common=True)
