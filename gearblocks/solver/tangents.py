@@ -24,7 +24,10 @@ class TangentsStructure(ctypes.Structure):
         ("done", c_long),
         ("undefined", c_longlong),
         ("t", c_double),
-        *((name, c_void_p) for name in ("times", "scale", "fixed", "columns", "states", "maps", "logs", "room")),
+        *(
+            (name, c_void_p)
+            for name in ("times", "scale", "fixed", "change", "columns", "states", "maps", "logs", "room")
+        ),
         ("doubt", c_int),
         ("surface", c_int),
     ]
@@ -41,18 +44,23 @@ class Undefined(NamedTuple):
 @final
 class Tangents:
     """Columns beside a run that has just started. columns: shape (n, m); scale: sizes of the n states, in units of which they
-    are made orthonormal, to fixed directions (orthonormal, shape (n, p)) too."""
+    are made orthonormal, to fixed directions (orthonormal, shape (n, p)) too; change: of the parameters, that the last column
+    goes along."""
 
-    def __init__(self, sim: Simulation, n_total: int, columns: Array, scale: Array, fixed: Array) -> None:
+    def __init__(
+        self, sim: Simulation, n_total: int, columns: Array, scale: Array, fixed: Array, change: Array | None = None
+    ) -> None:  # fmt: skip
         self._shared, self._sim = sim.handle
         self.n, self.m = columns.shape
         self._columns, self._fixed = (np.zeros((x.shape[1], n_total)) for x in (columns, fixed))
         self._columns[:, : self.n], self._fixed[:, : self.n] = columns.T, fixed.T
         self._scale = np.ascontiguousarray(scale, dtype=np.float64)
+        self._change = None if change is None else np.ascontiguousarray(change, dtype=np.float64)
         self._room = np.empty(self._shared.gb_tangent_size(self._sim, self.m))
         self._raw = TangentsStructure(
             count=self.m, n_fixed=len(self._fixed), index=-1, scale=address(self._scale), fixed=address(self._fixed),
             columns=address(self._columns), room=address(self._room),
+            change=None if self._change is None else address(self._change),
         )  # fmt: skip
 
     def begin(self, times: Array, *, maps: bool = False, logs: bool = False) -> None:

@@ -51,8 +51,9 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_locate",),
     ("gb_account", "gb_record"),
     ("gb_step",),
-    ("gb_quantity", "gb_watch", "gb_tangent_step"),
-    ("gb_run", "gb_tangent_event"),
+    ("gb_quantity", "gb_watch", "gb_tangent_parameter"),
+    ("gb_run", "gb_tangent_step"),
+    ("gb_tangent_event",),
     ("gb_study", "gb_tangent_graze"),
     ("gb_tangents",),
 )

@@ -19,7 +19,7 @@ from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions, wit
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.orbit_equation import OrbitEquation, Solved
 from gearblocks.analysis.regimes.response import response
-from gearblocks.analysis.regimes.strobe import Strobe, strobe
+from gearblocks.analysis.regimes.strobe import Change, Strobe, change_of, strobe
 from gearblocks.analysis.sections import Section
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+At = Callable[[float], Strobe]
+ByParameter = Callable[[Strobe, float], Change]
 
 _UNSURE = 30.0  # tolerances
 _PARTS = ("mean", "rms", "low", "high")
@@ -150,15 +152,19 @@ def continue_orbit(
             f"periods = {periods} must be >= 1, transient = {transient} >= 0, most = {most} >= 2 and step = {step} in (0, 1]"
         )
     output = output_of(model.program, of)
-    info = model.program.parameters[resolve(parameter, model.program.parameter_numbers, "parameter")]
+    number = resolve(parameter, model.program.parameter_numbers, "parameter")
+    info = model.program.parameters[number]
 
     def at(value: float) -> Strobe:
         return strobe(model, section, {**(parameters or {}), info.path: value}, initial, rtol)
 
+    def change(seen: Strobe, unit: float) -> Change:
+        return change_of(seen, section, number, unit)
+
     if isinstance(start, Mark):
-        equation, first = _from_mark(at, begin, end, start)
+        equation, first = _from_mark(at, change, begin, end, start)
     else:
-        equation, first = _from_orbit(at, begin, end, start, initial, periods, transient)
+        equation, first = _from_orbit(at, change, begin, end, start, initial, periods, transient)
     low, high = sorted((x - equation.value) / equation.size for x in (begin, end))
     points, marks, ended = [], [], ""
     for found in followed(equation, first, low, high, step, most, leaves=isinstance(start, Mark)):
@@ -193,7 +199,7 @@ def _span(span: Sequence[float]) -> tuple[float, float]:
 
 
 def _from_orbit(
-    at: Callable[[float], Strobe], begin: float, end: float, start: Any, initial: Any, periods: int, transient: int
+    at: At, change: ByParameter, begin: float, end: float, start: Any, initial: Any, periods: int, transient: int
 ) -> tuple[OrbitEquation, Solved]:  # fmt: skip
     """The equation at an orbit, and its point there, whose tangent leads into the span."""
     if start is None:
@@ -208,7 +214,7 @@ def _from_orbit(
     neutral = _directions(seen, y)
     orbit = shoot(seen, y, periods, neutral)
     if orbit is not None:
-        equation = OrbitEquation(at, seen, neutral, orbit.points[0], begin, abs(end - begin), orbit.periods)
+        equation = OrbitEquation(at, change, seen, neutral, orbit.points[0], begin, abs(end - begin), orbit.periods)
         zero = np.zeros(neutral.rest.shape[1] + 1)
         along = zero.copy()
         along[-1] = np.sign(end - begin)
@@ -221,7 +227,9 @@ def _from_orbit(
     )  # fmt: skip
 
 
-def _from_mark(at: Callable[[float], Strobe], begin: float, end: float, start: Mark) -> tuple[OrbitEquation, Solved]:
+def _from_mark(
+    at: At, change: ByParameter, begin: float, end: float, start: Mark
+) -> tuple[OrbitEquation, Solved]:  # fmt: skip
     """The equation at a mark, and a point there whose tangent leads into the branch that leaves."""
     if start.direction is None or not min(begin, end) <= start.value <= max(begin, end):
         raise ParameterError(
@@ -229,7 +237,7 @@ def _from_mark(at: Callable[[float], Strobe], begin: float, end: float, start: M
         )
     seen = at(start.value).sized(start.states, 0)
     neutral = _directions(seen, start.states)
-    equation = OrbitEquation(at, seen, neutral, start.states, start.value, abs(end - begin), start.periods)
+    equation = OrbitEquation(at, change, seen, neutral, start.states, start.value, abs(end - begin), start.periods)
     leads = np.append(neutral.apart(start.direction / seen.scale), 0.0)
     leads /= np.linalg.norm(leads)
     return equation, replace(equation.point(np.zeros(len(leads)), leads), tangent=leads)

@@ -1,8 +1,8 @@
 """The equation of a periodic orbit over a parameter:  F(u) = P_q^m(y) - y = 0,  u = (z, (q - q_0)/Q),  y = y_0 + S R z.
 
 S: sizes of the states; R: directions apart from neutral ones, along which nothing is asked: a train may turn as one piece. F
-by z from tangents; by q as a central difference of the map, whose period follows the parameter; both are right across corners
-and impacts. Knows nothing of branches.
+by z and by q, whose period follows the parameter, from tangents: right across corners, impacts and events of time. Knows
+nothing of branches.
 """
 
 from __future__ import annotations
@@ -16,14 +16,13 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.neutral import Neutral, scaled
 from gearblocks.analysis.regimes.orbit import CLOSED
-from gearblocks.analysis.regimes.strobe import Followed, Strobe
+from gearblocks.analysis.regimes.strobe import Change, Followed, Strobe
 from gearblocks.errors import SimulationError
 
 Array = NDArray[np.float64]
 
 _MOST = 8  # steps of Newton's method
 _SETTLED = 1e-5  # step of that: next to a branch point a point off the branch closes, too
-_BESIDE = 0.3  # times the cube root of the tolerance: the distance of the central difference, of Q
 _STEP = 0.25  # of the longest step: an orbit at rest limits no step by its own motion
 _PARTS = 16  # of a period, that sizes are told from
 _GROWN = 2.0  # times: sizes that are taken anew
@@ -57,10 +56,11 @@ class Solved:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class OrbitEquation:
-    """at: the model at a value of the parameter; base, value, size: y_0, q_0 and Q; sized: the model that sizes are taken from;
-    periods: m."""
+    """at: the model at a value of the parameter; change: derivatives by it, in units of a size; base, value, size: y_0, q_0 and
+    Q; sized: the model that sizes are taken from; periods: m."""
 
     at: Callable[[float], Strobe]
+    change: Callable[[Strobe, float], Change]
     sized: Strobe
     neutral: Neutral
     base: Array
@@ -134,12 +134,15 @@ class OrbitEquation:
 
     def _mapped(self, u: Array) -> tuple[Strobe, Followed]:
         seen = self._seen(self.parameter(u))
-        return seen, seen.map(self.states(u), self.periods)
+        return seen, seen.map(self.states(u), self.periods, by=self.change(seen, self._unit(u)))
+
+    def _unit(self, u: Array) -> float:
+        """What of the parameter is a small part of itself."""
+        return min(abs(self.parameter(u)), self.size) or self.size
 
     def _jacobian(self, u: Array, seen: Strobe, run: Followed) -> Array:
-        rest, beside = self.neutral.rest, _BESIDE * max(seen.rtol, 1e-12) ** (1 / 3)
-        y, q = self.states(u), self.parameter(u)
-        ends = [self._seen(q + h * self.size).follow(y, self.periods).states[-1] for h in (-beside, beside)]
-        by_parameter = self.neutral.apart((ends[1] - ends[0]) / (2 * beside * seen.scale))
+        rest = self.neutral.rest
+        assert run.slope is not None
+        by_parameter = self.neutral.apart(run.slope * (self.size / self._unit(u)) / seen.scale)
         by_states = rest.T @ scaled(seen, run.maps[-1]) @ rest - np.eye(rest.shape[1])
         return np.column_stack([by_states, by_parameter])

@@ -51,13 +51,23 @@ class GrowthError(SimulationError):
 class Followed:
     """A run over k periods. states: the n states after each, shape (k, n); maps: derivatives of each by the start, (k, n, m);
     logs: logarithms by which the columns grew in each, (k, m); corner: where no derivative exists, in words, or ""; events:
-    how many there were."""
+    how many there were; slope: derivative of the last states by a parameter, (n,), where one was asked for."""
 
     states: Array
     maps: Array
     logs: Array
     corner: str
     events: int
+    slope: Array | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class Change:
+    """Derivatives by a parameter: of the parameters of a model, and of the period of its section [s]."""
+
+    parameters: Array
+    period: float
 
 
 @final
@@ -136,11 +146,12 @@ class Strobe:
 
     def follow(
         self, y: Array, periods: int, columns: Array | None = None, *, after: int = 0, maps: bool = False,
-        fixed: Array | None = None, parts: int = 1,
+        fixed: Array | None = None, parts: int = 1, by: Change | None = None,
     ) -> Followed:  # fmt: skip
         """A run from the states y over so many periods; columns: of derivatives beside it, shape (n, m), which with fixed
         directions, shape (n, p), are made orthonormal to these and each other after each period; after: periods that have
-        passed before; parts: of each period, after which what is found is kept. Raises SimulationError."""
+        passed before; parts: of each period, after which what is found is kept; by: a parameter, with the period of the section
+        following it (not with `after`). Raises SimulationError."""
         program = self.model.program
         with self.model.library.reopen() as sim:
             self._set(sim)
@@ -149,7 +160,10 @@ class Strobe:
             self._begin(sim, after * self.period, full)
             none = np.empty((self.n, 0))
             columns, wanted = none if columns is None else columns, fixed is not None
-            tangents = Tangents(sim, program.n_total, columns, self.scale, none if fixed is None else fixed)
+            given, change = columns.shape[1], None if by is None else by.parameters
+            if change is not None:
+                columns = np.column_stack([columns, self._begun(y, change)])
+            tangents = Tangents(sim, program.n_total, columns, self.scale, none if fixed is None else fixed, change)
             times: Array = self.period * (after + np.arange(1.0, parts * periods + 1) / parts)
             tangents.begin(times, maps=maps, logs=wanted)
             while (code := tangents.run()) != Code.DONE:
@@ -160,11 +174,32 @@ class Strobe:
             states = tangents.states[:, : self.n].copy()
             counts = [i for i, q in enumerate(program.states) if q.name.endswith(".impacts")]
             states[:, counts] = y[counts]  # what stops count grows for ever, and no law reads it
-            return Followed(states, tangents.maps, tangents.logs, corner, sim.counters.events)
+            slope = None if by is None else self._slope(sim, tangents, times[-1], periods * by.period)
+            return Followed(states, tangents.maps[:, :, :given], tangents.logs, corner, sim.counters.events, slope)
 
-    def map(self, y: Array, periods: int, *, after: int = 0) -> Followed:
+    def map(self, y: Array, periods: int, *, after: int = 0, by: Change | None = None) -> Followed:
         """The same with all derivatives by the states."""
-        return self.follow(y, periods, np.eye(self.n), after=after, maps=True)
+        return self.follow(y, periods, np.eye(self.n), after=after, maps=True, by=by)
+
+    def _begun(self, y: Array, change: Array) -> Array:
+        """Derivative by a parameter of the states that a run from y begins with: what friction holds and what has no
+        inertia stand in a balance that may read it."""
+        ends = []
+        for step in (-_BESIDE, _BESIDE):
+            with replace(self, parameters=self.parameters + step * change).opened(y) as sim:
+                ends.append(sim.state()[: self.n])
+        found: Array = (ends[1] - ends[0]) / (2 * _BESIDE)
+        return found
+
+    def _slope(self, sim: Simulation, tangents: Tangents, t: float, later: float) -> Array:
+        """Derivative of the last states by the parameter; later: that of their instant t. Raises SimulationError."""
+        rates = sim.probe(t, tangents.states[-1], None, "rates")[: self.n]
+        found: Array = tangents.columns[:, -1] + later * rates
+        if not np.isfinite(found).all():
+            raise SimulationError(
+                t, "", "the motion has no derivative by the parameter", "give a span in which its laws are smooth", None
+            )
+        return found
 
     def ties(self, y: Array) -> Array:
         """Rows over the n states that lossy gears hold at zero at the states y, whatever moves: shape (ties, n)."""
@@ -230,6 +265,16 @@ def _driven(jacobian: Array, size: Array, period: float) -> Array:
         found = np.maximum(found, np.abs(flow) @ size)
         flow = flow @ flow
     return found
+
+
+def change_of(seen: Strobe, section: Section, number: int, size: float) -> Change:
+    """By parameter `number` of the model, in units of `size`."""
+    unit = np.zeros(len(seen.parameters))
+    unit[number] = size
+    names, ends = seen.model.program.parameter_numbers, []
+    for step in (-2 * _BESIDE, -_BESIDE, _BESIDE, 2 * _BESIDE):
+        ends.append(section_period(section, NamedValues(names, seen.parameters + step * unit)))
+    return Change(unit, (ends[0] - 8 * ends[1] + 8 * ends[2] - ends[3]) / (12 * _BESIDE))
 
 
 def strobe(

@@ -248,14 +248,16 @@ GB_API int gb_study_run(gb_sim *sim, gb_study *study, double slice);
  * behind n zeros. times, rising: where steps end and, by time, what is not NULL is written: the state (n_total) into
  * states, the columns into maps; with logs the columns are made orthonormal there (in units of `scale`, by state), to
  * the n_fixed orthonormal directions in `fixed` too, and the logarithms of what they were as long as go into logs.
- * done: times that are done with. undefined: events without a derivative so far, the first of which was that of switch
- * `index` at t. Behind: what is known of the event under way. room: gb_tangent_size numbers of the caller's. */
+ * change (NULL: none): derivatives of the parameters (n_parameters) along which the last column goes, that of the state
+ * by them; without logs. done: times that are done with. undefined: events without a derivative so far, the first of
+ * which was that of switch `index` at t. Behind: what is known of the event under way. room: gb_tangent_size numbers of
+ * the caller's. */
 typedef struct gb_tangents {
     int count, n_fixed, index;
     long n_times, done;
     long long undefined;
     double t;
-    const double *times, *scale, *fixed;
+    const double *times, *scale, *fixed, *change;
     double *columns, *states, *maps, *logs, *room;
     int doubt, surface;
 } gb_tangents;

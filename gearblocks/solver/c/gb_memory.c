@@ -70,6 +70,11 @@ static long active_set_size(const gb_model *m, long *carried) {
     return m->n_constraints > 0 ? gb_active_lay(m->constraint_rows, &none, &active, carried) : 0;
 }
 
+size_t gb_modes_size(const gb_model *model) {
+    long carried;
+    return (size_t)(model->n_switches + active_set_size(model, &carried));
+}
+
 /* What events need to decide about switched constraints. */
 static void lay_constraints(gb_sim *sim, char *base, size_t *at) {
     const gb_model *m = sim->model;

@@ -9,4 +9,7 @@
 /* The method of the next step. */
 void gb_set_method(gb_sim *sim, int method);
 
+/* Numbers of a copy of the modes with the active set and what follows from it. */
+size_t gb_modes_size(const gb_model *model);
+
 #endif

@@ -3,6 +3,7 @@
 #include "gb_event.h"
 #include "gb_rates.h"
 #include "gb_snapshot.h"
+#include "gb_tangent_parameter.h"
 #include "gb_tangent_step.h"
 #include "gb_time_terms.h"
 
@@ -69,32 +70,49 @@ static void doubt(gb_tangents *tangents, int surface) {
     tangents->surface = surface;
 }
 
+/* Column c meets what is pending by switch i so much later; motions that meet several one after the other have no
+ * derivative. met: whether another one has been met. */
+static void meets(gb_tangents *tangents, const gb_tangent_room *room, int c, int i, double delay, int *met) {
+    const double before = room->delay[c];
+    if (!(fabs(delay) < HUGE_VAL) || (*met && fabs(delay - before) > AT_ONCE * gb_max(fabs(delay), fabs(before)))) {
+        doubt(tangents, i);
+    }
+    room->delay[c] = *met || !(fabs(delay) < HUGE_VAL) ? before : delay;
+    *met = 1;
+}
+
+/* How much later the motion of column c reaches its surface, and a train with other parameters its instant. */
+static int delay_of(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room *room, int c) {
+    const gb_model *model = sim->model;
+    const double *v = tangents->columns + (size_t)c * (size_t)model->n_total, t = sim->head->front.t1;
+    const int by_parameter = tangents->change && c == tangents->count - 1;
+    int met = 0, code = along(sim, room, t, room->before, 0.0, v, room->surfaces);
+    if (by_parameter && code == GB_DONE) {
+        code = gb_surfaces_by_parameter(sim, room, t, room->before, room->surfaces);
+    }
+    for (int i = 0; i < model->n_event_functions && code == GB_DONE; i++) {
+        if (is_surface(sim, i)) {
+            meets(tangents, room, c, i, room->speeds[i] != 0.0 ? -room->surfaces[i] / room->speeds[i] : 0.0, &met);
+        }
+    }
+    for (int i = model->n_event_functions; i < model->n_switches && by_parameter && code == GB_DONE; i++) {
+        if (sim->events.pending[i] != 0.0) {
+            meets(tangents, room, c, i, gb_instant_by_parameter(sim, room, i), &met);
+        }
+    }
+    return code;
+}
+
 /* How much later each motion beside reaches its surface. */
 static int delays(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room *room) {
-    const int n = sim->model->n_event_functions;
-    const double t = sim->head->front.t1;
-    int code = along(sim, room, t, room->before, 1.0, room->rates_before, room->speeds);
-    memset(room->delay, 0, sizeof(double) * (size_t)tangents->count);
-    for (int i = 0; i < n && code == GB_DONE; i++) {
+    int code = along(sim, room, sim->head->front.t1, room->before, 1.0, room->rates_before, room->speeds);
+    for (int i = 0; i < sim->model->n_event_functions && code == GB_DONE; i++) {
         if (is_surface(sim, i) && grazes(sim, room, i, room->speeds[i])) {
             doubt(tangents, i);
         }
     }
     for (int c = 0; c < tangents->count && code == GB_DONE; c++) {
-        const double *v = tangents->columns + (size_t)c * (size_t)sim->model->n_total;
-        int first = -1;
-        code = along(sim, room, t, room->before, 0.0, v, room->surfaces);
-        for (int i = 0; i < n && code == GB_DONE; i++) {
-            if (!is_surface(sim, i)) {
-                continue;
-            }
-            const double delay = room->speeds[i] != 0.0 ? -room->surfaces[i] / room->speeds[i] : 0.0;
-            if (first >= 0 && fabs(delay - room->delay[c]) > AT_ONCE * gb_max(fabs(delay), fabs(room->delay[c]))) {
-                doubt(tangents, i);
-            }
-            room->delay[c] = first < 0 ? delay : room->delay[c];
-            first = first < 0 ? i : first;
-        }
+        code = delay_of(sim, tangents, room, c);
     }
     return code;
 }
@@ -110,7 +128,7 @@ int gb_tangents_before(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room
     int code = gb_time_terms_at(sim, sim->head->front.t1);
     gb_rates(sim, 0, &sim->instant, 0, sim->y, room->rates_before);
     memset(room->delay, 0, sizeof(double) * (size_t)tangents->count);
-    if (code == GB_DONE && surfaces > 0) {
+    if (code == GB_DONE && (surfaces > 0 || tangents->change)) {
         code = delays(sim, tangents, room);
     }
     sim->head->front.t_comm = sim->head->front.t1;
@@ -129,24 +147,47 @@ static int has_changed(const gb_sim *sim, const double *before, const double *af
     return 0;
 }
 
-/* R_x w, into beyond. Answers whether motions beside meet the event likewise. The state after it is left as it was. */
-static int mapped(gb_sim *sim, const gb_tangent_room *room, const double *w) {
-    const int n = sim->model->n;
-    const double reach = gb_tangent_reach(sim, room, room->before, w);
+/* A train beside at its event: its state, instant and parameters (change NULL: the same). */
+static void set_beside(gb_sim *sim, const double *w, double delay, const double *change, double distance) {
+    struct gb_event_state *events = &sim->head->events;
+    const double later = distance * delay;
+    for (int i = sim->model->n_event_functions; i < sim->model->n_switches; i++) {
+        sim->events.next_time[i] += sim->events.next_time[i] <= sim->head->front.t1 ? later : 0.0;
+    }
+    events->t_break += events->t_break <= sim->head->front.t1 ? later : 0.0;
+    sim->head->front.t1 += later;
+    for (int i = 0; i < sim->model->n; i++) {
+        sim->y[i] += distance * w[i];
+    }
+    if (change) {
+        gb_parameters_moved(sim, change, distance);
+    }
+}
+
+/* How far it lies in a difference. */
+static double reach_of(const gb_sim *sim, const gb_tangent_room *room, const double *w, double delay, int moved) {
+    const double by_states = gb_tangent_reach(sim, room, room->before, w);
+    const double by_time = delay != 0.0 ? ALONG * sim->head->front.h / fabs(delay) : 0.0;
+    const double most = by_states > 0.0 ? by_states : by_time;
+    return !moved ? most : most > 0.0 ? gb_min(most, GB_PARAMETER_REACH) : GB_PARAMETER_REACH;
+}
+
+/* R_x w + R_t dt + R_p, into beyond. Answers whether motions beside meet the event likewise. The state after it is left
+ * as it was. */
+static int mapped(gb_sim *sim, const gb_tangent_room *room, const double *w, double delay, const double *change) {
+    const double reach = reach_of(sim, room, w, delay, change != NULL);
     const uint64_t modes = sim->head->events.mode_hash;
     int alike = 1;
     memset(room->beyond, 0, sizeof(double) * (size_t)sim->model->n_total);
     gb_save(sim, room->block_after);
     for (int p = 0; p < GB_BESIDE && reach > 0.0; p++) {
         gb_restore(sim, room->block_before);
-        for (int i = 0; i < n; i++) {
-            sim->y[i] += gb_beside(p) * reach * w[i];
-        }
+        set_beside(sim, w, delay, change, gb_beside(p) * reach);
         const int timed = sim->head->front.t1 >= sim->head->events.t_break;
         int code = gb_apply_event(sim);
         code = code == GB_DONE ? gb_depart(sim, GB_AT_EVENT, timed) : code;
         alike = alike && code == GB_DONE && sim->head->events.mode_hash == modes;
-        for (int i = 0; i < n; i++) {
+        for (int i = 0; i < sim->model->n; i++) {
             room->beyond[i] += gb_beside_weight(p) / reach * sim->y[i];
         }
     }
@@ -168,7 +209,8 @@ int gb_tangents_after(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room 
             v[i] += delay * room->rates_before[i];
         }
         if (jumps) {
-            if (!mapped(sim, room, v)) {
+            const int moved = tangents->change && c == tangents->count - 1;
+            if (!mapped(sim, room, v, delay, moved ? tangents->change : NULL)) {
                 doubt(tangents, tangents->surface);
             }
             memcpy(v, room->beyond, sizeof(double) * (size_t)n);

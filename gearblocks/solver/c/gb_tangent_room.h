@@ -26,6 +26,8 @@ typedef struct gb_tangent_room {
     double *functions, *speeds, *surfaces; /* event functions; how fast they change along the motion, along a column */
     double *delay;                         /* dt by column */
     double *block_before, *block_after;    /* saved states */
+    gb_lanes beside[GB_BESIDE];            /* of trains with other parameters (gb_tangent_parameter.h): time terms, */
+    double *par[GB_BESIDE], *mode[GB_BESIDE], *lo, *hi; /* values, modes; limits of one of them */
 } gb_tangent_room;
 
 #endif

@@ -1,5 +1,6 @@
 #include "gb_tangent_step.h"
 #include "gb_rates.h"
+#include "gb_tangent_parameter.h"
 #include "gb_time_terms.h"
 
 static const double NEAR = 1e-4; /* of the size of a state: laws bend over a hundredth of it and less */
@@ -50,7 +51,10 @@ int gb_tangents_step(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room *
     if (!(h > 0.0) || tangents->count == 0) {
         return GB_DONE;
     }
-    const int code = stage_terms(sim, room, t0, h);
+    int code = stage_terms(sim, room, t0, h);
+    if (code == GB_DONE && tangents->change) {
+        code = gb_parameter_terms(sim, room, &room->lanes, method->stages);
+    }
     for (int j = 0; j < method->stages && code == GB_DONE; j++) {
         const double *y = sim->y0;
         if (j > 0) {
@@ -66,6 +70,9 @@ int gb_tangents_step(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room *
                 v = room->combined;
             }
             product(sim, room, j, y, v, rates + (size_t)j * (size_t)total);
+            if (tangents->change && c == tangents->count - 1) {
+                gb_rates_by_parameter(sim, room, j, y, rates + (size_t)j * (size_t)total);
+            }
         }
     }
     for (int c = 0; c < tangents->count && code == GB_DONE; c++) {

@@ -1,9 +1,11 @@
 #include "gb_tangents.h"
+#include "gb_memory.h"
 #include "gb_report.h"
 #include "gb_run.h"
 #include "gb_snapshot.h"
 #include "gb_tangent_event.h"
 #include "gb_tangent_graze.h"
+#include "gb_tangent_parameter.h"
 #include "gb_tangent_step.h"
 
 #include <time.h>
@@ -16,6 +18,12 @@ static double *take(double *base, size_t *at, size_t count) {
     const size_t here = *at;
     *at += (count + GB_PAD - 1) / GB_PAD * GB_PAD;
     return base ? base + here : NULL;
+}
+
+static void lay_lanes(const gb_model *m, double *base, size_t *at, gb_lanes *lanes) {
+    lanes->t = take(base, at, GB_LANES);
+    lanes->u = take(base, at, (size_t)(m->n_inputs + 1) * GB_LANES);
+    lanes->time_terms = take(base, at, (size_t)(m->n_time_terms + 1) * GB_LANES);
 }
 
 /* Laid out from `base` on; answers how many numbers there are. */
@@ -36,9 +44,14 @@ static size_t lay(const gb_sim *sim, int count, double *base, gb_tangent_room *r
     room->slopes = take(base, &at, stages * total);
     room->columns = take(base, &at, columns * stages * total);
     room->delay = take(base, &at, columns);
-    room->lanes.t = take(base, &at, GB_LANES);
-    room->lanes.u = take(base, &at, (size_t)(m->n_inputs + 1) * GB_LANES);
-    room->lanes.time_terms = take(base, &at, (size_t)(m->n_time_terms + 1) * GB_LANES);
+    lay_lanes(m, base, &at, &room->lanes);
+    for (int p = 0; p < GB_BESIDE; p++) {
+        lay_lanes(m, base, &at, &room->beside[p]);
+        room->par[p] = take(base, &at, (size_t)(m->n_par > m->n_parameters ? m->n_par : m->n_parameters));
+        room->mode[p] = take(base, &at, gb_modes_size(m));
+    }
+    room->lo = take(base, &at, (size_t)m->n_switches);
+    room->hi = take(base, &at, (size_t)m->n_switches);
     room->block_before = take(base, &at, block);
     room->block_after = take(base, &at, block);
     return at;
@@ -125,8 +138,14 @@ int gb_tangents_run(gb_sim *sim, gb_tangents *tangents, double slice) {
     if (code == GB_DONE && (sim->method->gamma > 0.0 || head->choice.automatic || !head->options.locate)) {
         code = gb_fail(sim, GB_ERR_METHOD, head->method, head->front.t1, 0.0);
     }
+    if (code == GB_DONE && tangents->change && (tangents->logs || tangents->count == 0)) {
+        code = gb_fail(sim, GB_ERR_STATE, 0, head->front.t1, 0.0);
+    }
     lay(sim, tangents->count, tangents->room, &room);
     room.scale = tangents->scale;
+    if (code == GB_DONE && tangents->change) {
+        gb_parameter_points(sim, tangents->change, &room);
+    }
     for (; tangents->done < tangents->n_times && code == GB_DONE; tangents->done++) {
         const double target = tangents->times[tangents->done];
         head->options.t_stop = target;

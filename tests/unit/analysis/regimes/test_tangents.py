@@ -1,4 +1,5 @@
-"""Derivatives of the state by the start state against central differences of plain runs, across all that a motion meets."""
+"""Derivatives of the state by the start state and by parameters against central differences of plain runs, across all that a
+motion meets."""
 
 from __future__ import annotations
 
@@ -7,10 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sympy
 
 import gearblocks as gb
 from gearblocks.analysis.regimes.neutral import neutral_directions
-from gearblocks.analysis.regimes.strobe import strobe
+from gearblocks.analysis.regimes.strobe import change_of, strobe
 
 
 def _train(
@@ -38,6 +40,34 @@ def _impact(drive: Any) -> gb.Drivetrain:
     return _train("impact", gb.cos(drive * gb.time) + 0.3, after_disc=lambda r: _beside(r, ("stop", stop)), w0=0.5)
 
 
+def _moving_stop(drive: Any) -> gb.Drivetrain:
+    rig = _train("moving stop", gb.cos(drive * gb.time) + 0.3, w0=0.5)
+    stop, wave = gb.HardStop(lower=-0.3, upper=0.4, restitution=0.7), gb.Parameter("wave", 3.0, "rad/s")
+    wall = gb.Angle(phi=0.2 * gb.sin(wave * gb.time))
+    rig.chain(rig["disc"], rig.add("stop", stop), rig.add("wall", wall))
+    return rig
+
+
+class _Passages(gb.Block):
+    """Is pulled back by as much as the speed and the instant were at the last passage through `level`."""
+
+    flange = gb.Flange("watched shaft")
+    level: float = gb.param("angle that is passed", "rad", default=0.2)
+    seen = gb.State("speed and time at the last passage", "rad/s", start=0.1)
+
+    def physics(self, s: Any) -> Any:
+        beyond = sympy.Heaviside(s.flange.phi - s.level, 1)
+        yield gb.Hold(s.seen, s.flange.w * s.level + 0.3 * s.time**2, beyond)
+        yield gb.Acts(s.flange, -s.seen * beyond)
+
+
+def _held_value(drive: Any) -> gb.Drivetrain:
+    rig = _train("held", 0.5 * gb.cos(drive * gb.time), w0=2.0)
+    _beside(rig, ("spring", gb.Shaft(k=9.0)))
+    rig.connect(rig.add("passages", _Passages()).flange, rig["disc"].b)
+    return rig
+
+
 def _clutch(drive: Any) -> gb.Drivetrain:
     rig = _train("clutch", 2.0 * gb.cos(drive * gb.time), w0=0.4)
     rig.chain(
@@ -48,8 +78,23 @@ def _clutch(drive: Any) -> gb.Drivetrain:
 
 
 def _timed(drive: Any) -> gb.Drivetrain:
-    tau = gb.piecewise((1.0, gb.time < 2.3), (gb.cos(drive * gb.time), True)) - gb.sense("disc.phi") ** 3
+    change = gb.Parameter("change", 2.3, "s")
+    tau = gb.piecewise((1.0, gb.time < change), (gb.cos(drive * gb.time), True)) - gb.sense("disc.phi") ** 3
     return _train("timed", tau, after_disc=lambda r: _beside(r, ("damper", gb.Damper(c=0.1))), phi0=0.3)
+
+
+def _square(drive: Any) -> gb.Drivetrain:
+    level = gb.Parameter("level", 0.3)
+    tau = gb.piecewise((1.0, gb.cos(drive * gb.time) > level), (-0.8, True))
+    return _train("square", tau, after_disc=lambda r: _beside(r, ("spring", gb.Shaft(k=3.0, c=0.2))), phi0=0.3)
+
+
+def _massless(drive: Any) -> gb.Drivetrain:
+    shafts = ("near", gb.Shaft(k=3.0, c=0.5)), ("brake", gb.Brake(capacity=0.4)), ("far", gb.Shaft(k=2.0))
+    rig = _train("massless", gb.cos(drive * gb.time), w0=0.4)
+    rig.chain(rig["disc"], rig.add(*shafts[0]), rig.add(*shafts[2]), rig.add("ground", gb.Fixed()))
+    rig.connect(rig.add(*shafts[1]).a, rig["near"].b)
+    return rig
 
 
 def _turns(drive: Any) -> gb.Drivetrain:
@@ -66,20 +111,56 @@ def _lossy(drive: Any) -> gb.Drivetrain:
     return rig
 
 
-@pytest.mark.few(2)
-@pytest.mark.parametrize("made", [_corner, _impact, _clutch, _timed, _turns, _lossy])
+MADE = {
+    _corner: ("drive", "lash.half_gap", "lash.k"),
+    _impact: ("drive", "stop.upper", "stop.restitution"),
+    _moving_stop: ("wave", "stop.lower", "stop.restitution"),
+    _held_value: ("drive", "passages.level"),
+    _clutch: ("clutch.capacity", "disc.J"),
+    _timed: ("drive", "change"),
+    _square: ("drive", "level", "spring.c"),
+    _massless: ("near.k", "far.k", "brake.capacity"),
+    _turns: ("drive", "damper.c"),
+    _lossy: ("drive", "spring.k", "wheel.J"),
+}
+
+
+@pytest.mark.few(3)
+@pytest.mark.parametrize("made", MADE)
 def test_tangents_are_what_differences_of_runs_come_to(made: Callable[[Any], gb.Drivetrain]) -> None:
     rig = made(gb.Parameter("drive", 1.0, "rad/s"))
     seen = strobe(gb.build(rig), gb.stroboscopic("drive"), None, None, 1e-12)
     y = seen.start(None)
     run = seen.map(y, 2)
-    assert run.corner == "" and (run.events >= 2 or made in (_turns, _timed))
+    assert run.corner == "" and (run.events >= 2 or made in (_turns, _timed, _massless))
     step = 1e-5
     for direction in neutral_directions(seen, y).allowed.T:
         ends = [seen.follow(y + h * direction, 2).states[-1] for h in (-2 * step, -step, step, 2 * step)]
         difference = (ends[0] - 8 * ends[1] + 8 * ends[2] - ends[3]) / (12 * step)
         tolerance = 1e-6 * max(1.0, float(np.abs(difference).max()))
         assert np.abs(run.maps[-1] @ direction - difference).max() <= tolerance
+
+
+@pytest.mark.few(5)
+@pytest.mark.parametrize(("made", "path"), [(made, path) for made, paths in MADE.items() for path in paths])
+def test_the_tangent_by_a_parameter_is_what_differences_of_trains_come_to(
+    made: Callable[[Any], gb.Drivetrain], path: str
+) -> None:
+    model, section = gb.build(made(gb.Parameter("drive", 1.0, "rad/s"))), gb.stroboscopic("drive")
+    number = model.program.parameter_numbers[path]
+    value = float(model.values[number])
+    seen = strobe(model, section, None, None, 1e-12)
+    y = seen.start(None)
+    run = seen.follow(y, 2, by=change_of(seen, section, number, value))
+    assert run.corner == "" and run.slope is not None
+    step = 2e-5
+    ends = [
+        strobe(model, section, {path: value * (1 + h)}, None, 1e-12).follow(y, 2).states[-1]
+        for h in (-2 * step, -step, step, 2 * step)
+    ]
+    difference = (ends[0] - 8 * ends[1] + 8 * ends[2] - ends[3]) / (12 * step)
+    assert np.abs(difference).max() > 1e-3
+    assert np.abs(run.slope - difference).max() <= 1e-6 * max(1.0, float(np.abs(difference).max()))
 
 
 def test_a_grazing_impact_has_no_derivative() -> None:
