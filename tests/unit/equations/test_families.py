@@ -57,6 +57,31 @@ def test_what_is_not_alike_stays_apart(stiffness, law):
     assert "spring_i (" not in text
 
 
+_AT_TIMES = [gb.sin(gb.time) ** 2, gb.cos(gb.time) ** 2, gb.sin(gb.time) ** 2]
+"""Signals of three parts: their symbols have the same names, and their laws differ."""
+
+
+@pytest.mark.parametrize(
+    ("part", "second"),
+    [
+        (lambda x: gb.Clutch(capacity=10.0 * x), "C_spring_1 = 10 (cos(t))²"),
+        (lambda x: gb.DogClutch(engaged=x), "(cos(t))²"),
+        (lambda x: gb.OneWayClutch(capacity=10.0 * x), "(cos(t))²"),
+    ],
+    ids=["clutches", "dog clutches", "one-way clutches"],
+)
+def test_laws_that_differ_though_their_symbols_do_not_are_printed_one_by_one(part, second):
+    rig = gb.Drivetrain("bundle")
+    hub = rig.add("hub", gb.Inertia(J=2.0))
+    for i, x in enumerate(_AT_TIMES):
+        spring, disc = rig.add(f"spring_{i}", part(x)), rig.add(f"disc_{i}", gb.Inertia(J=0.5))
+        rig.chain(hub, spring, disc)
+    text = str(rig.equations())
+    assert second in text
+    assert "spring_1 (" in text
+    assert "spring_i (" not in text
+
+
 def test_what_is_named_one_by_one_stands_so_in_the_nomenclature():
     """The discs of a row are alike by name, but each has other neighbours."""
     eq = scripts.make("modelica_examples:coupled_clutches").equations()
