@@ -137,7 +137,7 @@ def _slide(row: Row, t: float, speed: float, direction: float, at: np.ndarray) -
         return [row.alpha(x, y[0], direction)]
 
     return solve_ivp(
-        rate, (t, at[-1]), [speed], "DOP853", rtol=1e-9, atol=1e-11, max_step=0.05, events=stops, dense_output=True
+        rate, (t, at[-1]), [speed], "DOP853", rtol=1e-11, atol=1e-12, max_step=2e-3, events=stops, dense_output=True
     )
 
 
