@@ -172,7 +172,7 @@ void gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_bou
 void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, const gb_force_bounds *bounds,
               double *force, double *violation) {
     const int n = W->n;
-    const gb_lcp problem = {*W, is_active, NULL, a->room};
+    const gb_lcp problem = {*W, is_active, NULL, a->room, 0};
     double b[n + 1], x[n + 1], ignored = 0.0;
     int is_own[n + 1];
     for (int i = 0; i < n; i++) {
