@@ -6,8 +6,8 @@
  * is symmetric; with lossy gears, which lose by them, the motion hangs on it. Where each of them follows from one speed
  * alone and M is diagonal the active set is like rigid ties: torques pass from the pivots to the speeds that they
  * follow, inertias have done so before. Assumed: the factors of lossy gears (columns of W less `skew` times that of the
- * partner) leave W_aa regular. Source: Pfeiffer and Glocker, Multibody dynamics with unilateral contacts, 1996. Knows
- * nothing of friction laws or of time. */
+ * partner) leave W_aa regular. Source: Pfeiffer and Glocker, Multibody dynamics with unilateral contacts, 1996.
+ * Knows nothing of friction laws or of time. */
 #ifndef GB_ACTIVE_SET_H
 #define GB_ACTIVE_SET_H
 
