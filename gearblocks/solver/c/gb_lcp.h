@@ -297,9 +297,8 @@ static inline int gb_lcp_solve(const gb_lcp *lcp, const double *b, const double 
         most = lcp->in[i] ? fmax(most, fabs(gb_delassus_diagonal(&lcp->A, i))) : most;
     }
     const int graded = lcp->graded || lcp->coupled;
-    double lift = most > 0.0 ? 1e-9 * most : 1.0;
+    double lift = most > 0.0 ? (graded ? 1e-3 : 1e-9) * most : 1.0;
     for (int round = graded ? -GB_LCP_GRADES : 0; round < 4; round++) {
-        lift = graded && most > 0.0 ? (round < 0 ? pow(0.1, 9 + round) : 1e-9) * most : lift;
         for (int i = 0; i < n; i++) {
             right[i] = lcp->in[i] ? b[i] - lift * x[i] : 0.0;
         }
@@ -308,6 +307,7 @@ static inline int gb_lcp_solve(const gb_lcp *lcp, const double *b, const double 
         if (found != 1) {
             return found;
         }
+        lift *= round < 0 && most > 0.0 ? 0.1 : 1.0;
     }
     return 1;
 }
