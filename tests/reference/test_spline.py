@@ -174,17 +174,19 @@ def test_both_dynamic_factors_at_300_rpm_are_those_of_the_reference(model, row):
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5, 1e-6])
 @pytest.mark.few(2)
 def test_the_peak_force_at_360_rpm_is_that_of_the_motion_and_not_of_a_step(rtol):
-    """Over accepted steps of order 8 the peak reads percents low, where the solution itself is right to 6e-4, or the tolerance.
+    """Over accepted steps of order 8 the peak reads percents low, where the solution itself is right to a few tolerances.
 
-    At 1e-3 it is up to 8e-4 off, by which steps are taken: less than was asked for, and no less than that can be held.
+    What one tolerance gives is luck: at 41 between 5e-4 and 2e-3 the error is 5e-4 in the median and 2.3e-3 at most, and
+    the largest step reads between nothing and 10 % low.
     """
-    scene = spline.period_5()
+    scene, low = spline.period_5(), []
     peak = scene.measures[0]
     true = peak.of(gb.simulate(scene.drivetrain, t_end=scene.end, rtol=1e-11, method="dp5"))
-    run = gb.simulate(scene.drivetrain, t_end=scene.end, rtol=rtol, method="dp8")
-    sampled = run["spline.force"][run.t >= peak.after].max()
-    assert 0.006 < 1 - sampled / true < 0.04
-    assert abs(peak.of(run) / true - 1) < max(6e-4, rtol)
+    for near in (0.7 * rtol, rtol, 1.4 * rtol):
+        run = gb.simulate(scene.drivetrain, t_end=scene.end, rtol=near, method="dp8")
+        low.append(1 - run["spline.force"][run.t >= peak.after].max() / true)
+        assert abs(peak.of(run) / true - 1) < 3 * near
+    assert max(low) > 0.01
 
 
 def test_engaged_teeth_over_a_cycle_of_the_torque_are_those_of_the_reference():
