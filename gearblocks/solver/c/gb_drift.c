@@ -13,6 +13,9 @@ static const double GOAL = 3.0;
  * the rest. */
 static const double ENOUGH = 0.05, GROWING = 0.3;
 
+/* Part of what the turnover would grow by until the end, as it has grown lately, that is counted on. */
+static const double COUNTED_ON = 0.1;
+
 /* Growth of the turnover from one look to the next up to which it is one that may be compared with. */
 static const double GROWTH = 1.25;
 
@@ -100,17 +103,25 @@ double gb_log_imbalance(gb_sim *sim, double h) {
     return error;
 }
 
+/* The slower of the rates at which the turnover has grown since strictness was chosen and since the last look: what
+ * dies away exchanges nothing more. */
+static double growth_rate(const struct gb_drift *drift, double turnover, double t) {
+    const double since = (turnover - drift->turnover_chosen) / (t - drift->t_chosen), look = t - drift->t_look;
+    return gb_max(look > 0.0 ? gb_min(since, (turnover - drift->turnover) / look) : 0.0, 0.0);
+}
+
 /* Strictness for the rest of the run, at the mean rate at which the balance departs since it was chosen; whether
  * something is wrong. */
 static int decide(gb_sim *sim, double turnover) {
     struct gb_drift *drift = &sim->head->drift;
     const double t = sim->head->front.t1, stop = sim->head->options.t_stop, since = t - drift->t_chosen;
     const double left = stop > t && stop < HUGE_VAL ? stop - t : t - sim->head->front.t_start;
-    const double goal = GOAL * sim->head->options.rtol * turnover, now = fabs(drift->sum);
+    const double allowed = GOAL * sim->head->options.rtol, now = fabs(drift->sum), goal = allowed * turnover;
     const double rate = fabs(drift->sum - drift->chosen) / since, more = rate * left;
     const int grows = turnover > GROWTH * drift->turnover;
+    const double room = gb_max(goal - now, 0.2 * goal) + allowed * COUNTED_ON * growth_rate(drift, turnover, t) * left;
     drift->turnover = turnover;
-    const double room = gb_max(goal - now, 0.2 * goal);
+    drift->t_look = t;
     if (more <= room || now < (grows ? GROWING : ENOUGH) * goal) {
         drift->strictness = gb_max(0.0, drift->strictness - (4.0 * more < room ? LESS : 0.0));
         return 4.0 * more > room;
@@ -123,6 +134,7 @@ static int decide(gb_sim *sim, double turnover) {
     drift->strictness = gb_min(drift->strictness, gb_min(STRICTEST, log2(sim->head->options.rtol / LEAST)));
     drift->chosen = drift->sum;
     drift->t_chosen = t;
+    drift->turnover_chosen = turnover;
     return 1;
 }
 
@@ -139,7 +151,8 @@ int gb_drift_look(gb_sim *sim) {
     int soon = 1;
     head->ledger.stored = gb_max(head->ledger.stored, stored);
     if (first) {
-        drift->t_chosen = head->front.t1;
+        drift->t_chosen = drift->t_look = head->front.t1;
+        drift->turnover_chosen = head->ledger.turnover + head->ledger.stored;
     } else if (drift->based) {
         drift->sum += sum - drift->last;
         soon = head->front.t1 > drift->t_chosen && !gb_moves_by_rounding(sim) &&

@@ -113,12 +113,12 @@ struct gb_ledger {
 
 /* Drift of the energy balance, see gb_drift.h. */
 struct gb_drift {
-    double sum, last;        /* so far; the balance at the last look */
-    double turnover;         /* at the last look */
-    double chosen, t_chosen; /* what it was when strictness was chosen, and when that was */
-    double rate, strictness; /* of the drift without strictness; what is added to the log2 of errors */
-    int based, tries;        /* `last` is a balance; how often strictness was of no use */
-    int imbalanced;          /* a try of the present step was out of balance: by how much as log2, and its size */
+    double sum, last;                         /* so far; the balance at the last look */
+    double turnover, t_look;                  /* at the last look, and when that was */
+    double chosen, t_chosen, turnover_chosen; /* sum, time and turnover when strictness was chosen */
+    double rate, strictness;                  /* of the drift without strictness; what is added to the log2 of errors */
+    int based, tries;                         /* `last` is a balance; how often strictness was of no use */
+    int imbalanced; /* a try of the present step was out of balance: by how much as log2, and its size */
     double imbalance, h_imbalance;
     long long balance_at, balance_gap; /* steps when tries are looked at again, and how many were left out before */
     long long look_at, gap;            /* steps at the next look, and how many there are between */
