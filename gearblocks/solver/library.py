@@ -41,6 +41,7 @@ METHOD_SOURCES = ("methods.py", "rosenbrock.py")
 # Read before the model: the one function of it that can be seen from outside.
 _EXPORTS = '#include "gb_core.h"\nGB_API const gb_model *gb_get_model(void);\n'
 _HOT = (
+    "gb_cut.c",
     "gb_defect.c",
     "gb_dense_output.c",
     "gb_error_control.c",

@@ -35,11 +35,30 @@ static double log_integral(gb_sim *sim, double h) {
     return gb_rough_log2(worst + 1e-30);
 }
 
+int gb_slopes_at(gb_sim *sim, double theta, double h) {
+    double *slope = sim->events.defect, *rate = slope + sim->model->n_total;
+    if (gb_time_terms_at(sim, sim->head->front.t0 + theta * h) != GB_DONE) {
+        return 0;
+    }
+    gb_dense_rates(sim, theta, sim->z2, slope);
+    gb_rates(sim, 0, &sim->instant, 0, sim->z2, rate);
+    sim->head->counts.rhs_calls++;
+    return 1;
+}
+
+double gb_largest_defect(const gb_sim *sim, const double *d, double h) {
+    double worst = 0.0;
+    for (int i = 0; i < sim->model->n; i++) {
+        const double rounding = 2e3 * DBL_EPSILON * gb_max(fabs(sim->events.defect[i]), h * fabs(sim->k1[i]));
+        worst = gb_max(worst, (fabs(d[i]) - rounding) * sim->control.error_weight[i]);
+    }
+    return worst;
+}
+
 double gb_log_defect(gb_sim *sim, double h) {
     gb_head *head = sim->head;
     const double theta = sim->method->defect[0], allowed = gb_moves_feature(sim, h) ? 1.0 : DENSE;
     const double factor = sim->method->defect[1] / allowed;
-    /* not in the last row of the stages: the dense output of the quadratures is still made from all of them */
     double worst = 0.0, *slope = sim->events.defect, *rate = slope + sim->model->n_total;
     if (sim->method->gamma > 0.0) {
         return log_integral(sim, h);
@@ -49,14 +68,11 @@ double gb_log_defect(gb_sim *sim, double h) {
     }
     head->front.t0 = head->front.t1;
     head->front.h = h;
-    if (gb_dense_complete(sim) == GB_DONE && gb_time_terms_at(sim, head->front.t0 + theta * h) == GB_DONE) {
-        gb_dense_rates(sim, theta, sim->z2, slope);
-        gb_rates(sim, 0, &sim->instant, 0, sim->z2, rate);
-        head->counts.rhs_calls++;
+    if (gb_dense_complete(sim) == GB_DONE && gb_slopes_at(sim, theta, h)) {
         for (int i = 0; i < sim->model->n; i++) {
-            const double rounding = 2e3 * DBL_EPSILON * gb_max(fabs(slope[i]), h * fabs(sim->k1[i]));
-            worst = gb_max(worst, (fabs(slope[i] - h * rate[i]) - rounding) * sim->control.error_weight[i]);
+            rate[i] = slope[i] - h * rate[i];
         }
+        worst = gb_largest_defect(sim, rate, h);
     }
     const double error = gb_rough_log2(factor * worst + 1e-30);
     if (error > 0.0) {

@@ -16,8 +16,14 @@ static inline int gb_defect_is_due(const gb_sim *sim, double h) {
     return (h > 1.2 * sim->head->control.h_trusted || gb_moves_feature(sim, h)) && sim->head->options.locate;
 }
 
-/* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial less its
- * rounding (rows have coefficients of some hundreds). */
+/* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial. */
 double gb_log_defect(gb_sim *sim, double h);
+
+/* Slope of the dense polynomial and h times the rates at theta, behind each other in `events.defect`: not in the last
+ * row of the stages, of which the dense output of the quadratures is still made. 0: the inputs cannot be had. */
+int gb_slopes_at(gb_sim *sim, double theta, double h);
+
+/* The largest of d in tolerances, each less the rounding of a slope (rows have coefficients of some hundreds). */
+double gb_largest_defect(const gb_sim *sim, const double *d, double h);
 
 #endif

@@ -78,8 +78,7 @@ enum { GB_SMALL = 1, GB_AT_REST = 2 };
 
 /* Step control. */
 struct gb_pace {
-    double h_next;                      /* proposed */
-    double h_largest;                   /* of all accepted steps */
+    double h_next, h_largest;           /* proposed; of all accepted steps */
     double h_worked;                    /* the last accepted size, or the proposed one if that is smaller */
     double h_weights, t_weights;        /* step size and time for which the error weights were made */
     double h_noise;                     /* step size for which the noise was measured */
@@ -88,15 +87,16 @@ struct gb_pace {
     double h_trusted;                   /* size up to which dense polynomials have proved right lately */
     double reach_rate;                  /* the fastest rate that the last look found: see gb_reach.h */
     long long reach_at, reach_gap;      /* when to look again, and how many steps later once more */
-    uint64_t reach_modes;               /* of the last look */
+    uint64_t reach_modes, noise_modes;  /* of the last look; those in which the noise was measured */
     long long noise_at, least_scale_at; /* when noise and least scales are to be renewed */
     long long refused_at;               /* the last step of which a trial was refused, from 1 on */
     double log_refused;                 /* error of the trial that was refused last, base 2 */
     unsigned noise_pattern, doublings;  /* measurements of noise and doublings of what they find, so far */
-    uint64_t noise_modes;               /* the modes in which the noise was measured */
     double natural, natural_coordinate; /* the largest natural scale of a speed (-1: not known) and of a coordinate */
-    int moved;                          /* see gb_rest.h */
-    int unscaled;                       /* states without a tolerance scale yet: GB_SMALL, GB_AT_REST */
+    int moved, unscaled;                /* see gb_rest.h; states without a tolerance scale yet: GB_SMALL, GB_AT_REST */
+    uint64_t cut_modes[GB_MEMORY];
+    double cut_error[GB_MEMORY];
+    long long cut_at[GB_MEMORY], cut_gap[GB_MEMORY]; /* when cuts in these modes are looked at: see gb_defect.h */
 };
 
 /* Energies that steps exchange, and what the last look at their error found. */
@@ -153,19 +153,18 @@ struct gb_choice {
 
 /* Events. */
 struct gb_event_state {
-    double t_break;    /* the next announced instant: time switches and tables */
-    int pending;       /* an event waits at the front */
-    int armed;         /* some switch has just flipped and is watched from its limit */
-    double flight;     /* how long a body that has just hit a stop is away (HUGE_VAL: none) */
-    double flight_end; /* and until when that may still be so, friction changing its pace */
-    double piece;      /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
-    double entered;    /* the last event: the present modes began there */
-    double held_until; /* the first limit that is not watched is so no more (HUGE_VAL: none) */
-    double look_ahead; /* > 0: how far ahead the motion tells what constraints do from here */
-    long long look_at,
-        look_gap;      /* events when what rests on a limit is looked at again, and how many there are between */
-    long long crowd;   /* events when it was last asked whether they let time go on, */
-    double t_crowd;    /* and the time then */
+    double t_break;              /* the next announced instant: time switches and tables */
+    int pending;                 /* an event waits at the front */
+    int armed;                   /* some switch has just flipped and is watched from its limit */
+    double flight;               /* how long a body that has just hit a stop is away (HUGE_VAL: none) */
+    double flight_end;           /* and until when that may still be so, friction changing its pace */
+    double piece;                /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
+    double entered;              /* the last event: the present modes began there */
+    double held_until;           /* the first limit that is not watched is so no more (HUGE_VAL: none) */
+    double look_ahead;           /* > 0: how far ahead the motion tells what constraints do from here */
+    long long look_at, look_gap; /* events when rests on limits are looked at again; how many lie between */
+    long long crowd;             /* events when it was last asked whether they let time go on, */
+    double t_crowd;              /* and the time then */
     int forces_agreed; /* enclosed constraint forces were right at the start of a step since the modes changed */
     int n_sliding, sliding[GB_SLIDING]; /* see gb_sliding.h */
     uint64_t mode_hash;                 /* of all modes */
@@ -234,6 +233,7 @@ struct gb_events {
     int undersampled;                  /* samples of the last step do not tell what a constraint force does */
     int in_doubt;                      /* its polynomial takes back at once what was decided at its start */
     int again;                         /* how often this step was cut short for one of these two */
+    double part;                       /* of it that is tried again */
 };
 
 /* Without location. */

@@ -182,7 +182,7 @@ static size_t lay_scratch(gb_sim *sim, char *base) {
     for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
         *whole[i] = doubles(base, &at, m->n_total);
     }
-    sim->events.defect = doubles(base, &at, 2L * m->n_total);
+    sim->events.defect = doubles(base, &at, 3L * m->n_total);
     sim->scratch.energies = doubles(base, &at, m->n_energies);
     sim->scratch.outputs = doubles(base, &at, m->n_outputs);
     sim->scratch.inputs = doubles(base, &at, m->n_inputs);

@@ -2,6 +2,7 @@
 #include "gb_account.h"
 #include "gb_angle_wrapping.h"
 #include "gb_constraint_state.h"
+#include "gb_cut.h"
 #include "gb_defect.h"
 #include "gb_dense_output.h"
 #include "gb_drift.h"
@@ -25,12 +26,8 @@
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
-/* Another try with a shorter step, and how often in one step; a rate inside the step is not finite. */
-enum { AGAIN = 100, NOT_FINITE, MOST_AGAIN = 8, MOST_DOUBTS = 3 };
-
-/* A step of fewer roundings of the time than these locates what jumps in an event function: no polynomial follows that
- * in any step, and the end of this one tells where it is. */
-static const double LEAST_AGAIN = 64.0;
+/* Another try with a shorter step; a rate inside the step is not finite. */
+enum { AGAIN = 100, NOT_FINITE };
 
 static void last_derivative(gb_sim *sim) {
     const int last = sim->method->stages;
@@ -95,9 +92,8 @@ static int accept(gb_sim *sim, double end) {
         if (head->events.n_sliding > 0 && gb_sliding_end(sim, &theta) < 0) {
             return head->report.code;
         }
-        const int most = sim->events.undersampled ? MOST_AGAIN : sim->events.in_doubt ? MOST_DOUBTS : 0;
-        const int longer = head->front.h > LEAST_AGAIN * gb_rounding(from, head->control.h_largest);
-        if (sim->events.again < most && longer && !(head->options.step > 0.0)) { /* the next try may not find it */
+        sim->events.part = gb_part_again(sim, theta);
+        if (sim->events.part < 1.0) { /* the next try may not find the event */
             memset(sim->events.pending, 0, sizeof(double) * (size_t)model->n_event_functions);
             return AGAIN;
         }
@@ -335,7 +331,7 @@ int gb_step(gb_sim *sim, double stop) {
         gb_account_refused(sim, isnan(error) ? GB_BY_FAILURE : error <= 0.0 ? GB_BY_DOUBT : GB_BY_STATE);
         if (error <= 0.0) {
             sim->events.again++;
-            h = 0.25 * size;
+            h = sim->events.part * size;
             continue;
         }
         gb_forget_trial(sim, error);

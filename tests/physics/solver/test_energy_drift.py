@@ -161,3 +161,37 @@ def test_a_body_that_switches_drive_faster_and_faster_has_the_energy_that_its_an
     work = _work(run["body.phi"][-1], torque, level, ripple)
     assert run.energy.residual <= 10.0 * rtol
     assert 0.5 * J * run["body.w"][-1] ** 2 == pytest.approx(work, rel=20.0 * rtol)
+
+
+def _rattle():
+    """A mesh that is driven over time, from its static equilibrium: it exchanges as much in every period."""
+    rig = gb.Drivetrain("rattle")
+    w, load = gb.Parameter("w", 4.2e4, "rad/s"), 2600.0
+    twist, mesh_twist = load / 1e5, (20e-6 + load / (0.025 * 245e6)) / 0.025
+    angles = (2 * twist + mesh_twist, twist + mesh_twist, twist, 0.0)
+    bodies = [
+        rig.add(f"disc{i}", gb.Inertia(J=J, phi0=phi0))
+        for i, (J, phi0) in enumerate(zip((5e-3, 2e-4, 2e-4, 1e-2), angles, strict=True))
+    ]
+    left, right = (rig.add(name, gb.Shaft(k=1e5, damping_ratio=0.05)) for name in ("left", "right"))
+    mesh = rig.add(
+        "mesh",
+        gb.SplineCoupling(
+            teeth=20, radius=0.025, k=245e6, c=626.0, backlash=gb.Backlash(half_gap=20e-6), contact_damping="always",
+            stiffness_variation=gb.Fourier(cos=(0.3,), driven_by=w),
+        ),
+    )  # fmt: skip
+    drive = rig.add("drive", gb.Torque(tau=load * (1 + 0.1 * gb.cos(w * gb.time))))
+    rig.chain(
+        drive, bodies[0], left, bodies[1], mesh, bodies[2], right, bodies[3], rig.add("load", gb.Torque(tau=-load))
+    )
+    return rig
+
+
+def test_what_exchanges_as_much_for_ever_is_not_stepped_more_strictly_for_a_later_end():
+    model = gb.build(_rattle())
+    for rtol in (1e-5, 1e-6):
+        runs = [gb.simulate(model, t=[0.0, t_end], rtol=rtol, method="dp8") for t_end in (0.01, 0.1)]
+        soon, late = (run.stats.steps + run.stats.rejected for run in runs)
+        assert late < 1.05 * 10 * soon
+        assert runs[1].energy.residual < 3 * rtol
