@@ -15,6 +15,12 @@ int gb_is_unbounded(const gb_sim *sim, int i) {
     return sim->model->constraints[i].kind != GB_LOSS && bounds[0] <= -HUGE_VAL && bounds[1] >= HUGE_VAL;
 }
 
+int gb_is_blocked(const gb_sim *sim, int i, double direction) {
+    const double *bounds = sim->constraints.bounds + 5 * i;
+    const int endless = direction < 0.0 ? bounds[1] >= HUGE_VAL : bounds[0] <= -HUGE_VAL;
+    return endless && sim->model->constraints[i].kind == GB_FRICTION;
+}
+
 int gb_touches(const gb_sim *sim, int i) {
     const gb_constraint *constraint = &sim->model->constraints[i];
     return gb_is_active(sim, i) || sim->events.pending[constraint->slip] != 0.0 ||

@@ -19,6 +19,9 @@ int gb_is_active(const gb_sim *sim, int i);
 int gb_is_stop(const gb_sim *sim, int i);
 int gb_is_unbounded(const gb_sim *sim, int i);
 
+/* A one-way clutch does not turn backward: a slip that way, behind all impacts, is what they rounded. */
+int gb_is_blocked(const gb_sim *sim, int i, double direction);
+
 /* Some constraint is active. */
 static inline int gb_some_active(const gb_sim *sim) {
     return sim->model->n_constraints > 0 && sim->mode[sim->model->n_switches] > 0.0;

@@ -55,8 +55,9 @@ static void sort_by_slip(gb_sim *sim, int impacted) {
             *state = GB_CANDIDATE;
         } else { /* one that has just begun to slide is still about its limit: the sign of the slip there is rounding */
             const double begun = impacted ? 0.0 : -sim->events.armed[constraint->slip];
-            *state = GB_SLIDES;
-            sim->mode[constraint->slip] = begun != 0.0 ? begun : slip > 0.0 ? 1.0 : -1.0;
+            const double direction = begun != 0.0 ? begun : slip > 0.0 ? 1.0 : -1.0;
+            *state = gb_is_blocked(sim, i, direction) ? GB_CANDIDATE : GB_SLIDES;
+            sim->mode[constraint->slip] = *state == GB_SLIDES ? direction : 0.0;
         }
     }
 }
