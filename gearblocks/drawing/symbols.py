@@ -15,6 +15,7 @@ from gearblocks.blocks import (
     Angle,
     BearingFriction,
     Brake,
+    Chassis,
     Clutch,
     Damper,
     DCMotor,
@@ -30,6 +31,7 @@ from gearblocks.blocks import (
     Synchronizer,
     Torque,
     TorqueConverter,
+    Tyre,
     UniversalJoint,
 )
 from gearblocks.drawing.shapes import (
@@ -225,6 +227,20 @@ def _converter() -> Symbol:
     return _made((line((-HALF, 0), (-11, 0)), *halves, *walls, line((11, 0), (HALF, 0))), 16)
 
 
+def _tyre() -> Symbol:
+    """A wheel with its tyre on the road; the road is the way to the right."""
+    wheel = (Circle(0, 0, 12, PAPER), Circle(0, 0, 7), Circle(0, 0, 1.6, FILLED))
+    return _made((line((-HALF, 0), (0, 0)), *wheel, line((12, 0), (HALF, 0)), line((-16, 12), (16, 12), look=THIN)), 14)
+
+
+def _chassis() -> Symbol:
+    """The body of a car over the road, and its hitch at the right."""
+    body = line((-22, 8), (-22, -4), (-11, -6), (-5, -15), (12, -15), (17, -6), (22, -4), (22, 8), (-22, 8))
+    wheels = tuple(Circle(x, 8, 5, PAPER) for x in (-12, 12))
+    ends = (line((-28, 0), (-22, 0)), line((22, 0), (28, 0)))
+    return _made((*ends, body, *wheels, line((-26, 13), (26, 13), look=THIN)), 16, 28)
+
+
 def framed_pair(sides: tuple[int, int, int]) -> Symbol:
     """A gear pair whose bearings stand in a frame that turns itself: the first axis above, the second below, then the frame."""
     shapes: list[Shape] = [box(-20, -27, 40, 54, THIN)]
@@ -258,6 +274,8 @@ _SERIES: dict[type[Block], Callable[[], Symbol]] = {
     SplineCoupling: _spline,
     UniversalJoint: _joint,
     TorqueConverter: _converter,
+    Tyre: _tyre,
+    Chassis: _chassis,
     Torque: lambda: _lettered("τ"),
     Force: lambda: _lettered("F"),
     Speed: lambda: _lettered("ω"),

@@ -73,13 +73,11 @@ class _Source:
             for statement in node.body if test else node.orelse:
                 yield from self._walk(statement, function, env)
             return
-        if isinstance(node, ast.For) and isinstance(node.target, ast.Name):
-            rounds = _constant(node.iter, env)
-            if isinstance(rounds, tuple):
-                for value in rounds:
-                    for statement in node.body:
-                        yield from self._walk(statement, function, {**env, node.target.id: value})
-                return
+        if isinstance(node, ast.For) and (rounds := _rounds(node, env)):
+            for known in rounds:
+                for statement in node.body:
+                    yield from self._walk(statement, function, {**env, **known})
+            return
         if isinstance(node, ast.Call):
             yield from self._called(node, function, env)
         for child in ast.iter_child_nodes(node):
@@ -108,6 +106,20 @@ class _Source:
             owner = self.kind if node.value.id == "self" else function.__globals__.get(node.value.id)
             return getattr(owner, node.attr, None)
         return None
+
+
+def _rounds(node: ast.For, env: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The names of a loop in each of its rounds, some of them unknown; none where it runs over what only a block knows."""
+    if isinstance(node.target, ast.Name):
+        values = _constant(node.iter, env)
+        return [{node.target.id: x} for x in values] if isinstance(values, tuple) else []
+    if not isinstance(node.target, ast.Tuple) or not isinstance(node.iter, ast.Tuple | ast.List):
+        return []
+    rounds = []
+    for row in node.iter.elts:
+        pairs = zip(node.target.elts, row.elts, strict=False) if isinstance(row, ast.Tuple | ast.List) else ()
+        rounds.append({name.id: _constant(part, env) for name, part in pairs if isinstance(name, ast.Name)})
+    return rounds
 
 
 _UNKNOWN: Any = object()

@@ -21,7 +21,7 @@ from tests.random.families import FAMILIES, draw
 
 MODELS = [f"{name}:{maker.name}" for name, path in scripts.shipped().items() for maker in scripts.makers(path)]
 RANDOM = [(family, seed) for seed in range(5) for family in FAMILIES]
-PLAIN = {gb.Governor, gb.ThermalConductance, gb.ThermalMass, gb.Chassis, gb.Tyre}
+PLAIN = {gb.Governor, gb.ThermalConductance, gb.ThermalMass}
 PLAIN_WHERE_HOUSED = {gb.BeltDrive, gb.TorqueConverter, gb.Engine, gb.EddyCurrentBrake, gb.Rack, gb.SpeedLoad}
 SLACK = 1e-6  # rounding of sums of widths
 

@@ -66,6 +66,8 @@ class Shower(gb.Block):
         yield from _shown("second", True)
         for name in ("left", "right"):
             yield gb.Shows(f"at_{name}", s.flange.phi, unit="rad", words=f"angle on the {name}")
+        for name, angle in (("in", s.flange.phi), ("out", -s.flange.phi)):
+            yield gb.Shows(f"{name}_angle", angle)
         yield from self.more(s)
         for i in range(2):
             yield gb.Shows(f"number_{i}", 1)  # only a run knows the names
@@ -81,6 +83,8 @@ def test_functions_loops_over_names_and_conditions_on_constants_are_followed() -
         ("both", "1", ""),
         ("at_left", "rad", "angle on the left"),
         ("at_right", "rad", "angle on the right"),
+        ("in_angle", "1", ""),
+        ("out_angle", "1", ""),
         ("perhaps", "1", ""),
     ]
 
