@@ -88,7 +88,7 @@ def _cell(inner: str) -> str:
 
 
 def _cases(node: Cases) -> str:
-    rows = [f"<mtr>{_cell(mathml(value))}{_cell(_when(condition))}</mtr>" for value, condition in node.rows]
+    rows = [f"<mtr>{_cell(_stacked(value))}{_cell(_when(condition))}</mtr>" for value, condition in node.rows]
     return _row("<mo>{</mo>", f"<mtable>{''.join(rows)}</mtable>")
 
 
@@ -97,8 +97,17 @@ def _matrix(node: Matrix) -> str:
     return _row("<mo>[</mo>", f"<mtable>{rows}</mtable>", "<mo>]</mo>")
 
 
+def _stacked(node: Node) -> str:
+    """A cell of cases, in lines where it is wide."""
+    first, *others = lines([node], STYLE, CELL, CELL - 2)
+    if not others:
+        return mathml(node)
+    more = "".join(f'<mtr><mtd style="text-align: left; padding-left: 1em">{_row(x)}</mtd></mtr>' for x in others)
+    return f'<mtable><mtr><mtd style="text-align: left">{_row(first)}</mtd></mtr>{more}</mtable>'
+
+
 def _when(condition: Any) -> str:
-    return "<mtext>otherwise</mtext>" if condition is None else mathml(condition)
+    return "<mtext>otherwise</mtext>" if condition is None else _stacked(condition)
 
 
 _SHOWN: dict[Any, Any] = {
@@ -126,6 +135,8 @@ LINE = 84.0
 """Letters of a line."""
 PIECE = 24.0
 """Letters of a piece that a page keeps together: a telephone shows about 36 in a line."""
+CELL = 50.0
+"""Letters of a line in a cell of cases."""
 
 
 def math(inner: str) -> str:

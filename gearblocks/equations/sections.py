@@ -66,8 +66,8 @@ def _parts(read: Reader, term: Any) -> list[Any]:
 def _lifted(read: Reader, expr: Any, path: str, letter: str) -> tuple[list[Line], Any]:
     """Cases within an expression as lines of their own, by names; and the expression over these names."""
     lines: list[Line] = []
-    while inner := sorted((p for p in expr.atoms(sp.Piecewise) if p != expr and not _is_size(p)), key=sp.count_ops):
-        cases = inner[0]
+    while inner := [p for p in expr.atoms(sp.Piecewise) if p != expr and not _is_size(p)]:
+        cases = min(inner, key=lambda p: (sp.count_ops(p), sp.default_sort_key(p)))
         number = 1 + sum(name.letter == letter and name.owner == owners([path])[path] for name in read.names.values())
         symbol = sp.Symbol(f"{letter}{number}_{path}_case", real=True)
         read.names[symbol] = Name(letter, str(number), owners([path])[path])  # type: ignore[index]

@@ -1,0 +1,44 @@
+"""Pages of equations: wide conditions stand in lines, and a page is the same in every process."""
+
+import os
+import subprocess
+import sys
+
+import gearblocks as gb
+
+CONDITIONS = """
+import gearblocks as gb
+rig = gb.Drivetrain("shift")
+body, other = rig.add("body", gb.Inertia(J=1.0, w0=1.0)), rig.add("other", gb.Inertia(J=1.0, w0=2.0))
+speed, pace = gb.sense("body.w"), gb.sense("other.w")
+one, two = (gb.piecewise((2.0, x > 3.0), (1.0, True)) for x in (speed, pace))
+rig.connect(body.a, rig.add("drive", gb.Torque(tau=one * two + one * pace)).flange)
+print(rig.equations().latex())
+"""
+
+
+def test_a_page_is_the_same_whatever_seeds_the_hashes():
+    printed = []
+    for seed in ("1", "2", "3", "4"):
+        command, environment = [sys.executable, "-c", CONDITIONS], {**os.environ, "PYTHONHASHSEED": seed}
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+        printed.append(done.stdout)
+    assert printed[0].count("begin{cases}") == 2
+    assert len(set(printed)) == 1
+
+
+def _tables(words):
+    """How many tables of MathML a page with a condition on four limits has."""
+    rig = gb.Drivetrain("wide")
+    body = rig.add("body", gb.Inertia(J=1.0, w0=1.0))
+    limits = [gb.Parameter(f"{words}{i}", 1.0, "rad/s") for i in range(4)]
+    speed = gb.sense("body.w")
+    within = (speed > limits[0]) & (speed < limits[1]) | (speed > limits[2]) & (speed < limits[3])
+    rig.connect(body.a, rig.add("drive", gb.Torque(tau=gb.piecewise((2.0, within), (1.0, True)))).flange)
+    return rig.equations().html().count("<mtable>")
+
+
+def test_a_wide_condition_stands_in_lines():
+    """Those that do not fit into a line of their cell make a table in the table of the cases."""
+    assert _tables("u") == 1
+    assert _tables("least_speed_of_the_wheels_") == 2
