@@ -16,7 +16,8 @@ SCREEN, WIDTHS = 1280, (1280, 390)
 LOOK = """<title></title><iframe width="{width}" height="2000" frameborder="0" srcdoc="{page}"></iframe><script>
 onload = () => {{
   const page = document.querySelector("iframe").contentDocument, root = page.documentElement;
-  const wide = [...page.querySelectorAll(".equation")].filter(x => x.children[0].scrollWidth > x.children[0].clientWidth + 1);
+  const cut = x => x.scrollWidth > x.clientWidth + 1;
+  const wide = [...page.querySelectorAll(".equation")].filter(x => cut(x.children[0]));
   const names = wide.map(x => x.querySelector(".of")?.textContent ?? "one without a number");
   document.title = ["seen", root.clientWidth, root.scrollWidth, names.join(" ")].join(" ");
 }};
