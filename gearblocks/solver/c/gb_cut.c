@@ -11,6 +11,10 @@ enum { MOST_AGAIN = 8, MOST_DOUBTS = 3, MOST_CUTS = 2 };
  * in any step, and the end of this one tells where it is. */
 static const double LEAST_AGAIN = 64.0, SHORTER = 0.25;
 
+/* A step that is wrong where it is cut is tried again up to a little beyond its event: one that ended there would leave
+ * the limit to rounding. */
+static const double BEYOND = 1.0 + 1e-6;
+
 /* Points of Gauss and Legendre in [0, 1]: of the part of a step that an event ends the defect is integrated. */
 static const double AT[] = {0.1127016653792583, 0.5, 0.8872983346207417},
                     WEIGHT[] = {0.2777777777777778, 0.4444444444444444, 0.2777777777777778};
@@ -71,5 +75,6 @@ double gb_part_again(gb_sim *sim, double theta) {
     if (longer && again < (sim->events.undersampled ? MOST_AGAIN : sim->events.in_doubt ? MOST_DOUBTS : 0)) {
         return SHORTER;
     }
-    return theta < 1.0 && again < MOST_CUTS && is_wrong(sim, theta) ? theta : 1.0;
+    const double part = BEYOND * theta;
+    return part < 1.0 && again < MOST_CUTS && is_wrong(sim, theta) ? part : 1.0;
 }

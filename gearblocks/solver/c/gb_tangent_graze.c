@@ -6,7 +6,9 @@
 #include "gb_time_terms.h"
 
 static const double TOUCHES = 1e-8; /* of what an event function moves in the step: so near a limit it may be at it */
-static const double BESIDE = 0.02;  /* of the step: points of the parabola around an extremum */
+static const double BEGUN =
+    1e-9; /* of a later slope: the rounding of one that begins at 0, as of what has just let go */
+static const double BESIDE = 0.02; /* of the step: points of the parabola around an extremum */
 
 /* The extremum of event function i, near theta, into value: the vertex of a parabola through three points of the dense
  * output. */
@@ -39,7 +41,7 @@ int gb_tangents_graze(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room 
     for (int i = 0; i < model->n_affine && code == GB_DONE; i++) {
         const double from = room->speeds[i], to = room->surfaces[i], moves = h * (fabs(from) + fabs(to));
         const double limit = from > 0.0 ? sim->events.hi[i] : sim->events.lo[i];
-        if (!(from * to < 0.0) || !(fabs(limit) < HUGE_VAL)) {
+        if (!(from * to < 0.0) || !(fabs(limit) < HUGE_VAL) || fabs(from) <= BEGUN * fabs(to)) {
             continue;
         }
         double value = 0.0;
