@@ -96,7 +96,7 @@ struct gb_pace {
     int moved, unscaled;                /* see gb_rest.h; states without a tolerance scale yet: GB_SMALL, GB_AT_REST */
     uint64_t cut_modes[GB_MEMORY];
     double cut_error[GB_MEMORY];
-    long long cut_at[GB_MEMORY], cut_gap[GB_MEMORY]; /* when cuts in these modes are looked at: see gb_defect.h */
+    long long cut_at[GB_MEMORY], cut_gap[GB_MEMORY]; /* when cuts in these modes are looked at: see gb_cut.h */
 };
 
 /* Energies that steps exchange, and what the last look at their error found. */
@@ -232,7 +232,7 @@ struct gb_events {
     double *slack;                     /* sign of the force of a lossy gear: how far beyond counts as on it; else -1 */
     int undersampled;                  /* samples of the last step do not tell what a constraint force does */
     int in_doubt;                      /* its polynomial takes back at once what was decided at its start */
-    int again;                         /* how often this step was cut short for one of these two */
+    int again;                         /* how often this step was cut short for these, or by gb_cut.h */
     double part;                       /* of it that is tried again */
 };
 
