@@ -5,6 +5,7 @@ Knows nothing of equations.
 
 from __future__ import annotations
 
+import re
 from typing import Any, final
 
 import sympy as sp
@@ -44,6 +45,7 @@ class Lexicon:
         self.parameters: dict[Any, str] = {}
         self.inputs: set[Any] = set()
         self._claimed: dict[str, Any] = {}
+        self._defined: dict[Any, str] = {}
 
     def symbol(self, c: Component, role: str, of: Any) -> Any:
         """The symbol of one thing of a part by its role (see SymbolRole); None for a role that has none of its own."""
@@ -88,6 +90,7 @@ class Lexicon:
     def define(self, c: Component, symbol: Any, name: str, words: str, unit: str) -> None:
         """Keeps what a symbol is that a law defines; a mean stiffness beside one that varies is k_0."""
         called = names.of_defined(name, _foot(c), c.slides)
+        self._defined[symbol] = name.rstrip("'")
         self._note(
             symbol, called, nomenclature.Entry(words_along(words, c.slides), "", unit_along(unit, c.slides), c.path), c
         )
@@ -109,13 +112,20 @@ class Lexicon:
         return symbol
 
     def distinct(self) -> dict[Any, names.Name]:
-        """The names; where two things would share one, each by the words of its path."""
-        spare = {
-            s: e.path.split(".")[-1].partition("[")[0]
-            for s, e in self.entries.items()
-            if e.path and (s in self.parameters or e.table is not None)
-        }
-        return names.distinct(self.names, spare)
+        """The names; where two things would share one, each by its path in the block: numbers and tables before what laws
+        define, their last word before the whole."""
+        path = {s: self._inside(s) for s in self.names}
+        given = [s for s in path if s in self.parameters or (s in self.entries and self.entries[s].table is not None)]
+        last = {s: path[s].split(".")[-1].partition("[")[0] for s in given}
+        whole = {s: re.sub(r"[.\[]", "_", inside).replace("]", "") for s, inside in path.items() if inside}
+        return names.distinct(self.names, last, {s: whole[s] for s in given}, whole)
+
+    def _inside(self, symbol: Any) -> str:
+        """The path of what a symbol stands for inside its part of the train; empty for angles and deflections."""
+        if symbol in self._defined or symbol not in self.entries:
+            return self._defined.get(symbol, "")
+        path = self.entries[symbol].path
+        return path.removeprefix(f"{self.owners[symbol]}.") if symbol in self.owners else path
 
     # -- one for each role --------------------------------------------------------------------------------------------
 
@@ -132,16 +142,16 @@ class Lexicon:
 
     def _table(self, c: Component, table: Any) -> Any:
         """Named by the field that it stands in; a law may make one itself and say nothing of it."""
-        path = next((p for p, own in nomenclature.tables_of(c.block) if _is_same(own, table)), None)
-        if path is None:
+        paths = [p for p, own in nomenclature.tables_of(c.block) if _is_same(own, table)]
+        if not paths:
             symbol = self._claim(f"table_{flat(c.path)}", ("table", c.path, table.digest()))
             entry = nomenclature.of_unnamed_table(c, table)
             before = [s for s, name in self.names.items() if name.letter == "table" and self.owners.get(s) == c.path]
             number = 1 + (before.index(symbol) if symbol in before else len(before))
             self._note(symbol, names.Name("table", str(number), _foot(c)), entry, c)
             return symbol
-        symbol = self._claim(f"{flat(path.split('.')[-1])}_table_{flat(c.path)}", ("table", c.path, path))
-        self._note(symbol, names.of_table(path, _foot(c)), nomenclature.of_table(c, path, table), c)
+        symbol = self._claim(f"{flat(paths[0].split('.')[-1])}_table_{flat(c.path)}", ("table", c.path, paths[0]))
+        self._note(symbol, names.of_table(paths[0], _foot(c)), nomenclature.of_table(c, paths, table), c)
         return symbol
 
     def _law_table(self, c: Component, made: LawTable) -> Any:
@@ -178,5 +188,7 @@ def _foot(c: Component) -> str:
     return names.owners([c.path])[c.path]
 
 
-def _is_same(one: Any, other: Any) -> bool:
-    return type(one) is type(other) and one.digest() == other.digest()
+def _is_same(own: Any, table: Any) -> bool:
+    """Whether a table is that of a field, or what is left of it without its jumps."""
+    smooth = own.continuous if getattr(own, "jumps", ()) else own
+    return any(type(x) is type(table) and x.digest() == table.digest() for x in (own, smooth))

@@ -6,6 +6,7 @@ Knows nothing of how a name is shown.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, final
@@ -21,7 +22,7 @@ _FIELDS = {
     "teeth": "z", "module": "m", "pressure_angle": "α", "helix_angle": "β", "r_base": "r", "coeffs": "c",
     "ripple": "ε", "ratio": "i", "cos": "a", "sin": "a", "mass": "m", "capacity": "C", "profile_shift": "X",
     "face_width": "B", "efficiency": "η", "stiffness": "k", "friction": "M", "restitution": "e", "addendum": "h",
-    "gain": "K", "throttle": "u", "sliding": "C", "w": "ω", "law": "F",
+    "gain": "K", "throttle": "u", "sliding": "C", "w": "ω", "law": "F", "stiffness_variation": "k", "transmission_error": "e",
 }  # fmt: skip
 _FROM_ZERO = ("coeffs", "coefficients")  # rows whose first entry belongs to the power 0
 _WORDS = {"torque": "T", "torque_variation": "ε", "speed": "ω", "radius": "r", "frequency": "f"}
@@ -118,9 +119,13 @@ def of_defined(name: str, owner: str, slides: bool = False) -> Name:
 
 
 def of_table(field: str, owner: str) -> Name:
-    """A table in a field of a block: the capital of the field's letter, or its word."""
-    letter = _FIELDS.get(field.split(".")[-1], field.split(".")[-1])
-    return Name(letter.upper() if len(letter) == 1 else letter, "", owner)
+    """A table in a field of a block: the capital of the field's letter, or its word; of an effect's own table the effect's."""
+    *effects, last = field.split(".")
+    word, _, place = last.rstrip("]").partition("[")
+    if effects and word == "table":
+        word, *effects = effects
+    letter = _FIELDS.get(word, word)
+    return Name(letter.upper() if len(letter) == 1 else letter, _of_effects(effects) + place, owner)
 
 
 def plain(name: str) -> Name:
@@ -133,15 +138,15 @@ def plain(name: str) -> Name:
     return Name(GREEK.get(match[1], match[1]), match[2] or "", match[3] or "", dots)
 
 
-def distinct(names: Mapping[Any, Name], spare: Mapping[Any, str]) -> dict[Any, Name]:
-    """The names, where two things would share one each with the words of `spare` in place of its letter."""
-    shared: dict[Name, list[Any]] = {}
-    for symbol, name in names.items():
-        shared.setdefault(name, []).append(symbol)
-    return {
-        symbol: name if len(shared[name]) == 1 or symbol not in spare else replace(name, letter=spare[symbol])
-        for symbol, name in names.items()
-    }
+def distinct(names: Mapping[Any, Name], *spares: Mapping[Any, str]) -> dict[Any, Name]:
+    """The names, where two things would share one each with the words of a spare in place of its letter, of the next where
+    these are shared too."""
+    found = dict(names)
+    for spare in spares:
+        shared = Counter(found.values())
+        for symbol in [x for x, name in found.items() if shared[name] > 1 and x in spare]:
+            found[symbol] = replace(names[symbol], letter=spare[symbol])
+    return found
 
 
 def owners(paths: Iterable[str]) -> dict[str, str]:

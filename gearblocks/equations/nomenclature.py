@@ -6,7 +6,7 @@ Knows nothing of how they are shown.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
@@ -61,16 +61,27 @@ def of_state(c: Component, path: str) -> Entry:
     return Entry(words_along(state.words, c.slides) if state else name, "", unit, f"{c.path}.{path}")
 
 
-def of_table(c: Component, path: str, table: Any) -> Entry:
-    """A table in a field of a block."""
-    field, _ = _found(c.block, path)
+def of_table(c: Component, paths: Sequence[str], table: Any) -> Entry:
+    """A table in a field of a block; in several fields the same one."""
+    own = next(own for path, own in tables_of(c.block) if path == paths[0])
+    words = ", and ".join(dict.fromkeys(_words_of_table(c, path) for path in paths))
     if isinstance(table, Table2):
-        words = f"{field.words}: {len(table.x)} by {len(table.y)} points"
+        words = f"{words}: {len(table.x)} by {len(table.y)} points"
     elif not isinstance(table, Table):
         words = "periodic part of the ratio law, over the angle of gear 1"
     else:
-        words = _points(field.words, table)
-    return Entry(words, "", unit_along(field.unit, c.slides), f"{c.path}.{path}", table)
+        words = _points(words + (", without its jumps" if getattr(own, "jumps", ()) else ""), table)
+    unit = unit_along(_found(c.block, paths[0])[0].unit, c.slides)
+    return Entry(words, "", unit, f"{c.path}.{paths[0]}", table)
+
+
+def _words_of_table(c: Component, path: str) -> str:
+    """What a table is: the words of its field, of what an effect is made of those of the effect."""
+    *effects, last = path.split(".")
+    if not effects or last != "table":
+        return words_along(_found(c.block, path)[0].words, c.slides)
+    words = (_found(c.block, ".".join(effects[: n + 1]))[0].words for n in range(len(effects)))
+    return words_along(", ".join(x.partition(",")[0] for x in words), c.slides)
 
 
 def of_law_table(c: Component, made: LawTable) -> Entry:

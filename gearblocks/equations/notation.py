@@ -129,7 +129,7 @@ class Reader:
             (bottom if below else top).append(1 / factor if below else factor)
         exact = exactly(number)
         if not exact:
-            top = [number, *top] if number != 1 else top
+            top = [number, *top] if float(number) != 1 else top
         elif bottom or (exact.numerator == 1 and len(top) == 1):
             top = [sp.Integer(exact.numerator), *top] if exact.numerator != 1 else top
             bottom = [sp.Integer(exact.denominator), *bottom] if exact.denominator != 1 else bottom

@@ -331,7 +331,7 @@ class Sheet:
             letter = self._braced()
         else:
             letter = rf"\mathrm{{{self._braced()}}}" if token == r"\mathrm" else self._next()
-        assert re.fullmatch(r"[A-Za-z]|\\[a-z]+|\\mathrm\{.*\}", letter), letter
+        assert re.fullmatch(r"[A-Za-z]|\\[A-Za-z]+|\\mathrm\{.*\}", letter), letter
         foot = ""
         if self._peek() == "_":
             foot = f"_{{{self._braced()}}}"

@@ -14,8 +14,9 @@ import sympy as sp
 import gearblocks as gb
 from gearblocks.cli import scripts
 from gearblocks.equations import sections
-from gearblocks.equations.latex import aligned
+from gearblocks.equations.latex import aligned, name_latex
 from gearblocks.equations.latex import value as latex_value
+from gearblocks.equations.mathml import name_mathml
 from gearblocks.equations.names import Name
 from gearblocks.equations.nodes import Call, Cases, Fence, Fraction, Num, Op, Power, Root, Row, Sym, Times, Words
 from gearblocks.equations.notation import Reader
@@ -224,6 +225,71 @@ def test_two_tables_two_gaps_and_two_errors_have_two_names():
     assert {"a1_one", "a_s1_one", "a_e1_one", "a1_two"} <= set(shown)
 
 
+def _cycle(a):
+    return gb.Table([0.0, 0.25, 0.5, 1.0], [a, -a, a / 2, a], "cubic", periodic=True)
+
+
+class _Worn(gb.Effect):
+    table: gb.Table = gb.option("depth over the angle")
+
+
+class _Track(gb.Block):
+    a = gb.Flange("")
+    table: gb.Table = gb.option("height over the angle")
+    law: gb.Table = gb.option("push over the angle")
+    left: _Worn = gb.effect("wear on the left", default=None)
+    right: _Worn = gb.effect("wear on the right", default=None)
+
+    def physics(self, s):
+        depths = s.left.local("table", x=s.a.phi) - s.right.local("table", x=s.a.phi)
+        yield gb.Acts(s.a, s.local("table", x=s.a.phi) * s.local("law", x=s.a.phi) + depths)
+
+
+def _meshed(*meshes):
+    rig = gb.Drivetrain("measured")
+    mesh = {"teeth": (23, 41), "module": "3 mm", "pressure_angle": "20 deg", "external": True, "k": 2e8, "c": 1e3}
+    whole = [rig.add("b0", gb.Inertia(J=1.0))]
+    for i, fields in enumerate(meshes, 1):
+        whole += [rig.add(f"m{i}", gb.GearMesh(**mesh, **fields)), rig.add(f"b{i}", gb.Inertia(J=1.0))]
+    rig.chain(*whole)
+    return rig
+
+
+def _of_tables(kind):
+    """A train and its tables by the symbol that each has."""
+    profile = [gb.Profile(table=_cycle(x)) for x in (0.1, 0.2, 0.3)]
+    if kind == "stiffness and error":
+        return _meshed({"stiffness_variation": profile[0], "transmission_error": profile[1]}), {"K_m1", "E_m1"}
+    if kind == "errors that add up":
+        return _meshed({"transmission_error": tuple(profile)}), {"E_a_m1", "E_ba_m1", "E_bb_m1"}
+    if kind == "frequencies":
+        ramps = (gb.Table([0.0, 1.0], [3.0, x]) for x in (4.0, 5.0))
+        one, two = (gb.Profile(table=_cycle(0.1), driven_by=ramp) for ramp in ramps)
+        fields = {"stiffness_variation": one, "transmission_error": two}
+        return _meshed(fields), {"K_m1", "Ω_m1", "Ω_e_m1"}  # one table in both profiles is one function
+    if kind == "meshes":
+        return _meshed({"stiffness_variation": profile[0]}, {"stiffness_variation": profile[0]}), {"K_m1", "K_m2"}
+    rig = gb.Drivetrain("user")
+    track = _Track(table=_cycle(1.0), law=_cycle(2.0), left=_Worn(table=_cycle(3.0)), right=_Worn(table=_cycle(4.0)))
+    rig.chain(rig.add("body", gb.Inertia(J=1.0)), rig.add("track", track))
+    return rig, {"table_track", "F_track", "left_track", "right_track"}
+
+
+@pytest.mark.parametrize("kind", ["stiffness and error", "errors that add up", "frequencies", "meshes", "user's block"])
+def test_each_table_has_a_symbol_of_its_own_named_by_its_part_and_field(kind):
+    rig, wanted = _of_tables(kind)
+    eq = rig.equations()
+    listed = [(name, entry) for name, entry in eq.document().nomenclature.entries if entry.table is not None]
+    assert sorted(name_text(name) for name, _ in listed) == sorted(wanted)
+    assert len({entry.path for _, entry in listed}) == len(wanted)
+    shown, latex, web, symbols = str(eq), eq.latex(), eq.mathml(), eq.nomenclature().latex()
+    for name, _ in listed:
+        assert re.search(rf"(?<!\w){name_text(name)}'?\(", shown)
+        assert re.search(re.escape(name_latex(name)) + r"\}?'*(\\left)?\(", latex)
+        assert name_mathml(name) in web
+        assert symbols.count(rf"\item[${name_latex(name)}$]") == 1
+
+
 def test_parts_forms_and_symbols_can_be_asked_for():
     eq = _spur_pair().equations()
     mesh = eq.element("mesh")
@@ -254,6 +320,7 @@ def test_numbers_and_signs_are_set_as_on_paper():
         (sp.Abs(x) * sp.sign(y), "|x| sgn(y)"), (sp.Max(x, -k), "max(x, -k)"), (-x > k, "x < -k"), (k < x, "x > k"),
         (1 / (1 / x + 1 / y), "1/(1/x + 1/y)"), (sp.Rational(5, 68) * x, "5/68 x"),
         (sp.Piecewise((x, x >= 0), (-x, True)), "|x|"), (x - (y - k), "x - y + k"), (-(x + y) * k, "-k (x + y)"),
+        (sp.Float(1.0) * x, "x"), (sp.Float(-1.0) * k * sp.Heaviside(x), "-k H(x)"),
     ):  # fmt: skip
         assert text(reader.read(expr)) == shown
 

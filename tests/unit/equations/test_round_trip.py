@@ -286,8 +286,24 @@ def _losses(rig):
     yield rig.add("gear", gb.LossyGear(ratio=2.0, loss_table=rows))
 
 
+def _measured(rig):
+    """A mesh whose stiffness and errors are tables, each another one, driven at once by the teeth and by a table of its own."""
+    stiffness, run_out = (gb.Table([0.0, 0.3, 1.0], [a, -a / 2, a], "cubic", periodic=True) for a in (0.2, 0.05))
+    errors = (
+        gb.Profile(table=gb.Table([0.0, 0.6, 1.0], [0.1, -0.1, 0.1], periodic=True)),
+        gb.Profile(table=run_out, driven_by=gb.Table([0.0, 2.0], [3.0, 5.0])),
+    )
+    yield rig.add(
+        "mesh",
+        gb.GearMesh(
+            teeth=(10, 15), external=True, r_base=(0.8, 1.2), k=9.0, damping_ratio=0.1,
+            stiffness_variation=gb.Profile(table=stiffness), transmission_error=errors,
+        ),
+    )  # fmt: skip
+
+
 @pytest.mark.parametrize(
-    "parts", [_joints, *(pytest.param(x, marks=pytest.mark.long) for x in (_swung, _slanted, _losses))]
+    "parts", [_joints, _measured, *(pytest.param(x, marks=pytest.mark.long) for x in (_swung, _slanted, _losses))]
 )
 def test_what_stands_on_paper_of_gains_and_of_teeth_is_what_runs(parts):
     rig = gb.Drivetrain("train")
