@@ -24,6 +24,16 @@ _RELATIONS = ("<", "<=", ">", ">=")
 _LEAVES = ("parameter", "input", "table", "table2", "sense", "time", "local")
 
 
+class ConditionError(GearblocksError, TypeError):
+    """A condition that is asked whether it holds, as `if`, `and` and np.where do; sympy expects a TypeError."""
+
+    def __init__(self, condition: object) -> None:
+        super().__init__(
+            f"'{condition}' is a condition, not a truth: in place of if or np.where write gb.piecewise((value, condition), "
+            "(other, True)), in place of and, or write & and |"
+        )
+
+
 class Expr:
     """One node: an operation and its arguments, or a leaf. Immutable; arithmetic builds new nodes.
 
@@ -114,9 +124,7 @@ class Expr:
 
     def __bool__(self) -> bool:
         if self.op in (*_RELATIONS, "And", "Or", "Not"):
-            raise GearblocksError(
-                f"'{self}' is a condition, not a truth: put it into gb.piecewise((value, condition), ...)"
-            )
+            raise ConditionError(self)
         return True
 
     def __float__(self) -> float:
@@ -204,7 +212,36 @@ def _sympy_binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | N
         "<": lambda: a < b, "<=": lambda: a <= b, ">": lambda: a > b, ">=": lambda: a >= b,
         "And": lambda: sp.And(a, b), "Or": lambda: sp.Or(a, b),
     }  # fmt: skip
-    return operations[op]()
+    made = operations[op]()
+    return _conditions()[type(made)]._of(made) if type(made) in _conditions() else made
+
+
+@lru_cache(maxsize=1)
+def _conditions() -> dict[Any, Any]:
+    """By the relations of sympy the same that say, where they are asked whether they hold, what to write instead."""
+    import sympy as sp
+
+    def condition(relation: Any) -> Any:
+        class Condition(relation):  # type: ignore[misc]  # sympy carries no types
+            __slots__ = ()
+
+            func = relation
+            """What it becomes where sympy makes it anew."""
+
+            @classmethod
+            def _of(cls, made: Any) -> Any:
+                return sp.Basic.__new__(cls, *made.args)
+
+            def __bool__(self) -> bool:
+                raise ConditionError(from_sympy(self))
+
+            def __reduce_ex__(self, protocol: object) -> tuple[Any, ...]:
+                return relation, self.args
+
+        Condition.__name__ = relation.__name__
+        return Condition
+
+    return {relation: condition(relation) for relation in (sp.Lt, sp.Le, sp.Gt, sp.Ge)}
 
 
 def function(name: str, *args: Any) -> Expr:

@@ -70,18 +70,27 @@ _PREFIXED = {*_SI, "g", "l", "Nm"} - {"kg", "Ohm"}
 _FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?([+-]?\d+))?")
 _NESTED = re.compile(r"\([^)]*/")
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*")
+_COMMA = re.compile(r"\s*,(\d+)")
 _POWERS = re.compile(r"(.*)\((\w+)/(\w+)\)\^-i")
+_CLOCK = ("min", "h")
+_CLOCK_WORDS = re.compile(r"\b(min|h)\b")
 _SIGNS = str.maketrans({
     "\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{DEGREE SIGN}": "deg", "\N{OHM SIGN}": "ohm",
     "\N{GREEK CAPITAL LETTER OMEGA}": "ohm", "·": " ", "⋅": " ", "*": " ", "²": "2", "³": "3", "−": "-",
-    "(": " ", ")": " ", "\N{NO-BREAK SPACE}": " ",
+    "⁻": "-", "¹": "1", "(": " ", ")": " ", "\N{NO-BREAK SPACE}": " ",
 })  # fmt: skip
+
+
+def _plain(text: str) -> str:
+    """A text in the letters that are read: powers may be written with ** too."""
+    return text.replace("**", "^").translate(_SIGNS)
 
 
 class Unit(NamedTuple):
     """A unit as it was written: one of it is ratio * pi^turns of `si`, which reads alike and is coherent.
 
-    exponents: of the base units, zeros left out. cycles: how often it counts whole cycles, as Hz does.
+    exponents: of the base units, zeros left out. cycles: how often it counts whole cycles, as Hz does. clock: whether minutes
+    or hours stand in it.
     """
 
     text: str
@@ -90,6 +99,7 @@ class Unit(NamedTuple):
     si: str
     exponents: MappingProxyType[str, int]
     cycles: int
+    clock: bool = False
 
     @property
     def factor(self) -> float:
@@ -114,10 +124,26 @@ class Unit(NamedTuple):
         return float(Fraction(repr(float(value) / math.pi**self.turns)) / self.ratio)
 
     def measures(self, other: Unit) -> bool:
-        """Whether both measure the same. A radian counts as 1; a cycle is none of both."""
+        """Whether both measure the same. A radian counts as 1; a cycle is none of both, and what is counted per minute or
+        hour may be turns."""
+        return self._alike(other) and (
+            self.exponents.get("rad", 0) == other.exponents.get("rad", 0)
+            or (self.cycles == other.cycles and not (self.clock or other.clock))
+        )
+
+    def _alike(self, other: Unit) -> bool:
+        """The same exponents, but for those of the radian."""
         mine, others = ({b: n for b, n in unit.exponents.items() if b != "rad"} for unit in (self, other))
-        angles = self.exponents.get("rad", 0) == other.exponents.get("rad", 0)
-        return mine == others and (angles or self.cycles == other.cycles)
+        return mine == others
+
+    def doubt(self, other: Unit) -> str:
+        """What is left open where the two differ in nothing but turns and radians, and the way out; else ""."""
+        if not self._alike(other) or self.measures(other):
+            return ""
+        if self.cycles != other.cycles:
+            return "; a frequency in Hz counts cycles: give rad/s or rpm"
+        text = next(unit.text for unit in (self, other) if unit.clock)
+        return f"; '{text}' does not say whether it counts turns or radians: write rpm (or rev, rad) for the one that is meant"
 
 
 @cache
@@ -127,7 +153,7 @@ def parse_unit(text: str) -> Unit:
     """
     if _NESTED.search(text):
         raise ParameterError(f"unit '{text}': write it with one slash and without brackets, such as 'N m s/rad'")
-    plain = text.translate(_SIGNS)
+    plain = _plain(text)
     factors = [
         (*_factor(word, text), 1 if position == 0 else -1)
         for position, part in enumerate(plain.split("/")) for word in part.split() if word != "1"
@@ -140,7 +166,8 @@ def parse_unit(text: str) -> Unit:
         for base, exponent in one.exponents.items():
             exponents[base] += sign * power * exponent
     si = text if plain == text and all(one.text in _SI for one, _, _ in factors) else _si_text(factors)
-    return Unit(text, ratio, turns, si, MappingProxyType({b: n for b, n in exponents.items() if n}), cycles)
+    clock = any(one.text in _CLOCK for one, _, _ in factors)
+    return Unit(text, ratio, turns, si, MappingProxyType({b: n for b, n in exponents.items() if n}), cycles, clock)
 
 
 def _factor(word: str, text: str) -> tuple[Unit, int]:
@@ -259,9 +286,9 @@ def given(value: Any, unit: str, other: str) -> Given:
 def same_measure(what: str, given: Unit, wanted: Unit) -> None:
     """ParameterError where a unit measures something else than what is wanted."""
     if not given.measures(wanted):
-        cycles = "; a frequency in Hz counts cycles: give rad/s or rpm" if given.cycles != wanted.cycles else ""
         raise ParameterError(
-            f"{what} is in {given.text or '1'} ({given.si or '1'}), but what belongs here is in {wanted.text or '1'}{cycles}"
+            f"{what} is in {given.text or '1'} ({given.si or '1'}), but what belongs here is in {wanted.text or '1'}"
+            f"{given.doubt(wanted)}"
         )
 
 
@@ -277,7 +304,7 @@ def is_quantity(text: str) -> bool:
 
 def number_and_unit(text: str) -> tuple[str, str]:
     """The number that a text begins with, and what is behind it."""
-    plain = text.translate(_SIGNS)
+    plain = _plain(text)
     match = _NUMBER.match(plain)
     return ("", plain) if match is None else (match[1], plain[match.end() :].strip())
 
@@ -312,8 +339,14 @@ def _read(what: str, value: Any, wanted: Unit) -> tuple[float, Unit]:
     if not isinstance(value, str):
         base = value.to_base_units()  # SI, angles in radians; Hz becomes 1/s
         unit = check_unit(what, _text(base.units))
-        return float(base.magnitude), unit._replace(cycles=unit.cycles + ("Hz" in _text(value.units)))
+        words = _text(value.units)
+        clock = bool(_CLOCK_WORDS.search(words))
+        return float(base.magnitude), unit._replace(cycles=unit.cycles + ("Hz" in words), clock=clock)
     number, behind = number_and_unit(value)
+    if comma := _COMMA.match(behind):
+        point = "" if "." in number + behind else "."
+        way = f"'{number}{point}{comma[1]}{behind[comma.end() :]}'"
+        raise ParameterError(f"{what}: a number is written with a point and without commas: {way}")
     if not (number and behind):
         example = f"'3 {wanted.text}'" if wanted.text not in ("", "1") else "3"
         raise ParameterError(f"{what} must be a number, or text of a number with its unit such as {example}")

@@ -191,7 +191,7 @@ class Trajectory:
         if not known.measures(wanted):
             own = known.text or "1"
             raise ParameterError(
-                f"'{name}' is in {own}, which '{unit}' does not measure; ask for {own} or a multiple of it"
+                f"'{name}' is in {own}, which '{unit}' does not measure; ask for {own} or a multiple of it{wanted.doubt(known)}"
             )
         return values / wanted.factor
 

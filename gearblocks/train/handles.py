@@ -38,7 +38,7 @@ class Handle:
     """
 
     def __init__(self, owner: Composition, name: str, part: Block | Composition) -> None:
-        self._owner, self._name, self._part = owner, name, part
+        self.__dict__.update(_owner=owner, _name=name, _part=part)
 
     @property
     def part(self) -> Any:
@@ -63,6 +63,24 @@ class Handle:
             f"'{self._name}' ({kind}) has no flange '{name}'{' and no such field' if fields else ''}; "
             f"flanges: {', '.join(self.flanges) or 'none'}{'; fields: ' if fields else ''}{', '.join(fields)}"
             f"{did_you_mean(name, (*self.flanges, *fields))}"
+        )
+
+    def __setattr__(self, name: str, value: object) -> None:
+        fields = tuple(type(self._part).fields) if isinstance(self._part, Block) else ()
+        kind, shown = type(self._part).__name__, f"{value!r:.80}"
+        if fields and name not in fields:
+            raise UnknownAttributeError(
+                f"'{self._name}' ({kind}) has no field '{name}' that could be set to {shown}; fields: {', '.join(fields)}"
+                f"{did_you_mean(name, fields)}"
+            )
+        way = f"{{'{self._name}.{name}': {shown}}}" if fields else f"{{'{self._name}.PART.FIELD': value}}"
+        raise UnknownAttributeError(
+            f"'{self._name}' ({kind}) is frozen, {name} = {shown} changes nothing: make a changed train with rig.set({way})"
+        )
+
+    def __delattr__(self, name: str) -> None:
+        raise UnknownAttributeError(
+            f"'{self._name}' ({type(self._part).__name__}) is frozen, {name} stays: make a changed train with rig.set(...)"
         )
 
     def __dir__(self) -> list[str]:

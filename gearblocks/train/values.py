@@ -106,6 +106,7 @@ def unit_problems(path: str, block: Block, slides: bool) -> Iterator[str]:
         wanted = unit_along(field.unit, slides)
         if unit not in ("", "1") and not parse_unit(unit).measures(parse_unit(wanted)):
             along = " on a slider" if wanted != field.unit else ""
+            along += parse_unit(unit).doubt(parse_unit(wanted))
             yield f"{type(block).__name__} '{path}': {name} is given in {unit}, but what belongs here is in {wanted}{along}"
 
 

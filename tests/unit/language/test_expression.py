@@ -81,6 +81,28 @@ def test_an_expression_that_means_nothing_is_refused(make: Any, words: str) -> N
 
 
 @pytest.mark.parametrize(
+    "ask",
+    [
+        lambda c: 1 if c else 0, lambda c: c and True, lambda c: np.where(c, 1, 0), lambda c: not c, lambda c: max(gb.time, P),
+        lambda c: 0 < gb.time < 1, lambda c: all([gb.sense("a.w") <= P, c]),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("made", [lambda: gb.time > 1, lambda: as_expr(gb.time > 1), lambda: gb.sin(gb.time) >= P])
+def test_a_condition_that_is_asked_whether_it_holds_names_piecewise(ask: Any, made: Any) -> None:
+    with pytest.raises((gb.GearblocksError, TypeError), match=r"write gb\.piecewise\(\(value, condition\)") as told:
+        ask(made())
+    assert isinstance(told.value, TypeError)
+
+
+def test_a_condition_stays_one_of_sympy() -> None:
+    held = sp.Piecewise((1, gb.time > P), (2, gb.time <= P), (3, True))
+    assert held == sp.Piecewise((1, sp.Gt(to_sympy(gb.time), to_sympy(as_expr(P)))), (2, True))
+    assert as_expr(held).op == "Piecewise" and _at(held, 3.0) == 1.0 and _at(held, 1.0) == 2.0
+    condition = pickle.loads(pickle.dumps(gb.time > P))
+    assert isinstance(condition, sp.Gt) and str(from_sympy(condition)) == "(time > parameter('P'))"
+
+
+@pytest.mark.parametrize(
     ("expr", "words"),
     [
         (sp.Symbol("x") + 1, "the symbol 'x'.*make it gb.Parameter"),

@@ -64,6 +64,37 @@ def test_a_unit_is_so_many_of_the_one_of_si(unit: str, factor: float, si: str) -
     assert behind.is_coherent and behind.exponents == found.exponents and found.measures(behind)
 
 
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("3000 1/min", "rad/s"), ("3000 min-1", "rad/s"), ("3000 min⁻¹", "rad/s"), ("5 1/h", "rad/s"), ("60 1/min2", "rad/s2"),
+        ("2 N m min", "N m s/rad"), ("5 m/m min", "rad/s"), ("3000 rpm", "1/min"), ("1 rad/s", "1/h"),
+    ],
+)  # fmt: skip
+def test_what_is_counted_per_minute_or_hour_may_be_turns(text: str, unit: str) -> None:
+    with pytest.raises(ParameterError, match="does not say whether it counts turns or radians: write rpm"):
+        number_in_si("w", text, unit)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "number"),
+    [
+        ("50 1/s", "rad/s", 50.0), ("50 s-1", "rad/s", 50.0), ("2 1/ms", "rad/s", 2e3), ("60 rad/min", "rad/s", 1.0),
+        ("60 rev/h", "rad/s", math.pi / 30), ("3000 1/min", "Hz", 50.0), ("3000 1/min", "1/s", 50.0), ("6 kJ/min", "W", 100.0),
+        ("30 N m min/rad", "N m s/rad", 1800.0), ("2 kW h", "J", 7.2e6), ("30 m/min", "m/s", 0.5),
+    ],
+)  # fmt: skip
+def test_per_second_is_si_and_minutes_beside_a_named_angle_or_none_at_all_are_no_doubt(
+    text: str, unit: str, number: float
+) -> None:
+    assert number_in_si("x", text, unit) == pytest.approx(number, rel=4e-16)
+
+
+@pytest.mark.parametrize("text", ["0.02 kg*m**2", "0.02 kg m^2", "0.02 kg·m²", "20 g*m**2"])
+def test_powers_are_read_as_python_and_people_write_them(text: str) -> None:
+    assert number_in_si("J", text, "kg m2") == 0.02
+
+
 def test_digits_are_taken_as_decimals() -> None:
     assert parse_unit("mm").in_si(0.1) == 1e-4 and parse_unit("um").in_si(3.3) == 3.3e-6
     assert number_in_si("k", "0.07 GN/m", "N/m") == 7e7
@@ -90,7 +121,9 @@ def test_a_value_brings_its_unit(text: str, unit: str, number: float) -> None:
     [
         ("3 kN", "N m", r"k = '3 kN' is in kN \(N\), but what belongs here is in N m"), ("50 Hz", "rad/s", "give rad/s or rpm"),
         ("5", "N", "with its unit such as '3 N'"), ("abc", "N", "must be a number"), ("3 banana", "N", "'banana' is no unit"),
-        ("5 m2", "m", "in m2"), ("", "1", "must be a number"), ("1,5 mm", "m", "no unit"), ("nan m", "m", "must be a number"),
+        ("5 m2", "m", "in m2"), ("", "1", "must be a number"), ("1,5 mm", "m", "without commas: '1.5 mm'"),
+        ("0,02", "1", "without commas: '0.02'"), ("1,000.5 kg m2", "kg m2", "'1000.5 kg m2'"),
+        ("nan m", "m", "must be a number"),
     ],
 )  # fmt: skip
 def test_what_measures_something_else_is_refused_by_both_names(text: str, unit: str, words: str) -> None:
@@ -121,6 +154,9 @@ def test_quantities_of_other_packages_are_taken() -> None:
         number_in_si("k", stiffness, "N m")
     with pytest.raises(ParameterError, match="Hz counts cycles"):
         number_in_si("w", Foreign(50.0, "Hz", Foreign(50.0, "1/s")), "rad/s")
+    with pytest.raises(ParameterError, match="counts turns or radians"):
+        number_in_si("w", Foreign(3000.0, "1/min", Foreign(50.0, "1/s")), "rad/s")
+    assert number_in_si("w", Foreign(3000.0, "m/mm", Foreign(3e6, "1/s")), "rad/s") == 3e6
 
 
 def test_quantities_of_pint_are_taken() -> None:

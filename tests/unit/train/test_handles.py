@@ -90,3 +90,22 @@ def test_a_path_of_nothing_is_named() -> None:
         _ = _rig()["msh"]
     with pytest.raises(gb.ModelError, match="mesh is a block and has no parts"):
         _ = _rig()["mesh.k"]
+
+
+def test_values_are_not_set_through_a_handle() -> None:
+    rig = _rig()
+    for name, value in (("k", 3e8), ("backlash", None), ("teeth", (1, 2))):
+        with pytest.raises(
+            UnknownAttributeError, match=rf"'mesh' \(GearMesh\) is frozen, {name} = .*rig.set.*mesh.{name}"
+        ):
+            setattr(rig["mesh"], name, value)
+    with pytest.raises(UnknownAttributeError, match=r"rig.set\(\{'body.J': 3\}\)"):
+        rig["stage.body"].J = 3
+    with pytest.raises(UnknownAttributeError, match="did you mean 'J'"):
+        rig["disc"].j = 3
+    with pytest.raises(UnknownAttributeError, match=r"rig\.set"):
+        rig["stage"].body = gb.Inertia(J=2.0)
+    with pytest.raises(UnknownAttributeError, match=r"rig\.set"):
+        del rig["disc"].J
+    assert (rig["mesh"].k, rig["disc"].J, rig["stage.body"].J) == (1e8, 0.1, 1.0)
+    assert rig.set({"body.J": 3})["stage.body"].J == 3

@@ -58,6 +58,8 @@ def test_values_of_a_run_are_in_the_unit_that_was_declared_or_bring_one():
     [
         ({"parameters": {"n": "3 kN"}}, r"in kN \(N\), but what belongs here is in rad/s"),
         ({"parameters": {"n": "50 Hz"}}, "give rad/s or rpm"),
+        ({"parameters": {"n": "3000 1/min"}}, "'1/min' does not say whether it counts turns or radians: write rpm"),
+        ({"initial": {"motor.w": "3000 min-1"}}, "'min-1' does not say"),
         ({"parameters": {"shaft.k": "5 bananas"}}, "'bananas' is no unit"),
         ({"inputs": {"T": "3 mm"}}, "belongs here is in N m"),
         ({"initial": {"motor.w": "3 m/s"}}, "belongs here is in rad/s"),
@@ -75,6 +77,9 @@ def test_values_of_something_else_are_refused_by_both_names(given, words):
         (lambda: gb.GearMesh(teeth=(20, 40), module="2 mm", k="200 N m"), "k: '200 N m' .* belongs here is in N/m"),
         (lambda: gb.Backlash(half_gap="3 N"), "half_gap: '3 N'"),
         (lambda: gb.Inertia(J="3 bananas"), "J: .*'bananas' is no unit"),
+        (lambda: gb.Inertia(J="0,02 kg m2"), "without commas: '0.02 kg m2'"),
+        (lambda: gb.Speed(w="3000 1/min"), "w: '3000 1/min' .* write rpm"),
+        (lambda: gb.Inertia(J=1.0, w0="3000 1/min"), "w0: '3000 1/min' .* write rpm"),
         (lambda: gb.param("speed", "rpm"), "declare it in SI, 'rad/s'"),
         (lambda: gb.option("which", ("one", "two")), "must be text such as"),
     ],
@@ -99,6 +104,15 @@ def test_what_a_shaft_takes_depends_on_what_it_joins():
                     gb.build(rig)
 
 
+@pytest.mark.parametrize("signal", [gb.Parameter, gb.Input])
+@pytest.mark.parametrize("unit", ["1/min", "min-1", "1/h", "Hz"])
+def test_a_leaf_that_may_count_turns_or_radians_is_refused_where_it_meets_a_speed(signal, unit):
+    rig = gb.Drivetrain("driven")
+    rig.chain(rig.add("drive", gb.Speed(w=signal("n", 3000, unit))), rig.add("body", gb.Inertia(J=1.0)))
+    with pytest.raises(gb.ModelError, match=r"'drive': w is given in .*belongs here is in rad/s; .*rpm"):
+        gb.build(rig)
+
+
 def test_outputs_are_converted_where_they_are_asked_for():
     run = gb.simulate(_driven(), t_end=0.01)
     assert np.array_equal(run.to("shaft.twist", "deg"), run["shaft.twist"] / (math.pi / 180))
@@ -109,6 +123,9 @@ def test_outputs_are_converted_where_they_are_asked_for():
         run.to("shaft.twist", "kN")
     with pytest.raises(gb.ParameterError, match="no unit"):
         run.to("shaft.twist", "banana")
+    with pytest.raises(gb.ParameterError, match=r"'motor.w' is in rad/s.* write rpm"):
+        run.to("motor.w", "1/min")
+    assert run.to("motor.w", "1/s")[0] == 100 * math.pi
 
 
 def test_a_study_varies_in_the_declared_unit():
