@@ -2,7 +2,8 @@
 
     M(y) e = e  for the map over a period at every y,  and again in what is left without them
 
-Their multipliers are 1 and their exponents 0 by structure. Found from the maps at several states, since one orbit may have a
+Their multipliers are 1 and their exponents 0 by structure. So are those of an angle that a source of speed gives, which no
+motion is beside. Found from the maps at several states, since one orbit may have a
 multiplier of 1 by chance. Knows nothing of orbits.
 """
 
@@ -32,7 +33,7 @@ _SHARE = 0.05  # of its largest entry: what of a direction has a name
 @dataclass(frozen=True, slots=True, eq=False)
 class Neutral:
     """basis: orthonormal directions in units of the sizes of the states, shape (n, p); rest: those orthogonal to them that
-    lossy gears allow, (n, m); words: what each of the first moves."""
+    lossy gears and sources of motion allow, (n, m); words: what each of the first moves, and what is given."""
 
     basis: Array
     rest: Array
@@ -84,7 +85,7 @@ def neutral_directions(strobe: Strobe, y: Array) -> Neutral:
             maps.append(scaled(strobe, strobe.map(beside, 1).maps[-1]))
         except SimulationError:  # a state that the train cannot be in
             continue
-    return _neutral(strobe, maps, allowed)
+    return _without_given(strobe, maps, _neutral(strobe, maps, allowed))
 
 
 def without_records(strobe: Strobe, y: Array, neutral: Neutral) -> Neutral:
@@ -122,6 +123,22 @@ def _neutral(strobe: Strobe, maps: Sequence[Array], allowed: Array) -> Neutral:
         basis = np.column_stack([basis, rest @ found])
         rest = rest @ _null(found.T)
     return Neutral(basis, rest, tuple(_words(strobe, basis[:, j]) for j in range(basis.shape[1])))
+
+
+def _without_given(strobe: Strobe, maps: Sequence[Array], found: Neutral) -> Neutral:
+    """The same without angles that a source gives over time, whatever else moves: nothing of an orbit is beside it in these."""
+    states = strobe.model.program.states
+    given = [
+        i
+        for i, row in enumerate(np.eye(strobe.n))
+        if states[i].kind == "angle"
+        and np.abs(row @ found.rest).max(initial=0.0) > _SPLIT
+        and max(float(np.abs(m[i] - row).max()) for m in maps) < _SAME
+    ]
+    if not given:
+        return found
+    words = tuple(f"given angle of {states[i].name.rsplit('.', 1)[0]}" for i in given)
+    return Neutral(found.basis, found.rest @ _null(found.rest[given]), found.words + words)
 
 
 def _words(strobe: Strobe, direction: Array) -> str:

@@ -95,7 +95,7 @@ def periodic_orbit(
 
 def shoot(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> PeriodicOrbit | None:
     """The orbit by Newton's method from the states y, or None. Its period is the least one."""
-    found = _newton(seen, y, periods)
+    found = _newton(seen, y, periods, neutral.allowed)
     if found is None:
         return None
     y, run, closure = found
@@ -128,7 +128,7 @@ def _floor(seen: Strobe) -> float:
     return _ROUNDING * seen.rtol
 
 
-def _newton(seen: Strobe, y: Array, periods: int) -> tuple[Array, Followed, float] | None:
+def _newton(seen: Strobe, y: Array, periods: int, allowed: Array) -> tuple[Array, Followed, float] | None:
     run = _mapped(seen, y, periods)
     best: tuple[Array, Followed, float] | None = None
     for _ in range(_MOST):
@@ -142,7 +142,8 @@ def _newton(seen: Strobe, y: Array, periods: int) -> tuple[Array, Followed, floa
             best = y, run, closure
         elif best is not None:
             return best
-        step = np.linalg.lstsq(scaled(seen, run.maps[-1]) - np.eye(seen.n), -miss, rcond=_RANK)[0]
+        off = (scaled(seen, run.maps[-1]) - np.eye(seen.n)) @ allowed
+        step = allowed @ np.linalg.lstsq(off, -miss, rcond=_RANK)[0]
         y, run = _damped(seen, y, step, periods, closure)
     return best
 

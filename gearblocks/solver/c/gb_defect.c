@@ -7,9 +7,9 @@
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
-/* How many tolerances the error inside a step that moves no feature may have, and by how much more a step that was
- * looked at is trusted at most. */
-static const double DENSE = 4.0, MOST_TRUSTED = 2.0;
+/* How many tolerances the error inside a step that moves no feature may have, by how much more a step that was looked
+ * at is trusted at most, and after how many steps that are held back one is looked at again: fewest, and most. */
+static const double DENSE = 4.0, MOST_TRUSTED = 2.0, OFTEN = 2.0, SELDOM = 32.0;
 
 /* Of an implicit step of size h that moves a feature: log2 of the integral of its defect. */
 static double log_integral(gb_sim *sim, double h) {
@@ -81,6 +81,9 @@ double gb_log_defect(gb_sim *sim, double h) {
     } else { /* and up to where it would be too large, by its order */
         const double room = gb_rough_exp2(-error / (double)sim->method->error_order);
         head->control.h_trusted = h * gb_max(gb_min(0.9 * room, MOST_TRUSTED), 1.0);
+        /* A defect passes zero by chance, too: no more than twice as long as to this look. */
+        head->control.defect_gap = gb_max(OFTEN, gb_min(gb_min(-error, SELDOM), 2.0 * head->control.defect_gap));
+        head->control.defect_at = head->counts.steps + (long long)head->control.defect_gap;
     }
     return error;
 }

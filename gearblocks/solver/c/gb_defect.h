@@ -9,11 +9,15 @@
 #define GB_DEFECT_H
 
 #include "gb_features.h"
+#include "gb_reach.h"
 
 /* A step of size h is so much longer than those that were looked at (by a fifth) that it is to be looked at itself, or
- * moves a feature. */
+ * it moves a feature, or it is held back by the reach of the method: such steps do not grow while what they follow
+ * does, and are looked at the sooner the more was found. */
 static inline int gb_defect_is_due(const gb_sim *sim, double h) {
-    return (h > 1.2 * sim->head->control.h_trusted || gb_moves_feature(sim, h)) && sim->head->options.locate;
+    const gb_head *head = sim->head;
+    const int held = head->counts.steps >= head->control.defect_at && gb_is_held_by_reach(sim, h);
+    return (h > 1.2 * head->control.h_trusted || held || gb_moves_feature(sim, h)) && head->options.locate;
 }
 
 /* log2 of the error inside a step that is longer than those before, by the defect of its dense polynomial. */

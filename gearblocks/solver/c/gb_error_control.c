@@ -203,6 +203,10 @@ static double relative(const gb_sim *sim, const double *x, const double *minus) 
     return most;
 }
 
+/* A first step is no shorter than this many roundings of time: an angle that a run begins with may be rounding beside
+ * its turn, and so is what its rate says of the length then. */
+static const double TOLD_FROM_TIME = 64.0;
+
 double gb_first_step(gb_sim *sim) {
     const gb_model *model = sim->model;
     const gb_head *head = sim->head;
@@ -217,7 +221,8 @@ double gb_first_step(gb_sim *sim) {
     const double second = sqrt(relative(sim, rate, sim->k) / h);
     const double pace = gb_max(first, second);
     const double small = pow(0.01 * head->options.rtol, 1.0 / sim->method->error_order);
-    return pace > 0.0 && pace < HUGE_VAL ? gb_min(small / pace, 1e3 * h) : h;
+    const double size = pace > 0.0 && pace < HUGE_VAL ? gb_min(small / pace, 1e3 * h) : h;
+    return gb_max(size, TOLD_FROM_TIME * DBL_EPSILON * fabs(head->front.t1));
 }
 
 /* max |sum_j e_j k_j| weight over the states, without the factor h. */

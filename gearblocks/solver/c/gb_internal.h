@@ -84,12 +84,12 @@ struct gb_pace {
     double h_noise;                     /* step size for which the noise was measured */
     double log_error;                   /* of the last accepted step, base 2 */
     double h_feature;                   /* see gb_features.h: limit of the next step, 0: none */
-    double h_trusted;                   /* size up to which dense polynomials have proved right lately */
+    double h_trusted, defect_gap;       /* dense polynomials proved right up to it; steps from look to look inside */
     double reach_rate;                  /* the fastest rate that the last look found: see gb_reach.h */
     long long reach_at, reach_gap;      /* when to look again, and how many steps later once more */
     uint64_t reach_modes, noise_modes;  /* of the last look; those in which the noise was measured */
     long long noise_at, least_scale_at; /* when noise and least scales are to be renewed */
-    long long refused_at;               /* the last step of which a trial was refused, from 1 on */
+    long long refused_at, defect_at;    /* the last step with a refused trial, from 1 on; the next look inside */
     double log_refused;                 /* error of the trial that was refused last, base 2 */
     unsigned noise_pattern, doublings;  /* measurements of noise and doublings of what they find, so far */
     double natural, natural_coordinate; /* the largest natural scale of a speed (-1: not known) and of a coordinate */

@@ -92,7 +92,7 @@ double gb_log_reach(gb_sim *sim, double h) {
 
 void gb_reach_changed(gb_sim *sim) {
     struct gb_pace *control = &sim->head->control;
-    if (control->h_next * control->reach_rate > 0.75 * sim->method->reach) {
+    if (gb_is_held_by_reach(sim, control->h_next)) {
         const long long soonest = control->reach_at - control->reach_gap + OFTEN;
         control->reach_at = soonest < control->reach_at ? soonest : control->reach_at;
     }

@@ -25,6 +25,11 @@ static inline double gb_reach_step(const gb_sim *sim, double h) {
     return rate * h > reach && reach > 0.0 ? reach / rate : h;
 }
 
+/* A step of size h is about as long as the method reaches. */
+static inline int gb_is_held_by_reach(const gb_sim *sim, double h) {
+    return sim->method->reach > 0.0 && h * sim->head->control.reach_rate > 0.75 * sim->method->reach;
+}
+
 /* Modes have changed: what was found is in doubt where it was close to deciding. */
 void gb_reach_changed(gb_sim *sim);
 

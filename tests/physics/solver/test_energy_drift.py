@@ -163,6 +163,22 @@ def test_a_body_that_switches_drive_faster_and_faster_has_the_energy_that_its_an
     assert 0.5 * J * run["body.w"][-1] ** 2 == pytest.approx(work, rel=20.0 * rtol)
 
 
+@pytest.mark.parametrize(("J", "torque", "pace", "end"), [(0.1, 4.0, 3, 3.0), (0.05, 2.0, 2, 4.0)])
+def test_a_torque_that_touches_zero_over_the_angle_drives_as_much_as_it_says(J, torque, pace, end):
+    """The turnover grows all the time, and the corners' errors add up one way (14 and 11 tolerances)."""
+    rig = gb.Drivetrain("rig")
+    body = rig.add("body", gb.Inertia(J=J))
+    drive = torque * sp.Abs(gb.sin(pace * gb.sense("body.phi"))) + 0.1
+    rig.connect(body.a, rig.add("drive", gb.Torque(tau=drive)).flange)
+    rtol = 1e-4
+    run = gb.simulate(rig, t_end=end, method="dp5", rtol=rtol, outputs=["body.phi", "body.w"])
+    phi = run["body.phi"][-1]
+    halves, rest = divmod(pace * phi, np.pi)
+    work = torque / pace * (2 * halves + 1 - np.cos(rest)) + 0.1 * phi
+    assert run.energy.residual <= 5.0 * rtol
+    assert 0.5 * J * run["body.w"][-1] ** 2 == pytest.approx(work, rel=5.0 * rtol)
+
+
 def _rattle():
     """A mesh that is driven over time, from its static equilibrium: it exchanges as much in every period."""
     rig = gb.Drivetrain("rattle")
