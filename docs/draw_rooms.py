@@ -65,8 +65,16 @@ def _files() -> dict[str, Path]:
     return found
 
 
+def _statements(tree: ast.AST) -> Iterator[ast.AST]:
+    """What lies below a node; into expressions, which import nothing, it does not look."""
+    for name in ("body", "handlers", "orelse", "finalbody", "cases"):
+        for below in getattr(tree, name, ()):
+            yield below
+            yield from _statements(below)
+
+
 def _imports(path: Path, modules: dict[str, Path]) -> Iterator[str]:
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in _statements(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name in modules)
         elif isinstance(node, ast.ImportFrom):
