@@ -1,6 +1,7 @@
 """What several expressions of a function share is enclosed once: the same bits as alone, and all that they take lies inside."""
 
 import ctypes
+import functools
 import random
 import re
 
@@ -28,8 +29,8 @@ def laws(seed):
     return [number() * force + energy, number() * force, P * energy - number() * force, sp.cos(phase) - number()]
 
 
-LAWS = [laws(seed) for seed in range(12)]
-COUNT = len(LAWS[0])
+NUMBER, COUNT = 12, 4
+"""How many sets of laws there are, and how many laws are in each."""
 
 
 def statements(exprs):
@@ -40,31 +41,25 @@ def statements(exprs):
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
-    """All laws: sharing what they have in common, each alone, and at a point."""
-    folder = tmp_path_factory.mktemp("shared")
-    together = "".join(f"case {i}: {{ {statements(e)} break; }}\n" for i, e in enumerate(LAWS))
-    alone = "".join(
-        f"case {i}: {' '.join(f'out[{k}] = {enclosure_text(x, MOVING, NAMES)};' for k, x in enumerate(e))} break;\n"
-        for i, e in enumerate(LAWS)
-    )
-    at = {**NAMES, X: "x", Y: "(2.0 * y)"}
-    points = "".join(
-        f"case {i}: {' '.join(f'out[{k}] = {c_text(x, at)};' for k, x in enumerate(e))} break;\n"
-        for i, e in enumerate(LAWS)
-    )
-    text = f"""#include "gb_enclosure.h"
-{EXPORT} void together(int i, gb_enclosure x, gb_enclosure y, double p, gb_enclosure *out) {{ switch (i) {{
-{together} }} }}
-{EXPORT} void alone(int i, gb_enclosure x, gb_enclosure y, double p, gb_enclosure *out) {{ switch (i) {{
-{alone} }} }}
-{EXPORT} void point(int i, double x, double y, double p, double *out) {{ switch (i) {{
-{points} }} }}
+    """library(i): the laws of seed i, sharing what they have in common, each alone, and at a point."""
+
+    @functools.cache
+    def made(i):
+        exprs, at = laws(i), {**NAMES, X: "x", Y: "(2.0 * y)"}
+        alone = " ".join(f"out[{k}] = {enclosure_text(x, MOVING, NAMES)};" for k, x in enumerate(exprs))
+        points = " ".join(f"out[{k}] = {c_text(x, at)};" for k, x in enumerate(exprs))
+        text = f"""#include "gb_enclosure.h"
+{EXPORT} void together(gb_enclosure x, gb_enclosure y, double p, gb_enclosure *out) {{ {statements(exprs)} }}
+{EXPORT} void alone(gb_enclosure x, gb_enclosure y, double p, gb_enclosure *out) {{ {alone} }}
+{EXPORT} void point(double x, double y, double p, double *out) {{ {points} }}
 """
-    found = library_of(text, folder)
-    for name in ("together", "alone"):
-        getattr(found, name).argtypes = [ctypes.c_int, Box, Box, ctypes.c_double, ctypes.POINTER(Box)]
-    found.point.argtypes = [ctypes.c_int, *[ctypes.c_double] * 3, ctypes.POINTER(ctypes.c_double)]
-    return found
+        found = library_of(text, tmp_path_factory.mktemp("shared"))
+        for name in ("together", "alone"):
+            getattr(found, name).argtypes = [Box, Box, ctypes.c_double, ctypes.POINTER(Box)]
+        found.point.argtypes = [*[ctypes.c_double] * 3, ctypes.POINTER(ctypes.c_double)]
+        return found
+
+    return made
 
 
 def boxes(seed):
@@ -77,25 +72,26 @@ def boxes(seed):
         yield x, y, (a, c, b, d), width
 
 
-@pytest.mark.parametrize("i", range(len(LAWS)))
+@pytest.mark.parametrize("i", range(NUMBER))
 @pytest.mark.few(3)
 def test_what_is_shared_has_the_bits_of_what_is_enclosed_alone(library, i):
     one, other = (Box * COUNT)(), (Box * COUNT)()
     for x, y, _, _ in boxes(i):
-        library.together(i, x, y, P_VALUE, one)
-        library.alone(i, x, y, P_VALUE, other)
+        library(i).together(x, y, P_VALUE, one)
+        library(i).alone(x, y, P_VALUE, other)
         assert bytes(one) == bytes(other)
 
 
-@pytest.mark.parametrize("i", range(len(LAWS)))
+@pytest.mark.parametrize("i", range(NUMBER))
+@pytest.mark.few(3)
 def test_dense_samples_of_random_laws_lie_in_what_is_shared(library, i):
     found, at = (Box * COUNT)(), (ctypes.c_double * COUNT)()
     for x, y, (a, c, b, d), width in boxes(100 + i):
-        library.together(i, x, y, P_VALUE, found)
+        library(i).together(x, y, P_VALUE, found)
         s = np.linspace(0.0, width, 101)
         values = np.empty((len(s), COUNT))
         for row, q in zip(values, s, strict=True):
-            library.point(i, a + c * q, b + d * q, P_VALUE, at)
+            library(i).point(a + c * q, b + d * q, P_VALUE, at)
             row[:] = at
         room = 1e-13 * (1 + np.abs(values).max())
         rates = np.diff(values, axis=0) / np.diff(s)[:, None]
@@ -106,7 +102,7 @@ def test_dense_samples_of_random_laws_lie_in_what_is_shared(library, i):
 
 
 def test_a_phase_is_enclosed_once_and_each_part_before_it_is_read():
-    shared, texts = enclosure_texts(LAWS[0], MOVING, NAMES)
+    shared, texts = enclosure_texts(laws(0), MOVING, NAMES)
     everything = " ".join([*(x.text for x in shared), *texts])
     waves = re.findall(r"gb_enclosed_waves\(", everything)
     assert len(waves) == 2, "of the phase and of twice the phase"

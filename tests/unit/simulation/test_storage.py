@@ -169,7 +169,7 @@ except StorageError as error:
 
 @pytest.mark.skipif(os.name != "posix", reason="file size limits are those of Unix")
 @pytest.mark.parametrize(
-    "ending", [".nc", pytest.param(".json", marks=pytest.mark.long), pytest.param(".csv", marks=pytest.mark.long)]
+    "ending", [pytest.param(".nc", marks=pytest.mark.long), ".json", pytest.param(".csv", marks=pytest.mark.long)]
 )
 def test_a_full_disk_leaves_the_old_file_alone(tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"r{ending}"

@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -49,6 +50,7 @@ def test_gains_multiply_along_the_way_to_the_root(pairs, values):
         assert gain == values[i] / values[root]
 
 
+@pytest.mark.long
 @unhurried
 @given(PAIRS, GAINS, st.sets(st.integers(0, N - 1)))
 def test_another_root_leaves_sets_and_ratios_as_they_are(pairs, values, wanted):

@@ -31,11 +31,19 @@ def test_depth_is_the_longest_way_to_a_leaf():
 
 
 @pytest.mark.few(2)
-@pytest.mark.parametrize("law", [cases(600), nested(400), gb.maximum(0.0, nested(400)) * gb.sense("J.w")])
+@pytest.mark.parametrize(
+    "law",
+    [
+        lambda: cases(600),
+        lambda: nested(400),
+        lambda: gb.maximum(0.0, nested(400)) * gb.sense("J.w"),
+    ],
+    ids=["cases", "functions", "functions of a sense"],
+)
 @pytest.mark.parametrize("what", [gb.build, lambda train: train.equations(), lambda train: train.outputs()])
 def test_what_is_nested_too_deep_is_refused_by_name(law, what):
     with pytest.raises(gb.ModelError, match=r"drive\.tau is an expression of \d+ levels") as told:
-        what(rig(law))
+        what(rig(law()))
     assert "gb.Table" in str(told.value)
 
 

@@ -94,12 +94,13 @@ def _around(block):
         if name not in ("Torque", "SpeedLoad")
     ],
 )
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 def test_a_train_survives_the_way_through_json(name, tmp_path):
     _same_after_json(_around(BLOCKS[name]), tmp_path)
 
 
 @pytest.mark.parametrize("name", ["Torque", "SpeedLoad"])
+@pytest.mark.few(1)
 def test_a_source_survives_the_way_through_json(name, tmp_path):
     rig = gb.Drivetrain("source")
     one, part = rig.add("one", gb.Inertia(J=1.0, w0=3.0)), rig.add("part", BLOCKS[name])

@@ -89,6 +89,7 @@ def test_set_takes_values_that_only_fit_together() -> None:
 
 
 @pytest.mark.parametrize("teeth", [(20, 31), (17, 51)])
+@pytest.mark.few(1)
 def test_a_number_that_follows_from_others_is_no_parameter_of_a_run(teeth: tuple[int, int]) -> None:
     radii = (0.02, 0.02 * teeth[1] / teeth[0])
     rig = gb.Drivetrain("pair")
